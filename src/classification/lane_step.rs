@@ -42,7 +42,7 @@ impl<'a> LaneStep<'a> {
         self.group.phases(self.lane)
     }
 
-    /// Returns the state after an event at the step's end, with angles not reduced to one turn.
+    /// Returns the state at the step's end, before an event that resets it, with angles not reduced to one turn.
     pub(super) fn end(&self) -> Components {
         self.group.end_of_step(self.lane)
     }
@@ -82,8 +82,10 @@ impl<'a> LaneStep<'a> {
     /// switch.
     pub(super) fn before_switch(&self) -> Option<Instant> {
         let during = self.during();
-        let switched = during != self.phases();
-        switched.then(|| self.instant(self.time(), self.end(), self.unwrapped(), during))
+        let reset = self.group.was_reset(self.lane);
+        let unwrapped = || if reset { self.unwrapped_at(self.time()) } else { self.unwrapped() };
+        let switched = reset || during != self.phases();
+        switched.then(|| self.instant(self.time(), self.end(), unwrapped(), during))
     }
 
     /// Returns the instant at a time from the start of the step until before its end; `None` for

@@ -43,8 +43,8 @@ pub use friction::{
     MAX_LAW_PARAMETERS, Sliding, SlidingForce, SlidingSpeed,
 };
 pub use graph::{
-    ContactEquations, ContactLayout, Expression, Graph, Layout, Node, NodeId, Recorder, Solve,
-    SystemEquations,
+    ContactEquations, ContactLayout, Event, EventEquations, Expression, Graph, Layout, Node,
+    NodeId, Recorder, Solve, SystemEquations,
 };
 pub use invalid_parameter::InvalidParameter;
 pub use kind::{Capabilities, Field, MODEL_KINDS, ModelKind, ParameterDescriptor};

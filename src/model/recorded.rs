@@ -65,6 +65,7 @@ fn equations<'r, const N: usize, const FREE: usize>(
     SystemEquations {
         derivative: components.collect(),
         contacts: (0..N).map(contact).collect(),
+        events: Vec::new(),
         layout,
     }
 }

@@ -80,6 +80,34 @@ impl Evaluator {
         forces(&self.graph, &self.values(phases, component))
     }
 
+    /// Returns the state after an event, from the state before it.
+    pub fn reset(&self, event: usize, phases: &[Phase], state: &[f64]) -> Components {
+        let values = self.values::<f64>(phases, |component| state[component]);
+        let mut after = Components::from(state);
+        for &(component, value) in &self.graph.events[event].reset {
+            after[component] = values[value as usize];
+        }
+        after
+    }
+
+    /// Returns the changes of the guard of an event and of the state after the event along a direction.
+    pub fn event_along(
+        &self,
+        event: usize,
+        phases: &[Phase],
+        state: &[f64],
+        direction: &[f64],
+    ) -> (f64, Components) {
+        let component = |i: usize| Dual { value: state[i], slope: direction[i] };
+        let values = self.values(phases, component);
+        let event = &self.graph.events[event];
+        let mut after = Components::from(direction);
+        for &(component, value) in &event.reset {
+            after[component] = values[value as usize].slope;
+        }
+        (values[event.guard as usize].slope, after)
+    }
+
     /// Returns the values of all nodes.
     fn values<T: Elementary>(
         &self,
@@ -95,8 +123,7 @@ impl Evaluator {
             let value = match *node {
                 Node::Constant(value) => T::constant(value),
                 Node::Input(index) => T::constant(inputs[index as usize]),
-                Node::Time => T::constant(0.0),
-                Node::State(component) => state(component as usize),
+                Node::State(component) | Node::Discrete(component) => state(component as usize),
                 Node::Sum(one, other) => at(one) + at(other),
                 Node::Difference(one, other) => at(one) - at(other),
                 Node::Negation(one) => -at(one),

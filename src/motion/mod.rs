@@ -13,7 +13,6 @@ mod saltation;
 mod settings;
 mod single;
 mod switch_model;
-mod taylor;
 
 pub(crate) use cancellation::unwind_if_cancelled;
 pub use cancellation::{Cancellation, is_cancelled};
@@ -26,7 +25,6 @@ pub use root::fall_through_zero;
 pub use settings::{Effort, Settings, Tolerance, most_steps_by};
 pub use single::Motion;
 pub use switch_model::SLACK;
-pub use taylor::Expansion;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;

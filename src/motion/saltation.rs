@@ -14,12 +14,21 @@
 //! to rest thereby loses its speed in every direction; where it breaks loose against friction that
 //! does not jump, nothing happens.
 //!
+//! Where an event resets the state to `R(x)`, a displacement `δ` becomes
+//!
+//! ```text
+//! ∇R (δ + f⁻ τ) - f⁺ τ,    τ = -∇hᵀ δ / (∇hᵀ f⁻)
+//! ```
+//!
+//! with the guard `h` of the event: a neighbour meets it by `τ` later.
+//!
 //! If several contacts switch at the same instant (balls side by side by symmetry), the motion of a
 //! neighbour depends on which of its contacts comes first; the condition that the motion itself has
 //! met first is then used for all of them.
 
-use super::Phase;
 use super::modes::InState;
+use super::{Evaluator, Phase};
+use crate::model::Components;
 
 /// A condition whose rate is below this fraction of the largest possible rate is grazed: there the
 /// neighbours' motions differ by more than first order.
@@ -30,19 +39,21 @@ const GRAZING: f64 = 1e-12;
 /// located.
 const NO_JUMP: f64 = 1e-8;
 
-/// A condition of a contact: its first, its second, or that the contact is closed.
+/// A condition of a smooth phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Condition {
-    pub(super) contact: usize,
-    pub(super) which: usize,
+pub(super) enum Condition {
+    /// Of a contact: its first, its second, or that the contact is closed.
+    Contact { contact: usize, which: usize },
+    /// An event that resets the state has not happened.
+    Event(usize),
 }
 
-/// Propagates a displacement over a switch at which the phases `before` ended because a condition
+/// Propagates a displacement over a switch at which the phases `before` ended because a condition of a contact
 /// failed and the phases `after` began. Returns whether the switch was met by grazing.
 pub(super) fn saltation(
     system: &dyn InState,
     [before, after]: [&[Phase]; 2],
-    failed: Condition,
+    (contact, which): (usize, usize),
     direction: &mut [f64],
 ) -> bool {
     let rate_before = system.rates(before);
@@ -53,14 +64,14 @@ pub(super) fn saltation(
         return false;
     }
     let change = |direction: &[f64]| {
-        let forces = system.forces_along(before, direction)[failed.contact];
-        match (before[failed.contact], failed.which) {
+        let forces = system.forces_along(before, direction)[contact];
+        match (before[contact], which) {
             (Phase::Slip(sign), 0) => sign * forces.speed.slope,
             (Phase::Transition(sign), 0) => -sign * forces.speed.slope,
             (Phase::Transition(sign), 1) => sign * forces.acceleration.slope,
             (Phase::Stick, which @ (0 | 1)) => {
                 let sign = if which == 0 { 1.0 } else { -1.0 };
-                let limit = system.friction(failed.contact).limit;
+                let limit = system.friction(contact).limit;
                 limit * forces.normal.slope - sign * forces.friction.slope
             }
             _ => forces.normal.slope,
@@ -70,4 +81,27 @@ pub(super) fn saltation(
     let factor = change(direction) / rate;
     direction.iter_mut().zip(&jump).for_each(|(value, jump)| *value += factor * jump);
     rate.is_nan() || rate.abs() <= GRAZING * system.force_scale()
+}
+
+/// Propagates a displacement over an event that resets a state. `before` and `after` are the phases and the states on
+/// both sides. Returns whether the event was met by grazing.
+pub(super) fn saltation_at_event(
+    evaluator: &Evaluator,
+    event: usize,
+    [before, after]: [(&[Phase], &[f64]); 2],
+    direction: &mut [f64],
+) -> bool {
+    let along = |direction: &[f64]| evaluator.event_along(event, before.0, before.1, direction);
+    let flow = evaluator.rates(before.0, before.1);
+    let (rate, _) = along(&flow);
+    let (change, _) = along(direction);
+    let later = -change / rate;
+    let at_event: Components =
+        direction.iter().zip(&flow).map(|(value, flow)| value + flow * later).collect();
+    let (_, reset) = along(&at_event);
+    let flow_after = evaluator.rates(after.0, after.1);
+    for (value, (reset, flow)) in direction.iter_mut().zip(reset.iter().zip(&flow_after)) {
+        *value = reset - flow * later;
+    }
+    rate.is_nan() || rate.abs() <= GRAZING * evaluator.system().force_scale()
 }

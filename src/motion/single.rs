@@ -154,7 +154,7 @@ impl Motion {
     }
 
     /// Advances by one step, which ends at the next switch or at time `until` at the latest. If
-    /// that time has passed, nothing happens. Returns whether a contact changed its phase.
+    /// that time has passed, nothing happens. Returns whether a contact changed its phase or an event reset the state.
     ///
     /// # Errors
     /// [`Failure`]; the motion then stays at its last valid state.
@@ -173,7 +173,7 @@ impl Motion {
                 return Err(failure);
             }
         }
-        Ok(self.phases() != self.phases_during_step())
+        Ok(self.has_switched())
     }
 
     /// Returns time and state at which the angle of a contact completed a turn, through the angle 0, in the latest
@@ -238,8 +238,22 @@ impl Motion {
     /// a switch.
     pub fn before_switch(&self) -> Option<Instant> {
         let during = self.phases_during_step();
-        let switched = self.stepped && during != self.phases();
-        switched.then(|| self.instant(self.time(), self.state(), self.unwrapped(), during))
+        let reset = self.lane().was_reset(0);
+        let instant = || match reset {
+            false => self.instant(self.time(), self.state(), self.unwrapped(), during),
+            true => {
+                let unwrapped =
+                    self.lane().unwrapped_within(0, self.time() - self.last_step_began());
+                self.instant(self.time(), self.lane().end_of_step(0), unwrapped, during)
+            }
+        };
+        self.has_switched().then(instant)
+    }
+
+    /// Returns whether the latest step ended with a change of phases or a reset.
+    fn has_switched(&self) -> bool {
+        let switched = self.phases() != self.phases_during_step();
+        self.stepped && (switched || self.lane().was_reset(0))
     }
 
     /// Returns the instant at a time from the start of the latest step until before its end; `None`

@@ -1,10 +1,12 @@
 //! Random numbers, angles, systems and an independent integration for tests of several folders.
 
 mod angle;
+mod own_system;
 pub mod reference;
 mod systems;
 mod test_rng;
 
 pub use angle::angular_distance;
+pub use own_system::OwnSystem;
 pub use systems::{for_each_kernel, shared, started, state_of};
 pub use test_rng::TestRng;

@@ -1,8 +1,7 @@
 //! The equations of a system as a graph of expressions, recorded once per system.
 //!
 //! A system writes its equations with [`Expression`]s, which have the operators of numbers. The graph then gives
-//! values, power series in time of any order, and both along a displacement, by code that knows no system
-//! (`motion::taylor`).
+//! values, power series in time of any order, and both along a displacement, by code that knows no system.
 
 mod expression;
 mod node;
@@ -10,4 +9,7 @@ mod recorder;
 
 pub use expression::Expression;
 pub use node::{Node, NodeId, Solve};
-pub use recorder::{ContactEquations, ContactLayout, Graph, Layout, Recorder, SystemEquations};
+pub use recorder::{
+    ContactEquations, ContactLayout, Event, EventEquations, Graph, Layout, Recorder,
+    SystemEquations,
+};

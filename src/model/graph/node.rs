@@ -10,10 +10,10 @@ pub enum Node {
     Constant(f64),
     /// A number that is constant during a step, such as a parameter of the system or the mode of a contact.
     Input(u32),
-    /// The time.
-    Time,
     /// A component of the state.
     State(u32),
+    /// A component of the state that only events change.
+    Discrete(u32),
     /// `a + b`
     Sum(NodeId, NodeId),
     /// `a - b`

@@ -27,6 +27,8 @@ pub struct SystemEquations<'r> {
     pub derivative: Vec<Expression<'r>>,
     /// The contacts.
     pub contacts: Vec<ContactEquations<'r>>,
+    /// The events that reset the state. Of several at one instant, the first in this order comes first.
+    pub events: Vec<EventEquations<'r>>,
     /// The meaning of the components.
     pub layout: Layout,
 }
@@ -65,6 +67,24 @@ pub struct ContactEquations<'r> {
     pub friction: Expression<'r>,
 }
 
+/// An event that resets the state, such as an impact or a kick.
+pub struct EventEquations<'r> {
+    /// The event happens where this function of the state falls through zero. The reset must make it positive, or zero
+    /// and rising.
+    pub guard: Expression<'r>,
+    /// The components that the event changes, with their values after it as functions of the state before it.
+    pub reset: Vec<(usize, Expression<'r>)>,
+}
+
+/// A recorded event.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// The function that falls through zero.
+    pub guard: NodeId,
+    /// The components that the event changes, with their values after it.
+    pub reset: Vec<(usize, NodeId)>,
+}
+
 /// The recorded equations of a system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Graph {
@@ -78,6 +98,8 @@ pub struct Graph {
     pub derivative: Vec<NodeId>,
     /// Sliding speed, sliding acceleration, normal force and friction force of each contact.
     pub contacts: Vec<[NodeId; 4]>,
+    /// The events.
+    pub events: Vec<Event>,
     /// The meaning of the components.
     pub layout: Layout,
 }
@@ -120,18 +142,24 @@ impl Recorder {
         Expression::node(self, self.add(Node::Input(index)))
     }
 
-    /// Returns the next component of the state.
+    /// Returns the next component of the state. The time of a system whose equations contain it is a component with
+    /// the rate of change 1.
     pub fn state(&self) -> Expression<'_> {
+        self.component(Node::State)
+    }
+
+    /// Returns the next component of the state, which only events change: its rate of change is 0, and neighbouring
+    /// motions have the same value.
+    pub fn discrete(&self) -> Expression<'_> {
+        self.component(Node::Discrete)
+    }
+
+    fn component(&self, node: fn(u32) -> Node) -> Expression<'_> {
         let mut recording = self.0.borrow_mut();
         let index = recording.states;
         recording.states += 1;
         drop(recording);
-        Expression::node(self, self.add(Node::State(index)))
-    }
-
-    /// Returns the time.
-    pub fn time(&self) -> Expression<'_> {
-        Expression::node(self, self.add(Node::Time))
+        Expression::node(self, self.add(node(index)))
     }
 
     /// Returns the solution `x` of the linear system `A x = b`; the matrix has one row for each component of `right`.
@@ -165,6 +193,15 @@ impl Recorder {
                 .map(|expression| expression.id(self))
         };
         let contacts = equations.contacts.iter().map(contact).collect();
+        let event = |one: &EventEquations<'_>| Event {
+            guard: one.guard.id(self),
+            reset: one
+                .reset
+                .iter()
+                .map(|(component, value)| (*component, value.id(self)))
+                .collect(),
+        };
+        let events = equations.events.iter().map(event).collect();
         let Recording { nodes, solves, inputs, .. } = &*self.0.borrow();
         Graph {
             nodes: nodes.clone(),
@@ -172,6 +209,7 @@ impl Recorder {
             inputs: inputs.clone(),
             derivative,
             contacts,
+            events,
             layout: equations.layout.clone(),
         }
     }
@@ -199,8 +237,8 @@ fn key(node: Node) -> (u8, u64, u64) {
     match node {
         Node::Constant(value) => (0, value.to_bits(), 0),
         Node::Input(index) => two(1, index, 0),
-        Node::Time => two(2, 0, 0),
-        Node::State(index) => two(3, index, 0),
+        Node::State(index) => two(2, index, 0),
+        Node::Discrete(index) => two(3, index, 0),
         Node::Sum(one, other) => two(4, one.min(other), one.max(other)),
         Node::Difference(one, other) => two(5, one, other),
         Node::Negation(one) => two(6, one, 0),

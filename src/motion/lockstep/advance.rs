@@ -6,16 +6,16 @@ use std::f64::consts::TAU;
 use fearless_simd::{mask64x8, prelude::*};
 use smallvec::SmallVec;
 
-use super::group::Group;
+use super::group::{Group, carry};
 use super::kernel::{Ends, Kernel};
-use super::lane::Lane;
+use super::lane::{Lane, start_phases};
 use super::lane_group::Happened;
 use super::{LANES, Lanes};
 use crate::model::{Components, Method};
 use crate::motion::evaluator::Forces;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::check_forces;
-use crate::motion::saltation::{Condition, saltation};
+use crate::motion::saltation::{Condition, saltation, saltation_at_event};
 use crate::motion::settings::MOST_AT_ONCE;
 use crate::motion::{Failure, Phase, Phases, event_driven, switch_model};
 
@@ -105,10 +105,11 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
     g.end = end;
     g.length = length;
     g.ended = happened.event;
+    g.reset = 0;
     happened.round = round.to_bitmask();
     if displaced {
         g.displacement_before.clone_from(&g.displacement);
-        let moved = g.kernel.carry(&mut g.room, &g.displacement, length);
+        let moved = carry(simd, &g.kernel, &mut g.room, &g.displacement, length);
         g.kernel.select(&mut g.displacement, &moved, commits);
         let size = g.kernel.square(&g.displacement);
         let extreme = size.simd_gt(c!(LARGE)) | size.simd_lt(c!(1.0 / LARGE));
@@ -172,6 +173,9 @@ fn first_event<S: Vector, K: Kernel<S>>(
             Ends::At(part, failed) => return Ok(Some((part, Event { failed, at_once: false }))),
             Ends::AtOnce(failed) => {
                 let event = Event { failed, at_once: true };
+                if let Condition::Event(_) = failed {
+                    return Ok(Some((0.0, event)));
+                }
                 let mut state = g.kernel.lane(&g.state, lane);
                 let (phases, _) =
                     decided((&g.kernel, &g.state, g.time[lane]), (lane, own), &mut state, event)?;
@@ -191,10 +195,23 @@ fn decided<S: Vector, K: Kernel<S>>(
     state: &mut Components,
     Event { failed, at_once }: Event,
 ) -> Result<(Phases, Forces), Failure> {
-    if failed.which == 2 {
-        return Err(Failure::ContactLost { ball: failed.contact + 1 });
-    }
     let mut phases = own.phases.clone();
+    let (contact, which) = match failed {
+        Condition::Contact { contact, which } => (contact, which),
+        Condition::Event(event) => {
+            if let Some(evaluator) = kernel.evaluator(lane) {
+                *state = evaluator.reset(event, &phases, state);
+            }
+            let forces = kernel.in_state(lane, own, state, |at| {
+                phases = start_phases(own.system.as_ref(), own.settings, at)?;
+                Ok(at.forces(&phases))
+            })?;
+            return Ok((phases, forces));
+        }
+    };
+    if which == 2 {
+        return Err(Failure::ContactLost { ball: contact + 1 });
+    }
     let speed = |contact: usize| match kernel.coordinates(contact) {
         (_, Some(component)) => state[component],
         (_, None) => kernel.speed(flow, contact)[lane],
@@ -206,9 +223,9 @@ fn decided<S: Vector, K: Kernel<S>>(
         }
         Method::Event => {
             // The contact set off at this instant and stops at this instant.
-            let slips = matches!(own.phases[failed.contact], Phase::Slip(_));
-            let stops_at_once = at_once && slips && own.last_switches[failed.contact] == time;
-            let stopped_at_once = stops_at_once.then_some(failed.contact);
+            let slips = matches!(own.phases[contact], Phase::Slip(_));
+            let stops_at_once = at_once && slips && own.last_switches[contact] == time;
+            let stopped_at_once = stops_at_once.then_some(contact);
             let (at_rest, stopped) = event_driven::stop(&mut phases, speed, stopped_at_once);
             for (contact, _) in stopped.iter().enumerate().filter(|(_, stopped)| **stopped) {
                 if let (_, Some(component)) = kernel.coordinates(contact) {
@@ -236,13 +253,27 @@ fn switch<S: Vector, K: Kernel<S>>(
     let kernel = &g.kernel;
     let Some(own) = &mut g.lanes[lane] else { return Ok(()) };
     own.during.copy_from_slice(&own.phases);
+    let before = state.clone();
     let (phases, _) = decided((kernel, &g.state, time), (lane, own), &mut state, event)?;
     if displaced {
         let mut direction = kernel.lane(&g.displacement, lane);
-        own.grazed |= kernel.in_state(lane, own, &state, |at| {
-            saltation(at, [&own.phases, &phases], event.failed, &mut direction)
-        });
+        own.grazed |= match (event.failed, kernel.evaluator(lane)) {
+            (Condition::Contact { contact, which }, _) => {
+                kernel.in_state(lane, own, &state, |at| {
+                    let sides: [&[Phase]; 2] = [&own.phases, &phases];
+                    saltation(at, sides, (contact, which), &mut direction)
+                })
+            }
+            (Condition::Event(event), Some(evaluator)) => {
+                let sides: [(&[Phase], &[f64]); 2] = [(&own.phases, &before), (&phases, &state)];
+                saltation_at_event(evaluator, event, sides, &mut direction)
+            }
+            (Condition::Event(_), None) => false,
+        };
         kernel.set_lane(&mut g.displacement, lane, &direction);
+    }
+    if let Condition::Event(_) = event.failed {
+        g.reset |= 1 << lane;
     }
     for (contact, phase) in phases.iter().enumerate() {
         if *phase != own.phases[contact] {

@@ -44,6 +44,8 @@ pub(super) struct Group<S: Vector, K: Kernel<S>> {
     pub(super) told: u64,
     /// Lanes whose latest step ended with an event.
     pub(super) ended: u64,
+    /// Lanes in which an event at the end of the latest step reset the state.
+    pub(super) reset: u64,
     /// State, displacement and time before the latest step.
     pub(super) before: K::Flow,
     pub(super) displacement_before: K::Flow,
@@ -82,6 +84,7 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
             sliding: 0,
             told: 0,
             ended: 0,
+            reset: 0,
             before: flow.clone(),
             displacement_before: flow.clone(),
             time_before: zero,
@@ -95,7 +98,7 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
     pub(super) fn enter(&mut self, lane: usize, state: &[f64]) {
         let Some(own) = &self.lanes[lane] else { return };
         self.kernel.set_lane(&mut self.state, lane, state);
-        self.kernel.set_phases(lane, own);
+        self.kernel.set_phases(lane, own, state);
         self.kernel.set_rest(lane, own, state);
     }
 }
@@ -137,6 +140,7 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
         let bit = 1 << lane;
         self.alive |= bit;
         self.ended &= !bit;
+        self.reset &= !bit;
         let slides =
             (0..self.kernel.contacts()).any(|contact| !own.system.friction(contact).can_stick());
         self.sliding = self.sliding & !bit | if slides { bit } else { 0 };
@@ -212,9 +216,12 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
     }
 
     fn end_of_step(&self, lane: usize) -> Components {
+        let end = self.kernel.lane(&self.end, lane);
+        if self.was_reset(lane) {
+            return end;
+        }
         // A switch may have changed speeds.
         let mut state = self.kernel.lane(&self.state, lane);
-        let end = self.kernel.lane(&self.end, lane);
         for contact in 0..self.kernel.contacts() {
             let (position, _) = self.kernel.coordinates(contact);
             state[position] = end[position];
@@ -265,6 +272,10 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
         own.map_or(&[], |own| if had_event { &own.during } else { &own.phases })
     }
 
+    fn was_reset(&self, lane: usize) -> bool {
+        self.reset & 1 << lane != 0
+    }
+
     fn last_switches(&self, lane: usize) -> &[f64] {
         self.lanes[lane].as_ref().map_or(&[], |own| &own.last_switches)
     }
@@ -292,12 +303,23 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
 
     fn displacements_within(&mut self, after: f64) -> Vec<Components> {
         let length = Lanes::splat(self.simd, after);
-        let (kernel, room) = (&self.kernel, &mut self.room);
-        let before = &self.displacement_before;
-        let flow = self.simd.vectorize(
-            #[inline(always)]
-            || kernel.carry(room, before, length),
-        );
+        let flow =
+            carry(self.simd, &self.kernel, &mut self.room, &self.displacement_before, length);
         (0..LANES).map(|lane| self.kernel.lane(&flow, lane)).collect()
     }
+}
+
+/// Propagates displacements over a step of this length. Not inlined, because it is large and called twice.
+#[inline(never)]
+pub(super) fn carry<S: Vector, K: Kernel<S>>(
+    simd: S,
+    kernel: &K,
+    room: &mut K::Room,
+    displacement: &K::Flow,
+    length: Lanes<S>,
+) -> K::Flow {
+    simd.vectorize(
+        #[inline(always)]
+        || kernel.carry(room, displacement, length),
+    )
 }

@@ -8,6 +8,7 @@ use super::Lanes;
 use super::lane::Lane;
 use super::root_isolation::{Bounds, ConditionFate, Polynomial};
 use crate::model::{Components, System};
+use crate::motion::Evaluator;
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::modes::InState;
 use crate::motion::saltation::Condition;
@@ -36,8 +37,8 @@ pub(super) trait Kernel<S: Vector>: Sized {
 
     /// Sets the parameters of a lane, without those that depend on phases.
     fn set_system(&mut self, lane: usize, own: &Lane);
-    /// Sets the parameters of a lane that depend on its phases.
-    fn set_phases(&mut self, lane: usize, own: &Lane);
+    /// Sets the parameters of a lane that depend on its phases and on what only events change.
+    fn set_phases(&mut self, lane: usize, own: &Lane, state: &[f64]);
     /// Prepares the detection of rest from a state in which a lane begins a phase.
     fn set_rest(&mut self, lane: usize, own: &Lane, state: &[f64]);
     /// Forgets a lane.
@@ -104,6 +105,8 @@ pub(super) trait Kernel<S: Vector>: Sized {
     /// Returns the components whose displacement is measured.
     fn vibration(&self) -> Option<[usize; 2]>;
 
+    /// Returns the equations of the system in a lane, for events that reset its state.
+    fn evaluator(&self, lane: usize) -> Option<&Evaluator>;
     /// Calls `with` with the system in one state, for deciding its modes.
     fn in_state<R>(
         &self,
@@ -131,10 +134,31 @@ pub(super) enum Ends {
 }
 
 impl Ends {
-    /// Returns the earlier one of this end and the failure of another condition.
-    #[inline(always)]
-    pub(super) fn or(&mut self, condition: &Polynomial, outline: &Bounds, failed: Condition) {
-        match (condition.first_fall(outline), &self) {
+    /// Replaces this end by the failure of another condition if that is earlier. The bounds of the condition are
+    /// computed if they are not known. Not inlined, because it is large and called for several conditions.
+    #[inline(never)]
+    pub(super) fn or<S: Vector>(
+        &mut self,
+        simd: S,
+        condition: &Polynomial,
+        bounds: Option<&Bounds>,
+        failed: Condition,
+    ) {
+        // The fused multiply-add is an instruction in this closure.
+        let fate = simd.vectorize(
+            #[inline(always)]
+            || {
+                let computed = || condition.outline();
+                let fate = condition.first_fall(&bounds.copied().unwrap_or_else(computed));
+                match (fate, failed) {
+                    (ConditionFate::Fails(at), Condition::Event(_)) => {
+                        ConditionFate::Fails(condition.refined(at))
+                    }
+                    (fate, _) => fate,
+                }
+            },
+        );
+        match (fate, &self) {
             (ConditionFate::Holds, _) | (_, Ends::AtOnce(_)) => {}
             (ConditionFate::FailsAtOnce, _) => *self = Ends::AtOnce(failed),
             (ConditionFate::Fails(at), Ends::At(earlier, _)) if *earlier <= at => {}

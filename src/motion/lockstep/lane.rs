@@ -140,7 +140,11 @@ impl Saved {
     }
 }
 
-fn start_phases(
+/// Returns the phases in which a motion starts from a state, by the sliding speeds there.
+///
+/// # Errors
+/// [`Failure`] if no phases meet all conditions.
+pub(super) fn start_phases(
     system: &dyn System,
     settings: Settings,
     at: &dyn InState,

@@ -75,7 +75,8 @@ pub(crate) trait LaneGroup {
     fn time_before(&self, lane: usize) -> f64;
     /// Returns the present state, with angles in [0, 2π).
     fn state(&self, lane: usize) -> Components;
-    /// Returns the state at the end of the latest step, with angles not yet reduced to one turn.
+    /// Returns the state at the end of the latest step, before an event that resets it, with angles not yet reduced to
+    /// one turn.
     fn end_of_step(&self, lane: usize) -> Components;
     /// Returns the state at a time after the start of the latest step, with angles not yet reduced to one turn.
     fn state_within(&self, lane: usize, after: f64) -> Components;
@@ -95,6 +96,8 @@ pub(crate) trait LaneGroup {
     fn phases(&self, lane: usize) -> &[Phase];
     /// Returns the phases in the latest step, before an event at its end.
     fn phases_during_step(&self, lane: usize) -> &[Phase];
+    /// Returns whether an event at the end of the latest step reset the state.
+    fn was_reset(&self, lane: usize) -> bool;
     /// Returns when each contact last changed its phase; 0 if it has not.
     fn last_switches(&self, lane: usize) -> &[f64];
     /// Returns the last time at which each contact was faster than `SLOW`, or than the band if that is wider: 0 if

@@ -157,6 +157,22 @@ impl Polynomial {
         }
     }
 
+    /// Returns a located fall to rounding, by Newton's method. The error of [`Polynomial::first_fall`] is a fraction of
+    /// the step, which is large where the fall follows soon after the start.
+    #[inline(always)]
+    pub(super) fn refined(&self, mut at: f64) -> f64 {
+        const MOST: u32 = 8;
+        for _ in 0..MOST {
+            let PolynomialPoint { value, slope, .. } = self.place(at);
+            let next = (at - value / slope).clamp(0.0, 1.0);
+            if slope >= 0.0 || (next - at).abs() <= f64::EPSILON * at {
+                break;
+            }
+            at = next;
+        }
+        at
+    }
+
     /// Returns the fall between two points by Halley's method, safeguarded by the bracket, starting
     /// from the fall of the cubic through their values and slopes.
     #[inline(always)]

@@ -42,12 +42,13 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Program {
         slots: components,
     };
     for (place, node) in graph.nodes.iter().enumerate() {
-        if let Node::State(component) = *node {
+        if let Node::State(component) | Node::Discrete(component) = *node {
             compiler.slot_of[place] = Some(component);
         }
     }
-    let outputs: Vec<NodeId> =
-        graph.derivative.iter().copied().chain(graph.contacts.iter().flatten().copied()).collect();
+    let guards = || graph.events.iter().map(|event| event.guard);
+    let outputs = graph.derivative.iter().chain(graph.contacts.iter().flatten()).copied();
+    let outputs: Vec<NodeId> = outputs.chain(guards()).collect();
     let wanted = compiler.wanted(&outputs);
     for (place, wanted) in wanted.iter().enumerate() {
         if *wanted {
@@ -70,6 +71,7 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Program {
         kinematic: kinematic.collect(),
         rates,
         contacts: graph.contacts.iter().map(|contact| contact.map(slot)).collect(),
+        guards: guards().map(slot).collect(),
         slots: compiler.slots as usize,
         operations: grouped(compiler.operations, components),
         statics: compiler.statics,
@@ -79,7 +81,7 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Program {
 /// Returns the operands of a node.
 fn operands(graph: &Graph, node: Node) -> Vec<NodeId> {
     match node {
-        Node::Constant(_) | Node::Input(_) | Node::Time | Node::State(_) => vec![],
+        Node::Constant(_) | Node::Input(_) | Node::State(_) | Node::Discrete(_) => vec![],
         Node::Sum(a, b)
         | Node::Difference(a, b)
         | Node::Product(a, b)
@@ -156,6 +158,7 @@ impl Compiler<'_> {
         let number = match node {
             Node::Constant(value) => Static::Constant(value),
             Node::Input(index) => Static::Input(index),
+            Node::Discrete(component) => Static::Discrete(component),
             Node::Sum(a, b) => Static::Sum(of(a)?, of(b)?),
             Node::Difference(a, b) => Static::Difference(of(a)?, of(b)?),
             Node::Negation(a) => Static::Negation(of(a)?),
@@ -166,7 +169,7 @@ impl Compiler<'_> {
             Node::SquareRoot(a) => Static::SquareRoot(of(a)?),
             Node::Exponential(a) => Static::Exponential(of(a)?),
             Node::ArcTangent(a, _) => Static::ArcTangent(of(a)?),
-            Node::Time | Node::State(_) | Node::Solution { .. } => return None,
+            Node::State(_) | Node::Solution { .. } => return None,
         };
         Some(self.add(number))
     }
@@ -187,6 +190,7 @@ impl Compiler<'_> {
             Static::SquareRoot(a) => two(9, a, 0),
             Static::Exponential(a) => two(10, a, 0),
             Static::ArcTangent(a) => two(11, a, 0),
+            Static::Discrete(component) => two(12, component, 0),
         };
         let statics = &mut self.statics;
         *self.known.entry(key).or_insert_with(|| {
@@ -231,7 +235,6 @@ impl Compiler<'_> {
                 Operation::SineCosine { sine, cosine, angle: self.slot(angle), rate }
             }
             Node::Solution { solve, .. } => return self.emit_solve(solve),
-            Node::Time => Operation::Time { out: self.slots },
             Node::Product(a, b) if !self.is_linear(node) => Operation::Products {
                 shared: self.slot(a),
                 others: vec![(self.slot(b), self.slots)],

@@ -7,12 +7,14 @@
 //! | transition | in the band | accelerating in its direction | closed |
 //! | free | | | closed |
 //!
+//! The guard of an event is a condition, too.
+//!
 //! For all lanes it is first shown which conditions obviously hold; the remaining lanes are examined one at a time.
 
 use fearless_simd::prelude::*;
 
 use super::expansion::Series;
-use super::program::Slot;
+use super::program::Program;
 use crate::motion::Phase;
 use crate::motion::lockstep::curve::Curve;
 use crate::motion::lockstep::kernel::Ends;
@@ -95,14 +97,20 @@ fn curve<S: Vector>(terms: &[Lanes<S>], highest: usize, length: Lanes<S>) -> Cur
 #[inline(always)]
 pub(super) fn look_over<S: Vector>(
     series: &Series<S>,
-    contacts: &[[Slot; 4]],
+    program: &Program,
     watched: &[Watched<S>],
     length: Lanes<S>,
     doubts: &mut [u64],
 ) -> u64 {
     let zero = Lanes::splat(length.simd, 0.0);
     let mut any = 0;
-    for (contact, (watched, doubt)) in contacts.iter().zip(watched.iter().zip(doubts)) {
+    let (of_contacts, of_events) = doubts.split_at_mut(program.contacts.len());
+    for (guard, doubt) in program.guards.iter().zip(of_events) {
+        *doubt = !curve(series.of(*guard), ORDER - 1, length).holds().to_bitmask();
+        any |= *doubt;
+    }
+    for (contact, (watched, doubt)) in program.contacts.iter().zip(watched.iter().zip(of_contacts))
+    {
         let Watched { sign, offset, stuck, limit, slack, aim } = *watched;
         let [speed, _, normal, friction] = *contact;
         let speed = curve(series.of(speed), ORDER, length);
@@ -142,22 +150,7 @@ pub(super) fn look_over<S: Vector>(
 pub(super) fn first_event<S: Vector>(
     simd: S,
     series: &Series<S>,
-    contacts: &[[Slot; 4]],
-    in_lane: (&Lane, usize, f64),
-    doubts: &[u64],
-    ignored: &[Condition],
-) -> Ends {
-    // The fused multiply-add is an instruction in this closure.
-    simd.vectorize(
-        #[inline(always)]
-        || first_of_all(series, contacts, in_lane, doubts, ignored),
-    )
-}
-
-#[inline(always)]
-fn first_of_all<S: Vector>(
-    series: &Series<S>,
-    contacts: &[[Slot; 4]],
+    program: &Program,
     (own, lane, length): (&Lane, usize, f64),
     doubts: &[u64],
     ignored: &[Condition],
@@ -166,43 +159,44 @@ fn first_of_all<S: Vector>(
     let band = own.margins.band;
     let aim = 0.5 * own.width;
     let slack = own.margins.slack + aim;
-    for (contact, slots) in contacts.iter().enumerate() {
-        if doubts[contact] & 1 << lane == 0 {
+    let (of_contacts, of_events) = doubts.split_at(program.contacts.len());
+    for (contact, slots) in program.contacts.iter().enumerate() {
+        if of_contacts[contact] & 1 << lane == 0 {
             continue;
         }
         let [speed, acceleration, normal, friction] =
             slots.map(|slot| move |k: usize| series.of(slot)[k][lane]);
-        // A macro, because the fused multiply-add must be inlined.
-        macro_rules! examine {
-            ($which:expr, $condition:expr) => {
-                let failed = Condition { contact, which: $which };
-                let condition: Polynomial = $condition;
-                if !ignored.contains(&failed) {
-                    first.or(&condition, &condition.outline(), failed);
-                }
-            };
-        }
+        let mut examine = |which: usize, condition: Polynomial| {
+            let failed = Condition::Contact { contact, which };
+            if !ignored.contains(&failed) {
+                first.or(simd, &condition, None, failed);
+            }
+        };
         match own.phases[contact] {
             Phase::Slip(direction) => {
-                let out = polynomial(length, aim - band, ORDER, |k| direction * speed(k));
-                examine!(0, out);
+                examine(0, polynomial(length, aim - band, ORDER, |k| direction * speed(k)));
             }
             Phase::Transition(direction) => {
-                let inside = polynomial(length, aim + band, ORDER, |k| -direction * speed(k));
-                examine!(0, inside);
+                examine(0, polynomial(length, aim + band, ORDER, |k| -direction * speed(k)));
                 let forwards = |k| direction * acceleration(k);
-                examine!(1, polynomial(length, slack, ORDER - 1, forwards));
+                examine(1, polynomial(length, slack, ORDER - 1, forwards));
             }
             Phase::Stick => {
                 let limit = own.system.friction(contact).limit;
                 for (which, sign) in [1.0, -1.0].into_iter().enumerate() {
                     let held = |k| limit * normal(k) - sign * friction(k);
-                    examine!(which, polynomial(length, slack, ORDER - 1, held));
+                    examine(which, polynomial(length, slack, ORDER - 1, held));
                 }
             }
             Phase::Free => {}
         }
-        examine!(2, polynomial(length, aim, ORDER - 1, normal));
+        examine(2, polynomial(length, aim, ORDER - 1, normal));
+    }
+    for (event, guard) in program.guards.iter().enumerate() {
+        if of_events[event] & 1 << lane != 0 {
+            let guard = polynomial(length, 0.0, ORDER - 1, |k| series.of(*guard)[k][lane]);
+            first.or(simd, &guard, None, Condition::Event(event));
+        }
     }
     first
 }

@@ -67,9 +67,9 @@ impl<S: Vector> Series<S> {
 
     /// Expands the motion from the state at order zero.
     #[inline(always)]
-    pub(super) fn expand(&mut self, program: &Program, constants: &[Lanes<S>], time: Lanes<S>) {
+    pub(super) fn expand(&mut self, program: &Program, constants: &[Lanes<S>]) {
         for k in 0..ORDER {
-            self.order(program, constants, time, k);
+            self.order(program, constants, k);
             self.next_state(&program.rates, k);
         }
         self.last_of_positions(program, constants);
@@ -89,12 +89,12 @@ impl<S: Vector> Series<S> {
     }
 
     #[inline(never)]
-    fn order(&mut self, program: &Program, constants: &[Lanes<S>], time: Lanes<S>, k: usize) {
+    fn order(&mut self, program: &Program, constants: &[Lanes<S>], k: usize) {
         self.simd.vectorize(
             #[inline(always)]
             || {
                 for operation in &program.operations {
-                    self.apply(operation, constants, time, k);
+                    self.apply(operation, constants, k);
                 }
             },
         );
@@ -107,7 +107,7 @@ impl<S: Vector> Series<S> {
     }
 
     #[inline(always)]
-    fn apply(&mut self, operation: &Operation, constants: &[Lanes<S>], time: Lanes<S>, k: usize) {
+    fn apply(&mut self, operation: &Operation, constants: &[Lanes<S>], k: usize) {
         match operation {
             Operation::Products { shared, others } => match *others.as_slice() {
                 [one] => self.products(*shared, [one], k),
@@ -185,14 +185,6 @@ impl<S: Vector> Series<S> {
                 let value = (of_a - known) * self.get(inverse, 0);
                 self.set(out, k, value);
                 self.set(rate, k, value * self.number(k as f64));
-            }
-            &Operation::Time { out } => {
-                let value = match k {
-                    0 => time,
-                    1 => self.number(1.0),
-                    _ => self.number(0.0),
-                };
-                self.set(out, k, value);
             }
         }
     }
@@ -377,7 +369,6 @@ impl<S: Vector> Series<S> {
         k: usize,
     ) {
         match operation {
-            Operation::Time { .. } => {}
             Operation::Linear { out, terms, .. } => {
                 let mut sum = self.number(0.0);
                 for (slot, factor) in terms {

@@ -57,7 +57,7 @@ pub(super) struct Flow<S: Vector> {
 pub(super) struct Room<S: Vector> {
     series: Series<S>,
     displaced: Series<S>,
-    /// The lanes in which a condition of each contact may fail.
+    /// The lanes in which a condition of each contact may fail, then those in which each event may happen.
     doubts: Vec<u64>,
 }
 
@@ -138,7 +138,7 @@ impl<S: Vector> Kernel<S> for General<S> {
         Room {
             series: Series::zero(simd, self.program.slots),
             displaced: Series::zero(simd, self.program.slots),
-            doubts: vec![0; self.speeds.len()],
+            doubts: vec![0; self.speeds.len() + self.program.guards.len()],
         }
     }
 
@@ -147,9 +147,9 @@ impl<S: Vector> Kernel<S> for General<S> {
         self.evaluators[lane] = Some(Evaluator::of_graph(Arc::clone(&own.system), graph));
     }
 
-    fn set_phases(&mut self, lane: usize, own: &Lane) {
+    fn set_phases(&mut self, lane: usize, own: &Lane, state: &[f64]) {
         let modes: Vec<_> = own.phases.iter().map(|phase| phase.mode()).collect();
-        self.program.statics(&own.system.inputs(&modes), &mut self.values);
+        self.program.statics(&own.system.inputs(&modes), state, &mut self.values);
         for (constant, value) in self.constants.iter_mut().zip(&self.values) {
             constant[lane] = *value;
         }
@@ -234,7 +234,7 @@ impl<S: Vector> Kernel<S> for General<S> {
     #[inline(always)]
     fn expand(&self, room: &mut Room<S>, start: &Flow<S>) {
         room.series.start(&start.components);
-        room.series.expand(&self.program, &self.constants, Lanes::splat(self.simd, 0.0));
+        room.series.expand(&self.program, &self.constants);
     }
 
     #[inline(always)]
@@ -264,7 +264,7 @@ impl<S: Vector> Kernel<S> for General<S> {
     #[inline(always)]
     fn look_over(&self, room: &mut Room<S>, length: Lanes<S>) -> u64 {
         let Room { series, doubts, .. } = room;
-        conditions::look_over(series, &self.program.contacts, &self.watched, length, doubts)
+        conditions::look_over(series, &self.program, &self.watched, length, doubts)
     }
 
     fn first_event(
@@ -277,7 +277,7 @@ impl<S: Vector> Kernel<S> for General<S> {
     ) -> Ends {
         let Room { series, doubts, .. } = room;
         let in_lane = (own, lane, length);
-        conditions::first_event(self.simd, series, &self.program.contacts, in_lane, doubts, ignored)
+        conditions::first_event(self.simd, series, &self.program, in_lane, doubts, ignored)
     }
 
     #[inline(always)]
@@ -327,6 +327,10 @@ impl<S: Vector> Kernel<S> for General<S> {
         self.graph.layout.vibration
     }
 
+    fn evaluator(&self, lane: usize) -> Option<&Evaluator> {
+        self.evaluators[lane].as_ref()
+    }
+
     fn in_state<R>(
         &self,
         lane: usize,
@@ -334,8 +338,7 @@ impl<S: Vector> Kernel<S> for General<S> {
         state: &[f64],
         with: impl FnOnce(&dyn InState) -> R,
     ) -> R {
-        let evaluator = self.evaluators[lane].as_ref();
-        let evaluator = evaluator.expect("only lanes with a run are decided");
+        let evaluator = self.evaluator(lane).expect("only lanes with a run are decided");
         with(&Evaluated::new(evaluator, state))
     }
 }

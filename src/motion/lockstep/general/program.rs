@@ -12,6 +12,8 @@ use crate::model::Graph;
 pub(super) enum Static {
     Constant(f64),
     Input(u32),
+    /// A component of the state that only events change.
+    Discrete(u32),
     Sum(StaticId, StaticId),
     Difference(StaticId, StaticId),
     Negation(StaticId),
@@ -32,8 +34,6 @@ pub(super) type Slot = u32;
 /// An operation that computes the next coefficient of one or more series.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Operation {
-    /// The time.
-    Time { out: Slot },
     /// A constant and a sum of series with constant factors.
     Linear { out: Slot, constant: Option<StaticId>, terms: Vec<(Slot, StaticId)> },
     /// Products of one series with others, each with its result; at most [`MOST_PRODUCTS`].
@@ -75,6 +75,8 @@ pub(super) struct Program {
     pub(super) kinematic: Vec<(Slot, Vec<(Slot, StaticId)>)>,
     /// Sliding speed, sliding acceleration, normal force and friction force of each contact.
     pub(super) contacts: Vec<[Slot; 4]>,
+    /// The function of each event that falls through zero.
+    pub(super) guards: Vec<Slot>,
 }
 
 impl Program {
@@ -95,14 +97,15 @@ impl Program {
         self.operations.iter().map(of).sum()
     }
 
-    /// Computes the static numbers from the inputs of a run.
-    pub(super) fn statics(&self, inputs: &[f64], values: &mut Vec<f64>) {
+    /// Computes the static numbers from the inputs of a run and its state.
+    pub(super) fn statics(&self, inputs: &[f64], state: &[f64], values: &mut Vec<f64>) {
         values.clear();
         for number in &self.statics {
             let at = |id: StaticId| values[id as usize];
             let value = match *number {
                 Static::Constant(value) => value,
                 Static::Input(index) => inputs[index as usize],
+                Static::Discrete(component) => state[component as usize],
                 Static::Sum(a, b) => at(a) + at(b),
                 Static::Difference(a, b) => at(a) - at(b),
                 Static::Negation(a) => -at(a),

@@ -7,7 +7,6 @@ use super::program::{Entry, MOST_PRODUCTS, Operation, Slot};
 /// Returns the slots that an operation reads at the order that it computes, and those that it writes.
 pub(super) fn reads_and_writes(operation: &Operation) -> (Vec<Slot>, Vec<Slot>) {
     match operation {
-        Operation::Time { out } => (vec![], vec![*out]),
         Operation::Linear { out, terms, .. } => {
             (terms.iter().map(|(slot, _)| *slot).collect(), vec![*out])
         }

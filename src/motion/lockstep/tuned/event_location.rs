@@ -9,7 +9,7 @@ use crate::motion::Phase;
 use crate::motion::lockstep::ORDER;
 use crate::motion::lockstep::kernel::Ends;
 use crate::motion::lockstep::lane::Lane;
-use crate::motion::lockstep::root_isolation::Polynomial;
+use crate::motion::lockstep::root_isolation::{Bounds, Polynomial};
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::saltation::Condition;
 
@@ -22,24 +22,8 @@ pub(super) fn first_event<S: Vector, const N: usize>(
     doubts: &Doubts<S, N>,
     ignored: &[Condition],
 ) -> Ends {
-    // The fused multiply-add is an instruction in this closure.
-    series.terms[0].table[0].simd.vectorize(
-        #[inline(always)]
-        || first_of_all(series, (own, balancer), (lane, length), doubts, ignored),
-    )
-}
-
-#[inline(always)]
-fn first_of_all<S: Vector, const N: usize>(
-    series: &Series<S, N>,
-    (own, balancer): (&Lane, &Balancer<N>),
-    (lane, length): (usize, f64),
-    doubts: &Doubts<S, N>,
-    ignored: &[Condition],
-) -> Ends {
+    let simd = series.terms[0].table[0].simd;
     let mut first = Ends::Nothing;
-    let is_watched =
-        |contact, which| ignored.is_empty() || !ignored.contains(&Condition { contact, which });
     let band = own.margins.band;
     let aim = 0.5 * own.width;
     let slack = own.margins.slack + aim;
@@ -48,47 +32,33 @@ fn first_of_all<S: Vector, const N: usize>(
         if !loose && doubts.of_balls[ball] & 1 << lane == 0 {
             continue;
         }
+        let mut examine = |which: usize, condition: Polynomial, bounds: Option<&Bounds>| {
+            let failed = Condition::Contact { contact: ball, which };
+            if ignored.is_empty() || !ignored.contains(&failed) {
+                first.or(simd, &condition, bounds, failed);
+            }
+        };
         let speed = |k: usize| series.terms[k].balls[ball].speed[lane];
         match *phase {
             Phase::Slip(direction) => {
                 let out = polynomial(length, aim - band, |k| direction * speed(k));
-                if is_watched(ball, 0) {
-                    first.or(
-                        &out,
-                        &doubts.slips[ball].outline(lane),
-                        Condition { contact: ball, which: 0 },
-                    );
-                }
+                examine(0, out, Some(&doubts.slips[ball].outline(lane)));
             }
             Phase::Transition(direction) => {
                 let inside = polynomial(length, aim + band, |k| -direction * speed(k));
-                if is_watched(ball, 0) {
-                    first.or(&inside, &inside.outline(), Condition { contact: ball, which: 0 });
-                }
+                examine(0, inside, None);
                 let accelerating = polynomial(length, slack, |k| match k {
                     ORDER => 0.0,
                     _ => direction * ((k + 1) as f64 * speed(k + 1)),
                 });
-                if is_watched(ball, 1) {
-                    first.or(
-                        &accelerating,
-                        &accelerating.outline(),
-                        Condition { contact: ball, which: 1 },
-                    );
-                }
+                examine(1, accelerating, None);
             }
             Phase::Stick => {
                 for (which, sign) in [1.0, -1.0].into_iter().enumerate() {
-                    let outline = doubts.held[ball][which].outline(lane);
-                    if !outline.holds() {
+                    let bounds = doubts.held[ball][which].outline(lane);
+                    if !bounds.holds() {
                         let left = held(series, balancer, lane, ball, sign);
-                        if is_watched(ball, which) {
-                            first.or(
-                                &polynomial(length, slack, left),
-                                &outline,
-                                Condition { contact: ball, which },
-                            );
-                        }
+                        examine(which, polynomial(length, slack, left), Some(&bounds));
                     }
                 }
             }
@@ -96,10 +66,7 @@ fn first_of_all<S: Vector, const N: usize>(
         }
         if loose {
             let normal = normal_force(series, (balancer, own.phases[ball]), lane, ball);
-            let normal = polynomial(length, aim, |k| normal[k]);
-            if is_watched(ball, 2) {
-                first.or(&normal, &normal.outline(), Condition { contact: ball, which: 2 });
-            }
+            examine(2, polynomial(length, aim, |k| normal[k]), None);
         }
     }
     first

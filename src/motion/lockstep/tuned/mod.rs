@@ -25,6 +25,7 @@ use super::kernel::{Ends, Kernel, Powers};
 use super::lane::Lane;
 use super::{LANES, Lanes};
 use crate::model::{Balancer, Components, RestPoint, State, System};
+use crate::motion::Evaluator;
 use crate::motion::Phase;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::InState;
@@ -124,7 +125,7 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         self.balancers[lane] = Some(*balancer);
     }
 
-    fn set_phases(&mut self, lane: usize, own: &Lane) {
+    fn set_phases(&mut self, lane: usize, own: &Lane, _state: &[f64]) {
         let Some(balancer) = &self.balancers[lane] else { return };
         self.equations.set_phases(lane, balancer, &own.phases);
         let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
@@ -304,6 +305,11 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
 
     fn vibration(&self) -> Option<[usize; 2]> {
         Some([0, 1])
+    }
+
+    /// The balancer has no events.
+    fn evaluator(&self, _lane: usize) -> Option<&Evaluator> {
+        None
     }
 
     fn in_state<R>(

@@ -25,7 +25,7 @@ use fearless_simd::prelude::*;
 use super::equations::Equations;
 use super::flow::Flow;
 use super::recurrence::{Constants, RECIPROCALS, Solving, Sums, products, solve};
-use super::terms::{BallTerm, ResidualForce, Solver, TERMS, Term};
+use super::terms::{ResidualForce, Solver, TERMS, Term};
 use crate::motion::lockstep::kernel::Powers;
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Vector};
@@ -62,8 +62,6 @@ pub(super) struct Series<S: Vector, const N: usize> {
 impl<S: Vector, const N: usize> Series<S, N> {
     pub(super) fn zero(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
-        let ball = BallTerm { speed: zero, squared: zero, direction: [zero; 2] };
-        let term = Term { table: [zero; 2], pull: [zero; 2], balls: [ball; N] };
         let solver = Solver {
             inverse: [zero; 4],
             reaction: [[zero; 2]; N],
@@ -71,7 +69,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
             trigonometry: [[zero; 2]; N],
             residual: [zero; N],
         };
-        Series { terms: [term; TERMS], solver, residual: None }
+        Series { terms: [Term::zero(simd); TERMS], solver, residual: None }
     }
 
     /// Expands the motion from a state.

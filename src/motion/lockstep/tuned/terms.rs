@@ -1,5 +1,7 @@
 //! What a power series of the motion consists of: its terms, and what all of its terms are solved with.
 
+use fearless_simd::prelude::*;
+
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::lockstep::{Lanes, ORDER};
 
@@ -25,6 +27,16 @@ pub(super) struct Term<S: Vector, const N: usize> {
     /// Its absolute acceleration.
     pub(super) pull: [Lanes<S>; 2],
     pub(super) balls: [BallTerm<S>; N],
+}
+
+impl<S: Vector, const N: usize> Term<S, N> {
+    /// All coefficients are zero. Not inlined: copies of it take less code than zeros.
+    #[inline(never)]
+    pub(super) fn zero(simd: S) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        let ball = BallTerm { speed: zero, squared: zero, direction: [zero; 2] };
+        Term { table: [zero; 2], pull: [zero; 2], balls: [ball; N] }
+    }
 }
 
 /// Solver of the equations of a power of time for the accelerations.

@@ -1,0 +1,241 @@
+//! Events that reset the state against closed forms: a bouncing mass, and a block that is kicked and pulled by a ramp.
+
+use std::sync::Arc;
+
+use stickslip::model::{
+    Components, ContactEquations, ContactLayout, EventEquations, Expression, Friction, Layout,
+    Method, Number, Recorder, System, SystemEquations,
+};
+use stickslip::motion::{Failure, Motion, Phase, Settings, Tolerance};
+
+use crate::support::{OwnSystem, shared};
+
+const SETTINGS: Settings = Settings {
+    method: Method::Event,
+    band: 0.0,
+    tolerance: Tolerance { relative: 1e-13, absolute: 1e-14 },
+    effort_limit: 1_000_000,
+};
+
+/// A mass above the ground: height, speed; parameters: gravity, coefficient of restitution.
+fn bouncing_mass(recorder: &Recorder) -> SystemEquations<'_> {
+    let [height, speed] = [(); 2].map(|()| recorder.state());
+    let [gravity, restitution] = ["gravity", "restitution"].map(|name| recorder.input(name));
+    let impact = EventEquations {
+        guard: height,
+        reset: vec![(0, Expression::constant(0.0)), (1, -restitution * speed)],
+    };
+    SystemEquations {
+        derivative: vec![speed, -gravity],
+        contacts: vec![],
+        events: vec![impact],
+        layout: Layout { velocities: vec![vec![1]], ..Layout::default() },
+    }
+}
+
+fn mass(gravity: f64, restitution: f64) -> Arc<dyn System> {
+    shared(OwnSystem {
+        record: bouncing_mass,
+        parameters: vec![gravity, restitution],
+        friction: vec![],
+        longest_step: 1.0,
+    })
+}
+
+/// Falls from `height` at rest: impacts at `t_k` with speeds `v e^k`, where `v = sqrt(2 g h)`, `t_0 = v / g` and
+/// `t_(k+1) - t_k = 2 v e^(k+1) / g`. The instants converge to `t_0 (1 + e) / (1 - e)`.
+#[test]
+fn bounces_at_the_times_of_the_closed_form() {
+    let (gravity, restitution, height) = (9.81, 0.7, 0.4_f64);
+    let speed = (2.0 * gravity * height).sqrt();
+    let mut motion =
+        Motion::new(&mass(gravity, restitution), SETTINGS, &[height, 0.0]).expect("starts");
+    let mut expected = speed / gravity;
+    for bounce in 0..30 {
+        while !motion.advance(10.0).expect("continues") {}
+        let after = restitution.powi(bounce + 1) * speed;
+        assert!((motion.time() - expected).abs() < 2e-14, "{bounce}: {}", motion.time() - expected);
+        assert_eq!(motion.state()[0], 0.0);
+        assert!((motion.state()[1] / after - 1.0).abs() < 1e-9, "{bounce}");
+        let before = motion.before_switch().expect("a reset");
+        assert!((before.state[1] * restitution + motion.state()[1]).abs() < 1e-15);
+        expected += 2.0 * after / gravity;
+    }
+    let limit = speed / gravity * (1.0 + restitution) / (1.0 - restitution);
+    let rest = 2.0 * restitution.powi(30) * speed / gravity / (1.0 - restitution);
+    assert!((motion.time() + rest - limit).abs() < 1e-13);
+}
+
+/// Infinitely many impacts in a finite time end at the limit of steps, not in an endless loop.
+#[test]
+fn accumulating_impacts_end_at_the_limit_of_steps() {
+    let settings = Settings { effort_limit: 5000, ..SETTINGS };
+    let mut motion = Motion::new(&mass(1.0, 0.5), settings, &[0.5, 0.0]).expect("starts");
+    let ending = (0..10_000).find_map(|_| motion.advance(10.0).err());
+    assert_eq!(ending, Some(Failure::StepLimit));
+    assert!((motion.time() - 3.0).abs() < 1e-6, "{}", motion.time());
+}
+
+/// Without loss, height and speed after a thousand impacts are those of the first flight.
+#[test]
+fn elastic_impacts_keep_the_energy() {
+    let mut motion = Motion::new(&mass(1.0, 1.0), SETTINGS, &[0.5, 0.0]).expect("starts");
+    for _ in 0..1000 {
+        while !motion.advance(1e4).expect("continues") {}
+    }
+    assert!((motion.time() - 1999.0).abs() < 1e-9, "{}", motion.time());
+    assert!((motion.state()[1] - 1.0).abs() < 1e-12);
+}
+
+/// Returns the state at a time, with the displacements of all directions.
+fn at(system: &Arc<dyn System>, state: &[f64], time: f64) -> (Components, Vec<Components>) {
+    let unit = |component: usize| {
+        let mut unit = Components::from_elem(0.0, state.len());
+        unit[component] = 1.0;
+        unit
+    };
+    let directions: Vec<Components> = (0..state.len()).map(unit).collect();
+    let mut motion = Motion::with_directions(system, SETTINGS, state, &directions).expect("starts");
+    while motion.time() < time {
+        motion.advance(time).expect("continues");
+    }
+    assert!(!motion.grazed());
+    (motion.state(), motion.displacements())
+}
+
+/// Compares displacements with central differences of motions from displaced states.
+fn compare_displacements(system: &Arc<dyn System>, state: &[f64], components: &[usize], time: f64) {
+    let (_, displacements) = at(system, state, time);
+    for &component in components {
+        let step = 1e-5;
+        let [low, high] = [-step, step].map(|by| {
+            let mut state = state.to_vec();
+            state[component] += by;
+            at(system, &state, time).0
+        });
+        for (row, found) in displacements[component].iter().enumerate() {
+            let expected = (high[row] - low[row]) / (2.0 * step);
+            let scale = expected.abs().max(1.0);
+            assert!(
+                (found - expected).abs() < 1e-6 * scale,
+                "{row} {component}: {found} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn displacements_jump_at_impacts() {
+    for time in [0.9, 1.9, 2.4] {
+        compare_displacements(&mass(1.0, 0.8), &[0.3, 0.2], &[0, 1], time);
+    }
+}
+
+/// A block of mass 1 on the ground with Coulomb friction; the pull grows in proportion to time up to the end of the
+/// ramp, and a kick changes the speed. State: time, position, speed, whether the ramp and the kick are still to come.
+fn pulled_block(recorder: &Recorder) -> SystemEquations<'_> {
+    let [time, _, speed] = [(); 3].map(|()| recorder.state());
+    let [ramps, waits] = [(); 2].map(|()| recorder.discrete());
+    let names = ["friction", "slope", "ramp_end", "kick_time", "kick", "slips", "direction"];
+    let [friction, slope, ramp_end, kick_time, kick, slips, direction] =
+        names.map(|name| recorder.input(name));
+    let [zero, one] = [0.0, 1.0].map(Expression::constant);
+    let pull = slope * (ramps * time + (one - ramps) * ramp_end);
+    let acceleration = slips * (pull - direction * friction);
+    let guard = |pending, at| pending * (at - time) + (one - pending);
+    SystemEquations {
+        derivative: vec![one, speed, acceleration, zero, zero],
+        contacts: vec![ContactEquations {
+            sliding_speed: speed,
+            sliding_acceleration: acceleration,
+            normal: one,
+            friction: slips * direction * friction + (one - slips) * pull,
+        }],
+        events: vec![
+            EventEquations { guard: guard(ramps, ramp_end), reset: vec![(3, zero)] },
+            EventEquations {
+                guard: guard(waits, kick_time),
+                reset: vec![(2, speed + kick), (4, zero)],
+            },
+        ],
+        layout: Layout {
+            contacts: vec![ContactLayout { position: 1, angular: false }],
+            velocities: vec![vec![2]],
+            vibration: None,
+        },
+    }
+}
+
+const FRICTION: f64 = 0.5;
+const SLOPE: f64 = 0.25;
+
+fn block([ramp_end, kick_time, kick]: [f64; 3]) -> Arc<dyn System> {
+    shared(OwnSystem {
+        record: pulled_block,
+        parameters: vec![FRICTION, SLOPE, ramp_end, kick_time, kick],
+        friction: vec![Friction::coulomb(FRICTION)],
+        longest_step: 1.0,
+    })
+}
+
+/// The block breaks loose at 2, where the pull reaches the limit of friction. The ramp ends at 3. A kick at 5 throws the
+/// block back; it comes to rest and slips forward again.
+#[test]
+fn a_block_on_a_ramp_is_kicked_back() {
+    let system = block([3.0, 5.0, -2.0]);
+    let mut motion = Motion::new(&system, SETTINGS, &[0.0, 0.0, 0.0, 1.0, 1.0]).expect("starts");
+    let mut times = Vec::new();
+    while motion.time() < 8.0 {
+        if motion.advance(8.0).expect("continues") {
+            times.push((motion.time(), motion.phases()[0]));
+        }
+    }
+    // The speed after the ramp and before and after the kick; the pull is then 0.75.
+    let ramped = SLOPE * 0.5;
+    let thrown = ramped + 2.0 * 0.25 - 2.0;
+    let back = -thrown / (0.75 + FRICTION);
+    let (forwards, backwards) = (Phase::Slip(1.0), Phase::Slip(-1.0));
+    let expected = [(2.0, forwards), (3.0, forwards), (5.0, backwards), (5.0 + back, forwards)];
+    assert_eq!(times.len(), expected.len(), "{times:?}");
+    for ((time, phase), (expected_time, expected_phase)) in times.into_iter().zip(expected) {
+        assert!((time - expected_time).abs() < 1e-11, "{time} {expected_time}");
+        assert_eq!(phase, expected_phase);
+    }
+    let rest = 3.0 - back;
+    let position =
+        SLOPE / 6.0 + (ramped * 2.0 + 0.25 * 2.0) + thrown * back / 2.0 + 0.25 * rest * rest / 2.0;
+    let state = motion.state();
+    assert!((state[1] - position).abs() < 1e-11, "{} {position}", state[1]);
+    assert!((state[2] - 0.25 * rest).abs() < 1e-11);
+    assert_eq!((state[0], state[3], state[4]), (8.0, 0.0, 0.0));
+}
+
+/// A kick moves a block that sticks; it comes to rest again and later breaks loose as if it had not been kicked.
+#[test]
+fn a_kicked_block_comes_to_rest_again() {
+    let system = block([3.0, 1.0, 0.1]);
+    let mut motion = Motion::new(&system, SETTINGS, &[0.0, 0.0, 0.0, 1.0, 1.0]).expect("starts");
+    // v = 0.1 - (0.5 - 0.25) τ + 0.125 τ²
+    let stop = (0.25 - (0.0625_f64 - 4.0 * 0.125 * 0.1).sqrt()) / 0.25;
+    let expected = [(1.0, Phase::Slip(1.0)), (1.0 + stop, Phase::Stick), (2.0, Phase::Slip(1.0))];
+    for (time, phase) in expected {
+        while !motion.advance(4.0).expect("continues") {}
+        assert!((motion.time() - time).abs() < 1e-10, "{} {time}", motion.time());
+        assert_eq!(motion.phases()[0], phase);
+    }
+    let moved = 0.1 * stop - 0.125 * stop.powi(2) + 0.125 / 3.0 * stop.powi(3);
+    assert!((motion.state()[1] - moved).abs() < 1e-12);
+}
+
+/// A neighbour that is late in time breaks loose, leaves the ramp and is kicked later.
+#[test]
+fn displacements_follow_ramp_and_kick() {
+    for time in [1.5, 2.5, 4.0, 5.5, 8.0] {
+        compare_displacements(
+            &block([3.0, 5.0, -2.0]),
+            &[0.0, 0.0, 0.3, 1.0, 1.0],
+            &[0, 1, 2],
+            time,
+        );
+    }
+}

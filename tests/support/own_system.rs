@@ -1,0 +1,60 @@
+//! A system that a test writes down in a few lines.
+
+use std::any::Any;
+
+use stickslip::model::{ContactMode, Friction, Recorder, System, SystemEquations};
+
+/// A system of functions; its inputs are the parameters, then 1 for each contact that slips and the direction.
+#[derive(Debug)]
+pub struct OwnSystem {
+    pub record: for<'r> fn(&'r Recorder) -> SystemEquations<'r>,
+    pub parameters: Vec<f64>,
+    pub friction: Vec<Friction>,
+    pub longest_step: f64,
+}
+
+impl System for OwnSystem {
+    fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
+        (self.record)(recorder)
+    }
+
+    fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
+        let mode = |mode: &ContactMode| match *mode {
+            ContactMode::Stick => [0.0, 0.0],
+            ContactMode::Slip(direction) | ContactMode::SetOff(direction) => [1.0, direction],
+        };
+        self.parameters.iter().copied().chain(modes.iter().flat_map(mode)).collect()
+    }
+
+    fn contacts(&self) -> usize {
+        self.friction.len()
+    }
+
+    fn friction(&self, contact: usize) -> &Friction {
+        &self.friction[contact]
+    }
+
+    fn longest_step(&self) -> f64 {
+        self.longest_step
+    }
+
+    fn pace(&self) -> f64 {
+        1.0
+    }
+
+    fn surely_one_solution(&self) -> bool {
+        true
+    }
+
+    fn one_solution_at(&self, _state: &[f64]) -> bool {
+        true
+    }
+
+    fn force_scale(&self) -> f64 {
+        1.0
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}
