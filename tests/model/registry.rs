@@ -1,13 +1,13 @@
 //! The tables of kinds of models and of friction laws are complete: an entry that is forgotten or wrong fails here.
 
 use stickslip::model::{
-    FRICTION_LAWS, FrictionLaw, Law, MAX_LAW_PARAMETERS, MODEL_KINDS, SlidingSpeed,
+    FRICTION_LAWS, FrictionLaw, Law, MAX_LAW_PARAMETERS, SlidingSpeed, model_kinds,
 };
 
 /// The default of each kind is of that kind, is valid, and has a value of each number among the parameters.
 #[test]
 fn defaults_have_all_parameters() {
-    for kind in MODEL_KINDS {
+    for kind in model_kinds().iter().copied() {
         let mut model = (kind.default)();
         assert_eq!(model.kind(), kind);
         assert_eq!(model.validate(), Ok(()), "{kind:?}");
@@ -21,7 +21,7 @@ fn defaults_have_all_parameters() {
 /// Each parameter has its own field: a new value changes one parameter and no other.
 #[test]
 fn parameters_have_fields_of_their_own() {
-    for kind in MODEL_KINDS {
+    for kind in model_kinds().iter().copied() {
         let numbers = || kind.parameters.iter().filter(|parameter| parameter.is_number());
         for changed in numbers() {
             let mut model = (kind.default)();
@@ -49,7 +49,7 @@ fn names_are_unique_and_have_units() {
         ("rad/s", "_rad_s"),
         ("m/s", "_m_s"),
     ];
-    for kind in MODEL_KINDS {
+    for kind in model_kinds().iter().copied() {
         for law in FRICTION_LAWS {
             let own = kind.parameters.iter().map(|one| (one.name, one.unit));
             let of_law = law.parameters().iter();
@@ -81,7 +81,7 @@ fn example(law: &'static dyn Law, unit: usize) -> FrictionLaw {
 fn laws_are_what_they_state() {
     for law in FRICTION_LAWS {
         assert!(law.parameters().len() <= MAX_LAW_PARAMETERS);
-        for kind in MODEL_KINDS {
+        for kind in model_kinds().iter().copied() {
             let unit = usize::from(kind.sliding_speed == SlidingSpeed::MS);
             let mut model = (kind.default)();
             *model.friction_mut() = example(law, unit);

@@ -85,7 +85,9 @@ impl Parameter {
             let law = (own.name == FRICTION_COEFFICIENT).then(of_law).into_iter().flatten();
             std::iter::once(Definition::Model(own)).chain(law)
         };
-        let definitions = kind.parameters.iter().flat_map(with_law).enumerate();
+        // A whole number is the same for all runs.
+        let numbers = kind.parameters.iter().filter(|own| own.largest_count().is_none());
+        let definitions = numbers.flat_map(with_law).enumerate();
         let parameters = definitions.flat_map(|(order, definition)| {
             let general = Parameter { definition, order, ball: None };
             let balls = if general.is_of_balls() { model.balls() } else { 0 };
