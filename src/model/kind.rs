@@ -6,6 +6,9 @@ use std::fmt;
 use super::registry::model_kinds;
 use super::{Ball, Block, Machine, Model, SlidingSpeed};
 
+/// The name of the (kinetic) friction coefficient in every kind of model.
+pub const FRICTION_COEFFICIENT: &str = "friction_coefficient";
+
 /// A kind of model.
 pub struct ModelKind {
     /// The name in a study file.

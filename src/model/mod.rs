@@ -50,7 +50,7 @@ pub use graph::{
     SystemEquations,
 };
 pub use invalid_parameter::InvalidParameter;
-pub use kind::{Bound, Capabilities, Field, ModelKind, ParameterDescriptor};
+pub use kind::{Bound, Capabilities, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor};
 pub use machine::{Ball, MAX_BALLS, Machine, NormalForce, ball_parameter_name};
 pub use modelled::{Model, OtherCoordinates};
 pub use number::{Elementary, Number};

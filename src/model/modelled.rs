@@ -5,10 +5,9 @@ use std::sync::Arc;
 use serde::Serialize;
 use thiserror::Error;
 
-use super::own::FRICTION_COEFFICIENT;
 use super::{
-    Balancer, Block, Components, FrictionLaw, Ground, InvalidParameter, Machine, ModelKind,
-    OwnModel, Start, System, ball_balancer, block,
+    Balancer, Block, Components, FRICTION_COEFFICIENT, FrictionLaw, Ground, InvalidParameter,
+    Machine, ModelKind, OwnModel, Start, System, ball_balancer, block,
 };
 
 /// One of the mechanical systems with its parameters.
@@ -155,6 +154,15 @@ impl Model {
         match self {
             Model::Block(block) => Some(block),
             Model::BallBalancer(_) | Model::Own(_) => None,
+        }
+    }
+
+    /// Returns the version of the equations of a model that is defined outside this crate. The equations of the other
+    /// models have the version of the program.
+    pub fn own_version(&self) -> Option<u32> {
+        match self {
+            Model::BallBalancer(_) | Model::Block(_) => None,
+            Model::Own(own) => Some(own.own().version()),
         }
     }
 

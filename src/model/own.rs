@@ -6,11 +6,8 @@ use std::sync::Arc;
 use serde::{Serialize, Serializer};
 
 use super::invalid_parameter::{invalid, not_negative, positive};
-use super::kind::{Bound, Field, ModelKind, ParameterDescriptor};
+use super::kind::{Bound, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor};
 use super::{Components, Coordinate, Friction, FrictionLaw, InvalidParameter, System, Units};
-
-/// The name of the (kinetic) friction coefficient in every kind of model.
-pub(super) const FRICTION_COEFFICIENT: &str = "friction_coefficient";
 
 /// What a kind of models outside this crate computes from the parameters of a model. Equal models must give equal
 /// values.

@@ -6,8 +6,7 @@ use thiserror::Error;
 
 use super::coordinate::unit_ending;
 use super::friction::FRICTION_LAWS;
-use super::kind::{Capabilities, Field, ModelKind};
-use super::own::FRICTION_COEFFICIENT;
+use super::kind::{Capabilities, FRICTION_COEFFICIENT, Field, ModelKind};
 use super::{Graph, Model, Start, ball_balancer, block};
 
 /// The built-in kinds, in the order of the documentation.

@@ -1,7 +1,8 @@
 //! The tables of kinds of models and of friction laws are complete: an entry that is forgotten or wrong fails here.
 
 use stickslip::model::{
-    FRICTION_LAWS, FrictionLaw, Law, MAX_LAW_PARAMETERS, SlidingSpeed, model_kinds,
+    Block, Bound, Capabilities, FRICTION_LAWS, Field, FrictionLaw, Law, MAX_LAW_PARAMETERS,
+    ModelKind, ParameterDescriptor, Registry, SlidingSpeed, model_kinds,
 };
 
 /// The default of each kind is of that kind, is valid, and has a value of each number among the parameters.
@@ -118,4 +119,52 @@ fn laws_are_what_they_state() {
         let depends = friction.slip(1.0, 0.02) != unused.slip(1.0, 0.02);
         assert_eq!(law.uses_friction_coefficient(), depends, "{name}");
     }
+}
+
+/// Returns the kind of a program with these names and parameters.
+fn kind(name: &'static str, parameters: Vec<ParameterDescriptor>) -> ModelKind {
+    ModelKind {
+        name,
+        meaning: "A kind.",
+        parameters: parameters.leak(),
+        body: "block",
+        sliding_speed: SlidingSpeed::MS,
+        offers: Capabilities::MOTION,
+        default: || Block::on_belt().into(),
+    }
+}
+
+/// A registry with a kind that contradicts itself or another one is refused, with its name and the reason.
+#[test]
+fn unsound_kinds_are_refused() {
+    let number = |name| ParameterDescriptor::positive(name, "1", "a number", 1.0);
+    let friction = || number("friction_coefficient");
+    let field = Field::Own { default: 1.0, bound: Bound::None };
+    let without_unit = ParameterDescriptor { name: "mass", unit: "kg", meaning: "a mass", field };
+    let of_block = model_kinds()[1].parameters[0].field;
+    let of_block = ParameterDescriptor { field: of_block, ..number("mass") };
+    let count = ParameterDescriptor::count("blocks", "number of blocks", 3, 2);
+    let more = Capabilities { animation: true, ..Capabilities::MOTION };
+    let cases = [
+        (kind("block_on_belt", vec![friction()]), "another kind has this name"),
+        (kind("a-b", vec![friction()]), "lower-case letters"),
+        (kind("a", vec![number("A"), friction()]), "the name `A`"),
+        (kind("a", vec![number("b"), number("b"), friction()]), "two parameters are called `b`"),
+        (kind("a", vec![number("balls"), friction()]), "two parameters are called `balls`"),
+        (kind("a", vec![number("static_friction_coefficient"), friction()]), "that of a law"),
+        (kind("a", vec![without_unit, friction()]), "`mass` needs the ending `_kg`"),
+        (kind("a", vec![of_block, friction()]), "`mass` needs the field"),
+        (kind("a", vec![count, friction()]), "the default of `blocks`"),
+        (kind("a", vec![number("b")]), "needs the parameter `friction_coefficient`"),
+        (ModelKind { offers: more, ..kind("a", vec![friction()]) }, "only built-in kinds"),
+        (kind("a", vec![friction()]), "its default is not an `OwnModel` of this kind"),
+    ];
+    for (kind, reason) in cases {
+        let name = kind.name;
+        let error = Registry::new().with(Box::leak(Box::new(kind))).install().expect_err(reason);
+        let error = error.to_string();
+        assert!(error.contains(&format!("`{name}`")) && error.contains(reason), "{error}");
+    }
+    // The built-in kinds alone can be installed at any time.
+    assert_eq!(Registry::new().install(), Ok(()));
 }

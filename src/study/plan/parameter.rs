@@ -5,8 +5,8 @@ use std::fmt;
 use std::hash::{Hash, Hasher};
 
 use crate::model::{
-    Ball, Field, LawParameter, Lowest, Model, NormalForce, ParameterDescriptor, SlidingSpeed,
-    ball_parameter_name,
+    Ball, FRICTION_COEFFICIENT, Field, LawParameter, Lowest, Model, NormalForce,
+    ParameterDescriptor, SlidingSpeed, ball_parameter_name,
 };
 use crate::study::error::Fault;
 use crate::study::file::yaml_tree::describe_number;
@@ -50,9 +50,6 @@ pub struct VariedParameter {
     /// Whether the values are numbers or words.
     pub kind: ParameterKind,
 }
-
-/// The name of the (kinetic) friction coefficient in every model.
-const FRICTION_COEFFICIENT: &str = "friction_coefficient";
 
 /// Where a parameter is defined.
 #[derive(Clone, Copy, Debug)]

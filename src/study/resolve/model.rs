@@ -237,7 +237,7 @@ fn own_values(path: &SourcePath<'_>, balls: Option<&Balls>) -> Result<Vec<BallFi
             ("diameter_m", "ball_diameter_m", ball.diameter_m),
             ("friction_coefficient", "friction_coefficient", ball.friction_coefficient),
         ] {
-            let form = Model::BallBalancer(Machine::default());
+            let form = Model::from(Machine::default());
             if let (Some(parameter), Some(value)) = (Parameter::find(general, &form), value) {
                 parameter
                     .check(value, &form)
