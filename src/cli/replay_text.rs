@@ -16,7 +16,7 @@ const MOST_ON_TERMINAL: usize = 20;
 /// Returns the first `most` switches as a table.
 pub fn switch_log(model: &Model, recording: &Recording, most: usize) -> String {
     let units = model.units();
-    // A block has no number, and its column its old name.
+    // The only contact of a block has no number, and the column has the name of the balls' numbers.
     let body = if model.block().is_some() { "ball" } else { model.kind().body };
     let header = ["time_s", body, "from", "to", "friction_n", "friction_limit_n", "normal_n"];
     let mut rows = vec![header.map(String::from).to_vec()];

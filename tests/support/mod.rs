@@ -4,7 +4,9 @@ mod angle;
 pub mod reference;
 mod systems;
 mod test_rng;
+mod two_blocks;
 
 pub use angle::angular_distance;
 pub use systems::{for_each_kernel, shared, started, state_of};
 pub use test_rng::TestRng;
+pub use two_blocks::TwoBlocks;
