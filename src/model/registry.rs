@@ -116,14 +116,26 @@ fn check_names(kind: &ModelKind) -> Result<(), String> {
     }
 }
 
-/// Checks that the default model is sound and that its functions agree on the numbers of coordinates and contacts.
+/// Checks that the default model is sound, and that its functions agree also with the largest whole numbers.
 fn check_default(kind: &'static ModelKind) -> Result<(), String> {
     let model = (kind.default)();
     if model.kind() != kind || !matches!(model, Model::Own(_)) {
         return Err("its default is not an `OwnModel` of this kind".into());
     }
     model.validate().map_err(|invalid| format!("its default is invalid: {invalid}"))?;
-    let system = model.system().ok_or("its default has no system")?;
+    check_numbers(&model)?;
+    let mut largest = model;
+    for parameter in kind.parameters {
+        if let Some(most) = parameter.largest_count() {
+            parameter.numbers(&mut largest, None).into_iter().for_each(|one| *one = most as f64);
+        }
+    }
+    check_numbers(&largest)
+}
+
+/// Checks that the functions of a model agree on the numbers of coordinates, inputs and contacts.
+fn check_numbers(model: &Model) -> Result<(), String> {
+    let system = model.system().ok_or("a model has no system")?;
     let graph = Graph::of(system.as_ref());
     let coordinates = model.coordinates();
     let start = coordinates.iter().map(|one| one.default_range[0]).collect();
@@ -137,7 +149,9 @@ fn check_default(kind: &'static ModelKind) -> Result<(), String> {
         ("units of force and contacts", model.units().force_n.len(), system.contacts()),
     ];
     match pairs.into_iter().find(|(_, one, other)| one != other) {
-        Some((what, one, other)) => Err(format!("the numbers of {what} differ: {one} and {other}")),
+        Some((what, one, other)) => {
+            Err(format!("the numbers of {what} differ: {one} and {other}, for {model:?}"))
+        }
         None => Ok(()),
     }
 }

@@ -1,8 +1,11 @@
 //! The tables of kinds of models and of friction laws are complete: an entry that is forgotten or wrong fails here.
 
+use std::sync::Arc;
+
 use stickslip::model::{
-    Block, Bound, Capabilities, FRICTION_LAWS, Field, FrictionLaw, Law, MAX_LAW_PARAMETERS,
-    ModelKind, ParameterDescriptor, Registry, SlidingSpeed, model_kinds,
+    Block, Bound, Capabilities, Components, Coordinate, FRICTION_LAWS, Field, FrictionLaw, Law,
+    MAX_LAW_PARAMETERS, Model, ModelKind, OwnKind, OwnModel, ParameterDescriptor, Registry,
+    SlidingSpeed, System, Units, model_kinds,
 };
 
 /// The default of each kind is of that kind, is valid, and has a value of each number among the parameters.
@@ -134,6 +137,47 @@ fn kind(name: &'static str, parameters: Vec<ParameterDescriptor>) -> ModelKind {
     }
 }
 
+/// A kind with the equations of a block and a wrong number of units of force.
+struct TwoForces;
+
+impl OwnKind for TwoForces {
+    fn coordinates(&self, _: &OwnModel) -> Vec<Coordinate> {
+        Model::from(Block::on_belt()).coordinates()
+    }
+
+    fn units(&self, _: &OwnModel) -> Units {
+        Units { force_n: vec![1.0; 2], ..Model::from(Block::on_belt()).units() }
+    }
+
+    fn system(&self, _: &OwnModel) -> Arc<dyn System> {
+        Arc::new(Block::on_belt().slider())
+    }
+
+    fn start_state(&self, _: &OwnModel, start: &[f64]) -> Components {
+        start.iter().copied().collect()
+    }
+}
+
+static TWO_FORCES: ModelKind = ModelKind {
+    name: "two_forces",
+    meaning: "A kind.",
+    parameters: &[ParameterDescriptor::positive("friction_coefficient", "1", "friction", 0.1)],
+    body: "block",
+    sliding_speed: SlidingSpeed::MS,
+    offers: Capabilities::MOTION,
+    default: || OwnModel::new(&TWO_FORCES, &TwoForces).into(),
+};
+
+static INVALID: ModelKind = ModelKind {
+    name: "invalid",
+    meaning: "A kind.",
+    parameters: &[ParameterDescriptor::positive("friction_coefficient", "1", "friction", 0.0)],
+    body: "block",
+    sliding_speed: SlidingSpeed::MS,
+    offers: Capabilities::MOTION,
+    default: || OwnModel::new(&INVALID, &TwoForces).into(),
+};
+
 /// A registry with a kind that contradicts itself or another one is refused, with its name and the reason.
 #[test]
 fn unsound_kinds_are_refused() {
@@ -164,6 +208,13 @@ fn unsound_kinds_are_refused() {
         let error = Registry::new().with(Box::leak(Box::new(kind))).install().expect_err(reason);
         let error = error.to_string();
         assert!(error.contains(&format!("`{name}`")) && error.contains(reason), "{error}");
+    }
+    for (kind, reason) in [
+        (&TWO_FORCES, "the numbers of units of force and contacts differ: 2 and 1"),
+        (&INVALID, "its default is invalid: friction_coefficient is 0"),
+    ] {
+        let error = Registry::new().with(kind).install().expect_err(reason).to_string();
+        assert!(error.contains(reason), "{error}");
     }
     // The built-in kinds alone can be installed at any time.
     assert_eq!(Registry::new().install(), Ok(()));
