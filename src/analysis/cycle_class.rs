@@ -196,7 +196,8 @@ impl CycleForm {
     fn class(&self, model: &Model) -> CycleClass {
         let groups = model
             .ball_balancer()
-            .map_or_else(|| vec![vec![0]], |machine| groups_of_identical(&machine.balls));
+            .map(|machine| groups_of_identical(&machine.balls))
+            .unwrap_or_else(|| (0..model.contacts()).map(|contact| vec![contact]).collect());
         let starts = self.roles.iter().map(|role| role.letters.len()).max().unwrap_or(0).max(1);
         let starting_at = |start: usize| {
             let mut roles = self.roles.clone();

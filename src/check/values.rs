@@ -31,28 +31,26 @@ pub(super) fn findings(
     positions: Option<&BallPositions>,
 ) -> Vec<Finding> {
     let at = At { study, point_id };
-    match model {
-        Model::Block(block) => {
-            let friction = at.friction(&block.friction, block.friction_coefficient, None);
-            friction.into_iter().chain(at.belt_speed(block)).collect()
-        }
-        Model::BallBalancer(machine) => {
-            let fits = [at.ring(machine), at.room(machine)].into_iter().flatten();
-            let mut all: Vec<Finding> = fits.collect();
-            let has_room = all.is_empty();
-            let balls = || machine.balls.iter().zip(1..);
-            all.extend(balls().find_map(|(ball, number)| at.density(ball, number)));
-            all.extend(balls().find_map(|(ball, number)| {
-                at.friction(&machine.friction, ball.friction_coefficient, Some(number))
-            }));
-            all.extend(at.speed(machine));
-            all.extend(at.balance(machine));
-            if let Some(positions) = positions.filter(|_| has_room) {
-                all.extend(at.overlap(machine, positions));
-            }
-            all
-        }
+    let Some(machine) = model.ball_balancer() else {
+        let kinetic = model.friction_coefficient();
+        let friction = kinetic.and_then(|kinetic| at.friction(model.friction(), kinetic, None));
+        let belt_speed = model.block().and_then(|block| at.belt_speed(block));
+        return friction.into_iter().chain(belt_speed).collect();
+    };
+    let fits = [at.ring(machine), at.room(machine)].into_iter().flatten();
+    let mut all: Vec<Finding> = fits.collect();
+    let has_room = all.is_empty();
+    let balls = || machine.balls.iter().zip(1..);
+    all.extend(balls().find_map(|(ball, number)| at.density(ball, number)));
+    all.extend(balls().find_map(|(ball, number)| {
+        at.friction(&machine.friction, ball.friction_coefficient, Some(number))
+    }));
+    all.extend(at.speed(machine));
+    all.extend(at.balance(machine));
+    if let Some(positions) = positions.filter(|_| has_room) {
+        all.extend(at.overlap(machine, positions));
     }
+    all
 }
 
 /// Returns whether the balls have room in the ring.

@@ -70,7 +70,7 @@ fn of_points(study: &Study, design: Option<&ExaminedDesign>) -> Vec<Finding> {
 /// Warns of designs whose balls have no room in the ring.
 fn of_designs(study: &Study) -> Option<Finding> {
     let variables = study.variables();
-    if variables.is_empty() || study.model().balls() == 0 {
+    if variables.is_empty() || study.model().ball_balancer().is_none() {
         return None;
     }
     let space = Space::new(study);

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::lane_run::{LaneRun, Next};
 use super::outcome::{Evidence, Outcome};
 use super::recorder::Recorder;
-use crate::model::{Case, Components, Model, Recorded, System};
+use crate::model::{Case, Components, Recorded, System};
 use crate::motion::lockstep::{Happened, LANES, LaneGroup, Saved};
 use crate::motion::{SimdLevel, unwind_if_cancelled};
 
@@ -89,13 +89,8 @@ fn prepared(case: &Case) -> Result<(Arc<dyn System>, Components), String> {
     let Case { model, start, .. } = case;
     model.validate().map_err(|invalid| invalid.to_string())?;
     let system = model.system().ok_or_else(|| format!("{} balls", model.balls()))?;
-    let other_coordinates = || match model {
-        Model::BallBalancer(_) => {
-            "the start state has another number of balls than the machine".to_owned()
-        }
-        Model::Block(_) => "the start state of a block is its position and its velocity".to_owned(),
-    };
-    Ok((system, model.start_state(start).ok_or_else(other_coordinates)?))
+    let state = model.start_state(start).map_err(|other| other.to_string())?;
+    Ok((system, state))
 }
 
 /// Runs in progress whose systems share lanes.

@@ -69,7 +69,7 @@ impl LaneRun {
         let view = Arc::new(SystemView::new(Evaluator::new(Arc::clone(system))));
         let late = |end: f64| Late::until(end, simulation.endings, &view);
         let horizons = Horizons::new(simulation, units.natural_rad_s, late);
-        let limit = effort_limit(system.as_ref(), horizons.latest_end());
+        let limit = effort_limit(&case.model, system.as_ref(), horizons.latest_end());
         let settings = Settings::new(simulation, limit);
         let saved = Saved::start(system, settings, state)?;
         let run = LaneRun {

@@ -6,7 +6,7 @@
 //! corresponds to [`LONGEST_S`] of computing, or to one second if it cannot reach its end time within
 //! that limit.
 
-use crate::model::{Ball, Model, Simulation, Slider, System};
+use crate::model::{Ball, Model, Simulation, System};
 use crate::motion::most_steps_by;
 
 /// Longest computing time of a run that can reach its end time, s.
@@ -21,27 +21,25 @@ pub(super) const MOST_LOOKS: u32 = 4;
 
 /// Returns an upper bound of the time per step of a run that is computed alone, s on a core of the
 /// year 2024. With one of eight lanes in use and an event in every step, a step takes up to 4 µs per
-/// ball.
+/// contact, and 1 µs if position and speed of one contact are the whole state.
 pub fn seconds_per_step(model: &Model) -> f64 {
-    seconds_per_step_with(model.balls())
+    match model.contacts() {
+        1 if model.coordinates().len() == 2 => 1e-6,
+        contacts => 4e-6 * contacts as f64,
+    }
 }
 
-fn seconds_per_step_with(balls: usize) -> f64 {
-    if balls == 0 { 1e-6 } else { 4e-6 * balls as f64 }
-}
-
-/// Returns the maximum number of steps of any run with this number of balls, for any parameters and
-/// end time.
-pub fn most_steps_of_any_run(balls: usize) -> u64 {
-    let going_on = (LONGEST_S / seconds_per_step_with(balls)) as u64;
+/// Returns the maximum number of steps of any run with the contacts of this model, for any parameters
+/// and end time.
+pub fn most_steps_of_any_run(model: &Model) -> u64 {
+    let going_on = (LONGEST_S / seconds_per_step(model)) as u64;
     most_steps_by(0.0, 0.0) + going_on + u64::from(MOST_LOOKS) * MOST_STEPS_OF_A_LOOK
 }
 
 /// Returns the maximum number of steps (tried or accepted) and switches in the motion of a run
 /// until the non-dimensional time `end`.
-pub(super) fn effort_limit(system: &dyn System, end: f64) -> u64 {
-    let balls = if system.as_any().is::<Slider>() { 0 } else { system.contacts() };
-    let steps_in = |seconds: f64| seconds / seconds_per_step_with(balls);
+pub(super) fn effort_limit(model: &Model, system: &dyn System, end: f64) -> u64 {
+    let steps_in = |seconds: f64| seconds / seconds_per_step(model);
     let in_vain = end * system.fewest_steps() > steps_in(LONGEST_S);
     let most = steps_in(if in_vain { IN_VAIN_S } else { LONGEST_S });
     let sound = |time: f64| most_steps_by(time, system.pace());
@@ -53,14 +51,14 @@ pub(super) fn effort_limit(system: &dyn System, end: f64) -> u64 {
 pub fn most_steps_of_a_run(model: &Model, simulation: &Simulation) -> Option<u64> {
     let [_, latest_end_time_s] = simulation.end_times_s();
     let end = latest_end_time_s * model.natural_frequency_rad_s();
-    let motion = effort_limit(model.system()?.as_ref(), end);
+    let motion = effort_limit(model, model.system()?.as_ref(), end);
     Some(motion.saturating_add(u64::from(MOST_LOOKS) * MOST_STEPS_OF_A_LOOK))
 }
 
 /// Returns whether the kernel written for ball balancers computes runs of this model: those whose
 /// friction is independent of speed or proportional to it.
 pub fn has_tuned_kernel(model: &Model) -> bool {
-    let Model::BallBalancer(machine) = model else { return false };
+    let Some(machine) = model.ball_balancer() else { return false };
     let is_linear = |ball: &Ball| machine.friction.is_linear(ball.friction_coefficient);
     machine.balls.iter().all(is_linear)
 }

@@ -159,10 +159,11 @@ fn rows(
     let names = |columns: &'_ [VariedParameter]| {
         listed(columns.iter().map(|column| column.name.as_str()).collect())
     };
-    let what = match model.balls() {
-        0 => model.kind().name.to_owned(),
-        1 => "ball_balancer with 1 ball".to_owned(),
-        balls => format!("ball_balancer with {balls} balls"),
+    let kind = model.kind();
+    let what = match (model.block(), model.contacts()) {
+        (Some(_), _) => kind.name.to_owned(),
+        (None, 1) => format!("{} with 1 {}", kind.name, kind.body),
+        (None, contacts) => format!("{} with {contacts} {}s", kind.name, kind.body),
     };
     let (friction, natural) = (model.friction().name(), model.natural_frequency_rad_s());
     let (hash, seed) = (&study.hash()[..12], study.seed());

@@ -8,7 +8,6 @@ use crate::analysis::{Balance, Stability};
 use crate::check::{
     BalancerFacts, BallPositions, BlockFacts, ExaminedDesign, RestFacts, points_to_examine, short,
 };
-use crate::model::Model;
 use crate::study::{DesignValue, Point, Study, Variable};
 use crate::text_table::text_table;
 
@@ -30,6 +29,10 @@ enum Facts {
     Block(BlockFacts),
     /// The facts, and the positions of rest with friction at its quantiles 0.025 and 0.975 if friction is uncertain.
     Balancer(Box<BalancerFacts>, Option<[RestFacts; 2]>),
+    /// A model without closed forms.
+    Other {
+        natural_frequency_rad_s: f64,
+    },
 }
 
 /// Returns whether a parameter of this name is a friction coefficient.
@@ -45,12 +48,14 @@ impl ClosedForms {
         let study = design.map_or(study, |design| &design.study);
         let positions = BallPositions::new(study.model().balls());
         let facts = |point_id: u64| {
-            let facts = match study.median_model(point_id).ok()? {
-                Model::Block(block) => Facts::Block(BlockFacts::of(&block)),
-                Model::BallBalancer(machine) => {
-                    let facts = BalancerFacts::of(&machine, &positions)?;
-                    Facts::Balancer(Box::new(facts), friction_range(study, point_id, &positions))
-                }
+            let model = study.median_model(point_id).ok()?;
+            let facts = if let Some(machine) = model.ball_balancer() {
+                let facts = BalancerFacts::of(machine, &positions)?;
+                Facts::Balancer(Box::new(facts), friction_range(study, point_id, &positions))
+            } else if let Some(block) = model.block() {
+                Facts::Block(BlockFacts::of(block))
+            } else {
+                Facts::Other { natural_frequency_rad_s: model.natural_frequency_rad_s() }
             };
             Some((study.point(point_id), facts))
         };
@@ -81,7 +86,9 @@ impl ClosedForms {
         }
         let balancers: Vec<(u64, &BalancerFacts)> = self.at.iter().filter_map(balancer).collect();
         if balancers.is_empty() {
-            return text + &self.table(&BLOCK_COLUMNS);
+            let is_block = |(_, facts): &(Point, Facts)| matches!(facts, Facts::Block(_));
+            let all = if self.at.iter().all(is_block) { 3 } else { 1 };
+            return text + &self.table(&BLOCK_COLUMNS[..all]);
         }
         let mut text = text + &self.table(&BALANCER_COLUMNS) + &legend(&balancers);
         if self.at.iter().any(|(_, facts)| facts.cells().iter().any(|cell| cell.contains(RANGE))) {
@@ -152,7 +159,7 @@ fn friction_range(
 fn balancer((point, facts): &(Point, Facts)) -> Option<(u64, &BalancerFacts)> {
     match facts {
         Facts::Balancer(facts, _) => Some((point.point_id, facts)),
-        Facts::Block(_) => None,
+        Facts::Block(_) | Facts::Other { .. } => None,
     }
 }
 
@@ -177,6 +184,9 @@ impl Facts {
     /// Returns the cells of a row of the table.
     fn cells(&self) -> Vec<String> {
         match self {
+            Facts::Other { natural_frequency_rad_s } => {
+                vec![format!("{natural_frequency_rad_s:.2}")]
+            }
             Facts::Block(facts) => vec![
                 format!("{:.2}", facts.natural_frequency_rad_s),
                 short(facts.static_reach_m),
@@ -213,6 +223,9 @@ impl Facts {
     /// Returns the keys and values of a point's JSON object.
     fn entries(&self) -> Vec<(&'static str, Value)> {
         match self {
+            Facts::Other { natural_frequency_rad_s } => {
+                vec![("natural_frequency_rad_s", json!(natural_frequency_rad_s))]
+            }
             Facts::Block(facts) => vec![
                 ("natural_frequency_rad_s", json!(facts.natural_frequency_rad_s)),
                 ("static_reach_m", json!(facts.static_reach_m)),

@@ -102,7 +102,7 @@ impl Cost {
         let times = if simulation.extend.is_some() { 2.0 } else { 1.0 };
         let of_a_run = |simulation: &Simulation| {
             let own = if known { most_steps_of_a_run(model, simulation) } else { None };
-            let most = own.unwrap_or_else(|| most_steps_of_any_run(model.balls()));
+            let most = own.unwrap_or_else(|| most_steps_of_any_run(model));
             let most = times * most as f64;
             [steps_to_the_end(model, simulation).min(most), most]
         };
@@ -129,8 +129,12 @@ impl Cost {
 fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
     let natural = model.natural_frequency_rad_s();
     let [_, latest_end_time_s] = simulation.end_times_s();
-    let speed = model.ball_balancer().map_or(0.0, |machine| machine.speed_rad_s.abs() / natural);
-    let balls = model.balls() as f64;
+    let speed = match (model.ball_balancer(), model.block()) {
+        (Some(machine), _) => machine.speed_rad_s.abs() / natural,
+        (None, Some(_)) => 0.0,
+        (None, None) => model.system().map_or(0.0, |system| system.pace()),
+    };
+    let balls = if model.block().is_some() { 0.0 } else { model.contacts() as f64 };
     let strictness = 1e-8 / simulation.relative_tolerance;
     let tuned = 0.6 * (1.0 + speed) + 0.5 * balls * speed;
     // The general kernel takes shorter steps, and friction that depends on speed bends the motion at every switch.
@@ -141,12 +145,12 @@ fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
 
 /// Returns the seconds per step on a core of the year 2024 with vectors of four numbers if all lanes are in use.
 fn usual_seconds_per_step(model: &Model) -> f64 {
-    let balls = model.balls() as f64;
-    let tuned = 0.25e-6 * balls * (1.0 + balls / 20.0);
-    match model.balls() {
-        0 => 0.9e-6,
-        _ if has_tuned_kernel(model) => tuned,
-        _ => 4.5 * tuned,
+    let contacts = model.contacts() as f64;
+    let tuned = 0.25e-6 * contacts * (1.0 + contacts / 20.0);
+    match model.block() {
+        Some(_) => 0.9e-6,
+        None if has_tuned_kernel(model) => tuned,
+        None => 4.5 * tuned,
     }
 }
 

@@ -49,6 +49,7 @@ use clap::{Parser, Subcommand};
 pub use exit::{CliError, End};
 
 use crate::engine::{say, survive_file_size_limit};
+use crate::model::Registry;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -97,8 +98,18 @@ enum Command {
     Completions(completions::CompletionsArguments),
 }
 
-/// Parses the arguments of the process, runs the command, and returns the exit code.
+/// Runs the program with the built-in kinds of models, and returns the exit code.
 pub fn main() -> ExitCode {
+    run(Registry::new())
+}
+
+/// Runs the program with the kinds of models of a registry beside the built-in ones: parses the arguments of the process,
+/// runs the command, and returns the exit code. A registry that is not sound ends the program with exit code 2.
+pub fn run(registry: Registry) -> ExitCode {
+    if let Err(error) = registry.install() {
+        say(&format!("error: {error}"));
+        return CliError::Usage(error.to_string()).code();
+    }
     if let Err(error) = survive_file_size_limit() {
         say(&format!("warning: the file size limit may end the program: {error}"));
     }

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::point_words::micrometres;
 use crate::classification::{Outcome, Recording, Switch};
 use crate::counted::counted;
-use crate::model::Model;
+use crate::model::{Model, SlidingSpeed};
 use crate::table::phase_name;
 use crate::text_table::text_table;
 
@@ -16,14 +16,16 @@ const MOST_ON_TERMINAL: usize = 20;
 /// Returns the first `most` switches as a table.
 pub fn switch_log(model: &Model, recording: &Recording, most: usize) -> String {
     let units = model.units();
-    let header = ["time_s", "ball", "from", "to", "friction_n", "friction_limit_n", "normal_n"];
+    // The only contact of a block has no number, and the column has the name of the balls' numbers.
+    let body = if model.block().is_some() { "ball" } else { model.kind().body };
+    let header = ["time_s", body, "from", "to", "friction_n", "friction_limit_n", "normal_n"];
     let mut rows = vec![header.map(String::from).to_vec()];
     let switches = recording.switches.iter().take(most);
     rows.extend(switches.map(|Switch { time, contact, before, after }| {
         let newtons = |force| format!("{:.6e}", units.newtons(*contact, force).unwrap_or(f64::NAN));
         vec![
             format!("{:.9}", units.seconds(*time)),
-            if model.balls() > 0 { format!("{}", contact + 1) } else { "-".to_owned() },
+            if model.block().is_some() { "-".to_owned() } else { format!("{}", contact + 1) },
             phase_name(before.phase).to_owned(),
             phase_name(after.phase).to_owned(),
             newtons(before.friction),
@@ -46,14 +48,16 @@ pub fn terminal_text(
     let end = outcome.end_time_s.map(|end| format!(" at {end:.4} s")).unwrap_or_default();
     let mut rows = vec![("ending", format!("{label} ({evidence}){end}"))];
     if let Some(positions) = &outcome.position {
-        let (name, unit) = match model.balls() {
-            0 => ("final position", "m"),
-            1 => ("final angle", "°"),
-            _ => ("final angles", "°"),
+        let angles = model.kind().sliding_speed == SlidingSpeed::RadS;
+        let name = match (angles, positions.len()) {
+            (false, 1) => "final position",
+            (false, _) => "final positions",
+            (true, 1) => "final angle",
+            (true, _) => "final angles",
         };
-        let shown = positions.iter().map(|position| match model.balls() {
-            0 => format!("{position:.6} {unit}"),
-            _ => format!("{:.1}{unit}", position.to_degrees()),
+        let shown = positions.iter().map(|position| match angles {
+            false => format!("{position:.6} m"),
+            true => format!("{:.1}°", position.to_degrees()),
         });
         rows.push((name, shown.collect::<Vec<_>>().join(", ")));
     }

@@ -176,6 +176,10 @@ impl<'a> OutputDir<'a> {
             Ok(before) => lines.extend(changed_keys(&before, study)),
             Err(_) => lines.push("its study.yaml can no longer be read".to_owned()),
         }
+        if let (true, Some(version)) = (lines.is_empty(), study.model().own_version()) {
+            let kind = study.model().kind().name;
+            lines.push(format!("version of the equations of {kind}: another one -> {version}"));
+        }
         let more = lines.len().saturating_sub(MOST_LINES);
         lines.truncate(MOST_LINES);
         if more > 0 {

@@ -8,6 +8,7 @@ pub(super) static KIND: ModelKind = ModelKind {
     name: "ball_balancer",
     meaning: "An automatic ball balancer: a table on springs, a rotating disc with an imbalance, and balls in a ring.",
     parameters: &PARAMETERS,
+    body: "ball",
     sliding_speed: SlidingSpeed::RadS,
     offers: Capabilities { vibration: true, equilibrium_set: true, animation: true },
     default: || Model::BallBalancer(Machine { balls: vec![Ball::default()], ..Machine::default() }),

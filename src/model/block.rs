@@ -71,16 +71,14 @@ const BELT_SPEED: ParameterDescriptor = ParameterDescriptor {
     }),
 };
 
-const MOTION_ONLY: Capabilities =
-    Capabilities { vibration: false, equilibrium_set: false, animation: false };
-
 /// A block on a spring, on rigid ground.
 pub(super) static ON_SPRING: ModelKind = ModelKind {
     name: "block_on_spring",
     meaning: "A block on a spring, on rigid ground.",
     parameters: &[MASS, STIFFNESS, NORMAL_FORCE, FRICTION_COEFFICIENT],
+    body: "block",
     sliding_speed: SlidingSpeed::MS,
-    offers: MOTION_ONLY,
+    offers: Capabilities::MOTION,
     default: || Model::Block(Block::on_spring()),
 };
 
@@ -89,8 +87,9 @@ pub(super) static ON_BELT: ModelKind = ModelKind {
     name: "block_on_belt",
     meaning: "A block on a spring, on a moving belt.",
     parameters: &[MASS, STIFFNESS, NORMAL_FORCE, FRICTION_COEFFICIENT, BELT_SPEED],
+    body: "block",
     sliding_speed: SlidingSpeed::MS,
-    offers: MOTION_ONLY,
+    offers: Capabilities::MOTION,
     default: || Model::Block(Block::on_belt()),
 };
 

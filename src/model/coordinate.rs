@@ -16,8 +16,8 @@ const BALL_SPEED: f64 = 1.0;
 pub struct Coordinate {
     /// Name, as in a study file.
     pub name: String,
-    /// The name of this coordinate of every ball, for a coordinate of one ball.
-    pub of_every_ball: Option<&'static str>,
+    /// The name that stands for this coordinate of every body, for a coordinate of one of several bodies.
+    pub of_every_body: Option<&'static str>,
     /// Unit; `None` for a non-dimensional value.
     pub unit: Option<&'static str>,
     /// The unit in words.
@@ -31,6 +31,42 @@ pub struct Coordinate {
 }
 
 impl Coordinate {
+    /// A coordinate in this unit, such as `m`.
+    pub fn new(
+        name: impl Into<String>,
+        unit: &'static str,
+        meaning: &'static str,
+        default_range: [f64; 2],
+    ) -> Self {
+        Coordinate {
+            name: name.into(),
+            of_every_body: None,
+            unit: Some(unit),
+            unit_in_words: unit,
+            meaning,
+            default_range,
+            default_in_words: None,
+        }
+    }
+
+    /// A coordinate of one of several bodies, counted from 1: `position_2_m` for the second body and the name
+    /// `position_m`, which stands for this coordinate of every body.
+    pub fn of_body(
+        of_every_body: &'static str,
+        body: usize,
+        unit: &'static str,
+        meaning: &'static str,
+        default_range: [f64; 2],
+    ) -> Self {
+        let ending = unit_ending(unit);
+        let name = match of_every_body.strip_suffix(&*ending) {
+            Some(stem) => format!("{stem}_{body}{ending}"),
+            None => format!("{of_every_body}_{body}"),
+        };
+        let own = Coordinate::new(name, unit, meaning, default_range);
+        Coordinate { of_every_body: Some(of_every_body), ..own }
+    }
+
     fn non_dimensional(
         name: impl Into<String>,
         meaning: &'static str,
@@ -39,7 +75,7 @@ impl Coordinate {
     ) -> Self {
         Coordinate {
             name: name.into(),
-            of_every_ball: None,
+            of_every_body: None,
             unit: None,
             unit_in_words,
             meaning,
@@ -49,21 +85,23 @@ impl Coordinate {
     }
 }
 
+/// Returns the ending of names with this unit: `_n_m` for `N/m`; nothing for dimensionless numbers.
+pub(super) fn unit_ending(unit: &str) -> String {
+    match unit {
+        "" | "1" => String::new(),
+        unit => format!("_{}", unit.replace([' ', '/'], "_").to_lowercase()),
+    }
+}
+
 impl Model {
     /// The coordinates of a start state, in order.
     pub fn coordinates(&self) -> Vec<Coordinate> {
         match self {
+            Model::Own(own) => own.own().coordinates(own),
             Model::BallBalancer(machine) => of_balancer(machine.balls.len()),
             Model::Block(block) => {
-                let of_block = |name: &str, unit, meaning| Coordinate {
-                    name: name.to_owned(),
-                    of_every_ball: None,
-                    unit: Some(unit),
-                    unit_in_words: unit,
-                    meaning,
-                    default_range: [0.0, 0.0],
-                    default_in_words: None,
-                };
+                let of_block =
+                    |name: &str, unit, meaning| Coordinate::new(name, unit, meaning, [0.0; 2]);
                 let half = block.unit_length_m();
                 vec![
                     Coordinate {
@@ -87,7 +125,7 @@ fn of_balancer(balls: usize) -> Vec<Coordinate> {
         |name: &str, meaning, unit| Coordinate::non_dimensional(name, meaning, unit, HALF_WIDTH);
     let each = |stem: &'static str, of_one: &dyn Fn(String) -> Coordinate| -> Vec<Coordinate> {
         let of_ball = |ball: usize| Coordinate {
-            of_every_ball: Some(stem),
+            of_every_body: Some(stem),
             ..of_one(format!("{stem}_{ball}"))
         };
         (1..=balls).map(of_ball).collect()

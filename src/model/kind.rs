@@ -3,11 +3,11 @@
 
 use std::fmt;
 
-use super::{Ball, Block, Machine, Model, SlidingSpeed, ball_balancer, block};
+use super::registry::model_kinds;
+use super::{Ball, Block, Machine, Model, SlidingSpeed};
 
-/// All kinds of models, in the order of the documentation.
-pub static MODEL_KINDS: [&ModelKind; 3] =
-    [&ball_balancer::KIND, &block::ON_SPRING, &block::ON_BELT];
+/// The name of the (kinetic) friction coefficient in every kind of model.
+pub const FRICTION_COEFFICIENT: &str = "friction_coefficient";
 
 /// A kind of model.
 pub struct ModelKind {
@@ -17,6 +17,8 @@ pub struct ModelKind {
     pub meaning: &'static str,
     /// Its parameters without those of the friction law, in the order of the documentation.
     pub parameters: &'static [ParameterDescriptor],
+    /// The word for the body at each contact, such as `block`.
+    pub body: &'static str,
     /// The unit of its sliding speeds.
     pub sliding_speed: SlidingSpeed,
     /// What the program offers for it beside its motion.
@@ -36,10 +38,16 @@ pub struct Capabilities {
     pub animation: bool,
 }
 
+impl Capabilities {
+    /// Nothing beside the motion.
+    pub const MOTION: Self =
+        Capabilities { vibration: false, equilibrium_set: false, animation: false };
+}
+
 impl ModelKind {
     /// Returns the kind with this name.
     pub fn named(name: &str) -> Option<&'static ModelKind> {
-        MODEL_KINDS.into_iter().find(|kind| kind.name == name)
+        model_kinds().iter().copied().find(|kind| kind.name == name)
     }
 }
 
@@ -84,9 +92,78 @@ pub enum Field {
     Block(fn(&mut Block) -> Option<&mut f64>),
     /// The form of the normal force, a word.
     NormalForce,
+    /// A number of a model that is defined outside this crate.
+    Own {
+        /// The default.
+        default: f64,
+        /// The possible values.
+        bound: Bound,
+    },
+    /// A whole number from 1 of a model that is defined outside this crate, such as a number of bodies. It is the same
+    /// for all runs of a study.
+    Count {
+        /// The default.
+        default: usize,
+        /// The largest value.
+        most: usize,
+    },
+}
+
+/// The possible values of a number; all are finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bound {
+    /// More than zero.
+    Positive,
+    /// Zero or more.
+    NotNegative,
+    /// Any.
+    None,
+}
+
+impl Field {
+    /// Returns the default of a number outside this crate; the others have theirs in the default of their kind.
+    pub(super) fn default_number(self) -> f64 {
+        match self {
+            Field::Own { default, .. } => default,
+            Field::Count { default, .. } => default as f64,
+            _ => f64::NAN,
+        }
+    }
 }
 
 impl ParameterDescriptor {
+    /// A number above zero of a model that is defined outside this crate.
+    pub const fn positive(
+        name: &'static str,
+        unit: &'static str,
+        meaning: &'static str,
+        default: f64,
+    ) -> Self {
+        let field = Field::Own { default, bound: Bound::Positive };
+        ParameterDescriptor { name, unit, meaning, field }
+    }
+
+    /// A number of zero or more of a model that is defined outside this crate.
+    pub const fn not_negative(
+        name: &'static str,
+        unit: &'static str,
+        meaning: &'static str,
+        default: f64,
+    ) -> Self {
+        let field = Field::Own { default, bound: Bound::NotNegative };
+        ParameterDescriptor { name, unit, meaning, field }
+    }
+
+    /// A whole number from 1 to `most` of a model that is defined outside this crate.
+    pub const fn count(
+        name: &'static str,
+        meaning: &'static str,
+        default: usize,
+        most: usize,
+    ) -> Self {
+        ParameterDescriptor { name, unit: "1", meaning, field: Field::Count { default, most } }
+    }
+
     /// Returns whether each ball has a value of its own.
     pub fn is_of_each_ball(&self) -> bool {
         matches!(self.field, Field::Ball(_))
@@ -97,12 +174,23 @@ impl ParameterDescriptor {
         !matches!(self.field, Field::NormalForce)
     }
 
+    /// Returns the largest value of a whole number; `None` for other parameters.
+    pub fn largest_count(&self) -> Option<usize> {
+        match self.field {
+            Field::Count { most, .. } => Some(most),
+            _ => None,
+        }
+    }
+
     /// Returns the numbers of a model that the parameter sets: those of all balls, or of one ball, counted from 1. None
     /// for a model without this parameter.
     pub fn numbers<'a>(&self, model: &'a mut Model, ball: Option<usize>) -> Vec<&'a mut f64> {
         match (self.field, model) {
             (Field::Machine(field), Model::BallBalancer(machine)) => vec![field(machine)],
             (Field::Block(field), Model::Block(block)) => field(block).into_iter().collect(),
+            (Field::Own { .. } | Field::Count { .. }, Model::Own(own)) => {
+                own.number_mut(self).into_iter().collect()
+            }
             (Field::Ball(field), Model::BallBalancer(machine)) => (1..)
                 .zip(&mut machine.balls)
                 .filter(|(number, _)| ball.is_none_or(|own| own == *number))

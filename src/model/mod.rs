@@ -1,8 +1,8 @@
 //! The mechanical system: parameters, equations of motion, closed forms.
 //!
-//! [`Model`] is the model of a study, in SI units: a [`Machine`] (the ball balancer) or a
-//! [`Block`]. [`Balancer`] and [`Slider`] are their non-dimensional forms, with the equations of
-//! motion; [`System`] is their common interface. This module does not depend on how motion is
+//! [`Model`] is the model of a study, in SI units: a [`Machine`] (the ball balancer), a [`Block`], or
+//! an [`OwnModel`] that a program outside this crate registers. [`Balancer`] and [`Slider`] are
+//! non-dimensional forms, with the equations of motion; [`System`] is their common interface. This module does not depend on how motion is
 //! integrated or how a run ends.
 
 mod angle;
@@ -22,8 +22,11 @@ mod invalid_parameter;
 mod kind;
 mod machine;
 mod modelled;
+mod naming;
 mod number;
+mod own;
 mod recorded;
+mod registry;
 mod rest;
 mod system;
 mod units;
@@ -47,11 +50,13 @@ pub use graph::{
     NodeId, Recorder, Solve, SystemEquations,
 };
 pub use invalid_parameter::InvalidParameter;
-pub use kind::{Capabilities, Field, MODEL_KINDS, ModelKind, ParameterDescriptor};
+pub use kind::{Bound, Capabilities, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor};
 pub use machine::{Ball, MAX_BALLS, Machine, NormalForce, ball_parameter_name};
-pub use modelled::Model;
+pub use modelled::{Model, OtherCoordinates};
 pub use number::{Elementary, Number};
-pub use recorded::ContactMode;
+pub use own::{OwnKind, OwnModel};
+pub use recorded::{ContactMode, add_contact_inputs, record_contact};
+pub use registry::{Registry, RegistryError, model_kinds};
 pub use rest::RestPoint;
-pub use system::{Components, Recorded, RestAmplitude, RestForms, Structure, System};
+pub use system::{Components, Recorded, RestAmplitude, RestForms, Structure, System, stiff_pace};
 pub use units::Units;

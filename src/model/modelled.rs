@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use serde::Serialize;
+use thiserror::Error;
 
 use super::{
-    Balancer, Block, Components, FrictionLaw, Ground, InvalidParameter, Machine, ModelKind, Start,
-    System, ball_balancer, block,
+    Balancer, Block, Components, FRICTION_COEFFICIENT, FrictionLaw, Ground, InvalidParameter,
+    Machine, ModelKind, OwnModel, Start, System, ball_balancer, block,
 };
 
 /// One of the mechanical systems with its parameters.
@@ -16,7 +17,14 @@ pub enum Model {
     BallBalancer(Machine),
     /// A block on a spring, on rigid ground or on a belt.
     Block(Block),
+    /// A model that is defined outside this crate.
+    Own(OwnModel),
 }
+
+/// A start state has other coordinates than its model.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct OtherCoordinates(String);
 
 impl From<Machine> for Model {
     fn from(machine: Machine) -> Self {
@@ -30,6 +38,12 @@ impl From<Block> for Model {
     }
 }
 
+impl From<OwnModel> for Model {
+    fn from(model: OwnModel) -> Self {
+        Model::Own(model)
+    }
+}
+
 impl Model {
     /// The model's kind.
     pub fn kind(&self) -> &'static ModelKind {
@@ -37,6 +51,7 @@ impl Model {
             Model::BallBalancer(_) => &ball_balancer::KIND,
             Model::Block(Block { ground: Ground::Fixed, .. }) => &block::ON_SPRING,
             Model::Block(Block { ground: Ground::Belt { .. }, .. }) => &block::ON_BELT,
+            Model::Own(own) => own.kind(),
         }
     }
 
@@ -48,6 +63,7 @@ impl Model {
         match self {
             Model::BallBalancer(machine) => machine.validate(),
             Model::Block(block) => block.validate(),
+            Model::Own(own) => own.validate(),
         }
     }
 
@@ -56,6 +72,7 @@ impl Model {
         let machine = match self {
             Model::BallBalancer(machine) => machine,
             Model::Block(block) => return Some(Arc::new(block.slider())),
+            Model::Own(own) => return Some(own.own().system(own)),
         };
         match machine.balls.len() {
             1 => balancer::<1>(machine),
@@ -70,8 +87,29 @@ impl Model {
         }
     }
 
-    /// Returns a start state in the components of [`Model::system`]; `None` for another number of coordinates.
-    pub fn start_state(&self, start: &Start) -> Option<Components> {
+    /// Returns a start state in the components of [`Model::system`].
+    ///
+    /// # Errors
+    /// An error in words if the start state has another number of coordinates.
+    pub fn start_state(&self, start: &Start) -> Result<Components, OtherCoordinates> {
+        self.components(start).ok_or_else(|| {
+            OtherCoordinates(match self {
+                Model::BallBalancer(_) => {
+                    "the start state has another number of balls than the machine".to_owned()
+                }
+                Model::Block(_) => {
+                    "the start state of a block is its position and its velocity".to_owned()
+                }
+                Model::Own(own) => {
+                    let names = self.coordinates().into_iter().map(|coordinate| coordinate.name);
+                    let names: Vec<String> = names.collect();
+                    format!("the start state of {} is {}", own.kind().name, names.join(", "))
+                }
+            })
+        })
+    }
+
+    fn components(&self, start: &Start) -> Option<Components> {
         match (self, start.0.as_slice()) {
             // Both have position, angles, velocity, angular speeds; components end with angles and their speeds.
             (Model::BallBalancer(machine), values)
@@ -88,6 +126,9 @@ impl Model {
                 let relative = velocity_m_s / speed_unit - block.slider().belt_speed;
                 Some([position_m / length, relative].into_iter().collect())
             }
+            (Model::Own(own), values) if values.len() == self.coordinates().len() => {
+                Some(own.own().start_state(own, values))
+            }
             _ => None,
         }
     }
@@ -96,7 +137,7 @@ impl Model {
     pub fn ball_balancer(&self) -> Option<&Machine> {
         match self {
             Model::BallBalancer(machine) => Some(machine),
-            Model::Block(_) => None,
+            Model::Block(_) | Model::Own(_) => None,
         }
     }
 
@@ -104,7 +145,24 @@ impl Model {
     pub fn ball_balancer_mut(&mut self) -> Option<&mut Machine> {
         match self {
             Model::BallBalancer(machine) => Some(machine),
-            Model::Block(_) => None,
+            Model::Block(_) | Model::Own(_) => None,
+        }
+    }
+
+    /// Returns the block; `None` if the model is not a block.
+    pub fn block(&self) -> Option<&Block> {
+        match self {
+            Model::Block(block) => Some(block),
+            Model::BallBalancer(_) | Model::Own(_) => None,
+        }
+    }
+
+    /// Returns the version of the equations of a model that is defined outside this crate. The equations of the other
+    /// models have the version of the program.
+    pub fn own_version(&self) -> Option<u32> {
+        match self {
+            Model::BallBalancer(_) | Model::Block(_) => None,
+            Model::Own(own) => Some(own.own().version()),
         }
     }
 
@@ -115,7 +173,11 @@ impl Model {
 
     /// Number of contacts with friction.
     pub fn contacts(&self) -> usize {
-        self.balls().max(1)
+        match self {
+            Model::BallBalancer(machine) => machine.balls.len().max(1),
+            Model::Block(_) => 1,
+            Model::Own(_) => self.units().force_n.len(),
+        }
     }
 
     /// The law of friction.
@@ -123,6 +185,7 @@ impl Model {
         match self {
             Model::BallBalancer(machine) => &machine.friction,
             Model::Block(block) => &block.friction,
+            Model::Own(own) => own.friction(),
         }
     }
 
@@ -131,6 +194,16 @@ impl Model {
         match self {
             Model::BallBalancer(machine) => &mut machine.friction,
             Model::Block(block) => &mut block.friction,
+            Model::Own(own) => own.friction_mut(),
+        }
+    }
+
+    /// Returns the (kinetic) coefficient of friction that all contacts share; `None` for balls, which have their own.
+    pub fn friction_coefficient(&self) -> Option<f64> {
+        match self {
+            Model::BallBalancer(_) => None,
+            Model::Block(block) => Some(block.friction_coefficient),
+            Model::Own(own) => Some(own.number(FRICTION_COEFFICIENT)),
         }
     }
 
@@ -139,6 +212,7 @@ impl Model {
         match self {
             Model::BallBalancer(machine) => machine.natural_frequency_rad_s(),
             Model::Block(block) => block.natural_frequency_rad_s(),
+            Model::Own(own) => own.own().units(own).natural_rad_s,
         }
     }
 
@@ -151,6 +225,11 @@ impl Model {
                 let weight = (machine.speed_rad_s / machine.natural_frequency_rad_s()).powi(2);
                 let friction = machine.balls.iter().map(|ball| machine.ball_friction(ball));
                 friction.map(|one| one.damping_rate(weight)).fold(0.0, f64::max)
+            }
+            Model::Own(own) => {
+                let system = own.own().system(own);
+                let friction = (0..system.contacts()).map(|contact| system.friction(contact));
+                friction.map(|one| one.damping_rate(1.0)).fold(0.0, f64::max)
             }
         }
     }

@@ -21,8 +21,8 @@ pub enum ContactMode {
     SetOff(f64),
 }
 
-/// Adds the values of the inputs of a contact: its mode and the numbers of its law.
-fn add_contact_inputs(inputs: &mut Vec<f64>, mode: ContactMode, friction: &Friction) {
+/// Adds the values of the inputs of a contact that [`record_contact`] records: its mode and the numbers of its law.
+pub fn add_contact_inputs(inputs: &mut Vec<f64>, mode: ContactMode, friction: &Friction) {
     inputs.extend_from_slice(&match mode {
         ContactMode::Stick => [0.0, 0.0, 0.0],
         ContactMode::Slip(direction) => [1.0, direction, 1.0],
@@ -31,7 +31,9 @@ fn add_contact_inputs(inputs: &mut Vec<f64>, mode: ContactMode, friction: &Frict
     inputs.extend_from_slice(&friction.expression_inputs());
 }
 
-fn record_contact<'r>(
+/// Records what a contact with this sliding speed does in the equations of motion. Its inputs are its mode and the numbers
+/// of its law, whose values [`add_contact_inputs`] adds.
+pub fn record_contact<'r>(
     recorder: &'r Recorder,
     friction: &Friction,
     speed: Expression<'r>,

@@ -97,7 +97,7 @@ pub struct RestAmplitude {
 /// Returns the contribution of friction with this damping rate to the pace: the number of steps per
 /// unit of time of an explicit method is about a sixth of the rate, far below the effort limit of
 /// this pace. Above a rate of 1e5 a run is too stiff to compute.
-pub(super) fn stiff_pace(damping_rate: f64) -> f64 {
+pub fn stiff_pace(damping_rate: f64) -> f64 {
     1e-3 * damping_rate.min(1e5)
 }
 

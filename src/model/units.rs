@@ -24,6 +24,7 @@ impl Model {
     pub fn units(&self) -> Units {
         let natural = self.natural_frequency_rad_s();
         match self {
+            Model::Own(own) => own.own().units(own),
             Model::BallBalancer(machine) => Units {
                 natural_rad_s: natural,
                 length_m: machine.ring_radius_m,

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::model::MODEL_KINDS;
+use crate::model::model_kinds;
 use crate::study::plan::planned_study::Study;
 
 /// Returns the resolved study of a kind of model without any optional key.
@@ -22,7 +22,7 @@ pub(in crate::study) fn defaults_of(kind: &str) -> Value {
 
 /// Adds `default` to every optional key that has the same default in all models that have the key.
 pub(in crate::study) fn insert_defaults(schema: &mut Value) {
-    let studies = MODEL_KINDS.map(|kind| defaults_of(kind.name));
+    let studies: Vec<Value> = model_kinds().iter().map(|kind| defaults_of(kind.name)).collect();
     insert(schema, "", &studies.iter().collect::<Vec<_>>());
 }
 

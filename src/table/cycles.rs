@@ -4,6 +4,7 @@ use super::column::{Column, Columns};
 use super::point_key::{OfPoint, add_point};
 use super::runs::class_meaning;
 use crate::analysis::CycleGroup;
+use crate::model::{Model, SlidingSpeed};
 use crate::study::Study;
 
 /// A class of limit cycles at a point, with its runs.
@@ -15,7 +16,8 @@ pub fn cycle_columns(study: &Study) -> Vec<Column<CycleRow>> {
     let mut list = Columns::new();
     add_point(&mut list, study, |row: &CycleRow| &row.point);
     list.text("class", |row| row.value.class.clone()).meaning(
-        class_meaning(balls) + "; other for the remaining classes if there are more than 1000",
+        class_meaning(study.model())
+            + "; other for the remaining classes if there are more than 1000",
     );
     if balls > 0 {
         list.small_count("balls_running", |row| row.value.balls_running())
@@ -34,13 +36,9 @@ pub fn cycle_columns(study: &Study) -> Vec<Column<CycleRow>> {
         .meaning("shortest period");
     list.number("period_high_s", "s", |row| row.value.period_s.map(|period| period.greatest))
         .meaning("longest period");
-    if balls == 0 {
-        for (end, name, word) in [(0, "min_speed_m_s", "smallest"), (1, "max_speed_m_s", "largest")]
-        {
-            list.number(name, "m/s", move |row| {
-                row.value.roles.first().map(|role| role.speed_extremes[end])
-            })
-            .meaning(format!("{word} speed relative to the belt in any run"));
+    if study.model().ball_balancer().is_none() {
+        for contact in 0..study.model().contacts() {
+            add_sliding_speed(&mut list, study.model(), contact);
         }
         let meaning = "half the distance between the extreme positions of the block: mean over \
                        the runs";
@@ -71,6 +69,24 @@ pub fn cycle_columns(study: &Study) -> Vec<Column<CycleRow>> {
          positions of the resting balls",
     );
     list.finish()
+}
+
+/// Adds the extreme sliding speeds of a contact of a model without balls.
+fn add_sliding_speed(list: &mut Columns<CycleRow>, model: &Model, contact: usize) {
+    let suffix = model.contact_suffix(contact);
+    let (ending, unit) = match model.kind().sliding_speed {
+        SlidingSpeed::MS => ("m_s", "m/s"),
+        SlidingSpeed::RadS => ("rad_s", "rad/s"),
+    };
+    for (end, name, word) in [(0, "min_speed", "smallest"), (1, "max_speed", "largest")] {
+        list.number(format!("{name}{suffix}_{ending}"), unit, move |row| {
+            row.value.roles.get(contact).map(|role| role.speed_extremes[end])
+        })
+        .meaning(match model.block() {
+            Some(_) => format!("{word} speed relative to the belt in any run"),
+            None => format!("{word} sliding speed in any run"),
+        });
+    }
 }
 
 /// Adds mean, least and greatest amplitude.

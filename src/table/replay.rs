@@ -3,7 +3,7 @@
 
 use super::column::{Column, Columns, NON_DIMENSIONAL};
 use crate::classification::{ContactSample, Sample, Switch};
-use crate::model::{Model, Units, wrap_to_two_pi};
+use crate::model::{Model, SlidingSpeed, Units, wrap_to_two_pi};
 use crate::motion::Phase;
 
 impl Units {
@@ -67,17 +67,19 @@ pub fn trajectory_columns(model: &Model) -> Vec<Column<Sample>> {
     list.count("step", |row| row.step).meaning(
         "number of the integration step that contains the row or ends there; 0 at the start",
     );
-    if model.balls() > 0 {
+    if model.ball_balancer().is_some() {
         add_table(&mut list, &units);
-        for ball in 0..model.balls() {
-            add_ball(&mut list, &units, ball);
+    }
+    for contact in 0..model.contacts() {
+        match (model.ball_balancer(), model.block()) {
+            (Some(_), _) => add_ball(&mut list, &units, contact),
+            (None, Some(_)) => add_block(&mut list, &units),
+            (None, None) => add_body(&mut list, model, contact),
         }
-    } else {
-        add_block(&mut list, &units);
     }
     list.number("time", NON_DIMENSIONAL, |row| row.time)
         .meaning("time times the natural frequency");
-    if model.balls() > 0 {
+    if model.ball_balancer().is_some() {
         for (axis, name, meaning) in [
             (0, "x", "position of the ring's centre towards the imbalance, in the rotating frame"),
             (1, "y", "position of the ring's centre perpendicular to x, in the rotating frame"),
@@ -90,9 +92,17 @@ pub fn trajectory_columns(model: &Model) -> Vec<Column<Sample>> {
             add_non_dimensional(&mut list, ball, "beta_dot", &format!("_{}", ball + 1));
         }
     } else {
-        of_contact(&mut list, 0, "position", NON_DIMENSIONAL, |block| block.position)
-            .meaning("position over F_n / k");
-        add_non_dimensional(&mut list, 0, "sliding_speed", "");
+        let meaning = match model.block() {
+            Some(_) => "position over F_n / k",
+            None => "position divided by its unit",
+        };
+        for contact in 0..model.contacts() {
+            let suffix = model.contact_suffix(contact);
+            let name = format!("position{suffix}");
+            of_contact(&mut list, contact, name, NON_DIMENSIONAL, |contact| contact.position)
+                .meaning(meaning);
+            add_non_dimensional(&mut list, contact, "sliding_speed", &suffix);
+        }
     }
     list.finish()
 }
@@ -161,6 +171,24 @@ fn add_block(list: &mut Columns<Sample>, units: &Units) {
     add_forces(list, units, 0, "");
 }
 
+/// Adds position, speed and forces of a body of a model that is defined outside this crate.
+fn add_body(list: &mut Columns<Sample>, model: &Model, contact: usize) {
+    let (units, kind, suffix) = (model.units(), model.kind(), model.contact_suffix(contact));
+    let speed_unit = units.position * units.natural_rad_s;
+    let (name, unit) = model.position_column(contact);
+    let (ending, per_second) = match kind.sliding_speed {
+        SlidingSpeed::MS => ("m_s", "m/s"),
+        SlidingSpeed::RadS => ("rad_s", "rad/s"),
+    };
+    let body = format!("{} {}", kind.body, contact + 1);
+    of_contact(list, contact, name, unit, move |one| one.position * units.position)
+        .meaning(format!("position of {body}"));
+    let name = format!("sliding_speed{suffix}_{ending}");
+    of_contact(list, contact, name, per_second, move |one| one.speed * speed_unit)
+        .meaning(format!("sliding speed of {body}"));
+    add_forces(list, &model.units(), contact, &suffix);
+}
+
 /// Adds the phase of a contact, and its forces in N.
 fn add_forces(list: &mut Columns<Sample>, units: &Units, contact: usize, suffix: &str) {
     let force = units.force_n.get(contact).copied().unwrap_or(f64::NAN);
@@ -195,19 +223,25 @@ fn add_non_dimensional(list: &mut Columns<Sample>, contact: usize, speed: &str, 
 pub fn switch_columns(model: &Model) -> Vec<Column<Switch>> {
     let units = model.units();
     let natural = units.natural_rad_s;
-    let has_balls = model.balls() > 0;
+    let has_angles = model.kind().sliding_speed == SlidingSpeed::RadS;
     let mut list = Columns::<Switch>::new();
     list.number("time_s", "s", move |row| row.time / natural).meaning("time since the start");
-    if has_balls {
-        list.count("ball", |row| row.contact as u64 + 1).meaning("number of the ball, from 1");
+    if model.block().is_none() {
+        let body = model.kind().body;
+        list.count(body, |row| row.contact as u64 + 1)
+            .meaning(format!("number of the {body}, from 1"));
     }
     list.word("from", |row| phase_name(row.before.phase)).meaning(PHASE);
     list.word("to", |row| phase_name(row.after.phase)).meaning("phase after the switch");
-    let (name, unit) = if has_balls { ("beta_rad", "rad") } else { ("position_m", "m") };
+    let (name, unit) = match (model.ball_balancer(), has_angles) {
+        (Some(_), _) => ("beta_rad", "rad"),
+        (None, true) => ("angle_rad", "rad"),
+        (None, false) => ("position_m", "m"),
+    };
     let factor = units.position;
     list.number(name, unit, move |row| {
         let position = row.after.position * factor;
-        if has_balls { wrap_to_two_pi(position) } else { position }
+        if has_angles { wrap_to_two_pi(position) } else { position }
     })
     .meaning("place: angle of the ball from the imbalance, in [0, 2π), or position of the block");
     let mut force = |name: &str, meaning: &str, value: fn(&Switch) -> f64| {

@@ -5,6 +5,7 @@ use super::point_key::add_point_id;
 use super::run_record::RunRecord;
 use crate::analysis::CycleClass;
 use crate::classification::{Evidence, LyapunovExponent};
+use crate::model::Model;
 use crate::study::{ParameterKind, ParameterValue, PlannedRun, Study, VariedParameter};
 
 /// Returns the columns that identify a run and its start state; `planned` gets the planned run from
@@ -105,21 +106,24 @@ pub fn add_position<R: 'static>(
     meaning: &str,
     value: impl Fn(&R) -> Option<&Vec<f64>> + Copy + Send + Sync + 'static,
 ) {
-    if study.model().balls() == 0 {
-        list.number("position_m", "m", move |row| value(row)?.first().copied())
-            .meaning("position of the block at the end, from where the spring is free");
-    }
-    for ball in 0..study.model().balls() {
-        list.number(format!("beta_{}_rad", ball + 1), "rad", move |row| {
-            value(row)?.get(ball).copied()
-        })
-        .meaning(meaning);
+    let model = study.model();
+    for contact in 0..model.contacts() {
+        let (name, unit) = model.position_column(contact);
+        let meaning = match (model.ball_balancer(), model.block()) {
+            (Some(_), _) => meaning.to_owned(),
+            (None, Some(_)) => {
+                "position of the block at the end, from where the spring is free".to_owned()
+            }
+            (None, None) => format!("position of {} {} at the end", model.kind().body, contact + 1),
+        };
+        list.number(name, unit, move |row| value(row)?.get(contact).copied()).meaning(meaning);
     }
 }
 
 /// Returns the columns of `runs.parquet`.
 pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
-    let balls = study.model().balls();
+    let model = study.model();
+    let balls = model.balls();
     let mut list = Columns::<RunRecord>::new();
     list.extend(planned_columns(study, |row: &RunRecord| &row.planned));
     list.word("label", |row| row.outcome.label().name()).meaning("how the run ended");
@@ -137,16 +141,23 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         .meaning("whether the run was continued past the study's end time (simulation.extend)");
     let meaning = "angle of the ball from the imbalance at the end, in [0, 2π)";
     add_position(&mut list, study, meaning, |row: &RunRecord| row.outcome.position.as_ref());
-    list.number("amplitude_m", "m", |row| row.outcome.amplitude_m).meaning(match balls {
-        0 => {
-            "half the distance between the extreme positions of the block over the cycle or the \
-             last tenth of the time; 0 at rest"
-        }
-        _ => {
-            "amplitude of the table's vibration: at rest, or the root mean square over the cycle \
-             or the last tenth of the time"
-        }
-    });
+    list.number("amplitude_m", "m", |row| row.outcome.amplitude_m).meaning(
+        match (model.ball_balancer(), model.block()) {
+            (Some(_), _) => {
+                "amplitude of the table's vibration: at rest, or the root mean square over the \
+                 cycle or the last tenth of the time"
+            }
+            (None, Some(_)) => {
+                "half the distance between the extreme positions of the block over the cycle or \
+                 the last tenth of the time; 0 at rest"
+            }
+            (None, None) => {
+                "amplitude over the cycle or the last tenth of the time: the largest half distance \
+                 between the extreme positions of a body, or the root mean square of the vibration \
+                 if the model has one; 0 at rest"
+            }
+        },
+    );
     list.number("friction_margin", "1", |row| row.outcome.friction_margin).meaning(
         "smallest unused fraction of the friction limit at rest; 0 on the boundary of the \
          equilibrium set, where balls creep",
@@ -156,7 +167,7 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         let case = planned.case.as_ref().ok()?;
         Some(CycleClass::of(&case.model, outcome)?.name)
     })
-    .meaning(class_meaning(balls));
+    .meaning(class_meaning(model));
     list.number("largest_multiplier", "1", |row| {
         row.outcome.cycle.as_ref()?.multipliers.first().copied()
     })
@@ -180,7 +191,8 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
              cycle or the last tenth of the time; 0 at rest",
         );
     }
-    if balls > 0 {
+    // Nothing separates if position and speed of one contact are the whole state.
+    if model.coordinates().len() > 2 {
         add_lyapunov(&mut list);
     }
     list.count("steps", |row| row.outcome.effort.steps).meaning("accepted integration steps");
@@ -235,8 +247,8 @@ fn add_lyapunov(list: &mut Columns<RunRecord>) {
 }
 
 /// Returns the meaning of the text of a class.
-pub(super) fn class_meaning(balls: usize) -> String {
-    let parts = if balls > 0 {
+pub(super) fn class_meaning(model: &Model) -> String {
+    let parts = if model.block().is_none() {
         "for each ball, joined by |: rest, or turns per period (negative against the rotation of \
          the disc) and, after a colon, the sequence of its phases: S stick, F forward slip, B \
          backward slip (the n-th letters of all balls are simultaneous); identical balls are not \

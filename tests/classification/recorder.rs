@@ -103,10 +103,7 @@ fn a_record_is_whole() {
         let taken = outcome.effort.steps + 1 - steps.len() as u64;
         assert!(taken == 0 || failed && taken == 1, "{case:?}: {taken}");
         assert!(samples.windows(2).all(|pair| pair[0].time <= pair[1].time));
-        let unit = match &case.model {
-            stickslip::model::Model::Block(block) => block.unit_length_m(),
-            stickslip::model::Model::BallBalancer(_) => 1.0,
-        };
+        let unit = case.model.units().position;
         for (contact, position) in outcome.position.iter().flatten().enumerate() {
             let apart = last.contacts[contact].position * unit - position;
             let turn = std::f64::consts::TAU;
@@ -132,12 +129,10 @@ fn friction_obeys_its_law() {
             assert!(own.windows(2).all(|pair| pair[0].after.phase == pair[1].before.phase));
             assert!(own.iter().all(|switch| switch.before.phase != switch.after.phase));
         }
-        let kinetic = match &case.model {
-            stickslip::model::Model::Block(block) => vec![block.friction_coefficient],
-            stickslip::model::Model::BallBalancer(machine) => {
-                machine.balls.iter().map(|ball| ball.friction_coefficient).collect()
-            }
-        };
+        let of_balls = case.model.ball_balancer().into_iter().flat_map(|machine| &machine.balls);
+        let of_balls = of_balls.map(|ball| ball.friction_coefficient);
+        let kinetic: Vec<f64> =
+            case.model.friction_coefficient().into_iter().chain(of_balls).collect();
         for contact in
             recording.samples.iter().flat_map(|sample| sample.contacts.iter().enumerate())
         {

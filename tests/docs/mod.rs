@@ -4,6 +4,7 @@ mod convergence;
 mod defaults;
 pub mod generated;
 mod named;
+mod own_system;
 mod records;
 mod tutorial;
 

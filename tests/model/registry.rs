@@ -1,13 +1,17 @@
 //! The tables of kinds of models and of friction laws are complete: an entry that is forgotten or wrong fails here.
 
+use std::sync::Arc;
+
 use stickslip::model::{
-    FRICTION_LAWS, FrictionLaw, Law, MAX_LAW_PARAMETERS, MODEL_KINDS, SlidingSpeed,
+    Block, Bound, Capabilities, Components, Coordinate, FRICTION_LAWS, Field, FrictionLaw, Law,
+    MAX_LAW_PARAMETERS, Model, ModelKind, OwnKind, OwnModel, ParameterDescriptor, Registry,
+    SlidingSpeed, System, Units, model_kinds,
 };
 
 /// The default of each kind is of that kind, is valid, and has a value of each number among the parameters.
 #[test]
 fn defaults_have_all_parameters() {
-    for kind in MODEL_KINDS {
+    for kind in model_kinds().iter().copied() {
         let mut model = (kind.default)();
         assert_eq!(model.kind(), kind);
         assert_eq!(model.validate(), Ok(()), "{kind:?}");
@@ -21,7 +25,7 @@ fn defaults_have_all_parameters() {
 /// Each parameter has its own field: a new value changes one parameter and no other.
 #[test]
 fn parameters_have_fields_of_their_own() {
-    for kind in MODEL_KINDS {
+    for kind in model_kinds().iter().copied() {
         let numbers = || kind.parameters.iter().filter(|parameter| parameter.is_number());
         for changed in numbers() {
             let mut model = (kind.default)();
@@ -49,7 +53,7 @@ fn names_are_unique_and_have_units() {
         ("rad/s", "_rad_s"),
         ("m/s", "_m_s"),
     ];
-    for kind in MODEL_KINDS {
+    for kind in model_kinds().iter().copied() {
         for law in FRICTION_LAWS {
             let own = kind.parameters.iter().map(|one| (one.name, one.unit));
             let of_law = law.parameters().iter();
@@ -81,7 +85,7 @@ fn example(law: &'static dyn Law, unit: usize) -> FrictionLaw {
 fn laws_are_what_they_state() {
     for law in FRICTION_LAWS {
         assert!(law.parameters().len() <= MAX_LAW_PARAMETERS);
-        for kind in MODEL_KINDS {
+        for kind in model_kinds().iter().copied() {
             let unit = usize::from(kind.sliding_speed == SlidingSpeed::MS);
             let mut model = (kind.default)();
             *model.friction_mut() = example(law, unit);
@@ -118,4 +122,100 @@ fn laws_are_what_they_state() {
         let depends = friction.slip(1.0, 0.02) != unused.slip(1.0, 0.02);
         assert_eq!(law.uses_friction_coefficient(), depends, "{name}");
     }
+}
+
+/// Returns the kind of a program with these names and parameters.
+fn kind(name: &'static str, parameters: Vec<ParameterDescriptor>) -> ModelKind {
+    ModelKind {
+        name,
+        meaning: "A kind.",
+        parameters: parameters.leak(),
+        body: "block",
+        sliding_speed: SlidingSpeed::MS,
+        offers: Capabilities::MOTION,
+        default: || Block::on_belt().into(),
+    }
+}
+
+/// A kind with the equations of a block and a wrong number of units of force.
+struct TwoForces;
+
+impl OwnKind for TwoForces {
+    fn coordinates(&self, _: &OwnModel) -> Vec<Coordinate> {
+        Model::from(Block::on_belt()).coordinates()
+    }
+
+    fn units(&self, _: &OwnModel) -> Units {
+        Units { force_n: vec![1.0; 2], ..Model::from(Block::on_belt()).units() }
+    }
+
+    fn system(&self, _: &OwnModel) -> Arc<dyn System> {
+        Arc::new(Block::on_belt().slider())
+    }
+
+    fn start_state(&self, _: &OwnModel, start: &[f64]) -> Components {
+        start.iter().copied().collect()
+    }
+}
+
+static TWO_FORCES: ModelKind = ModelKind {
+    name: "two_forces",
+    meaning: "A kind.",
+    parameters: &[ParameterDescriptor::positive("friction_coefficient", "1", "friction", 0.1)],
+    body: "block",
+    sliding_speed: SlidingSpeed::MS,
+    offers: Capabilities::MOTION,
+    default: || OwnModel::new(&TWO_FORCES, &TwoForces).into(),
+};
+
+static INVALID: ModelKind = ModelKind {
+    name: "invalid",
+    meaning: "A kind.",
+    parameters: &[ParameterDescriptor::positive("friction_coefficient", "1", "friction", 0.0)],
+    body: "block",
+    sliding_speed: SlidingSpeed::MS,
+    offers: Capabilities::MOTION,
+    default: || OwnModel::new(&INVALID, &TwoForces).into(),
+};
+
+/// A registry with a kind that contradicts itself or another one is refused, with its name and the reason.
+#[test]
+fn unsound_kinds_are_refused() {
+    let number = |name| ParameterDescriptor::positive(name, "1", "a number", 1.0);
+    let friction = || number("friction_coefficient");
+    let field = Field::Own { default: 1.0, bound: Bound::None };
+    let without_unit = ParameterDescriptor { name: "mass", unit: "kg", meaning: "a mass", field };
+    let of_block = model_kinds()[1].parameters[0].field;
+    let of_block = ParameterDescriptor { field: of_block, ..number("mass") };
+    let count = ParameterDescriptor::count("blocks", "number of blocks", 3, 2);
+    let more = Capabilities { animation: true, ..Capabilities::MOTION };
+    let cases = [
+        (kind("block_on_belt", vec![friction()]), "another kind has this name"),
+        (kind("a-b", vec![friction()]), "lower-case letters"),
+        (kind("a", vec![number("A"), friction()]), "the name `A`"),
+        (kind("a", vec![number("b"), number("b"), friction()]), "two parameters are called `b`"),
+        (kind("a", vec![number("balls"), friction()]), "two parameters are called `balls`"),
+        (kind("a", vec![number("static_friction_coefficient"), friction()]), "that of a law"),
+        (kind("a", vec![without_unit, friction()]), "`mass` needs the ending `_kg`"),
+        (kind("a", vec![of_block, friction()]), "`mass` needs the field"),
+        (kind("a", vec![count, friction()]), "the default of `blocks`"),
+        (kind("a", vec![number("b")]), "needs the parameter `friction_coefficient`"),
+        (ModelKind { offers: more, ..kind("a", vec![friction()]) }, "only built-in kinds"),
+        (kind("a", vec![friction()]), "its default is not an `OwnModel` of this kind"),
+    ];
+    for (kind, reason) in cases {
+        let name = kind.name;
+        let error = Registry::new().with(Box::leak(Box::new(kind))).install().expect_err(reason);
+        let error = error.to_string();
+        assert!(error.contains(&format!("`{name}`")) && error.contains(reason), "{error}");
+    }
+    for (kind, reason) in [
+        (&TWO_FORCES, "the numbers of units of force and contacts differ: 2 and 1"),
+        (&INVALID, "its default is invalid: friction_coefficient is 0"),
+    ] {
+        let error = Registry::new().with(kind).install().expect_err(reason).to_string();
+        assert!(error.contains(reason), "{error}");
+    }
+    // The built-in kinds alone can be installed at any time.
+    assert_eq!(Registry::new().install(), Ok(()));
 }

@@ -5,8 +5,10 @@ mod own_system;
 pub mod reference;
 mod systems;
 mod test_rng;
+mod two_blocks;
 
 pub use angle::angular_distance;
 pub use own_system::OwnSystem;
 pub use systems::{for_each_kernel, shared, started, state_of};
 pub use test_rng::TestRng;
+pub use two_blocks::TwoBlocks;

@@ -169,14 +169,12 @@ impl PointFacts {
         let [fraction, low, high] = FRACTION.map(value);
         let [rate, flip_low, flip_high] = FLIPS.map(number);
         let flip_rate = rate?.zip(flip_low?).zip(flip_high?);
-        let [without_balls_m, set_fraction] = match study.model().balls() {
-            0 => [None; 2],
-            _ => [number(BALANCER[0])?, number(BALANCER[1])?],
+        let balls = study.model().kind().offers.vibration;
+        let [without_balls_m, set_fraction] = match balls {
+            false => [None; 2],
+            true => [number(BALANCER[0])?, number(BALANCER[1])?],
         };
-        let residual = match study.model().balls() {
-            0 => ResidualVibration::default(),
-            _ => residual(batch, row)?,
-        };
+        let residual = if balls { residual(batch, row)? } else { ResidualVibration::default() };
         let swept =
             if point_id < study.point_count() { study.point(point_id).swept } else { Vec::new() };
         let [p25, p50, p75, p95] = TIMES.map(number);

@@ -72,10 +72,9 @@ pub fn read(
     shown: &[&PointFacts],
     most: u64,
 ) -> Result<(RunSample, Vec<Notable>), TableError> {
-    let positions: Vec<String> = match study.model().balls() {
-        0 => vec!["position_m".to_owned()],
-        balls => (1..=balls).map(|ball| format!("beta_{ball}_rad")).collect(),
-    };
+    let model = study.model();
+    let positions = (0..model.contacts()).map(|contact| model.position_column(contact).0);
+    let positions: Vec<String> = positions.collect();
     let coordinates = study.model().coordinates();
     let starts: Vec<String> =
         coordinates.iter().map(|Coordinate { name, .. }| format!("initial_{name}")).collect();

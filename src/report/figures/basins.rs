@@ -102,7 +102,7 @@ fn pairs(study: &Study, coordinates: &[Coordinate]) -> Vec<[usize; 2]> {
     let place = |name: &str| coordinates.iter().position(|coordinate| coordinate.name == name);
     let pair = |a: &str, b: &str| Some([place(a)?, place(b)?]);
     let balls = study.model().balls();
-    if balls == 0 {
+    if study.model().ball_balancer().is_none() {
         return (1..coordinates.len().min(4)).map(|second| [0, second]).collect();
     }
     let mut pairs = vec![

@@ -171,11 +171,11 @@ pub fn significant(value: f64) -> String {
     text.replace('-', "\u{2212}")
 }
 
-/// Returns the name of the moving body: balls or block.
-pub fn moving(study: &Study) -> &'static str {
-    match study.model().balls() {
-        0 => "block",
-        1 => "ball",
-        _ => "balls",
+/// Returns the name of what moves, such as `block` or `balls`, and whether it is one body.
+pub fn moving(study: &Study) -> (String, bool) {
+    let body = study.model().kind().body;
+    match study.model().contacts() {
+        1 => (body.to_owned(), true),
+        _ => (format!("{body}s"), false),
     }
 }

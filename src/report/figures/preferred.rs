@@ -19,7 +19,8 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let panels: Vec<Panel> = data
         .details()
         .flat_map(|point| match balls {
-            0 | 1 => vec![one_contact(data, point, balls)],
+            0 if data.study.model().contacts() > 1 => Vec::new(),
+            0 | 1 => vec![one_contact(data, point)],
             2 => vec![pair(data, point, [1, 2])],
             balls => {
                 let pairs = (1..balls)
@@ -109,13 +110,14 @@ fn pair(data: &ReportData<'_>, point: &PointFacts, [first, second]: [usize; 2]) 
     Panel { title: counted(point), part, scale, ..Panel::new(x, y, layers) }
 }
 
-fn one_contact(data: &ReportData<'_>, point: &PointFacts, balls: usize) -> Panel {
+fn one_contact(data: &ReportData<'_>, point: &PointFacts) -> Panel {
     let runs = &data.runs;
     let place = runs.position.first().map_or(&[][..], Vec::as_slice);
     let amplitude: Vec<f64> = runs.amplitude_m.iter().map(|value| 1e6 * value).collect();
-    let (x, y, over): (Axis, Axis, &[f64]) = match balls {
-        0 => (axis("position at rest", "m"), axis("time to rest", "s"), &runs.time_to_rest_s),
-        _ => (angle_axis(1), axis("amplitude", "µm"), &amplitude),
+    let unit = data.study.model().position_column(0).1;
+    let (x, y, over): (Axis, Axis, &[f64]) = match data.study.model().ball_balancer() {
+        None => (axis("position at rest", unit), axis("time to rest", "s"), &runs.time_to_rest_s),
+        Some(_) => (angle_axis(1), axis("amplitude", "µm"), &amplitude),
     };
     let mut layer = dots(data, point, place, over);
     layer.colour = label_colour(Label::Equilibrium);

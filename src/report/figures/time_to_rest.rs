@@ -37,8 +37,8 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     Some(Figure {
         id: "time-to-rest".to_owned(),
         title: match moving(data.study) {
-            "balls" => "When the balls come to rest".to_owned(),
-            one => format!("When the {one} comes to rest"),
+            (one, true) => format!("When the {one} comes to rest"),
+            (several, false) => format!("When the {several} come to rest"),
         },
         caption: format!(
             "Probability of rest by time t (Kaplan-Meier estimator; runs that still move at the end are \

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use super::balls::Balls;
 use super::name::Name;
 use super::schema_parts::parameters_schema;
-use crate::model::{MODEL_KINDS, ModelKind};
+use crate::model::{ModelKind, model_kinds};
 
 /// The key of the balls among the parameters.
 pub(in crate::study) const BALLS: &str = "balls";
@@ -34,12 +34,12 @@ pub struct ParametersFile {
 
 /// The names of all kinds.
 static KINDS: LazyLock<Vec<&'static str>> =
-    LazyLock::new(|| MODEL_KINDS.iter().map(|kind| kind.name).collect());
+    LazyLock::new(|| model_kinds().iter().map(|kind| kind.name).collect());
 
 /// The names of the numbers of any kind of model and `balls`.
 static KEYS: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
     let mut keys: Vec<&'static str> = Vec::new();
-    for parameter in MODEL_KINDS.iter().flat_map(|kind| kind.parameters) {
+    for parameter in model_kinds().iter().flat_map(|kind| kind.parameters) {
         if parameter.is_number() && !keys.contains(&parameter.name) {
             keys.push(parameter.name);
         }
@@ -71,7 +71,7 @@ impl<'de> Visitor<'de> for KindVisitor {
     fn visit_enum<A: EnumAccess<'de>>(self, access: A) -> Result<KindFile, A::Error> {
         let (index, settings) = access.variant_seed(Name::of_choice(&KINDS))?;
         settings.unit_variant()?;
-        Ok(KindFile(MODEL_KINDS[index]))
+        Ok(KindFile(model_kinds()[index]))
     }
 }
 
@@ -88,7 +88,7 @@ impl JsonSchema for KindFile {
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         let kind = |kind: &&ModelKind| json!({ "type": "string", "const": kind.name, "description": kind.meaning });
-        let kinds: Vec<Value> = MODEL_KINDS.iter().map(kind).collect();
+        let kinds: Vec<Value> = model_kinds().iter().map(kind).collect();
         schemars::json_schema!({ "description": "Kinds of model.", "oneOf": kinds })
     }
 }
@@ -140,7 +140,7 @@ impl Serialize for ParametersFile {
 /// Returns whether a parameter stands before `balls` in the documentation.
 pub(in crate::study) fn is_before_balls(name: &str) -> bool {
     let place = |name: &str| KEYS.iter().position(|key| *key == name);
-    let first_of_balls = MODEL_KINDS
+    let first_of_balls = model_kinds()
         .iter()
         .flat_map(|kind| kind.parameters)
         .find(|parameter| parameter.is_of_each_ball());

@@ -10,8 +10,8 @@ use super::response_file::VariableFile;
 use super::table_folders::MAX_VALUES;
 use super::values::Range;
 use crate::model::{
-    Ball, FRICTION_LAWS, FrictionLaw, MAX_BALLS, MODEL_KINDS, Machine, Model, ModelKind,
-    NormalForce,
+    Ball, FRICTION_LAWS, FrictionLaw, MAX_BALLS, Machine, Model, ModelKind, NormalForce,
+    model_kinds,
 };
 use crate::study::plan::parameter::Parameter;
 use crate::study::sampling::initial_box::{axes_in_words, axis_names, general_axes};
@@ -116,8 +116,8 @@ pub(in crate::study) fn parameters_schema(generator: &mut SchemaGenerator) -> Sc
             properties.entry(BALLS).or_insert_with(|| described(balls.clone(), words.clone()));
         }
         let find = |kind: &&ModelKind| Parameter::find(name, &(kind.default)());
-        if let Some(parameter) = MODEL_KINDS.iter().find_map(find) {
-            let schema = value(parameter, &models);
+        let found = model_kinds().iter().find_map(find);
+        if let Some(schema) = found.map(|found| value(found, &models)).or_else(|| count(name)) {
             let words = parameter_in_words(name, &schema);
             properties.insert(name.to_owned(), described(schema, words));
         }
@@ -130,16 +130,25 @@ pub(in crate::study) fn parameters_schema(generator: &mut SchemaGenerator) -> Sc
     })
 }
 
+/// Returns the schema of a whole number; `None` if no kind of model has this one.
+fn count(name: &str) -> Option<Value> {
+    let mut all = model_kinds().iter().flat_map(|kind| kind.parameters);
+    let most = all.find(|own| own.name == name)?.largest_count()?;
+    Some(json!({ "type": "integer", "minimum": 1, "maximum": most }))
+}
+
 /// Returns the description of a parameter: its meanings with their defaults, unit and lowest value.
 fn parameter_in_words(name: &str, schema: &Value) -> String {
     let mut meanings: Vec<(String, String)> = Vec::new();
     let mut unit = "";
-    for kind in MODEL_KINDS {
+    for kind in model_kinds() {
         let model = (kind.default)();
         let Some(own) = kind.parameters.iter().find(|own| own.name == name) else { continue };
-        let Some(parameter) = Parameter::find(name, &model) else { continue };
         let each = if own.is_of_each_ball() { " of each ball without its own value" } else { "" };
-        let default = parameter.get(&model, &Ball::default()).to_string();
+        let number = || Some(own.numbers(&mut model.clone(), None).first()?.to_string());
+        let default = Parameter::find(name, &model)
+            .map(|parameter| parameter.get(&model, &Ball::default()).to_string());
+        let Some(default) = default.or_else(number) else { continue };
         let meaning = (format!("{}{each}", own.meaning), default);
         if !meanings.contains(&meaning) {
             meanings.push(meaning);
@@ -156,6 +165,7 @@ fn parameter_in_words(name: &str, schema: &Value) -> String {
     };
     let unit = if unit == "1" { "dimensionless" } else { unit };
     let lowest = match (schema.get("minimum"), schema.get("exclusiveMinimum")) {
+        (Some(_), _) if schema["type"] == "integer" => &format!("; 1 to {}", schema["maximum"]),
         (Some(_), _) => "; at least 0",
         (None, Some(_)) => "; above 0",
         (None, None) => "",
@@ -201,12 +211,17 @@ pub(in crate::study) fn extended_labels(_: &mut SchemaGenerator) -> Schema {
     })
 }
 
-/// Returns one model of every kind and every friction law, with the largest number of balls.
+/// Returns one model of every kind and every friction law, with the largest number of balls or other bodies.
 fn all_models() -> Vec<Model> {
-    let kinds = MODEL_KINDS.map(|kind| {
+    let kinds = model_kinds().iter().map(|kind| {
         let mut model = (kind.default)();
         if let Some(machine) = model.ball_balancer_mut() {
             machine.balls = vec![Ball::default(); MAX_BALLS];
+        }
+        for count in kind.parameters {
+            if let Some(most) = count.largest_count() {
+                count.numbers(&mut model, None).into_iter().for_each(|one| *one = most as f64);
+            }
         }
         model
     });
@@ -219,7 +234,7 @@ fn all_models() -> Vec<Model> {
         *model.friction_mut() = law;
         model
     };
-    kinds.iter().flat_map(|model| laws.map(|law| with(model, law))).collect()
+    kinds.flat_map(|model| laws.map(|law| with(&model, law))).collect()
 }
 
 /// Returns the names of the parameters of this kind of model with any friction law. For an unknown kind, these are the

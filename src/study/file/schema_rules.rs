@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use super::parameters_file::BALLS;
 use super::schema_parts::{axes_of, numeric_parameters_of, parameters_of};
 use super::unit_keys::split_unit;
-use crate::model::{FRICTION_LAWS, LawParameter, MODEL_KINDS, ModelKind, ParameterDescriptor};
+use crate::model::{FRICTION_LAWS, LawParameter, ModelKind, ParameterDescriptor, model_kinds};
 
 const FRACTIONS: [&str; 6] = [
     "equilibrium_fraction",
@@ -67,7 +67,7 @@ pub(in crate::study) fn add_rules(schema: &mut Value) {
     }
     let parameters = schema.pointer("/$defs/ParametersFile/properties");
     let parameters = parameters.and_then(Value::as_object).cloned().unwrap_or_default();
-    let of_kinds = MODEL_KINDS.map(|kind| {
+    let of_kinds = model_kinds().iter().map(|kind| {
         let name = kind.name;
         let is_kind = json!({ "properties": { "kind": { "const": name } }, "required": ["kind"] });
         json!({
@@ -75,7 +75,7 @@ pub(in crate::study) fn add_rules(schema: &mut Value) {
             "then": { "properties": of_kind(kind, &parameters) },
         })
     });
-    merge(Some(schema), json!({ "allOf": of_kinds }));
+    merge(Some(schema), json!({ "allOf": of_kinds.collect::<Vec<Value>>() }));
 }
 
 /// A variable has either a range or choices.
@@ -94,7 +94,11 @@ fn of_kind(kind: &ModelKind, parameters: &Map<String, Value>) -> Value {
     let has_balls = kind.parameters.iter().any(ParameterDescriptor::is_of_each_ball);
     let name = kind.name;
     let [swept, numeric] = [parameters_of(name), numeric_parameters_of(name)].map(with_short);
-    let own = |name: &&String| numeric.contains(name) || has_balls && *name == BALLS;
+    let is_count = |name: &str| {
+        kind.parameters.iter().any(|one| one.name == name && one.largest_count().is_some())
+    };
+    let own =
+        |name: &&String| numeric.contains(name) || has_balls && *name == BALLS || is_count(name);
     let own: Vec<&String> = parameters.keys().filter(own).collect();
     let names = |names: &[String]| json!({ "propertyNames": { "enum": names } });
     let friction = FRICTION_LAWS.iter().filter_map(|law| {

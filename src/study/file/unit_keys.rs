@@ -4,7 +4,7 @@
 use crate::study::error::{Fault, Location, StudyError};
 use crate::study::file::key_path::{KeyPath, Segment};
 use crate::study::file::quantity::{convert, decimal_comma, measured, split_number};
-use crate::study::file::schema_parts::parameters_of;
+use crate::study::file::schema_parts::{axes_of, parameters_of};
 use crate::study::file::yaml_tree::{Content, Node, Source};
 
 /// The endings of SI keys with their units; a longer ending stands before the shorter one that it contains.
@@ -19,7 +19,10 @@ const ENDINGS: [(&str, &str); 8] = [
     ("_s", "s"),
 ];
 
-/// The places of keys with units, where `*` is any key or item, with the SI keys; none means the model's parameters.
+/// The names of the model's coordinates.
+const COORDINATES: &[&str] = &["*"];
+
+/// The places of keys with units, where `*` is any key or item, with the SI keys; none means the model's parameters, and [`COORDINATES`] its coordinates.
 const PLACES: [(&str, &[&str]); 13] = [
     ("model.parameters", &[]),
     ("model.parameters.balls.*", &["mass_kg", "diameter_m"]),
@@ -27,7 +30,7 @@ const PLACES: [(&str, &[&str]); 13] = [
     ("sweep.*.grid", &[]),
     ("sweep.*.zip", &[]),
     ("uncertain", &[]),
-    ("initial_conditions.box", &["position_m", "velocity_m_s"]),
+    ("initial_conditions.box", COORDINATES),
     ("simulation", &["end_time_s"]),
     ("expect.*.point", &[]),
     ("responses.*", &["at_rest_by_s"]),
@@ -53,6 +56,7 @@ pub(in crate::study) fn read_units(source: &mut Source) -> Result<(), StudyError
     let kind = source.root.get("model").and_then(|model| model.get("kind"));
     let mut reading = Reading {
         parameters: parameters_of(kind.map_or("", Node::name)),
+        coordinates: coordinates_of(kind.map_or("", Node::name)),
         choices: names_of_choices(&source.root),
         renamed: Vec::new(),
         path: KeyPath::default(),
@@ -63,6 +67,15 @@ pub(in crate::study) fn read_units(source: &mut Source) -> Result<(), StudyError
     source.root = root;
     source.renamed = reading.renamed;
     result.map_err(|Wrong { place, fault }| source.refuse_at(place, &reading.path, fault))
+}
+
+/// Returns the names of the coordinates of this kind of model that end with a unit, and those of a block.
+fn coordinates_of(kind: &str) -> Vec<String> {
+    let mut names = ["position_m", "velocity_m_s"].map(str::to_owned).to_vec();
+    names.extend(axes_of(kind).into_iter().filter(|name| split_unit(name).is_some()));
+    names.sort_unstable();
+    names.dedup();
+    names
 }
 
 /// Returns the variables with choices. A variable with choices may have the name of a parameter without its unit.
@@ -83,6 +96,8 @@ struct Wrong {
 struct Reading {
     /// The names of the model's parameters.
     parameters: Vec<String>,
+    /// The names of the model's coordinates with a unit.
+    coordinates: Vec<String>,
     /// The names of the design's variables with choices.
     choices: Vec<String>,
     /// The places of renamed keys, with their names in the file.
@@ -101,8 +116,9 @@ struct UnitKey<'a> {
 impl Reading {
     fn place(&mut self, root: &mut Node, place: &(&str, &[&str])) -> Result<(), Wrong> {
         let (place, own) = place;
-        let names: Vec<String> = match own {
+        let names: Vec<String> = match *own {
             [] => self.parameters.clone(),
+            COORDINATES => self.coordinates.clone(),
             own => own.iter().map(|&key| key.to_owned()).collect(),
         };
         let steps: Vec<&str> = place.split('.').collect();

@@ -5,8 +5,8 @@ use std::fmt;
 use std::hash::{Hash, Hasher};
 
 use crate::model::{
-    Ball, Field, LawParameter, Lowest, Model, NormalForce, ParameterDescriptor, SlidingSpeed,
-    ball_parameter_name,
+    Ball, FRICTION_COEFFICIENT, Field, LawParameter, Lowest, Model, NormalForce,
+    ParameterDescriptor, SlidingSpeed, ball_parameter_name,
 };
 use crate::study::error::Fault;
 use crate::study::file::yaml_tree::describe_number;
@@ -51,9 +51,6 @@ pub struct VariedParameter {
     pub kind: ParameterKind,
 }
 
-/// The name of the (kinetic) friction coefficient in every model.
-const FRICTION_COEFFICIENT: &str = "friction_coefficient";
-
 /// Where a parameter is defined.
 #[derive(Clone, Copy, Debug)]
 enum Definition {
@@ -85,7 +82,9 @@ impl Parameter {
             let law = (own.name == FRICTION_COEFFICIENT).then(of_law).into_iter().flatten();
             std::iter::once(Definition::Model(own)).chain(law)
         };
-        let definitions = kind.parameters.iter().flat_map(with_law).enumerate();
+        // A whole number is the same for all runs.
+        let numbers = kind.parameters.iter().filter(|own| own.largest_count().is_none());
+        let definitions = numbers.flat_map(with_law).enumerate();
         let parameters = definitions.flat_map(|(order, definition)| {
             let general = Parameter { definition, order, ball: None };
             let balls = if general.is_of_balls() { model.balls() } else { 0 };

@@ -64,10 +64,11 @@ impl Study {
         let before = |list: &[ListedParameter], first: &dyn Fn(&str) -> bool| {
             list.iter().position(|one| first(&one.name)).unwrap_or(list.len())
         };
-        if self.base.model.balls() > 0 {
+        if self.base.model.ball_balancer().is_some() {
             let place = before(&list, &|name| name.starts_with("ball_"));
             list.insert(place, self.number_of_balls());
         }
+        list.splice(0..0, self.base.counts().map(|(name, count)| self.whole_number(name, count)));
         let of_law: Vec<String> = Parameter::all(&self.base.model)
             .into_iter()
             .filter(|parameter| parameter.is_of_law())
@@ -134,6 +135,18 @@ impl Study {
             swept: None,
             uncertain: None,
             design: numbers.map(|numbers| [*numbers.start() as f64, *numbers.end() as f64]),
+        }
+    }
+
+    fn whole_number(&self, name: &str, count: f64) -> ListedParameter {
+        ListedParameter {
+            name: name.to_owned(),
+            unit: "1",
+            value: ParameterValue::Number(count),
+            is_default: !self.gives(name),
+            swept: None,
+            uncertain: None,
+            design: None,
         }
     }
 

@@ -54,6 +54,9 @@ impl Study {
             let mut digest = Sha256::new();
             digest.update(b"stickslip study 1\n");
             digest.update(to_value(&determining).to_string());
+            if let Some(version) = self.base.model.own_version() {
+                digest.update(format!("\nversion of the equations {version}"));
+            }
             digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
         };
         self.resolved.hash.get_or_init(compute).clone()

@@ -6,7 +6,7 @@ use crate::study::file::balls::{BallFile, Balls};
 use crate::study::file::parameters_file::{BALLS, KindFile, ParametersFile, parameter_keys};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::{ModelFile, NormalForceKind};
-use crate::study::file::yaml_tree::{Content, Source};
+use crate::study::file::yaml_tree::{Content, Source, describe_number};
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::resolve::friction::{check_friction, friction_to_file, resolve_friction};
 
@@ -36,6 +36,10 @@ impl Base {
         *model.friction_mut() =
             resolve_friction(source, written.friction.as_ref(), kind.sliding_speed)?;
         for (name, value) in &given.numbers {
+            if let Some(count) = find_count(kind, name) {
+                set_count(&path, count, &mut model, *value)?;
+                continue;
+            }
             let Some(parameter) = Parameter::find(name, &model) else {
                 let problem = format!("not a parameter of {}", model.kind().name);
                 let fault = Fault::new(problem, *name, parameter_names(kind).join(", "));
@@ -45,27 +49,24 @@ impl Base {
             parameter.set(&mut model, ParameterValue::Number(*value));
         }
         let (mut general, mut own) = (Ball::default(), Vec::new());
-        match &mut model {
-            Model::BallBalancer(machine) => {
-                machine.normal_force = match written.normal_force {
-                    None | Some(NormalForceKind::Lagrange) => NormalForce::Lagrange,
-                    Some(NormalForceKind::Newton) => NormalForce::Newton,
-                };
-                general = machine.balls.first().copied().unwrap_or_default();
-                own = own_values(&path.key("balls"), given.balls.as_ref())?;
-                machine.balls = own.iter().map(|ball| overlay(general, ball)).collect();
-            }
-            Model::Block(_) => {
-                let foreign = [
-                    (path.key("balls"), given.balls.is_some()),
-                    (source.path("model.normal_force"), written.normal_force.is_some()),
-                ];
-                if let Some((path, _)) = foreign.into_iter().find(|(_, given)| *given) {
-                    let allowed = "kind: ball_balancer, or no such key";
-                    let found = format!("kind: {}", model.kind().name);
-                    let fault = Fault::new("only for a ball balancer", found, allowed);
-                    return Err(path.refuse_key(fault));
-                }
+        if let Some(machine) = model.ball_balancer_mut() {
+            machine.normal_force = match written.normal_force {
+                None | Some(NormalForceKind::Lagrange) => NormalForce::Lagrange,
+                Some(NormalForceKind::Newton) => NormalForce::Newton,
+            };
+            general = machine.balls.first().copied().unwrap_or_default();
+            own = own_values(&path.key("balls"), given.balls.as_ref())?;
+            machine.balls = own.iter().map(|ball| overlay(general, ball)).collect();
+        } else {
+            let foreign = [
+                (path.key("balls"), given.balls.is_some()),
+                (source.path("model.normal_force"), written.normal_force.is_some()),
+            ];
+            if let Some((path, _)) = foreign.into_iter().find(|(_, given)| *given) {
+                let allowed = "kind: ball_balancer, or no such key";
+                let found = format!("kind: {}", model.kind().name);
+                let fault = Fault::new("only for a ball balancer", found, allowed);
+                return Err(path.refuse_key(fault));
             }
         }
         check_friction(source, &model)?;
@@ -125,6 +126,17 @@ impl Base {
         general.is_general() && self.own.iter().all(|ball| own_value(ball, &name).is_some())
     }
 
+    /// Returns the whole numbers of the model, such as a number of bodies, with their names.
+    pub fn counts(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let counts = self.model.kind().parameters.iter();
+        let counts = counts.filter(|own| own.largest_count().is_some());
+        let value = |own: &'static ParameterDescriptor| {
+            let number = own.numbers(&mut self.model.clone(), None).first().map(|one| **one);
+            Some((own.name, number?))
+        };
+        counts.filter_map(value)
+    }
+
     /// Returns the model in the form of a study file, with all values.
     pub fn to_file(&self) -> ModelFile {
         let kind = self.model.kind();
@@ -136,6 +148,7 @@ impl Base {
                 parameters.numbers.insert(parameter.name, number);
             }
         }
+        parameters.numbers.extend(self.counts());
         let machine = self.model.ball_balancer();
         parameters.balls = machine.map(|_| match self.has_own() {
             true => Balls::Each(self.own.clone()),
@@ -152,6 +165,27 @@ impl Base {
             normal_force,
         }
     }
+}
+
+/// Returns the whole number of a kind of model with this name.
+pub(crate) fn find_count(kind: &ModelKind, name: &str) -> Option<&'static ParameterDescriptor> {
+    kind.parameters.iter().find(|own| own.name == name && own.largest_count().is_some())
+}
+
+fn set_count(
+    path: &SourcePath<'_>,
+    count: &ParameterDescriptor,
+    model: &mut Model,
+    value: f64,
+) -> Result<(), StudyError> {
+    let most = count.largest_count().unwrap_or(1);
+    if value.fract() != 0.0 || !(1.0..=most as f64).contains(&value) {
+        let allowed = format!("a whole number from 1 to {most}");
+        let fault = Fault::new("not a possible number", describe_number(value), allowed);
+        return Err(path.key(count.name).refuse_value(fault));
+    }
+    count.numbers(model, None).into_iter().for_each(|number| *number = value);
+    Ok(())
 }
 
 /// Returns the names of the parameters that a study file may give for this kind of model.
@@ -203,7 +237,7 @@ fn own_values(path: &SourcePath<'_>, balls: Option<&Balls>) -> Result<Vec<BallFi
             ("diameter_m", "ball_diameter_m", ball.diameter_m),
             ("friction_coefficient", "friction_coefficient", ball.friction_coefficient),
         ] {
-            let form = Model::BallBalancer(Machine::default());
+            let form = Model::from(Machine::default());
             if let (Some(parameter), Some(value)) = (Parameter::find(general, &form), value) {
                 parameter
                     .check(value, &form)

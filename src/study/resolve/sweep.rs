@@ -12,7 +12,7 @@ use crate::study::file::values::{Entry, InlineTable, TableSource};
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::plan::sweep::Listing;
-use crate::study::resolve::model::Base;
+use crate::study::resolve::model::{Base, find_count};
 
 /// The swept parameters and values of a block, and the block in the form of a self-contained study
 /// file.
@@ -154,6 +154,10 @@ fn find_swept(name: &str, base: &Base) -> Result<Parameter, Fault> {
 /// Returns the parameter of this name.
 pub(crate) fn find_parameter(name: &str, model: &Model) -> Result<Parameter, Fault> {
     Parameter::find(name, model).ok_or_else(|| {
+        if find_count(model.kind(), name).is_some() {
+            let allowed = "one study per number (start box and columns depend on the number)";
+            return Fault::new("the same for all runs of a study", name, allowed);
+        }
         let names: Vec<String> = Parameter::all(model).into_iter().map(Parameter::name).collect();
         let problem = format!(
             "not a parameter of {} with {} friction",

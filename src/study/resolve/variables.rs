@@ -131,7 +131,7 @@ impl Setting<'_> {
     }
 
     fn balls(&self, path: &SourcePath<'_>, from: f64, to: f64) -> Result<Domain, StudyError> {
-        if self.study.model().balls() == 0 {
+        if self.study.model().ball_balancer().is_none() {
             let found = format!("kind: {}", self.study.model().kind().name);
             let fault = Fault::new("only for a ball balancer", found, "kind: ball_balancer");
             return Err(path.refuse_key(fault));

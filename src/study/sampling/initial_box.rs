@@ -24,12 +24,13 @@ pub(crate) fn axes_in_words(model: &Model) -> Vec<(String, String)> {
             Some(words) => words.to_owned(),
             None => format!("[{}, {}]", describe_number(low), describe_number(high)),
         };
-        let Some(general) = coordinate.of_every_ball else {
+        let Some(general) = coordinate.of_every_body else {
             axes.push((coordinate.name, format!("{meaning}, {unit}; default {range}.")));
             continue;
         };
         if !axes.iter().any(|(known, _)| known == general) {
-            let of_all = meaning.replace("the ball", "every ball");
+            let body = model.kind().body;
+            let of_all = meaning.replace(&format!("the {body}"), &format!("every {body}"));
             axes.push((general.to_owned(), format!("{of_all}, {unit}; default {range}.")));
         }
         let words = format!("{meaning}, {unit}; default that of `{general}`.");
@@ -41,7 +42,7 @@ pub(crate) fn axes_in_words(model: &Model) -> Vec<(String, String)> {
 /// Returns the names that stand for a coordinate of every ball.
 pub(crate) fn general_axes(model: &Model) -> Vec<&'static str> {
     let mut names: Vec<&str> =
-        model.coordinates().iter().filter_map(|coordinate| coordinate.of_every_ball).collect();
+        model.coordinates().iter().filter_map(|coordinate| coordinate.of_every_body).collect();
     names.dedup();
     names
 }
@@ -112,7 +113,7 @@ impl InitialBox {
         let range = |coordinate: &Coordinate| {
             let given = written.and_then(|ranges| {
                 let own = ranges.get(&coordinate.name);
-                own.or_else(|| ranges.get(coordinate.of_every_ball?))
+                own.or_else(|| ranges.get(coordinate.of_every_body?))
             });
             given.map_or(coordinate.default_range, |range| range.0)
         };

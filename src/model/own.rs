@@ -1,0 +1,149 @@
+//! A model that is defined outside this crate: the values of its parameters, and what its kind computes from them.
+
+use std::fmt;
+use std::sync::Arc;
+
+use serde::{Serialize, Serializer};
+
+use super::invalid_parameter::{invalid, not_negative, positive};
+use super::kind::{Bound, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor};
+use super::{Components, Coordinate, Friction, FrictionLaw, InvalidParameter, System, Units};
+
+/// What a kind of models outside this crate computes from the parameters of a model. Equal models must give equal
+/// values.
+pub trait OwnKind: Sync {
+    /// Returns the version of the equations. Raise it with each change that alters a motion, so that the program does
+    /// not reuse finished runs on disk.
+    fn version(&self) -> u32 {
+        1
+    }
+
+    /// Checks the parameters against each other. Each value alone is already within its bound.
+    ///
+    /// # Errors
+    /// The first invalid parameter, by the name it has in a study file.
+    fn validate(&self, _model: &OwnModel) -> Result<(), InvalidParameter> {
+        Ok(())
+    }
+
+    /// Returns the coordinates of a start state, in order. Their names and number may depend on whole numbers only.
+    fn coordinates(&self, model: &OwnModel) -> Vec<Coordinate>;
+
+    /// Returns the units of the model, with a unit of force for each contact.
+    fn units(&self, model: &OwnModel) -> Units;
+
+    /// Returns the system without dimensions.
+    fn system(&self, model: &OwnModel) -> Arc<dyn System>;
+
+    /// Returns a start state in the components of the system; `start` has one value for each coordinate.
+    fn start_state(&self, model: &OwnModel, start: &[f64]) -> Components;
+}
+
+/// A model that is defined outside this crate, in SI units.
+#[derive(Clone)]
+pub struct OwnModel {
+    kind: &'static ModelKind,
+    own: &'static dyn OwnKind,
+    /// One value for each parameter of the kind.
+    values: Vec<f64>,
+    friction: FrictionLaw,
+}
+
+impl OwnModel {
+    /// Creates a model of a kind with the default values and Coulomb friction.
+    pub fn new(kind: &'static ModelKind, own: &'static dyn OwnKind) -> Self {
+        let values = kind.parameters.iter().map(|parameter| parameter.field.default_number());
+        OwnModel { kind, own, values: values.collect(), friction: FrictionLaw::COULOMB }
+    }
+
+    /// Returns the kind.
+    pub fn kind(&self) -> &'static ModelKind {
+        self.kind
+    }
+
+    /// Returns the value of the parameter with this name.
+    ///
+    /// # Panics
+    /// Panics if the kind has no such parameter, which is a programming error.
+    pub fn number(&self, name: &str) -> f64 {
+        let index = self.kind.parameters.iter().position(|parameter| parameter.name == name);
+        match index {
+            Some(index) => self.values[index],
+            None => panic!("the kind of model {} has no parameter `{name}`", self.kind.name),
+        }
+    }
+
+    /// Returns the value of the whole number with this name.
+    ///
+    /// # Panics
+    /// Panics if the kind has no such parameter, which is a programming error.
+    pub fn count(&self, name: &str) -> usize {
+        self.number(name) as usize
+    }
+
+    /// Returns the friction of a contact with the parameter `friction_coefficient`, without dimensions: the unit of
+    /// sliding speed is `speed_unit` (SI), and that of the viscous coefficient `drag_unit` (N s/m).
+    pub fn contact(&self, speed_unit: f64, drag_unit: f64) -> Friction {
+        self.friction.contact(self.number(FRICTION_COEFFICIENT), speed_unit, drag_unit)
+    }
+
+    /// Returns what the kind computes.
+    pub(super) fn own(&self) -> &'static dyn OwnKind {
+        self.own
+    }
+
+    /// Returns the number that a parameter sets.
+    pub(super) fn number_mut(&mut self, parameter: &ParameterDescriptor) -> Option<&mut f64> {
+        let is_it = |own: &ParameterDescriptor| own.name == parameter.name;
+        self.values.get_mut(self.kind.parameters.iter().position(is_it)?)
+    }
+
+    pub(super) fn friction(&self) -> &FrictionLaw {
+        &self.friction
+    }
+
+    pub(super) fn friction_mut(&mut self) -> &mut FrictionLaw {
+        &mut self.friction
+    }
+
+    /// Checks that all values have a physical meaning.
+    pub(super) fn validate(&self) -> Result<(), InvalidParameter> {
+        for (parameter, &value) in self.kind.parameters.iter().zip(&self.values) {
+            let name = parameter.name;
+            match parameter.field {
+                Field::Own { bound: Bound::Positive, .. } => positive(name, value)?,
+                Field::Own { bound: Bound::NotNegative, .. } => not_negative(name, value)?,
+                _ if !value.is_finite() => {
+                    return Err(invalid(name, &value.to_string(), "a finite number"));
+                }
+                _ => {}
+            }
+        }
+        self.friction.validate(self.number(FRICTION_COEFFICIENT), self.kind.sliding_speed)?;
+        self.own.validate(self)
+    }
+}
+
+impl PartialEq for OwnModel {
+    fn eq(&self, other: &Self) -> bool {
+        (self.kind, &self.values, &self.friction) == (other.kind, &other.values, &other.friction)
+    }
+}
+
+impl fmt::Debug for OwnModel {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut shown = out.debug_struct(self.kind.name);
+        for (parameter, value) in self.kind.parameters.iter().zip(&self.values) {
+            shown.field(parameter.name, value);
+        }
+        shown.field("friction", &self.friction).finish()
+    }
+}
+
+/// The name and the version of the kind and the values determine the stored results of a case.
+impl Serialize for OwnModel {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let version = self.own.version();
+        (self.kind.name, version, &self.values, &self.friction).serialize(serializer)
+    }
+}

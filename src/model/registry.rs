@@ -1,0 +1,157 @@
+//! The kinds of models of a program: the built-in ones, and those that the program registers.
+
+use std::sync::OnceLock;
+
+use thiserror::Error;
+
+use super::coordinate::unit_ending;
+use super::friction::FRICTION_LAWS;
+use super::kind::{Capabilities, FRICTION_COEFFICIENT, Field, ModelKind};
+use super::{Graph, Model, Start, ball_balancer, block};
+
+/// The built-in kinds, in the order of the documentation.
+const BUILT_IN: [&ModelKind; 3] = [&ball_balancer::KIND, &block::ON_SPRING, &block::ON_BELT];
+
+static KINDS: OnceLock<Vec<&'static ModelKind>> = OnceLock::new();
+
+/// Returns all kinds of models: the built-in ones in the order of the documentation, and then the registered ones.
+pub fn model_kinds() -> &'static [&'static ModelKind] {
+    KINDS.get_or_init(|| BUILT_IN.to_vec())
+}
+
+/// Kinds of models that a program adds to the built-in ones.
+#[derive(Clone, Debug, Default)]
+pub struct Registry(Vec<&'static ModelKind>);
+
+/// Why kinds of models cannot be registered: a programming error.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum RegistryError {
+    /// A kind contradicts itself or another kind.
+    #[error("the kind of model `{kind}`: {problem}")]
+    Unsound {
+        /// The name of the kind.
+        kind: &'static str,
+        /// What is wrong.
+        problem: String,
+    },
+    /// The kinds are already in use.
+    #[error("the kinds of models are already in use; register all of them first")]
+    TooLate,
+}
+
+impl Registry {
+    /// Returns an empty registry.
+    pub fn new() -> Self {
+        Registry::default()
+    }
+
+    /// Adds a kind of model.
+    #[must_use]
+    pub fn with(mut self, kind: &'static ModelKind) -> Self {
+        self.0.push(kind);
+        self
+    }
+
+    /// Makes the kinds those of the process. The command line does this, see [`crate::cli::run`].
+    ///
+    /// # Errors
+    /// Returns an error if a kind contradicts itself or another kind, or if other kinds are already in use.
+    pub fn install(self) -> Result<(), RegistryError> {
+        let mut kinds = BUILT_IN.to_vec();
+        for own in self.0 {
+            let refuse = |problem: String| RegistryError::Unsound { kind: own.name, problem };
+            if kinds.iter().any(|kind| kind.name == own.name) {
+                return Err(refuse("another kind has this name; choose a name of its own".into()));
+            }
+            check_names(own).and_then(|()| check_default(own)).map_err(refuse)?;
+            kinds.push(own);
+        }
+        let installed = KINDS.get_or_init(|| kinds.clone());
+        if *installed == kinds { Ok(()) } else { Err(RegistryError::TooLate) }
+    }
+}
+
+/// Checks the names in the table of a kind, and what its parameters are.
+fn check_names(kind: &ModelKind) -> Result<(), String> {
+    let is_key = |name: &str| {
+        let allowed = |letter: u8| matches!(letter, b'a'..=b'z' | b'0'..=b'9' | b'_');
+        name.starts_with(|letter: char| letter.is_ascii_lowercase()) && name.bytes().all(allowed)
+    };
+    let of_laws = FRICTION_LAWS.iter().flat_map(|law| law.parameters());
+    let of_laws: Vec<&str> = of_laws.map(|one| one.name(kind.sliding_speed)).collect();
+    let mut known: Vec<&str> = vec!["balls"];
+    if !is_key(kind.name) || !is_key(kind.body) {
+        return Err("its name and that of its body need lower-case letters, digits and _".into());
+    }
+    for parameter in kind.parameters {
+        let name = parameter.name;
+        if !is_key(name) {
+            return Err(format!("the name `{name}` needs lower-case letters, digits and _"));
+        }
+        if known.contains(&name) || of_laws.contains(&name) {
+            return Err(format!("two parameters are called `{name}`, or it is that of a law"));
+        }
+        let ending = unit_ending(parameter.unit);
+        if !name.ends_with(&ending) {
+            return Err(format!("`{name}` needs the ending `{ending}` of its unit"));
+        }
+        match parameter.field {
+            Field::Own { .. } => {}
+            Field::Count { default, most } if (1..=most).contains(&default) => {}
+            Field::Count { .. } => {
+                return Err(format!("the default of `{name}` is not from 1 to its largest value"));
+            }
+            _ => return Err(format!("`{name}` needs the field `Field::Own` or `Field::Count`")),
+        }
+        known.push(name);
+    }
+    let is_friction = |one: &&super::ParameterDescriptor| one.name == FRICTION_COEFFICIENT;
+    match kind.parameters.iter().find(is_friction).map(|one| one.field) {
+        Some(Field::Own { .. }) => {}
+        _ => return Err(format!("it needs the parameter `{FRICTION_COEFFICIENT}`")),
+    }
+    match kind.offers == Capabilities::MOTION {
+        true => Ok(()),
+        false => Err("only built-in kinds offer more than `Capabilities::MOTION`".into()),
+    }
+}
+
+/// Checks that the default model is sound, and that its functions agree also with the largest whole numbers.
+fn check_default(kind: &'static ModelKind) -> Result<(), String> {
+    let model = (kind.default)();
+    if model.kind() != kind || !matches!(model, Model::Own(_)) {
+        return Err("its default is not an `OwnModel` of this kind".into());
+    }
+    model.validate().map_err(|invalid| format!("its default is invalid: {invalid}"))?;
+    check_numbers(&model)?;
+    let mut largest = model;
+    for parameter in kind.parameters {
+        if let Some(most) = parameter.largest_count() {
+            parameter.numbers(&mut largest, None).into_iter().for_each(|one| *one = most as f64);
+        }
+    }
+    check_numbers(&largest)
+}
+
+/// Checks that the functions of a model agree on the numbers of coordinates, inputs and contacts.
+fn check_numbers(model: &Model) -> Result<(), String> {
+    let system = model.system().ok_or("a model has no system")?;
+    let graph = Graph::of(system.as_ref());
+    let coordinates = model.coordinates();
+    let start = coordinates.iter().map(|one| one.default_range[0]).collect();
+    let state = model.start_state(&Start(start)).map_err(|error| error.to_string())?;
+    let modes = vec![super::ContactMode::Stick; system.contacts()];
+    let pairs = [
+        ("components of its start state and of its equations", state.len(), graph.derivative.len()),
+        ("recorded inputs and values of inputs", graph.inputs.len(), system.inputs(&modes).len()),
+        ("recorded contacts and contacts", graph.contacts.len(), system.contacts()),
+        ("contacts in the layout and contacts", graph.layout.contacts.len(), system.contacts()),
+        ("units of force and contacts", model.units().force_n.len(), system.contacts()),
+    ];
+    match pairs.into_iter().find(|(_, one, other)| one != other) {
+        Some((what, one, other)) => {
+            Err(format!("the numbers of {what} differ: {one} and {other}, for {model:?}"))
+        }
+        None => Ok(()),
+    }
+}

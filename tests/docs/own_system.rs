@@ -1,0 +1,23 @@
+//! The page on own systems quotes the example: its code and its study.
+
+const PAGE: &str = include_str!("../../docs/own-system.md");
+const SOURCE: &str = include_str!("../../examples/spring_block_chain/main.rs");
+const STUDY: &str = include_str!("../../examples/spring_block_chain/two-blocks.yaml");
+
+/// Each block of Rust or YAML stands in the example, and the example is as short as the page says.
+#[test]
+fn code_is_that_of_the_example() {
+    let mut blocks = 0;
+    for block in PAGE.split("\n```").skip(1).step_by(2) {
+        let (language, text) = block.split_once('\n').expect("a block");
+        let file = match language {
+            "rust" => SOURCE,
+            "yaml" => STUDY,
+            _ => continue,
+        };
+        assert!(file.contains(text), "not in the example:\n{text}");
+        blocks += 1;
+    }
+    assert!(blocks > 5, "{blocks} blocks");
+    assert!(SOURCE.lines().count() < 200);
+}
