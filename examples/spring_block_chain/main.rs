@@ -131,7 +131,8 @@ impl System for Chain {
             velocities: (self.blocks..2 * self.blocks).map(|speed| vec![speed]).collect(),
             vibration: None,
         };
-        SystemEquations { derivative: [velocity, acceleration].concat(), contacts, layout }
+        let derivative = [velocity, acceleration].concat();
+        SystemEquations { derivative, contacts, events: Vec::new(), layout }
     }
 
     fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {

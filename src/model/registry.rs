@@ -7,7 +7,7 @@ use thiserror::Error;
 use super::coordinate::unit_ending;
 use super::friction::FRICTION_LAWS;
 use super::kind::{Capabilities, FRICTION_COEFFICIENT, Field, ModelKind};
-use super::{Graph, Model, Start, ball_balancer, block};
+use super::{Graph, Layout, Model, Start, ball_balancer, block};
 
 /// The built-in kinds, in the order of the documentation.
 const BUILT_IN: [&ModelKind; 3] = [&ball_balancer::KIND, &block::ON_SPRING, &block::ON_BELT];
@@ -148,10 +148,20 @@ fn check_numbers(model: &Model) -> Result<(), String> {
         ("contacts in the layout and contacts", graph.layout.contacts.len(), system.contacts()),
         ("units of force and contacts", model.units().force_n.len(), system.contacts()),
     ];
-    match pairs.into_iter().find(|(_, one, other)| one != other) {
-        Some((what, one, other)) => {
-            Err(format!("the numbers of {what} differ: {one} and {other}, for {model:?}"))
-        }
+    if let Some((what, one, other)) = pairs.into_iter().find(|(_, one, other)| one != other) {
+        return Err(format!("the numbers of {what} differ: {one} and {other}, for {model:?}"));
+    }
+    let Layout { contacts, velocities, vibration } = &graph.layout;
+    let reset = graph.events.iter().flat_map(|event| event.reset.iter().map(|(one, _)| *one));
+    let named = contacts.iter().map(|contact| contact.position).chain(reset);
+    let mut named = named
+        .chain(velocities.iter().flatten().copied())
+        .chain(vibration.iter().flatten().copied());
+    match named.find(|component| *component >= state.len()) {
+        Some(component) => Err(format!(
+            "its layout or an event names the component {component}, counted from 0, of {}",
+            state.len()
+        )),
         None => Ok(()),
     }
 }
