@@ -126,7 +126,7 @@ impl LaneRun {
         happened: &Happened,
     ) -> Next {
         let bit = 1 << lane;
-        if let Some(failure) = happened.trouble[lane] {
+        if let Some(failure) = happened.failure(lane) {
             return self.ends(group, lane, Ending::Failure(failure));
         }
         let time = group.time(lane);

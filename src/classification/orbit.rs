@@ -156,7 +156,7 @@ impl OrbitWatch {
         };
         self.ball = Some((reference, direction));
         let differences = [f64::INFINITY; MOST_TURNS + 1];
-        let phases = phases.iter().copied().collect();
+        let phases = Phases::from_slice(phases);
         let passage = Passage { time, state, phases, differences };
         let turns = self.record(reference, passage)?;
         if self.attempts >= MOST_LOOKS || time < self.wait_until {
@@ -259,13 +259,15 @@ impl OrbitWatch {
 /// Returns the largest difference of two passages, angles modulo 2π. The residual speed of a
 /// sticking ball does not count.
 fn difference(view: &SystemView, a: &Passage, b: &Passage, reference: usize) -> f64 {
-    let change = |place: usize| a.state[place] - b.state[place];
+    let (state_a, state_b): (&[f64], &[f64]) = (&a.state, &b.state);
+    let phases: &[Phase] = &a.phases;
+    let change = |place: usize| state_a[place] - state_b[place];
     let mut largest: f64 = 0.0;
     for &place in &view.free {
         largest = largest.max(change(place).abs());
     }
     for (index, contact) in view.contacts.iter().enumerate() {
-        if a.phases[index] != Phase::Stick
+        if phases[index] != Phase::Stick
             && let Some(speed) = contact.speed
         {
             largest = largest.max(change(speed).abs());

@@ -153,11 +153,11 @@ pub(super) fn resolve_modes(
     if !system.has_one_solution() {
         return unique_or_refused(system, phases, open, choices, better);
     }
-    let open: SmallVec<[usize; 8]> = (0..open.len()).filter(|&contact| open[contact]).collect();
+    let contacts = || (0..open.len()).filter(|&contact| open[contact]);
     for _ in 0..phases.len() + 3 {
         let forces = system.forces(phases);
-        let before = phases.clone();
-        for &contact in &open {
+        let before = Phases::from_slice(phases);
+        for contact in contacts() {
             if let Some(other) = better(&forces, &before, contact) {
                 phases[contact] = other;
             }
@@ -166,13 +166,13 @@ pub(super) fn resolve_modes(
             return Ok(forces);
         }
     }
-    for mut combination in 0..combinations(open.len())? {
-        for &contact in &open {
+    for mut combination in 0..combinations(contacts().count())? {
+        for contact in contacts() {
             phases[contact] = choices[combination % 3];
             combination /= 3;
         }
         let forces = system.forces(phases);
-        if open.iter().all(|&contact| better(&forces, phases, contact).is_none()) {
+        if contacts().all(|contact| better(&forces, phases, contact).is_none()) {
             return Ok(forces);
         }
     }

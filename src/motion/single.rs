@@ -169,7 +169,7 @@ impl Motion {
             for lane in 0..LANES {
                 group.set_until(lane, until);
             }
-            if let Some(failure) = group.advance(displaced).trouble[0] {
+            if let Some(failure) = group.advance(displaced).failure(0) {
                 return Err(failure);
             }
         }

@@ -10,7 +10,7 @@
 
 use super::Failure;
 use super::evaluator::Forces;
-use super::modes::{InState, resolve_modes, stick_reserve};
+use super::modes::{InState, Open, resolve_modes, stick_reserve};
 use super::{Phase, Phases};
 
 /// Slack of the conditions for stick and transition, as an acceleration over `L ω_n²`: a phase ends
@@ -29,7 +29,10 @@ pub const SLACK: f64 = 1e-9;
 /// # Errors
 /// [`Failure::NoSolution`] if no combination meets all conditions.
 pub(super) fn decide(system: &dyn InState, phases: &mut Phases) -> Result<Forces, Failure> {
-    let open = phases.iter().map(|phase| phase.in_band()).collect();
+    let mut open = Open::new();
+    for phase in phases.iter() {
+        open.push(phase.in_band());
+    }
     let choices = [Phase::Stick, Phase::Transition(1.0), Phase::Transition(-1.0)];
     resolve_modes(system, phases, &open, choices, |forces, phases, contact| match phases[contact] {
         Phase::Slip(_) | Phase::Free => None,

@@ -57,7 +57,7 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
                 happened.event |= 1 << lane;
             }
             Ok(None) => {}
-            Err(failure) => happened.trouble[lane] = Some(failure),
+            Err(failure) => happened.fail(lane, failure),
         }
     }
     let end = g.kernel.at(&g.room, &g.state, length);
@@ -70,12 +70,10 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
         let lane = stopped.trailing_zeros() as usize;
         stopped &= stopped - 1;
         let lasts = finite.to_bitmask() & 1 << lane != 0;
-        happened.trouble[lane] = Some(if lasts { Failure::StepLimit } else { Failure::NotFinite });
+        happened.fail(lane, if lasts { Failure::StepLimit } else { Failure::NotFinite });
         happened.event &= !(1 << lane);
     }
-    let given_up = happened.trouble.iter().enumerate();
-    let given_up = given_up.filter(|(_, trouble)| trouble.is_some());
-    let commit = given_up.fold(g.alive, |commit, (lane, _)| commit & !(1 << lane));
+    let commit = g.alive & !happened.failed;
     let commits = mask64x8::from_bitmask(simd, commit);
     happened.taken = commit;
     g.taken += c!(1.0);
@@ -122,7 +120,7 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
         if let Some(event) = failed[lane]
             && let Err(trouble) = switch(g, lane, event, displaced)
         {
-            happened.trouble[lane] = Some(trouble);
+            happened.fail(lane, trouble);
         }
     }
     happened.rest = g.kernel.rest(&g.state) & commit;
@@ -141,7 +139,9 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
     while overdone != 0 {
         let lane = overdone.trailing_zeros() as usize;
         overdone &= overdone - 1;
-        happened.trouble[lane].get_or_insert(Failure::StepLimit);
+        if happened.failure(lane).is_none() {
+            happened.fail(lane, Failure::StepLimit);
+        }
     }
     happened
 }
@@ -195,7 +195,7 @@ fn decided<S: Vector, K: Kernel<S>>(
     state: &mut Components,
     Event { failed, at_once }: Event,
 ) -> Result<(Phases, Forces), Failure> {
-    let mut phases = own.phases.clone();
+    let mut phases = Phases::from_slice(&own.phases);
     let (contact, which) = match failed {
         Condition::Contact { contact, which } => (contact, which),
         Condition::Event(event) => {
@@ -253,7 +253,8 @@ fn switch<S: Vector, K: Kernel<S>>(
     let kernel = &g.kernel;
     let Some(own) = &mut g.lanes[lane] else { return Ok(()) };
     own.during.copy_from_slice(&own.phases);
-    let before = state.clone();
+    let resets = matches!(event.failed, Condition::Event(_));
+    let before = if resets { state.clone() } else { Components::new() };
     let (phases, _) = decided((kernel, &g.state, time), (lane, own), &mut state, event)?;
     if displaced {
         let mut direction = kernel.lane(&g.displacement, lane);
@@ -272,9 +273,7 @@ fn switch<S: Vector, K: Kernel<S>>(
         };
         kernel.set_lane(&mut g.displacement, lane, &direction);
     }
-    if let Condition::Event(_) = event.failed {
-        g.reset |= 1 << lane;
-    }
+    g.reset |= u64::from(resets) << lane;
     for (contact, phase) in phases.iter().enumerate() {
         if *phase != own.phases[contact] {
             own.switches += 1;

@@ -27,17 +27,26 @@ pub(crate) struct Happened {
     /// The lanes for which events, completed turns and reversals are reported.
     pub(crate) told: u64,
     /// Lanes that cannot continue.
-    pub(crate) trouble: [Option<Failure>; LANES],
+    pub(crate) failed: u64,
+    pub(super) failures: [Option<Failure>; LANES],
 }
 
 impl Happened {
     /// Returns the lanes with anything to report.
     pub(crate) fn any(&self) -> u64 {
-        let troubles = self.trouble.iter().enumerate();
-        let troubles = troubles.filter(|(_, trouble)| trouble.is_some());
-        let bits = troubles.fold(0, |bits, (lane, _)| bits | 1 << lane);
         let happened = (self.event | self.round | self.turned) & self.told;
-        happened | self.attention | self.rest | self.still | bits
+        happened | self.attention | self.rest | self.still | self.failed
+    }
+
+    /// Returns why a lane cannot continue.
+    pub(crate) fn failure(&self, lane: usize) -> Option<Failure> {
+        self.failures[lane]
+    }
+
+    /// Notes that a lane cannot continue.
+    pub(super) fn fail(&mut self, lane: usize, failure: Failure) {
+        self.failed |= 1 << lane;
+        self.failures[lane] = Some(failure);
     }
 }
 

@@ -52,8 +52,18 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
     #[inline(never)]
     pub(super) fn state_at(&self, lane: usize, after: f64) -> Components {
         let start = self.kernel.lane(&self.before, lane);
-        let components = 0..self.kernel.components();
-        components.map(|component| self.component_at(lane, component, &start, after)).collect()
+        let mut state = Components::new();
+        self.simd.vectorize(
+            #[inline(always)]
+            || {
+                for component in 0..self.kernel.components() {
+                    let start = start[component];
+                    let powers = self.kernel.component(&self.room, lane, component, start);
+                    state.push(value(&powers, after));
+                }
+            },
+        );
+        state
     }
 
     /// Returns the squares of the measured displacement at times after the start of the latest step.

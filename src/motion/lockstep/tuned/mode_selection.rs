@@ -68,7 +68,7 @@ fn of_contacts<const N: usize, T: Copy>(
         normal: forces.normal[i],
         friction: forces.friction[i],
     };
-    (0..N).map(contact).collect()
+    Forces::from_slice(&std::array::from_fn::<_, N, _>(contact))
 }
 
 impl<const N: usize> InState for InPlace<'_, N> {
