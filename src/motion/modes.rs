@@ -18,6 +18,8 @@ pub(super) trait InState {
     fn rates(&self, phases: &[Phase]) -> Components;
     /// Returns the forces at the time [`AHEAD`] later, to first order, if the phases last.
     fn forces_ahead(&self, phases: &[Phase]) -> Forces;
+    /// Returns the change of the sliding speed of a contact along a direction.
+    fn speed_along(&self, contact: usize, direction: &[f64]) -> f64;
     /// Returns the forces with their changes along a direction.
     fn forces_along(&self, phases: &[Phase], direction: &[f64]) -> Forces<Dual>;
     /// Returns whether the phases are decided in exactly one way for any forces.
@@ -114,6 +116,17 @@ impl InState for Evaluated<'_> {
         let rates = self.rates(phases);
         let ahead = self.state.iter().zip(&rates).map(|(value, rate)| value + AHEAD * rate);
         self.evaluator.forces(phases, &ahead.collect::<Components>())
+    }
+
+    fn speed_along(&self, contact: usize, direction: &[f64]) -> f64 {
+        match self.evaluator.graph().speed_component(contact) {
+            Some(component) => direction[component],
+            // Sliding speeds do not depend on phases.
+            None => {
+                let phases = Phases::from_elem(Phase::Stick, self.speeds.len());
+                self.forces_along(&phases, direction)[contact].speed.slope
+            }
+        }
     }
 
     fn forces_along(&self, phases: &[Phase], direction: &[f64]) -> Forces<Dual> {

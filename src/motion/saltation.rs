@@ -64,10 +64,13 @@ pub(super) fn saltation(
         return false;
     }
     let change = |direction: &[f64]| {
+        match (before[contact], which) {
+            (Phase::Slip(sign), 0) => return sign * system.speed_along(contact, direction),
+            (Phase::Transition(sign), 0) => return -sign * system.speed_along(contact, direction),
+            _ => {}
+        }
         let forces = system.forces_along(before, direction)[contact];
         match (before[contact], which) {
-            (Phase::Slip(sign), 0) => sign * forces.speed.slope,
-            (Phase::Transition(sign), 0) => -sign * forces.speed.slope,
             (Phase::Transition(sign), 1) => sign * forces.acceleration.slope,
             (Phase::Stick, which @ (0 | 1)) => {
                 let sign = if which == 0 { 1.0 } else { -1.0 };

@@ -12,7 +12,6 @@ use super::lane::{Lane, start_phases};
 use super::lane_group::Happened;
 use super::{LANES, Lanes};
 use crate::model::{Components, Method};
-use crate::motion::evaluator::Forces;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::check_forces;
 use crate::motion::saltation::{Condition, saltation, saltation_at_event};
@@ -177,7 +176,7 @@ fn first_event<S: Vector, K: Kernel<S>>(
                     return Ok(Some((0.0, event)));
                 }
                 let mut state = g.kernel.lane(&g.state, lane);
-                let (phases, _) =
+                let phases =
                     decided((&g.kernel, &g.state, g.time[lane]), (lane, own), &mut state, event)?;
                 if phases != own.phases {
                     return Ok(Some((0.0, event)));
@@ -188,13 +187,13 @@ fn first_event<S: Vector, K: Kernel<S>>(
     }
 }
 
-/// Returns the phases after an event, and the forces; contacts that stop lose their speed in `state`.
+/// Returns the phases after an event; contacts that stop lose their speed in `state`, and an event resets it.
 fn decided<S: Vector, K: Kernel<S>>(
     (kernel, flow, time): (&K, &K::Flow, f64),
     (lane, own): (usize, &Lane),
     state: &mut Components,
     Event { failed, at_once }: Event,
-) -> Result<(Phases, Forces), Failure> {
+) -> Result<Phases, Failure> {
     let mut phases = Phases::from_slice(&own.phases);
     let (contact, which) = match failed {
         Condition::Contact { contact, which } => (contact, which),
@@ -202,11 +201,8 @@ fn decided<S: Vector, K: Kernel<S>>(
             if let Some(evaluator) = kernel.evaluator(lane) {
                 *state = evaluator.reset(event, &phases, state);
             }
-            let forces = kernel.in_state(lane, own, state, |at| {
-                phases = start_phases(own.system.as_ref(), own.settings, at)?;
-                Ok(at.forces(&phases))
-            })?;
-            return Ok((phases, forces));
+            let system = own.system.as_ref();
+            return kernel.in_state(lane, own, state, |at| start_phases(system, own.settings, at));
         }
     };
     if which == 2 {
@@ -216,10 +212,12 @@ fn decided<S: Vector, K: Kernel<S>>(
         (_, Some(component)) => state[component],
         (_, None) => kernel.speed(flow, contact)[lane],
     };
-    let forces = match own.settings.method {
+    match own.settings.method {
         Method::Switch => {
             switch_model::cross_band(own.settings.band, &mut phases, speed);
-            kernel.in_state(lane, own, state, |at| switch_model::decide(at, &mut phases))?
+            kernel.in_state(lane, own, state, |at| {
+                check_forces(&switch_model::decide(at, &mut phases)?)
+            })?;
         }
         Method::Event => {
             // The contact set off at this instant and stops at this instant.
@@ -232,12 +230,12 @@ fn decided<S: Vector, K: Kernel<S>>(
                     state[component] = 0.0;
                 }
             }
-            kernel
-                .in_state(lane, own, state, |at| event_driven::decide(at, &mut phases, &at_rest))?
+            kernel.in_state(lane, own, state, |at| {
+                check_forces(&event_driven::decide(at, &mut phases, &at_rest)?)
+            })?;
         }
-    };
-    check_forces(&forces)?;
-    Ok((phases, forces))
+    }
+    Ok(phases)
 }
 
 /// Decides the phases after an event.
@@ -255,7 +253,7 @@ fn switch<S: Vector, K: Kernel<S>>(
     own.during.copy_from_slice(&own.phases);
     let resets = matches!(event.failed, Condition::Event(_));
     let before = if resets { state.clone() } else { Components::new() };
-    let (phases, _) = decided((kernel, &g.state, time), (lane, own), &mut state, event)?;
+    let phases = decided((kernel, &g.state, time), (lane, own), &mut state, event)?;
     if displaced {
         let mut direction = kernel.lane(&g.displacement, lane);
         own.grazed |= match (event.failed, kernel.evaluator(lane)) {

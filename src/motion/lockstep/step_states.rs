@@ -112,10 +112,11 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         let part = self.simd.vectorize(
             #[inline(always)]
             || {
-                let [low, high] = [0.0, 1.0].map(|at| {
-                    let (value, slope) = ahead(&powers, at, length, (mark, sign));
-                    PolynomialPoint { at, value, slope }
-                });
+                // Not a map over both ends: the fused multiply-add must be inlined.
+                let (value, slope) = ahead(&powers, 0.0, length, (mark, sign));
+                let low = PolynomialPoint { at: 0.0, value, slope };
+                let (value, slope) = ahead(&powers, 1.0, length, (mark, sign));
+                let high = PolynomialPoint { at: 1.0, value, slope };
                 fall_of_smooth(
                     #[inline(always)]
                     |part| ahead(&powers, part, length, (mark, sign)),

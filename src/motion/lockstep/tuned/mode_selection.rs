@@ -97,6 +97,10 @@ impl<const N: usize> InState for InPlace<'_, N> {
         of_contacts(ahead.beta_dot, &forces)
     }
 
+    fn speed_along(&self, contact: usize, direction: &[f64]) -> f64 {
+        direction[4 + N + contact]
+    }
+
     fn forces_along(&self, phases: &[Phase], direction: &[f64]) -> Forces<Dual> {
         let direction = State::of_components(direction).unwrap_or(State::zero());
         let state = self.state.along(&direction);
