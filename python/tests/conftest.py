@@ -1,6 +1,7 @@
 """What tests share: the program to compare with, studies, and tables compared to the last bit."""
 
 import os
+import signal
 import subprocess
 from pathlib import Path
 
@@ -11,6 +12,10 @@ import pytest
 import stickslip
 
 ROOT = Path(__file__).resolve().parents[2]
+
+# A shell starts commands in the background with Ctrl-C ignored. The tests of interruptions need Python's own handler, which
+# child processes start with as well.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 SMALL = """
 schema: 1
