@@ -130,7 +130,7 @@ impl Period {
 }
 
 fn cycle_phases(view: &SystemView, phases: &[Phase], state: &[f64]) -> Vec<CyclePhase> {
-    let phases_by_contact = phases.iter().enumerate();
+    let phases_by_contact = phases.iter().enumerate().take(view.contacts.len());
     let of = |(contact, phase): (usize, &Phase)| {
         CyclePhase::of(*phase, view.speed(phases, state, contact))
     };

@@ -116,8 +116,3 @@ impl SystemView {
             .map_or(0.0, |[x, y, x_dot, y_dot]| state[x] * state[x_dot] + state[y] * state[y_dot])
     }
 }
-
-/// Returns whether all contacts stick.
-pub(super) fn all_stick(phases: &[Phase]) -> bool {
-    phases.iter().all(|phase| *phase == Phase::Stick)
-}

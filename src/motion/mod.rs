@@ -3,6 +3,7 @@
 mod cancellation;
 mod condition;
 mod evaluator;
+mod impact;
 mod event_driven;
 mod instant;
 pub(crate) mod lockstep;
@@ -13,13 +14,15 @@ mod saltation;
 mod settings;
 mod single;
 mod switch_model;
+mod touching;
 
 pub(crate) use cancellation::unwind_if_cancelled;
 pub use cancellation::{Cancellation, is_cancelled};
-pub use evaluator::{ContactForces, Evaluator, Forces};
+pub use evaluator::{ContactForces, Evaluator, Forces, GapForces};
 pub use instant::Instant;
 pub use lockstep::SimdLevel;
 pub use modes::decide;
+pub(crate) use phase::{all_stick, any_closed};
 pub use phase::{PerContact, Phase, Phases};
 pub use root::fall_through_zero;
 pub use settings::{Effort, Settings, Tolerance, most_steps_by};

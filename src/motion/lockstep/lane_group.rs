@@ -26,6 +26,8 @@ pub(crate) struct Happened {
     pub(crate) turned: u64,
     /// The lanes for which events, completed turns and reversals are reported.
     pub(crate) told: u64,
+    /// A gap has closed or opened.
+    pub(crate) touched: u64,
     /// Lanes that cannot continue.
     pub(crate) failed: u64,
     pub(super) failures: [Option<Failure>; LANES],
@@ -35,7 +37,7 @@ impl Happened {
     /// Returns the lanes with anything to report.
     pub(crate) fn any(&self) -> u64 {
         let happened = (self.event | self.round | self.turned) & self.told;
-        happened | self.attention | self.rest | self.still | self.failed
+        happened | self.attention | self.rest | self.still | self.touched | self.failed
     }
 
     /// Returns why a lane cannot continue.
@@ -107,6 +109,9 @@ pub(crate) trait LaneGroup {
     fn phases_during_step(&self, lane: usize) -> &[Phase];
     /// Returns whether an event at the end of the latest step reset the state.
     fn was_reset(&self, lane: usize) -> bool;
+    /// Returns whether the run in a lane belongs into these lanes. If not, it must be taken out of its lane before the next
+    /// step.
+    fn is_home(&self, lane: usize) -> bool;
     /// Returns when each contact last changed its phase; 0 if it has not.
     fn last_switches(&self, lane: usize) -> &[f64];
     /// Returns the last time at which each contact was faster than `SLOW`, or than the band if that is wider: 0 if
