@@ -136,7 +136,9 @@ impl LaneRun {
         if displaced {
             self.separate(group, lane, time, happened.attention & bit != 0);
         } else if separation.follows(time) && !separation.has_begun() {
-            group.displace(lane, &lyapunov::displacement(&self.view));
+            let mut displacement = lyapunov::displacement(&self.view);
+            self.view.keep_together(group.phases(lane), &mut displacement);
+            group.displace(lane, &displacement);
             separation.begin(time, lyapunov::courses(&LaneStep { group, lane, view: &self.view }));
         }
         let still = happened.still & bit != 0;

@@ -121,11 +121,8 @@ impl Period {
         if self.rests.is_empty() {
             return;
         }
-        let forces = view.evaluator.forces(phases, state);
-        for &contact in &self.rests {
-            let limit = view.system().friction(contact).limit * forces[contact].normal;
-            self.margin = self.margin.min(1.0 - forces[contact].friction.abs() / limit);
-        }
+        let margin = view.evaluator.friction_margin(phases, state, &self.rests);
+        self.margin = self.margin.min(margin);
     }
 }
 

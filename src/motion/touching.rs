@@ -158,48 +158,13 @@ impl<'a> InTouch<'a> {
     /// one of them.
     fn join(&self, state: &mut Components, phases: &[Phase], failed: Option<usize>) {
         let speeds = self.speeds();
-        for cluster in self.clusters(phases, |_| true) {
+        for cluster in self.evaluator.clusters(phases) {
             let leader = failed.filter(|one| cluster.contains(one)).unwrap_or(cluster[0]);
             let speed = state[speeds[leader]];
             for contact in cluster {
                 state[speeds[contact]] = speed;
             }
         }
-    }
-
-    /// Returns the sets of contacts that closed gaps connect, of those contacts that `which` accepts.
-    pub(super) fn clusters(
-        &self,
-        phases: &[Phase],
-        which: impl Fn(usize) -> bool,
-    ) -> Vec<Vec<usize>> {
-        let contacts = self.contacts();
-        let mut root: SmallVec<[usize; 8]> = (0..contacts).collect();
-        for (gap, phase) in self.touching.gaps().iter().zip(&phases[contacts..]) {
-            let [behind, ahead] = gap.contacts;
-            if *phase == Phase::Closed && which(behind) && which(ahead) {
-                let (from, to) = (root[ahead], root[behind]);
-                root.iter_mut().filter(|one| **one == from).for_each(|one| *one = to);
-            }
-        }
-        let members = |of: usize| (0..contacts).filter(|one| root[*one] == of).collect::<Vec<_>>();
-        (0..contacts).map(members).filter(|cluster| cluster.len() > 1).collect()
-    }
-
-    /// Returns the sets of contacts that stick and touch, each with its closed gaps, which count the contacts of the set.
-    pub(super) fn held_clusters(&self, phases: &[Phase]) -> Vec<HeldCluster> {
-        let sticks = |contact: usize| phases[contact] == Phase::Stick;
-        let clusters = self.clusters(phases, sticks).into_iter();
-        let with_gaps = clusters.map(|contacts| {
-            let gaps = self.touching.gaps().iter().zip(&phases[self.contacts()..]);
-            let gaps = gaps.filter(|(_, phase)| **phase == Phase::Closed).filter_map(|(gap, _)| {
-                let place = |one: usize| contacts.iter().position(|contact| *contact == one);
-                let [behind, ahead] = gap.contacts;
-                Some(Gap { contacts: [place(behind)?, place(ahead)?], ..*gap })
-            });
-            HeldCluster { gaps: gaps.collect(), contacts }
-        });
-        with_gaps.collect()
     }
 
     /// Decides the phases of contacts at rest or in the band, and of closed gaps. The contacts `fixed` stay as they are.
@@ -327,7 +292,7 @@ impl<'a> InTouch<'a> {
                 return false;
             }
         }
-        let clusters = self.held_clusters(phases);
+        let clusters = held_clusters(self.touching.gaps(), phases);
         let in_cluster = |contact: usize| clusters.iter().any(|one| one.contacts.contains(&contact));
         let holds = |contact: usize| {
             let ContactForces { acceleration, normal, friction, .. } = forces[contact];
@@ -360,6 +325,67 @@ impl<'a> InTouch<'a> {
             |contact| [forces[contact].normal, forces[contact].friction],
         )
     }
+}
+
+impl Evaluator {
+    /// Returns the sets of contacts that touch, by the gaps that are closed.
+    pub(crate) fn clusters(&self, phases: &[Phase]) -> Vec<Vec<usize>> {
+        let touching = self.system().touching();
+        touching.map_or_else(Vec::new, |touching| clusters(touching.gaps(), phases, |_| true))
+    }
+
+    /// Returns the smallest friction margin of some contacts that stick: the reserve of friction over the friction limit.
+    pub(crate) fn friction_margin(
+        &self,
+        phases: &[Phase],
+        state: &[f64],
+        contacts: &[usize],
+    ) -> f64 {
+        let forces = self.forces(phases, state);
+        let limit = |contact: usize| self.system().friction(contact).limit;
+        let own = |contact: usize| [forces[contact].normal, forces[contact].friction];
+        let touching = self.system().touching();
+        let held = touching.map_or_else(Vec::new, |one| held_clusters(one.gaps(), phases));
+        let margin = |contact: usize| {
+            let [normal, friction] = own(contact);
+            let most = limit(contact) * normal;
+            match held.iter().find(|cluster| cluster.contacts.contains(&contact)) {
+                None => 1.0 - friction.abs() / most,
+                Some(cluster) => cluster.holding(limit, own).reserve / most,
+            }
+        };
+        contacts.iter().map(|contact| margin(*contact)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Returns the sets of contacts that stick and touch.
+pub(super) fn held_clusters(all: &[Gap], phases: &[Phase]) -> Vec<HeldCluster> {
+    let sticks = |contact: usize| phases[contact] == Phase::Stick;
+    let with_gaps = |contacts: Vec<usize>| {
+        let gaps = all.iter().zip(&phases[phases.len() - all.len()..]);
+        let gaps = gaps.filter(|(_, phase)| **phase == Phase::Closed).filter_map(|(gap, _)| {
+            let place = |one: usize| contacts.iter().position(|contact| *contact == one);
+            let [behind, ahead] = gap.contacts;
+            Some(Gap { contacts: [place(behind)?, place(ahead)?], ..*gap })
+        });
+        HeldCluster { gaps: gaps.collect(), contacts }
+    };
+    clusters(all, phases, sticks).into_iter().map(with_gaps).collect()
+}
+
+/// Returns the sets of contacts that closed gaps connect, of those contacts that `which` accepts.
+fn clusters(gaps: &[Gap], phases: &[Phase], which: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
+    let contacts = phases.len() - gaps.len();
+    let mut root: SmallVec<[usize; 8]> = (0..contacts).collect();
+    for (gap, phase) in gaps.iter().zip(&phases[contacts..]) {
+        let [behind, ahead] = gap.contacts;
+        if *phase == Phase::Closed && which(behind) && which(ahead) {
+            let (from, to) = (root[ahead], root[behind]);
+            root.iter_mut().filter(|one| **one == from).for_each(|one| *one = to);
+        }
+    }
+    let members = |of: usize| (0..contacts).filter(|one| root[*one] == of).collect::<Vec<_>>();
+    (0..contacts).map(members).filter(|cluster| cluster.len() > 1).collect()
 }
 
 /// Contacts that stick and touch each other.

@@ -22,7 +22,7 @@ fn with_time<'r>(rates: Vec<Expression<'r>>) -> SystemEquations<'r> {
     SystemEquations {
         derivative: std::iter::once(time).chain(rates).collect(),
         contacts: Vec::new(),
-        events: Vec::new(),
+        events: Vec::new(), gaps: Vec::new(),
         layout: Layout { velocities, ..Layout::default() },
     }
 }

@@ -24,7 +24,7 @@ use crate::motion::evaluator::Evaluator;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::{Evaluated, InState};
 use crate::motion::saltation::Condition;
-use crate::motion::touching::{HeldCluster, InTouch};
+use crate::motion::touching::{HeldCluster, InTouch, held_clusters};
 use conditions::{Pressure, Watched};
 use expansion::{Series, TERMS};
 use program::{Program, Slot};
@@ -176,7 +176,7 @@ impl<S: Vector> Kernel<S> for General<S> {
         let Some(in_touch) = evaluator.and_then(|one| InTouch::new(one, own.settings)) else {
             return;
         };
-        self.held[lane] = in_touch.held_clusters(&own.phases);
+        self.held[lane] = held_clusters(in_touch.touching.gaps(), &own.phases);
         let gaps = in_touch.touching.gaps().iter().zip(&own.phases[self.speeds.len()..]);
         for (pressure, (gap, phase)) in self.pressures.iter_mut().zip(gaps) {
             let sticks = gap.contacts.iter().all(|one| own.phases[*one] == Phase::Stick);
