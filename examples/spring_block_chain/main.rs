@@ -132,7 +132,7 @@ impl System for Chain {
             vibration: None,
         };
         let derivative = [velocity, acceleration].concat();
-        SystemEquations { derivative, contacts, events: Vec::new(), gaps: Vec::new(), layout }
+        SystemEquations { derivative, contacts, layout, ..SystemEquations::default() }
     }
 
     fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {

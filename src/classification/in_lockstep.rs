@@ -170,9 +170,8 @@ impl<'a> Lockstep<'a> {
 
     /// Returns the next run for an empty lane of a team, if there are both. A team without runs gets lanes for the run.
     fn next_of(&mut self, team: usize) -> Option<Waiting> {
-        let has_room = |team: &Team| {
-            team.group.as_ref().is_none_or(|group| group.empty_lane().is_some())
-        };
+        let has_room =
+            |team: &Team| team.group.as_ref().is_none_or(|group| group.empty_lane().is_some());
         if !has_room(&self.teams[team]) {
             return None;
         }

@@ -71,7 +71,8 @@ impl SystemView {
         let mut followers = Vec::new();
         for cluster in self.evaluator.clusters(phases) {
             let first = leader.filter(|one| cluster.contains(one)).unwrap_or(cluster[0]);
-            followers.extend(cluster.into_iter().filter(|one| *one != first).map(|one| (one, first)));
+            followers
+                .extend(cluster.into_iter().filter(|one| *one != first).map(|one| (one, first)));
         }
         followers
     }

@@ -11,8 +11,8 @@
 
 use serde::Serialize;
 
-use super::balancer::SPHERE_INERTIA;
 use super::angle::wrap_to_two_pi;
+use super::balancer::SPHERE_INERTIA;
 use super::invalid_parameter::{InvalidParameter, invalid, not_negative};
 
 /// The law of contact between balls.
@@ -39,9 +39,9 @@ impl BallContact {
     pub fn validate(&self) -> Result<(), InvalidParameter> {
         if !(0.0..=1.0).contains(&self.restitution) {
             let found = self.restitution.to_string();
-            return Err(invalid("contact.restitution", &found, "between 0 and 1"));
+            return Err(invalid("contact_restitution", &found, "between 0 and 1"));
         }
-        not_negative("contact.friction_coefficient", self.friction_coefficient)
+        not_negative("contact_friction_coefficient", self.friction_coefficient)
     }
 }
 
@@ -90,7 +90,15 @@ impl Gap {
         let (sine, cosine) = libm::sincos(0.5 * angle);
         let tangent = sine / cosine;
         let lever = 1.0 / cosine + tangent;
-        Gap { contacts, distance: angle, angular: true, masses, tangent, lever, friction_coefficient }
+        Gap {
+            contacts,
+            distance: angle,
+            angular: true,
+            masses,
+            tangent,
+            lever,
+            friction_coefficient,
+        }
     }
 
     /// Returns the tangential and the normal force on the contact behind and on the contact ahead, each over the mass
@@ -110,7 +118,8 @@ impl Gap {
     pub fn rolling_pushes(&self, rolling: f64) -> [[f64; 2]; 2] {
         let [by_force, by_friction] = self.pushes();
         let friction = rolling * self.friction_coefficient;
-        let with = |side: usize, way: usize| by_force[side][way] + friction * by_friction[side][way];
+        let with =
+            |side: usize, way: usize| by_force[side][way] + friction * by_friction[side][way];
         [0, 1].map(|side| [0, 1].map(|way| with(side, way)))
     }
 

@@ -9,9 +9,8 @@ use std::any::{Any, TypeId};
 
 use super::recorded::{add_contact_inputs, equations, record_contact, record_state};
 use super::{
-    Balancer, BallContact, ContactMode, Dual, Expression, Friction, Gap, GapEquations,
-    Machine, Number, Recorder, RestForms, Structure, System, SystemEquations, Touching,
-    wrap_to_two_pi,
+    Balancer, BallContact, ContactMode, Dual, Expression, Friction, Gap, GapEquations, Machine,
+    Number, Recorder, RestForms, Structure, System, SystemEquations, Touching, wrap_to_two_pi,
 };
 
 /// A balancer with contact between neighbouring balls.
@@ -47,7 +46,12 @@ impl<const N: usize> BallsInContact<N> {
             Gap::between_balls(contacts, angle, masses, contact.friction_coefficient)
         };
         let gaps = (0..if N > 1 { N } else { 0 }).map(gap).collect();
-        Some(BallsInContact { balancer, restitution: contact.restitution, lasting_approach: LASTING_APPROACH, gaps })
+        Some(BallsInContact {
+            balancer,
+            restitution: contact.restitution,
+            lasting_approach: LASTING_APPROACH,
+            gaps,
+        })
     }
 
     /// Returns the gaps between neighbouring balls.
@@ -264,9 +268,8 @@ impl<const N: usize> Touching for BallsInContact<N> {
             let matrix = [[one - m_xx, m_xy], [m_xy, one - m_yy]];
             let [x_dot, y_dot] = Dual::solve_two(matrix, [table_x, table_y]);
             let balls = balancer.balls.iter().zip(turned.iter().zip(along));
-            let speeds = balls.map(|(ball, ((s, c), along))| {
-                ball.mobility * (*s * x_dot - *c * y_dot + along)
-            });
+            let speeds = balls
+                .map(|(ball, ((s, c), along))| ball.mobility * (*s * x_dot - *c * y_dot + along));
             let mut response = vec![zero; 4 + 2 * N];
             response[2] = x_dot;
             response[3] = y_dot;

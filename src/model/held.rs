@@ -60,7 +60,8 @@ pub fn gap_columns(gap: &Gap, contacts: &[HeldContact]) -> [Vec<f64>; 2] {
     let unit = gap.reduced_mass();
     SIGNS.map(|rolling| {
         let mut column = vec![0.0; 2 * contacts.len()];
-        for (contact, [along, outward]) in gap.contacts.into_iter().zip(gap.rolling_pushes(rolling)) {
+        for (contact, [along, outward]) in gap.contacts.into_iter().zip(gap.rolling_pushes(rolling))
+        {
             let HeldContact { limit, weight, .. } = contacts[contact];
             for (side, sign) in SIGNS.into_iter().enumerate() {
                 column[2 * contact + side] += unit * (sign * along - limit * outward) / weight;

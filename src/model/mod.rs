@@ -7,8 +7,8 @@
 
 mod angle;
 mod balancer;
-mod ball_contact;
 mod ball_balancer;
+mod ball_contact;
 mod balls_in_contact;
 mod block;
 mod case;
@@ -52,8 +52,8 @@ pub use friction::{
     MAX_LAW_PARAMETERS, Sliding, SlidingForce, SlidingSpeed,
 };
 pub use graph::{
-    ContactEquations, ContactLayout, Event, EventEquations, Expression, GapEquations, Graph, Layout, Node,
-    NodeId, Recorder, Solve, SystemEquations,
+    ContactEquations, ContactLayout, Event, EventEquations, Expression, GapEquations, Graph,
+    Layout, Node, NodeId, Recorder, Solve, SystemEquations,
 };
 pub use held::{HeldContact, Holding, gap_columns, held};
 pub use invalid_parameter::InvalidParameter;

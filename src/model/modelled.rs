@@ -6,8 +6,8 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::{
-    Balancer, BallsInContact, Block, Components, FRICTION_COEFFICIENT, FrictionLaw, Ground, InvalidParameter,
-    Machine, ModelKind, OwnModel, Start, System, ball_balancer, block,
+    Balancer, BallsInContact, Block, Components, FRICTION_COEFFICIENT, FrictionLaw, Ground,
+    InvalidParameter, Machine, ModelKind, OwnModel, Start, System, ball_balancer, block,
 };
 
 /// One of the mechanical systems with its parameters.

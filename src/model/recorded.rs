@@ -267,14 +267,25 @@ impl System for Slider {
     }
 }
 
+/// The number of components without an allocation: those of a balancer with eight balls.
+const INLINE: usize = 20;
+
 impl<const N: usize, const FREE: usize> State<N, f64, FREE> {
     /// Returns the components in the order of a recorded system.
     pub fn components(&self) -> Components {
-        let mut components = Components::new();
-        for part in [&self.position[..], &self.velocity, &self.beta, &self.beta_dot] {
-            components.extend_from_slice(part);
+        let parts = [&self.position[..], &self.velocity, &self.beta, &self.beta_dot];
+        // A buffer is filled by plain copies.
+        let mut buffer = [0.0; INLINE];
+        let length = 2 * (FREE + N);
+        if length > INLINE {
+            return parts.concat().into();
         }
-        components
+        let mut place = 0;
+        for part in parts {
+            buffer[place..place + part.len()].copy_from_slice(part);
+            place += part.len();
+        }
+        Components::from_buf_and_len(buffer, length)
     }
 
     /// Returns the state with these components; `None` for another number of components.

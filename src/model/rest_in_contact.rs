@@ -1,9 +1,7 @@
 //! Closed forms for balls at rest that may touch: the forces between them help friction to hold them, or hinder it.
 
 use super::certificate::{disturbance_bound, followed_to_rest};
-use super::{
-    BallsInContact, Gap, HeldContact, RestAmplitude, RestForms, RestPoint, State, held,
-};
+use super::{BallsInContact, Gap, HeldContact, RestAmplitude, RestForms, RestPoint, State, held};
 
 /// Gaps up to this width are closed: the width within which impacts are located is much smaller.
 pub const TOUCHING: f64 = 1e-9;
@@ -38,9 +36,8 @@ impl<const N: usize> BallsInContact<N> {
         if gaps.is_empty() {
             return 1.0 - self.balancer.friction_use(&rest, 0.0);
         }
-        let holds = |strength: f64| {
-            self.endures([&rest.normal, &rest.friction], &gaps, strength) >= 0.0
-        };
+        let holds =
+            |strength: f64| self.endures([&rest.normal, &rest.friction], &gaps, strength) >= 0.0;
         if holds(0.0) {
             return 1.0;
         }
@@ -75,9 +72,8 @@ impl<const N: usize> RestForms for BallsInContact<N> {
         let Some(state) = State::of_components(state) else { return false };
         let rest = self.balancer.rest_point(&state.beta);
         let gaps = self.closed_gaps(&state.beta);
-        let endures = |normal: &[f64; N], friction: &[f64; N]| {
-            self.endures([normal, friction], &gaps, 1.0)
-        };
+        let endures =
+            |normal: &[f64; N], friction: &[f64; N]| self.endures([normal, friction], &gaps, 1.0);
         endures(&rest.normal, &rest.friction) > 0.0
             && followed_to_rest(
                 &self.balancer,

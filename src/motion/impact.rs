@@ -8,8 +8,8 @@
 
 use smallvec::{SmallVec, smallvec};
 
-use super::evaluator::solved;
 use super::Failure;
+use super::evaluator::solved;
 use crate::model::{Components, Dual, Gap, Number, Touching};
 
 /// Rounding tolerance of impulses and speeds, over the largest speed.
@@ -151,7 +151,8 @@ fn corrected(
     tolerance: f64,
 ) -> Part {
     let limit = meeting.gap.friction_coefficient;
-    let slips = |direction: f64| if limit > 0.0 { Part::Slides(direction) } else { Part::Slides(1.0) };
+    let slips =
+        |direction: f64| if limit > 0.0 { Part::Slides(direction) } else { Part::Slides(1.0) };
     // An impulse over the mass that it meets is a speed.
     let mass = meeting.gap.reduced_mass();
     match part {
@@ -170,9 +171,7 @@ fn corrected(
 }
 
 /// Returns all combinations of ways to take part.
-fn combinations<'a>(
-    meetings: &'a [Meeting<'a>],
-) -> impl Iterator<Item = SmallVec<[Part; 8]>> + 'a {
+fn combinations<'a>(meetings: &'a [Meeting<'a>]) -> impl Iterator<Item = SmallVec<[Part; 8]>> + 'a {
     let ways = |meeting: &Meeting<'_>| if meeting.gap.friction_coefficient > 0.0 { 4 } else { 2 };
     let number = meetings.iter().map(ways).product::<usize>().min(MOST_TRIED);
     (0..number).map(move |mut combination| {

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use super::cancellation::unwind_if_cancelled;
 use super::lockstep::{LANES, LaneGroup, Saved};
 use super::root::fall_through_zero;
-use super::{all_stick, Effort, Evaluator, Failure, Instant, PerContact, Phase, SLOW, Settings, SimdLevel};
+use super::{
+    Effort, Evaluator, Failure, Instant, PerContact, Phase, SLOW, Settings, SimdLevel, all_stick,
+};
 use crate::model::{Components, Method, System};
 
 /// A motion in progress.

@@ -15,9 +15,7 @@ use super::evaluator::{ContactForces, Forces, GapForces};
 use super::impact::{Impact, impact};
 use super::modes::{check_forces, first_phases, is_finite, same};
 use super::{Evaluator, Failure, Phase, Phases, Settings, event_driven, switch_model};
-use crate::model::{
-    Components, Dual, Gap, HeldContact, Holding, Method, TOUCHING, Touching, held,
-};
+use crate::model::{Components, Dual, Gap, HeldContact, Holding, Method, TOUCHING, Touching, held};
 
 /// The most combinations that are tried.
 const MOST_TRIED: usize = 100_000;
@@ -168,12 +166,7 @@ impl<'a> InTouch<'a> {
     }
 
     /// Decides the phases of contacts at rest or in the band, and of closed gaps. The contacts `fixed` stay as they are.
-    fn decide(
-        &self,
-        state: &[f64],
-        phases: &mut Phases,
-        fixed: &[usize],
-    ) -> Result<(), Failure> {
+    fn decide(&self, state: &[f64], phases: &mut Phases, fixed: &[usize]) -> Result<(), Failure> {
         let slack = self.slack();
         let mut solutions: Vec<(Phases, Forces)> = Vec::new();
         let mut unsound = None;
@@ -293,7 +286,8 @@ impl<'a> InTouch<'a> {
             }
         }
         let clusters = held_clusters(self.touching.gaps(), phases);
-        let in_cluster = |contact: usize| clusters.iter().any(|one| one.contacts.contains(&contact));
+        let in_cluster =
+            |contact: usize| clusters.iter().any(|one| one.contacts.contains(&contact));
         let holds = |contact: usize| {
             let ContactForces { acceleration, normal, friction, .. } = forces[contact];
             match of_contacts[contact] {

@@ -22,6 +22,7 @@ struct Recording {
 }
 
 /// The equations of a system, with expressions.
+#[derive(Default)]
 pub struct SystemEquations<'r> {
     /// The time derivative of each component of the state.
     pub derivative: Vec<Expression<'r>>,

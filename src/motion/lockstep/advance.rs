@@ -13,17 +13,13 @@ use super::lane::{Lane, start_phases};
 use super::lane_group::Happened;
 use super::{LANES, Lanes, gaps};
 use crate::model::{Components, Method};
-use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::impact::Impact;
+use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::check_forces;
-use crate::motion::saltation::{
-    Condition, saltation, saltation_at_impact, saltation_at_reset,
-};
+use crate::motion::saltation::{Condition, saltation, saltation_at_impact, saltation_at_reset};
 use crate::motion::settings::MOST_AT_ONCE;
 use crate::motion::touching::InTouch;
-use crate::motion::{
-    Evaluator, Failure, Phase, Phases, any_closed, event_driven, switch_model,
-};
+use crate::motion::{Evaluator, Failure, Phase, Phases, any_closed, event_driven, switch_model};
 
 /// The shortest step, over the elapsed time, that still changes the time.
 const SHORTEST: f64 = 1e-14;
@@ -260,8 +256,7 @@ fn decided<S: Vector, K: Kernel<S>>(
             })?;
         }
         Method::Event => {
-            let (at_rest, stopped) =
-                event_driven::stop(&mut phases, speed, stops_at_once(contact));
+            let (at_rest, stopped) = event_driven::stop(&mut phases, speed, stops_at_once(contact));
             for (contact, _) in stopped.iter().enumerate().filter(|(_, stopped)| **stopped) {
                 if let (_, Some(component)) = kernel.coordinates(contact) {
                     state[component] = 0.0;
@@ -340,7 +335,8 @@ fn switch<S: Vector, K: Kernel<S>>(
             own.last_switches[contact] = time;
         }
     }
-    let gaps_of = |phases: &[Phase]| phases.iter().filter(|one| one.is_gap()).copied().collect::<Phases>();
+    let gaps_of =
+        |phases: &[Phase]| phases.iter().filter(|one| one.is_gap()).copied().collect::<Phases>();
     let touched = gaps_of(&phases) != gaps_of(&own.phases);
     own.phases.copy_from_slice(&phases);
     g.enter(lane, &state);

@@ -95,8 +95,8 @@ pub(super) fn first_closing<S: Vector, K: Kernel<S>>(
             continue;
         }
         let places = gap.contacts.map(|contact| g.kernel.coordinates(contact).0);
-        let [behind, ahead] = places
-            .map(|place| g.kernel.component(&g.room, lane, place, state[place]));
+        let [behind, ahead] =
+            places.map(|place| g.kernel.component(&g.room, lane, place, state[place]));
         let mut powers: Powers = std::array::from_fn(|k| ahead[k] - behind[k]);
         powers[0] = gap.width(places.map(|place| state[place])) + aim;
         let mut coefficients = [0.0; ORDER + 1];

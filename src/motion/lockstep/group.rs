@@ -6,10 +6,10 @@ use std::sync::Arc;
 use fearless_simd::prelude::*;
 use smallvec::SmallVec;
 
+use super::gaps::GapLanes;
 use super::kernel::Kernel;
 use super::lane::{Lane, Saved};
 use super::lane_group::{Happened, LaneGroup};
-use super::gaps::GapLanes;
 use super::{Home, LANES, Lanes, advance};
 use crate::model::{Components, System};
 use crate::motion::lockstep::vector::Vector;

@@ -89,7 +89,9 @@ impl Saved {
             let evaluator = Evaluator::new(Arc::clone(system));
             let phases = match InTouch::new(&evaluator, settings) {
                 Some(in_touch) => in_touch.start(&mut start)?,
-                None => start_phases(system.as_ref(), settings, &Evaluated::new(&evaluator, state))?,
+                None => {
+                    start_phases(system.as_ref(), settings, &Evaluated::new(&evaluator, state))?
+                }
             };
             let layout = evaluator.graph().layout.contacts.iter();
             let angles = layout.filter(|contact| contact.angular);
@@ -97,7 +99,8 @@ impl Saved {
         };
         let without_gaps = system.touching().is_none();
         let tuned = if without_gaps { by_tuned() } else { None };
-        let (phases, angles): (Phases, SmallVec<[usize; 8]>) = tuned.unwrap_or_else(by_equations)?;
+        let (phases, angles): (Phases, SmallVec<[usize; 8]>) =
+            tuned.unwrap_or_else(by_equations)?;
         for component in angles {
             let angle = &mut start[component];
             if !(0.0..TAU).contains(angle) {

@@ -52,11 +52,7 @@ const ORDER: usize = 16;
 
 /// Returns empty lanes for a system in which no contacts touch, or some do, computed with these instructions. The unit tests
 /// need two of the tuned kernels only, whose compilation takes long.
-fn lanes_with<S: Vector>(
-    simd: S,
-    system: &Arc<dyn System>,
-    touching: bool,
-) -> Box<dyn LaneGroup> {
+fn lanes_with<S: Vector>(simd: S, system: &Arc<dyn System>, touching: bool) -> Box<dyn LaneGroup> {
     macro_rules! tuned {
         ($($balls:literal)*) => {
             $(
@@ -77,11 +73,7 @@ fn lanes_with<S: Vector>(
 }
 
 /// Returns empty lanes for a system, computed with these instructions by the general kernel.
-fn general_lanes<S: Vector>(
-    simd: S,
-    system: &Arc<dyn System>,
-    home: Home,
-) -> Box<dyn LaneGroup> {
+fn general_lanes<S: Vector>(simd: S, system: &Arc<dyn System>, home: Home) -> Box<dyn LaneGroup> {
     Box::new(Group::new(simd, general::General::new(simd, system), home))
 }
 

@@ -96,11 +96,7 @@ impl SimdLevel {
 
 /// Returns empty lanes for processors without a vectorised fused multiply-add. Builds with debug assertions have no tuned
 /// kernels for them, which take half of the compiler's time; their results agree with the others within the tolerances.
-fn baseline_lanes(
-    simd: Baseline,
-    system: &Arc<dyn System>,
-    touching: bool,
-) -> Box<dyn LaneGroup> {
+fn baseline_lanes(simd: Baseline, system: &Arc<dyn System>, touching: bool) -> Box<dyn LaneGroup> {
     #[cfg(not(debug_assertions))]
     return lanes_with(simd, system, touching);
     #[cfg(debug_assertions)]

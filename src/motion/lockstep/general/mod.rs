@@ -19,12 +19,12 @@ use super::lane::Lane;
 use super::step_length::{longest_step, reciprocal};
 use super::{LANES, Lanes, ORDER};
 use crate::model::{Components, Graph, System};
-use crate::motion::{Phase, all_stick};
 use crate::motion::evaluator::Evaluator;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::{Evaluated, InState};
 use crate::motion::saltation::Condition;
 use crate::motion::touching::{HeldCluster, InTouch, held_clusters};
+use crate::motion::{Phase, all_stick};
 use conditions::{Pressure, Watched};
 use expansion::{Series, TERMS};
 use program::{Program, Slot};
@@ -79,7 +79,10 @@ impl<S: Vector> General<S> {
             constants: vec![Lanes::splat(simd, 0.0); program.statics.len()],
             watched: vec![Watched::nothing(simd); contacts],
             pressures: vec![
-                Pressure { weight: Lanes::splat(simd, 0.0), offset: Lanes::splat(simd, 1.0) };
+                Pressure {
+                    weight: Lanes::splat(simd, 0.0),
+                    offset: Lanes::splat(simd, 1.0)
+                };
                 graph.gaps.len()
             ],
             held: std::array::from_fn(|_| Vec::new()),
@@ -182,8 +185,7 @@ impl<S: Vector> Kernel<S> for General<S> {
             let sticks = gap.contacts.iter().all(|one| own.phases[*one] == Phase::Stick);
             let pressed = *phase == Phase::Closed && !sticks;
             pressure.weight[lane] = if pressed { 1.0 / gap.reduced_mass() } else { 0.0 };
-            pressure.offset[lane] =
-                if pressed { own.margins.slack + 0.5 * own.width } else { 1.0 };
+            pressure.offset[lane] = if pressed { own.margins.slack + 0.5 * own.width } else { 1.0 };
         }
     }
 
@@ -311,15 +313,7 @@ impl<S: Vector> Kernel<S> for General<S> {
         let Room { series, doubts, .. } = room;
         let in_lane = (own, lane, length);
         let of_gaps = (&self.pressures[..], &self.held[lane][..]);
-        conditions::first_event(
-            self.simd,
-            series,
-            &self.program,
-            in_lane,
-            of_gaps,
-            doubts,
-            ignored,
-        )
+        conditions::first_event(self.simd, series, &self.program, in_lane, of_gaps, doubts, ignored)
     }
 
     #[inline(always)]
@@ -370,12 +364,7 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     #[inline(always)]
-    fn relative_travel(
-        &self,
-        room: &Room<S>,
-        pair: [usize; 2],
-        length: Lanes<S>,
-    ) -> Lanes<S> {
+    fn relative_travel(&self, room: &Room<S>, pair: [usize; 2], length: Lanes<S>) -> Lanes<S> {
         let [one, other] = pair.map(|contact| {
             let position = self.graph.layout.contacts[contact].position;
             room.series.of(position as Slot)
