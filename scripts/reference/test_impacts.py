@@ -125,7 +125,7 @@ def test_energy_balance_with_friction():
         assert max(works[1:]) < 0.0
         change = equations.energy(one, made.end) - equations.energy(one, made.start)
         errors.append(abs(change - sum(works)) / abs(sum(works[1:])))
-    print(f"error of the balance over the work of ring and contacts: "
+    print("error of the balance over the work of ring and contacts: "
           + ", ".join(f"{error:.1e}" for error in errors))
     assert errors[-1] < 1e-4
 

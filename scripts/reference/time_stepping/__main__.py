@@ -1,7 +1,8 @@
 """Integrates the runs of a table of cases by time stepping, with contact between the balls, and writes their endings.
 
-The table is the output of `stickslip expand`, or runs.parquet of a directory of results. Its columns contain start states
-and those parameters that differ between runs; `--set` gives the other parameters. Prints a summary.
+The table is one of tests/data, the output of `stickslip expand`, or runs.parquet of a directory of results. Its columns
+contain start states (beta_1 or initial_beta_1, ...) and those parameters that differ between runs; `--set` gives the other
+parameters. Prints a summary.
 """
 
 import argparse
@@ -27,6 +28,7 @@ def parse():
     add = parser.add_argument
     add("cases", metavar="CASES", help="table of cases, .csv or .parquet")
     add("--out", metavar="FILE", help="table to write, .csv or .parquet")
+    add("--compact", action="store_true", help="write few digits, and neither start states nor numbers about the integration")
     add("--set", metavar="NAME=VALUE", action="append", default=[],
         help="a parameter of all runs that the table does not contain, such as speed_rad_s=-173.1803 or ball_mass_2_kg=1e-4")
     add("--rows", type=int, metavar="N", help="only the first N rows")
@@ -59,16 +61,14 @@ def main():
         results = runs.compute(cases, options, args.threads)
     except (OSError, ValueError) as error:
         sys.exit(f"time_stepping: {error}")
-    keys = ("run_id", "point_id")
-    results = [{**{key: int(row[key]) for key in keys if key in row}, **result} for row, result in zip(rows, results)]
     if args.out:
-        runs.write(args.out, results)
-    rest = [result for result in results if result["at_rest"]]
-    print(f"{len(results)} runs: {len(rest)} at rest, {sum(1 for one in rest if one['touching'])} of these in contact; "
-          f"{sum(1 for one in results if one['touching'])} in contact at the end")
-    print(f"impacts {sum(one['impacts'] for one in results)}, steps in which a ball lifts off the ring "
-          f"{sum(one['lifted_steps'] for one in results)}, unsolved steps {sum(one['unsolved_steps'] for one in results)}; "
-          f"{time.perf_counter() - begun:.1f} s")
+        table = [runs.compact(one) for one in results] if args.compact else results
+        keys = ("run_id", "point_id")
+        identities = [{key: int(row[key]) for key in keys if key in row} for row in rows]
+        runs.write(args.out, [{"row": index, **identity, **one}
+                              for index, (identity, one) in enumerate(zip(identities, table))])
+    print(runs.summary(results))
+    print(f"{time.perf_counter() - begun:.1f} s")
 
 
 main()

@@ -20,23 +20,23 @@ The solver is projected Gauss-Seidel with warm start (M. Jean 1999, doi:10.1016/
 import numba as nb
 
 SWEEPS = 5000
-SOLVED = 1e-14  # change of all speeds in one sweep
-STICKS = 1e-13  # a smaller speed is a rounding error of a ball that sticks
+SOLVED = 1e-13  # change of all speeds in one sweep
+STICKS = 1e-12  # a smaller speed is a rounding error of a ball that sticks
 
 
-@nb.njit
+@nb.njit(error_model="numpy")
 def limited(value, limit):
     return min(max(value, -limit), limit)
 
 
-@nb.njit
+@nb.njit(error_model="numpy")
 def push(speeds, S, ball, impulse):
     """Adds the effect of an impulse on one ball to all speeds."""
     for i in range(len(speeds)):
         speeds[i] += S[i, ball] * impulse
 
 
-@nb.njit
+@nb.njit(error_model="numpy")
 def ring_normals(static, table, mass, sine, cosine, before, speeds, contacts, tangent, P, q, out):
     """Fills `out` with the normal impulses of the ring on the balls. `table` is the table's change of velocity at
     constant ball speeds. A ball that the impulses lift off the ring has a normal impulse of zero."""
@@ -57,11 +57,12 @@ def ring_normals(static, table, mass, sine, cosine, before, speeds, contacts, ta
     return lifted
 
 
-@nb.njit
+@nb.njit(error_model="numpy")
 def solve(S, before, speeds, mass, friction, normals, fixed_normals, static, table, sine, cosine,
           contacts, tangent, kappa, active, bounce, ball_friction, p, P, q):
     """Solves the problem of one step. Speeds begin as u_free and end as the speeds after the step; p, P and q begin as
-    a guess. `bounce` is e g_k. If `fixed_normals`, the ring's normal impulses are those in `normals` and do not follow the contacts.
+    a guess. `bounce` is e g_k. If `fixed_normals`, the ring's normal impulses are those in `normals` and do not follow the
+    contacts.
 
     Returns the number of sweeps, negative if they did not converge, and whether a ball lifts off the ring.
     """

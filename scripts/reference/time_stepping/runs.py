@@ -132,7 +132,9 @@ def outcome(machine, motion):
     # A contact persists at a gap of zero, or at the depth that the step of its last impact reached.
     touching = [f"{i + 1}-{j + 1}" for (i, j), gap in zip(motion.pairs, end_gaps) if gap <= 1e-9]
     row = {f"initial_{name}": float(value) for name, value in zip(components(n), motion.start)}
-    row["at_rest"] = bool(results[scheme.AT_REST])
+    at_rest = bool(results[scheme.AT_REST])
+    row["label"] = "equilibrium" if at_rest else "moving"
+    row["time_to_rest_s"] = float((results[scheme.END_TIME] - results[scheme.STILL_FOR]) / omega_n) if at_rest else None
     row["touching"] = " ".join(touching)
     row["impacts"] = int(results[scheme.IMPACTS])
     row["end_time_s"] = float(results[scheme.END_TIME] / omega_n)
@@ -144,6 +146,27 @@ def outcome(machine, motion):
     row["lifted_steps"] = int(results[scheme.LIFTED])
     row["unsolved_steps"] = int(results[scheme.UNSOLVED])
     return row
+
+
+def compact(result):
+    """Returns the results that comparisons need, with as many digits as the method can have."""
+    digits = {"label": None, "touching": None, "time_to_rest_s": 4, "impacts": None}
+    balls = sum(name.startswith("ball_speed_") for name in result)
+    digits |= {f"beta_{ball + 1}_rad": 6 for ball in range(balls)}
+    digits |= {f"ball_speed_{ball + 1}_rad_s": 4 for ball in range(balls)}
+    cells = {name: result[name] for name in digits}
+    return {name: round(cell, digits[name]) if isinstance(cell, float) else cell for name, cell in cells.items()}
+
+
+def summary(results):
+    """Returns a text with counts over runs."""
+    rest = [one for one in results if one["label"] == "equilibrium"]
+    moving = [one for one in results if one["label"] != "equilibrium"]
+    total = {name: sum(one[name] for one in results) for name in ("impacts", "lifted_steps", "unsolved_steps")}
+    text = (f"{len(results)} runs: {len(rest)} at rest, {sum(bool(one['touching']) for one in rest)} of these in contact; "
+            f"{len(moving)} moving, {sum(bool(one['touching']) for one in moving)} of these in contact")
+    return (f"{text}\nimpacts {total['impacts']}, steps in which a ball lifts off the ring {total['lifted_steps']}, "
+            f"unsolved steps {total['unsolved_steps']}")
 
 
 def write(path, rows):

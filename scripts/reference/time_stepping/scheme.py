@@ -22,7 +22,7 @@ from equations import frame_acceleration, response, static_normal, table_force
 from machine import OMEGA, ZETA
 
 REPEATS = 50
-UNCHANGED = 1e-13  # change of the speeds by a repetition
+UNCHANGED = 1e-12  # change of the speeds by a repetition
 # Below this speed of approach a closed contact persists instead of bouncing, unless the restitution is 1. The sequence of
 # ever smaller bounces ends here.
 IMPACT_SPEED = 1e-6
@@ -30,8 +30,9 @@ IMPACT_SPEED = 1e-6
 STILL, STILL_TIME, QUIET = 1e-6, 50.0, 1e-7
 
 # Positions in the vector of results.
-END_TIME, AT_REST, IMPACTS, LIFTED, UNSOLVED, DAMPING_WORK, RING_WORK, CONTACT_WORK, BALL_WORK, LEAST_GAP = range(10)
-RESULTS = 10
+RESULTS = 11
+(END_TIME, AT_REST, IMPACTS, LIFTED, UNSOLVED, DAMPING_WORK, RING_WORK, CONTACT_WORK, BALL_WORK, LEAST_GAP,
+ STILL_FOR) = range(RESULTS)
 
 
 @nb.njit
@@ -54,7 +55,7 @@ def gap(state, contacts, angles, k):
     return state[2 + contacts[k, 1]] - state[2 + contacts[k, 0]] - angles[k] + turn
 
 
-@nb.njit(nogil=True)
+@nb.njit(nogil=True, error_model="numpy")
 def run(state, h, steps, scalars, mass, diameter, friction, contacts, angles, law, until_rest, tail, results, speeds_out,
         samples):
     """Integrates one run in place. `law` is restitution, friction between the balls, and 1 if impacts include the
@@ -63,6 +64,7 @@ def run(state, h, steps, scalars, mass, diameter, friction, contacts, angles, la
     n, k_max = len(mass), len(contacts)
     restitution, ball_friction, ring_impulse = law[0], law[1], law[2] > 0.0
     v, new, middle = state[2 + n :].copy(), state[2 + n :].copy(), state[2 + n :].copy()
+    last = v.copy()
     position = state[: 2 + n]
     sine, cosine, static = np.zeros(n), np.zeros(n), np.zeros(n)
     free, speeds, normals = np.zeros(n), np.zeros(n), np.zeros(n)
@@ -99,7 +101,8 @@ def run(state, h, steps, scalars, mass, diameter, friction, contacts, angles, la
             persistent[k] = active[k] and not hits
             impacts += hits
         results[IMPACTS] += impacts
-        new[:] = v
+        new[:] = v + (v - last)
+        last[:] = v
         solved, lifted = False, False
         for _ in range(REPEATS):
             middle[:] = 0.5 * (v + new)
@@ -121,6 +124,9 @@ def run(state, h, steps, scalars, mass, diameter, friction, contacts, angles, la
             sweeps, lifted = contact.solve(
                 S, v[2:], speeds, mass, friction, normals, fixed, static, (h * x, h * y), sine, cosine,
                 contacts, tangent, kappa, active, bounce, ball_friction, p, P, q)
+            if fixed:
+                lifted = contact.ring_normals(static, (h * x, h * y), mass, sine, cosine, v[2:], speeds, contacts, tangent,
+                                              P, q, normals)
             dx, dy = h * x, h * y
             for i in range(n):
                 dx += mass[i] * sine[i] * (speeds[i] - v[2 + i])
@@ -157,6 +163,7 @@ def run(state, h, steps, scalars, mass, diameter, friction, contacts, angles, la
                 break
     state[2 + n :] = v
     results[END_TIME] = done * h
+    results[STILL_FOR] = still
     results[AT_REST] = still >= STILL_TIME
     if done < steps or tail == 0:
         speeds_out[:] = v[2:]  # at rest, or without a window
