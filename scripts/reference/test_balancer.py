@@ -127,6 +127,16 @@ def test_running_pairs(speed):
         assert max(abs(value - expected) for value in speeds) < 0.03
 
 
+def test_running_pair_of_a_recorded_start():
+    """At -216.3772 rad/s, a run from the box becomes a pair in contact that runs at 41.46 rad/s."""
+    row = runs.read(DATA / "reference_216.3772.csv")[27]
+    [found] = runs.compute([runs.case(row, {"speed_rad_s": -216.3772})], runs.Options(restitution=0.5, tail=0.4))
+    speeds = [found["ball_speed_1_rad_s"], found["ball_speed_2_rad_s"]]
+    print(f"mean speeds {speeds[0]:.3f}, {speeds[1]:.3f} rad/s, known 41.46")
+    assert found["label"] == "moving" and found["touching"] and found["unsolved_steps"] == 0
+    assert max(abs(value - 41.46) for value in speeds) < 0.03
+
+
 def test_three_balls_rest_in_contact():
     """The balls keep their order, and no gap is deeper than a step's motion."""
     one = machine(3, {"speed_rad_s": -173.1803, "ball_diameter_3_m": 2e-3})
