@@ -2,6 +2,7 @@
 
 import math
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import scheme
 import starts
 from machine import IMBALANCE, OMEGA, ROLLING, ZETA, machine
 
+RECORDED = sorted((Path(__file__).parents[2] / "tests" / "data").glob("contact_*.csv"))
 UNEQUAL = {"speed_rad_s": -173.1803, "ball_mass_2_kg": 3.1e-4, "ball_diameter_2_m": 4e-3, "friction_coefficient_2": 4e-3}
 
 
@@ -132,3 +134,21 @@ def test_positions_of_rest_in_contact(values, ball_friction, known):
     assert (closed != held).sum() <= 2
     if known is not None:
         assert abs(closed.mean() - known) < 2e-3 and abs(alone.mean() - 0.2200) < 2e-3
+
+
+@pytest.mark.parametrize("path", RECORDED, ids=lambda path: path.stem)
+def test_recorded_rests(path):
+    """The closed form allows every recorded rest, most of those in contact only with the contact force."""
+    speed, _, ball_friction = path.stem.split("_")[1:]
+    one = machine(2, {"speed_rad_s": -float(speed)})
+    in_contact = []
+    rows = [row for row in runs.read(path) if row["label"] == "equilibrium"]
+    for row in rows:
+        beta = np.array([float(row["beta_1_rad"]), float(row["beta_2_rad"])])
+        touching = row.get("touching")
+        ordered = beta[::-1] if touching == "2-1" else beta
+        assert rests(one, ordered, float(ball_friction.removeprefix("mu")), contact=bool(touching)), f"row {row['row']}"
+        if touching:
+            in_contact.append(rests(one, ordered, 0.0, contact=False))
+    print(f"{path.stem}: {len(rows)} rests, {len(in_contact)} in contact, "
+          f"{in_contact.count(False)} of these only with the contact force")

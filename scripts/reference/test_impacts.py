@@ -96,7 +96,7 @@ def test_friction_in_an_impact():
 
 
 def test_energy_is_kept_without_friction_and_with_restitution_one():
-    """The Jacobi integral over many impacts, with an error of first order in the step."""
+    """The Jacobi integral over many impacts. Its error falls at least in proportion to the step."""
     one = machine(3, FREE | {"ball_mass_2_kg": 3e-4, "speed_rad_s": -100.0})
     state = np.array([0.03, -0.02, 0.5, 2.0, 4.5, 0.01, 0.03, 0.9, -0.8, -0.2])
     worst = []
@@ -109,7 +109,7 @@ def test_energy_is_kept_without_friction_and_with_restitution_one():
         assert made.results[scheme.IMPACTS] > 50 and made.results[scheme.UNSOLVED] == 0
     print(f"{made.results[scheme.IMPACTS]:.0f} impacts; error of the energy over the balls' kinetic energy "
           + ", ".join(f"{error:.1e}" for error in worst))
-    assert worst[-1] < 3e-4 and 3.0 < worst[0] / worst[-1] < 5.5
+    assert worst[-1] < 1e-3 and worst[0] / worst[-1] > 4.0
 
 
 def test_energy_balance_with_friction():

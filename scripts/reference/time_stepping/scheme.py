@@ -4,12 +4,16 @@ J. J. Moreau 1988, doi:10.1007/978-3-7091-2624-0_1; M. Jean 1999, doi:10.1016/S0
 2008, doi:10.1007/978-3-540-75392-6. One step of length h from (q, v) to (q', v'):
 
     q_m = q + h/2 v                                   middle position; its closed contacts (gap <= 0) are active
-    M(q_m) (v' - v) = h F(q_m, (v + v') / 2) + impulses, which obey the laws of `contact` with v'
-    q'  = q_m + h/2 v'
+    M(q_m) (v' - v) = h F(q_m, v + w (v' - v)) + impulses, which obey the laws of `contact` with v'
+    q'  = q_m + h/2 v' + (w - 1/2) h (v' - v)
 
-Smooth forces F are taken at the mean velocity (theta = 1/2), and the step is repeated with the new mean until v' no
-longer changes. Without events the scheme is symmetric and has order 2. It locates no event: an impact, a stop or a
-break-away happens in the step that contains it, which makes the order 1.
+Smooth forces F are taken at the mean velocity (w = 1/2), and the step is repeated with the new mean until v' no longer
+changes. Without events the scheme is symmetric and has order 2. It locates no event: an impact, a stop or a break-away
+happens in the step that contains it.
+
+An impact is the exception to w = 1/2, which is not part of the scheme of Moreau and Jean. If the gap became zero a time t
+before the middle of the step, w = 1/2 + t/h. Balls and table then move as if their velocities had changed at that time, and
+the law of impact takes the speeds of approach and separation at that time. This makes the error about ten times smaller.
 """
 
 import math
@@ -26,6 +30,8 @@ UNCHANGED = 1e-12  # change of the speeds by a repetition
 # Below this speed of approach a closed contact persists instead of bouncing, unless the restitution is 1. The sequence of
 # ever smaller bounces ends here.
 IMPACT_SPEED = 1e-6
+# Impacts slower than SLOW times the step happen at the middle of the step, so that small bounces end in a closed contact.
+SLOW = 0.2
 # A run is at rest if no ball is faster than STILL for STILL_TIME, and ends if the table's vibration is also below QUIET.
 STILL, STILL_TIME, QUIET = 1e-6, 50.0, 1e-7
 
@@ -72,6 +78,7 @@ def run(state, h, steps, scalars, mass, diameter, friction, contacts, angles, la
     p, P, q = np.zeros(n), np.zeros(k_max), np.zeros(k_max)
     first_p, first_P, first_q = np.zeros(n), np.zeros(k_max), np.zeros(k_max)
     active, persistent = np.zeros(k_max, np.bool_), np.zeros(k_max, np.bool_)
+    rates, late = np.zeros(k_max), np.zeros(k_max)
     bounce, threshold = np.zeros(k_max), IMPACT_SPEED if restitution < 1.0 else 0.0
     tangent, kappa = np.tan(0.5 * angles), 1.0 / np.cos(0.5 * angles) + np.tan(0.5 * angles)
     still = 0.0
@@ -90,7 +97,7 @@ def run(state, h, steps, scalars, mass, diameter, friction, contacts, angles, la
         for i in range(n):
             sine[i], cosine[i] = math.sin(position[2 + i]), math.cos(position[2 + i])
         response(mass, sine, cosine, S)
-        impacts = 0
+        impacts, weight = 0, 0.5
         for k in range(k_max):
             least = gap(position, contacts, angles, k)
             results[LEAST_GAP] = min(results[LEAST_GAP], least)
@@ -100,12 +107,16 @@ def run(state, h, steps, scalars, mass, diameter, friction, contacts, angles, la
             bounce[k] = restitution * rate if hits or rate > 0.0 else 0.0
             persistent[k] = active[k] and not hits
             impacts += hits
+            rates[k], late[k] = rate, -1.0
+            if hits and rate < -SLOW * h:
+                late[k] = min(least / rate, h)
+                weight = max(weight, 0.5 + late[k] / h)
         results[IMPACTS] += impacts
         new[:] = v + (v - last)
         last[:] = v
         solved, lifted = False, False
         for _ in range(REPEATS):
-            middle[:] = 0.5 * (v + new)
+            middle[:] = v + weight * (new - v)
             along, across = frame_acceleration(scalars, position, middle)
             x, y = table_force(scalars, mass, position, middle, sine, cosine)
             free[:] = v[2:]
@@ -113,6 +124,11 @@ def run(state, h, steps, scalars, mass, diameter, friction, contacts, angles, la
                 static[i] = h * static_normal(scalars, diameter, i, along, across, middle, sine, cosine)
                 drive = mass[i] * h * (sine[i] * (along + x) - cosine[i] * (across + y))
                 contact.push(free, S, i, drive)
+            for k in range(k_max):
+                if late[k] >= 0.0:
+                    pull = (free[contacts[k, 1]] - free[contacts[k, 0]] - rates[k]) / h
+                    before = rates[k] + pull * (0.5 * h - late[k])
+                    bounce[k] = min(0.0, restitution * before - pull * (0.5 * h + late[k]))
             speeds[:] = free
             fixed = impacts > 0 and not ring_impulse
             if fixed:
@@ -153,8 +169,8 @@ def run(state, h, steps, scalars, mass, diameter, friction, contacts, angles, la
             i, j = 2 + contacts[k, 0], 2 + contacts[k, 1]
             results[CONTACT_WORK] += P[k] * (middle[j] - middle[i])
             results[BALL_WORK] -= kappa[k] * q[k] * (middle[i] + middle[j])
+        position += 0.5 * h * new + (weight - 0.5) * h * (new - v)
         v[:] = new
-        position += 0.5 * h * v
         still = still + h if fastest < STILL else 0.0
         if until_rest and still >= STILL_TIME and step % 100 == 0:
             state[2 + n :] = v
