@@ -1,5 +1,5 @@
 //! Whether balls have room in the ring: angles that balls occupy, their density, and how often positions of rest
-//! overlap. The model itself has no contact between balls.
+//! overlap without contact between balls.
 
 use std::f64::consts::PI;
 

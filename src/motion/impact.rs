@@ -15,6 +15,13 @@ use crate::model::{Components, Dual, Gap, Number, Touching};
 /// Rounding tolerance of impulses and speeds, over the largest speed.
 const ROUNDING: f64 = 1e-13;
 
+/// Speeds of separation up to this, non-dimensional, cannot be resolved: the width of the gap stays below rounding.
+const UNRESOLVED: f64 = 1e-9;
+
+/// In a row of bodies that do not slide on each other the friction impulses are not determined, but the speeds are. With
+/// this much more of its own speed for each friction impulse they are determined.
+const GIVE: f64 = 1e-10;
+
 /// The most combinations of ways to touch that are tried.
 const MOST_TRIED: usize = 1 << 16;
 
@@ -107,7 +114,10 @@ pub(super) fn impact(
             fits.then_some((impulses, after))
         })
     });
-    let Some((impulses, after)) = solution else {
+    let finite = |(impulses, _): &(Pairs, Pairs)| {
+        impulses.iter().flatten().all(|impulse| impulse.value.is_finite())
+    };
+    let Some((impulses, after)) = solution.filter(finite) else {
         return Err(Failure::NoSolution { solutions: 0 });
     };
 
@@ -123,11 +133,14 @@ pub(super) fn impact(
             }
         }
     }
-    let stays = |meeting: &Meeting<'_>, opening: f64| {
-        let approached = meeting.before[0].value < 0.0;
-        opening <= tolerance && (meeting.restitution == 0.0 || !approached)
+    // Contacts that separate more slowly than after the slowest impact that is resolved stay together.
+    let slow = match system.restitution() {
+        restitution if restitution < 1.0 => {
+            0.99 * restitution.max(0.01) * system.lasting_approach()
+        }
+        _ => UNRESOLVED,
     };
-    let together = meetings.iter().zip(&after).filter(|(one, after)| stays(one, after[0].value));
+    let together = meetings.iter().zip(&after).filter(|(_, after)| after[0].value <= slow);
     Ok(Impact {
         together: together.map(|(one, _)| one.index).collect(),
         hits: meetings.iter().filter(|one| one.before[0].value < -tolerance).count(),
@@ -216,7 +229,11 @@ fn solve<'a>(
     for (of, shares) in &unknowns {
         // The opening speed is given by the law of impact, and the rolling speed is zero where the bodies stick.
         let which = usize::from(shares[0] == 0.0);
-        matrix.extend(unknowns.iter().map(|cause| answer(*of, *cause, which)));
+        let give = Dual::constant(1.0 + if which == 1 { GIVE } else { 0.0 });
+        matrix.extend(unknowns.iter().map(|cause| {
+            let own = answer(*of, *cause, which);
+            if cause == &(*of, *shares) { give * own } else { own }
+        }));
         let Meeting { restitution, before, .. } = meetings[*of];
         let kept = Dual::constant(if which == 0 { -restitution } else { 0.0 });
         right.push(kept * before[which] - before[which]);

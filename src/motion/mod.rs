@@ -25,7 +25,7 @@ pub use modes::decide;
 pub use phase::{PerContact, Phase, Phases};
 pub(crate) use phase::{all_stick, any_closed};
 pub use root::fall_through_zero;
-pub use settings::{Effort, Settings, Tolerance, most_steps_by};
+pub use settings::{Effort, Settings, Tolerance, Touches, most_steps_by};
 pub use single::Motion;
 pub use switch_model::SLACK;
 

@@ -236,6 +236,6 @@ fn add_residual_vibration(list: &mut Columns<PointRow>) {
     })
     .meaning(
         "fraction of the equilibria at which two balls are nearer to each other than their \
-         diameters allow; the model has no contact between balls",
+         diameters allow; 0 with model.contact",
     );
 }

@@ -333,7 +333,8 @@ fn results_converge_as_the_threshold_of_lasting_contact_vanishes() {
         });
         runs.collect()
     };
-    let exact = ends(1e-9);
+    // Below 1e-7 impacts would be nearer to each other than they are located.
+    let exact = ends(1e-7);
     let error = |threshold: f64| {
         let pairs = ends(threshold).into_iter().zip(&exact);
         let angles =
@@ -342,9 +343,8 @@ fn results_converge_as_the_threshold_of_lasting_contact_vanishes() {
         angles.sort_by(f64::total_cmp);
         angles[angles.len() / 2]
     };
-    let errors = [1e-3, 1e-5, 1e-7].map(error);
-    println!("{errors:?}");
-    assert!(errors[2] < 1e-6 && errors[2] <= errors[0], "{errors:?}");
+    let errors = [1e-3, 1e-4, 1e-5, 1e-6].map(error);
+    assert!(errors[3] < 1e-5 && errors[3] < 0.1 * errors[0], "{errors:?}");
 }
 
 /// Exchanging balls, and the mirror image, give the exchanged and the mirrored motion.

@@ -338,6 +338,10 @@ fn switch<S: Vector, K: Kernel<S>>(
     let gaps_of =
         |phases: &[Phase]| phases.iter().filter(|one| one.is_gap()).copied().collect::<Phases>();
     let touched = gaps_of(&phases) != gaps_of(&own.phases);
+    if touched {
+        own.touching_time += if any_closed(&own.phases) { time - own.last_touch } else { 0.0 };
+        own.last_touch = time;
+    }
     own.phases.copy_from_slice(&phases);
     g.enter(lane, &state);
     Ok(touched)

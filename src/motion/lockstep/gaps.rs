@@ -12,6 +12,9 @@ use crate::motion::Phase;
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::saltation::Condition;
 
+/// Opening speeds up to this, non-dimensional, are those of a gap that has just opened.
+const RELEASED: f64 = 1e-9;
+
 /// Where the lanes of a group have gaps.
 pub(super) struct GapLanes<S: Vector> {
     /// Bit mask of lanes with gaps.
@@ -98,7 +101,9 @@ pub(super) fn first_closing<S: Vector, K: Kernel<S>>(
         let [behind, ahead] =
             places.map(|place| g.kernel.component(&g.room, lane, place, state[place]));
         let mut powers: Powers = std::array::from_fn(|k| ahead[k] - behind[k]);
-        powers[0] = gap.width(places.map(|place| state[place])) + aim;
+        // A gap that has just opened without a speed has no width yet: it may be negative by rounding.
+        let released = powers[1].abs() <= RELEASED;
+        powers[0] = gap.width(places.map(|place| state[place])) + if released { aim } else { 0.0 };
         let mut coefficients = [0.0; ORDER + 1];
         coefficients.copy_from_slice(&powers[..=ORDER]);
         // The highest power counts in full at the end of the step.

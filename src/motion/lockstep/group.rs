@@ -14,7 +14,7 @@ use super::{Home, LANES, Lanes, advance};
 use crate::model::{Components, System};
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::settings::MOST_PER_TIME;
-use crate::motion::{Effort, PerContact, Phase, any_closed};
+use crate::motion::{Effort, PerContact, Phase, Touches, any_closed};
 
 /// Eight lanes, some of them empty.
 pub(super) struct Group<S: Vector, K: Kernel<S>> {
@@ -297,6 +297,10 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
 
     fn slow_since(&self, lane: usize) -> PerContact {
         self.slow_since.iter().map(|since| since[lane]).collect()
+    }
+
+    fn touches(&self, lane: usize) -> Option<Touches> {
+        self.lanes[lane].as_ref()?.touches(self.time[lane])
     }
 
     fn effort(&self, lane: usize) -> Effort {

@@ -12,7 +12,9 @@ use crate::motion::condition::Margins;
 use crate::motion::impact::Impact;
 use crate::motion::modes::{Evaluated, InState, decide_first, first_phases};
 use crate::motion::touching::InTouch;
-use crate::motion::{Effort, Evaluator, Failure, PerContact, Phases, SLOW, Settings, any_closed};
+use crate::motion::{
+    Effort, Evaluator, Failure, PerContact, Phases, SLOW, Settings, Touches, any_closed,
+};
 
 /// The scalar part of a run.
 #[derive(Clone, Debug)]
@@ -35,6 +37,9 @@ pub(crate) struct Lane {
     /// The number of gaps that have closed, and of contacts that impacts have lifted off their support.
     pub(super) impacts: u64,
     pub(super) lifted: u64,
+    /// The time in which any gap was closed, until the latest change, and the time of that change.
+    pub(super) touching_time: f64,
+    pub(super) last_touch: f64,
     /// Whether a displacement met a switch by grazing.
     pub(super) grazed: bool,
 }
@@ -43,6 +48,17 @@ impl Lane {
     /// Returns the effort of the run for this number of steps.
     pub(super) fn effort(&self, taken: f64) -> Effort {
         Effort { steps: taken as u64, rejected_steps: 0, switches: self.switches }
+    }
+
+    /// Returns how the contacts have touched until a time; `None` for a system without gaps.
+    pub(super) fn touches(&self, time: f64) -> Option<Touches> {
+        self.system.touching()?;
+        let now = if any_closed(&self.phases) { time - self.last_touch } else { 0.0 };
+        Some(Touches {
+            impacts: self.impacts,
+            lifted_off: self.lifted,
+            time: self.touching_time + now,
+        })
     }
 
     /// Takes in an impact.
@@ -123,6 +139,8 @@ impl Saved {
             switches: 0,
             impacts: 0,
             lifted: 0,
+            touching_time: 0.0,
+            last_touch: 0.0,
             phases,
             grazed: false,
             system: Arc::clone(system),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::LANES;
 use super::lane::Saved;
 use crate::model::{Components, System};
-use crate::motion::{Effort, Failure, PerContact, Phase};
+use crate::motion::{Effort, Failure, PerContact, Phase, Touches};
 
 /// The events of a step, as bit masks of lanes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -117,6 +117,8 @@ pub(crate) trait LaneGroup {
     /// Returns the last time at which each contact was faster than `SLOW`, or than the band if that is wider: 0 if
     /// it never was, and the current time if it is now.
     fn slow_since(&self, lane: usize) -> PerContact;
+    /// Returns how the contacts of the run in a lane have touched; `None` for a system without gaps.
+    fn touches(&self, lane: usize) -> Option<Touches>;
     /// Returns the effort of the run in a lane.
     fn effort(&self, lane: usize) -> Effort;
 
