@@ -74,7 +74,8 @@ pub struct ModelFile {
     /// Derivation of the normal force between ball and ring; the default is `lagrange`; only for a
     /// ball balancer.
     pub normal_force: Option<NormalForceKind>,
-    /// Contact between balls, or `none` for balls that pass through each other, the default; only for a ball balancer.
+    /// Contact between balls, or `none` for balls that pass through each other; the default is `none`; only for a ball
+    /// balancer.
     pub contact: Option<ContactFile>,
 }
 
