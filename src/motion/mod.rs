@@ -1,6 +1,7 @@
 //! How the system moves: integration of smooth phases, stick and slip, switches between them.
 
 mod cancellation;
+mod cluster;
 mod condition;
 mod evaluator;
 mod event_driven;

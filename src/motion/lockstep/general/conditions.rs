@@ -18,6 +18,7 @@ use super::expansion::Series;
 use super::held::held_until;
 use super::program::Program;
 use crate::motion::Phase;
+use crate::motion::cluster::HeldCluster;
 use crate::motion::lockstep::curve::Curve;
 use crate::motion::lockstep::kernel::Ends;
 use crate::motion::lockstep::lane::Lane;
@@ -25,7 +26,6 @@ use crate::motion::lockstep::root_isolation::{FOURTH, Polynomial};
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::lockstep::{Lanes, ORDER};
 use crate::motion::saltation::Condition;
-use crate::motion::touching::HeldCluster;
 
 /// The coefficients of a contact's conditions. A condition is satisfied while it is not negative.
 #[derive(Clone, Copy)]

@@ -5,12 +5,12 @@
 //! polynomials in time, are met. Where one is not, the next forces are computed.
 
 use crate::model::{HeldContact, Holding, gap_columns};
+use crate::motion::cluster::HeldCluster;
 use crate::motion::lockstep::ORDER;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::root_isolation::{ConditionFate, Polynomial};
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::root::fall_through_zero;
-use crate::motion::touching::HeldCluster;
 
 /// The coefficients of a power series of time.
 type Powers = [f64; ORDER + 1];
