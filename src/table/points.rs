@@ -40,7 +40,12 @@ impl PointRow {
             amplitude_without_balls_m: point.model().ball_balancer().and_then(reference_amplitude),
             set_fraction: point.model().ball_balancer().and_then(set_fraction),
             touching_set_fraction: point.model().ball_balancer().and_then(touching_set_fraction),
-            existence: point.model().ball_balancer().map(Machine::existence),
+            // Nothing is proven for balls that touch.
+            existence: point
+                .model()
+                .ball_balancer()
+                .filter(|machine| machine.contact.is_none())
+                .map(Machine::existence),
         }
     }
 }

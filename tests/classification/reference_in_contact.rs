@@ -21,7 +21,8 @@ struct Recorded {
 
 fn recorded(speed: &str, law: &str) -> Vec<Recorded> {
     let path = format!("{}/tests/data/contact_{speed}_{law}.csv", env!("CARGO_MANIFEST_DIR"));
-    let mut reader = csv::Reader::from_path(Path::new(&path)).expect("the reference data are there");
+    let mut reader =
+        csv::Reader::from_path(Path::new(&path)).expect("the reference data are there");
     let header = reader.headers().expect("a header").clone();
     let rows = reader.records().map(|record| {
         let record = record.expect("a row");
@@ -86,7 +87,7 @@ fn subcritical_runs_end_at_the_same_angles() {
             errors.sort_by(f64::total_cmp);
             let at = |percent: usize| errors[(errors.len() * percent / 100).min(errors.len() - 1)];
             let ends = [50, 90, 100].map(at);
-            println!("-{speed} {law}: {ends:.1e?}, {other_contact} with another contact");
+            println!("-{speed} {law}: {ends:?}, {other_contact} with another contact");
             assert!(ends[0] < 3e-3 && ends[1] < 3e-2, "-{speed} {law}: {ends:?}");
             assert!(other_contact <= 8, "-{speed} {law}: {other_contact}");
         }
