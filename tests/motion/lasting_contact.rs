@@ -140,7 +140,8 @@ fn a_bouncing_mass_comes_to_rest_at_the_time_of_the_closed_form() {
     let all = expected * (1.0 + restitution) / (1.0 - restitution);
     while speed >= 1e-6 {
         while !motion.advance(10.0).expect("continues") {}
-        assert!((motion.time() - expected).abs() < 1e-12, "{}", motion.time() - expected);
+        // Heights are rounded to 1e-16, and the last impacts have speeds of 1e-6.
+        assert!((motion.time() - expected).abs() < 1e-10, "{}", motion.time() - expected);
         speed *= restitution;
         assert!((motion.state()[3] / speed - 1.0).abs() < 1e-5, "{} {speed}", motion.state()[3]);
         expected += 2.0 * speed / gravity;
@@ -148,9 +149,9 @@ fn a_bouncing_mass_comes_to_rest_at_the_time_of_the_closed_form() {
     while motion.phases()[2] == Phase::Open {
         motion.advance(10.0).expect("continues");
     }
-    assert!((motion.time() - expected).abs() < 1e-12);
+    assert!((motion.time() - expected).abs() < 1e-10);
     let left = 2.0 * speed * restitution / (gravity * (1.0 - restitution));
-    assert!((all - motion.time() - left).abs() < 1e-12, "{:e}", all - motion.time());
+    assert!((all - motion.time() - left).abs() < 1e-10, "{:e}", all - motion.time());
     while motion.time() < 10.0 {
         motion.advance(10.0).expect("continues");
     }
