@@ -132,7 +132,7 @@ impl System for Chain {
             vibration: None,
         };
         let derivative = [velocity, acceleration].concat();
-        SystemEquations { derivative, contacts, events: Vec::new(), layout }
+        SystemEquations { derivative, contacts, layout, ..SystemEquations::default() }
     }
 
     fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
@@ -144,7 +144,7 @@ impl System for Chain {
     }
 
     fn structure(&self) -> Option<Structure> {
-        Some((TypeId::of::<Self>(), vec![self.friction.law_name(); self.blocks]))
+        Some((TypeId::of::<Self>(), vec![self.friction.law_name(); self.blocks], Vec::new()))
     }
 
     fn contacts(&self) -> usize {

@@ -16,6 +16,9 @@ from SALib.sample import sobol as sample
 
 from clients_under_test import BLOCK, HERE, ROOT, Clients, stop_s
 
+# A shell starts commands in the background with Ctrl-C ignored, which child processes inherit.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 
 class TestOpenMDAO(Clients):
     ARGUMENTS = (

@@ -1,5 +1,7 @@
 //! The equilibrium set: all positions in which dry friction holds every ball (thesis section 5.2).
 
+use std::f64::consts::TAU;
+
 use rayon::prelude::*;
 
 use super::balance::Balance;
@@ -10,7 +12,7 @@ use super::rest_form::{AtRest, RestForm};
 use super::set_extremes::amplitude_extremes;
 use super::set_grid::{GridRow, SetGrid};
 use super::set_samples::{self, REPLICATES};
-use crate::model::Machine;
+use crate::model::{BallsInContact, Machine, wrap_to_two_pi};
 
 /// How finely a set is sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -237,7 +239,8 @@ impl SampleSums {
 const FRACTION_GRID: usize = 256;
 
 /// Returns a quick estimate of the fraction of all ball positions that are equilibria, computed on
-/// the calling thread.
+/// the calling thread. Of balls with contact, only positions without overlap count; those in which balls touch have no
+/// share in the fraction ([`touching_set_fraction`]).
 ///
 /// The fraction is exact for one ball, accurate to about 0.001 for two balls (a grid of 256 × 256
 /// points), and to 0.005 for more (16,384 quasi-random points). `None` for an unsupported number of
@@ -249,4 +252,22 @@ pub fn set_fraction(machine: &Machine) -> Option<f64> {
         2 => Some(SetGrid::new(&form, FRACTION_GRID)?.fraction()),
         _ => Some(set_samples::fraction(&form)),
     }
+}
+
+/// Number of positions at which two balls touch, in either order.
+const TOUCHING_POSITIONS: usize = 4096;
+
+/// Returns the fraction of the positions in which two balls touch that are equilibria, with the force between the balls, to
+/// about 0.0005. `None` for balls without contact and for another number of balls than two.
+pub fn touching_set_fraction(machine: &Machine) -> Option<f64> {
+    let contact = machine.contact?;
+    let system = BallsInContact::<2>::new(machine, &contact, &[0.0, 1.0])?;
+    let touching = machine.contact_angle_rad(&machine.balls[0], &machine.balls[1]);
+    let rests = (0..TOUCHING_POSITIONS).filter(|position| {
+        let first = *position as f64 / TOUCHING_POSITIONS as f64 * 2.0 * TAU;
+        // On the second way round, the second ball is behind.
+        let second = if first < TAU { first + touching } else { first - touching };
+        system.holds_at_rest(&[first, second].map(wrap_to_two_pi))
+    });
+    Some(rests.count() as f64 / TOUCHING_POSITIONS as f64)
 }

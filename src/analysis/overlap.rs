@@ -1,14 +1,13 @@
-//! Whether balls overlap. The model has no contact between balls, so that two balls can rest nearer
-//! to each other than their diameters allow.
+//! Whether balls overlap: without contact two balls can rest nearer to each other than their diameters allow.
 
-use crate::model::{Machine, wrap_to_pi};
+use crate::model::{Machine, TOUCHING, wrap_to_pi};
 
 /// Returns whether two of the balls at the angles `beta` overlap: whether the angle between them is
 /// smaller than the one at which they touch.
 pub fn overlaps(machine: &Machine, beta: &[f64]) -> bool {
     let overlap = |one: usize, other: usize| {
         let touching = machine.contact_angle_rad(&machine.balls[one], &machine.balls[other]);
-        wrap_to_pi(beta[one] - beta[other]).abs() < touching
+        wrap_to_pi(beta[one] - beta[other]).abs() < touching - TOUCHING
     };
     let count = machine.balls.len().min(beta.len());
     (0..count).any(|one| (0..one).any(|other| overlap(one, other)))

@@ -149,9 +149,13 @@ impl<'a> SetGrid<'a> {
         (0..1_usize << beta.len()).any(|corners| self.form.at_rest(&corner(corners)).in_set())
     }
 
-    /// Returns the fraction of the grid's points that are in the set of two balls, on the calling
-    /// thread.
+    /// Returns the fraction of the grid's points that are in the set of two balls, of those that balls with contact can have, on
+    /// the calling thread.
     pub fn fraction(&self) -> f64 {
+        let touching = self.form.touching_angle();
+        if touching > 0.0 {
+            return self.fraction_apart(touching);
+        }
         let inside = match &self.push[..] {
             [_, _] if self.form.balls[0] == self.form.balls[1] => {
                 // Exchanging the balls gives equal bits: half of the grid suffices.
@@ -163,6 +167,20 @@ impl<'a> SetGrid<'a> {
             _ => (0..self.rows()).map(|row| self.count(row, 0..self.points)).sum(),
         };
         inside as f64 / self.size() as f64
+    }
+
+    /// Returns the fraction of the grid's points at which two balls are apart by an angle that are in the set.
+    fn fraction_apart(&self, angle: f64) -> f64 {
+        let points = self.points;
+        let first = (angle / Self::angle(1, points)).ceil() as usize;
+        let last = points.saturating_sub(first);
+        let inside = (0..self.rows()).map(|row| {
+            let (from, to) = (row + first, row + last + 1);
+            self.count(row, from.min(points)..to.min(points))
+                + self.count(row, from.max(points) - points..to.max(points) - points)
+        });
+        let possible = self.rows() * (last + 1).saturating_sub(first);
+        inside.sum::<u64>() as f64 / possible.max(1) as f64
     }
 
     /// Returns how many points of a range of columns of a row are in the set of two balls.

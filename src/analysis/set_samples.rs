@@ -51,17 +51,20 @@ impl Block {
         CACHE[balls - 1][number].get_or_init(|| Self::new(balls, number))
     }
 
-    /// Returns the number of positions of the block at which the balls can rest.
-    fn held(&self, form: &RestForm) -> usize {
+    /// Returns the number of positions of the block at which the balls can rest, and of those that they can have.
+    fn held(&self, form: &RestForm) -> [usize; 2] {
         let positions = self.directions.chunks_exact(form.mass.len());
-        positions.filter(|directions| form.holds(directions)).count()
+        let apart = positions.filter(|directions| form.are_apart(directions));
+        [apart.clone().filter(|directions| form.holds(directions)).count(), apart.count()]
     }
 }
 
-/// Returns the fraction of the first 16,384 samples that are in the set.
+/// Returns the fraction of the possible ones of the first 16,384 samples that are in the set; 0 if none is possible.
 pub fn fraction(form: &RestForm) -> f64 {
-    let held = |number| Block::of(form.mass.len(), number).held(form);
-    (0..BLOCKS).map(held).sum::<usize>() as f64 / (BLOCKS as u32 * BLOCK * REPLICATES) as f64
+    let counts = (0..BLOCKS).map(|number| Block::of(form.mass.len(), number).held(form));
+    let [held, all] =
+        counts.fold([0, 0], |[held, all], [more, others]| [held + more, all + others]);
+    held as f64 / all.max(1) as f64
 }
 
 /// Returns the mean and the 95 % interval (Student's t) of the fractions of independent scrambles

@@ -1,5 +1,5 @@
 //! Whether balls have room in the ring: angles that balls occupy, their density, and how often positions of rest
-//! overlap. The model itself has no contact between balls.
+//! overlap without contact between balls.
 
 use std::f64::consts::PI;
 
@@ -57,12 +57,12 @@ impl BallPositions {
         Some([half, all])
     }
 
-    /// Returns the fraction of the positions of rest in which at least two balls overlap. `None` for one ball, for
-    /// another number of balls than that of the positions, or if fewer than 100 positions are positions of rest.
+    /// Returns the fraction of the positions of rest in which at least two balls overlap. `None` for one ball, for balls
+    /// with contact, for another number of balls than that of the positions, or if fewer than 100 positions are positions of rest.
     pub fn overlapping_fraction(&self, machine: &Machine) -> Option<f64> {
         let form = RestForm::new(machine)?;
         let balls = &machine.balls;
-        if balls.len() < 2 || self.0.first()?.len() != balls.len() {
+        if machine.contact.is_some() || balls.len() < 2 || self.0.first()?.len() != balls.len() {
             return None;
         }
         let pairs: Vec<(usize, usize, f64)> = (0..balls.len())

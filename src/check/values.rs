@@ -259,10 +259,10 @@ impl At<'_> {
         (fraction > MOST_OVERLAPPING).then(|| Finding {
             kind: "overlapping_rests",
             key: self.key("ball_diameter_m", Some(1)),
-            problem: "balls overlap in most positions of rest, because the model has no contact between balls"
+            problem: "balls overlap in most positions of rest, because the study has no contact between balls"
                 .to_owned(),
             found: format!("{:.0} % of the positions of rest", 100.0 * fraction),
-            remedy: "fewer or smaller balls, or results for balls that pass through each other".to_owned(),
+            remedy: "model.contact, which keeps balls apart, or fewer or smaller balls".to_owned(),
         })
     }
 }

@@ -14,9 +14,9 @@
 use super::cycle::{Cycle, CyclePhase};
 use super::extremes::{Extremes, Passed};
 use super::lane_step::LaneStep;
-use super::system_view::{SystemView, all_stick};
+use super::system_view::SystemView;
 use crate::model::Units;
-use crate::motion::Phase;
+use crate::motion::{Phase, all_stick};
 
 /// Detects the cycle of a single contact, whose position and speed are the whole state.
 #[derive(Clone, Debug, Default)]

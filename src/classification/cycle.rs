@@ -19,7 +19,7 @@ impl CyclePhase {
     /// Returns the phase of a contact; `speed` decides if the phase has no direction.
     pub fn of(phase: Phase, speed: f64) -> Self {
         match phase {
-            Phase::Stick => CyclePhase::Stick,
+            Phase::Stick | Phase::Open | Phase::Closed => CyclePhase::Stick,
             Phase::Slip(direction) | Phase::Transition(direction) if direction > 0.0 => {
                 CyclePhase::Forward
             }

@@ -88,8 +88,8 @@ fn next_sound(kernel: KernelChoice, runs: &mut dyn Runs) -> Option<Upcoming> {
 fn prepared(case: &Case) -> Result<(Arc<dyn System>, Components), String> {
     let Case { model, start, .. } = case;
     model.validate().map_err(|invalid| invalid.to_string())?;
-    let system = model.system().ok_or_else(|| format!("{} balls", model.balls()))?;
     let state = model.start_state(start).map_err(|other| other.to_string())?;
+    let system = model.system_for(start).ok_or_else(|| format!("{} balls", model.balls()))?;
     Ok((system, state))
 }
 
@@ -99,15 +99,17 @@ struct Lockstep<'a> {
     runs: &'a mut dyn Runs,
     /// The next run, whose system may need other lanes.
     upcoming: Option<Upcoming>,
-    /// Without displacements and with them.
-    teams: [Team; 2],
+    /// Without displacements and with them, first for runs in which no contacts touch, then for those in which some do.
+    teams: [Team; 4],
+    level: SimdLevel,
     /// Whether steps are recorded.
     recorded: bool,
 }
 
 /// A group of lanes with the monitors of each run.
 struct Team {
-    group: Box<dyn LaneGroup>,
+    /// `None` until a run needs these lanes.
+    group: Option<Box<dyn LaneGroup>>,
     members: [Option<Box<LaneRun>>; LANES],
     waiting: VecDeque<Waiting>,
 }
@@ -124,36 +126,37 @@ impl<'a> Lockstep<'a> {
         runs: &'a mut dyn Runs,
         first: Upcoming,
     ) -> Self {
-        let team = || Team {
-            group: level.lanes(&first.system),
+        let team = |group| Team {
+            group,
             members: std::array::from_fn(|_| None),
             waiting: VecDeque::new(),
         };
-        let teams = [team(), team()];
+        let first_lanes = level.lanes(&first.system, false);
+        let teams = [team(Some(first_lanes)), team(None), team(None), team(None)];
         let recorded = runs.recorder().is_some();
-        Lockstep { kernel, recorded, runs, upcoming: Some(first), teams }
+        Lockstep { kernel, level, recorded, runs, upcoming: Some(first), teams }
     }
 
     /// Computes runs until none is left that fits the lanes. Returns the next run after those.
     fn go(mut self) -> Option<Upcoming> {
         loop {
-            self.fill(0);
-            self.fill(1);
-            let [plain, displaced] = self.teams.each_ref().map(|team| team.group.runs());
-            if plain + displaced == 0 {
-                return self.upcoming;
+            for team in 0..self.teams.len() {
+                self.fill(team);
             }
-            self.step(usize::from(displaced >= plain));
+            // Of equally full teams the last one, so that few runs wait.
+            let fullest = (0..self.teams.len()).max_by_key(|team| self.teams[*team].runs());
+            match fullest {
+                Some(team) if self.teams[team].runs() > 0 => self.step(team),
+                _ => return self.upcoming,
+            }
         }
     }
 
     /// Puts runs into empty lanes.
     fn fill(&mut self, team: usize) {
-        while let Some(lane) = self.teams[team].group.empty_lane() {
-            let next = self.teams[team].waiting.pop_front();
-            let next = if team == 0 { next.or_else(|| self.start_next()) } else { next };
-            let Some(Waiting { saved, run }) = next else { return };
-            let Team { group, members, .. } = &mut self.teams[team];
+        while let Some(Waiting { saved, run }) = self.next_of(team) {
+            let Team { group: Some(group), members, .. } = &mut self.teams[team] else { return };
+            let Some(lane) = group.empty_lane() else { return };
             group.put(lane, &saved, run.end());
             if let Some(recorder) = self.runs.recorder() {
                 run.show(recorder, group.as_ref(), lane);
@@ -165,10 +168,44 @@ impl<'a> Lockstep<'a> {
         }
     }
 
+    /// Returns the next run for an empty lane of a team, if there are both. A team without runs gets lanes for the run.
+    fn next_of(&mut self, team: usize) -> Option<Waiting> {
+        let has_room =
+            |team: &Team| team.group.as_ref().is_none_or(|group| group.empty_lane().is_some());
+        if !has_room(&self.teams[team]) {
+            return None;
+        }
+        let level = self.level;
+        let Team { group, waiting, .. } = &mut self.teams[team];
+        if let Some(next) = waiting.front() {
+            let system = next.saved.system();
+            let fits = group.as_ref().is_some_and(|group| group.fits(system));
+            if !fits {
+                if group.as_ref().is_some_and(|group| group.runs() > 0) {
+                    return None;
+                }
+                *group = Some(level.lanes(system, next.saved.touches()));
+            }
+            return waiting.pop_front();
+        }
+        if team != 0 {
+            return None;
+        }
+        let next = self.start_next()?;
+        match team_of(&next.saved, &next.run) {
+            0 => Some(next),
+            other => {
+                self.teams[other].waiting.push_back(next);
+                None
+            }
+        }
+    }
+
     /// Returns the next run that fits the lanes and can be started.
     fn start_next(&mut self) -> Option<Waiting> {
         loop {
-            let fits = |next: &mut Upcoming| self.teams[0].group.fits(&next.system);
+            let group = self.teams[0].group.as_ref();
+            let fits = |next: &mut Upcoming| group.is_some_and(|one| one.fits(&next.system));
             let Upcoming { number, case, system, start } = self.upcoming.take_if(fits)?;
             self.upcoming = next_sound(self.kernel, self.runs);
             match LaneRun::start(number, &case, &system, &start) {
@@ -184,7 +221,8 @@ impl<'a> Lockstep<'a> {
     /// Takes a step in all lanes of a team.
     fn step(&mut self, team: usize) {
         unwind_if_cancelled();
-        let happened = self.teams[team].group.advance(team == 1);
+        let Some(group) = &mut self.teams[team].group else { return };
+        let happened = group.advance(team % 2 == 1);
         if self.recorded {
             self.record(team, &happened);
         }
@@ -192,7 +230,7 @@ impl<'a> Lockstep<'a> {
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
-            let Team { group, members, .. } = &mut self.teams[team];
+            let Team { group: Some(group), members, .. } = &mut self.teams[team] else { return };
             let Some(run) = &mut members[lane] else { continue };
             let number = run.number;
             let next = run.look(group.as_mut(), lane, &happened);
@@ -203,7 +241,7 @@ impl<'a> Lockstep<'a> {
     /// Passes the latest step to the recorder.
     #[inline(never)]
     fn record(&mut self, team: usize, happened: &Happened) {
-        let Team { group, members, .. } = &self.teams[team];
+        let Team { group: Some(group), members, .. } = &self.teams[team] else { return };
         let Some(recorder) = self.runs.recorder() else { return };
         for (lane, run) in members.iter().enumerate() {
             if let Some(run) = run
@@ -219,7 +257,7 @@ impl<'a> Lockstep<'a> {
         if matches!(next, Next::Stay) {
             return;
         }
-        let Team { group, members, .. } = &mut self.teams[team];
+        let Team { group: Some(group), members, .. } = &mut self.teams[team] else { return };
         let saved = group.take(lane);
         let run = members[lane].take();
         match next {
@@ -230,14 +268,26 @@ impl<'a> Lockstep<'a> {
                 if let Some(recorder) = self.runs.recorder() {
                     recorder.rewind(saved.time(), saved.effort());
                 }
-                let team = usize::from(run.is_displaced(saved.time()));
+                let team = team_of(&saved, &run);
                 self.teams[team].waiting.push_back(Waiting { saved, run: Box::new(run) });
             }
             Next::Move => {
                 if let (Some(saved), Some(run)) = (saved, run) {
-                    self.teams[1 - team].waiting.push_back(Waiting { saved, run });
+                    self.teams[team_of(&saved, &run)].waiting.push_back(Waiting { saved, run });
                 }
             }
         }
     }
+}
+
+impl Team {
+    /// Returns the number of runs in the lanes.
+    fn runs(&self) -> u32 {
+        self.group.as_ref().map_or(0, |group| group.runs())
+    }
+}
+
+/// Returns the team that a run belongs to.
+fn team_of(saved: &Saved, run: &LaneRun) -> usize {
+    2 * usize::from(saved.touches()) + usize::from(run.is_displaced(saved.time()))
 }

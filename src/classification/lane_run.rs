@@ -15,10 +15,10 @@ use super::recorder::Recorder;
 use super::run_outcome::Ending;
 use super::settled::SettledWatch;
 use super::step_limit::effort_limit;
-use super::system_view::{SystemView, all_stick};
+use super::system_view::SystemView;
 use crate::model::{Case, Components, Extend, System, Units};
 use crate::motion::lockstep::{Happened, LaneGroup, Saved};
-use crate::motion::{Evaluator, Failure, Settings};
+use crate::motion::{Evaluator, Failure, Settings, all_stick};
 
 /// Sizes of a displacement that need no renormalisation.
 const HANDY: std::ops::Range<f64> = 1e-99..1e99;
@@ -45,7 +45,7 @@ pub(super) struct LaneRun {
 pub(super) enum Next {
     /// The run stays in its lane.
     Stay,
-    /// The run moves to the group with displacements, or back.
+    /// The run moves to other lanes: with displacements or without, or of another kernel.
     Move,
     /// The run continues later from this saved state.
     Continue(Box<(Saved, LaneRun)>),
@@ -136,7 +136,9 @@ impl LaneRun {
         if displaced {
             self.separate(group, lane, time, happened.attention & bit != 0);
         } else if separation.follows(time) && !separation.has_begun() {
-            group.displace(lane, &lyapunov::displacement(&self.view));
+            let mut displacement = lyapunov::displacement(&self.view);
+            self.view.keep_together(group.phases(lane), &mut displacement);
+            group.displace(lane, &displacement);
             separation.begin(time, lyapunov::courses(&LaneStep { group, lane, view: &self.view }));
         }
         let still = happened.still & bit != 0;
@@ -161,7 +163,8 @@ impl LaneRun {
             return self.ends(group, lane, Ending::Rest);
         }
         self.plan(group, lane);
-        if self.is_displaced(time) == displaced { Next::Stay } else { Next::Move }
+        let stays = self.is_displaced(time) == displaced && group.is_home(lane);
+        if stays { Next::Stay } else { Next::Move }
     }
 
     /// Adds the latest step to the statistics that have begun.

@@ -42,13 +42,13 @@ mod window;
 
 /// Version of the computed outcomes, incremented with every change that alters an outcome; cached
 /// results of other versions are not reused. A test pins the outcomes of each version.
-pub const MODEL_VERSION: u32 = 5;
+pub const MODEL_VERSION: u32 = 6;
 
 pub use closed_orbit::Orbit;
 pub use cycle::{Cycle, CyclePhase};
 pub use in_lockstep::{Runs, simulate_by_recorded_equations_in_lockstep, simulate_in_lockstep};
 pub use orbit::OrbitWatch;
-pub use outcome::{Evidence, Label, LyapunovExponent, Outcome};
+pub use outcome::{Evidence, Label, LyapunovExponent, Outcome, TouchingOutcome};
 pub use recorder::{ContactSample, Instants, Recorder, Recording, Sample, Switch};
 pub use simulate::{simulate, simulate_by_recorded_equations, simulate_recorded};
 pub use step_limit::{

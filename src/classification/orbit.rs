@@ -234,7 +234,8 @@ impl OrbitWatch {
         let Some(passage) = self.passages.back() else { return Verdict::Open };
         let earlier = self.passages[self.passages.len() - 1 - turns].time;
         let steps_left = Cell::new(MOST_STEPS_OF_A_LOOK);
-        let rests = passage.phases.iter().zip(last_switches);
+        let contacts = self.view.contacts.len();
+        let rests = passage.phases.iter().zip(last_switches).take(contacts);
         let rests = rests.map(|(phase, last)| *phase == Phase::Stick && *last < earlier).collect();
         let section = Section::new(&self.view, reference, &passage.phases, rests);
         let map = ReturnMap {

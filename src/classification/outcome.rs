@@ -122,6 +122,19 @@ pub struct LyapunovExponent {
     pub window_s: f64,
 }
 
+/// How the balls of a run touched.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TouchingOutcome {
+    /// Number of impacts between two balls.
+    pub impacts: u64,
+    /// Number of balls that an impact lifted off the ring, which the model does not follow.
+    pub lifted_off: u64,
+    /// Time in which any two balls touched, s.
+    pub time_s: f64,
+    /// Whether any two balls touched at the end.
+    pub at_end: bool,
+}
+
 /// One run's result. Per-ball values are in the order of the balls.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
@@ -156,6 +169,8 @@ pub struct Outcome {
     pub cycle: Option<Box<Cycle>>,
     /// Separation rate of neighbouring motions, if the run was still moving at its end time.
     pub lyapunov: Option<LyapunovExponent>,
+    /// How the balls touched; `None` without contact between balls.
+    pub touching: Option<TouchingOutcome>,
     /// The computational effort of the run.
     pub effort: Effort,
     /// Error message.
@@ -192,6 +207,7 @@ impl Outcome {
             mean_speed: None,
             cycle: None,
             lyapunov: None,
+            touching: None,
             effort: Effort::default(),
             error: Some(error),
         }

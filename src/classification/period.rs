@@ -121,16 +121,13 @@ impl Period {
         if self.rests.is_empty() {
             return;
         }
-        let forces = view.evaluator.forces(phases, state);
-        for &contact in &self.rests {
-            let limit = view.system().friction(contact).limit * forces[contact].normal;
-            self.margin = self.margin.min(1.0 - forces[contact].friction.abs() / limit);
-        }
+        let margin = view.evaluator.friction_margin(phases, state, &self.rests);
+        self.margin = self.margin.min(margin);
     }
 }
 
 fn cycle_phases(view: &SystemView, phases: &[Phase], state: &[f64]) -> Vec<CyclePhase> {
-    let phases_by_contact = phases.iter().enumerate();
+    let phases_by_contact = phases.iter().enumerate().take(view.contacts.len());
     let of = |(contact, phase): (usize, &Phase)| {
         CyclePhase::of(*phase, view.speed(phases, state, contact))
     };

@@ -170,7 +170,7 @@ impl Recorder {
     }
 
     fn switches(&mut self, view: &SystemView, before: &Instant, after: &Instant) {
-        let contacts = 0..before.phases.len();
+        let contacts = 0..view.contacts.len();
         for contact in contacts.filter(|&one| before.phases[one] != after.phases[one]) {
             if self.recording.switches.len() >= self.most {
                 self.recording.cut_off = true;

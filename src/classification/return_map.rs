@@ -116,7 +116,7 @@ impl ReturnMap<'_> {
                 (!rests[index] || *phase == Phase::Stick)
                     && (index != *reference || !phase.in_band())
             };
-            if !motion.phases().iter().enumerate().all(stays) {
+            if !motion.phases()[..contacts.len()].iter().enumerate().all(stays) {
                 return None;
             }
             let whole_turns = self.whole_turns(motion);

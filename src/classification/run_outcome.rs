@@ -7,10 +7,10 @@ use super::cycle_watch::CycleWatch;
 use super::lane_run::LaneRun;
 use super::lane_step::LaneStep;
 use super::late::{Late, Vibration};
-use super::outcome::{Evidence, LyapunovExponent, Outcome};
+use super::outcome::{Evidence, LyapunovExponent, Outcome, TouchingOutcome};
 use crate::model::Units;
 use crate::motion::lockstep::LaneGroup;
-use crate::motion::{Failure, Motion};
+use crate::motion::{Failure, Motion, any_closed};
 
 /// How the simulation ended.
 pub(super) enum Ending {
@@ -53,6 +53,12 @@ impl LaneRun {
             mean_speed: None,
             cycle: None,
             lyapunov: None,
+            touching: group.touches(lane).map(|touches| TouchingOutcome {
+                impacts: touches.impacts,
+                lifted_off: touches.lifted_off,
+                time_s: touches.time / natural,
+                at_end: any_closed(group.phases(lane)),
+            }),
             effort: step.effort(),
             error: None,
         };

@@ -4,7 +4,7 @@
 //! of the contacts that vary: not the angle of the ball that marks the section, the speed of a
 //! contact that sticks there, or the position of a contact that rests throughout. Such a contact may
 //! rest anywhere in an interval; each such position is a neutral direction of a continuous family of
-//! cycles, with a multiplier of exactly 1.
+//! cycles, with a multiplier of exactly 1. Contacts that touch move together, and count once.
 
 use nalgebra::DVector;
 use smallvec::{SmallVec, smallvec};
@@ -26,6 +26,9 @@ pub(super) struct Section {
     place: usize,
     /// The components that are the coordinates, and whether they are angles.
     coordinates: Vec<(usize, bool)>,
+    /// The components of the contacts that touch another one: position or speed, that of the contact that it follows, and
+    /// whether it is a position.
+    followers: Vec<(usize, usize, bool)>,
     /// Number of components of a state.
     dimension: usize,
 }
@@ -37,8 +40,20 @@ impl Section {
         phases: &[Phase],
         rests: SmallVec<[bool; 8]>,
     ) -> Self {
+        let mut followers = Vec::new();
+        let following = view.followers(phases, Some(reference));
+        for (follower, leader) in &following {
+            let (follower, leader) = (view.contacts[*follower], view.contacts[*leader]);
+            followers.push((follower.position, leader.position, true));
+            if let (Some(follower), Some(leader)) = (follower.speed, leader.speed) {
+                followers.push((follower, leader, false));
+            }
+        }
         let mut coordinates: Vec<_> = view.free.iter().map(|place| (*place, false)).collect();
         for (index, contact) in view.contacts.iter().enumerate() {
+            if following.iter().any(|(follower, _)| *follower == index) {
+                continue;
+            }
             if phases[index] != Phase::Stick {
                 coordinates.extend(contact.speed.map(|place| (place, false)));
             }
@@ -52,6 +67,7 @@ impl Section {
             rests,
             place: view.contacts[reference].position,
             coordinates,
+            followers,
             dimension: view.dimension(),
         }
     }
@@ -70,6 +86,10 @@ impl Section {
             state[*place] = *value;
         }
         state[self.place] = 0.0;
+        for (follower, leader, is_position) in &self.followers {
+            let apart = if *is_position { like[*follower] - like[*leader] } else { 0.0 };
+            state[*follower] = state[*leader] + apart;
+        }
         state
     }
 
@@ -78,6 +98,9 @@ impl Section {
         let unit = |(place, _): &(usize, bool)| {
             let mut direction: Components = smallvec![0.0; self.dimension];
             direction[*place] = 1.0;
+            for (follower, leader, _) in &self.followers {
+                direction[*follower] = direction[*leader];
+            }
             direction
         };
         self.coordinates.iter().map(unit).collect()

@@ -65,6 +65,29 @@ impl SystemView {
         self.contacts.iter().any(|contact| contact.angular)
     }
 
+    /// Returns the contacts that touch another one and move with it, each with the contact that it follows: the contact
+    /// `leader` if it is among those that touch.
+    pub(super) fn followers(&self, phases: &[Phase], leader: Option<usize>) -> Vec<(usize, usize)> {
+        let mut followers = Vec::new();
+        for cluster in self.evaluator.clusters(phases) {
+            let first = leader.filter(|one| cluster.contains(one)).unwrap_or(cluster[0]);
+            followers
+                .extend(cluster.into_iter().filter(|one| *one != first).map(|one| (one, first)));
+        }
+        followers
+    }
+
+    /// Makes a displacement one in which contacts that touch move together.
+    pub(super) fn keep_together(&self, phases: &[Phase], displacement: &mut [f64]) {
+        for (follower, leader) in self.followers(phases, None) {
+            let (follower, leader) = (self.contacts[follower], self.contacts[leader]);
+            displacement[follower.position] = displacement[leader.position];
+            if let (Some(follower), Some(leader)) = (follower.speed, leader.speed) {
+                displacement[follower] = displacement[leader];
+            }
+        }
+    }
+
     /// Returns the positions of the contacts in a state.
     pub(super) fn positions(&self, state: &[f64]) -> PerContact {
         self.contacts.iter().map(|contact| state[contact.position]).collect()
@@ -115,9 +138,4 @@ impl SystemView {
         self.vibration
             .map_or(0.0, |[x, y, x_dot, y_dot]| state[x] * state[x_dot] + state[y] * state[y_dot])
     }
-}
-
-/// Returns whether all contacts stick.
-pub(super) fn all_stick(phases: &[Phase]) -> bool {
-    phases.iter().all(|phase| *phase == Phase::Stick)
 }

@@ -165,6 +165,11 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
 /// Returns an error for studies without balls: a block on a spring rests anywhere in `|x| ≤ μ F_n / k`, and on a
 /// moving belt nowhere.
 fn check_model(study: &Study) -> Result<(), CliError> {
+    if study.model().ball_balancer().is_some_and(|machine| machine.contact.is_some()) {
+        let allowed = "contact: none; set_fraction and touching_set_fraction of points.parquet have the sets with contact";
+        let problem = "the sets of this command are those of balls that pass through each other";
+        return Err(CliError::refusal(problem, "a study with model.contact", allowed));
+    }
     if study.model().kind().offers.equilibrium_set {
         return Ok(());
     }

@@ -202,8 +202,7 @@ impl InWords {
         let (overlapping, rests) = (self.overlapping, self.rests);
         (overlapping > 0).then(|| {
             format!(
-                "warning: balls overlap at {overlapping} of {rests} rests: the model has no contact \
-                 between balls."
+                "warning: balls overlap at {overlapping} of {rests} rests; model.contact keeps them apart."
             )
         })
     }
@@ -239,7 +238,7 @@ mod tests {
         let many = InWords { mostly_more: named, compared: 20, ..some };
         assert!(many.text().contains(", 9 and 2 more)."), "{}", many.text());
         let overlapping = InWords { rests: 9, overlapping: 2, ..InWords::default() };
-        assert!(overlapping.text().starts_with("warning: balls overlap at 2 of 9 rests: "));
+        assert!(overlapping.text().starts_with("warning: balls overlap at 2 of 9 rests; "));
         let mut few = NamedPoints::default();
         few.add(3);
         let text = InWords { few_rests: few, compared: 2, ..InWords::default() }.text();

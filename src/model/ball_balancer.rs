@@ -14,7 +14,7 @@ pub(super) static KIND: ModelKind = ModelKind {
     default: || Model::BallBalancer(Machine { balls: vec![Ball::default()], ..Machine::default() }),
 };
 
-const PARAMETERS: [ParameterDescriptor; 11] = [
+const PARAMETERS: [ParameterDescriptor; 13] = [
     ParameterDescriptor {
         name: "table_mass_kg",
         unit: "kg",
@@ -68,6 +68,18 @@ const PARAMETERS: [ParameterDescriptor; 11] = [
         unit: "1",
         meaning: "coefficient of friction",
         field: Field::Ball(|ball| &mut ball.friction_coefficient),
+    },
+    ParameterDescriptor {
+        name: "contact_restitution",
+        unit: "1",
+        meaning: "speed of separation over speed of approach of two balls",
+        field: Field::Contact(|contact| &mut contact.restitution),
+    },
+    ParameterDescriptor {
+        name: "contact_friction_coefficient",
+        unit: "1",
+        meaning: "coefficient of friction between two balls",
+        field: Field::Contact(|contact| &mut contact.friction_coefficient),
     },
     ParameterDescriptor {
         name: "speed_rad_s",

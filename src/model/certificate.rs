@@ -6,7 +6,7 @@
 //! run has certainly ended in equilibrium. If the bound is too coarse, the motion in closed form is
 //! followed until the bound suffices.
 
-use super::{Balancer, Contact, RestAmplitude, RestForms, RestPoint, State};
+use super::{Balancer, Contact, Forces, RestAmplitude, RestForms, RestPoint, State};
 
 impl<const N: usize> RestForms for Balancer<N> {
     fn surely_rests(&self, state: &[f64]) -> bool {
@@ -47,7 +47,7 @@ pub fn certified<const N: usize>(
 }
 
 /// Returns a bound on the deviation of any force from its value at rest, for all later times.
-fn disturbance_bound<const N: usize>(
+pub(super) fn disturbance_bound<const N: usize>(
     balancer: &Balancer<N>,
     rest: &RestPoint<N>,
     state: &State<N>,
@@ -73,6 +73,32 @@ pub fn certified_by_closed_form<const N: usize>(
     if balancer.friction_use(rest, 0.0) >= 1.0 || balancer.damping_ratio <= 0.0 {
         return false;
     }
+    followed_to_rest(
+        balancer,
+        rest,
+        state,
+        |current| certified(balancer, rest, current),
+        |forces, unseen| {
+            (0..N).all(|ball| {
+                let limit = balancer.balls[ball].friction.limit * (forces.normal[ball] - unseen);
+                forces.friction[ball].abs() + unseen <= limit
+            })
+        },
+    )
+}
+
+/// Follows the closed form of the table's motion until `certified` holds in a state. `held` returns whether friction holds
+/// all balls with these forces, if all of them may differ by a number.
+pub(super) fn followed_to_rest<const N: usize>(
+    balancer: &Balancer<N>,
+    rest: &RestPoint<N>,
+    state: &State<N>,
+    certified: impl Fn(&State<N>) -> bool,
+    held: impl Fn(&Forces<N>, f64) -> bool,
+) -> bool {
+    if balancer.damping_ratio <= 0.0 {
+        return false;
+    }
     let omega = balancer.speed;
     let zeta = balancer.damping_ratio;
     let stick = [Contact::STICK; N];
@@ -88,7 +114,7 @@ pub fn certified_by_closed_form<const N: usize>(
     for _ in 0..1_000_000 {
         current.position = [rest.position[0] + u[0], rest.position[1] + u[1]];
         current.velocity = [v[0] + omega * u[1], v[1] - omega * u[0]];
-        if certified(balancer, rest, &current) {
+        if certified(&current) {
             return true;
         }
         // Seen from the turning frame the acceleration changes at most at the rate
@@ -98,11 +124,8 @@ pub fn certified_by_closed_form<const N: usize>(
         let rate = (omega.abs() + balancer.acceleration_bound(1.0)) * bound;
         let unseen = rate * interval + residual;
         let forces = balancer.forces(&current, &stick);
-        for ball in 0..N {
-            let limit = balancer.balls[ball].friction.limit * (forces.normal[ball] - unseen);
-            if forces.friction[ball].abs() + unseen > limit {
-                return false;
-            }
+        if !held(&forces, unseen) {
+            return false;
         }
         (u, v) = propagate.step(u, v);
     }

@@ -31,6 +31,30 @@ pub struct Forces<const N: usize, T = f64, const FREE: usize = 2> {
     pub friction: [T; N],
 }
 
+/// A ball's part in the equations of motion.
+#[derive(Clone, Copy)]
+pub(super) struct BallTerms<T> {
+    pub(super) sine: T,
+    pub(super) cosine: T,
+    /// `w² - r`.
+    pub(super) pressed: T,
+    /// Its mass over `1 + 4J`; 0 where it sticks.
+    pub(super) mobile: T,
+    /// `m β̈ = along · a - held` where it slips.
+    pub(super) along: [T; 2],
+    pub(super) held: T,
+    /// `m w²`.
+    pub(super) outward: T,
+}
+
+/// The equations of the table's acceleration, `(1 - m_xx) a_x - m_xy a_y = force_x` and
+/// `m_yx a_x + (1 + m_yy) a_y = force_y`.
+pub(super) struct TableEquations<T> {
+    /// `m_xx`, `m_xy`, `m_yx` and `m_yy`.
+    pub(super) matrix: [T; 4],
+    pub(super) force: [T; 2],
+}
+
 impl<const N: usize, T: Number> Balancer<N, T> {
     /// Returns accelerations and forces for given contacts. The residual speed of a sticking ball
     /// in the switch model enters like any other speed, so that the conditions for stick and for
@@ -49,60 +73,104 @@ impl<const N: usize, T: Number> Balancer<N, T> {
         contacts: &[Contact<T>; N],
         turned: &[(T, T); N],
     ) -> Forces<N, T> {
-        let zero = T::constant(0.0);
         let one = T::constant(1.0);
-        let two = T::constant(2.0);
-        let [x, y] = state.position;
-        let [x_dot, y_dot] = state.velocity;
-        let omega = self.speed;
+        let terms = self.ball_terms(state, contacts, turned);
+        let TableEquations { matrix: [m_xx, m_xy, m_yx, m_yy], force } =
+            self.table_equations(state, &terms);
+        let matrix = [[one - m_xx, -m_xy], [m_yx, one + m_yy]];
+        self.forces_of_table(T::solve_two(matrix, force), contacts, &terms, |_| None)
+    }
 
-        // Sums over the balls are separate from the table's own terms, so that exchanging two balls
-        // exchanges the results bit for bit.
-        let (mut m_xx, mut m_xy, mut m_yx, mut m_yy) = (zero, zero, zero, zero);
-        let (mut balls_x, mut balls_y) = (zero, zero);
-        let mut sine = [zero; N];
-        let mut cosine = [zero; N];
-        let mut centrifugal = [zero; N]; // w² - r
-        for i in 0..N {
+    /// Returns each ball's part in the equations of motion.
+    #[inline]
+    pub(super) fn ball_terms(
+        &self,
+        state: &State<N, T>,
+        contacts: &[Contact<T>; N],
+        turned: &[(T, T); N],
+    ) -> [BallTerms<T>; N] {
+        std::array::from_fn(|i| {
             let ball = &self.balls[i];
             let Contact { free, signed_friction, drag } = contacts[i];
-            let (s, c) = turned[i];
+            let (sine, cosine) = turned[i];
             let beta_dot = state.beta_dot[i];
-            let w = omega + beta_dot;
+            let w = self.speed + beta_dot;
             let w_squared = w * w;
             let rolling = (ball.rolling_linear + ball.rolling_quadratic * beta_dot) * beta_dot;
             let pressed = w_squared - rolling;
             let mobile = ball.mass * ball.mobility * free;
-            let along_x = mobile * (s + signed_friction * c);
-            let along_y = mobile * (signed_friction * s - c);
-            let held = mobile * (signed_friction * pressed + drag);
+            BallTerms {
+                sine,
+                cosine,
+                pressed,
+                mobile,
+                along: [
+                    mobile * (sine + signed_friction * cosine),
+                    mobile * (signed_friction * sine - cosine),
+                ],
+                held: mobile * (signed_friction * pressed + drag),
+                outward: ball.mass * w_squared,
+            }
+        })
+    }
+
+    /// Returns the equations of the table's acceleration. Sums over the balls are separate from the table's own terms,
+    /// so that exchanging two balls exchanges the results bit for bit.
+    #[inline]
+    pub(super) fn table_equations(
+        &self,
+        state: &State<N, T>,
+        terms: &[BallTerms<T>; N],
+    ) -> TableEquations<T> {
+        let zero = T::constant(0.0);
+        let [x, y] = state.position;
+        let [x_dot, y_dot] = state.velocity;
+        let omega = self.speed;
+        let (mut m_xx, mut m_xy, mut m_yx, mut m_yy) = (zero, zero, zero, zero);
+        let (mut balls_x, mut balls_y) = (zero, zero);
+        for term in terms {
+            let BallTerms { sine: s, cosine: c, along: [along_x, along_y], held, outward, .. } =
+                *term;
             m_xx = m_xx + s * along_x;
             m_xy = m_xy + s * along_y;
             m_yx = m_yx + c * along_x;
             m_yy = m_yy + c * along_y;
-            let outward = ball.mass * w_squared;
             balls_x = balls_x + (c * outward - s * held);
             balls_y = balls_y + (s * outward + c * held);
-            sine[i] = s;
-            cosine[i] = c;
-            centrifugal[i] = pressed;
         }
-        let drag = two * self.damping_ratio;
+        let drag = T::constant(2.0) * self.damping_ratio;
         let force_x = balls_x + (self.imbalance * omega * omega - x - drag * (x_dot - omega * y));
         let force_y = balls_y - y - drag * (y_dot + omega * x);
-        let matrix = [[one - m_xx, -m_xy], [m_yx, one + m_yy]];
-        let [a_x, a_y] = T::solve_two(matrix, [force_x, force_y]);
+        TableEquations { matrix: [m_xx, m_xy, m_yx, m_yy], force: [force_x, force_y] }
+    }
 
+    /// Returns accelerations and forces for a known acceleration of the table. `pushed` returns the tangential and the
+    /// normal force that other balls exert on a ball, over its mass.
+    #[inline]
+    pub(super) fn forces_of_table(
+        &self,
+        [a_x, a_y]: [T; 2],
+        contacts: &[Contact<T>; N],
+        terms: &[BallTerms<T>; N],
+        pushed: impl Fn(usize) -> Option<[T; 2]>,
+    ) -> Forces<N, T> {
+        let zero = T::constant(0.0);
+        let one = T::constant(1.0);
         let mut forces = Forces {
             table_acceleration: [a_x, a_y],
             beta_ddot: [zero; N],
             normal: [zero; N],
             friction: [zero; N],
         };
-        for i in 0..N {
+        for (i, term) in terms.iter().enumerate() {
             let Contact { free, signed_friction, drag } = contacts[i];
-            let tangential = sine[i] * a_x - cosine[i] * a_y;
-            let normal = centrifugal[i] - (cosine[i] * a_x + sine[i] * a_y);
+            let BallTerms { sine, cosine, pressed, .. } = *term;
+            let mut tangential = sine * a_x - cosine * a_y;
+            let mut normal = pressed - (cosine * a_x + sine * a_y);
+            if let Some([along, outward]) = pushed(i) {
+                tangential = tangential + along;
+                normal = normal + outward;
+            }
             let slipping = signed_friction * normal + drag;
             forces.beta_ddot[i] = free * self.balls[i].mobility * (tangential - slipping);
             forces.normal[i] = normal;

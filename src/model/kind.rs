@@ -4,7 +4,7 @@
 use std::fmt;
 
 use super::registry::model_kinds;
-use super::{Ball, Block, Machine, Model, SlidingSpeed};
+use super::{Ball, BallContact, Block, Machine, Model, SlidingSpeed};
 
 /// The name of the (kinetic) friction coefficient in every kind of model.
 pub const FRICTION_COEFFICIENT: &str = "friction_coefficient";
@@ -90,6 +90,8 @@ pub enum Field {
     Ball(fn(&mut Ball) -> &mut f64),
     /// A number of a block; `None` if its support has none.
     Block(fn(&mut Block) -> Option<&mut f64>),
+    /// A number of the contact between balls, for balls with contact.
+    Contact(fn(&mut BallContact) -> &mut f64),
     /// The form of the normal force, a word.
     NormalForce,
     /// A number of a model that is defined outside this crate.
@@ -174,6 +176,11 @@ impl ParameterDescriptor {
         !matches!(self.field, Field::NormalForce)
     }
 
+    /// Returns whether the value is given with the contact between balls, not among the parameters of a study file.
+    pub fn is_of_contact(&self) -> bool {
+        matches!(self.field, Field::Contact(_))
+    }
+
     /// Returns the largest value of a whole number; `None` for other parameters.
     pub fn largest_count(&self) -> Option<usize> {
         match self.field {
@@ -187,6 +194,9 @@ impl ParameterDescriptor {
     pub fn numbers<'a>(&self, model: &'a mut Model, ball: Option<usize>) -> Vec<&'a mut f64> {
         match (self.field, model) {
             (Field::Machine(field), Model::BallBalancer(machine)) => vec![field(machine)],
+            (Field::Contact(field), Model::BallBalancer(machine)) => {
+                machine.contact.as_mut().map(field).into_iter().collect()
+            }
             (Field::Block(field), Model::Block(block)) => field(block).into_iter().collect(),
             (Field::Own { .. } | Field::Count { .. }, Model::Own(own)) => {
                 own.number_mut(self).into_iter().collect()

@@ -7,7 +7,7 @@
 use serde::Serialize;
 
 use super::invalid_parameter::{InvalidParameter, invalid, not_negative, positive};
-use super::{Friction, FrictionLaw, SlidingSpeed};
+use super::{BallContact, Friction, FrictionLaw, SlidingSpeed};
 
 /// The largest number of balls that one machine may have.
 pub const MAX_BALLS: usize = 8;
@@ -79,6 +79,8 @@ pub struct Machine {
     pub normal_force: NormalForce,
     /// The law of the friction between balls and ring.
     pub friction: FrictionLaw,
+    /// The contact between balls; `None` for balls that pass through each other.
+    pub contact: Option<BallContact>,
 }
 
 impl Default for Ball {
@@ -102,6 +104,7 @@ impl Default for Machine {
             balls: vec![Ball::default(); 2],
             normal_force: NormalForce::Lagrange,
             friction: FrictionLaw::COULOMB,
+            contact: None,
         }
     }
 }
@@ -139,6 +142,9 @@ impl Machine {
                     name: ball_parameter_name(&error.name, index + 1),
                     ..error
                 })?;
+        }
+        if let Some(contact) = &self.contact {
+            contact.validate()?;
         }
         self.balls.iter().try_for_each(|ball| {
             self.friction.validate(ball.friction_coefficient, SlidingSpeed::RadS)

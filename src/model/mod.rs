@@ -8,6 +8,8 @@
 mod angle;
 mod balancer;
 mod ball_balancer;
+mod ball_contact;
+mod balls_in_contact;
 mod block;
 mod case;
 mod certificate;
@@ -18,6 +20,7 @@ mod equations;
 mod existence;
 mod friction;
 mod graph;
+mod held;
 mod invalid_parameter;
 mod kind;
 mod machine;
@@ -28,11 +31,14 @@ mod own;
 mod recorded;
 mod registry;
 mod rest;
+mod rest_in_contact;
 mod system;
 mod units;
 
 pub use angle::{wrap_to_pi, wrap_to_two_pi};
 pub use balancer::{Balancer, BalancerBall, State};
+pub use ball_contact::{BallContact, Gap, rolling_restitution};
+pub use balls_in_contact::{BallsInContact, LASTING_APPROACH};
 pub use block::{Block, Ground, Slider, SliderState};
 pub use case::{Case, Endings, Extend, Method, Simulation, Start};
 pub use certificate::{certified, certified_by_closed_form};
@@ -46,9 +52,10 @@ pub use friction::{
     MAX_LAW_PARAMETERS, Sliding, SlidingForce, SlidingSpeed,
 };
 pub use graph::{
-    ContactEquations, ContactLayout, Event, EventEquations, Expression, Graph, Layout, Node,
-    NodeId, Recorder, Solve, SystemEquations,
+    ContactEquations, ContactLayout, Event, EventEquations, Expression, GapEquations, Graph,
+    Layout, Node, NodeId, Recorder, Solve, SystemEquations,
 };
+pub use held::{HeldContact, Holding, gap_columns, held};
 pub use invalid_parameter::InvalidParameter;
 pub use kind::{Bound, Capabilities, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor};
 pub use machine::{Ball, MAX_BALLS, Machine, NormalForce, ball_parameter_name};
@@ -58,5 +65,8 @@ pub use own::{OwnKind, OwnModel};
 pub use recorded::{ContactMode, add_contact_inputs, record_contact};
 pub use registry::{Registry, RegistryError, model_kinds};
 pub use rest::RestPoint;
-pub use system::{Components, Recorded, RestAmplitude, RestForms, Structure, System, stiff_pace};
+pub use rest_in_contact::TOUCHING;
+pub use system::{
+    Components, Recorded, RestAmplitude, RestForms, Structure, System, Touching, stiff_pace,
+};
 pub use units::Units;

@@ -6,8 +6,8 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::{
-    Balancer, Block, Components, FRICTION_COEFFICIENT, FrictionLaw, Ground, InvalidParameter,
-    Machine, ModelKind, OwnModel, Start, System, ball_balancer, block,
+    Balancer, BallsInContact, Block, Components, FRICTION_COEFFICIENT, FrictionLaw, Ground,
+    InvalidParameter, Machine, ModelKind, OwnModel, Start, System, ball_balancer, block,
 };
 
 /// One of the mechanical systems with its parameters.
@@ -67,22 +67,37 @@ impl Model {
         }
     }
 
-    /// Returns the system without dimensions; `None` for a machine with an unsupported number of balls.
+    /// Returns the system without dimensions; `None` for a machine with an unsupported number of balls. Balls with
+    /// contact are in their order along the ring, from the first ball on.
     pub fn system(&self) -> Option<Arc<dyn System>> {
+        let order: Vec<f64> = (0..self.balls()).map(|ball| ball as f64 * 0.1).collect();
+        self.system_in_order(&order)
+    }
+
+    /// Returns the system without dimensions for a start state, which determines the order of balls with contact along
+    /// the ring; `None` for a machine with an unsupported number of balls.
+    pub fn system_for(&self, start: &Start) -> Option<Arc<dyn System>> {
+        match self.balls() {
+            0 => self.system(),
+            balls => self.system_in_order(start.0.get(2..2 + balls)?),
+        }
+    }
+
+    fn system_in_order(&self, angles: &[f64]) -> Option<Arc<dyn System>> {
         let machine = match self {
             Model::BallBalancer(machine) => machine,
             Model::Block(block) => return Some(Arc::new(block.slider())),
             Model::Own(own) => return Some(own.own().system(own)),
         };
         match machine.balls.len() {
-            1 => balancer::<1>(machine),
-            2 => balancer::<2>(machine),
-            3 => balancer::<3>(machine),
-            4 => balancer::<4>(machine),
-            5 => balancer::<5>(machine),
-            6 => balancer::<6>(machine),
-            7 => balancer::<7>(machine),
-            8 => balancer::<8>(machine),
+            1 => balancer::<1>(machine, angles),
+            2 => balancer::<2>(machine, angles),
+            3 => balancer::<3>(machine, angles),
+            4 => balancer::<4>(machine, angles),
+            5 => balancer::<5>(machine, angles),
+            6 => balancer::<6>(machine, angles),
+            7 => balancer::<7>(machine, angles),
+            8 => balancer::<8>(machine, angles),
             _ => None,
         }
     }
@@ -235,6 +250,9 @@ impl Model {
     }
 }
 
-fn balancer<const N: usize>(machine: &Machine) -> Option<Arc<dyn System>> {
-    Some(Arc::new(Balancer::<N>::new(machine)?))
+fn balancer<const N: usize>(machine: &Machine, angles: &[f64]) -> Option<Arc<dyn System>> {
+    Some(match &machine.contact {
+        None => Arc::new(Balancer::<N>::new(machine)?),
+        Some(contact) => Arc::new(BallsInContact::<N>::new(machine, contact, angles)?),
+    })
 }

@@ -19,12 +19,26 @@ pub enum ContactMode {
     Slip(f64),
     /// It sets off in a direction: its friction is that at the speed 0, whatever its residual speed.
     SetOff(f64),
+    /// It is a gap, and there is no force in it.
+    Open,
+    /// It is a gap, and its two contacts touch.
+    Closed,
+}
+
+impl ContactMode {
+    /// Returns the direction in which a contact slips or sets off; 0 if it sticks.
+    pub fn direction(self) -> f64 {
+        match self {
+            ContactMode::Slip(direction) | ContactMode::SetOff(direction) => direction,
+            ContactMode::Stick | ContactMode::Open | ContactMode::Closed => 0.0,
+        }
+    }
 }
 
 /// Adds the values of the inputs of a contact that [`record_contact`] records: its mode and the numbers of its law.
 pub fn add_contact_inputs(inputs: &mut Vec<f64>, mode: ContactMode, friction: &Friction) {
     inputs.extend_from_slice(&match mode {
-        ContactMode::Stick => [0.0, 0.0, 0.0],
+        ContactMode::Stick | ContactMode::Open | ContactMode::Closed => [0.0, 0.0, 0.0],
         ContactMode::Slip(direction) => [1.0, direction, 1.0],
         ContactMode::SetOff(direction) => [1.0, direction, 0.0],
     });
@@ -42,7 +56,7 @@ pub fn record_contact<'r>(
     friction.record(recorder, [free, direction], slips * speed)
 }
 
-fn equations<'r, const N: usize, const FREE: usize>(
+pub(super) fn equations<'r, const N: usize, const FREE: usize>(
     state: &State<N, Expression<'r>, FREE>,
     derivative: &State<N, Expression<'r>, FREE>,
     forces: &Forces<N, Expression<'r>, FREE>,
@@ -68,12 +82,13 @@ fn equations<'r, const N: usize, const FREE: usize>(
         derivative: components.collect(),
         contacts: (0..N).map(contact).collect(),
         events: Vec::new(),
+        gaps: Vec::new(),
         layout,
     }
 }
 
 /// The components of the state, in the order position, velocity, contacts' positions, contacts' speeds.
-fn record_state<const N: usize, const FREE: usize>(
+pub(super) fn record_state<const N: usize, const FREE: usize>(
     recorder: &Recorder,
 ) -> State<N, Expression<'_>, FREE> {
     State {
@@ -84,9 +99,12 @@ fn record_state<const N: usize, const FREE: usize>(
     }
 }
 
-impl<const N: usize> System for Balancer<N> {
-    fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
-        let state = record_state(recorder);
+impl<const N: usize> Balancer<N> {
+    /// Records the parameters as inputs, whose values [`Balancer::parameter_inputs`] returns.
+    pub(super) fn record_parameters<'r>(
+        &self,
+        recorder: &'r Recorder,
+    ) -> Balancer<N, Expression<'r>> {
         let [speed, damping_ratio, imbalance] =
             ["speed", "damping_ratio", "imbalance"].map(|name| recorder.input(name));
         let unused = Expression::constant(0.0);
@@ -104,7 +122,24 @@ impl<const N: usize> System for Balancer<N> {
                 rolling_quadratic,
             }
         });
-        let balancer = Balancer { speed, damping_ratio, imbalance, balls };
+        Balancer { speed, damping_ratio, imbalance, balls }
+    }
+
+    pub(super) fn parameter_inputs(&self) -> Vec<f64> {
+        let mut inputs = Vec::with_capacity(3 + 10 * N);
+        inputs.extend_from_slice(&[self.speed, self.damping_ratio, self.imbalance]);
+        for ball in &self.balls {
+            let BalancerBall { mass, mobility, rolling_linear, rolling_quadratic, .. } = *ball;
+            inputs.extend_from_slice(&[mass, mobility, rolling_linear, rolling_quadratic]);
+        }
+        inputs
+    }
+}
+
+impl<const N: usize> System for Balancer<N> {
+    fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
+        let state = record_state(recorder);
+        let balancer = self.record_parameters(recorder);
         let contacts = std::array::from_fn(|i| {
             record_contact(recorder, &self.balls[i].friction, state.beta_dot[i])
         });
@@ -113,12 +148,7 @@ impl<const N: usize> System for Balancer<N> {
     }
 
     fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
-        let mut inputs = Vec::with_capacity(3 + 10 * N);
-        inputs.extend_from_slice(&[self.speed, self.damping_ratio, self.imbalance]);
-        for ball in &self.balls {
-            let BalancerBall { mass, mobility, rolling_linear, rolling_quadratic, .. } = *ball;
-            inputs.extend_from_slice(&[mass, mobility, rolling_linear, rolling_quadratic]);
-        }
+        let mut inputs = self.parameter_inputs();
         for (ball, mode) in self.balls.iter().zip(modes) {
             add_contact_inputs(&mut inputs, *mode, &ball.friction);
         }
@@ -127,7 +157,7 @@ impl<const N: usize> System for Balancer<N> {
 
     fn structure(&self) -> Option<Structure> {
         let laws = self.balls.iter().map(|ball| ball.friction.law_name());
-        Some((TypeId::of::<Self>(), laws.collect()))
+        Some((TypeId::of::<Self>(), laws.collect(), Vec::new()))
     }
 
     fn contacts(&self) -> usize {
@@ -195,7 +225,7 @@ impl System for Slider {
     }
 
     fn structure(&self) -> Option<Structure> {
-        Some((TypeId::of::<Self>(), vec![self.friction.law_name()]))
+        Some((TypeId::of::<Self>(), vec![self.friction.law_name()], Vec::new()))
     }
 
     fn contacts(&self) -> usize {
@@ -237,14 +267,25 @@ impl System for Slider {
     }
 }
 
+/// The number of components without an allocation: those of a balancer with eight balls.
+const INLINE: usize = 20;
+
 impl<const N: usize, const FREE: usize> State<N, f64, FREE> {
     /// Returns the components in the order of a recorded system.
     pub fn components(&self) -> Components {
-        let mut components = Components::new();
-        for part in [&self.position[..], &self.velocity, &self.beta, &self.beta_dot] {
-            components.extend_from_slice(part);
+        let parts = [&self.position[..], &self.velocity, &self.beta, &self.beta_dot];
+        // A buffer is filled by plain copies.
+        let mut buffer = [0.0; INLINE];
+        let length = 2 * (FREE + N);
+        if length > INLINE {
+            return parts.concat().into();
         }
-        components
+        let mut place = 0;
+        for part in parts {
+            buffer[place..place + part.len()].copy_from_slice(part);
+            place += part.len();
+        }
+        Components::from_buf_and_len(buffer, length)
     }
 
     /// Returns the state with these components; `None` for another number of components.

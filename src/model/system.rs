@@ -6,20 +6,20 @@ use std::sync::Arc;
 
 use smallvec::SmallVec;
 
-use super::{ContactMode, Friction, Recorder, SystemEquations};
+use super::{ContactMode, Dual, Friction, Gap, Recorder, SystemEquations};
 
 /// The components of a state, or of its rate of change, in the order in which the system records them.
 pub type Components = SmallVec<[f64; 20]>;
 
-/// The type of a system, and what its equations depend on besides the values of the inputs.
-pub type Structure = (TypeId, Vec<&'static str>);
+/// The type of a system, and what its equations depend on besides the values of the inputs: names of laws, and numbers.
+pub type Structure = (TypeId, Vec<&'static str>, Vec<usize>);
 
 /// A mechanical system. Its recorded equations define the motion, its tangents, forces and events.
 pub trait System: Any + Debug + Send + Sync {
     /// Records the equations. Systems whose equations are equal expressions share lanes, with other inputs.
     fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r>;
 
-    /// Returns the values of the inputs, in their order, for modes of all contacts.
+    /// Returns the values of the inputs, in their order, for modes of all contacts, and after these of all gaps.
     fn inputs(&self, modes: &[ContactMode]) -> Vec<f64>;
 
     /// Returns a key that only systems with equal equations share, so that these are recorded once; `None` if each
@@ -61,8 +61,34 @@ pub trait System: Any + Debug + Send + Sync {
         None
     }
 
+    /// Returns the gaps between its contacts, if there are any.
+    fn touching(&self) -> Option<&dyn Touching> {
+        None
+    }
+
+    /// Returns the system that has the same motion while no contacts touch, for kernels that are written for one type.
+    fn while_apart(&self) -> &dyn Any {
+        self.as_any()
+    }
+
     /// Returns this system, for kernels that are written for one type.
     fn as_any(&self) -> &dyn Any;
+}
+
+/// A system with gaps between its contacts that can close.
+pub trait Touching {
+    /// Returns the gaps, in the order of the recorded ones.
+    fn gaps(&self) -> &[Gap];
+
+    /// Returns the speed of separation over the speed of approach in an impact, 0 to 1.
+    fn restitution(&self) -> f64;
+
+    /// Returns the speed of approach, non-dimensional, below which contact lasts unless impacts lose no energy: infinitely
+    /// many impacts would follow within a time that is proportional to the speed.
+    fn lasting_approach(&self) -> f64;
+
+    /// Returns for each gap the changes of all components of the state by an impulse `λ = 1` and by an impulse `q = 1`.
+    fn responses(&self, state: &[Dual]) -> Vec<[Vec<Dual>; 2]>;
 }
 
 /// The closed forms of a system with all contacts sticking, for states of the system.
@@ -152,6 +178,10 @@ impl System for Recorded {
 
     fn rest_forms(&self) -> Option<&dyn RestForms> {
         self.0.rest_forms()
+    }
+
+    fn touching(&self) -> Option<&dyn Touching> {
+        self.0.touching()
     }
 
     fn as_any(&self) -> &dyn Any {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use smallvec::SmallVec;
 
-use super::Phase;
+use super::{Phase, Phases};
 use crate::model::{Components, Dual, Elementary, Graph, Node, NodeId, Number, System};
 
 /// Speed, acceleration and forces of one contact.
@@ -18,6 +18,16 @@ pub struct ContactForces<T = f64> {
     pub normal: T,
     /// Friction force, acting against positive speed; in stick, the force required to stick.
     pub friction: T,
+}
+
+/// Force and acceleration of a gap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GapForces {
+    /// The second time derivative of its width.
+    pub opening_acceleration: f64,
+    /// The force in it, compression positive; 0 while it is open, and between contacts that stick, where it is not
+    /// determined.
+    pub force: f64,
 }
 
 /// The forces of all contacts.
@@ -64,9 +74,29 @@ impl Evaluator {
         let components: Option<_> =
             contacts.map(|contact| Some(state[self.graph.speed_component(contact)?])).collect();
         components.unwrap_or_else(|| {
-            let phases = vec![Phase::Stick; self.graph.contacts.len()];
-            self.forces(&phases, state).iter().map(|contact| contact.speed).collect()
+            self.forces(&self.no_phases(), state).iter().map(|contact| contact.speed).collect()
         })
+    }
+
+    /// Returns phases for quantities that do not depend on them.
+    pub(super) fn no_phases(&self) -> Phases {
+        let mut phases = Phases::from_elem(Phase::Stick, self.graph.contacts.len());
+        phases.resize(phases.len() + self.graph.gaps.len(), Phase::Open);
+        phases
+    }
+
+    /// Returns forces and accelerations of all contacts and gaps in a state.
+    pub fn forces_and_gaps(
+        &self,
+        phases: &[Phase],
+        state: &[f64],
+    ) -> (Forces, SmallVec<[GapForces; 8]>) {
+        let values = self.values::<f64>(phases, |component| state[component]);
+        let gap = |nodes: &[NodeId; 2]| {
+            let [opening_acceleration, force] = nodes.map(|node| values[node as usize]);
+            GapForces { opening_acceleration, force }
+        };
+        (forces(&self.graph, &values), self.graph.gaps.iter().map(gap).collect())
     }
 
     /// Returns speeds, accelerations and forces of all contacts in a state.
@@ -158,7 +188,7 @@ fn forces<T: Number>(graph: &Graph, values: &[T]) -> Forces<T> {
 }
 
 /// Returns the solution of a linear system by elimination in the order of its unknowns, as in lanes.
-fn solved<T: Number>(mut matrix: Vec<T>, mut right: Vec<T>) -> Vec<T> {
+pub(super) fn solved<T: Number>(mut matrix: Vec<T>, mut right: Vec<T>) -> Vec<T> {
     let size = right.len();
     for column in 0..size {
         let inverse = matrix[column * size + column].reciprocal();

@@ -31,6 +31,11 @@ const TIE: f64 = 1e-14;
 /// released.
 const RELEASE: f64 = 10.0;
 
+/// Returns the rounding tolerance of the conditions, as a force.
+pub(super) fn tie(force_scale: f64) -> f64 {
+    TIE * force_scale
+}
+
 /// Returns the slack of the condition for rest, as a force.
 pub(super) fn release_slack(force_scale: f64) -> f64 {
     RELEASE * TIE * force_scale
@@ -50,7 +55,7 @@ pub(super) fn decide(
     let choices = [Phase::Stick, Phase::Slip(1.0), Phase::Slip(-1.0)];
     resolve_modes(system, phases, at_rest, choices, |forces, phases, contact| {
         match phases[contact] {
-            Phase::Transition(_) | Phase::Free => None,
+            Phase::Transition(_) | Phase::Free | Phase::Open | Phase::Closed => None,
             Phase::Stick => {
                 let reserve = stick_reserve(system, forces, contact);
                 (!rests_with(system, phases, contact, (reserve, tie)))

@@ -1,9 +1,11 @@
 //! How the system moves: integration of smooth phases, stick and slip, switches between them.
 
 mod cancellation;
+mod cluster;
 mod condition;
 mod evaluator;
 mod event_driven;
+mod impact;
 mod instant;
 pub(crate) mod lockstep;
 mod modes;
@@ -13,16 +15,18 @@ mod saltation;
 mod settings;
 mod single;
 mod switch_model;
+mod touching;
 
 pub(crate) use cancellation::unwind_if_cancelled;
 pub use cancellation::{Cancellation, is_cancelled};
-pub use evaluator::{ContactForces, Evaluator, Forces};
+pub use evaluator::{ContactForces, Evaluator, Forces, GapForces};
 pub use instant::Instant;
 pub use lockstep::SimdLevel;
 pub use modes::decide;
 pub use phase::{PerContact, Phase, Phases};
+pub(crate) use phase::{all_stick, any_closed};
 pub use root::fall_through_zero;
-pub use settings::{Effort, Settings, Tolerance, most_steps_by};
+pub use settings::{Effort, Settings, Tolerance, Touches, most_steps_by};
 pub use single::Motion;
 pub use switch_model::SLACK;
 

@@ -123,7 +123,7 @@ impl InState for Evaluated<'_> {
             Some(component) => direction[component],
             // Sliding speeds do not depend on phases.
             None => {
-                let phases = Phases::from_elem(Phase::Stick, self.speeds.len());
+                let phases = self.evaluator.no_phases();
                 self.forces_along(&phases, direction)[contact].speed.slope
             }
         }
@@ -262,13 +262,13 @@ fn unique_or_refused(
 }
 
 /// Returns whether two solutions are the same motion.
-fn same(one: &Forces, other: &Forces) -> bool {
+pub(super) fn same(one: &Forces, other: &Forces) -> bool {
     let pairs = || one.iter().zip(other).map(|(a, b)| (a.acceleration, b.acceleration));
     let scale = pairs().fold(1.0, |most: f64, (a, b)| most.max(a.abs()).max(b.abs()));
     pairs().all(|(a, b)| (a - b).abs() <= SAME * scale)
 }
 
-fn is_finite(contact: &ContactForces) -> bool {
+pub(super) fn is_finite(contact: &ContactForces) -> bool {
     contact.acceleration.is_finite() && contact.normal.is_finite()
 }
 

@@ -16,15 +16,34 @@ pub enum Phase {
     Transition(f64),
     /// Its law has no stick: it moves in either direction.
     Free,
+    /// It is a gap that may close.
+    Open,
+    /// It is a gap, and its two contacts touch.
+    Closed,
 }
 
-/// The phases of all contacts.
+/// The phases of all contacts, and after these of all gaps.
 pub type Phases = SmallVec<[Phase; 8]>;
 
 /// A number for each contact.
 pub type PerContact = SmallVec<[f64; 8]>;
 
+/// Returns whether all contacts stick, whatever the gaps do.
+pub(crate) fn all_stick(phases: &[Phase]) -> bool {
+    phases.iter().all(|phase| matches!(phase, Phase::Stick | Phase::Open | Phase::Closed))
+}
+
+/// Returns whether any gap is closed.
+pub(crate) fn any_closed(phases: &[Phase]) -> bool {
+    phases.iter().rev().take_while(|phase| phase.is_gap()).any(|phase| *phase == Phase::Closed)
+}
+
 impl Phase {
+    /// Returns whether it is that of a gap.
+    pub fn is_gap(self) -> bool {
+        matches!(self, Phase::Open | Phase::Closed)
+    }
+
     /// Returns how the contact moves in the equations of motion.
     pub fn mode(self) -> ContactMode {
         match self {
@@ -32,6 +51,8 @@ impl Phase {
             Phase::Slip(direction) => ContactMode::Slip(direction),
             Phase::Transition(direction) => ContactMode::SetOff(direction),
             Phase::Free => ContactMode::Slip(0.0),
+            Phase::Open => ContactMode::Open,
+            Phase::Closed => ContactMode::Closed,
         }
     }
 

@@ -26,8 +26,11 @@
 //! neighbour depends on which of its contacts comes first; the condition that the motion itself has
 //! met first is then used for all of them.
 
+use smallvec::smallvec;
+
 use super::modes::InState;
-use super::{Evaluator, Phase};
+use super::touching::InTouch;
+use super::{Evaluator, Phase, Phases, Settings};
 use crate::model::Components;
 
 /// A condition whose rate is below this fraction of the largest possible rate is grazed: there the
@@ -46,6 +49,12 @@ pub(super) enum Condition {
     Contact { contact: usize, which: usize },
     /// An event that resets the state has not happened.
     Event(usize),
+    /// An open gap has not closed.
+    Gap(usize),
+    /// A closed gap is under pressure.
+    Pressed(usize),
+    /// Friction holds a set of contacts that touch, of which this is one.
+    Held(usize),
 }
 
 /// Propagates a displacement over a switch at which the phases `before` ended because a condition of a contact
@@ -86,22 +95,46 @@ pub(super) fn saltation(
     rate.is_nan() || rate.abs() <= GRAZING * system.force_scale()
 }
 
-/// Propagates a displacement over an event that resets a state. `before` and `after` are the phases and the states on
-/// both sides. Returns whether the event was met by grazing.
-pub(super) fn saltation_at_event(
+/// Propagates a displacement over an impact that a gap begins, like [`saltation_at_reset`].
+pub(super) fn saltation_at_impact(
     evaluator: &Evaluator,
-    event: usize,
-    [before, after]: [(&[Phase], &[f64]); 2],
+    settings: Settings,
+    sides: [(&[Phase], &[f64]); 2],
+    gap: usize,
     direction: &mut [f64],
 ) -> bool {
-    let along = |direction: &[f64]| evaluator.event_along(event, before.0, before.1, direction);
+    let Some(in_touch) = InTouch::new(evaluator, settings) else { return true };
+    let (phases, state) = sides[0];
+    let contacts = in_touch.touching.gaps()[gap].contacts;
+    let places = contacts.map(|one| evaluator.graph().layout.contacts[one].position);
+    let guard = |direction: &[f64]| direction[places[1]] - direction[places[0]];
+    let reset = |direction: &[f64]| {
+        let mut after = Components::from(direction);
+        let (mut state, mut phases) = (Components::from(state), Phases::from(phases));
+        match in_touch.meet(&mut state, &mut phases, Some(&mut after)) {
+            Ok(_) => after,
+            Err(_) => smallvec![f64::NAN; direction.len()],
+        }
+    };
+    saltation_at_reset(evaluator, sides, guard, reset, direction)
+}
+
+/// Propagates a displacement over an event that resets a state. `before` and `after` are the phases and the states on
+/// both sides. `guard` and `reset` return the change of the guard, and that of the state after the event, along a direction.
+/// Returns whether the event was met by grazing.
+pub(super) fn saltation_at_reset(
+    evaluator: &Evaluator,
+    [before, after]: [(&[Phase], &[f64]); 2],
+    guard: impl Fn(&[f64]) -> f64,
+    reset: impl Fn(&[f64]) -> Components,
+    direction: &mut [f64],
+) -> bool {
     let flow = evaluator.rates(before.0, before.1);
-    let (rate, _) = along(&flow);
-    let (change, _) = along(direction);
-    let later = -change / rate;
+    let rate = guard(&flow);
+    let later = -guard(direction) / rate;
     let at_event: Components =
         direction.iter().zip(&flow).map(|(value, flow)| value + flow * later).collect();
-    let (_, reset) = along(&at_event);
+    let reset = reset(&at_event);
     let flow_after = evaluator.rates(after.0, after.1);
     for (value, (reset, flow)) in direction.iter_mut().zip(reset.iter().zip(&flow_after)) {
         *value = reset - flow * later;

@@ -55,6 +55,17 @@ pub(super) const MOST_AT_ONCE: u64 = 100_000;
 /// Number of steps allowed per unit of time and pace.
 pub(super) const MOST_PER_TIME: f64 = 1000.0;
 
+/// How the contacts of a system with gaps have touched so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Touches {
+    /// The number of impacts: gaps that have closed.
+    pub impacts: u64,
+    /// The number of contacts that an impact has lifted off their support, which the model does not follow.
+    pub lifted_off: u64,
+    /// The time in which any gap was closed.
+    pub time: f64,
+}
+
 /// The effort of a motion so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Effort {

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use super::cancellation::unwind_if_cancelled;
 use super::lockstep::{LANES, LaneGroup, Saved};
 use super::root::fall_through_zero;
-use super::{Effort, Evaluator, Failure, Instant, PerContact, Phase, SLOW, Settings, SimdLevel};
+use super::{
+    Effort, Evaluator, Failure, Instant, PerContact, Phase, SLOW, Settings, SimdLevel, all_stick,
+};
 use crate::model::{Components, Method, System};
 
 /// A motion in progress.
@@ -56,7 +58,7 @@ impl Motion {
     fn of(saved: &Saved, directions: &[Components]) -> Self {
         let system = saved.system();
         let group = |directions: &[Components]| {
-            let mut group = SimdLevel::best().lanes(system);
+            let mut group = SimdLevel::best().lanes(system, saved.touches());
             for lane in 0..directions.len().max(1) {
                 group.put(lane, saved, saved.time());
                 if let Some(direction) = directions.get(lane) {
@@ -139,7 +141,7 @@ impl Motion {
 
     /// Returns whether all contacts stick.
     pub fn all_stick(&self) -> bool {
-        self.phases().iter().all(|phase| *phase == Phase::Stick)
+        all_stick(self.phases())
     }
 
     /// Returns whether all contacts are slow in the sense of [`Motion::slow_since`].
@@ -160,6 +162,7 @@ impl Motion {
     /// [`Failure`]; the motion then stays at its last valid state.
     pub fn advance(&mut self, until: f64) -> Result<bool, Failure> {
         unwind_if_cancelled();
+        self.move_home();
         self.stepped = until > self.time();
         if !self.stepped {
             return Ok(false);
@@ -174,6 +177,25 @@ impl Motion {
             }
         }
         Ok(self.has_switched())
+    }
+
+    /// Moves all lanes to those of another kernel if the run does not belong into them since contacts touch, or no longer do.
+    fn move_home(&mut self) {
+        if self.lane().is_home(0) {
+            return;
+        }
+        for group in &mut self.groups {
+            let saved: Vec<Option<Saved>> = (0..LANES).map(|lane| group.take(lane)).collect();
+            let Some(first) = saved.iter().flatten().next() else { continue };
+            let mut home = SimdLevel::best().lanes(first.system(), first.touches());
+            for (lane, saved) in saved.iter().enumerate() {
+                if let Some(saved) = saved {
+                    home.put(lane, saved, saved.time());
+                }
+            }
+            *group = home;
+        }
+        self.stepped = false;
     }
 
     /// Returns time and state at which the angle of a contact completed a turn, through the angle 0, in the latest

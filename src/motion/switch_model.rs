@@ -35,7 +35,7 @@ pub(super) fn decide(system: &dyn InState, phases: &mut Phases) -> Result<Forces
     }
     let choices = [Phase::Stick, Phase::Transition(1.0), Phase::Transition(-1.0)];
     resolve_modes(system, phases, &open, choices, |forces, phases, contact| match phases[contact] {
-        Phase::Slip(_) | Phase::Free => None,
+        Phase::Slip(_) | Phase::Free | Phase::Open | Phase::Closed => None,
         Phase::Stick => (stick_reserve(system, forces, contact) < -SLACK)
             .then(|| Phase::Transition(forces[contact].friction.signum())),
         Phase::Transition(direction) => {

@@ -5,6 +5,7 @@ use super::point_key::add_point_id;
 use super::runs::add_swept;
 use crate::analysis::{
     PointSummary, ResidualVibration, is_narrow, reference_amplitude, set_fraction,
+    touching_set_fraction,
 };
 use crate::classification::Label;
 use crate::model::{ExistenceVerdict, Machine};
@@ -23,6 +24,8 @@ pub struct PointRow {
     pub amplitude_without_balls_m: Option<f64>,
     /// Fraction of all ball positions that are equilibria.
     pub set_fraction: Option<f64>,
+    /// Fraction of the positions in which two balls touch that are equilibria.
+    pub touching_set_fraction: Option<f64>,
     /// Whether stick and slip always have exactly one solution.
     pub existence: Option<ExistenceVerdict>,
 }
@@ -36,7 +39,13 @@ impl PointRow {
             summary,
             amplitude_without_balls_m: point.model().ball_balancer().and_then(reference_amplitude),
             set_fraction: point.model().ball_balancer().and_then(set_fraction),
-            existence: point.model().ball_balancer().map(Machine::existence),
+            touching_set_fraction: point.model().ball_balancer().and_then(touching_set_fraction),
+            // Nothing is proven for balls that touch.
+            existence: point
+                .model()
+                .ball_balancer()
+                .filter(|machine| machine.contact.is_none())
+                .map(Machine::existence),
         }
     }
 }
@@ -80,7 +89,8 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
     );
     add_audit(&mut list, study);
     if study.model().kind().offers.vibration {
-        add_machine(&mut list);
+        let touches = study.model().ball_balancer().is_some_and(|one| one.contact.is_some());
+        add_machine(&mut list, touches);
         add_residual_vibration(&mut list);
     }
     list.finish()
@@ -174,13 +184,19 @@ fn add_audit(list: &mut Columns<PointRow>, study: &Study) {
 }
 
 /// Adds the properties of the ball balancer at the point.
-fn add_machine(list: &mut Columns<PointRow>) {
+fn add_machine(list: &mut Columns<PointRow>, touches: bool) {
     list.number("amplitude_without_balls_m", "m", |row| row.amplitude_without_balls_m)
         .meaning("amplitude of the same machine without balls, whose mass is also removed");
     list.number("set_fraction", "1", |row| row.set_fraction).meaning(
         "fraction of all ball positions that are equilibria: exact for one ball, to about 0.001 \
          for two and 0.005 for three or more balls; without uncertain draws",
     );
+    if touches {
+        list.number("touching_set_fraction", "1", |row| row.touching_set_fraction).meaning(
+            "fraction of the positions in which two balls touch that are equilibria, with the force between the \
+             balls; null for more balls",
+        );
+    }
     list.word("uniqueness", |row| row.existence.as_ref().map_or("", ExistenceVerdict::word)).meaning(
         "unique: stick and slip provably have exactly one solution at all positions and for all \
          forces; not_unique: some runs may end in no_solution; without uncertain draws",
@@ -225,6 +241,6 @@ fn add_residual_vibration(list: &mut Columns<PointRow>) {
     })
     .meaning(
         "fraction of the equilibria at which two balls are nearer to each other than their \
-         diameters allow; the model has no contact between balls",
+         diameters allow; 0 with model.contact",
     );
 }

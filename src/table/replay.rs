@@ -48,6 +48,8 @@ pub fn phase_name(phase: Phase) -> &'static str {
         Phase::Transition(direction) if direction > 0.0 => "transition_forward",
         Phase::Transition(_) => "transition_backward",
         Phase::Free => "free",
+        Phase::Open => "open",
+        Phase::Closed => "closed",
     }
 }
 

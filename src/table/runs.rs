@@ -195,6 +195,9 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
     if model.coordinates().len() > 2 {
         add_lyapunov(&mut list);
     }
+    if model.ball_balancer().is_some_and(|machine| machine.contact.is_some()) {
+        add_touching(&mut list);
+    }
     list.count("steps", |row| row.outcome.effort.steps).meaning("accepted integration steps");
     list.count("rejected_steps", |row| row.outcome.effort.rejected_steps)
         .meaning("integration steps rejected by error control or by event location");
@@ -209,6 +212,20 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         "evidence for that label, or the kind of failure; null if the run was not audited",
     );
     list.finish()
+}
+
+/// Adds the columns of balls with contact.
+fn add_touching(list: &mut Columns<RunRecord>) {
+    list.count("impacts", |row| Some(row.outcome.touching?.impacts))
+        .meaning("impacts between two balls");
+    list.number("touching_time_s", "s", |row| Some(row.outcome.touching?.time_s))
+        .meaning("time in which any two balls touched");
+    list.boolean("touching_at_end", |row| Some(row.outcome.touching?.at_end))
+        .meaning("whether any two balls touched at the end of the run");
+    list.count("lifted_off", |row| Some(row.outcome.touching?.lifted_off)).meaning(
+        "balls that an impact lifted off the ring, which the model does not follow: the friction between the balls \
+         is too large for the run to be trusted",
+    );
 }
 
 /// Adds the columns of the Lyapunov exponent.

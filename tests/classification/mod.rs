@@ -16,6 +16,7 @@ mod model_version;
 mod multipliers;
 mod recorder;
 pub mod reference;
+mod reference_in_contact;
 mod settled;
 pub mod simulate_all;
 mod step_limit;

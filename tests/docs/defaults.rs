@@ -63,7 +63,7 @@ fn compare(heading: &str, map: &str, prefix: &str) -> usize {
 
 #[test]
 fn defaults_on_the_page_are_those_of_the_program() {
-    assert_eq!(compare("## Model", "ModelFile", ""), 2);
+    assert_eq!(compare("## Model", "ModelFile", ""), 3);
     assert_eq!(compare("### Ball balancer", "ParametersFile", ""), 9);
     assert_eq!(compare("### Block on a spring or belt", "ParametersFile", ""), 3);
     assert_eq!(compare("## Simulation", "SimulationFile", ""), 4);
@@ -111,7 +111,7 @@ fn units_on_the_page_are_those_of_the_schema() {
             }
         }
     }
-    assert_eq!(compared, 10 + 5);
+    assert_eq!(compared, 12 + 5);
 }
 
 /// The default box of start states on the page is that of the schema.

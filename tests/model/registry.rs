@@ -3,16 +3,24 @@
 use std::sync::Arc;
 
 use stickslip::model::{
-    Block, Bound, Capabilities, Components, Coordinate, FRICTION_LAWS, Field, FrictionLaw, Law,
-    MAX_LAW_PARAMETERS, Model, ModelKind, OwnKind, OwnModel, ParameterDescriptor, Registry,
-    SlidingSpeed, System, Units, model_kinds,
+    BallContact, Block, Bound, Capabilities, Components, Coordinate, FRICTION_LAWS, Field,
+    FrictionLaw, Law, MAX_LAW_PARAMETERS, Model, ModelKind, OwnKind, OwnModel, ParameterDescriptor,
+    Registry, SlidingSpeed, System, Units, model_kinds,
 };
+
+/// Gives the balls of a model contact, whose parameters exist only then.
+fn with_contact(mut model: Model) -> Model {
+    if let Some(machine) = model.ball_balancer_mut() {
+        machine.contact = Some(BallContact::default());
+    }
+    model
+}
 
 /// The default of each kind is of that kind, is valid, and has a value of each number among the parameters.
 #[test]
 fn defaults_have_all_parameters() {
     for kind in model_kinds().iter().copied() {
-        let mut model = (kind.default)();
+        let mut model = with_contact((kind.default)());
         assert_eq!(model.kind(), kind);
         assert_eq!(model.validate(), Ok(()), "{kind:?}");
         for parameter in kind.parameters.iter().filter(|parameter| parameter.is_number()) {
@@ -28,7 +36,7 @@ fn parameters_have_fields_of_their_own() {
     for kind in model_kinds().iter().copied() {
         let numbers = || kind.parameters.iter().filter(|parameter| parameter.is_number());
         for changed in numbers() {
-            let mut model = (kind.default)();
+            let mut model = with_contact((kind.default)());
             *changed.numbers(&mut model, None)[0] = 1234.5;
             let is_changed = |name: &str| {
                 let own = numbers().find(|parameter| parameter.name == name).expect("a number");

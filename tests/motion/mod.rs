@@ -1,12 +1,14 @@
 //! Integration of smooth phases, switches, and symmetries of motions.
 
 mod conservation;
+mod contact;
 mod cut_steps;
 mod event;
 mod event_limit;
 mod event_times;
 mod inertial;
 mod kernels;
+mod lasting_contact;
 mod mode_selection;
 mod operations;
 mod recorded_equations;

@@ -21,9 +21,8 @@ fn with_time<'r>(rates: Vec<Expression<'r>>) -> SystemEquations<'r> {
     let velocities = (1..=rates.len()).map(|component| vec![component]).collect();
     SystemEquations {
         derivative: std::iter::once(time).chain(rates).collect(),
-        contacts: Vec::new(),
-        events: Vec::new(),
         layout: Layout { velocities, ..Layout::default() },
+        ..SystemEquations::default()
     }
 }
 

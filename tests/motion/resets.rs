@@ -30,6 +30,7 @@ fn bouncing_mass(recorder: &Recorder) -> SystemEquations<'_> {
         contacts: vec![],
         events: vec![impact],
         layout: Layout { velocities: vec![vec![1]], ..Layout::default() },
+        gaps: vec![],
     }
 }
 
@@ -163,6 +164,7 @@ fn pulled_block(recorder: &Recorder) -> SystemEquations<'_> {
             velocities: vec![vec![2]],
             vibration: None,
         },
+        gaps: vec![],
     }
 }
 

@@ -11,6 +11,7 @@ mod bad_tables;
 mod bad_values;
 mod blocks;
 mod changed_keys;
+mod contact;
 mod design_tables;
 mod designs;
 mod distributions;

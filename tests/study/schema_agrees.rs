@@ -9,7 +9,8 @@ use stickslip::study::{Study, json_schema};
 
 /// Problems that the program finds and the schema cannot express, each with the reason. A problem that ends with a blank
 /// is the beginning of a problem.
-const CONTENT: [(&str, &str); 33] = [
+const CONTENT: [(&str, &str); 34] = [
+    ("balls overlap", "the room of the balls in a table of start states"),
     ("wrong number of values in a row", "the number of a table's columns"),
     ("unequal lengths", "lengths of different lists"),
     ("unequal lengths in a zip", "lengths of different lists"),

@@ -20,7 +20,7 @@ impl System for OwnSystem {
 
     fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
         let mode = |mode: &ContactMode| match *mode {
-            ContactMode::Stick => [0.0, 0.0],
+            ContactMode::Stick | ContactMode::Open | ContactMode::Closed => [0.0, 0.0],
             ContactMode::Slip(direction) | ContactMode::SetOff(direction) => [1.0, direction],
         };
         self.parameters.iter().copied().chain(modes.iter().flat_map(mode)).collect()

@@ -10,6 +10,6 @@ mod recorder;
 pub use expression::Expression;
 pub use node::{Node, NodeId, Solve};
 pub use recorder::{
-    ContactEquations, ContactLayout, Event, EventEquations, Graph, Layout, Recorder,
+    ContactEquations, ContactLayout, Event, EventEquations, GapEquations, Graph, Layout, Recorder,
     SystemEquations,
 };

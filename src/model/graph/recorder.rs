@@ -22,6 +22,7 @@ struct Recording {
 }
 
 /// The equations of a system, with expressions.
+#[derive(Default)]
 pub struct SystemEquations<'r> {
     /// The time derivative of each component of the state.
     pub derivative: Vec<Expression<'r>>,
@@ -29,6 +30,8 @@ pub struct SystemEquations<'r> {
     pub contacts: Vec<ContactEquations<'r>>,
     /// The events that reset the state. Of several at one instant, the first in this order comes first.
     pub events: Vec<EventEquations<'r>>,
+    /// The gaps between contacts.
+    pub gaps: Vec<GapEquations<'r>>,
     /// The meaning of the components.
     pub layout: Layout,
 }
@@ -67,6 +70,15 @@ pub struct ContactEquations<'r> {
     pub friction: Expression<'r>,
 }
 
+/// What the mode of a gap is decided by.
+#[derive(Clone, Copy)]
+pub struct GapEquations<'r> {
+    /// The second time derivative of its width.
+    pub opening_acceleration: Expression<'r>,
+    /// The force in it, compression positive; 0 while it is open.
+    pub force: Expression<'r>,
+}
+
 /// An event that resets the state, such as an impact or a kick.
 pub struct EventEquations<'r> {
     /// The event happens where this function of the state falls through zero. The reset must make it positive, or zero
@@ -100,6 +112,8 @@ pub struct Graph {
     pub contacts: Vec<[NodeId; 4]>,
     /// The events.
     pub events: Vec<Event>,
+    /// Opening acceleration and force of each gap.
+    pub gaps: Vec<[NodeId; 2]>,
     /// The meaning of the components.
     pub layout: Layout,
 }
@@ -202,6 +216,10 @@ impl Recorder {
                 .collect(),
         };
         let events = equations.events.iter().map(event).collect();
+        let gap = |one: &GapEquations<'_>| {
+            [one.opening_acceleration, one.force].map(|expression| expression.id(self))
+        };
+        let gaps = equations.gaps.iter().map(gap).collect();
         let Recording { nodes, solves, inputs, .. } = &*self.0.borrow();
         Graph {
             nodes: nodes.clone(),
@@ -210,6 +228,7 @@ impl Recorder {
             derivative,
             contacts,
             events,
+            gaps,
             layout: equations.layout.clone(),
         }
     }

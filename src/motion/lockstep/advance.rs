@@ -2,6 +2,7 @@
 //! decision after it.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use fearless_simd::{mask64x8, prelude::*};
 use smallvec::SmallVec;
@@ -10,13 +11,15 @@ use super::group::{Group, carry};
 use super::kernel::{Ends, Kernel};
 use super::lane::{Lane, start_phases};
 use super::lane_group::Happened;
-use super::{LANES, Lanes};
+use super::{LANES, Lanes, gaps};
 use crate::model::{Components, Method};
+use crate::motion::impact::Impact;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::check_forces;
-use crate::motion::saltation::{Condition, saltation, saltation_at_event};
+use crate::motion::saltation::{Condition, saltation, saltation_at_impact, saltation_at_reset};
 use crate::motion::settings::MOST_AT_ONCE;
-use crate::motion::{Failure, Phase, Phases, event_driven, switch_model};
+use crate::motion::touching::InTouch;
+use crate::motion::{Evaluator, Failure, Phase, Phases, any_closed, event_driven, switch_model};
 
 /// The shortest step, over the elapsed time, that still changes the time.
 const SHORTEST: f64 = 1e-14;
@@ -46,6 +49,7 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
     let mut length = within.min(left);
     let mut failed = [None; LANES];
     let mut looks = g.kernel.look_over(&mut g.room, length) & g.alive;
+    looks |= gaps::look_over(g, length);
     while looks != 0 {
         let lane = looks.trailing_zeros() as usize;
         looks &= looks - 1;
@@ -116,10 +120,10 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
     while events != 0 {
         let lane = events.trailing_zeros() as usize;
         events &= events - 1;
-        if let Some(event) = failed[lane]
-            && let Err(trouble) = switch(g, lane, event, displaced)
-        {
-            happened.fail(lane, trouble);
+        let Some(event) = failed[lane] else { continue };
+        match switch(g, lane, event, displaced) {
+            Ok(touched) => happened.touched |= u64::from(touched) << lane,
+            Err(trouble) => happened.fail(lane, trouble),
         }
     }
     happened.rest = g.kernel.rest(&g.state) & commit;
@@ -167,17 +171,21 @@ fn first_event<S: Vector, K: Kernel<S>>(
     let Some(own) = &g.lanes[lane] else { return Ok(None) };
     let mut ignored = SmallVec::<[Condition; 4]>::new();
     loop {
-        match g.kernel.first_event(&g.room, own, lane, length, &ignored) {
+        let mut first = g.kernel.first_event(&g.room, own, lane, length, &ignored);
+        if g.gaps.doubts & 1 << lane != 0 {
+            gaps::first_closing(g, (lane, own), length, &mut first);
+        }
+        match first {
             Ends::Nothing => return Ok(None),
             Ends::At(part, failed) => return Ok(Some((part, Event { failed, at_once: false }))),
             Ends::AtOnce(failed) => {
                 let event = Event { failed, at_once: true };
-                if let Condition::Event(_) = failed {
+                if let Condition::Event(_) | Condition::Gap(_) = failed {
                     return Ok(Some((0.0, event)));
                 }
                 let mut state = g.kernel.lane(&g.state, lane);
-                let phases =
-                    decided((&g.kernel, &g.state, g.time[lane]), (lane, own), &mut state, event)?;
+                let kernel = (&g.kernel, &g.state, g.time[lane]);
+                let (phases, _) = decided(kernel, (lane, own), &mut state, event)?;
                 if phases != own.phases {
                     return Ok(Some((0.0, event)));
                 }
@@ -187,14 +195,20 @@ fn first_event<S: Vector, K: Kernel<S>>(
     }
 }
 
-/// Returns the phases after an event; contacts that stop lose their speed in `state`, and an event resets it.
+/// Returns the phases after an event; contacts that stop lose their speed in `state`, and an event or an impact, which is
+/// returned as well, resets it.
 fn decided<S: Vector, K: Kernel<S>>(
     (kernel, flow, time): (&K, &K::Flow, f64),
     (lane, own): (usize, &Lane),
     state: &mut Components,
     Event { failed, at_once }: Event,
-) -> Result<Phases, Failure> {
+) -> Result<(Phases, Option<Impact>), Failure> {
     let mut phases = Phases::from_slice(&own.phases);
+    // The contact set off at this instant and stops at this instant.
+    let stops_at_once = |contact: usize| {
+        let slips = matches!(own.phases[contact], Phase::Slip(_));
+        (at_once && slips && own.last_switches[contact] == time).then_some(contact)
+    };
     let (contact, which) = match failed {
         Condition::Contact { contact, which } => (contact, which),
         Condition::Event(event) => {
@@ -202,11 +216,33 @@ fn decided<S: Vector, K: Kernel<S>>(
                 *state = evaluator.reset(event, &phases, state);
             }
             let system = own.system.as_ref();
-            return kernel.in_state(lane, own, state, |at| start_phases(system, own.settings, at));
+            let started =
+                kernel.in_state(lane, own, state, |at| start_phases(system, own.settings, at));
+            return Ok((started?, None));
         }
+        Condition::Gap(_) => {
+            return with_evaluator(kernel, (lane, own), |evaluator| {
+                let Some(in_touch) = InTouch::new(evaluator, own.settings) else {
+                    return Ok((phases, None));
+                };
+                let impact = in_touch.meet(state, &mut phases, None)?;
+                Ok((phases, Some(impact)))
+            });
+        }
+        Condition::Pressed(_) | Condition::Held(_) => (usize::MAX, 0),
     };
     if which == 2 {
         return Err(Failure::ContactLost { ball: contact + 1 });
+    }
+    if any_closed(&phases) {
+        return with_evaluator(kernel, (lane, own), |evaluator| {
+            if let Some(in_touch) = InTouch::new(evaluator, own.settings) {
+                let failed = (contact < kernel.contacts()).then_some(contact);
+                let at_once = failed.and_then(stops_at_once);
+                in_touch.switch(state, &mut phases, failed, at_once)?;
+            }
+            Ok((phases, None))
+        });
     }
     let speed = |contact: usize| match kernel.coordinates(contact) {
         (_, Some(component)) => state[component],
@@ -220,11 +256,7 @@ fn decided<S: Vector, K: Kernel<S>>(
             })?;
         }
         Method::Event => {
-            // The contact set off at this instant and stops at this instant.
-            let slips = matches!(own.phases[contact], Phase::Slip(_));
-            let stops_at_once = at_once && slips && own.last_switches[contact] == time;
-            let stopped_at_once = stops_at_once.then_some(contact);
-            let (at_rest, stopped) = event_driven::stop(&mut phases, speed, stopped_at_once);
+            let (at_rest, stopped) = event_driven::stop(&mut phases, speed, stops_at_once(contact));
             for (contact, _) in stopped.iter().enumerate().filter(|(_, stopped)| **stopped) {
                 if let (_, Some(component)) = kernel.coordinates(contact) {
                     state[component] = 0.0;
@@ -235,25 +267,40 @@ fn decided<S: Vector, K: Kernel<S>>(
             })?;
         }
     }
-    Ok(phases)
+    Ok((phases, None))
 }
 
-/// Decides the phases after an event.
+/// Calls `with` with the equations of the system in a lane.
+fn with_evaluator<S: Vector, K: Kernel<S>, R>(
+    kernel: &K,
+    (lane, own): (usize, &Lane),
+    with: impl FnOnce(&Evaluator) -> R,
+) -> R {
+    match kernel.evaluator(lane) {
+        Some(evaluator) => with(evaluator),
+        None => with(&Evaluator::new(Arc::clone(&own.system))),
+    }
+}
+
+/// Decides the phases after an event. Returns whether a gap has closed or opened.
 #[inline(never)]
 fn switch<S: Vector, K: Kernel<S>>(
     g: &mut Group<S, K>,
     lane: usize,
     event: Event,
     displaced: bool,
-) -> Result<(), Failure> {
+) -> Result<bool, Failure> {
     let time = g.time[lane];
     let mut state = g.kernel.lane(&g.state, lane);
     let kernel = &g.kernel;
-    let Some(own) = &mut g.lanes[lane] else { return Ok(()) };
+    let Some(own) = &mut g.lanes[lane] else { return Ok(false) };
     own.during.copy_from_slice(&own.phases);
-    let resets = matches!(event.failed, Condition::Event(_));
+    let resets = matches!(event.failed, Condition::Event(_) | Condition::Gap(_));
     let before = if resets { state.clone() } else { Components::new() };
-    let phases = decided((kernel, &g.state, time), (lane, own), &mut state, event)?;
+    let (phases, impact) = decided((kernel, &g.state, time), (lane, own), &mut state, event)?;
+    if let Some(impact) = &impact {
+        own.take_in(impact);
+    }
     if displaced {
         let mut direction = kernel.lane(&g.displacement, lane);
         own.grazed |= match (event.failed, kernel.evaluator(lane)) {
@@ -265,20 +312,37 @@ fn switch<S: Vector, K: Kernel<S>>(
             }
             (Condition::Event(event), Some(evaluator)) => {
                 let sides: [(&[Phase], &[f64]); 2] = [(&own.phases, &before), (&phases, &state)];
-                saltation_at_event(evaluator, event, sides, &mut direction)
+                let along = |direction: &[f64]| {
+                    evaluator.event_along(event, &own.phases, &before, direction)
+                };
+                let (guard, reset) =
+                    (|along_: &[f64]| along(along_).0, |along_: &[f64]| along(along_).1);
+                saltation_at_reset(evaluator, sides, guard, reset, &mut direction)
             }
-            (Condition::Event(_), None) => false,
+            (Condition::Gap(gap), _) => with_evaluator(kernel, (lane, own), |evaluator| {
+                let sides: [(&[Phase], &[f64]); 2] = [(&own.phases, &before), (&phases, &state)];
+                saltation_at_impact(evaluator, own.settings, sides, gap, &mut direction)
+            }),
+            // Accelerations do not jump where friction no longer holds contacts, or where a gap opens.
+            (Condition::Event(_) | Condition::Pressed(_) | Condition::Held(_), _) => false,
         };
         kernel.set_lane(&mut g.displacement, lane, &direction);
     }
     g.reset |= u64::from(resets) << lane;
     for (contact, phase) in phases.iter().enumerate() {
         if *phase != own.phases[contact] {
-            own.switches += 1;
+            own.switches += u64::from(!phase.is_gap());
             own.last_switches[contact] = time;
         }
     }
+    let gaps_of =
+        |phases: &[Phase]| phases.iter().filter(|one| one.is_gap()).copied().collect::<Phases>();
+    let touched = gaps_of(&phases) != gaps_of(&own.phases);
+    if touched {
+        own.touching_time += if any_closed(&own.phases) { time - own.last_touch } else { 0.0 };
+        own.last_touch = time;
+    }
     own.phases.copy_from_slice(&phases);
     g.enter(lane, &state);
-    Ok(())
+    Ok(touched)
 }

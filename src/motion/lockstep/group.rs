@@ -6,19 +6,22 @@ use std::sync::Arc;
 use fearless_simd::prelude::*;
 use smallvec::SmallVec;
 
+use super::gaps::GapLanes;
 use super::kernel::Kernel;
 use super::lane::{Lane, Saved};
 use super::lane_group::{Happened, LaneGroup};
-use super::{LANES, Lanes, advance};
+use super::{Home, LANES, Lanes, advance};
 use crate::model::{Components, System};
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::settings::MOST_PER_TIME;
-use crate::motion::{Effort, PerContact, Phase};
+use crate::motion::{Effort, PerContact, Phase, Touches, any_closed};
 
 /// Eight lanes, some of them empty.
 pub(super) struct Group<S: Vector, K: Kernel<S>> {
     pub(super) simd: S,
     pub(super) kernel: K,
+    home: Home,
+    pub(super) gaps: GapLanes<S>,
     pub(super) room: Box<K::Room>,
     pub(super) state: K::Flow,
     pub(super) time: Lanes<S>,
@@ -57,13 +60,15 @@ pub(super) struct Group<S: Vector, K: Kernel<S>> {
 
 impl<S: Vector, K: Kernel<S>> Group<S, K> {
     /// Empty lanes.
-    pub(super) fn new(simd: S, kernel: K) -> Self {
+    pub(super) fn new(simd: S, kernel: K, home: Home) -> Self {
         let constant = |value: f64| Lanes::splat(simd, value);
         let zero = constant(0.0);
         let flow = kernel.flow(simd);
         let of_contacts = SmallVec::from_elem(zero, kernel.contacts());
         Group {
             simd,
+            home,
+            gaps: GapLanes::none(simd, kernel.contacts()),
             room: Box::new(kernel.room(simd)),
             state: flow.clone(),
             time: zero,
@@ -145,6 +150,7 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
             (0..self.kernel.contacts()).any(|contact| !own.system.friction(contact).can_stick());
         self.sliding = self.sliding & !bit | if slides { bit } else { 0 };
         self.kernel.set_system(lane, own);
+        self.gaps.set(lane, own);
         self.lanes[lane] = Some(own.clone());
         self.enter(lane, &saved.state);
     }
@@ -276,12 +282,25 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
         self.reset & 1 << lane != 0
     }
 
+    fn is_home(&self, lane: usize) -> bool {
+        let closed = || any_closed(self.phases(lane));
+        match self.home {
+            Home::Everything => true,
+            Home::Apart => !closed(),
+            Home::Touching => closed(),
+        }
+    }
+
     fn last_switches(&self, lane: usize) -> &[f64] {
         self.lanes[lane].as_ref().map_or(&[], |own| &own.last_switches)
     }
 
     fn slow_since(&self, lane: usize) -> PerContact {
         self.slow_since.iter().map(|since| since[lane]).collect()
+    }
+
+    fn touches(&self, lane: usize) -> Option<Touches> {
+        self.lanes[lane].as_ref()?.touches(self.time[lane])
     }
 
     fn effort(&self, lane: usize) -> Effort {

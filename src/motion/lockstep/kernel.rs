@@ -105,6 +105,9 @@ pub(super) trait Kernel<S: Vector>: Sized {
     /// Returns the components whose displacement is measured.
     fn vibration(&self) -> Option<[usize; 2]>;
 
+    /// Returns a bound on how much the distance of two contacts changes in a step of this length.
+    fn relative_travel(&self, room: &Self::Room, pair: [usize; 2], length: Lanes<S>) -> Lanes<S>;
+
     /// Returns the equations of the system in a lane, for events that reset its state.
     fn evaluator(&self, lane: usize) -> Option<&Evaluator>;
     /// Calls `with` with the system in one state, for deciding its modes.
@@ -151,7 +154,7 @@ impl Ends {
                 let computed = || condition.outline();
                 let fate = condition.first_fall(&bounds.copied().unwrap_or_else(computed));
                 match (fate, failed) {
-                    (ConditionFate::Fails(at), Condition::Event(_)) => {
+                    (ConditionFate::Fails(at), Condition::Event(_) | Condition::Gap(_)) => {
                         ConditionFate::Fails(condition.refined(at))
                     }
                     (fate, _) => fate,
@@ -161,8 +164,16 @@ impl Ends {
         match (fate, &self) {
             (ConditionFate::Holds, _) | (_, Ends::AtOnce(_)) => {}
             (ConditionFate::FailsAtOnce, _) => *self = Ends::AtOnce(failed),
-            (ConditionFate::Fails(at), Ends::At(earlier, _)) if *earlier <= at => {}
-            (ConditionFate::Fails(at), _) => *self = Ends::At(at, failed),
+            (ConditionFate::Fails(at), _) => self.earlier(at, failed),
+        }
+    }
+
+    /// Replaces this end by the failure of a condition at a part of the step if that is earlier.
+    pub(super) fn earlier(&mut self, part: f64, failed: Condition) {
+        match self {
+            Ends::AtOnce(_) => {}
+            Ends::At(earlier, _) if *earlier <= part => {}
+            _ => *self = Ends::At(part, failed),
         }
     }
 }

@@ -9,8 +9,12 @@ use super::root_isolation::width;
 use super::tuned;
 use crate::model::{Components, Method, System};
 use crate::motion::condition::Margins;
+use crate::motion::impact::Impact;
 use crate::motion::modes::{Evaluated, InState, decide_first, first_phases};
-use crate::motion::{Effort, Evaluator, Failure, PerContact, Phases, SLOW, Settings};
+use crate::motion::touching::InTouch;
+use crate::motion::{
+    Effort, Evaluator, Failure, PerContact, Phases, SLOW, Settings, Touches, any_closed,
+};
 
 /// The scalar part of a run.
 #[derive(Clone, Debug)]
@@ -30,6 +34,12 @@ pub(crate) struct Lane {
     pub(super) during: Phases,
     pub(super) last_switches: PerContact,
     pub(super) switches: u64,
+    /// The number of gaps that have closed, and of contacts that impacts have lifted off their support.
+    pub(super) impacts: u64,
+    pub(super) lifted: u64,
+    /// The time in which any gap was closed, until the latest change, and the time of that change.
+    pub(super) touching_time: f64,
+    pub(super) last_touch: f64,
     /// Whether a displacement met a switch by grazing.
     pub(super) grazed: bool,
 }
@@ -38,6 +48,23 @@ impl Lane {
     /// Returns the effort of the run for this number of steps.
     pub(super) fn effort(&self, taken: f64) -> Effort {
         Effort { steps: taken as u64, rejected_steps: 0, switches: self.switches }
+    }
+
+    /// Returns how the contacts have touched until a time; `None` for a system without gaps.
+    pub(super) fn touches(&self, time: f64) -> Option<Touches> {
+        self.system.touching()?;
+        let now = if any_closed(&self.phases) { time - self.last_touch } else { 0.0 };
+        Some(Touches {
+            impacts: self.impacts,
+            lifted_off: self.lifted,
+            time: self.touching_time + now,
+        })
+    }
+
+    /// Takes in an impact.
+    pub(super) fn take_in(&mut self, impact: &Impact) {
+        self.impacts += impact.hits as u64;
+        self.lifted += impact.lifted as u64;
     }
 }
 
@@ -67,21 +94,29 @@ impl Saved {
         let mut start: Components = state.into();
         let force_scale = system.force_scale();
         let surely_one_solution = system.surely_one_solution();
-        let started = tuned::in_state(system, surely_one_solution, state, |at| {
-            start_phases(system.as_ref(), settings, at)
-        });
         let contacts = system.contacts();
-        let (phases, angles): (_, SmallVec<[usize; 8]>) = match started {
-            Some(phases) => (phases?, tuned::angles(contacts).collect()),
-            None => {
-                let evaluator = Evaluator::new(Arc::clone(system));
-                let at = Evaluated::new(&evaluator, state);
-                let phases = start_phases(system.as_ref(), settings, &at)?;
-                let layout = evaluator.graph().layout.contacts.iter();
-                let angles = layout.filter(|contact| contact.angular);
-                (phases, angles.map(|contact| contact.position).collect())
-            }
+        let by_tuned = || {
+            let tuned = tuned::in_state(system, surely_one_solution, state, |at| {
+                start_phases(system.as_ref(), settings, at)
+            });
+            tuned.map(|phases| Ok((phases?, tuned::angles(contacts).collect())))
         };
+        let by_equations = || {
+            let evaluator = Evaluator::new(Arc::clone(system));
+            let phases = match InTouch::new(&evaluator, settings) {
+                Some(in_touch) => in_touch.start(&mut start)?,
+                None => {
+                    start_phases(system.as_ref(), settings, &Evaluated::new(&evaluator, state))?
+                }
+            };
+            let layout = evaluator.graph().layout.contacts.iter();
+            let angles = layout.filter(|contact| contact.angular);
+            Ok((phases, angles.map(|contact| contact.position).collect()))
+        };
+        let without_gaps = system.touching().is_none();
+        let tuned = if without_gaps { by_tuned() } else { None };
+        let (phases, angles): (Phases, SmallVec<[usize; 8]>) =
+            tuned.unwrap_or_else(by_equations)?;
         for component in angles {
             let angle = &mut start[component];
             if !(0.0..TAU).contains(angle) {
@@ -100,9 +135,13 @@ impl Saved {
             longest_step: system.longest_step(),
             pace: system.pace(),
             during: phases.clone(),
-            phases,
-            last_switches: smallvec![0.0; contacts],
+            last_switches: smallvec![0.0; phases.len()],
             switches: 0,
+            impacts: 0,
+            lifted: 0,
+            touching_time: 0.0,
+            last_touch: 0.0,
+            phases,
             grazed: false,
             system: Arc::clone(system),
         };
@@ -127,6 +166,11 @@ impl Saved {
     /// Returns the effort so far.
     pub(crate) fn effort(&self) -> Effort {
         self.lane.effort(self.taken)
+    }
+
+    /// Returns whether any gap is closed.
+    pub(crate) fn touches(&self) -> bool {
+        any_closed(&self.lane.phases)
     }
 
     /// Returns the settings.

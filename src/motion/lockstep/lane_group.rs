@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::LANES;
 use super::lane::Saved;
 use crate::model::{Components, System};
-use crate::motion::{Effort, Failure, PerContact, Phase};
+use crate::motion::{Effort, Failure, PerContact, Phase, Touches};
 
 /// The events of a step, as bit masks of lanes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -26,6 +26,8 @@ pub(crate) struct Happened {
     pub(crate) turned: u64,
     /// The lanes for which events, completed turns and reversals are reported.
     pub(crate) told: u64,
+    /// A gap has closed or opened.
+    pub(crate) touched: u64,
     /// Lanes that cannot continue.
     pub(crate) failed: u64,
     pub(super) failures: [Option<Failure>; LANES],
@@ -35,7 +37,7 @@ impl Happened {
     /// Returns the lanes with anything to report.
     pub(crate) fn any(&self) -> u64 {
         let happened = (self.event | self.round | self.turned) & self.told;
-        happened | self.attention | self.rest | self.still | self.failed
+        happened | self.attention | self.rest | self.still | self.touched | self.failed
     }
 
     /// Returns why a lane cannot continue.
@@ -107,11 +109,16 @@ pub(crate) trait LaneGroup {
     fn phases_during_step(&self, lane: usize) -> &[Phase];
     /// Returns whether an event at the end of the latest step reset the state.
     fn was_reset(&self, lane: usize) -> bool;
+    /// Returns whether the run in a lane belongs into these lanes. If not, it must be taken out of its lane before the next
+    /// step.
+    fn is_home(&self, lane: usize) -> bool;
     /// Returns when each contact last changed its phase; 0 if it has not.
     fn last_switches(&self, lane: usize) -> &[f64];
     /// Returns the last time at which each contact was faster than `SLOW`, or than the band if that is wider: 0 if
     /// it never was, and the current time if it is now.
     fn slow_since(&self, lane: usize) -> PerContact;
+    /// Returns how the contacts of the run in a lane have touched; `None` for a system without gaps.
+    fn touches(&self, lane: usize) -> Option<Touches>;
     /// Returns the effort of the run in a lane.
     fn effort(&self, lane: usize) -> Effort;
 

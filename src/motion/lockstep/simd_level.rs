@@ -80,25 +80,28 @@ impl SimdLevel {
         Level::new().as_avx2()
     }
 
-    /// Returns empty lanes for a system.
-    pub(crate) fn lanes(self, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
+    /// Returns empty lanes for a system in which no contacts touch, or some do.
+    pub(crate) fn lanes(self, system: &Arc<dyn System>, touching: bool) -> Box<dyn LaneGroup> {
         match self.0 {
             #[cfg(target_arch = "x86_64")]
-            Instructions::Avx512(simd) => lanes_with(simd, system),
+            Instructions::Avx512(simd) => lanes_with(simd, system, touching),
             #[cfg(target_arch = "x86_64")]
-            Instructions::Avx2(simd) => lanes_with(simd, system),
+            Instructions::Avx2(simd) => lanes_with(simd, system, touching),
             #[cfg(target_arch = "aarch64")]
-            Instructions::Neon(simd) => lanes_with(simd, system),
-            Instructions::Baseline(simd) => baseline_lanes(simd, system),
+            Instructions::Neon(simd) => lanes_with(simd, system, touching),
+            Instructions::Baseline(simd) => baseline_lanes(simd, system, touching),
         }
     }
 }
 
 /// Returns empty lanes for processors without a vectorised fused multiply-add. Builds with debug assertions have no tuned
 /// kernels for them, which take half of the compiler's time; their results agree with the others within the tolerances.
-fn baseline_lanes(simd: Baseline, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
+fn baseline_lanes(simd: Baseline, system: &Arc<dyn System>, touching: bool) -> Box<dyn LaneGroup> {
     #[cfg(not(debug_assertions))]
-    return lanes_with(simd, system);
+    return lanes_with(simd, system, touching);
     #[cfg(debug_assertions)]
-    super::general_lanes(simd, system)
+    {
+        let _ = touching;
+        super::general_lanes(simd, system, super::Home::Everything)
+    }
 }

@@ -10,8 +10,8 @@ use super::response_file::VariableFile;
 use super::table_folders::MAX_VALUES;
 use super::values::Range;
 use crate::model::{
-    Ball, FRICTION_LAWS, FrictionLaw, MAX_BALLS, Machine, Model, ModelKind, NormalForce,
-    model_kinds,
+    Ball, BallContact, FRICTION_LAWS, FrictionLaw, MAX_BALLS, Machine, Model, ModelKind,
+    NormalForce, model_kinds,
 };
 use crate::study::plan::parameter::Parameter;
 use crate::study::sampling::initial_box::{axes_in_words, axis_names, general_axes};
@@ -217,6 +217,7 @@ fn all_models() -> Vec<Model> {
         let mut model = (kind.default)();
         if let Some(machine) = model.ball_balancer_mut() {
             machine.balls = vec![Ball::default(); MAX_BALLS];
+            machine.contact = Some(BallContact::default());
         }
         for count in kind.parameters {
             if let Some(most) = count.largest_count() {

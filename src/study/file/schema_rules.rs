@@ -123,7 +123,7 @@ fn of_kind(kind: &ModelKind, parameters: &Map<String, Value>) -> Value {
         let balls = json!({ "properties": { "from": number, "to": number } });
         variables.insert(BALLS.to_owned(), balls);
     } else {
-        merge(Some(&mut model), json!({ "normal_force": false }));
+        merge(Some(&mut model), json!({ "normal_force": false, "contact": false }));
     }
     json!({
         "model": { "properties": model },

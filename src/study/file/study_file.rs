@@ -6,6 +6,7 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::study::file::contact_file::ContactFile;
 use crate::study::file::distribution_file::DistributionFile;
 use crate::study::file::friction_file::FrictionFile;
 use crate::study::file::optimize_file::OptimizeFile;
@@ -73,6 +74,9 @@ pub struct ModelFile {
     /// Derivation of the normal force between ball and ring; the default is `lagrange`; only for a
     /// ball balancer.
     pub normal_force: Option<NormalForceKind>,
+    /// Contact between balls, or `none` for balls that pass through each other; the default is `none`; only for a ball
+    /// balancer.
+    pub contact: Option<ContactFile>,
 }
 
 /// Derivations of the normal force.

@@ -84,6 +84,8 @@ impl Parameter {
         };
         // A whole number is the same for all runs.
         let numbers = kind.parameters.iter().filter(|own| own.largest_count().is_none());
+        let touches = model.ball_balancer().is_some_and(|machine| machine.contact.is_some());
+        let numbers = numbers.filter(|own| touches || !own.is_of_contact());
         let definitions = numbers.flat_map(with_law).enumerate();
         let parameters = definitions.flat_map(|(order, definition)| {
             let general = Parameter { definition, order, ball: None };

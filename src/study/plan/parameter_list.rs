@@ -78,6 +78,7 @@ impl Study {
             |name: &str| name.starts_with("friction_") || of_law.iter().any(|own| own == name);
         let place = before(&list, &of_friction);
         list.insert(place, self.friction_law());
+        list.extend(self.no_contact());
         list
     }
 
@@ -160,6 +161,17 @@ impl Study {
             uncertain: None,
             design: None,
         }
+    }
+
+    /// Returns the entry that balls have no contact, if they have none.
+    fn no_contact(&self) -> Option<ListedParameter> {
+        let machine = self.base.model.ball_balancer()?;
+        machine.contact.is_none().then(|| ListedParameter {
+            name: "contact".to_owned(),
+            value: ParameterValue::Text("none"),
+            is_default: !self.gives("contact"),
+            ..self.friction_law()
+        })
     }
 
     fn swept_values(&self, parameter: Parameter) -> Option<SweptValues> {

@@ -16,6 +16,7 @@ use crate::study::plan::variable::Variable;
 use crate::study::plan::written::Written;
 use crate::study::resolve::model::Base;
 use crate::study::resolve::uncertain::Uncertain;
+use crate::study::sampling::apart::start_apart;
 use crate::study::sampling::draw::DrawKey;
 
 /// A validated study with every default filled in; it is immutable.
@@ -245,7 +246,6 @@ impl Study {
         let local_point = local / block.sampling.most;
         let point = self.point(block.first_point + local_point);
         let id = block.design.identify(local % block.sampling.most);
-        let start = Start(block.design.coordinates(id));
         let mut values = block.values(local_point);
         let uncertain = self.drawn(&values, |one| one.key.uniform(id.cell, id.replicate));
         let audited = self.audit.is_some_and(|audit| audit.chooses(self.seed, &values, id));
@@ -257,11 +257,18 @@ impl Study {
             values.extend(drawn);
             self.model_with(&values)
         };
-        let case = model.validate().map(|()| Case {
-            model,
-            start: start.clone(),
-            simulation: self.simulation,
-        });
+        let touching = model.ball_balancer().filter(|machine| machine.contact.is_some());
+        let start = match touching {
+            None => Ok(block.design.coordinates(id)),
+            Some(machine) => {
+                machine.validate().and_then(|()| start_apart(&block.design, id, machine))
+            }
+        };
+        let drawn = || block.design.coordinates(id);
+        let sound = model.validate().and(start.clone().map(|_| ()));
+        let start = Start(start.unwrap_or_else(|_| drawn()));
+        let case =
+            sound.map(|()| Case { model, start: start.clone(), simulation: self.simulation });
         PlannedRun {
             run_id,
             point_id: point.point_id,

@@ -1,5 +1,6 @@
 //! From the study file to the study: every key validated, every default filled in.
 
+pub(in crate::study) mod contact;
 pub(in crate::study) mod expectations;
 pub(in crate::study) mod extend;
 pub(in crate::study) mod friction;

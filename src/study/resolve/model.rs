@@ -8,6 +8,7 @@ use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::{ModelFile, NormalForceKind};
 use crate::study::file::yaml_tree::{Content, Source, describe_number};
 use crate::study::plan::parameter::{Parameter, ParameterValue};
+use crate::study::resolve::contact::{check_contact, contact_to_file, resolve_contact};
 use crate::study::resolve::friction::{check_friction, friction_to_file, resolve_friction};
 
 /// The model before any parameter is swept or drawn.
@@ -54,6 +55,7 @@ impl Base {
                 None | Some(NormalForceKind::Lagrange) => NormalForce::Lagrange,
                 Some(NormalForceKind::Newton) => NormalForce::Newton,
             };
+            machine.contact = resolve_contact(source, written.contact.as_ref())?;
             general = machine.balls.first().copied().unwrap_or_default();
             own = own_values(&path.key("balls"), given.balls.as_ref())?;
             machine.balls = own.iter().map(|ball| overlay(general, ball)).collect();
@@ -61,6 +63,7 @@ impl Base {
             let foreign = [
                 (path.key("balls"), given.balls.is_some()),
                 (source.path("model.normal_force"), written.normal_force.is_some()),
+                (source.path("model.contact"), written.contact.is_some()),
             ];
             if let Some((path, _)) = foreign.into_iter().find(|(_, given)| *given) {
                 let allowed = "kind: ball_balancer, or no such key";
@@ -70,6 +73,7 @@ impl Base {
             }
         }
         check_friction(source, &model)?;
+        check_contact(source, &model)?;
         Ok(Base { model, general, own })
     }
 
@@ -141,7 +145,8 @@ impl Base {
     pub fn to_file(&self) -> ModelFile {
         let kind = self.model.kind();
         let mut parameters = ParametersFile::default();
-        for parameter in kind.parameters.iter().filter(|parameter| parameter.is_number()) {
+        let numbers = kind.parameters.iter().filter(|one| one.is_number() && !one.is_of_contact());
+        for parameter in numbers {
             let own = Parameter::find(parameter.name, &self.model);
             let own = own.map(|own| own.get(&self.model, &self.general));
             if let Some(ParameterValue::Number(number)) = own {
@@ -163,6 +168,7 @@ impl Base {
             parameters: Some(parameters),
             friction: Some(friction_to_file(self.model.friction(), kind.sliding_speed)),
             normal_force,
+            contact: machine.map(|machine| contact_to_file(machine.contact)),
         }
     }
 }
@@ -190,7 +196,7 @@ fn set_count(
 
 /// Returns the names of the parameters that a study file may give for this kind of model.
 fn parameter_names(kind: &ModelKind) -> Vec<&'static str> {
-    let numbers = kind.parameters.iter().filter(|parameter| parameter.is_number());
+    let numbers = kind.parameters.iter().filter(|one| one.is_number() && !one.is_of_contact());
     let mut names: Vec<&str> = numbers.map(|parameter| parameter.name).collect();
     let has_balls = kind.parameters.iter().any(ParameterDescriptor::is_of_each_ball);
     names.extend(has_balls.then_some(BALLS));

@@ -9,6 +9,8 @@ use crate::study::file::study_file::DesignFile;
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;
 use crate::study::file::values::{Entry, InlineTable, TableSource};
+use crate::study::file::yaml_tree::describe_number;
+use crate::study::sampling::apart::first_overlap;
 use crate::study::sampling::initial_box::axis_names;
 use crate::study::sampling::sampling_design::{Layout, MAX_SOBOL_SAMPLES};
 
@@ -85,6 +87,23 @@ fn resolve_starts<'a>(
     };
     let rows: Vec<Vec<f64>> =
         read.rows.iter().enumerate().map(coordinates).collect::<Result<_, _>>()?;
+    if let Some(machine) = model.ball_balancer().filter(|machine| machine.contact.is_some()) {
+        for (row, values) in rows.iter().enumerate() {
+            if let Some(overlap) = first_overlap(machine, &values[2..2 + machine.balls.len()]) {
+                let [behind, ahead] = overlap.balls;
+                let found = format!(
+                    "{} rad between balls {behind} and {ahead}",
+                    describe_number(overlap.angle)
+                );
+                let allowed = format!("{} rad or more", describe_number(overlap.touching));
+                return Err(read.refuse(
+                    Some(row),
+                    None,
+                    Fault::new("balls overlap", found, allowed),
+                ));
+            }
+        }
+    }
     let inline = InlineTable {
         columns: names,
         rows: rows

@@ -4,6 +4,7 @@
 //! parameter or axis, cell, replicate, run), not a draw from a sequence of `rand`: Latin hypercubes and Sobol' points
 //! need the quantile, and common random numbers and enlarged samples need the keys.
 
+pub(in crate::study) mod apart;
 pub(in crate::study) mod distribution;
 pub(in crate::study) mod draw;
 pub(in crate::study) mod initial_box;

@@ -1,5 +1,7 @@
 //! Sampling designs: the start state of a sample, computed from its index alone.
 
+use std::f64::consts::TAU;
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::study::file::values::MAX_COUNT;
@@ -41,6 +43,7 @@ pub(crate) struct Design {
     layout: Layout,
     axes: Vec<AxisDraws>,
     sobol_seed: u32,
+    seed: u64,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -83,7 +86,7 @@ impl Design {
             })
             .collect();
         let sobol_seed = DrawKey::new(seed, "sobol", "scramble").bits(0, 0) as u32;
-        Design { layout, axes, sobol_seed }
+        Design { layout, axes, sobol_seed, seed }
     }
 
     /// Returns the factors whose product is the number of samples at one point.
@@ -171,6 +174,30 @@ impl Design {
             })
             .collect();
         coordinates.reverse();
+        coordinates
+    }
+
+    /// Returns whether each of these axes covers a whole circle by random draws.
+    pub fn covers_circle(&self, axes: Range<usize>) -> bool {
+        let covers = |draws: &AxisDraws| draws.axis.high - draws.axis.low >= TAU - 1e-9;
+        self.is_random() && self.axes[axes].iter().all(covers)
+    }
+
+    /// Returns the coordinates of a sample with other draws for some axes, in the same cell of the design. `draw` numbers
+    /// the draws from 1.
+    pub fn coordinates_drawn_again(&self, id: SampleId, axes: Range<usize>, draw: u64) -> Vec<f64> {
+        let mut again = self.clone();
+        let kind = format!("{} draw {draw}", self.layout.kind());
+        for draws in &mut again.axes[axes.clone()] {
+            draws.key = DrawKey::new(self.seed, &kind, &draws.axis.name);
+        }
+        let mut coordinates = again.coordinates(id);
+        if matches!(self.layout, Layout::Sobol { .. }) {
+            // A point of the sequence has no cell.
+            for (place, draws) in axes.clone().zip(&again.axes[axes]) {
+                coordinates[place] = draws.axis.at(draws.key.uniform(id.cell, id.replicate));
+            }
+        }
         coordinates
     }
 

@@ -48,7 +48,8 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Program {
     }
     let guards = || graph.events.iter().map(|event| event.guard);
     let outputs = graph.derivative.iter().chain(graph.contacts.iter().flatten()).copied();
-    let outputs: Vec<NodeId> = outputs.chain(guards()).collect();
+    let gaps = || graph.gaps.iter().map(|[_, force]| *force);
+    let outputs: Vec<NodeId> = outputs.chain(guards()).chain(gaps()).collect();
     let wanted = compiler.wanted(&outputs);
     for (place, wanted) in wanted.iter().enumerate() {
         if *wanted {
@@ -72,6 +73,7 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Program {
         rates,
         contacts: graph.contacts.iter().map(|contact| contact.map(slot)).collect(),
         guards: guards().map(slot).collect(),
+        gaps: gaps().map(slot).collect(),
         slots: compiler.slots as usize,
         operations: grouped(compiler.operations, components),
         statics: compiler.statics,

@@ -7,15 +7,18 @@
 //! | transition | in the band | accelerating in its direction | closed |
 //! | free | | | closed |
 //!
-//! The guard of an event is a condition, too.
+//! The guard of an event is a condition, too, and so is the pressure in a closed gap. Contacts that stick and touch are held
+//! together ([`super::held`]).
 //!
 //! For all lanes it is first shown which conditions obviously hold; the remaining lanes are examined one at a time.
 
 use fearless_simd::prelude::*;
 
 use super::expansion::Series;
+use super::held::held_until;
 use super::program::Program;
 use crate::motion::Phase;
+use crate::motion::cluster::HeldCluster;
 use crate::motion::lockstep::curve::Curve;
 use crate::motion::lockstep::kernel::Ends;
 use crate::motion::lockstep::lane::Lane;
@@ -61,7 +64,7 @@ impl<S: Vector> Watched<S> {
             // A contact is in the band only briefly: always examined.
             Phase::Transition(direction) => (-direction, -1.0, 0.0),
             Phase::Stick => (0.0, 1.0, 1.0),
-            Phase::Free => (0.0, 1.0, 0.0),
+            Phase::Free | Phase::Open | Phase::Closed => (0.0, 1.0, 0.0),
         };
         self.sign[lane] = sign;
         self.offset[lane] = offset;
@@ -70,6 +73,13 @@ impl<S: Vector> Watched<S> {
         self.slack[lane] = slack + aim;
         self.aim[lane] = aim;
     }
+}
+
+/// The condition that a closed gap is under pressure: `weight λ + offset` is not negative. An open gap has the weight 0.
+#[derive(Clone, Copy)]
+pub(super) struct Pressure<S: Vector> {
+    pub(super) weight: Lanes<S>,
+    pub(super) offset: Lanes<S>,
 }
 
 /// Returns the bounds of a series over a step of this length.
@@ -98,13 +108,29 @@ fn curve<S: Vector>(terms: &[Lanes<S>], highest: usize, length: Lanes<S>) -> Cur
 pub(super) fn look_over<S: Vector>(
     series: &Series<S>,
     program: &Program,
-    watched: &[Watched<S>],
+    (watched, pressures): (&[Watched<S>], &[Pressure<S>]),
     length: Lanes<S>,
     doubts: &mut [u64],
 ) -> u64 {
     let zero = Lanes::splat(length.simd, 0.0);
     let mut any = 0;
-    let (of_contacts, of_events) = doubts.split_at_mut(program.contacts.len());
+    let (of_contacts, others) = doubts.split_at_mut(program.contacts.len());
+    let (of_events, of_gaps) = others.split_at_mut(program.guards.len());
+    for (force, (pressure, doubt)) in program.gaps.iter().zip(pressures.iter().zip(of_gaps)) {
+        let Pressure { weight, offset } = *pressure;
+        if weight.simd_gt(zero).any_true() {
+            let force = curve(series.of(*force), ORDER - 1, length);
+            let pressed = Curve {
+                values: force.values.map(|value| weight * value + offset),
+                changes: force.changes.map(|change| weight * change),
+                bound: weight * force.bound,
+            };
+            *doubt = !pressed.holds().to_bitmask();
+            any |= *doubt;
+        } else {
+            *doubt = 0;
+        }
+    }
     for (guard, doubt) in program.guards.iter().zip(of_events) {
         *doubt = !curve(series.of(*guard), ORDER - 1, length).holds().to_bitmask();
         any |= *doubt;
@@ -152,6 +178,7 @@ pub(super) fn first_event<S: Vector>(
     series: &Series<S>,
     program: &Program,
     (own, lane, length): (&Lane, usize, f64),
+    (pressures, clusters): (&[Pressure<S>], &[HeldCluster]),
     doubts: &[u64],
     ignored: &[Condition],
 ) -> Ends {
@@ -159,7 +186,33 @@ pub(super) fn first_event<S: Vector>(
     let band = own.margins.band;
     let aim = 0.5 * own.width;
     let slack = own.margins.slack + aim;
-    let (of_contacts, of_events) = doubts.split_at(program.contacts.len());
+    let (of_contacts, others) = doubts.split_at(program.contacts.len());
+    let (of_events, of_gaps) = others.split_at(program.guards.len());
+    for (gap, (force, pressure)) in program.gaps.iter().zip(pressures).enumerate() {
+        let failed = Condition::Pressed(gap);
+        if of_gaps[gap] & 1 << lane != 0 && !ignored.contains(&failed) {
+            let (weight, offset) = (pressure.weight[lane], pressure.offset[lane]);
+            let force = |k: usize| weight * series.of(*force)[k][lane];
+            first.or(simd, &polynomial(length, offset, ORDER - 1, force), None, failed);
+        }
+    }
+    let is_doubtful = |contact: &usize| of_contacts[*contact] & 1 << lane != 0;
+    for cluster in clusters {
+        let failed = Condition::Held(cluster.contacts[0]);
+        if cluster.contacts.iter().any(is_doubtful) && !ignored.contains(&failed) {
+            let series = |contact: usize| {
+                let [_, _, normal, friction] = program.contacts[contact];
+                [normal, friction].map(|slot| {
+                    std::array::from_fn(|k| if k < ORDER { series.of(slot)[k][lane] } else { 0.0 })
+                })
+            };
+            match held_until(simd, own, cluster, series, (length, slack)) {
+                Some(0.0) => first = Ends::AtOnce(failed),
+                Some(part) => first.earlier(part, failed),
+                None => {}
+            }
+        }
+    }
     for (contact, slots) in program.contacts.iter().enumerate() {
         if of_contacts[contact] & 1 << lane == 0 {
             continue;
@@ -181,6 +234,7 @@ pub(super) fn first_event<S: Vector>(
                 let forwards = |k| direction * acceleration(k);
                 examine(1, polynomial(length, slack, ORDER - 1, forwards));
             }
+            Phase::Stick if clusters.iter().any(|one| one.contacts.contains(&contact)) => {}
             Phase::Stick => {
                 let limit = own.system.friction(contact).limit;
                 for (which, sign) in [1.0, -1.0].into_iter().enumerate() {
@@ -188,7 +242,7 @@ pub(super) fn first_event<S: Vector>(
                     examine(which, polynomial(length, slack, ORDER - 1, held));
                 }
             }
-            Phase::Free => {}
+            Phase::Free | Phase::Open | Phase::Closed => {}
         }
         examine(2, polynomial(length, aim, ORDER - 1, normal));
     }

@@ -6,6 +6,7 @@
 mod compiler;
 mod conditions;
 mod expansion;
+mod held;
 mod program;
 mod schedule;
 
@@ -18,12 +19,14 @@ use super::lane::Lane;
 use super::step_length::{longest_step, reciprocal};
 use super::{LANES, Lanes, ORDER};
 use crate::model::{Components, Graph, System};
-use crate::motion::Phase;
+use crate::motion::cluster::{HeldCluster, held_clusters};
 use crate::motion::evaluator::Evaluator;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::{Evaluated, InState};
 use crate::motion::saltation::Condition;
-use conditions::Watched;
+use crate::motion::touching::InTouch;
+use crate::motion::{Phase, all_stick};
+use conditions::{Pressure, Watched};
 use expansion::{Series, TERMS};
 use program::{Program, Slot};
 
@@ -40,6 +43,10 @@ pub(super) struct General<S: Vector> {
     /// The static numbers of the program.
     constants: Vec<Lanes<S>>,
     watched: Vec<Watched<S>>,
+    /// The condition of each closed gap.
+    pressures: Vec<Pressure<S>>,
+    /// The contacts that stick and touch, in each lane.
+    held: [Vec<HeldCluster>; LANES],
     evaluators: [Option<Evaluator>; LANES],
     /// Bit mask of lanes in which all contacts stick.
     stuck: u64,
@@ -72,6 +79,14 @@ impl<S: Vector> General<S> {
             speeds: (0..contacts).map(|contact| graph.speed_component(contact)).collect(),
             constants: vec![Lanes::splat(simd, 0.0); program.statics.len()],
             watched: vec![Watched::nothing(simd); contacts],
+            pressures: vec![
+                Pressure {
+                    weight: Lanes::splat(simd, 0.0),
+                    offset: Lanes::splat(simd, 1.0)
+                };
+                graph.gaps.len()
+            ],
+            held: std::array::from_fn(|_| Vec::new()),
             evaluators: std::array::from_fn(|_| None),
             stuck: 0,
             values: Vec::new(),
@@ -138,7 +153,10 @@ impl<S: Vector> Kernel<S> for General<S> {
         Room {
             series: Series::zero(simd, self.program.slots),
             displaced: Series::zero(simd, self.program.slots),
-            doubts: vec![0; self.speeds.len() + self.program.guards.len()],
+            doubts: vec![
+                0;
+                self.speeds.len() + self.program.guards.len() + self.program.gaps.len()
+            ],
         }
     }
 
@@ -158,16 +176,33 @@ impl<S: Vector> Kernel<S> for General<S> {
             let limit = own.system.friction(contact).limit;
             watched.set(lane, own.phases[contact], limit, margins);
         }
+        let evaluator = self.evaluators[lane].as_ref();
+        let Some(in_touch) = evaluator.and_then(|one| InTouch::new(one, own.settings)) else {
+            return;
+        };
+        self.held[lane] = held_clusters(in_touch.touching.gaps(), &own.phases);
+        let gaps = in_touch.touching.gaps().iter().zip(&own.phases[self.speeds.len()..]);
+        for (pressure, (gap, phase)) in self.pressures.iter_mut().zip(gaps) {
+            let sticks = gap.contacts.iter().all(|one| own.phases[*one] == Phase::Stick);
+            let pressed = *phase == Phase::Closed && !sticks;
+            pressure.weight[lane] = if pressed { 1.0 / gap.reduced_mass() } else { 0.0 };
+            pressure.offset[lane] = if pressed { own.margins.slack + 0.5 * own.width } else { 1.0 };
+        }
     }
 
     fn set_rest(&mut self, lane: usize, own: &Lane, _state: &[f64]) {
         let bit = 1 << lane;
-        let sticks = own.phases.iter().all(|phase| *phase == Phase::Stick);
+        let sticks = all_stick(&own.phases);
         self.stuck = self.stuck & !bit | if sticks { bit } else { 0 };
     }
 
     fn clear(&mut self, lane: usize) {
         self.evaluators[lane] = None;
+        self.held[lane].clear();
+        for pressure in &mut self.pressures {
+            pressure.weight[lane] = 0.0;
+            pressure.offset[lane] = 1.0;
+        }
         self.stuck &= !(1 << lane);
     }
 
@@ -264,7 +299,8 @@ impl<S: Vector> Kernel<S> for General<S> {
     #[inline(always)]
     fn look_over(&self, room: &mut Room<S>, length: Lanes<S>) -> u64 {
         let Room { series, doubts, .. } = room;
-        conditions::look_over(series, &self.program, &self.watched, length, doubts)
+        let conditions = (&self.watched[..], &self.pressures[..]);
+        conditions::look_over(series, &self.program, conditions, length, doubts)
     }
 
     fn first_event(
@@ -277,7 +313,8 @@ impl<S: Vector> Kernel<S> for General<S> {
     ) -> Ends {
         let Room { series, doubts, .. } = room;
         let in_lane = (own, lane, length);
-        conditions::first_event(self.simd, series, &self.program, in_lane, doubts, ignored)
+        let of_gaps = (&self.pressures[..], &self.held[lane][..]);
+        conditions::first_event(self.simd, series, &self.program, in_lane, of_gaps, doubts, ignored)
     }
 
     #[inline(always)]
@@ -325,6 +362,19 @@ impl<S: Vector> Kernel<S> for General<S> {
 
     fn vibration(&self) -> Option<[usize; 2]> {
         self.graph.layout.vibration
+    }
+
+    #[inline(always)]
+    fn relative_travel(&self, room: &Room<S>, pair: [usize; 2], length: Lanes<S>) -> Lanes<S> {
+        let [one, other] = pair.map(|contact| {
+            let position = self.graph.layout.contacts[contact].position;
+            room.series.of(position as Slot)
+        });
+        let mut bound = Lanes::splat(length.simd, 0.0);
+        for k in (1..one.len()).rev() {
+            bound = bound.fused(length, (one[k] - other[k]).abs());
+        }
+        bound * length
     }
 
     fn evaluator(&self, lane: usize) -> Option<&Evaluator> {

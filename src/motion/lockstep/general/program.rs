@@ -77,6 +77,8 @@ pub(super) struct Program {
     pub(super) contacts: Vec<[Slot; 4]>,
     /// The function of each event that falls through zero.
     pub(super) guards: Vec<Slot>,
+    /// The force in each gap.
+    pub(super) gaps: Vec<Slot>,
 }
 
 impl Program {

@@ -27,7 +27,7 @@ pub(super) fn first_event<S: Vector, const N: usize>(
     let band = own.margins.band;
     let aim = 0.5 * own.width;
     let slack = own.margins.slack + aim;
-    for (ball, phase) in own.phases.iter().enumerate() {
+    for (ball, phase) in own.phases[..N].iter().enumerate() {
         let loose = doubts.loose & 1 << lane != 0;
         if !loose && doubts.of_balls[ball] & 1 << lane == 0 {
             continue;
@@ -62,7 +62,7 @@ pub(super) fn first_event<S: Vector, const N: usize>(
                     }
                 }
             }
-            Phase::Free => {}
+            Phase::Free | Phase::Open | Phase::Closed => {}
         }
         if loose {
             let normal = normal_force(series, (balancer, own.phases[ball]), lane, ball);

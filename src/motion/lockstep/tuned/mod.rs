@@ -23,10 +23,10 @@ use fearless_simd::{mask64x8, prelude::*};
 
 use super::kernel::{Ends, Kernel, Powers};
 use super::lane::Lane;
-use super::{LANES, Lanes};
+use super::{LANES, Lanes, ORDER};
 use crate::model::{Balancer, Components, RestPoint, State, System};
 use crate::motion::Evaluator;
-use crate::motion::Phase;
+use crate::motion::all_stick;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::InState;
 use crate::motion::saltation::Condition;
@@ -34,6 +34,7 @@ use equations::Equations;
 use event_functions::{Doubts, Watched};
 use flow::Flow;
 use mode_selection::InPlace;
+use recurrence::RECIPROCALS;
 use series::Series;
 
 /// Bound on every component of the rate of change if everything is slow.
@@ -76,7 +77,7 @@ impl<S: Vector, const N: usize> Tuned<S, N> {
     /// Returns whether a system is a balancer with this number of balls whose friction is independent of speed or
     /// proportional to it.
     pub(super) fn computes(system: &Arc<dyn System>) -> bool {
-        let balancer = system.as_any().downcast_ref::<Balancer<N>>();
+        let balancer = while_apart::<N>(system);
         balancer.is_some_and(|own| own.balls.iter().all(|ball| ball.friction.is_linear()))
     }
 }
@@ -114,7 +115,7 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     }
 
     fn set_system(&mut self, lane: usize, own: &Lane) {
-        let Some(balancer) = own.system.as_any().downcast_ref::<Balancer<N>>() else { return };
+        let Some(balancer) = while_apart(&own.system) else { return };
         self.equations.set_machine(lane, balancer);
         for (watched, ball) in self.watched.iter_mut().zip(&balancer.balls) {
             watched.limit[lane] = ball.friction.limit;
@@ -136,7 +137,7 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
 
     fn set_rest(&mut self, lane: usize, own: &Lane, state: &[f64]) {
         self.rest_radius_squared[lane] = -1.0;
-        if own.phases.iter().all(|phase| *phase == Phase::Stick)
+        if all_stick(&own.phases)
             && let Some(balancer) = &self.balancers[lane]
             && let Some(state) = State::<N>::of_components(state)
         {
@@ -307,6 +308,21 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         Some([0, 1])
     }
 
+    #[inline(always)]
+    fn relative_travel(
+        &self,
+        room: &Room<S, N>,
+        [one, other]: [usize; 2],
+        length: Lanes<S>,
+    ) -> Lanes<S> {
+        let mut bound = Lanes::splat(length.simd, 0.0);
+        for (k, term) in room.series.terms[..=ORDER].iter().enumerate().rev() {
+            let relative = (term.balls[one].speed - term.balls[other].speed).abs();
+            bound = bound.fused(length, relative * Lanes::splat(length.simd, RECIPROCALS[k + 1]));
+        }
+        bound * length
+    }
+
     /// The balancer has no events.
     fn evaluator(&self, _lane: usize) -> Option<&Evaluator> {
         None
@@ -331,6 +347,11 @@ pub(super) fn angles(balls: usize) -> std::ops::Range<usize> {
     4..4 + balls
 }
 
+/// Returns the balancer that a system is while no balls touch.
+fn while_apart<const N: usize>(system: &Arc<dyn System>) -> Option<&Balancer<N>> {
+    system.while_apart().downcast_ref()
+}
+
 /// Calls `with` with a balancer in one state; `None` for another system.
 pub(super) fn in_state<R>(
     system: &Arc<dyn System>,
@@ -341,7 +362,7 @@ pub(super) fn in_state<R>(
     macro_rules! of_balls {
         ($($balls:literal)*) => {
             $(
-                if let Some(balancer) = system.as_any().downcast_ref::<Balancer<$balls>>() {
+                if let Some(balancer) = while_apart::<$balls>(system) {
                     let state = State::of_components(state)?;
                     return Some(with(&InPlace::new(balancer, surely_one_solution, state)));
                 }

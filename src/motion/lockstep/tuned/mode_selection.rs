@@ -41,7 +41,7 @@ impl<'a, const N: usize> InPlace<'a, N> {
 /// Returns how friction acts on a contact in a phase.
 pub(super) fn contact(phase: Phase, friction: &Friction, speed: f64) -> Contact {
     match phase {
-        Phase::Stick => Contact::STICK,
+        Phase::Stick | Phase::Open | Phase::Closed => Contact::STICK,
         Phase::Slip(direction) | Phase::Transition(direction) => friction.slip(direction, speed),
         Phase::Free => friction.slip(0.0, speed),
     }
@@ -50,7 +50,7 @@ pub(super) fn contact(phase: Phase, friction: &Friction, speed: f64) -> Contact 
 /// Returns [`contact`] to first order in the speed.
 pub(super) fn contact_along(phase: Phase, friction: &Friction, speed: Dual) -> Contact<Dual> {
     match phase {
-        Phase::Stick => Contact::STICK.lifted(),
+        Phase::Stick | Phase::Open | Phase::Closed => Contact::STICK.lifted(),
         Phase::Slip(direction) | Phase::Transition(direction) => {
             friction.slip_along(direction, speed)
         }

@@ -1,0 +1,136 @@
+//! The contact between neighbouring balls: its law, and the geometry of two balls that touch.
+//!
+//! The centres of two balls that touch lie on the ring's circle of radius `L`, at the angle
+//! `Δ = 2 asin((d_1 + d_2) / (4 L))`. The force between them acts along their chord. Its tangential part `λ` pushes them
+//! apart, and its normal part `tan(Δ/2) λ` presses both to the ring. Both balls roll in the same sense, so that their
+//! surfaces slide on each other; friction `q` between them, at most `μ_b λ`, acts across the chord.
+//!
+//! Impacts follow Newton's law: the balls separate with a fraction of the speed of their approach. Rolling does not last
+//! through an impact: a ball skids and rolls again, which leaves `max(0, (e - 4J)/(1 + 4J))` of the material's coefficient
+//! `e` ([`rolling_restitution`]: the angular momentum about the point of contact is kept while the ball skids).
+
+use serde::Serialize;
+
+use super::angle::wrap_to_two_pi;
+use super::balancer::SPHERE_INERTIA;
+use super::invalid_parameter::{InvalidParameter, invalid, not_negative};
+
+/// The law of contact between balls.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BallContact {
+    /// The speed of separation over the speed of approach of rolling balls, 0 to 1.
+    pub restitution: f64,
+    /// The coefficient of friction between two balls.
+    pub friction_coefficient: f64,
+}
+
+impl Default for BallContact {
+    /// Steel balls: a restitution of 0.9 of the material, and dry friction.
+    fn default() -> Self {
+        BallContact { restitution: 0.36, friction_coefficient: 0.1 }
+    }
+}
+
+impl BallContact {
+    /// Checks that all values have a physical meaning.
+    ///
+    /// # Errors
+    /// The first invalid parameter, by the name it has in a study file.
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
+        if !(0.0..=1.0).contains(&self.restitution) {
+            let found = self.restitution.to_string();
+            return Err(invalid("contact_restitution", &found, "between 0 and 1"));
+        }
+        not_negative("contact_friction_coefficient", self.friction_coefficient)
+    }
+}
+
+/// Returns the coefficient of restitution of rolling spheres from that of their material: they skid after the impact
+/// until they roll again.
+///
+/// ```
+/// use stickslip::model::rolling_restitution;
+///
+/// assert!((rolling_restitution(0.9) - 2.5 / 7.0).abs() < 1e-15);
+/// assert_eq!(rolling_restitution(0.3), 0.0);
+/// ```
+pub fn rolling_restitution(material: f64) -> f64 {
+    let rolling = 4.0 * SPHERE_INERTIA;
+    ((material - rolling) / (1.0 + rolling)).max(0.0)
+}
+
+/// A gap between two contacts that move along one line or circle. It closes when the contact behind meets the contact
+/// ahead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gap {
+    /// The contact behind and the contact ahead, counted from 0.
+    pub contacts: [usize; 2],
+    /// The difference of their positions where they touch; for angles, modulo one turn.
+    pub distance: f64,
+    /// Whether the positions are angles.
+    pub angular: bool,
+    /// The masses of the two bodies.
+    pub masses: [f64; 2],
+    /// Normal force on each support over the contact force `λ`: `tan(Δ/2)`.
+    pub tangent: f64,
+    /// Retarding force on each rolling body over the friction `q` between them: `κ = 1/cos(Δ/2) + tan(Δ/2)`.
+    pub lever: f64,
+    /// The coefficient of friction between the bodies.
+    pub friction_coefficient: f64,
+}
+
+impl Gap {
+    /// Creates the gap between two balls with their contact angle.
+    pub fn between_balls(
+        contacts: [usize; 2],
+        angle: f64,
+        masses: [f64; 2],
+        friction_coefficient: f64,
+    ) -> Self {
+        let (sine, cosine) = libm::sincos(0.5 * angle);
+        let tangent = sine / cosine;
+        let lever = 1.0 / cosine + tangent;
+        Gap {
+            contacts,
+            distance: angle,
+            angular: true,
+            masses,
+            tangent,
+            lever,
+            friction_coefficient,
+        }
+    }
+
+    /// Returns the tangential and the normal force on the contact behind and on the contact ahead, each over the mass
+    /// of its body, by a contact force `λ = 1`, and the same by a friction `q = 1`.
+    pub fn pushes(&self) -> [[[f64; 2]; 2]; 2] {
+        let [behind, ahead] = self.masses.map(|mass| 1.0 / mass);
+        let Gap { tangent, lever, .. } = *self;
+        [
+            [[-behind, tangent * behind], [ahead, tangent * ahead]],
+            [[-lever * behind, -behind], [-lever * ahead, ahead]],
+        ]
+    }
+
+    /// Returns the tangential and the normal force on the contact behind and on the contact ahead, each over the mass of
+    /// its body, by a contact force `λ = 1` with full friction of two bodies that roll in the direction `rolling`: 1, -1, or
+    /// 0 without friction.
+    pub fn rolling_pushes(&self, rolling: f64) -> [[f64; 2]; 2] {
+        let [by_force, by_friction] = self.pushes();
+        let friction = rolling * self.friction_coefficient;
+        let with =
+            |side: usize, way: usize| by_force[side][way] + friction * by_friction[side][way];
+        [0, 1].map(|side| [0, 1].map(|way| with(side, way)))
+    }
+
+    /// Returns the width of the gap between a contact behind and a contact ahead at these positions.
+    pub fn width(&self, [behind, ahead]: [f64; 2]) -> f64 {
+        let apart = ahead - behind;
+        (if self.angular { wrap_to_two_pi(apart) } else { apart }) - self.distance
+    }
+
+    /// Returns the mass that the relative acceleration of the two bodies meets.
+    pub fn reduced_mass(&self) -> f64 {
+        1.0 / (1.0 / self.masses[0] + 1.0 / self.masses[1])
+    }
+}

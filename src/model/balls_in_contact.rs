@@ -1,0 +1,282 @@
+//! The balancer whose balls cannot pass through each other.
+//!
+//! While no balls touch, the equations are those of [`Balancer`]. The forces `λ` in closed gaps are unknowns like the
+//! acceleration of the table: a closed gap keeps its width, and in an open gap there is no force. Friction in a closed gap
+//! is `q = σ μ_b λ` with the direction `σ` in which both balls roll. In a gap between two balls that stick to the ring the
+//! force is not determined; the equations then contain none, and [`super::held`] decides whether the balls stick.
+
+use std::any::{Any, TypeId};
+
+use super::recorded::{add_contact_inputs, equations, record_contact, record_state};
+use super::{
+    Balancer, BallContact, ContactMode, Dual, Expression, Friction, Gap, GapEquations, Machine,
+    Number, Recorder, RestForms, Structure, System, SystemEquations, Touching, wrap_to_two_pi,
+};
+
+/// A balancer with contact between neighbouring balls.
+#[derive(Clone, Debug)]
+pub struct BallsInContact<const N: usize> {
+    /// The balancer.
+    pub balancer: Balancer<N>,
+    restitution: f64,
+    /// The speed of approach below which contact lasts.
+    pub lasting_approach: f64,
+    gaps: Vec<Gap>,
+}
+
+/// The speed of approach below which contact lasts: a ten-thousandth of a typical speed of running balls.
+pub const LASTING_APPROACH: f64 = 1e-6;
+
+impl<const N: usize> BallsInContact<N> {
+    /// Returns the non-dimensional form of a machine with exactly `N` balls whose order along the ring is that of these
+    /// angles; `None` for another number.
+    pub fn new(machine: &Machine, contact: &BallContact, angles: &[f64]) -> Option<Self> {
+        let balancer = Balancer::new(machine)?;
+        let mut order: Vec<usize> = (0..N).collect();
+        let place = |ball: &usize| wrap_to_two_pi(angles[*ball]);
+        order.sort_by(|one, other| place(one).total_cmp(&place(other)));
+        // The first ball of the list does not matter: the gaps are those of a circle.
+        let first = order.iter().position(|ball| *ball == 0)?;
+        order.rotate_left(first);
+        let gap = |place: usize| {
+            let contacts = [order[place], order[(place + 1) % N]];
+            let [behind, ahead] = contacts.map(|ball| &machine.balls[ball]);
+            let angle = machine.contact_angle_rad(behind, ahead);
+            let masses = contacts.map(|ball| balancer.balls[ball].mass);
+            Gap::between_balls(contacts, angle, masses, contact.friction_coefficient)
+        };
+        let gaps = (0..if N > 1 { N } else { 0 }).map(gap).collect();
+        Some(BallsInContact {
+            balancer,
+            restitution: contact.restitution,
+            lasting_approach: LASTING_APPROACH,
+            gaps,
+        })
+    }
+
+    /// Returns the gaps between neighbouring balls.
+    pub(super) fn gaps(&self) -> &[Gap] {
+        &self.gaps
+    }
+
+    /// Returns how a gap is closed in the equations: the direction in which both balls roll; `None` if there is no force.
+    fn rolling(gap: &Gap, mode: ContactMode, modes: &[ContactMode]) -> Option<f64> {
+        let [behind, ahead] = gap.contacts.map(|ball| modes[ball].direction());
+        let direction = if behind == 0.0 { ahead } else { behind };
+        let sticks = gap.contacts.iter().all(|ball| modes[*ball] == ContactMode::Stick);
+        (mode == ContactMode::Closed && !sticks).then_some(direction)
+    }
+}
+
+impl<const N: usize> System for BallsInContact<N> {
+    fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
+        let state = record_state(recorder);
+        let balancer = self.balancer.record_parameters(recorder);
+        let contacts = std::array::from_fn(|i| {
+            record_contact(recorder, &self.balancer.balls[i].friction, state.beta_dot[i])
+        });
+        let closed: Vec<_> = self.gaps.iter().map(|_| recorder.input("closed")).collect();
+        // Tangential and normal force on the ball behind and on the ball ahead.
+        let pushes: Vec<[[Expression<'r>; 2]; 2]> = self
+            .gaps
+            .iter()
+            .map(|_| [(); 2].map(|()| [(); 2].map(|()| recorder.input("push"))))
+            .collect();
+        let turned = state.beta.map(Number::sin_cos);
+        let terms = balancer.ball_terms(&state, &contacts, &turned);
+        let table = balancer.table_equations(&state, &terms);
+        let one: Expression<'r> = Number::constant(1.0);
+        let zero: Expression<'r> = Number::constant(0.0);
+
+        // The acceleration of a ball, times its mass: its terms by the forces in the gaps, by the table, and the others.
+        let by_gap = |ball: usize, gap: usize| {
+            let sides = self.gaps[gap].contacts.iter().zip(pushes[gap]);
+            let own = sides.filter(|(contact, _)| **contact == ball);
+            own.fold(zero, |sum, (_, [along, outward])| {
+                sum + terms[ball].mobile * (along - contacts[ball].signed_friction * outward)
+            })
+        };
+        let over_mass: [_; N] = std::array::from_fn(|ball| one / balancer.balls[ball].mass);
+        let number = self.gaps.len();
+        let mut matrix = Vec::with_capacity(number + 2);
+        let mut right = Vec::with_capacity(number + 2);
+        for (gap, own) in self.gaps.iter().enumerate() {
+            let [behind, ahead] = own.contacts;
+            let between = |of: &dyn Fn(usize) -> Expression<'r>| {
+                of(ahead) * over_mass[ahead] - of(behind) * over_mass[behind]
+            };
+            let force = |other: usize| {
+                let open = if other == gap { one - closed[gap] } else { zero };
+                closed[gap] * between(&|ball| by_gap(ball, other)) + open
+            };
+            let mut row: Vec<_> = (0..number).map(force).collect();
+            row.extend([0, 1].map(|axis| closed[gap] * between(&|ball| terms[ball].along[axis])));
+            matrix.push(row);
+            right.push(closed[gap] * between(&|ball| terms[ball].held));
+        }
+        let on_table = |of: fn(&super::equations::BallTerms<Expression<'r>>) -> Expression<'r>,
+                        gap: usize| {
+            let balls = 0..N;
+            balls.fold(zero, |sum, ball| sum + of(&terms[ball]) * by_gap(ball, gap))
+        };
+        let [m_xx, m_xy, m_yx, m_yy] = table.matrix;
+        let mut row: Vec<_> = (0..number).map(|gap| -on_table(|term| term.sine, gap)).collect();
+        row.extend([one - m_xx, -m_xy]);
+        matrix.push(row);
+        let mut row: Vec<_> = (0..number).map(|gap| on_table(|term| term.cosine, gap)).collect();
+        row.extend([m_yx, one + m_yy]);
+        matrix.push(row);
+        right.extend(table.force);
+        let solution = recorder.solve(&matrix, &right);
+        let (gap_forces, table) = solution.split_at(number);
+
+        let pushed = |ball: usize| {
+            let sides = self.gaps.iter().zip(&pushes).zip(gap_forces);
+            let mut sum = [zero; 2];
+            for ((gap, pushes), force) in sides {
+                for (contact, push) in gap.contacts.iter().zip(pushes) {
+                    if *contact == ball {
+                        sum = [0, 1].map(|way| sum[way] + push[way] * *force);
+                    }
+                }
+            }
+            Some(sum)
+        };
+        let forces = balancer.forces_of_table([table[0], table[1]], &contacts, &terms, pushed);
+        let derivative = balancer.derivative(&state, &contacts, &forces);
+        let gaps = self.gaps.iter().zip(gap_forces).map(|(gap, force)| {
+            let [behind, ahead] = gap.contacts;
+            GapEquations {
+                opening_acceleration: forces.beta_ddot[ahead] - forces.beta_ddot[behind],
+                force: *force,
+            }
+        });
+        let gaps = gaps.collect();
+        SystemEquations { gaps, ..equations(&state, &derivative, &forces, true) }
+    }
+
+    fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
+        let (of_balls, of_gaps) = modes.split_at(N);
+        let mut inputs = self.balancer.parameter_inputs();
+        for (ball, mode) in self.balancer.balls.iter().zip(of_balls) {
+            add_contact_inputs(&mut inputs, *mode, &ball.friction);
+        }
+        let rolling = |(gap, mode): (&Gap, &ContactMode)| Self::rolling(gap, *mode, of_balls);
+        let rolling: Vec<Option<f64>> = self.gaps.iter().zip(of_gaps).map(rolling).collect();
+        inputs.extend(rolling.iter().map(|rolling| if rolling.is_some() { 1.0 } else { 0.0 }));
+        for (gap, rolling) in self.gaps.iter().zip(&rolling) {
+            inputs.extend(gap.rolling_pushes(rolling.unwrap_or(0.0)).as_flattened());
+        }
+        inputs
+    }
+
+    fn structure(&self) -> Option<Structure> {
+        let laws = self.balancer.balls.iter().map(|ball| ball.friction.law_name());
+        let order = self.gaps.iter().flat_map(|gap| gap.contacts);
+        Some((TypeId::of::<Self>(), laws.collect(), order.collect()))
+    }
+
+    fn contacts(&self) -> usize {
+        N
+    }
+
+    fn friction(&self, contact: usize) -> &Friction {
+        self.balancer.friction(contact)
+    }
+
+    fn longest_step(&self) -> f64 {
+        self.balancer.longest_step()
+    }
+
+    fn pace(&self) -> f64 {
+        self.balancer.pace()
+    }
+
+    fn fewest_steps(&self) -> f64 {
+        self.balancer.fewest_steps()
+    }
+
+    fn surely_one_solution(&self) -> bool {
+        System::surely_one_solution(&self.balancer)
+    }
+
+    fn one_solution_at(&self, state: &[f64]) -> bool {
+        System::one_solution_at(&self.balancer, state)
+    }
+
+    fn force_scale(&self) -> f64 {
+        self.balancer.force_scale()
+    }
+
+    fn rest_forms(&self) -> Option<&dyn RestForms> {
+        Some(self)
+    }
+
+    fn touching(&self) -> Option<&dyn Touching> {
+        Some(self)
+    }
+
+    fn while_apart(&self) -> &dyn Any {
+        &self.balancer
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}
+
+impl<const N: usize> Touching for BallsInContact<N> {
+    fn gaps(&self) -> &[Gap] {
+        &self.gaps
+    }
+
+    fn restitution(&self) -> f64 {
+        self.restitution
+    }
+
+    fn lasting_approach(&self) -> f64 {
+        self.lasting_approach
+    }
+
+    /// The impulses act on the balls, whose motion moves the table: `Σ_j A_ij Δβ̇_j` is the tangential impulse over the
+    /// mass of ball `i`, with `A_ij = (1 + 4J) δ_ij - m_j cos(β_i - β_j)`, and `Δẋ = Σ m s Δβ̇`, `Δẏ = -Σ m c Δβ̇`.
+    /// Friction impulses of the ring are of second order and are left out.
+    fn responses(&self, state: &[Dual]) -> Vec<[Vec<Dual>; 2]> {
+        let balancer: Balancer<N, Dual> = self.balancer.lifted();
+        let Some(angles) = state.get(4..4 + N) else { return Vec::new() };
+        let turned: Vec<(Dual, Dual)> = angles.iter().map(|angle| angle.sin_cos()).collect();
+        let one = Dual::constant(1.0);
+        let zero = Dual::constant(0.0);
+        let (mut m_xx, mut m_xy, mut m_yy) = (zero, zero, zero);
+        for (ball, (s, c)) in balancer.balls.iter().zip(&turned) {
+            let mobile = ball.mass * ball.mobility;
+            m_xx = m_xx + mobile * *s * *s;
+            m_xy = m_xy + mobile * *s * *c;
+            m_yy = m_yy + mobile * *c * *c;
+        }
+        let response = |contacts: [usize; 2], pushes: [[f64; 2]; 2]| {
+            let mut along = [zero; N];
+            for (contact, [push, _]) in contacts.into_iter().zip(pushes) {
+                along[contact] = along[contact] + Dual::constant(push);
+            }
+            let (mut table_x, mut table_y) = (zero, zero);
+            for (ball, ((s, c), along)) in balancer.balls.iter().zip(turned.iter().zip(along)) {
+                let moved = ball.mass * ball.mobility * along;
+                table_x = table_x + *s * moved;
+                table_y = table_y - *c * moved;
+            }
+            let matrix = [[one - m_xx, m_xy], [m_xy, one - m_yy]];
+            let [x_dot, y_dot] = Dual::solve_two(matrix, [table_x, table_y]);
+            let balls = balancer.balls.iter().zip(turned.iter().zip(along));
+            let speeds = balls
+                .map(|(ball, ((s, c), along))| ball.mobility * (*s * x_dot - *c * y_dot + along));
+            let mut response = vec![zero; 4 + 2 * N];
+            response[2] = x_dot;
+            response[3] = y_dot;
+            response[4 + N..].iter_mut().zip(speeds).for_each(|(out, speed)| *out = speed);
+            response
+        };
+        let of_gap = |gap: &Gap| gap.pushes().map(|pushes| response(gap.contacts, pushes));
+        self.gaps.iter().map(of_gap).collect()
+    }
+}

@@ -1,0 +1,122 @@
+//! Whether friction holds contacts that touch each other.
+//!
+//! The forces between bodies that rest and touch are not determined. The bodies rest if there are any forces with which
+//! all conditions hold: in each gap `λ ≥ 0` and `|q| ≤ μ_b λ`, and at each contact `|T + t| ≤ μ (f + n)` with the
+//! tangential and normal forces `t` and `n` from the gaps. The forces with the largest reserve of friction solve a linear
+//! programme. It has at most 17 variables, and its result must be accurate to rounding; hence it is solved here, by the
+//! simplex method with Bland's rule (V. Chvátal, *Linear Programming*, Freeman 1983, chapter 3).
+
+use super::Gap;
+
+/// A contact that sticks, with its forces without those from gaps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeldContact {
+    /// Normal force, compression positive.
+    pub normal: f64,
+    /// The friction force that it needs to stick.
+    pub friction: f64,
+    /// The static coefficient of friction.
+    pub limit: f64,
+    /// How much of the contact's reserve one unit of the common reserve takes: 1, or `1 + μ` for the disturbance that both
+    /// forces of a contact may have.
+    pub weight: f64,
+}
+
+/// The forces that hold contacts with the largest common reserve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Holding {
+    /// The reserve: the smallest `(μ (f + n) - |T + t|) / weight` of a contact. The contacts rest if it is not negative.
+    pub reserve: f64,
+    /// For each gap, `λ` of full friction in either rolling direction, over the reduced mass: their sum is the contact
+    /// force, and their difference times `μ_b` is the friction.
+    pub forces: Vec<[f64; 2]>,
+}
+
+/// Returns the forces with the largest reserve in gaps that are closed. The gaps count the contacts of the list.
+pub fn held(contacts: &[HeldContact], gaps: &[Gap]) -> Holding {
+    // Each row is a bound on the sum of the variables times their coefficients.
+    let columns = |gap: &Gap| gap_columns(gap, contacts);
+    let columns: Vec<[Vec<f64>; 2]> = gaps.iter().map(columns).collect();
+    let bound = |row: usize| {
+        let HeldContact { normal, friction, limit, weight } = contacts[row / 2];
+        (limit * normal - SIGNS[row % 2] * friction) / weight
+    };
+    let rows = 0..2 * contacts.len();
+    let least = rows.clone().map(bound).fold(f64::INFINITY, f64::min);
+    let table = rows.map(|row| {
+        let pushes = columns.iter().flat_map(|of_gap| of_gap.iter().map(move |one| one[row]));
+        // The last variable is the reserve above that without any forces.
+        pushes.chain([1.0, bound(row) - least]).collect()
+    });
+    let (more, values) = largest_last_variable(table.collect());
+    let forces = values.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
+    Holding { reserve: least + more, forces }
+}
+
+const SIGNS: [f64; 2] = [1.0, -1.0];
+
+/// Returns how the two forces of a gap take up the reserve of each contact against forward and backward slip.
+pub fn gap_columns(gap: &Gap, contacts: &[HeldContact]) -> [Vec<f64>; 2] {
+    let unit = gap.reduced_mass();
+    SIGNS.map(|rolling| {
+        let mut column = vec![0.0; 2 * contacts.len()];
+        for (contact, [along, outward]) in gap.contacts.into_iter().zip(gap.rolling_pushes(rolling))
+        {
+            let HeldContact { limit, weight, .. } = contacts[contact];
+            for (side, sign) in SIGNS.into_iter().enumerate() {
+                column[2 * contact + side] += unit * (sign * along - limit * outward) / weight;
+            }
+        }
+        column
+    })
+}
+
+/// Coefficients up to this size count as zero.
+const ZERO: f64 = 1e-14;
+/// The largest number of exchanges; a degenerate programme of this size takes a few dozen.
+const MOST_EXCHANGES: usize = 10_000;
+
+/// Maximises the last of some variables that are not negative. Each row has their coefficients and the upper bound, not
+/// negative, on their sum. Returns the maximum and the other variables.
+fn largest_last_variable(mut table: Vec<Vec<f64>>) -> (f64, Vec<f64>) {
+    let variables = table[0].len() - 1;
+    // The variable of each column, and of each row: those from `variables` on are the distances from the bounds.
+    let mut outside: Vec<usize> = (0..variables).collect();
+    let mut basis: Vec<usize> = (variables..variables + table.len()).collect();
+    let mut aim = vec![0.0; variables + 1];
+    aim[variables - 1] = 1.0;
+    for _ in 0..MOST_EXCHANGES {
+        let promising = (0..variables).filter(|column| aim[*column] > ZERO);
+        let Some(entering) = promising.min_by_key(|column| outside[*column]) else { break };
+        let limits = (0..table.len()).filter(|row| table[*row][entering] > ZERO);
+        let ratio = |row: usize| table[row][variables] / table[row][entering];
+        let order = |one: &usize, other: &usize| {
+            ratio(*one).total_cmp(&ratio(*other)).then(basis[*one].cmp(&basis[*other]))
+        };
+        let Some(leaving) = limits.min_by(order) else { break };
+        exchange(&mut table, &mut aim, leaving, entering);
+        std::mem::swap(&mut basis[leaving], &mut outside[entering]);
+    }
+    let mut values = vec![0.0; variables];
+    for (row, variable) in basis.iter().enumerate() {
+        if *variable < variables {
+            values[*variable] = table[row][variables];
+        }
+    }
+    let most = values.pop().unwrap_or(0.0);
+    (most, values)
+}
+
+/// Exchanges the variable of a row with that of a column.
+fn exchange(table: &mut [Vec<f64>], aim: &mut [f64], row: usize, column: usize) {
+    let inverse = 1.0 / table[row][column];
+    let pivot: Vec<f64> = table[row].iter().map(|entry| entry * inverse).collect();
+    let others = table.iter_mut().enumerate().filter(|(other, _)| *other != row);
+    for line in others.map(|(_, line)| line.as_mut_slice()).chain([aim]) {
+        let factor = line[column];
+        line.iter_mut().zip(&pivot).for_each(|(entry, pivot)| *entry -= factor * pivot);
+        line[column] = -factor * inverse;
+    }
+    table[row] = pivot;
+    table[row][column] = inverse;
+}

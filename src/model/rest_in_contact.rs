@@ -1,0 +1,108 @@
+//! Closed forms for balls at rest that may touch: the forces between them help friction to hold them, or hinder it.
+
+use super::certificate::{disturbance_bound, followed_to_rest};
+use super::{BallsInContact, Gap, HeldContact, RestAmplitude, RestForms, RestPoint, State, held};
+
+/// Gaps up to this width are closed: the width within which impacts are located is much smaller.
+pub const TOUCHING: f64 = 1e-9;
+
+/// Accuracy of the friction margin of balls that touch.
+const MARGIN_ACCURACY: f64 = 1e-12;
+
+impl<const N: usize> BallsInContact<N> {
+    /// Returns the gaps that are closed at these angles.
+    pub fn closed_gaps(&self, beta: &[f64; N]) -> Vec<Gap> {
+        let closed = |gap: &&Gap| gap.width(gap.contacts.map(|ball| beta[ball])) <= TOUCHING;
+        self.gaps().iter().filter(closed).copied().collect()
+    }
+
+    /// Returns the largest change of all forces with which friction still holds all balls; negative if it does not hold
+    /// them. `strength` multiplies the coefficients of friction.
+    fn endures(&self, [normal, friction]: [&[f64; N]; 2], gaps: &[Gap], strength: f64) -> f64 {
+        let contact = |ball: usize| {
+            let limit = strength * self.balancer.balls[ball].friction.limit;
+            let (normal, friction) = (normal[ball], friction[ball]);
+            HeldContact { normal, friction, limit, weight: 1.0 + limit }
+        };
+        let contacts: Vec<HeldContact> = (0..N).map(contact).collect();
+        held(&contacts, gaps).reserve
+    }
+
+    /// Returns whether friction holds all balls at rest at these angles.
+    pub fn holds_at_rest(&self, beta: &[f64; N]) -> bool {
+        let rest = self.balancer.rest_point(beta);
+        self.endures([&rest.normal, &rest.friction], &self.closed_gaps(beta), 1.0) >= 0.0
+    }
+
+    /// Returns the friction margin of balls that rest at these angles: 1 if no ball needs friction, 0 on the edge of the
+    /// equilibrium set, negative outside. It is the largest fraction that the coefficients of friction may lose.
+    pub fn rest_margin(&self, beta: &[f64; N]) -> f64 {
+        let rest = self.balancer.rest_point(beta);
+        let gaps = self.closed_gaps(beta);
+        if gaps.is_empty() {
+            return 1.0 - self.balancer.friction_use(&rest, 0.0);
+        }
+        let holds =
+            |strength: f64| self.endures([&rest.normal, &rest.friction], &gaps, strength) >= 0.0;
+        if holds(0.0) {
+            return 1.0;
+        }
+        let (mut low, mut high) = (0.0, 1.0);
+        while !holds(high) {
+            (low, high) = (high, 2.0 * high);
+            if high > 1e6 {
+                return f64::NEG_INFINITY;
+            }
+        }
+        while high - low > MARGIN_ACCURACY * high {
+            let middle = 0.5 * (low + high);
+            (low, high) = if holds(middle) { (low, middle) } else { (middle, high) };
+        }
+        1.0 - high
+    }
+
+    fn certified(&self, rest: &RestPoint<N>, gaps: &[Gap], state: &State<N>) -> bool {
+        self.endures([&rest.normal, &rest.friction], gaps, 1.0)
+            >= disturbance_bound(&self.balancer, rest, state)
+    }
+}
+
+impl<const N: usize> RestForms for BallsInContact<N> {
+    fn surely_rests(&self, state: &[f64]) -> bool {
+        let Some(state) = State::of_components(state) else { return false };
+        let rest = self.balancer.rest_point(&state.beta);
+        self.certified(&rest, &self.closed_gaps(&state.beta), &state)
+    }
+
+    fn rests(&self, state: &[f64]) -> bool {
+        let Some(state) = State::of_components(state) else { return false };
+        let rest = self.balancer.rest_point(&state.beta);
+        let gaps = self.closed_gaps(&state.beta);
+        let endures =
+            |normal: &[f64; N], friction: &[f64; N]| self.endures([normal, friction], &gaps, 1.0);
+        endures(&rest.normal, &rest.friction) > 0.0
+            && followed_to_rest(
+                &self.balancer,
+                &rest,
+                &state,
+                |state| self.certified(&rest, &gaps, state),
+                |forces, unseen| endures(&forces.normal, &forces.friction) >= unseen,
+            )
+    }
+
+    fn at_rest(&self, state: &[f64]) -> RestAmplitude {
+        let state: Option<State<N>> = State::of_components(state);
+        let beta = state.map_or([0.0; N], |state| state.beta);
+        let amplitude = self.balancer.rest_amplitude(&beta);
+        RestAmplitude { amplitude, friction_margin: self.rest_margin(&beta) }
+    }
+
+    fn nearly_rests(&self, state: &[f64], excess: f64) -> bool {
+        let Some(state) = State::of_components(state) else { return false };
+        let rest = self.balancer.rest_point(&state.beta);
+        let distance = self.balancer.distance_from_rest(&state, &rest);
+        let gaps = self.closed_gaps(&state.beta);
+        self.endures([&rest.normal, &rest.friction], &gaps, 1.0 + excess)
+            >= self.balancer.acceleration_bound(distance)
+    }
+}

@@ -1,0 +1,116 @@
+//! Open gaps during a step: whether one may close, and when.
+
+use fearless_simd::prelude::*;
+use smallvec::SmallVec;
+
+use super::group::Group;
+use super::kernel::{Ends, Kernel, POWERS, Powers};
+use super::lane::Lane;
+use super::root_isolation::Polynomial;
+use super::{LANES, Lanes, ORDER};
+use crate::motion::Phase;
+use crate::motion::lockstep::vector::Vector;
+use crate::motion::saltation::Condition;
+
+/// Opening speeds up to this, non-dimensional, are those of a gap that has just opened.
+const RELEASED: f64 = 1e-9;
+
+/// Where the lanes of a group have gaps.
+pub(super) struct GapLanes<S: Vector> {
+    /// Bit mask of lanes with gaps.
+    any: u64,
+    /// Bit mask of lanes whose gaps are not those between each contact and the next one on a circle; in these the gaps are
+    /// always examined.
+    irregular: u64,
+    /// The distance of a contact and the next one where they touch.
+    distances: SmallVec<[Lanes<S>; 8]>,
+    /// Bit mask of lanes in which a gap may close in the latest step.
+    pub(super) doubts: u64,
+}
+
+impl<S: Vector> GapLanes<S> {
+    pub(super) fn none(simd: S, contacts: usize) -> Self {
+        let distances = SmallVec::from_elem(Lanes::splat(simd, 0.0), contacts);
+        GapLanes { any: 0, irregular: 0, distances, doubts: 0 }
+    }
+
+    /// Puts a run into a lane.
+    pub(super) fn set(&mut self, lane: usize, own: &Lane) {
+        let bit = 1 << lane;
+        self.any &= !bit;
+        self.irregular &= !bit;
+        let Some(touching) = own.system.touching() else { return };
+        let gaps = touching.gaps();
+        let contacts = self.distances.len();
+        self.any |= if gaps.is_empty() { 0 } else { bit };
+        for (place, gap) in gaps.iter().enumerate() {
+            if gaps.len() == contacts
+                && gap.angular
+                && gap.contacts == [place, (place + 1) % contacts]
+            {
+                self.distances[place][lane] = gap.distance;
+            } else {
+                self.irregular |= bit;
+            }
+        }
+    }
+}
+
+/// Returns the lanes in which an open gap may close in a step of this length.
+#[inline(always)]
+pub(super) fn look_over<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, length: Lanes<S>) -> u64 {
+    if g.gaps.any & g.alive == 0 {
+        g.gaps.doubts = 0;
+        return 0;
+    }
+    let simd = g.simd;
+    let zero = Lanes::splat(simd, 0.0);
+    let turn = Lanes::splat(simd, std::f64::consts::TAU);
+    let contacts = g.kernel.contacts();
+    let mut open = zero.simd_eq(zero);
+    // The two gaps between two contacts close and open together.
+    let pairs = if contacts == 2 { 1 } else { contacts };
+    for place in 0..contacts {
+        let next = (place + 1) % contacts;
+        let apart = g.kernel.position(&g.state, next) - g.kernel.position(&g.state, place);
+        let apart = apart.simd_lt(zero).select(apart + turn, apart);
+        let width = apart - g.gaps.distances[place];
+        let pair = [place % pairs, (place % pairs + 1) % contacts];
+        open &= width.simd_gt(g.kernel.relative_travel(&g.room, pair, length));
+    }
+    g.gaps.doubts = (!open.to_bitmask() | g.gaps.irregular) & g.gaps.any & g.alive;
+    g.gaps.doubts
+}
+
+/// Replaces the end of a step by the first closing of an open gap if that is earlier.
+pub(super) fn first_closing<S: Vector, K: Kernel<S>>(
+    g: &Group<S, K>,
+    (lane, own): (usize, &Lane),
+    length: f64,
+    first: &mut Ends,
+) {
+    let Some(touching) = own.system.touching() else { return };
+    let state = g.kernel.lane(&g.state, lane);
+    let aim = 0.5 * own.width;
+    let contacts = g.kernel.contacts();
+    for (index, gap) in touching.gaps().iter().enumerate() {
+        if own.phases[contacts + index] != Phase::Open {
+            continue;
+        }
+        let places = gap.contacts.map(|contact| g.kernel.coordinates(contact).0);
+        let [behind, ahead] =
+            places.map(|place| g.kernel.component(&g.room, lane, place, state[place]));
+        let mut powers: Powers = std::array::from_fn(|k| ahead[k] - behind[k]);
+        // A gap that has just opened without a speed has no width yet: it may be negative by rounding.
+        let released = powers[1].abs() <= RELEASED;
+        powers[0] = gap.width(places.map(|place| state[place])) + if released { aim } else { 0.0 };
+        let mut coefficients = [0.0; ORDER + 1];
+        coefficients.copy_from_slice(&powers[..=ORDER]);
+        // The highest power counts in full at the end of the step.
+        const { assert!(POWERS == ORDER + 2) };
+        coefficients[ORDER] += powers[ORDER + 1] * length;
+        first.or(g.simd, &Polynomial { coefficients, length }, None, Condition::Gap(index));
+    }
+}
+
+const _: () = assert!(LANES <= 64);

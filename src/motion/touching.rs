@@ -1,0 +1,328 @@
+//! The joint decision between stick and slip, closed and open, where contacts touch.
+//!
+//! All combinations of the open decisions are tried. A combination holds if
+//!
+//! - contacts that stick need no more friction than there is: each alone, or together with those that it touches and that
+//!   stick too, for some forces in the gaps between them ([`crate::model::held`]);
+//! - contacts that set off accelerate in their direction;
+//! - gaps that stay closed are under pressure, and gaps that open do so with an acceleration that is not negative.
+//!
+//! Exactly one motion must remain ([`Failure::NoSolution`]).
+
+use smallvec::SmallVec;
+
+use super::cluster::{HeldCluster, held_clusters};
+use super::evaluator::{ContactForces, Forces, GapForces};
+use super::impact::{Impact, impact};
+use super::modes::{check_forces, first_phases, is_finite, same};
+use super::{Evaluator, Failure, Phase, Phases, Settings, event_driven, switch_model};
+use crate::model::{Components, Dual, Gap, Holding, Method, TOUCHING, Touching};
+
+/// The most combinations that are tried.
+const MOST_TRIED: usize = 100_000;
+
+/// A system whose contacts may touch, for decisions in one state.
+pub(super) struct InTouch<'a> {
+    pub(super) evaluator: &'a Evaluator,
+    pub(super) touching: &'a dyn Touching,
+    pub(super) settings: Settings,
+}
+
+impl<'a> InTouch<'a> {
+    /// Returns the system of an evaluator, if it has gaps.
+    pub(super) fn new(evaluator: &'a Evaluator, settings: Settings) -> Option<Self> {
+        let touching = evaluator.system().touching()?;
+        Some(InTouch { evaluator, touching, settings })
+    }
+
+    fn contacts(&self) -> usize {
+        self.evaluator.graph().contacts.len()
+    }
+
+    /// Returns the component that is the position of a contact.
+    fn position(&self, contact: usize) -> usize {
+        self.evaluator.graph().layout.contacts[contact].position
+    }
+
+    /// Returns the components that are the speeds of the contacts.
+    ///
+    /// # Panics
+    /// Panics if a speed is no component; a registry and the crate's own systems make sure of that.
+    fn speeds(&self) -> SmallVec<[usize; 8]> {
+        let graph = self.evaluator.graph();
+        let speed = |contact| graph.speed_component(contact).expect("speeds are components");
+        (0..self.contacts()).map(speed).collect()
+    }
+
+    fn width(&self, gap: &Gap, state: &[f64]) -> f64 {
+        gap.width(gap.contacts.map(|contact| state[self.position(contact)]))
+    }
+
+    /// Decides the phases at the start of a motion. Contacts that start at each other meet.
+    ///
+    /// # Errors
+    /// [`Failure`] if no phases meet all conditions.
+    pub(super) fn start(&self, state: &mut Components) -> Result<Phases, Failure> {
+        let mut phases = self.evaluator.no_phases();
+        phases[..self.contacts()].fill(Phase::Transition(1.0));
+        self.meet(state, &mut phases, None)?;
+        Ok(phases)
+    }
+
+    /// Resolves the impact of the contacts that are at each other, and decides the phases after it. If a direction of a
+    /// neighbouring motion is given, it becomes that after the impact. Returns the number of gaps that have closed, and of
+    /// contacts that the impact lifts off.
+    ///
+    /// # Errors
+    /// [`Failure`] if no impulses, or no phases, meet all conditions.
+    pub(super) fn meet(
+        &self,
+        state: &mut Components,
+        phases: &mut Phases,
+        direction: Option<&mut [f64]>,
+    ) -> Result<Impact, Failure> {
+        let speeds = self.speeds();
+        let contacts = self.contacts();
+        for (phase, speed) in phases.iter().zip(&speeds) {
+            // What is left of its speed in the band moves nothing.
+            if *phase == Phase::Stick {
+                state[*speed] = 0.0;
+            }
+        }
+        let gaps = self.touching.gaps();
+        let at_each_other: SmallVec<[usize; 8]> =
+            (0..gaps.len()).filter(|gap| self.width(&gaps[*gap], state) <= TOUCHING).collect();
+        let slope = |place: usize| direction.as_ref().map_or(0.0, |direction| direction[place]);
+        let before: SmallVec<[Dual; 20]> = state
+            .iter()
+            .enumerate()
+            .map(|(place, value)| Dual { value: *value, slope: slope(place) })
+            .collect();
+        let impact = impact(self.touching, &speeds, &before, &at_each_other)?;
+        state.iter_mut().zip(&impact.state).for_each(|(to, after)| *to = after.value);
+        if let Some(direction) = direction {
+            direction.iter_mut().zip(&impact.state).for_each(|(to, after)| *to = after.slope);
+        }
+        for index in &at_each_other {
+            let gap = &gaps[*index];
+            let ahead = self.position(gap.contacts[1]);
+            state[ahead] -= self.width(gap, state);
+        }
+        for gap in 0..gaps.len() {
+            let closed = impact.together.contains(&gap);
+            phases[contacts + gap] = if closed { Phase::Closed } else { Phase::Open };
+        }
+        self.join(state, phases, None);
+        let system = self.evaluator.system();
+        let of_contacts = (0..contacts).map(|one| (system.friction(one), state[speeds[one]]));
+        let first = first_phases(self.settings.method, self.settings.band, of_contacts);
+        phases[..contacts].copy_from_slice(&first);
+        self.decide(state, phases, &[])?;
+        Ok(impact)
+    }
+
+    /// Decides the phases where the condition of a contact or a gap has failed: `failed` is a contact. `at_once` is a contact
+    /// that stops at the instant at which it set off; it stays at rest.
+    ///
+    /// # Errors
+    /// [`Failure`] if no phases meet all conditions.
+    pub(super) fn switch(
+        &self,
+        state: &mut Components,
+        phases: &mut Phases,
+        failed: Option<usize>,
+        at_once: Option<usize>,
+    ) -> Result<(), Failure> {
+        let speeds = self.speeds();
+        self.join(state, phases, failed);
+        let mut fixed: SmallVec<[usize; 1]> = SmallVec::new();
+        match self.settings.method {
+            Method::Switch => {
+                switch_model::cross_band(self.settings.band, phases, |one| state[speeds[one]]);
+            }
+            Method::Event => {
+                let (_, stopped) = event_driven::stop(phases, |one| state[speeds[one]], at_once);
+                for (speed, stopped) in speeds.iter().zip(&stopped) {
+                    if *stopped {
+                        state[*speed] = 0.0;
+                    }
+                }
+                fixed.extend(at_once.filter(|one| stopped[*one]));
+            }
+        }
+        self.decide(state, phases, &fixed)
+    }
+
+    /// Makes the speeds of contacts that touch equal, which differ by rounding: to that of the contact `failed`, if it is
+    /// one of them.
+    fn join(&self, state: &mut Components, phases: &[Phase], failed: Option<usize>) {
+        let speeds = self.speeds();
+        for cluster in self.evaluator.clusters(phases) {
+            let leader = failed.filter(|one| cluster.contains(one)).unwrap_or(cluster[0]);
+            let speed = state[speeds[leader]];
+            for contact in cluster {
+                state[speeds[contact]] = speed;
+            }
+        }
+    }
+
+    /// Decides the phases of contacts at rest or in the band, and of closed gaps. The contacts `fixed` stay as they are.
+    fn decide(&self, state: &[f64], phases: &mut Phases, fixed: &[usize]) -> Result<(), Failure> {
+        let slack = self.slack();
+        let mut solutions: Vec<(Phases, Forces)> = Vec::new();
+        let mut unsound = None;
+        let given = phases.clone();
+        let all = self.combinations(phases, fixed)?;
+        for candidate in std::iter::once(given.clone()).chain(all) {
+            let (forces, gap_forces) = self.evaluator.forces_and_gaps(&candidate, state);
+            let finite = forces.iter().all(is_finite);
+            let fits = || self.fits(&candidate, &given, (&forces, &gap_forces), fixed, slack);
+            if !self.is_consistent(&candidate) || finite && !fits() {
+                continue;
+            }
+            if !finite || forces.iter().any(|contact| contact.normal <= 0.0) {
+                unsound.get_or_insert((candidate, forces));
+            } else if !solutions.iter().any(|(_, other)| same(other, &forces)) {
+                solutions.push((candidate, forces));
+            }
+        }
+        let (decided, forces) = match (solutions.len(), unsound) {
+            (1, _) => solutions.swap_remove(0),
+            (0, Some(unsound)) => unsound,
+            (several, _) => return Err(Failure::NoSolution { solutions: several }),
+        };
+        *phases = decided;
+        check_forces(&forces)
+    }
+
+    /// Returns the slack of the conditions.
+    fn slack(&self) -> f64 {
+        match self.settings.method {
+            Method::Switch => switch_model::SLACK,
+            Method::Event => event_driven::tie(self.evaluator.system().force_scale()),
+        }
+    }
+
+    /// Returns all combinations of the phases that are open to decision.
+    fn combinations(
+        &self,
+        phases: &Phases,
+        fixed: &[usize],
+    ) -> Result<impl Iterator<Item = Phases> + use<'_>, Failure> {
+        let contacts = self.contacts();
+        let mut all = vec![Phases::new()];
+        for (place, phase) in phases.iter().enumerate() {
+            let choices: SmallVec<[Phase; 3]> = match phase {
+                _ if fixed.contains(&place) => [*phase].into_iter().collect(),
+                Phase::Stick | Phase::Transition(_) => self.choices().into_iter().collect(),
+                Phase::Closed => [Phase::Closed, Phase::Open].into_iter().collect(),
+                other => [*other].into_iter().collect(),
+            };
+            let extended = all.iter().flat_map(|begun: &Phases| {
+                choices.iter().map(move |choice| {
+                    let mut longer = begun.clone();
+                    longer.push(*choice);
+                    longer
+                })
+            });
+            all = extended.collect();
+            if place + 1 == contacts {
+                all.retain(|begun| self.passes_nowhere(begun, phases));
+            }
+            if all.len() > MOST_TRIED {
+                return Err(Failure::NoSolution { solutions: 0 });
+            }
+        }
+        Ok(all.into_iter())
+    }
+
+    fn choices(&self) -> [Phase; 3] {
+        match self.settings.method {
+            Method::Switch => [Phase::Stick, Phase::Transition(1.0), Phase::Transition(-1.0)],
+            Method::Event => [Phase::Stick, Phase::Slip(1.0), Phase::Slip(-1.0)],
+        }
+    }
+
+    /// Returns whether no two contacts that touch move into each other.
+    fn passes_nowhere(&self, of_contacts: &[Phase], phases: &Phases) -> bool {
+        let gaps = self.touching.gaps().iter().zip(&phases[self.contacts()..]);
+        let mut closed = gaps.filter(|(_, phase)| **phase == Phase::Closed);
+        closed.all(|(gap, _)| {
+            let [behind, ahead] = gap.contacts.map(|one| of_contacts[one]);
+            behind == Phase::Free || ahead == Phase::Free || direction(behind) <= direction(ahead)
+        })
+    }
+
+    /// Returns whether the contacts of closed gaps move together.
+    fn is_consistent(&self, phases: &Phases) -> bool {
+        let gaps = self.touching.gaps().iter().zip(&phases[self.contacts()..]);
+        let mut closed = gaps.filter(|(_, phase)| **phase == Phase::Closed);
+        closed.all(|(gap, _)| {
+            let [behind, ahead] = gap.contacts.map(|one| phases[one]);
+            behind == Phase::Free || ahead == Phase::Free || direction(behind) == direction(ahead)
+        })
+    }
+
+    /// Returns whether phases meet all conditions. Gaps that are closed in `given` touch.
+    fn fits(
+        &self,
+        phases: &Phases,
+        given: &Phases,
+        (forces, gap_forces): (&Forces, &[GapForces]),
+        fixed: &[usize],
+        slack: f64,
+    ) -> bool {
+        let (of_contacts, of_gaps) = phases.split_at(self.contacts());
+        let was_closed = &given[self.contacts()..];
+        let gaps = self.touching.gaps().iter().zip(of_gaps).zip(gap_forces).zip(was_closed);
+        for (((gap, phase), forces), was) in gaps {
+            let sticks = gap.contacts.iter().all(|one| phases[*one] == Phase::Stick);
+            let holds = match phase {
+                Phase::Closed => sticks || forces.force >= -slack * gap.reduced_mass(),
+                _ if *was == Phase::Closed => !sticks && forces.opening_acceleration >= -slack,
+                _ => true,
+            };
+            if !holds {
+                return false;
+            }
+        }
+        let clusters = held_clusters(self.touching.gaps(), phases);
+        let in_cluster =
+            |contact: usize| clusters.iter().any(|one| one.contacts.contains(&contact));
+        let holds = |contact: usize| {
+            let ContactForces { acceleration, normal, friction, .. } = forces[contact];
+            match of_contacts[contact] {
+                Phase::Stick if fixed.contains(&contact) || in_cluster(contact) => true,
+                Phase::Stick => {
+                    let limit = self.evaluator.system().friction(contact).limit;
+                    limit * normal - friction.abs() >= -slack
+                }
+                Phase::Transition(direction) => direction * acceleration >= -slack,
+                // It was at rest, and sets off.
+                Phase::Slip(direction) if given[contact] == Phase::Stick => {
+                    direction * acceleration >= -slack
+                }
+                _ => true,
+            }
+        };
+        let held = |cluster: &HeldCluster| {
+            let is_fixed = cluster.contacts.iter().any(|contact| fixed.contains(contact));
+            is_fixed || self.holding(cluster, forces).reserve >= -slack
+        };
+        (0..of_contacts.len()).all(holds) && clusters.iter().all(held)
+    }
+
+    /// Returns the forces that hold contacts that stick and touch.
+    fn holding(&self, cluster: &HeldCluster, forces: &Forces) -> Holding {
+        let system = self.evaluator.system();
+        cluster.holding(
+            |contact| system.friction(contact).limit,
+            |contact| [forces[contact].normal, forces[contact].friction],
+        )
+    }
+}
+
+/// Returns the direction in which a contact moves or sets off; 0 if it sticks.
+fn direction(phase: Phase) -> f64 {
+    phase.mode().direction()
+}
