@@ -53,7 +53,7 @@ pub(super) enum Condition {
     Gap(usize),
     /// A closed gap is under pressure.
     Pressed(usize),
-    /// Friction holds a set of contacts that touch, of which this is one.
+    /// Friction holds this contact and those that it touches.
     Held(usize),
 }
 

@@ -10,7 +10,8 @@ mod held;
 mod program;
 mod schedule;
 
-use std::sync::Arc;
+use std::collections::HashMap;
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use fearless_simd::{mask64x8, prelude::*};
 
@@ -18,7 +19,7 @@ use super::kernel::{Ends, Kernel, POWERS, Powers};
 use super::lane::Lane;
 use super::step_length::{longest_step, reciprocal};
 use super::{LANES, Lanes, ORDER};
-use crate::model::{Components, Graph, System};
+use crate::model::{Components, Graph, Structure, System};
 use crate::motion::cluster::{HeldCluster, held_clusters};
 use crate::motion::evaluator::Evaluator;
 use crate::motion::lockstep::vector::{Fused, Vector};
@@ -37,7 +38,7 @@ const STILL: f64 = 1e-6;
 pub(super) struct General<S: Vector> {
     simd: S,
     graph: Arc<Graph>,
-    program: Program,
+    program: Arc<Program>,
     /// The component that is the sliding speed of each contact, if it is one.
     speeds: Vec<Option<usize>>,
     /// The static numbers of the program.
@@ -68,11 +69,26 @@ pub(super) struct Room<S: Vector> {
     doubts: Vec<u64>,
 }
 
+/// Returns the program of recorded equations. Equal systems share one, which is compiled once.
+fn program_of(system: &dyn System, graph: &Graph) -> Arc<Program> {
+    static COMPILED: LazyLock<Mutex<HashMap<Structure, Arc<Program>>>> =
+        LazyLock::new(Mutex::default);
+    let compile = || Arc::new(Program::new(graph));
+    match system.structure() {
+        // A panic while the programs are locked leaves them complete.
+        Some(structure) => {
+            let mut compiled = COMPILED.lock().unwrap_or_else(PoisonError::into_inner);
+            Arc::clone(compiled.entry(structure).or_insert_with(compile))
+        }
+        None => compile(),
+    }
+}
+
 impl<S: Vector> General<S> {
     /// Empty lanes for systems with these equations.
     pub(super) fn new(simd: S, system: &Arc<dyn System>) -> Self {
         let graph = Graph::of(system.as_ref());
-        let program = Program::new(&graph);
+        let program = program_of(system.as_ref(), &graph);
         let contacts = graph.contacts.len();
         General {
             simd,
