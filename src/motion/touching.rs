@@ -70,8 +70,7 @@ impl<'a> InTouch<'a> {
     }
 
     /// Resolves the impact of the contacts that are at each other, and decides the phases after it. If a direction of a
-    /// neighbouring motion is given, it becomes that after the impact. Returns the number of gaps that have closed, and of
-    /// contacts that the impact lifts off.
+    /// neighbouring motion is given, it becomes that after the impact.
     ///
     /// # Errors
     /// [`Failure`] if no impulses, or no phases, meet all conditions.

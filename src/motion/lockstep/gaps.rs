@@ -7,7 +7,7 @@ use super::group::Group;
 use super::kernel::{Ends, Kernel, POWERS, Powers};
 use super::lane::Lane;
 use super::root_isolation::Polynomial;
-use super::{LANES, Lanes, ORDER};
+use super::{Lanes, ORDER};
 use crate::motion::Phase;
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::saltation::Condition;
@@ -112,5 +112,3 @@ pub(super) fn first_closing<S: Vector, K: Kernel<S>>(
         first.or(g.simd, &Polynomial { coefficients, length }, None, Condition::Gap(index));
     }
 }
-
-const _: () = assert!(LANES <= 64);
