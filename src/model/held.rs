@@ -36,6 +36,39 @@ pub struct Holding {
 
 /// Returns the forces with the largest reserve in gaps that are closed. The gaps count the contacts of the list.
 pub fn held(contacts: &[HeldContact], gaps: &[Gap]) -> Holding {
+    held_by_at_most(f64::INFINITY, contacts, gaps)
+}
+
+/// Accuracy of the least force, over the force.
+const FORCE_ACCURACY: f64 = 1e-9;
+/// The largest ratio of a least force to the friction that contacts need.
+const MOST_FORCE: f64 = 1e9;
+
+/// Returns the force `λ` in the gap with the largest one, for forces that hold the contacts and have the smallest such
+/// force; `None` if no forces hold them.
+pub fn least_force(contacts: &[HeldContact], gaps: &[Gap]) -> Option<f64> {
+    let holds = |most: f64| held_by_at_most(most, contacts, gaps).reserve >= 0.0;
+    if holds(0.0) {
+        return Some(0.0);
+    }
+    let needed = contacts.iter().map(|contact| contact.friction.abs()).sum::<f64>();
+    let scale = needed * gaps.iter().map(Gap::reduced_mass).fold(0.0, f64::max);
+    let (mut low, mut high) = (0.0, scale);
+    while !holds(high) {
+        (low, high) = (high, 2.0 * high);
+        if high.is_nan() || high > MOST_FORCE * scale {
+            return None;
+        }
+    }
+    while high - low > FORCE_ACCURACY * high {
+        let middle = 0.5 * (low + high);
+        (low, high) = if holds(middle) { (low, middle) } else { (middle, high) };
+    }
+    Some(high)
+}
+
+/// Returns the forces with the largest reserve, of forces `λ` of at most `most` in each gap.
+fn held_by_at_most(most: f64, contacts: &[HeldContact], gaps: &[Gap]) -> Holding {
     // Each row is a bound on the sum of the variables times their coefficients.
     let columns = |gap: &Gap| gap_columns(gap, contacts);
     let columns: SmallVec<[[Column; 2]; 2]> = gaps.iter().map(columns).collect();
@@ -50,7 +83,15 @@ pub fn held(contacts: &[HeldContact], gaps: &[Gap]) -> Holding {
         // The last variable is the reserve above that without any forces.
         pushes.chain([1.0, bound(row) - least])
     });
-    let table = Table { variables: 2 * gaps.len() + 1, entries: entries.collect() };
+    let mut table = Table { variables: 2 * gaps.len() + 1, entries: entries.collect() };
+    if most.is_finite() {
+        for (place, gap) in gaps.iter().enumerate() {
+            let both = 2 * place..2 * place + 2;
+            let one = |column: usize| if both.contains(&column) { 1.0 } else { 0.0 };
+            table.entries.extend((0..table.variables).map(one));
+            table.entries.push(most / gap.reduced_mass());
+        }
+    }
     let (more, values) = largest_last_variable(table);
     let forces = values.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
     Holding { reserve: least + more, forces }
