@@ -28,8 +28,9 @@ const MOST_RETURNS: usize = 400;
 /// Number of returns over which the greatest distance is taken, because a spiral does not approach
 /// monotonically.
 const SPELL: usize = 10;
-/// Bounds on the required reduction of the distance, which is that of the largest multiplier over
-/// fifty returns.
+/// Number of returns over which the largest multiplier gives the required reduction of the distance, and bounds on this
+/// reduction.
+const RETURNS: i32 = 20;
 const NEARER: (f64, f64) = (0.1, 0.8);
 /// Distance from the unit circle below which a multiplier does not decide the stability, because
 /// the orbit closes only to within the tolerances.
@@ -155,7 +156,7 @@ fn in_fewest_turns(closed: Closed, closure: f64) -> Closed {
 /// sticking at every turn, may never approach it.
 fn attracts(closed: &Closed, run: &[f64], largest_multiplier: f64, closure: f64) -> bool {
     let map = &closed.map;
-    let nearer = largest_multiplier.powi(50).clamp(NEARER.0, NEARER.1);
+    let nearer = largest_multiplier.powi(RETURNS).clamp(NEARER.0, NEARER.1);
     let mut state = Components::from_slice(run);
     let (mut first, mut spell) = (0.0_f64, Vec::with_capacity(SPELL));
     for returns in 0..MOST_RETURNS {

@@ -1,9 +1,10 @@
 //! Rates and forces of a system in one state.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use smallvec::SmallVec;
 
+use super::in_one_state::Affected;
 use super::{Phase, Phases};
 use crate::model::{Components, Dual, Elementary, Graph, Node, NodeId, Number, System};
 
@@ -38,16 +39,7 @@ pub type Forces<T = f64> = SmallVec<[ContactForces<T>; 8]>;
 pub struct Evaluator {
     system: Arc<dyn System>,
     graph: Arc<Graph>,
-    affected: Arc<Mutex<Arc<Affected>>>,
-}
-
-/// The nodes that phases affect, as far as they are known.
-#[derive(Debug, Default)]
-struct Affected {
-    /// Which inputs vary.
-    varying: Vec<bool>,
-    /// The nodes that depend on these inputs, operands first.
-    nodes: Vec<NodeId>,
+    pub(super) affected: Arc<Mutex<Arc<Affected>>>,
 }
 
 impl Evaluator {
@@ -95,17 +87,6 @@ impl Evaluator {
         phases
     }
 
-    /// Returns the equations in one state, for several assumptions about the phases.
-    pub fn in_state<'a>(&'a self, state: &'a [f64]) -> InOneState<'a> {
-        InOneState {
-            evaluator: self,
-            state,
-            inputs: Vec::new(),
-            values: Vec::new(),
-            affected: self.affected(),
-        }
-    }
-
     /// Returns speeds, accelerations and forces of all contacts in a state.
     pub fn forces(&self, phases: &[Phase], state: &[f64]) -> Forces {
         forces(&self.graph, &self.values::<f64>(phases, |component| state[component]))
@@ -146,7 +127,7 @@ impl Evaluator {
     }
 
     /// Returns the values of all nodes.
-    fn values<T: Elementary>(
+    pub(super) fn values<T: Elementary>(
         &self,
         phases: &[Phase],
         state: impl Fn(usize) -> T,
@@ -160,27 +141,14 @@ impl Evaluator {
         values
     }
 
-    fn affected(&self) -> Arc<Affected> {
-        // A panic while the nodes are locked leaves them complete.
-        Arc::clone(&self.affected.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-
-    /// Finds the nodes that depend on inputs that vary, and remembers them for other states.
-    fn affected_by(&self, varying: Vec<bool>) -> Arc<Affected> {
-        let nodes = self.graph.depending_on(&varying);
-        let affected = Arc::new(Affected { varying, nodes });
-        *self.affected.lock().unwrap_or_else(PoisonError::into_inner) = Arc::clone(&affected);
-        affected
-    }
-
-    fn inputs(&self, phases: &[Phase]) -> Vec<f64> {
+    pub(super) fn inputs(&self, phases: &[Phase]) -> Vec<f64> {
         let modes: SmallVec<[_; 8]> = phases.iter().map(|phase| phase.mode()).collect();
         self.system.inputs(&modes)
     }
 
     /// Returns the value of a node from those of the nodes before it.
     #[inline]
-    fn value<T: Elementary>(
+    pub(super) fn value<T: Elementary>(
         &self,
         node: &Node,
         values: &[T],
@@ -217,66 +185,18 @@ impl Evaluator {
 }
 
 /// The solution of the latest linear system.
-struct Solution<T> {
+pub(super) struct Solution<T> {
     solve: Option<u32>,
     unknowns: Unknowns<T>,
 }
 
 impl<T> Solution<T> {
-    fn none() -> Self {
+    pub(super) fn none() -> Self {
         Solution { solve: None, unknowns: SmallVec::new() }
     }
 }
 
-/// The recorded equations in one state. From one assumption about the phases to the next, only the nodes that depend on
-/// the inputs that vary are computed.
-pub struct InOneState<'a> {
-    evaluator: &'a Evaluator,
-    state: &'a [f64],
-    inputs: Vec<f64>,
-    values: Vec<f64>,
-    affected: Arc<Affected>,
-}
-
-impl InOneState<'_> {
-    /// Returns forces and accelerations of all contacts and gaps.
-    pub fn forces_and_gaps(&mut self, phases: &[Phase]) -> (Forces, SmallVec<[GapForces; 8]>) {
-        self.assume(phases);
-        let graph = &self.evaluator.graph;
-        let gap = |nodes: &[NodeId; 2]| {
-            let [opening_acceleration, force] = nodes.map(|node| self.values[node as usize]);
-            GapForces { opening_acceleration, force }
-        };
-        (forces(graph, &self.values), graph.gaps.iter().map(gap).collect())
-    }
-
-    /// Computes all nodes for these phases.
-    fn assume(&mut self, phases: &[Phase]) {
-        let inputs = self.evaluator.inputs(phases);
-        if self.values.is_empty() {
-            let state = |component: usize| self.state[component];
-            self.values = self.evaluator.values(phases, state).to_vec();
-            self.inputs = inputs;
-            return;
-        }
-        let known = |input: usize| self.affected.varying.get(input) == Some(&true);
-        let varies = |input: usize| inputs[input] != self.inputs[input];
-        if (0..inputs.len()).any(|input| varies(input) && !known(input)) {
-            let varying = (0..inputs.len()).map(|input| varies(input) || known(input)).collect();
-            self.affected = self.evaluator.affected_by(varying);
-        }
-        let mut solution = Solution::none();
-        for &place in &self.affected.nodes {
-            let node = &self.evaluator.graph.nodes[place as usize];
-            let state = |component: usize| self.state[component];
-            self.values[place as usize] =
-                self.evaluator.value(node, &self.values, &inputs, state, &mut solution);
-        }
-        self.inputs = inputs;
-    }
-}
-
-fn forces<T: Number>(graph: &Graph, values: &[T]) -> Forces<T> {
+pub(super) fn forces<T: Number>(graph: &Graph, values: &[T]) -> Forces<T> {
     let contact = |nodes: &[NodeId; 4]| {
         let [speed, acceleration, normal, friction] = nodes.map(|node| values[node as usize]);
         ContactForces { speed, acceleration, normal, friction }
