@@ -22,8 +22,8 @@ pub struct GapSample {
 pub struct Touch {
     /// Non-dimensional time.
     pub time: f64,
-    /// Position of the contact behind, with the turns since the start.
-    pub position: f64,
+    /// Positions of the contact behind and of the contact ahead, with the turns since the start.
+    pub positions: [f64; 2],
     /// Just before.
     pub before: GapSample,
     /// Just after. After an impact of contacts that do not stay together, the gap is open again.
@@ -70,7 +70,7 @@ pub(super) fn touches(view: &SystemView, before: &Instant, after: &Instant) -> V
     });
     let touch = |(of_before, of_after): (GapSample, GapSample)| Touch {
         time: after.time,
-        position: after.unwrapped[of_after.contacts[0]],
+        positions: of_after.contacts.map(|contact| after.unwrapped[contact]),
         before: of_before,
         after: of_after,
     };

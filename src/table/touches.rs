@@ -51,15 +51,17 @@ pub fn touch_columns(model: &Model) -> Vec<Column<Touch>> {
     list.word("to", |row| phase_name(row.after.phase))
         .meaning("gap after: closed in lasting contact, otherwise open");
     let is_angle = unit == "rad";
-    let (name, place) = match model.ball_balancer() {
-        Some(_) => ("beta_behind_rad".to_owned(), "angle, in [0, 2π),"),
-        None => (format!("position_behind_{unit}"), "position"),
-    };
-    list.number(name, unit, move |row| {
-        let position = row.position * factor;
-        if is_angle { wrap_to_two_pi(position) } else { position }
-    })
-    .meaning(format!("{place} of the {body} behind the gap"));
+    for (side, name) in ["behind", "ahead"].into_iter().enumerate() {
+        let (column, place) = match model.ball_balancer() {
+            Some(_) => (format!("beta_{name}_rad"), "angle, in [0, 2π),"),
+            None => (format!("position_{name}_{unit}"), "position"),
+        };
+        list.number(column, unit, move |row| {
+            let position = row.positions[side] * factor;
+            if is_angle { wrap_to_two_pi(position) } else { position }
+        })
+        .meaning(format!("{place} of the {body} {name} of the gap"));
+    }
     let speed_unit = format!("{unit}/s");
     let before = units.clone();
     list.number(format!("opening_speed_before_{unit}_s"), &speed_unit, move |row| {

@@ -6,7 +6,7 @@ use stickslip::classification::{
     ContactSample, Instants, Outcome, Recorder, Recording, TouchingOutcome, simulate,
     simulate_recorded,
 };
-use stickslip::model::{Case, TOUCHING};
+use stickslip::model::{Case, TOUCHING, wrap_to_pi};
 use stickslip::motion::Phase;
 
 use super::recorder::cases;
@@ -86,10 +86,10 @@ fn gaps_and_impacts_obey_their_laws() {
         let mut recorder = Recorder::new(Instants::EveryStep { inside: 1 }, 1_000_000);
         simulate_recorded(&case, &mut recorder);
         let recording = recorder.finish();
+        let machine = case.model.ball_balancer().expect("balls");
+        let angle = machine.contact_angle_rad(&machine.balls[0], &machine.balls[0]);
         for sample in &recording.samples {
             let sum: f64 = sample.gaps.iter().map(|gap| gap.width).sum();
-            let machine = case.model.ball_balancer().expect("balls");
-            let angle = machine.contact_angle_rad(&machine.balls[0], &machine.balls[0]);
             let free = std::f64::consts::TAU - sample.gaps.len() as f64 * angle;
             assert!((sum - free).abs() < 1e-9, "{sample:?}");
             for gap in &sample.gaps {
@@ -114,6 +114,8 @@ fn gaps_and_impacts_obey_their_laws() {
         for touch in recording.touches.iter().filter(|touch| touch.is_impact()) {
             let [before, after] = [touch.before, touch.after].map(|gap| gap.opening_speed);
             assert!(before < 0.0 && touch.before.width.abs() < 1e-9, "{touch:?}");
+            let apart = wrap_to_pi(touch.positions[1] - touch.positions[0]);
+            assert!((apart - touch.after.width - angle).abs() < 1e-9, "{touch:?}");
             if touch.after.phase == Phase::Closed {
                 assert_eq!(after, 0.0, "{touch:?}");
             } else if case.model.balls() == 2 {

@@ -87,6 +87,7 @@ fn the_columns_of_gaps_and_touches() {
         "from w -",
         "to w -",
         "beta_behind_rad n rad",
+        "beta_ahead_rad n rad",
         "opening_speed_before_rad_s n rad/s",
         "opening_speed_after_rad_s n rad/s",
         "time n 1 (non-dimensional)",
