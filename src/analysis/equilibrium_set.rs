@@ -254,20 +254,30 @@ pub fn set_fraction(machine: &Machine) -> Option<f64> {
     }
 }
 
-/// Number of positions at which two balls touch, in either order.
+/// Number of positions at which two balls touch, in either order, for [`touching_set_fraction`].
 const TOUCHING_POSITIONS: usize = 4096;
 
 /// Returns the fraction of the positions in which two balls touch that are equilibria, with the force between the balls, to
 /// about 0.0005. `None` for balls without contact and for another number of balls than two.
 pub fn touching_set_fraction(machine: &Machine) -> Option<f64> {
+    let positions = touching_positions(machine, TOUCHING_POSITIONS)?;
+    let rests = positions.iter().filter(|(_, rests)| *rests).count();
+    Some(rests as f64 / TOUCHING_POSITIONS as f64)
+}
+
+/// Returns this number of positions in which two balls touch, each with whether it is an equilibrium with the force between
+/// the balls: around the ring with ball 2 ahead of ball 1, then around the ring with ball 2 behind. `None` for balls without
+/// contact and for another number of balls than two.
+pub fn touching_positions(machine: &Machine, count: usize) -> Option<Vec<([f64; 2], bool)>> {
     let contact = machine.contact?;
     let system = BallsInContact::<2>::new(machine, &contact, &[0.0, 1.0])?;
     let touching = machine.contact_angle_rad(&machine.balls[0], &machine.balls[1]);
-    let rests = (0..TOUCHING_POSITIONS).filter(|position| {
-        let first = *position as f64 / TOUCHING_POSITIONS as f64 * 2.0 * TAU;
+    let position = |number: usize| {
+        let first = number as f64 / count as f64 * 2.0 * TAU;
         // On the second way round, the second ball is behind.
         let second = if first < TAU { first + touching } else { first - touching };
-        system.holds_at_rest(&[first, second].map(wrap_to_two_pi))
-    });
-    Some(rests.count() as f64 / TOUCHING_POSITIONS as f64)
+        let beta = [first, second].map(wrap_to_two_pi);
+        (beta, system.holds_at_rest(&beta))
+    };
+    Some((0..count).map(position).collect())
 }

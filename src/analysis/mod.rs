@@ -42,7 +42,9 @@ pub use balance_quality::{balance_quality_grade, residual_unbalance};
 pub use cycle_class::{CycleClass, Role};
 pub use cycles::{CycleGroup, CycleRange, CycleRole};
 pub use equilibrium_histogram::{BINS, EquilibriumHistogram, HistogramBin, bin, bin_edges};
-pub use equilibrium_set::{EquilibriumSet, Resolution, set_fraction, touching_set_fraction};
+pub use equilibrium_set::{
+    EquilibriumSet, Resolution, set_fraction, touching_positions, touching_set_fraction,
+};
 pub use escape::{EscapeRate, escape_rate, rate_interval};
 pub use frictionless::{
     FrictionlessEquilibrium, FrictionlessKind, HIGH_DRAG, frictionless_equilibria,
