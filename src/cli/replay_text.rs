@@ -135,8 +135,8 @@ fn touching_words(model: &Model, touching: TouchingOutcome) -> String {
 mod tests {
     use std::path::Path;
 
-    use super::{switch_log, terminal_text};
-    use crate::classification::Recording;
+    use super::{switch_log, terminal_text, touching_words};
+    use crate::classification::{Recording, TouchingOutcome};
     use crate::engine::record;
     use crate::study::Study;
 
@@ -168,5 +168,30 @@ mod tests {
         recording.switches.truncate(1);
         let shown = text(&recording);
         assert!(shown.contains(" 1 change between") && !shown.contains("more"), "{shown}");
+    }
+
+    #[test]
+    fn a_terminal_shows_contact() {
+        let text = "schema: 1\nname: a\nseed: 5\n\
+            model: {kind: ball_balancer, contact: {}, parameters: {speed_rad_s: -173.1803}}\n\
+            initial_conditions: {design: {monte_carlo: {samples: 1}}}\nsimulation: {end_time_s: 2}\n";
+        let study = Study::parse(Path::new("a.yaml"), text.to_owned()).expect("a valid study");
+        let (record, recording) = record(&study, 0, None, 1_000_000);
+        let touching = record.outcome.touching.expect("contact");
+        let rows = recording.switches.len() + recording.touches.len();
+        let file = Path::new("b/switches.parquet");
+        let shown = terminal_text(study.model(), &record.outcome, &recording, file);
+        let words = format!("\ncontact       {} impacts, balls touch for ", touching.impacts);
+        assert!(touching.impacts > 1 && touching.time_s > 0.0 && shown.contains(&words), "{shown}");
+        let end = if touching.at_end { "also at the end\n" } else { "no contact at the end\n" };
+        assert!(shown.contains(end), "{shown}");
+        let more = format!(
+            "\n... and {} more; pipe the output or see b/switches.parquet and touches.parquet\n",
+            rows - 20
+        );
+        assert!(shown.ends_with(&more), "{shown}");
+        let once = TouchingOutcome { impacts: 1, lifted_off: 2, time_s: 0.0, at_end: false };
+        let words = touching_words(study.model(), once);
+        assert_eq!(words, "1 impact, no contact at the end; impacts lift 2 balls off the ring");
     }
 }
