@@ -19,9 +19,12 @@ pub struct Machine {
     pub parts: Vec<(&'static str, Value)>,
 }
 
+/// The name of the function that simulates one run.
+pub const SIMULATE: &str = "simulate";
+
 impl Machine {
     /// Creates a machine of a kind with these parameters; `friction` and `normal_force` are keys of
-    /// the model.
+    /// the model, and for a simulation also `contact`. Equilibrium sets are those of balls without contact.
     ///
     /// # Errors
     /// Returns a `TypeError` for values that a study file cannot contain.
@@ -35,7 +38,11 @@ impl Machine {
         for (key, value) in parameters.iter().flat_map(|parameters| parameters.iter()) {
             let key: String = key.extract()?;
             let value = to_value(&key, &value)?;
-            let part = matches!(key.as_str(), "friction" | "normal_force");
+            let part = match key.as_str() {
+                "friction" | "normal_force" => true,
+                "contact" => name == SIMULATE,
+                _ => false,
+            };
             if part { &mut model } else { &mut own }.insert(key, value);
         }
         model.insert("parameters".to_owned(), Value::Object(own));

@@ -10,7 +10,7 @@ use stickslip::table::{
 };
 
 use crate::error::Trouble;
-use crate::machine::{Machine, to_value};
+use crate::machine::{Machine, SIMULATE, to_value};
 use crate::table::Table;
 use crate::values::{items, kind, number};
 use crate::waiting::wait;
@@ -87,8 +87,8 @@ impl Simulation {
 /// simulation: settings of the simulation with the keys of a study file, such as ``{"end_time_s":
 ///     33}``.
 /// parameters: parameters of the machine with the names and units of a study file, such as
-///     ``speed_rad_s=-216.3772``, ``balls=2``, ``friction_coefficient=2.75e-3``; also ``friction``
-///     and ``normal_force``. The defaults are the machine of the thesis.
+///     ``speed_rad_s=-216.3772``, ``balls=2``, ``friction_coefficient=2.75e-3``; also ``friction``,
+///     ``normal_force`` and ``contact``. The defaults are the machine of the thesis.
 ///
 /// A failed run raises no exception; its label is ``failed``. Raises StudyError for invalid
 /// arguments and for a motion of more than 1,000,000 instants, and TypeError for values of other
@@ -103,7 +103,7 @@ pub fn simulate(
     simulation: Option<&Bound<'_, PyAny>>,
     parameters: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Simulation> {
-    let mut machine = Machine::new("simulate", model, parameters)?;
+    let mut machine = Machine::new(SIMULATE, model, parameters)?;
     if let Some(simulation) = simulation {
         machine.parts.push(("simulation", to_value("simulation", simulation)?));
     }
