@@ -4,12 +4,14 @@
 //! only an imbalance equal to its own. Two balls form a triangle, which has a mirror image (two
 //! identical balls: `cos β = -m_I e / (2 m L)`, thesis appendix D.3). Three or more balls have a
 //! family of positions with as many dimensions as there are balls beyond two. Without an imbalance,
-//! two equal balls balance wherever they are opposite each other, a family of one dimension.
+//! two equal balls balance wherever they are opposite each other, a family of one dimension. Balls with
+//! contact balance only where they do not overlap; of three or more, such a position is sought.
 
 use nalgebra::Complex;
 
 use super::identical_balls::sorted_where_identical;
 use super::rest_form::{RestForm, direction};
+use super::set_samples::sample;
 use crate::model::wrap_to_two_pi;
 
 /// Where the balls balance the imbalance.
@@ -33,7 +35,8 @@ impl Balance {
     /// Returns where the balls of a machine balance its imbalance.
     pub fn of(form: &RestForm) -> Self {
         let count = form.mass.len();
-        let found = balanced(form).map(|beta| sorted_where_identical(&beta, &form.balls));
+        let found = balanced(form).filter(|beta| form.is_possible(beta)).or_else(|| apart(form));
+        let found = found.map(|beta| sorted_where_identical(&beta, &form.balls));
         match (found, count) {
             (None, _) => Balance::Nowhere,
             (Some(example), 2) if form.imbalance == 0.0 => {
@@ -112,6 +115,49 @@ fn balanced(form: &RestForm) -> Option<Vec<f64>> {
             beta[ball] = opposite - side_angle(mass_2, mass_1, force);
         }
         Some(beta.into_iter().map(wrap_to_two_pi).collect())
+    })
+}
+
+/// Number of positions from which balanced positions without overlap are sought.
+const STARTS: u32 = 1024;
+/// Number of corrections of each.
+const CORRECTIONS: usize = 20;
+
+/// Returns a balanced position of three or more balls with contact: the first one found from quasi-random positions by
+/// Newton's method with the smallest corrections.
+fn apart(form: &RestForm) -> Option<Vec<f64>> {
+    let balls = form.mass.len();
+    if form.touching.is_none() || balls < 3 {
+        return None;
+    }
+    (0..STARTS).find_map(|start| {
+        let mut beta = sample(balls, 0, start);
+        for _ in 0..CORRECTIONS {
+            // The rate of change of the sum with each angle.
+            let slopes: Vec<Complex<f64>> = beta
+                .iter()
+                .zip(&form.mass)
+                .map(|(beta, mass)| direction(*beta) * Complex::new(0.0, *mass))
+                .collect();
+            let sum = form.imbalance_at(&beta);
+            let [mut xx, mut xy, mut yy] = [0.0; 3];
+            for slope in &slopes {
+                xx += slope.re * slope.re;
+                xy += slope.re * slope.im;
+                yy += slope.im * slope.im;
+            }
+            let determinant = xx * yy - xy * xy;
+            let along = (yy * sum.re - xy * sum.im) / determinant;
+            let across = (xx * sum.im - xy * sum.re) / determinant;
+            for (beta, slope) in beta.iter_mut().zip(&slopes) {
+                *beta -= slope.re * along + slope.im * across;
+            }
+        }
+        let found: Vec<f64> = beta.into_iter().map(wrap_to_two_pi).collect();
+        (found.iter().all(|beta| beta.is_finite())
+            && balances(form, &found)
+            && form.is_possible(&found))
+        .then_some(found)
     })
 }
 

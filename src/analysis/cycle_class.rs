@@ -4,12 +4,13 @@
 //! slip. Its text has one part for each ball, joined by `|`:
 //!
 //! ```text
-//! class   = ball *( "|" ball )
+//! class   = ball *( "|" ball ) [ ";touch:" pairs ] [ ";meet:" pairs ]
 //! ball    = "rest"                    sticks throughout
 //!         / turns                     runs in one phase throughout
 //!         / turns ":" letters         passes through a periodic sequence of phases
 //! turns   = integer: turns around the ring per period, negative against the disc's rotation
 //! letters = two or more of S (sticks), F (slips in the disc's sense), B (slips against it)
+//! pairs   = place "-" place *( "," place "-" place )
 //! ```
 //!
 //! `-1|rest`: one ball falls back by one turn per period while the other rests. `-1:SB|0:BF`: the
@@ -19,10 +20,14 @@
 //! switches and is omitted from the sequence. A block has one part with 0 turns, and the belt's
 //! direction is forward. `unknown` is the class of a closed cycle whose phases are not known.
 //!
+//! With contact between balls, the class ends with the places of the balls that touch throughout the period, and of those
+//! that meet and separate: `-1|-1;touch:1-2` is a pair that runs in touch.
+//!
 //! Equivalent descriptions are reduced to one by taking the smallest form:
 //!
 //! - Identical balls are interchangeable: among their places, balls that run come first, then balls
-//!   that swing, then balls that rest. Balls that differ keep their places in the machine.
+//!   that swing, then balls that rest. Balls that differ keep their places in the machine. Identical balls that do the
+//!   same take the places that give the smallest list of pairs.
 //! - The start of a period is arbitrary: the letters start where they come first in the order S, F,
 //!   B.
 //! - The mirror image (`y`, angles and speeds with the opposite sign) solves the equations of a
@@ -39,7 +44,7 @@ use std::cmp::{Ordering, Reverse};
 use std::fmt;
 
 use super::identical_balls::groups_of_identical;
-use crate::classification::{Cycle, CyclePhase, Evidence, Outcome};
+use crate::classification::{Cycle, CyclePhase, Evidence, Outcome, TouchingPair};
 use crate::model::Model;
 
 /// The role of one ball, or of a block, in a class of cycles. Roles are ordered: balls that run,
@@ -143,6 +148,8 @@ struct CycleForm {
     roles: Vec<Role>,
     /// Sort keys among balls with equal roles.
     sort_keys: Vec<[f64; 3]>,
+    /// The balls that touch each other.
+    touching: Vec<TouchingPair>,
 }
 
 impl CycleForm {
@@ -187,7 +194,7 @@ impl CycleForm {
                 if roles[contact].rests { [angle, 0.0, 0.0] } else { [greatest, least, angle] }
             })
             .collect();
-        Some(CycleForm { roles, sort_keys })
+        Some(CycleForm { roles, sort_keys, touching: cycle.touching.clone() })
     }
 
     /// Returns the smallest form over all starts of the period and all orders of identical balls.
@@ -229,14 +236,70 @@ impl CycleForm {
             }
         }
         let (roles, balls) = smallest;
+        let balls = self.with_smallest_pairs(&groups, &roles, balls);
         let parts: Vec<String> = roles.iter().map(Role::to_string).collect();
-        CycleClass { name: parts.join("|"), roles, balls }
+        let name = parts.join("|") + &pairs_text(&self.pairs(&balls));
+        CycleClass { name, roles, balls }
+    }
+
+    /// Returns the places of the balls that touch each other, in ascending order, and whether they touch throughout.
+    fn pairs(&self, balls: &[usize]) -> Vec<(bool, [usize; 2])> {
+        let place = |ball: usize| balls.iter().position(|one| *one == ball).unwrap_or(ball) + 1;
+        let pair = |pair: &TouchingPair| {
+            let [one, other] = pair.contacts.map(place);
+            (!pair.throughout, [one.min(other), one.max(other)])
+        };
+        let mut pairs: Vec<_> = self.touching.iter().map(pair).collect();
+        pairs.sort_unstable();
+        pairs
+    }
+
+    /// Exchanges identical balls with equal roles so that the list of pairs is the smallest.
+    fn with_smallest_pairs(
+        &self,
+        groups: &[Vec<usize>],
+        roles: &[Role],
+        balls: Vec<usize>,
+    ) -> Vec<usize> {
+        if self.touching.is_empty() {
+            return balls;
+        }
+        let mut orders = vec![balls];
+        for places in groups {
+            for equal in places.chunk_by(|one, other| roles[*one] == roles[*other]) {
+                orders = orders.iter().flat_map(|order| exchanges(order, equal)).collect();
+            }
+        }
+        // The first of equal ones is in the order of the sort keys.
+        orders.into_iter().min_by_key(|balls| self.pairs(balls)).unwrap_or_default()
     }
 
     fn compare_sort_keys(&self, a: usize, b: usize) -> Ordering {
         let pairs = self.sort_keys[a].iter().zip(&self.sort_keys[b]);
         pairs.fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(b)))
     }
+}
+
+/// Returns all orders of the balls in some places, the given order first.
+fn exchanges(balls: &[usize], places: &[usize]) -> Vec<Vec<usize>> {
+    let Some((first, others)) = places.split_first() else { return vec![balls.to_vec()] };
+    let exchanged = |place: &usize| {
+        let mut balls = balls.to_vec();
+        balls.swap(*first, *place);
+        exchanges(&balls, others)
+    };
+    places.iter().flat_map(exchanged).collect()
+}
+
+/// Returns the part of a class that says which balls touch.
+fn pairs_text(pairs: &[(bool, [usize; 2])]) -> String {
+    let list = |meet: bool, name: &str| {
+        let of_kind = pairs.iter().filter(|(kind, _)| *kind == meet);
+        let texts: Vec<String> =
+            of_kind.map(|(_, [one, other])| format!("{one}-{other}")).collect();
+        if texts.is_empty() { String::new() } else { format!(";{name}:{}", texts.join(",")) }
+    };
+    list(false, "touch") + &list(true, "meet")
 }
 
 fn in_sense(model: &Model, cycle_phase: CyclePhase) -> CyclePhase {

@@ -1,18 +1,16 @@
 //! The equilibrium set: all positions in which dry friction holds every ball (thesis section 5.2).
 
-use std::f64::consts::TAU;
-
 use rayon::prelude::*;
 
 use super::balance::Balance;
-use super::frictionless::equilibrium_positions;
+use super::frictionless::{Candidate, equilibrium_positions};
 use super::identical_balls::sorted_where_identical;
 use super::one_ball::Arcs;
 use super::rest_form::{AtRest, RestForm};
 use super::set_extremes::amplitude_extremes;
 use super::set_grid::{GridRow, SetGrid};
 use super::set_samples::{self, REPLICATES};
-use crate::model::{BallsInContact, Machine, wrap_to_two_pi};
+use crate::model::Machine;
 
 /// How finely a set is sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +25,9 @@ pub enum Resolution {
 /// The equilibrium set at one point of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EquilibriumSet {
-    /// Fraction of all ball positions that are in the set.
+    /// Number of positions that were examined, without those at which balls with contact overlap.
+    pub positions: u64,
+    /// Fraction of all ball positions that are in the set; of balls with contact, of those without overlap.
     pub fraction: f64,
     /// 95 % interval of the fraction if positions were sampled; a grid has no random error.
     pub fraction_interval: Option<(f64, f64)>,
@@ -40,7 +40,10 @@ pub struct EquilibriumSet {
     /// nearby. Above 0, the grid is too coarse to resolve all components. 0 for one ball; `None` if
     /// positions were sampled.
     pub unseen: Option<u64>,
-    /// The smallest and the largest amplitude anywhere in the set, m; `None` if the set is empty.
+    /// Fraction of the positions in which two balls with contact touch that are in the set.
+    pub touching_fraction: Option<f64>,
+    /// The smallest and the largest amplitude anywhere in the set, m; `None` if the set is empty. For balls with contact,
+    /// those of the examined positions, apart or touching.
     pub amplitude_m: Option<(f64, f64)>,
     /// The position with the smallest amplitude, one angle per ball, rad.
     pub min_amplitude_beta_rad: Option<Vec<f64>>,
@@ -54,11 +57,13 @@ impl EquilibriumSet {
     pub fn of(machine: &Machine, resolution: Resolution) -> Option<Self> {
         let form = RestForm::new(machine)?;
         let mut set = match resolution {
-            Resolution::Grid(_) if form.mass.len() == 1 => set_of_one_ball(&form),
+            Resolution::Grid(points) if form.mass.len() == 1 => set_of_one_ball(&form, points),
             Resolution::Grid(points) => set_on_grid(&form, &SetGrid::new(&form, points)?),
             Resolution::Samples(samples) => sampled_set(&form, samples),
         };
-        if form.mass.len() > 1 {
+        if form.touching.is_some() {
+            set.take_in_touching(&form);
+        } else if form.mass.len() > 1 {
             set.set_exact_extremes(&form);
         }
         if let Some(beta) = set.balance.position()
@@ -69,6 +74,24 @@ impl EquilibriumSet {
             set.min_amplitude_beta_rad = Some(beta.to_vec());
         }
         Some(set)
+    }
+
+    /// Takes in the positions in which balls touch: all frictionless equilibria, and samples.
+    fn take_in_touching(&mut self, form: &RestForm) {
+        let samples = form.touching_positions();
+        let held: Vec<_> = samples.iter().filter(|beta| form.holds_with_forces(beta)).collect();
+        self.touching_fraction =
+            (!samples.is_empty()).then(|| held.len() as f64 / samples.len() as f64);
+        let without_friction = frictionless_positions(form);
+        for beta in held.into_iter().chain(without_friction.iter().map(|one| &one.beta)) {
+            let amplitude = form.rest_point(beta).norm() * form.ring_radius_m;
+            let (smallest, largest) = self.amplitude_m.get_or_insert((amplitude, amplitude));
+            *largest = largest.max(amplitude);
+            if amplitude < *smallest || self.min_amplitude_beta_rad.is_none() {
+                *smallest = amplitude;
+                self.min_amplitude_beta_rad = Some(sorted_where_identical(beta, &form.balls));
+            }
+        }
     }
 
     /// Replaces the sampled extremes of the amplitude by the exact ones, which lie between the
@@ -98,7 +121,7 @@ impl Resolution {
         }
     }
 
-    /// Passes all positions to `show`, one angle per ball in rad, with the friction and amplitude
+    /// Passes all positions without overlap to `show`, one angle per ball in rad, with the friction and amplitude
     /// there, one at a time and always in the same order. Passes none for a grid with more than two
     /// balls.
     ///
@@ -116,7 +139,10 @@ impl Resolution {
                 for row in 0..grid.rows() {
                     grid.fill(row, &mut values);
                     for column in 0..points {
-                        show(&grid.beta(row, column), grid.at(&values, column))?;
+                        let beta = grid.beta(row, column);
+                        if form.is_possible(&beta) {
+                            show(&beta, grid.at(&values, column))?;
+                        }
                     }
                 }
             }
@@ -124,7 +150,9 @@ impl Resolution {
                 for replicate in 0..REPLICATES {
                     for index in 0..samples {
                         let beta = set_samples::sample(form.mass.len(), replicate, index);
-                        show(&beta, form.at_rest(&beta))?;
+                        if form.is_possible(&beta) {
+                            show(&beta, form.at_rest(&beta))?;
+                        }
                     }
                 }
             }
@@ -133,14 +161,16 @@ impl Resolution {
     }
 }
 
-fn set_of_one_ball(form: &RestForm) -> EquilibriumSet {
+fn set_of_one_ball(form: &RestForm, points: usize) -> EquilibriumSet {
     let arcs = Arcs::of(form);
     let amplitude = |beta: &f64| form.at_rest(&[*beta]).amplitude_m;
     let smallest = arcs.candidates().min_by(|a, b| amplitude(a).total_cmp(&amplitude(b)));
     let largest_m = arcs.candidates().map(|beta| amplitude(&beta)).fold(0.0, f64::max);
     EquilibriumSet {
+        positions: points as u64,
         fraction: arcs.fraction(),
         fraction_interval: None,
+        touching_fraction: None,
         components: Some(arcs.count()),
         components_modulo_exchange: Some(arcs.count()),
         unseen: Some(0),
@@ -155,10 +185,12 @@ fn set_on_grid(form: &RestForm, grid: &SetGrid) -> EquilibriumSet {
     let (components, exchanged) = summary.runs.components();
     let identical = form.balls.iter().all(|ball| *ball == form.balls[0]);
     let radius = form.ring_radius_m;
-    let frictionless = if form.speed == 0.0 { Vec::new() } else { equilibrium_positions(form) };
+    let frictionless = frictionless_positions(form);
     EquilibriumSet {
-        fraction: summary.inside as f64 / grid.size() as f64,
+        positions: summary.possible,
+        fraction: summary.inside as f64 / summary.possible.max(1) as f64,
         fraction_interval: None,
+        touching_fraction: None,
         components: Some(components),
         components_modulo_exchange: exchanged.filter(|_| identical).or(Some(components)),
         unseen: Some(frictionless.iter().filter(|one| !grid.sees(&one.beta)).count() as u64),
@@ -168,6 +200,11 @@ fn set_on_grid(form: &RestForm, grid: &SetGrid) -> EquilibriumSet {
             .map(|[(_, [row, column]), _]| grid.beta(row, column)),
         balance: Balance::of(form),
     }
+}
+
+/// Returns the positions of all frictionless equilibria; none at standstill, where every position is one.
+fn frictionless_positions(form: &RestForm) -> Vec<Candidate> {
+    if form.speed == 0.0 { Vec::new() } else { equilibrium_positions(form) }
 }
 
 fn sampled_set(form: &RestForm, samples: u32) -> EquilibriumSet {
@@ -184,13 +221,16 @@ fn sampled_set(form: &RestForm, samples: u32) -> EquilibriumSet {
         .collect();
     let fractions: Vec<f64> = replicates
         .iter()
-        .map(|replicate| f64::from(replicate.inside) / f64::from(samples))
+        .map(|replicate| f64::from(replicate.inside) / f64::from(replicate.possible.max(1)))
         .collect();
-    let (fraction, interval) = set_samples::fraction_with_interval(&fractions, samples);
+    let fewest = replicates.iter().map(|replicate| replicate.possible).min().unwrap_or(0);
+    let (fraction, interval) = set_samples::fraction_with_interval(&fractions, fewest);
     let all = replicates.into_iter().fold(SampleSums::default(), SampleSums::merged);
     EquilibriumSet {
+        positions: all.possible.into(),
         fraction,
         fraction_interval: Some(interval),
+        touching_fraction: None,
         components: None,
         components_modulo_exchange: None,
         unseen: None,
@@ -204,6 +244,7 @@ fn sampled_set(form: &RestForm, samples: u32) -> EquilibriumSet {
 /// largest amplitude, m.
 #[derive(Default)]
 struct SampleSums {
+    possible: u32,
     inside: u32,
     smallest: Option<(f64, Vec<f64>)>,
     largest_m: f64,
@@ -211,6 +252,10 @@ struct SampleSums {
 
 impl SampleSums {
     fn add(&mut self, form: &RestForm, beta: Vec<f64>) {
+        if !form.is_possible(&beta) {
+            return;
+        }
+        self.possible += 1;
         let rest = form.at_rest(&beta);
         if !rest.in_set() {
             return;
@@ -228,6 +273,7 @@ impl SampleSums {
             (one, other) => one.or(other),
         };
         SampleSums {
+            possible: self.possible + other.possible,
             inside: self.inside + other.inside,
             smallest: smaller,
             largest_m: self.largest_m.max(other.largest_m),
@@ -240,7 +286,7 @@ const FRACTION_GRID: usize = 256;
 
 /// Returns a quick estimate of the fraction of all ball positions that are equilibria, computed on
 /// the calling thread. Of balls with contact, only positions without overlap count; those in which balls touch have no
-/// share in the fraction ([`touching_set_fraction`]).
+/// share in the fraction ([`super::touching_set_fraction`]).
 ///
 /// The fraction is exact for one ball, accurate to about 0.001 for two balls (a grid of 256 × 256
 /// points), and to 0.005 for more (16,384 quasi-random points). `None` for an unsupported number of
@@ -252,32 +298,4 @@ pub fn set_fraction(machine: &Machine) -> Option<f64> {
         2 => Some(SetGrid::new(&form, FRACTION_GRID)?.fraction()),
         _ => Some(set_samples::fraction(&form)),
     }
-}
-
-/// Number of positions at which two balls touch, in either order, for [`touching_set_fraction`].
-const TOUCHING_POSITIONS: usize = 4096;
-
-/// Returns the fraction of the positions in which two balls touch that are equilibria, with the force between the balls, to
-/// about 0.0005. `None` for balls without contact and for another number of balls than two.
-pub fn touching_set_fraction(machine: &Machine) -> Option<f64> {
-    let positions = touching_positions(machine, TOUCHING_POSITIONS)?;
-    let rests = positions.iter().filter(|(_, rests)| *rests).count();
-    Some(rests as f64 / TOUCHING_POSITIONS as f64)
-}
-
-/// Returns this number of positions in which two balls touch, each with whether it is an equilibrium with the force between
-/// the balls: around the ring with ball 2 ahead of ball 1, then around the ring with ball 2 behind. `None` for balls without
-/// contact and for another number of balls than two.
-pub fn touching_positions(machine: &Machine, count: usize) -> Option<Vec<([f64; 2], bool)>> {
-    let contact = machine.contact?;
-    let system = BallsInContact::<2>::new(machine, &contact, &[0.0, 1.0])?;
-    let touching = machine.contact_angle_rad(&machine.balls[0], &machine.balls[1]);
-    let position = |number: usize| {
-        let first = number as f64 / count as f64 * 2.0 * TAU;
-        // On the second way round, the second ball is behind.
-        let second = if first < TAU { first + touching } else { first - touching };
-        let beta = [first, second].map(wrap_to_two_pi);
-        (beta, system.holds_at_rest(&beta))
-    };
-    Some((0..count).map(position).collect())
 }

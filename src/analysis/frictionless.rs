@@ -11,16 +11,16 @@
 //!
 //! which has two solutions, or none if `|S sin γ| > m_I e`. Without an imbalance, the line may have
 //! any direction if `S sin γ = 0`, and there is no such line otherwise. For two identical balls these are the
-//! thesis's A1+ and A1- (together), A2 (opposite each other) and B1 (balanced).
-
-use std::f64::consts::PI;
+//! thesis's A1+ and A1- (together), A2 (opposite each other) and B1 (balanced). Balls with contact lie in rows
+//! ([`super::on_a_line`]).
 
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use super::balance::{Balance, balances};
-use super::identical_balls::{groups_of_identical, sorted_where_identical};
+use super::balance::Balance;
+use super::identical_balls::groups_of_identical;
 use super::linearised::{SmallMotions, Stability};
+use super::on_a_line::on_a_line;
 use super::rest_form::RestForm;
 use crate::model::{Machine, wrap_to_two_pi};
 
@@ -32,7 +32,7 @@ pub const HIGH_DRAG: f64 = 1e4;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum FrictionlessKind {
     /// All balls together, on the branch `θ - γ = arcsin(...)`: below the natural frequency the
-    /// branch with the larger amplitude.
+    /// branch with the larger amplitude. Balls with contact are in a row, each touching the next.
     A1Plus,
     /// All balls together, on the branch `θ - γ = π - arcsin(...)`.
     A1Minus,
@@ -160,77 +160,4 @@ pub(super) fn equilibrium_positions(form: &RestForm) -> Vec<Candidate> {
     }
     all.sort_by_key(|candidate| candidate.kind);
     all
-}
-
-fn on_a_line(form: &RestForm) -> Vec<Candidate> {
-    let mut found = Vec::new();
-    if !form.transfer.is_finite() {
-        return found;
-    }
-    let (gamma, balls) = (form.transfer.arg(), form.mass.len());
-    for (signs, self_opposite) in sides(form) {
-        let sum: f64 = signs.iter().zip(&form.mass).map(|(sign, mass)| sign * mass).sum();
-        let balanced_rotor = form.imbalance == 0.0;
-        // An undamped suspension moves along the force, and every direction is equivalent.
-        let every_direction = balanced_rotor && form.transfer.im == 0.0;
-        let sine = match balanced_rotor {
-            true if every_direction => 0.0,
-            true => f64::INFINITY,
-            false => sum / form.imbalance * gamma.sin(),
-        };
-        if !sine.is_finite() || sine.abs() > 1.0 {
-            continue;
-        }
-        let together = signs.iter().all(|sign| *sign > 0.0);
-        let branches = [
-            (sine.asin(), FrictionlessKind::A1Plus),
-            (PI - sine.asin(), FrictionlessKind::A1Minus),
-        ];
-        // If the exchange of sides is an exchange of identical balls, the two branches coincide.
-        let one_branch = self_opposite || every_direction;
-        for (turn, branch) in branches.into_iter().take(if one_branch { 1 } else { 2 }) {
-            let side = |sign: &f64| gamma + turn + if *sign > 0.0 { 0.0 } else { PI };
-            let beta: Vec<f64> = signs.iter().map(|sign| wrap_to_two_pi(side(sign))).collect();
-            if balances(form, &beta) {
-                continue; // balanced, and counted there
-            }
-            let kind = match (together, balls) {
-                (true, _) => branch,
-                (false, 2) => FrictionlessKind::A2,
-                (false, _) => FrictionlessKind::Other,
-            };
-            let beta = sorted_where_identical(&beta, &form.balls);
-            let family_dimension = usize::from(every_direction);
-            found.push(Candidate { kind, beta, family_dimension });
-        }
-    }
-    found
-}
-
-/// Returns the distributions of the balls over the two sides of a line (1 or -1 per ball), modulo
-/// the exchange of identical balls and of the two sides, and whether the exchange of sides is an
-/// exchange of identical balls.
-fn sides(form: &RestForm) -> Vec<(Vec<f64>, bool)> {
-    let groups = groups_of_identical(&form.balls);
-    let mut ways = vec![Vec::new()]; // number of each group on the other side
-    for group in &groups {
-        let more = |way: &Vec<usize>| -> Vec<Vec<usize>> {
-            (0..=group.len()).map(|other| [way.as_slice(), &[other]].concat()).collect()
-        };
-        ways = ways.iter().flat_map(more).collect();
-    }
-    let exchanged = |way: &[usize]| -> Vec<usize> {
-        groups.iter().zip(way).map(|(group, other)| group.len() - other).collect()
-    };
-    let signs = |way: &[usize]| {
-        let mut signs = vec![1.0; form.balls.len()];
-        for (group, &other) in groups.iter().zip(way) {
-            for &ball in &group[group.len() - other..] {
-                signs[ball] = -1.0;
-            }
-        }
-        signs
-    };
-    let distinct = ways.iter().filter(|way| **way <= exchanged(way));
-    distinct.map(|way| (signs(way), *way == exchanged(way))).collect()
 }

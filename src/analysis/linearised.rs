@@ -11,7 +11,9 @@
 //!     [ -m s  m c    m (1+4J) ]       [ 2ω m c  2ω m s   m C    ]       [ ω² m s  -ω² m c  ω² m p ]
 //! ```
 //!
-//! with one row and one column for each ball and the last block diagonal.
+//! with one row and one column for each ball and the last block diagonal. Balls that touch move together: the angles of a
+//! row of such balls are one coordinate, and its row and column are the sums of those of its balls. The forces between the
+//! balls do no work.
 
 use nalgebra::{Complex, DMatrix, Schur};
 
@@ -47,7 +49,7 @@ impl Stability {
 /// Eigenvalues of the linearised equations of motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SmallMotions {
-    /// All `2 (2 + N)` eigenvalues, non-dimensional (times `ω_n`: 1/s), the fastest growing first.
+    /// All `2 (2 + N)` eigenvalues, fewer where balls touch, non-dimensional (times `ω_n`: 1/s), the fastest growing first.
     /// Empty if they could not be computed.
     pub eigenvalues: Vec<Complex<f64>>,
     /// Stability according to the eigenvalues, without those along a family.
@@ -61,7 +63,7 @@ const ITERATIONS: usize = 200;
 
 /// Returns the matrix `A` of `d/dt (q, q̇) = A (q, q̇)` for small `q = (x, y, β_1, ...)` about
 /// balls at rest at `beta` (one angle per ball), non-dimensional, with the viscous drag `C = drag`
-/// on each ball. `None` if the table has no rest point.
+/// on each ball; balls that touch have one angle together. `None` if the table has no rest point.
 pub fn state_matrix(form: &RestForm, beta: &[f64], drag: f64) -> Option<DMatrix<f64>> {
     let n = 2 + beta.len();
     let (omega, zeta) = (form.speed, form.damping_ratio);
@@ -92,12 +94,34 @@ pub fn state_matrix(form: &RestForm, beta: &[f64], drag: f64) -> Option<DMatrix<
         damping[(i, i)] = m * drag;
         stiffness[(i, i)] = omega_squared * m * (z.re * e.re + z.im * e.im);
     }
+    let together = coordinates(form, beta);
+    let [mass, damping, stiffness] =
+        [mass, damping, stiffness].map(|of_balls| together.transpose() * of_balls * &together);
+    let n = together.ncols();
     let factors = mass.lu();
     let mut matrix = DMatrix::<f64>::zeros(2 * n, 2 * n);
     matrix.view_mut((0, n), (n, n)).fill_with_identity();
     matrix.view_mut((n, 0), (n, n)).copy_from(&-factors.solve(&stiffness)?);
     matrix.view_mut((n, n), (n, n)).copy_from(&-factors.solve(&damping)?);
     Some(matrix)
+}
+
+/// Returns the matrix with a column for the change of all variables with each coordinate.
+fn coordinates(form: &RestForm, beta: &[f64]) -> DMatrix<f64> {
+    // The ball that each ball moves with.
+    let mut leader: Vec<usize> = (0..beta.len()).collect();
+    for gap in form.closed_gaps(beta) {
+        let [from, to] = gap.contacts.map(|ball| leader[ball]);
+        leader.iter_mut().filter(|one| **one == from).for_each(|one| *one = to);
+    }
+    let leaders: Vec<usize> = (0..beta.len()).filter(|ball| leader[*ball] == *ball).collect();
+    let mut matrix = DMatrix::zeros(2 + beta.len(), 2 + leaders.len());
+    matrix.view_mut((0, 0), (2, 2)).fill_with_identity();
+    for (column, one) in leaders.iter().enumerate() {
+        let led = (0..beta.len()).filter(|ball| leader[*ball] == *one);
+        led.for_each(|ball| matrix[(2 + ball, 2 + column)] = 1.0);
+    }
+    matrix
 }
 
 /// Returns the rest point, which is 0 if the balls balance the imbalance, even at resonance.

@@ -17,6 +17,7 @@ mod identical_balls;
 mod interval;
 mod linearised;
 mod observed;
+mod on_a_line;
 mod one_ball;
 mod overlap;
 mod point_summary;
@@ -34,6 +35,7 @@ mod stopping;
 mod stratified;
 mod summary_statistics;
 mod survival;
+mod touching;
 mod value_counts;
 
 pub use audit::AuditCounts;
@@ -42,9 +44,7 @@ pub use balance_quality::{balance_quality_grade, residual_unbalance};
 pub use cycle_class::{CycleClass, Role};
 pub use cycles::{CycleGroup, CycleRange, CycleRole};
 pub use equilibrium_histogram::{BINS, EquilibriumHistogram, HistogramBin, bin, bin_edges};
-pub use equilibrium_set::{
-    EquilibriumSet, Resolution, set_fraction, touching_positions, touching_set_fraction,
-};
+pub use equilibrium_set::{EquilibriumSet, Resolution, set_fraction};
 pub use escape::{EscapeRate, escape_rate, rate_interval};
 pub use frictionless::{
     FrictionlessEquilibrium, FrictionlessKind, HIGH_DRAG, frictionless_equilibria,
@@ -69,5 +69,6 @@ pub use stopping::{StoppingRule, is_narrow};
 pub use stratified::Cells;
 pub(crate) use survival::rest_or_stop_time;
 pub use survival::{SurvivalCurve, SurvivalStep};
+pub use touching::touching_set_fraction;
 pub use value_counts::ValueCounts;
 pub(crate) use value_counts::interpolated_quantile;

@@ -3,6 +3,7 @@
 
 use nalgebra::Complex;
 
+use super::touching::Touching;
 use crate::model::{Balancer, Ball, Machine};
 
 /// The non-dimensional parameters of a machine that determine where its balls can rest.
@@ -29,8 +30,8 @@ pub struct RestForm {
     pub ring_radius_m: f64,
     /// Natural frequency `ω_n`, rad/s.
     pub natural_frequency_rad_s: f64,
-    /// The cosine of the angle at which each pair of balls touches, for balls with contact.
-    touching: Vec<([usize; 2], f64)>,
+    /// The contact between several balls, if they have any.
+    pub(super) touching: Option<Touching>,
 }
 
 /// One position of the balls at rest.
@@ -80,13 +81,8 @@ impl RestForm {
         let (speed, damping_ratio) = (balancer.speed, balancer.damping_ratio);
         let denominator = Complex::new(1.0 - speed * speed, 2.0 * damping_ratio * speed);
         let balls = balancer.balls.iter();
-        let pairs = (0..N).flat_map(|one| (0..one).map(move |other| [one, other]));
-        let pairs = pairs.filter(|_| machine.contact.is_some()).map(|pair| {
-            let [one, other] = pair.map(|ball| &machine.balls[ball]);
-            (pair, libm::cos(machine.contact_angle_rad(one, other)))
-        });
         Some(RestForm {
-            touching: pairs.collect(),
+            touching: Touching::of(machine),
             speed,
             damping_ratio,
             transfer: Complex::from(speed * speed) / denominator,
@@ -128,19 +124,6 @@ impl RestForm {
             friction_used = larger(friction_used, used);
         }
         AtRest { amplitude_m: z.norm() * self.ring_radius_m, required_friction, friction_used }
-    }
-
-    /// Returns whether balls with contact have these directions without overlapping. Balls without contact may overlap.
-    pub(super) fn are_apart(&self, directions: &[Complex<f64>]) -> bool {
-        let apart = |([one, other], cosine): &([usize; 2], f64)| {
-            (directions[*one] * directions[*other].conj()).re <= *cosine
-        };
-        self.touching.iter().all(apart)
-    }
-
-    /// Returns the angle at which the first two balls touch, rad; 0 without contact.
-    pub(super) fn touching_angle(&self) -> f64 {
-        self.touching.first().map_or(0.0, |(_, cosine)| libm::acos(*cosine))
     }
 
     /// Returns whether the balls can rest in these directions, `e^{iβ}` of each; a faster

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::rest_form::{AtRest, RestForm, direction, holding, is_held, larger};
 use super::set_components::{Run, SetRuns};
+use crate::model::wrap_to_two_pi;
 
 /// A grid over the angles of one ball or two.
 #[derive(Clone, Debug)]
@@ -36,6 +37,8 @@ pub struct GridRow {
 pub struct GridSummary {
     /// Points of the grid in the set.
     pub inside: u64,
+    /// Points of the grid at which no balls with contact overlap.
+    pub possible: u64,
     /// The smallest and the largest amplitude at points of the set, non-dimensional, each with the
     /// point's row and column; `None` if no point is in the set.
     pub amplitudes: Option<[(f64, [usize; 2]); 2]>,
@@ -146,15 +149,25 @@ impl<'a> SetGrid<'a> {
             };
             beta.iter().enumerate().map(along).collect()
         };
+        if !self.form.closed_gaps(beta).is_empty() {
+            // Positions in which balls touch are examined at the angles of the rows.
+            return [0, 1].into_iter().any(|corners| {
+                let turn = corner(corners)[0] - beta[0];
+                let there: Vec<f64> = beta.iter().map(|beta| wrap_to_two_pi(beta + turn)).collect();
+                self.form.holds_with_forces(&there)
+            });
+        }
         (0..1_usize << beta.len()).any(|corners| self.form.at_rest(&corner(corners)).in_set())
     }
 
-    /// Returns the fraction of the grid's points that are in the set of two balls, of those that balls with contact can have, on
-    /// the calling thread.
+    /// Returns the fraction of the grid's points that are in the set of two balls, of those at which balls with contact do not
+    /// overlap, on the calling thread.
     pub fn fraction(&self) -> f64 {
-        let touching = self.form.touching_angle();
-        if touching > 0.0 {
-            return self.fraction_apart(touching);
+        let rows = 0..self.rows();
+        if self.has_contact() {
+            let inside = rows.map(|row| self.possible(row).map(|part| self.count(row, part)));
+            let inside: u64 = inside.flatten().sum();
+            return inside as f64 / self.possible_points().max(1) as f64;
         }
         let inside = match &self.push[..] {
             [_, _] if self.form.balls[0] == self.form.balls[1] => {
@@ -169,18 +182,40 @@ impl<'a> SetGrid<'a> {
         inside as f64 / self.size() as f64
     }
 
-    /// Returns the fraction of the grid's points at which two balls are apart by an angle that are in the set.
-    fn fraction_apart(&self, angle: f64) -> f64 {
+    fn has_contact(&self) -> bool {
+        self.push.len() == 2 && self.form.touching.is_some()
+    }
+
+    /// Returns the first and the last place ahead of a row at which two balls do not overlap.
+    fn apart(&self) -> [usize; 2] {
+        let angle = if self.has_contact() { self.form.touching_angle(0, 1) } else { 0.0 };
+        let first = (angle / Self::angle(1, self.points)).ceil() as usize;
+        [first, self.points.saturating_sub(first)]
+    }
+
+    /// Returns the number of points of the grid at which two balls with contact do not overlap.
+    fn possible_points(&self) -> u64 {
+        let [first, last] = self.apart();
+        self.rows() as u64 * (last + 1).saturating_sub(first) as u64
+    }
+
+    /// Returns the columns of a row, in two parts, at which two balls with contact do not overlap.
+    fn possible(&self, row: usize) -> [Range<usize>; 2] {
         let points = self.points;
-        let first = (angle / Self::angle(1, points)).ceil() as usize;
-        let last = points.saturating_sub(first);
-        let inside = (0..self.rows()).map(|row| {
-            let (from, to) = (row + first, row + last + 1);
-            self.count(row, from.min(points)..to.min(points))
-                + self.count(row, from.max(points) - points..to.max(points) - points)
-        });
-        let possible = self.rows() * (last + 1).saturating_sub(first);
-        inside.sum::<u64>() as f64 / possible.max(1) as f64
+        let [first, last] = self.apart();
+        let (from, to) = (row + first, (row + last + 1).max(row + first));
+        [from.min(points)..to.min(points), from.max(points) - points..to.max(points) - points]
+    }
+
+    /// Adds the touching positions of two balls to the runs of a row: where friction holds them, the nearest possible point
+    /// counts as connected to the set.
+    fn with_touching(&self, row: usize, inside: &mut [bool]) {
+        let [first, last] = self.apart();
+        let (here, touching) = (Self::angle(row, self.points), self.form.touching_angle(0, 1));
+        for (ahead, place) in [(touching, first), (-touching, last)] {
+            let beta = [here, wrap_to_two_pi(here + ahead)];
+            inside[(row + place) % self.points] |= self.form.holds_with_forces(&beta);
+        }
     }
 
     /// Returns how many points of a range of columns of a row are in the set of two balls.
@@ -216,30 +251,38 @@ impl<'a> SetGrid<'a> {
             columns: self.points as u32,
             rows: rows.into_iter().map(|row| row.runs).collect(),
         };
-        GridSummary { inside, amplitudes, runs }
+        let possible = if self.has_contact() { self.possible_points() } else { self.size() };
+        GridSummary { inside, possible, amplitudes, runs }
     }
 
     fn row_summary(&self, row: usize, values: &mut GridRow) -> RowSummary {
         self.fill(row, values);
-        let runs = SetRuns::of_row(values.used.iter().map(|used| *used <= 1.0));
+        let mut inside: Vec<bool> = values.used.iter().map(|used| *used <= 1.0).collect();
+        if self.has_contact() {
+            let parts = self.possible(row);
+            let possible = |column: usize| parts.iter().any(|part| part.contains(&column));
+            (0..).zip(&mut inside).for_each(|(column, inside)| *inside &= possible(column));
+        }
         let mut extremes: Option<[(f64, usize); 2]> = None;
-        for &(start, end) in &runs {
-            for column in start as usize..end as usize {
-                let here = (values.amplitude_squared[column], column);
-                let [low, high] = extremes.get_or_insert([here; 2]);
-                if here.0 < low.0 {
-                    *low = here;
-                }
-                if here.0 > high.0 {
-                    *high = here;
-                }
+        for column in (0..self.points).filter(|column| inside[*column]) {
+            let here = (values.amplitude_squared[column], column);
+            let [low, high] = extremes.get_or_insert([here; 2]);
+            if here.0 < low.0 {
+                *low = here;
+            }
+            if here.0 > high.0 {
+                *high = here;
             }
         }
+        let number = inside.iter().filter(|inside| **inside).count() as u64;
+        if self.has_contact() {
+            self.with_touching(row, &mut inside);
+        }
         RowSummary {
-            inside: runs.iter().map(|(start, end)| u64::from(end - start)).sum(),
+            inside: number,
             amplitudes: extremes
                 .map(|both| both.map(|(squared, column)| (squared.sqrt(), [row, column]))),
-            runs,
+            runs: SetRuns::of_row(inside.into_iter()),
         }
     }
 }

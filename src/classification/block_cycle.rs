@@ -87,6 +87,7 @@ impl BreakAwayWatch {
         Some(Cycle {
             turns: vec![0],
             configurations: last.cycle_phases.iter().map(|&phase| vec![phase]).collect(),
+            touching: Vec::new(),
             speed_extremes: vec![last.speeds.map(|speed| speed * speed_unit)],
             angle_extremes: vec![None],
             peak_amplitude_m: last.extremes.amplitude()? * units.position,

@@ -7,7 +7,7 @@
 
 use nalgebra::{DMatrix, Dyn, LU, Schur};
 
-use super::cycle::CyclePhase;
+use super::cycle::{CyclePhase, TouchingPair};
 use super::period::Period;
 use super::return_map::{Return, ReturnMap};
 use super::system_view::ContactPlace;
@@ -44,6 +44,8 @@ pub struct Orbit {
     pub turns: Vec<i32>,
     /// The sequence of phases of the contacts.
     pub configurations: Vec<Vec<CyclePhase>>,
+    /// The contacts that touch each other.
+    pub touching: Vec<TouchingPair>,
     /// Mean speed of each contact, non-dimensional.
     pub speed: Vec<f64>,
     /// Least and greatest speed of each contact.
@@ -196,6 +198,7 @@ fn orbit(closed: &Closed, end: &Return, period: Period, multipliers: Vec<f64>) -
     Orbit {
         period: end.time,
         turns: contacts.map(whole).collect(),
+        touching: period.touching(view),
         configurations: period.configurations,
         speed: turned.iter().map(|angle| angle / end.time).collect(),
         speed_extremes: period.speeds,

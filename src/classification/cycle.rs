@@ -30,6 +30,15 @@ impl CyclePhase {
     }
 }
 
+/// Two contacts that touch in a cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct TouchingPair {
+    /// The contacts, counted from 0, in ascending order.
+    pub contacts: [usize; 2],
+    /// Whether they touch throughout; otherwise they meet and separate.
+    pub throughout: bool,
+}
+
 /// A limit cycle that a run has been shown to be on. Contacts are in the order of the model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cycle {
@@ -39,6 +48,8 @@ pub struct Cycle {
     /// The sequence of phases of all contacts over one period, from an arbitrary start; neighbours
     /// differ.
     pub configurations: Vec<Vec<CyclePhase>>,
+    /// The contacts that touch each other, in ascending order.
+    pub touching: Vec<TouchingPair>,
     /// Least and greatest speed of each contact relative to its support: rad/s for a ball, m/s for
     /// a block.
     pub speed_extremes: Vec<[f64; 2]>,
@@ -60,6 +71,7 @@ impl Cycle {
         let lengths = [self.turns.len(), self.speed_extremes.len(), self.angle_extremes.len()];
         lengths == [contacts; 3]
             && self.configurations.iter().all(|configuration| configuration.len() == contacts)
+            && self.touching.iter().all(|pair| pair.contacts[1] < contacts)
     }
 
     /// Returns whether a contact rests throughout the cycle.

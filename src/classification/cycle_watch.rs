@@ -48,6 +48,18 @@ impl CycleWatch {
         }
     }
 
+    /// Evaluates a run that ends otherwise undecided; `last_switches` are the times at which its contacts last changed their
+    /// phases. Returns the ending if the run has been shown to approach a limit cycle.
+    pub(super) fn closes_at_end(
+        &self,
+        settings: &Settings,
+        last_switches: &[f64],
+    ) -> Option<Ending> {
+        let CycleWatch::Orbits(watch) = self else { return None };
+        let orbit = watch.look_at_end(settings, last_switches)?;
+        Some(Ending::Orbit(Box::new(orbit)))
+    }
+
     /// Evaluates the end of a step with an event or a completed turn. Returns the ending if the run
     /// has been shown to be on a limit cycle.
     pub(super) fn closes(&mut self, settings: &Settings, step: &LaneStep) -> Option<Ending> {

@@ -46,7 +46,7 @@ mod window;
 pub const MODEL_VERSION: u32 = 6;
 
 pub use closed_orbit::Orbit;
-pub use cycle::{Cycle, CyclePhase};
+pub use cycle::{Cycle, CyclePhase, TouchingPair};
 pub use gap_sample::{GapSample, Touch};
 pub use in_lockstep::{Runs, simulate_by_recorded_equations_in_lockstep, simulate_in_lockstep};
 pub use orbit::OrbitWatch;

@@ -36,6 +36,9 @@ const NEAR_RETURNS: usize = 3;
 /// Number of successive returns that must be near if they do not approach monotonically: an orbit
 /// may be approached in a spiral.
 const CLOSE_RETURNS: usize = 16;
+/// Largest distance of the latest passage from an earlier one, non-dimensional, at which the orbit of a run that would end
+/// undecided is examined.
+const NEAR_AT_END: f64 = 1e-2;
 /// Largest closing error of an examined orbit, for any tolerances of the run, because the orbit is
 /// computed with finer ones. It corresponds to the default tolerances. With a larger error, a
 /// slowly converging spiral would itself count as closed.
@@ -180,6 +183,23 @@ impl OrbitWatch {
         let (turns, orbit) = self.unstable.as_ref()?;
         let closes = self.passages.back()?.differences[*turns] <= near(*turns);
         closes.then_some(orbit)
+    }
+
+    /// Examines the orbit of a run that ends otherwise undecided, from farther away than during the run. Returns the limit
+    /// cycle that the run has been shown to approach.
+    pub(super) fn look_at_end(&self, settings: &Settings, last_switches: &[f64]) -> Option<Orbit> {
+        let (reference, _) = self.ball?;
+        let (passage, before) = (self.passages.back()?, self.passages.len() - 1);
+        let closes = |turns: &usize| self.passages[before - turns].phases == passage.phases;
+        let distance = |turns: &usize| passage.differences[*turns];
+        let turns = (1..=MOST_TURNS.min(before))
+            .filter(closes)
+            .min_by(|one, other| distance(one).total_cmp(&distance(other)))
+            .filter(|turns| distance(turns) <= NEAR_AT_END)?;
+        match self.examine(settings, reference, turns, last_switches) {
+            Verdict::Stable(orbit) => Some(orbit),
+            Verdict::Unstable(_) | Verdict::Open => None,
+        }
     }
 
     fn restart(&mut self) {

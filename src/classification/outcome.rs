@@ -133,6 +133,9 @@ pub struct TouchingOutcome {
     pub time_s: f64,
     /// Whether any two balls touched at the end.
     pub at_end: bool,
+    /// Force between two balls that touch at rest, N: the smallest with which friction holds them, in the contact with the
+    /// largest such force.
+    pub force_n: Option<f64>,
 }
 
 /// One run's result. Per-ball values are in the order of the balls.

@@ -1,11 +1,11 @@
 //! Properties of one period of a cycle: sequence of stick and slip, extremes, means, margins.
 
-use super::cycle::CyclePhase;
+use super::cycle::{CyclePhase, TouchingPair};
 use super::return_map::FollowedStep;
 use super::section::Section;
 use super::system_view::SystemView;
 use super::window::{NODES, WEIGHTS};
-use crate::model::Components;
+use crate::model::{Components, TOUCHING};
 use crate::motion::Phase;
 
 /// Number of instants inside a step at which a resting contact's margin is evaluated.
@@ -18,6 +18,8 @@ pub(super) struct Period {
     time: f64,
     /// The sequence of phases of the contacts.
     pub(super) configurations: Vec<Vec<CyclePhase>>,
+    /// For each gap, whether its contacts have touched, and whether they have been apart.
+    gaps: Vec<[bool; 2]>,
     /// Least and greatest speed of each contact.
     pub(super) speeds: Vec<[f64; 2]>,
     /// Least and greatest position of each contact.
@@ -42,6 +44,7 @@ impl Period {
             rests: contacts.clone().filter(|&contact| section.rests[contact]).collect(),
             time: 0.0,
             configurations: vec![cycle_phases(view, phases, start)],
+            gaps: vec![[false; 2]; phases.len() - view.contacts.len()],
             speeds: contacts.map(|contact| [view.speed(phases, start, contact); 2]).collect(),
             positions: view.wrapped(start).iter().map(|position| [*position; 2]).collect(),
             peak: view.square(start).sqrt(),
@@ -49,7 +52,36 @@ impl Period {
             margin: f64::INFINITY,
         };
         period.look_at_margin(view, phases, start);
+        period.look_at_gaps(view, phases, start);
         period
+    }
+
+    /// Returns the contacts that have touched.
+    pub(super) fn touching(&self, view: &SystemView) -> Vec<TouchingPair> {
+        let gaps = view.system().touching().map_or(&[][..], |touching| touching.gaps());
+        let mut pairs: Vec<TouchingPair> = Vec::new();
+        for (gap, [_, apart]) in gaps.iter().zip(&self.gaps).filter(|(_, [touched, _])| *touched) {
+            let [one, other] = gap.contacts;
+            let contacts = [one.min(other), one.max(other)];
+            pairs.push(TouchingPair { contacts, throughout: !apart });
+        }
+        pairs.sort();
+        // Two balls have two gaps.
+        pairs.dedup_by_key(|pair| pair.contacts);
+        pairs
+    }
+
+    /// Takes in which contacts touch.
+    fn look_at_gaps(&mut self, view: &SystemView, phases: &[Phase], state: &[f64]) {
+        let Some(touching) = view.system().touching() else { return };
+        let contacts = view.contacts.len();
+        for ((gap, phase), seen) in
+            touching.gaps().iter().zip(&phases[contacts..]).zip(&mut self.gaps)
+        {
+            let positions = gap.contacts.map(|contact| state[view.contacts[contact].position]);
+            seen[0] |= *phase == Phase::Closed || gap.width(positions) <= TOUCHING;
+            seen[1] |= *phase == Phase::Open;
+        }
     }
 
     /// Adds a step, until the end of the period if that is inside the step.
@@ -102,6 +134,7 @@ impl Period {
                 }
             }
         }
+        self.look_at_gaps(view, during, &state);
         // At its end the period returns to its start.
         let now = cycle_phases(view, motion.phases(), &state);
         let ends = step.end.is_some();

@@ -10,7 +10,7 @@ use super::late::{Late, Vibration};
 use super::outcome::{Evidence, LyapunovExponent, Outcome, TouchingOutcome};
 use crate::model::Units;
 use crate::motion::lockstep::LaneGroup;
-use crate::motion::{Failure, Motion, any_closed};
+use crate::motion::{Failure, Motion, Phase, any_closed};
 
 /// How the simulation ended.
 pub(super) enum Ending {
@@ -58,6 +58,7 @@ impl LaneRun {
                 lifted_off: touches.lifted_off,
                 time_s: touches.time / natural,
                 at_end: any_closed(group.phases(lane)),
+                force_n: None,
             }),
             effort: step.effort(),
             error: None,
@@ -70,6 +71,7 @@ impl LaneRun {
             Ending::Settled => Outcome {
                 time_to_rest_s: self.slow_since(&step).map(|since| since / natural),
                 friction_margin: None,
+                touching: self.with_force(&base, self.force_in_gaps(&step)),
                 ..self.at_rest(&step, Evidence::Settled, base)
             },
             Ending::Orbit(orbit) => Outcome {
@@ -114,7 +116,9 @@ impl LaneRun {
         let rest = self.view.system().rest_forms().map(|forms| forms.at_rest(&state));
         let amplitude = rest.map_or_else(|| self.view.square(&state).sqrt(), |rest| rest.amplitude);
         let revolves = self.view.revolves();
+        let force = || self.view.system().rest_forms()?.contact_force(&state);
         Outcome {
+            touching: self.with_force(&base, base.touching.and_then(|_| force())),
             evidence,
             balls_running: revolves.then_some(0),
             amplitude_m: Some(amplitude * self.units.length_m),
@@ -124,6 +128,24 @@ impl LaneRun {
             mean_speed: revolves.then(|| vec![0.0; self.view.contacts.len()]),
             ..base
         }
+    }
+
+    /// Returns what balls that touch have done, with a force on a contact, over its mass.
+    fn with_force(&self, base: &Outcome, force: Option<(usize, f64)>) -> Option<TouchingOutcome> {
+        let force_n = force.map(|(contact, force)| force * self.units.force_n[contact]);
+        base.touching.map(|touching| TouchingOutcome { force_n, ..touching })
+    }
+
+    /// Returns the contact that the largest force in a gap acts on, and the force over the contact's mass.
+    fn force_in_gaps(&self, step: &LaneStep) -> Option<(usize, f64)> {
+        let gaps = self.view.system().touching()?.gaps();
+        let state = step.group.state(step.lane);
+        let phases = step.group.phases(step.lane);
+        let (_, forces) = self.view.evaluator.in_state(&state).forces_and_gaps(phases);
+        let closed = gaps.iter().zip(&forces).zip(&phases[self.view.contacts.len()..]);
+        let closed = closed.filter(|(_, phase)| **phase == Phase::Closed);
+        let largest = closed.max_by(|one, other| one.0.1.force.total_cmp(&other.0.1.force));
+        largest.map(|((gap, force), _)| (gap.contacts[0], force.force / gap.masses[0]))
     }
 
     /// Returns the outcome of a run at its end time without another ending.
@@ -225,6 +247,7 @@ fn cycle(orbit: &Orbit, units: &Units) -> Cycle {
     Cycle {
         turns: orbit.turns.clone(),
         configurations: orbit.configurations.clone(),
+        touching: orbit.touching.clone(),
         speed_extremes: speeds.collect(),
         angle_extremes: angles.collect(),
         peak_amplitude_m: orbit.peak * units.length_m,

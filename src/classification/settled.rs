@@ -10,6 +10,8 @@
 //!   imaginary axis, except for the zeros of a family of equilibria, as of three or more balls that
 //!   can balance in many positions: one zero for each independent displacement of bodies without
 //!   any force.
+//!
+//! Bodies that touch move together and are one body here; the forces between them must press.
 
 use nalgebra::{Complex, DMatrix, DVector, SVD, Schur};
 
@@ -79,22 +81,81 @@ fn may_settle(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
     let slides = |(contact, phase): (usize, &Phase)| match phase {
         Phase::Free => true,
         Phase::Slip(_) => view.speed(phases, state, contact).abs() > SLIDES,
-        Phase::Stick | Phase::Transition(_) | Phase::Closed => false,
-        Phase::Open => true,
+        Phase::Stick | Phase::Transition(_) => false,
+        Phase::Open | Phase::Closed => true,
     };
     phases.iter().enumerate().all(slides)
 }
 
+/// A system whose contacts keep their phases, with one variable for each independent component of the state.
+struct ReducedCoordinates<'a> {
+    view: &'a SystemView,
+    phases: &'a [Phase],
+    /// The components that are the variables.
+    variables: Vec<usize>,
+    /// The components that keep their distance from another one: contacts that touch.
+    following: Vec<(usize, usize, f64)>,
+}
+
+impl<'a> ReducedCoordinates<'a> {
+    fn new(view: &'a SystemView, phases: &'a [Phase], state: &[f64]) -> Self {
+        let mut following = Vec::new();
+        for (follower, leader) in view.followers(phases, None) {
+            let (follower, leader) = (view.contacts[follower], view.contacts[leader]);
+            let apart = state[follower.position] - state[leader.position];
+            following.push((follower.position, leader.position, apart));
+            if let (Some(follower), Some(leader)) = (follower.speed, leader.speed) {
+                following.push((follower, leader, 0.0));
+            }
+        }
+        let is_free = |place: &usize| following.iter().all(|(follower, ..)| follower != place);
+        let variables = (0..view.dimension()).filter(is_free).collect();
+        ReducedCoordinates { view, phases, variables, following }
+    }
+
+    /// Returns the variables of a state.
+    fn of_state(&self, state: &[f64]) -> DVector<f64> {
+        DVector::from_iterator(
+            self.variables.len(),
+            self.variables.iter().map(|place| state[*place]),
+        )
+    }
+
+    /// Returns the state with these variables.
+    fn state(&self, variables: &DVector<f64>) -> Vec<f64> {
+        let mut state = vec![0.0; self.view.dimension()];
+        for (place, value) in self.variables.iter().zip(variables.iter()) {
+            state[*place] = *value;
+        }
+        for (follower, leader, apart) in &self.following {
+            state[*follower] = state[*leader] + apart;
+        }
+        state
+    }
+
+    fn rate(&self, variables: &DVector<f64>) -> DVector<f64> {
+        self.of_state(&self.view.evaluator.rates(self.phases, &self.state(variables)))
+    }
+
+    /// Returns whether the forces between contacts that touch press.
+    fn is_pressed(&self, variables: &DVector<f64>) -> bool {
+        let state = self.state(variables);
+        let (_, gaps) = self.view.evaluator.in_state(&state).forces_and_gaps(self.phases);
+        let closed = self.phases[self.view.contacts.len()..].iter().zip(&gaps);
+        closed.filter(|(phase, _)| **phase == Phase::Closed).all(|(_, gap)| gap.force > 0.0)
+    }
+}
+
 /// Returns whether a state is near a stable equilibrium; `None` if that cannot be computed.
 fn has_settled(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<bool> {
-    let flat = |values: &[f64]| DVector::from_column_slice(values);
-    let rate = |point: &DVector<f64>| flat(&view.evaluator.rates(phases, point.as_slice()));
-    let steps = steps(view);
-    let start = flat(state);
+    let reduced = ReducedCoordinates::new(view, phases, state);
+    let rate = |point: &DVector<f64>| reduced.rate(point);
+    let steps = steps(&reduced);
+    let start = reduced.of_state(state);
     let (mut equilibrium, mut last) = (start.clone(), f64::INFINITY);
     for _ in 0..5 {
         let slope = jacobian(rate, &equilibrium, &steps)?;
-        let family = family_dimension(view, &slope)?;
+        let family = family_dimension(&reduced, &slope)?;
         let step = newton_step(slope, -rate(&equilibrium), family)?;
         last = step.amax();
         equilibrium += step;
@@ -104,11 +165,11 @@ fn has_settled(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<boo
         }
     }
     let is_there = rate(&equilibrium).amax() <= 1e-3 * SLOW && last <= THERE;
-    if !is_there {
+    if !is_there || !reduced.is_pressed(&equilibrium) {
         return Some(false);
     }
     let slope = jacobian(rate, &equilibrium, &steps)?;
-    let family = family_dimension(view, &slope)?;
+    let family = family_dimension(&reduced, &slope)?;
     let eigenvalues = Schur::try_new(slope, f64::EPSILON, 10_000)?.complex_eigenvalues();
     let stay: Vec<_> = eigenvalues.iter().filter(|value| value.re >= -NEUTRAL).collect();
     let is_zero = |value: &Complex<f64>| value.norm() <= NEUTRAL.sqrt() && value.re <= NEUTRAL;
@@ -136,10 +197,12 @@ fn newton_step(
 
 /// Returns the number of independent displacements of bodies without any force; `None` if the
 /// displacement of some body hardly changes the forces, so that differences cannot decide.
-fn family_dimension(view: &SystemView, slope: &DMatrix<f64>) -> Option<usize> {
-    let velocities = &view.evaluator.graph().layout.velocities;
-    let is_position = |place: &usize| !velocities.iter().any(|group| group.contains(place));
-    let places = (0..view.dimension()).filter(is_position);
+fn family_dimension(reduced: &ReducedCoordinates, slope: &DMatrix<f64>) -> Option<usize> {
+    let velocities = &reduced.view.evaluator.graph().layout.velocities;
+    let is_position = |column: &usize| {
+        !velocities.iter().any(|group| group.contains(&reduced.variables[*column]))
+    };
+    let places = (0..reduced.variables.len()).filter(is_position);
     let columns: Option<Vec<DVector<f64>>> =
         places.map(|place| slope.column(place).into_owned().try_normalize(LEAST_FORCE)).collect();
     let decomposed =
@@ -169,17 +232,16 @@ fn jacobian(
     slope.iter().all(|entry| entry.is_finite()).then_some(slope)
 }
 
-/// Steps of the differences, one for each component.
-fn steps(view: &SystemView) -> Vec<f64> {
+/// Steps of the differences, one for each variable.
+fn steps(reduced: &ReducedCoordinates) -> Vec<f64> {
     let speed = |friction: &Friction| match friction.speed_scale() {
         Some(scale) => DIFFERENCE.min(SPEED_DIFFERENCE * scale),
         None => DIFFERENCE,
     };
-    let mut steps = vec![DIFFERENCE; view.dimension()];
-    for (index, contact) in view.contacts.iter().enumerate() {
-        if let Some(place) = contact.speed {
-            steps[place] = speed(view.system().friction(index));
-        }
-    }
-    steps
+    let step = |place: &usize| {
+        let mut contacts = reduced.view.contacts.iter().enumerate();
+        let contact = contacts.find(|(_, contact)| contact.speed == Some(*place));
+        contact.map_or(DIFFERENCE, |(index, _)| speed(reduced.view.system().friction(index)))
+    };
+    reduced.variables.iter().map(step).collect()
 }

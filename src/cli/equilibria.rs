@@ -165,11 +165,6 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
 /// Returns an error for studies without balls: a block on a spring rests anywhere in `|x| ≤ μ F_n / k`, and on a
 /// moving belt nowhere.
 fn check_model(study: &Study) -> Result<(), CliError> {
-    if study.model().ball_balancer().is_some_and(|machine| machine.contact.is_some()) {
-        let allowed = "contact: none; set_fraction and touching_set_fraction of points.parquet have the sets with contact";
-        let problem = "the sets of this command are those of balls that pass through each other";
-        return Err(CliError::refusal(problem, "a study with model.contact", allowed));
-    }
     if study.model().kind().offers.equilibrium_set {
         return Ok(());
     }
@@ -236,8 +231,7 @@ fn compute(
         let machine = point.model().ball_balancer().ok_or_else(unknown)?;
         let key = Arc::new(PointKey::of(&point));
         let set = EquilibriumSet::of(machine, resolution).ok_or_else(unknown)?;
-        let positions = resolution.positions(study.model().balls()).ok_or_else(unknown)?;
-        let row = SetSummaryRow { point: Arc::clone(&key), set, positions };
+        let row = SetSummaryRow { point: Arc::clone(&key), set };
         let frictionless = if arguments.speeds.is_some() {
             Vec::new()
         } else {

@@ -91,6 +91,10 @@ impl Report {
         let mut header = vec!["point".to_owned()];
         header.extend(self.names.iter().cloned());
         header.push("fraction".to_owned());
+        let touching = self.points.iter().any(|(row, _)| row.set.touching_fraction.is_some());
+        if touching {
+            header.push("touching".to_owned());
+        }
         let more: &[&str] =
             if sampled { &["95 % interval"] } else { &["components", "modulo exchange"] };
         header.extend(more.iter().map(|name| (*name).to_owned()));
@@ -103,6 +107,10 @@ impl Report {
             let mut cells = vec![point.point_id.to_string()];
             cells.extend(shown.iter().cloned());
             cells.push(format!("{:.4}", set.fraction));
+            if touching {
+                let fraction = set.touching_fraction;
+                cells.push(fraction.map_or_else(String::new, |one| format!("{one:.4}")));
+            }
             match set.fraction_interval {
                 Some((low, high)) => cells.push(format!("{low:.4} .. {high:.4}")),
                 None => cells.extend([set.components, set.components_modulo_exchange].map(count)),
@@ -153,11 +161,12 @@ impl Report {
     /// Returns the report as JSON.
     pub fn json(&self, options: &Value, directory: &Path) -> Value {
         let point = |(row, stable): &(SetSummaryRow, Vec<&str>)| {
-            let SetSummaryRow { point, set, positions } = row;
+            let SetSummaryRow { point, set } = row;
             let keys = point_keys(point.point_id, &self.names, &point.swept);
             let facts = json!({
-                "grid_positions": positions,
+                "grid_positions": set.positions,
                 "fraction": set.fraction,
+                "touching_fraction": set.touching_fraction,
                 "fraction_low": set.fraction_interval.map(|(low, _)| low),
                 "fraction_high": set.fraction_interval.map(|(_, high)| high),
                 "components": set.components,

@@ -330,6 +330,7 @@ impl Report<'_> {
             json["impacts"] = touching.impacts.into();
             json["touching_time_s"] = touching.time_s.into();
             json["touching_at_end"] = touching.at_end.into();
+            json["contact_force_n"] = touching.force_n.into();
             json["lifted_off"] = touching.lifted_off.into();
         }
         json

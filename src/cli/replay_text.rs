@@ -114,7 +114,7 @@ pub fn terminal_text(
 
 /// Returns how the balls of a run touched.
 fn touching_words(model: &Model, touching: TouchingOutcome) -> String {
-    let TouchingOutcome { impacts, lifted_off, time_s, at_end } = touching;
+    let TouchingOutcome { impacts, lifted_off, time_s, at_end, .. } = touching;
     let bodies = format!("{}s", model.kind().body);
     let mut words = counted(impacts, "impact");
     if time_s > 0.0 {
@@ -190,7 +190,13 @@ mod tests {
             rows - 20
         );
         assert!(shown.ends_with(&more), "{shown}");
-        let once = TouchingOutcome { impacts: 1, lifted_off: 2, time_s: 0.0, at_end: false };
+        let once = TouchingOutcome {
+            impacts: 1,
+            lifted_off: 2,
+            time_s: 0.0,
+            at_end: false,
+            force_n: None,
+        };
         let words = touching_words(study.model(), once);
         assert_eq!(words, "1 impact, no contact at the end; impacts lift 2 balls off the ring");
     }

@@ -6,6 +6,8 @@
 //! programme. It has at most 17 variables, and its result must be accurate to rounding; hence it is solved here, by the
 //! simplex method with Bland's rule (V. Chvátal, *Linear Programming*, Freeman 1983, chapter 3).
 
+use smallvec::SmallVec;
+
 use super::Gap;
 
 /// A contact that sticks, with its forces without those from gaps.
@@ -29,37 +31,82 @@ pub struct Holding {
     pub reserve: f64,
     /// For each gap, `λ` of full friction in either rolling direction, over the reduced mass: their sum is the contact
     /// force, and their difference times `μ_b` is the friction.
-    pub forces: Vec<[f64; 2]>,
+    pub forces: SmallVec<[[f64; 2]; 2]>,
 }
 
 /// Returns the forces with the largest reserve in gaps that are closed. The gaps count the contacts of the list.
 pub fn held(contacts: &[HeldContact], gaps: &[Gap]) -> Holding {
+    held_by_at_most(f64::INFINITY, contacts, gaps)
+}
+
+/// Accuracy of the least force, over the force.
+const FORCE_ACCURACY: f64 = 1e-9;
+/// The largest ratio of a least force to the friction that contacts need.
+const MOST_FORCE: f64 = 1e9;
+
+/// Returns the force `λ` in the gap with the largest one, for forces that hold the contacts and have the smallest such
+/// force; `None` if no forces hold them.
+pub fn least_force(contacts: &[HeldContact], gaps: &[Gap]) -> Option<f64> {
+    let holds = |most: f64| held_by_at_most(most, contacts, gaps).reserve >= 0.0;
+    if holds(0.0) {
+        return Some(0.0);
+    }
+    let needed = contacts.iter().map(|contact| contact.friction.abs()).sum::<f64>();
+    let scale = needed * gaps.iter().map(Gap::reduced_mass).fold(0.0, f64::max);
+    let (mut low, mut high) = (0.0, scale);
+    while !holds(high) {
+        (low, high) = (high, 2.0 * high);
+        if high.is_nan() || high > MOST_FORCE * scale {
+            return None;
+        }
+    }
+    while high - low > FORCE_ACCURACY * high {
+        let middle = 0.5 * (low + high);
+        (low, high) = if holds(middle) { (low, middle) } else { (middle, high) };
+    }
+    Some(high)
+}
+
+/// Returns the forces with the largest reserve, of forces `λ` of at most `most` in each gap.
+fn held_by_at_most(most: f64, contacts: &[HeldContact], gaps: &[Gap]) -> Holding {
     // Each row is a bound on the sum of the variables times their coefficients.
     let columns = |gap: &Gap| gap_columns(gap, contacts);
-    let columns: Vec<[Vec<f64>; 2]> = gaps.iter().map(columns).collect();
+    let columns: SmallVec<[[Column; 2]; 2]> = gaps.iter().map(columns).collect();
     let bound = |row: usize| {
         let HeldContact { normal, friction, limit, weight } = contacts[row / 2];
         (limit * normal - SIGNS[row % 2] * friction) / weight
     };
     let rows = 0..2 * contacts.len();
     let least = rows.clone().map(bound).fold(f64::INFINITY, f64::min);
-    let table = rows.map(|row| {
-        let pushes = columns.iter().flat_map(|of_gap| of_gap.iter().map(move |one| one[row]));
+    let entries = rows.flat_map(|row| {
+        let pushes = columns.iter().flat_map(move |of_gap| of_gap.iter().map(move |one| one[row]));
         // The last variable is the reserve above that without any forces.
-        pushes.chain([1.0, bound(row) - least]).collect()
+        pushes.chain([1.0, bound(row) - least])
     });
-    let (more, values) = largest_last_variable(table.collect());
+    let mut table = Table { variables: 2 * gaps.len() + 1, entries: entries.collect() };
+    if most.is_finite() {
+        for (place, gap) in gaps.iter().enumerate() {
+            let both = 2 * place..2 * place + 2;
+            let one = |column: usize| if both.contains(&column) { 1.0 } else { 0.0 };
+            table.entries.extend((0..table.variables).map(one));
+            table.entries.push(most / gap.reduced_mass());
+        }
+    }
+    let (more, values) = largest_last_variable(table);
     let forces = values.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
     Holding { reserve: least + more, forces }
 }
 
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
+/// An entry for each contact and direction of slip.
+pub type Column = SmallVec<[f64; 4]>;
+
 /// Returns how the two forces of a gap take up the reserve of each contact against forward and backward slip.
-pub fn gap_columns(gap: &Gap, contacts: &[HeldContact]) -> [Vec<f64>; 2] {
+pub fn gap_columns(gap: &Gap, contacts: &[HeldContact]) -> [Column; 2] {
     let unit = gap.reduced_mass();
     SIGNS.map(|rolling| {
-        let mut column = vec![0.0; 2 * contacts.len()];
+        let mut column = Column::from_elem(0.0, 2 * contacts.len());
         for (contact, [along, outward]) in gap.contacts.into_iter().zip(gap.rolling_pushes(rolling))
         {
             let HeldContact { limit, weight, .. } = contacts[contact];
@@ -76,47 +123,66 @@ const ZERO: f64 = 1e-14;
 /// The largest number of exchanges; a degenerate programme of this size takes a few dozen.
 const MOST_EXCHANGES: usize = 10_000;
 
+/// Rows of coefficients of the variables, each with a bound at its end.
+struct Table {
+    /// Number of variables.
+    variables: usize,
+    entries: SmallVec<[f64; 32]>,
+}
+
+impl Table {
+    fn rows(&self) -> usize {
+        self.entries.len() / (self.variables + 1)
+    }
+
+    fn row(&self, row: usize) -> &[f64] {
+        &self.entries[row * (self.variables + 1)..][..=self.variables]
+    }
+
+    /// Exchanges the variable of a row with that of a column.
+    fn exchange(&mut self, row: usize, column: usize) {
+        let width = self.variables + 1;
+        let inverse = 1.0 / self.entries[row * width + column];
+        let pivot: SmallVec<[f64; 8]> = self.row(row).iter().map(|entry| entry * inverse).collect();
+        for line in self.entries.chunks_exact_mut(width) {
+            let factor = line[column];
+            line.iter_mut().zip(&pivot).for_each(|(entry, pivot)| *entry -= factor * pivot);
+            line[column] = -factor * inverse;
+        }
+        let line = &mut self.entries[row * width..][..width];
+        line.copy_from_slice(&pivot);
+        line[column] = inverse;
+    }
+}
+
 /// Maximises the last of some variables that are not negative. Each row has their coefficients and the upper bound, not
-/// negative, on their sum. Returns the maximum and the other variables.
-fn largest_last_variable(mut table: Vec<Vec<f64>>) -> (f64, Vec<f64>) {
-    let variables = table[0].len() - 1;
+/// negative, on their sum; the aim follows as the last row. Returns the maximum and the other variables.
+fn largest_last_variable(mut table: Table) -> (f64, SmallVec<[f64; 8]>) {
+    let variables = table.variables;
+    let aim = table.rows();
+    table.entries.resize(table.entries.len() + variables + 1, 0.0);
+    table.entries[aim * (variables + 1) + variables - 1] = 1.0;
     // The variable of each column, and of each row: those from `variables` on are the distances from the bounds.
-    let mut outside: Vec<usize> = (0..variables).collect();
-    let mut basis: Vec<usize> = (variables..variables + table.len()).collect();
-    let mut aim = vec![0.0; variables + 1];
-    aim[variables - 1] = 1.0;
+    let mut outside: SmallVec<[usize; 8]> = (0..variables).collect();
+    let mut basis: SmallVec<[usize; 8]> = (variables..variables + aim).collect();
     for _ in 0..MOST_EXCHANGES {
-        let promising = (0..variables).filter(|column| aim[*column] > ZERO);
+        let promising = (0..variables).filter(|column| table.row(aim)[*column] > ZERO);
         let Some(entering) = promising.min_by_key(|column| outside[*column]) else { break };
-        let limits = (0..table.len()).filter(|row| table[*row][entering] > ZERO);
-        let ratio = |row: usize| table[row][variables] / table[row][entering];
+        let limits = (0..aim).filter(|row| table.row(*row)[entering] > ZERO);
+        let ratio = |row: usize| table.row(row)[variables] / table.row(row)[entering];
         let order = |one: &usize, other: &usize| {
             ratio(*one).total_cmp(&ratio(*other)).then(basis[*one].cmp(&basis[*other]))
         };
         let Some(leaving) = limits.min_by(order) else { break };
-        exchange(&mut table, &mut aim, leaving, entering);
+        table.exchange(leaving, entering);
         std::mem::swap(&mut basis[leaving], &mut outside[entering]);
     }
-    let mut values = vec![0.0; variables];
+    let mut values: SmallVec<[f64; 8]> = SmallVec::from_elem(0.0, variables);
     for (row, variable) in basis.iter().enumerate() {
         if *variable < variables {
-            values[*variable] = table[row][variables];
+            values[*variable] = table.row(row)[variables];
         }
     }
     let most = values.pop().unwrap_or(0.0);
     (most, values)
-}
-
-/// Exchanges the variable of a row with that of a column.
-fn exchange(table: &mut [Vec<f64>], aim: &mut [f64], row: usize, column: usize) {
-    let inverse = 1.0 / table[row][column];
-    let pivot: Vec<f64> = table[row].iter().map(|entry| entry * inverse).collect();
-    let others = table.iter_mut().enumerate().filter(|(other, _)| *other != row);
-    for line in others.map(|(_, line)| line.as_mut_slice()).chain([aim]) {
-        let factor = line[column];
-        line.iter_mut().zip(&pivot).for_each(|(entry, pivot)| *entry -= factor * pivot);
-        line[column] = -factor * inverse;
-    }
-    table[row] = pivot;
-    table[row][column] = inverse;
 }

@@ -55,7 +55,7 @@ pub use graph::{
     ContactEquations, ContactLayout, Event, EventEquations, Expression, GapEquations, Graph,
     Layout, Node, NodeId, Recorder, Solve, SystemEquations,
 };
-pub use held::{HeldContact, Holding, gap_columns, held};
+pub use held::{Column, HeldContact, Holding, gap_columns, held, least_force};
 pub use invalid_parameter::InvalidParameter;
 pub use kind::{Bound, Capabilities, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor};
 pub use machine::{Ball, MAX_BALLS, Machine, NormalForce, ball_parameter_name};

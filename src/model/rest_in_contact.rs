@@ -1,7 +1,9 @@
 //! Closed forms for balls at rest that may touch: the forces between them help friction to hold them, or hinder it.
 
 use super::certificate::{disturbance_bound, followed_to_rest};
-use super::{BallsInContact, Gap, HeldContact, RestAmplitude, RestForms, RestPoint, State, held};
+use super::{
+    BallsInContact, Gap, HeldContact, RestAmplitude, RestForms, RestPoint, State, held, least_force,
+};
 
 /// Gaps up to this width are closed: the width within which impacts are located is much smaller.
 pub const TOUCHING: f64 = 1e-9;
@@ -18,14 +20,16 @@ impl<const N: usize> BallsInContact<N> {
 
     /// Returns the largest change of all forces with which friction still holds all balls; negative if it does not hold
     /// them. `strength` multiplies the coefficients of friction.
-    fn endures(&self, [normal, friction]: [&[f64; N]; 2], gaps: &[Gap], strength: f64) -> f64 {
-        let contact = |ball: usize| {
+    fn endures(&self, forces: [&[f64; N]; 2], gaps: &[Gap], strength: f64) -> f64 {
+        held(&self.held_contacts(forces, strength), gaps).reserve
+    }
+
+    fn held_contacts(&self, [normal, friction]: [&[f64; N]; 2], strength: f64) -> [HeldContact; N] {
+        std::array::from_fn(|ball| {
             let limit = strength * self.balancer.balls[ball].friction.limit;
             let (normal, friction) = (normal[ball], friction[ball]);
             HeldContact { normal, friction, limit, weight: 1.0 + limit }
-        };
-        let contacts: Vec<HeldContact> = (0..N).map(contact).collect();
-        held(&contacts, gaps).reserve
+        })
     }
 
     /// Returns whether friction holds all balls at rest at these angles.
@@ -95,6 +99,17 @@ impl<const N: usize> RestForms for BallsInContact<N> {
         let beta = state.map_or([0.0; N], |state| state.beta);
         let amplitude = self.balancer.rest_amplitude(&beta);
         RestAmplitude { amplitude, friction_margin: self.rest_margin(&beta) }
+    }
+
+    fn contact_force(&self, state: &[f64]) -> Option<(usize, f64)> {
+        let beta = State::<N>::of_components(state)?.beta;
+        let gaps = self.closed_gaps(&beta);
+        let contact = gaps.first()?.contacts[0];
+        let rest = self.balancer.rest_point(&beta);
+        // Balls that creep towards the edge of the set need slightly more friction than there is.
+        let strength = (1.0 - self.rest_margin(&beta)).max(1.0) * (1.0 + MARGIN_ACCURACY);
+        let held = self.held_contacts([&rest.normal, &rest.friction], strength);
+        Some((contact, least_force(&held, &gaps)? / self.balancer.balls[contact].mass))
     }
 
     fn nearly_rests(&self, state: &[f64], excess: f64) -> bool {

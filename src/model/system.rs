@@ -105,6 +105,12 @@ pub trait RestForms {
     /// Returns amplitude and friction margin at the rest point.
     fn at_rest(&self, state: &[f64]) -> RestAmplitude;
 
+    /// Returns the contact that the largest force `λ` in a gap acts on at the rest point, and this force over the contact's
+    /// mass; `None` if no contacts touch. Of several forces that hold the contacts, the smallest count.
+    fn contact_force(&self, _state: &[f64]) -> Option<(usize, f64)> {
+        None
+    }
+
     /// Returns whether the friction forces at the rest point and on the way there exceed their limits by at most this
     /// fraction of the limits.
     fn nearly_rests(&self, state: &[f64], excess: f64) -> bool;

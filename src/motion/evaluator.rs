@@ -85,18 +85,11 @@ impl Evaluator {
         phases
     }
 
-    /// Returns forces and accelerations of all contacts and gaps in a state.
-    pub fn forces_and_gaps(
-        &self,
-        phases: &[Phase],
-        state: &[f64],
-    ) -> (Forces, SmallVec<[GapForces; 8]>) {
-        let values = self.values::<f64>(phases, |component| state[component]);
-        let gap = |nodes: &[NodeId; 2]| {
-            let [opening_acceleration, force] = nodes.map(|node| values[node as usize]);
-            GapForces { opening_acceleration, force }
-        };
-        (forces(&self.graph, &values), self.graph.gaps.iter().map(gap).collect())
+    /// Returns the equations in one state, for several assumptions about the phases.
+    pub fn in_state<'a>(&'a self, state: &'a [f64]) -> InOneState<'a> {
+        let nodes = self.graph.nodes.len();
+        let (values, changed) = (SmallVec::from_elem(0.0, nodes), SmallVec::from_elem(true, nodes));
+        InOneState { evaluator: self, state, inputs: Vec::new(), values, changed }
     }
 
     /// Returns speeds, accelerations and forces of all contacts in a state.
@@ -144,38 +137,113 @@ impl Evaluator {
         phases: &[Phase],
         state: impl Fn(usize) -> T,
     ) -> SmallVec<[T; 128]> {
-        let modes: SmallVec<[_; 8]> = phases.iter().map(|phase| phase.mode()).collect();
-        let inputs = self.system.inputs(&modes);
+        let inputs = self.inputs(phases);
         let mut values = SmallVec::with_capacity(self.graph.nodes.len());
-        let mut solution: (u32, Vec<T>) = (u32::MAX, Vec::new());
+        let mut solution = Solution::none();
         for node in &self.graph.nodes {
-            let at = |node: NodeId| -> T { values[node as usize] };
-            let value = match *node {
-                Node::Constant(value) => T::constant(value),
-                Node::Input(index) => T::constant(inputs[index as usize]),
-                Node::State(component) | Node::Discrete(component) => state(component as usize),
-                Node::Sum(one, other) => at(one) + at(other),
-                Node::Difference(one, other) => at(one) - at(other),
-                Node::Negation(one) => -at(one),
-                Node::Product(one, other) => at(one) * at(other),
-                Node::Quotient(one, other) => at(one) * at(other).reciprocal(),
-                Node::Sine(angle) => at(angle).sin_cos().0,
-                Node::Cosine(angle) => at(angle).sin_cos().1,
-                Node::SquareRoot(one) => at(one).sqrt(),
-                Node::Exponential(one) => at(one).exp(),
-                Node::ArcTangent(one, _) => at(one).atan(),
-                Node::Solution { solve, row } => {
-                    if solution.0 != solve {
-                        let system = &self.graph.solves[solve as usize];
-                        let all = |nodes: &[NodeId]| nodes.iter().map(|&node| at(node)).collect();
-                        solution = (solve, solved(all(&system.matrix), all(&system.right)));
-                    }
-                    solution.1[row as usize]
-                }
-            };
-            values.push(value);
+            values.push(self.value(node, &values, &inputs, &state, &mut solution));
         }
         values
+    }
+
+    fn inputs(&self, phases: &[Phase]) -> Vec<f64> {
+        let modes: SmallVec<[_; 8]> = phases.iter().map(|phase| phase.mode()).collect();
+        self.system.inputs(&modes)
+    }
+
+    /// Returns the value of a node from those of the nodes before it.
+    #[inline]
+    fn value<T: Elementary>(
+        &self,
+        node: &Node,
+        values: &[T],
+        inputs: &[f64],
+        state: impl Fn(usize) -> T,
+        solution: &mut Solution<T>,
+    ) -> T {
+        let at = |node: NodeId| -> T { values[node as usize] };
+        match *node {
+            Node::Constant(value) => T::constant(value),
+            Node::Input(index) => T::constant(inputs[index as usize]),
+            Node::State(component) | Node::Discrete(component) => state(component as usize),
+            Node::Sum(one, other) => at(one) + at(other),
+            Node::Difference(one, other) => at(one) - at(other),
+            Node::Negation(one) => -at(one),
+            Node::Product(one, other) => at(one) * at(other),
+            Node::Quotient(one, other) => at(one) * at(other).reciprocal(),
+            Node::Sine(angle) => at(angle).sin_cos().0,
+            Node::Cosine(angle) => at(angle).sin_cos().1,
+            Node::SquareRoot(one) => at(one).sqrt(),
+            Node::Exponential(one) => at(one).exp(),
+            Node::ArcTangent(one, _) => at(one).atan(),
+            Node::Solution { solve, row } => {
+                if solution.solve != Some(solve) {
+                    let system = &self.graph.solves[solve as usize];
+                    let matrix = system.matrix.iter().map(|node| at(*node)).collect();
+                    let right = system.right.iter().map(|node| at(*node)).collect();
+                    *solution = Solution { solve: Some(solve), unknowns: solved(matrix, right) };
+                }
+                solution.unknowns[row as usize]
+            }
+        }
+    }
+}
+
+/// The solution of the latest linear system.
+struct Solution<T> {
+    solve: Option<u32>,
+    unknowns: Unknowns<T>,
+}
+
+impl<T> Solution<T> {
+    fn none() -> Self {
+        Solution { solve: None, unknowns: SmallVec::new() }
+    }
+}
+
+/// The recorded equations in one state. From one assumption about the phases to the next, only the nodes that depend on
+/// what has changed are computed.
+pub struct InOneState<'a> {
+    evaluator: &'a Evaluator,
+    state: &'a [f64],
+    inputs: Vec<f64>,
+    values: SmallVec<[f64; 128]>,
+    changed: SmallVec<[bool; 128]>,
+}
+
+impl InOneState<'_> {
+    /// Returns forces and accelerations of all contacts and gaps.
+    pub fn forces_and_gaps(&mut self, phases: &[Phase]) -> (Forces, SmallVec<[GapForces; 8]>) {
+        self.assume(phases);
+        let graph = &self.evaluator.graph;
+        let gap = |nodes: &[NodeId; 2]| {
+            let [opening_acceleration, force] = nodes.map(|node| self.values[node as usize]);
+            GapForces { opening_acceleration, force }
+        };
+        (forces(graph, &self.values), graph.gaps.iter().map(gap).collect())
+    }
+
+    /// Computes all nodes for these phases.
+    fn assume(&mut self, phases: &[Phase]) {
+        let inputs = self.evaluator.inputs(phases);
+        let graph = &self.evaluator.graph;
+        let first = self.inputs.is_empty();
+        let mut solution = Solution::none();
+        for (place, node) in graph.nodes.iter().enumerate() {
+            let changed = |node: &NodeId| self.changed[*node as usize];
+            let changes = first
+                || match *node {
+                    Node::Input(index) => self.inputs[index as usize] != inputs[index as usize],
+                    _ => node.operands(&graph.solves).iter().any(changed),
+                };
+            self.changed[place] = changes;
+            if changes {
+                let state = |component: usize| self.state[component];
+                self.values[place] =
+                    self.evaluator.value(node, &self.values, &inputs, state, &mut solution);
+            }
+        }
+        self.inputs = inputs;
     }
 }
 
@@ -187,8 +255,13 @@ fn forces<T: Number>(graph: &Graph, values: &[T]) -> Forces<T> {
     graph.contacts.iter().map(contact).collect()
 }
 
+/// The entries of a matrix, row by row, without an allocation for up to four unknowns.
+pub(super) type Entries<T> = SmallVec<[T; 16]>;
+/// The unknowns of a linear system, or its right side.
+pub(super) type Unknowns<T> = SmallVec<[T; 4]>;
+
 /// Returns the solution of a linear system by elimination in the order of its unknowns, as in lanes.
-pub(super) fn solved<T: Number>(mut matrix: Vec<T>, mut right: Vec<T>) -> Vec<T> {
+pub(super) fn solved<T: Number>(mut matrix: Entries<T>, mut right: Unknowns<T>) -> Unknowns<T> {
     let size = right.len();
     for column in 0..size {
         let inverse = matrix[column * size + column].reciprocal();

@@ -9,7 +9,7 @@
 use smallvec::{SmallVec, smallvec};
 
 use super::Failure;
-use super::evaluator::solved;
+use super::evaluator::{Entries, Unknowns, solved};
 use crate::model::{Components, Dual, Gap, Number, Touching};
 
 /// Rounding tolerance of impulses and speeds, over the largest speed.
@@ -225,7 +225,7 @@ fn solve<'a>(
         };
         by(0) + by(1)
     };
-    let (mut matrix, mut right) = (Vec::new(), Vec::new());
+    let (mut matrix, mut right) = (Entries::new(), Unknowns::new());
     for (of, shares) in &unknowns {
         // The opening speed is given by the law of impact, and the rolling speed is zero where the bodies stick.
         let which = usize::from(shares[0] == 0.0);

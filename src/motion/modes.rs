@@ -212,9 +212,7 @@ const SAME: f64 = 1e-6;
 /// the open contacts. The current phases are preferred if they are among the solutions.
 ///
 /// # Errors
-/// [`Failure::NoSolution`] unless all combinations that meet the conditions, with every contact
-/// closed, have the same accelerations. If all of them need a normal force that pulls,
-/// they are returned unchanged: contact is lost.
+/// As [`only_motion`].
 fn unique_or_refused(
     system: &dyn InState,
     phases: &mut Phases,
@@ -222,8 +220,6 @@ fn unique_or_refused(
     choices: [Phase; 3],
     better: impl Fn(&Forces, &[Phase], usize) -> Option<Phase>,
 ) -> Result<Forces, Failure> {
-    let mut solutions: Vec<(Phases, Forces)> = Vec::new();
-    let mut unsound = None;
     let given = phases.clone();
     let number = open.iter().filter(|open| **open).count();
     let combination = |mut combination: usize| -> Phases {
@@ -238,31 +234,48 @@ fn unique_or_refused(
         open.iter().zip(&given).map(phase).collect()
     };
     let all = (0..combinations(number)?).map(combination);
-    for candidate in std::iter::once(given.clone()).chain(all) {
-        let forces = system.forces(&candidate);
-        let finite = forces.iter().all(is_finite);
-        let fits =
-            |contact: usize| !open[contact] || better(&forces, &candidate, contact).is_none();
-        if finite && !(0..candidate.len()).all(fits) {
-            continue;
-        }
-        if !finite || forces.iter().any(|contact| contact.normal <= 0.0) {
+    let (decided, forces) = only_motion(&given, all, |candidate| {
+        let forces = system.forces(candidate);
+        let fits = |contact: usize| !open[contact] || better(&forces, candidate, contact).is_none();
+        let fit = !forces.iter().all(is_finite) || (0..candidate.len()).all(fits);
+        fit.then_some(forces)
+    })?;
+    *phases = decided;
+    Ok(forces)
+}
+
+/// Returns the only motion among combinations of phases, with its forces. The combination `given` is tried first and
+/// preferred to others with the same motion. `fitting` returns the forces of a combination if it meets all conditions, or
+/// if its forces are not finite.
+///
+/// # Errors
+/// [`Failure::NoSolution`] unless all combinations that meet the conditions, with every contact closed, have the same
+/// accelerations. If all of them need a normal force that pulls, the first of them is returned: contact is lost.
+pub(super) fn only_motion(
+    given: &Phases,
+    others: impl Iterator<Item = Phases>,
+    mut fitting: impl FnMut(&Phases) -> Option<Forces>,
+) -> Result<(Phases, Forces), Failure> {
+    let mut solutions: Vec<(Phases, Forces)> = Vec::new();
+    let mut unsound = None;
+    let others = others.filter(|other| other != given);
+    for candidate in std::iter::once(given.clone()).chain(others) {
+        let Some(forces) = fitting(&candidate) else { continue };
+        if forces.iter().any(|contact| !is_finite(contact) || contact.normal <= 0.0) {
             unsound.get_or_insert((candidate, forces));
         } else if !solutions.iter().any(|(_, other)| same(other, &forces)) {
             solutions.push((candidate, forces));
         }
     }
-    let (decided, forces) = match (solutions.len(), unsound) {
-        (1, _) => solutions.swap_remove(0),
-        (0, Some(unsound)) => unsound,
-        (several, _) => return Err(Failure::NoSolution { solutions: several }),
-    };
-    *phases = decided;
-    Ok(forces)
+    match (solutions.len(), unsound) {
+        (1, _) => Ok(solutions.swap_remove(0)),
+        (0, Some(unsound)) => Ok(unsound),
+        (several, _) => Err(Failure::NoSolution { solutions: several }),
+    }
 }
 
 /// Returns whether two solutions are the same motion.
-pub(super) fn same(one: &Forces, other: &Forces) -> bool {
+fn same(one: &Forces, other: &Forces) -> bool {
     let pairs = || one.iter().zip(other).map(|(a, b)| (a.acceleration, b.acceleration));
     let scale = pairs().fold(1.0, |most: f64, (a, b)| most.max(a.abs()).max(b.abs()));
     pairs().all(|(a, b)| (a - b).abs() <= SAME * scale)

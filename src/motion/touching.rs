@@ -14,7 +14,7 @@ use smallvec::SmallVec;
 use super::cluster::{HeldCluster, held_clusters};
 use super::evaluator::{ContactForces, Forces, GapForces};
 use super::impact::{Impact, impact};
-use super::modes::{check_forces, first_phases, is_finite, same};
+use super::modes::{check_forces, first_phases, is_finite, only_motion};
 use super::{Evaluator, Failure, Phase, Phases, Settings, event_driven, switch_model};
 use crate::model::{Components, Dual, Gap, Holding, Method, TOUCHING, Touching};
 
@@ -168,28 +168,17 @@ impl<'a> InTouch<'a> {
     /// Decides the phases of contacts at rest or in the band, and of closed gaps. The contacts `fixed` stay as they are.
     fn decide(&self, state: &[f64], phases: &mut Phases, fixed: &[usize]) -> Result<(), Failure> {
         let slack = self.slack();
-        let mut solutions: Vec<(Phases, Forces)> = Vec::new();
-        let mut unsound = None;
         let given = phases.clone();
         let all = self.combinations(phases, fixed)?;
-        for candidate in std::iter::once(given.clone()).chain(all) {
-            let (forces, gap_forces) = self.evaluator.forces_and_gaps(&candidate, state);
-            let finite = forces.iter().all(is_finite);
-            let fits = || self.fits(&candidate, &given, (&forces, &gap_forces), fixed, slack);
-            if !self.is_consistent(&candidate) || finite && !fits() {
-                continue;
+        let mut equations = self.evaluator.in_state(state);
+        let (decided, forces) = only_motion(&given, all, |candidate| {
+            if !self.is_consistent(candidate) {
+                return None;
             }
-            if !finite || forces.iter().any(|contact| contact.normal <= 0.0) {
-                unsound.get_or_insert((candidate, forces));
-            } else if !solutions.iter().any(|(_, other)| same(other, &forces)) {
-                solutions.push((candidate, forces));
-            }
-        }
-        let (decided, forces) = match (solutions.len(), unsound) {
-            (1, _) => solutions.swap_remove(0),
-            (0, Some(unsound)) => unsound,
-            (several, _) => return Err(Failure::NoSolution { solutions: several }),
-        };
+            let (forces, gaps) = equations.forces_and_gaps(candidate);
+            let fits = || self.fits(candidate, &given, (&forces, &gaps), fixed, slack);
+            (!forces.iter().all(is_finite) || fits()).then_some(forces)
+        })?;
         *phases = decided;
         check_forces(&forces)
     }

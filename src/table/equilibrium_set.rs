@@ -35,8 +35,6 @@ pub struct SetSummaryRow {
     pub point: Arc<PointKey>,
     /// Its equilibrium set.
     pub set: EquilibriumSet,
-    /// Number of evaluated positions.
-    pub positions: u64,
 }
 
 /// Returns the columns of `equilibrium_positions.parquet`.
@@ -66,18 +64,23 @@ pub fn set_columns(study: &Study) -> Vec<Column<SetRow>> {
 pub fn set_summary_columns(study: &Study) -> Vec<Column<SetSummaryRow>> {
     let mut list = Columns::<SetSummaryRow>::new();
     add_point(&mut list, study, |row| &row.point);
-    list.count("grid_positions", |row| row.positions).meaning(
+    list.count("grid_positions", |row| row.set.positions).meaning(
         "evaluated ball positions: grid points or samples; for one ball, fraction, components and \
          amplitudes are exact for any grid",
     );
-    list.number("fraction", "1", |row| row.set.fraction)
-        .meaning("fraction of all ball positions that are in the set");
+    list.number("fraction", "1", |row| row.set.fraction).meaning(
+        "fraction of all ball positions that are in the set; with contact, of those without overlap",
+    );
     list.number("fraction_low", "1", |row| row.set.fraction_interval.map(|(low, _)| low)).meaning(
         "lower end of its 95 % confidence interval (Student's t over independent scrambles); null \
          on a grid",
     );
     list.number("fraction_high", "1", |row| row.set.fraction_interval.map(|(_, high)| high))
         .meaning("upper end of its 95 % confidence interval; null on a grid");
+    list.number("touching_fraction", "1", |row| row.set.touching_fraction).meaning(
+        "fraction of the positions in which two balls touch that are in the set, with the force \
+         between the balls; null without contact",
+    );
     list.count("components", |row| row.set.components)
         .meaning("connected components of the set on the torus of ball angles; null for samples");
     list.count("components_modulo_exchange", |row| row.set.components_modulo_exchange)

@@ -194,7 +194,7 @@ fn add_machine(list: &mut Columns<PointRow>, touches: bool) {
     if touches {
         list.number("touching_set_fraction", "1", |row| row.touching_set_fraction).meaning(
             "fraction of the positions in which two balls touch that are equilibria, with the force between the \
-             balls; null for more balls",
+             balls",
         );
     }
     list.word("uniqueness", |row| row.existence.as_ref().map_or("", ExistenceVerdict::word)).meaning(

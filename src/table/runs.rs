@@ -222,6 +222,10 @@ fn add_touching(list: &mut Columns<RunRecord>) {
         .meaning("time in which any two balls touched");
     list.boolean("touching_at_end", |row| Some(row.outcome.touching?.at_end))
         .meaning("whether any two balls touched at the end of the run");
+    list.number("contact_force_n", "N", |row| row.outcome.touching?.force_n).meaning(
+        "force between balls that touch at rest: the smallest force with which friction holds them, 0 if each is held \
+         alone, in the contact with the largest such force",
+    );
     list.count("lifted_off", |row| Some(row.outcome.touching?.lifted_off)).meaning(
         "balls that an impact lifted off the ring, which the model does not follow: the friction between the balls \
          is too large for the run to be trusted",

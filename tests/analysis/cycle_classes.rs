@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use stickslip::analysis::{CycleClass, Role, groups_of_identical};
-use stickslip::classification::{Cycle, CyclePhase, Evidence, Outcome};
+use stickslip::classification::{Cycle, CyclePhase, Evidence, Outcome, TouchingPair};
 use stickslip::model::{Balancer, Ball, Block, Machine, Model, State};
 use stickslip::motion::Phase;
 
@@ -115,6 +115,7 @@ pub fn sample(most_balls: usize, most_letters: usize) -> impl Strategy<Value = S
             cycle: Cycle {
                 turns: parts.iter().map(|part| part.turns).collect(),
                 configurations: (0..letters).map(configuration).collect(),
+                touching: Vec::new(),
                 // A unique value per ball, by which the test identifies it.
                 speed_extremes: parts.iter().map(|part| [-part.angle, part.angle]).collect(),
                 angle_extremes: vec![None; parts.len()],
@@ -304,6 +305,7 @@ fn named(speed_rad_s: f64, alike: bool, balls: &[(i32, &[CyclePhase])]) -> Cycle
         cycle: Cycle {
             turns: balls.iter().map(|&(turns, _)| turns).collect(),
             configurations: (0..steps).map(at).collect(),
+            touching: Vec::new(),
             speed_extremes: vec![[0.0; 2]; balls.len()],
             angle_extremes: vec![None; balls.len()],
             peak_amplitude_m: 0.0,
@@ -313,6 +315,56 @@ fn named(speed_rad_s: f64, alike: bool, balls: &[(i32, &[CyclePhase])]) -> Cycle
         angles: (0..balls.len()).map(|ball| 3.0 - ball as f64).collect(),
     }
     .class()
+}
+
+/// Classes say which balls touch; of identical balls with the same role, any order gives the same class.
+#[test]
+fn classes_say_which_balls_touch() {
+    let balls = |turns: &[i32], angles: &[f64], touching: &[([usize; 2], bool)]| {
+        let phase =
+            |turns: &i32| if *turns == 0 { CyclePhase::Stick } else { CyclePhase::Backward };
+        let pair = |(contacts, throughout): &([usize; 2], bool)| TouchingPair {
+            contacts: *contacts,
+            throughout: *throughout,
+        };
+        let sample = Sample {
+            machine: Machine {
+                speed_rad_s: 247.3,
+                balls: vec![Ball::default(); turns.len()],
+                ..Machine::default()
+            },
+            cycle: Cycle {
+                turns: turns.to_vec(),
+                configurations: vec![turns.iter().map(phase).collect()],
+                touching: touching.iter().map(pair).collect(),
+                speed_extremes: angles.iter().map(|angle| [-angle, *angle]).collect(),
+                angle_extremes: vec![None; turns.len()],
+                peak_amplitude_m: 0.0,
+                multipliers: Vec::new(),
+                neutral_directions: 0,
+            },
+            angles: angles.to_vec(),
+        };
+        sample.class()
+    };
+    assert_eq!(balls(&[-1, -1], &[1.0, 2.0], &[([0, 1], true)]).name, "-1|-1;touch:1-2");
+    assert_eq!(balls(&[-1, 0], &[1.0, 2.0], &[([0, 1], false)]).name, "-1|rest;meet:1-2");
+    let mut classes = Vec::new();
+    for order in orders(4) {
+        // Two of three running balls touch, and the third one meets a ball that rests.
+        let (turns, angles) = ([-1, -1, -1, 0], [0.1, 0.2, 0.3, 0.4]);
+        let place = |ball: usize| order.iter().position(|one| *one == ball).unwrap();
+        let pair = |one: usize, other: usize| {
+            let (one, other) = (place(one), place(other));
+            [one.min(other), one.max(other)]
+        };
+        let turns: Vec<i32> = order.iter().map(|ball| turns[*ball]).collect();
+        let angles: Vec<f64> = order.iter().map(|ball| angles[*ball]).collect();
+        classes.push(balls(&turns, &angles, &[(pair(0, 2), true), (pair(1, 3), false)]));
+    }
+    for class in &classes {
+        assert_eq!(class.name, "-1|-1|-1|rest;touch:1-2;meet:3-4");
+    }
 }
 
 #[test]
@@ -399,6 +451,7 @@ fn unknown_and_none() {
     let cycle = Cycle {
         turns: vec![0],
         configurations: vec![vec![CyclePhase::Backward], vec![CyclePhase::Stick]],
+        touching: Vec::new(),
         speed_extremes: vec![[-1.0, 0.0]],
         angle_extremes: vec![None],
         peak_amplitude_m: 0.0,

@@ -35,6 +35,7 @@ fn falls_back(turns: i32, period_s: f64, rests_at: f64, second_rests: bool) -> (
         } else {
             vec![CyclePhase::Stick, CyclePhase::Forward]
         }],
+        touching: Vec::new(),
         speed_extremes: if second_rests {
             vec![[60.0 + period_s, 80.0 + period_s], [0.0; 2]]
         } else {

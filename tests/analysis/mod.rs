@@ -25,4 +25,5 @@ mod sets;
 mod stopping;
 mod stratified;
 mod survival;
+mod touching;
 mod value_counts;

@@ -7,7 +7,8 @@ use rayon::prelude::*;
 use stickslip::analysis::{FrictionlessEquilibrium, Stability, frictionless_equilibria};
 use stickslip::classification::{Evidence, Outcome, simulate};
 use stickslip::model::{
-    Balancer, Ball, Block, Case, FrictionLaw, Ground, Machine, Model, Simulation, Start, State,
+    Balancer, Ball, BallContact, Block, Case, FrictionLaw, Ground, Machine, Model, Simulation,
+    Start, State,
 };
 use stickslip::motion::Settings;
 
@@ -304,5 +305,35 @@ fn blocks_settle() {
         assert!(matches!(belt(law).ground, Ground::Belt { speed_m_s: 0.1 }));
         let outcome = run(belt(law), &Start(vec![place, 0.0]), 5.0);
         assert_eq!(outcome.evidence, evidence, "{law:?}");
+    }
+}
+
+/// Balls that touch settle together, where the closed form for a row of balls has its stable equilibrium.
+#[test]
+fn balls_that_touch_settle_in_a_row() {
+    for (speed, balls) in [(-150.0, 2), (-170.0, 3)] {
+        let contact = BallContact { restitution: 0.4, friction_coefficient: 0.0 };
+        let machine = Machine { contact: Some(contact), ..viscous(speed, balls, 1e-3) };
+        let known = equilibria(&machine);
+        let mut stable = known.iter().filter(|one| one.stability == Stability::Stable);
+        let row = stable.next().unwrap();
+        assert!(stable.next().is_none(), "{known:?}");
+        let row = row.beta_rad.clone().unwrap();
+        let (shift, touching) =
+            (0.3, machine.contact_angle_rad(&machine.balls[0], &machine.balls[1]));
+        for gap in [1e-3, 0.4] {
+            let beta: Vec<f64> =
+                (0..balls).map(|ball| row[0] + shift + (touching + gap) * ball as f64).collect();
+            let start = Start::of_balancer([0.0; 2], &beta, [0.0; 2], &vec![0.0; balls]);
+            let outcome = run(machine.clone(), &start, 60.0);
+            assert_eq!(outcome.evidence, Evidence::Settled, "{outcome:?}");
+            let contact = outcome.touching.unwrap();
+            assert!(contact.at_end && contact.impacts > 0, "{contact:?}");
+            let mut found = outcome.position.unwrap().to_vec();
+            let mut expected = row.clone();
+            found.sort_by(f64::total_cmp);
+            expected.sort_by(f64::total_cmp);
+            assert!(apart(&found, &expected) < 1e-5, "{found:?} {expected:?}");
+        }
     }
 }

@@ -71,6 +71,7 @@ fn tables_agree_with_one_another() {
         "fraction",
         "fraction_low",
         "fraction_high",
+        "touching_fraction",
         "components",
         "components_modulo_exchange",
         "unresolved_equilibria",
@@ -290,4 +291,29 @@ fn wrong_arguments_are_refused_before_anything_is_computed() {
     ] {
         scratch.refused(&format!("equilibria {arguments}"), &parts);
     }
+}
+
+/// With contact, positions at which balls overlap have no row, and the touching positions are counted on their own.
+#[test]
+fn a_study_with_contact_has_its_own_sets() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study("model: {kind: ball_balancer, contact: {restitution: 0.5}}\n"));
+    let text = scratch.well("equilibria a.yaml --grid 128 --out out");
+    assert_has(&text, &["fraction  touching  components"]);
+    let sets = scratch.table("out", "equilibrium_set_summary");
+    let positions = counts(&sets, "grid_positions")[0];
+    let table = scratch.table("out", "equilibrium_positions");
+    let beta = ["beta_1_rad", "beta_2_rad"].map(|name| numbers(&table, name));
+    assert_eq!(beta[0].len() as u64, positions);
+    let nearest = beta[0]
+        .iter()
+        .zip(&beta[1])
+        .map(|(one, other)| {
+            let apart = (one.unwrap() - other.unwrap()).abs();
+            apart.min(std::f64::consts::TAU - apart)
+        })
+        .fold(f64::INFINITY, f64::min);
+    assert!((0.2616..0.2616 + 0.05).contains(&nearest), "{nearest}");
+    let touching = numbers(&sets, "touching_fraction")[0].unwrap();
+    assert!(touching > 0.0 && touching < 1.0, "{touching}");
 }

@@ -46,6 +46,7 @@ fn a_run_with_contact_has_its_touches() {
         assert_eq!(json["impacts"], counts(&runs, "impacts")[row]);
         assert_eq!(json["touching_time_s"], known(&runs, "touching_time_s")[row]);
         assert_eq!(json["touching_at_end"], truths(&runs, "touching_at_end")[row]);
+        assert_eq!(json["contact_force_n"].as_f64(), numbers(&runs, "contact_force_n")[row]);
         assert_eq!(json["lifted_off"], counts(&runs, "lifted_off")[row]);
         let from = words(&touches, "from");
         let hits = from.iter().filter(|phase| phase.as_deref() == Some("open")).count();

@@ -3,6 +3,7 @@ pub mod closed_forms;
 mod dual;
 mod existence;
 mod extended_lagrange;
+mod held_contacts;
 mod registry;
 mod rest;
 mod thesis_matrices;

@@ -151,6 +151,7 @@ fn constructed(case: &Case) -> Outcome {
             angle_extremes: turns.iter().map(|&turns| (turns == 0).then_some([own; 2])).collect(),
             turns,
             configurations,
+            touching: Vec::new(),
             speed_extremes: vec![[-own, own]; 2],
             peak_amplitude_m: own,
             multipliers: vec![0.1 * own, 0.01 * own],

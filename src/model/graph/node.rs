@@ -1,5 +1,7 @@
 //! The nodes of a graph of expressions. The operands of a node stand before the node.
 
+use smallvec::{SmallVec, smallvec};
+
 /// The place of a node in its graph.
 pub type NodeId = u32;
 
@@ -41,6 +43,29 @@ pub enum Node {
         /// The component.
         row: u32,
     },
+}
+
+impl Node {
+    /// Returns the operands of the node; `solves` are the linear systems of its graph.
+    pub fn operands(&self, solves: &[Solve]) -> SmallVec<[NodeId; 2]> {
+        match *self {
+            Node::Constant(_) | Node::Input(_) | Node::State(_) | Node::Discrete(_) => smallvec![],
+            Node::Sum(a, b)
+            | Node::Difference(a, b)
+            | Node::Product(a, b)
+            | Node::Quotient(a, b)
+            | Node::ArcTangent(a, b) => smallvec![a, b],
+            Node::Negation(a)
+            | Node::Sine(a)
+            | Node::Cosine(a)
+            | Node::SquareRoot(a)
+            | Node::Exponential(a) => smallvec![a],
+            Node::Solution { solve, .. } => {
+                let solve = &solves[solve as usize];
+                solve.matrix.iter().chain(&solve.right).copied().collect()
+            }
+        }
+    }
 }
 
 /// A linear system `A x = b` of `b.len()` equations.

@@ -3,8 +3,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::analysis::touching_positions;
-use crate::model::Machine;
+use crate::analysis::RestForm;
+use crate::model::{Machine, wrap_to_two_pi};
 use crate::report::chart::{Colour, Layer, Mark};
 use crate::report::data::ReportData;
 
@@ -35,12 +35,25 @@ pub fn layers(machine: &Machine, balls: [usize; 2]) -> Vec<Layer> {
     ];
     let band = |[x, low, high]: [Vec<f64>; 3]| Mark::Band { x, low, high, steps: false };
     let band = |part| Layer::new("balls would overlap", Colour::Ink, band(part));
-    let touching = touching_positions(machine, POSITIONS).filter(|_| machine.speed_rad_s != 0.0);
-    let touching = touching.map(|positions| {
+    let touching = touching_positions(machine, contact).map(|positions| {
         let mark = Mark::Line { points: held_parts(&positions), dashed: false };
         Layer::new("equilibria of balls that touch", Colour::Series(3), mark)
     });
     parts.into_iter().map(band).chain(touching).collect()
+}
+
+/// Returns the positions in which two balls touch, first those with ball 2 ahead of ball 1 and then those with ball 2 behind,
+/// each with whether it is an equilibrium with the force between the balls; `None` for more balls and for a disc that stands
+/// still.
+fn touching_positions(machine: &Machine, contact: f64) -> Option<Vec<([f64; 2], bool)>> {
+    let form = RestForm::new(machine).filter(|form| form.mass.len() == 2 && form.speed != 0.0)?;
+    let position = |number: usize| {
+        let first = number as f64 / POSITIONS as f64 * 2.0 * TAU;
+        let second = if first < TAU { first + contact } else { first - contact };
+        let beta = [first, second].map(wrap_to_two_pi);
+        (beta, form.holds_with_forces(&beta))
+    };
+    Some((0..POSITIONS).map(position).collect())
 }
 
 /// Returns the ends of each run of positions that are equilibria, with a break after each run. A run ends where an angle
@@ -79,8 +92,7 @@ pub fn sentences(data: &ReportData<'_>) -> String {
     let angle = if from == to { from } else { format!("{from} to {to}") };
     let of_two = match study.model().balls() {
         2 => {
-            " On its edges they touch, and the force between them adds the equilibria drawn there. Stars and circles in \
-             the band are those of balls without contact."
+            " On its edges they touch, and the force between them adds the equilibria drawn there."
         }
         _ => " On its edges they touch.",
     };

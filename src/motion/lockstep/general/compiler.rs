@@ -80,27 +80,6 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Program {
     }
 }
 
-/// Returns the operands of a node.
-fn operands(graph: &Graph, node: Node) -> Vec<NodeId> {
-    match node {
-        Node::Constant(_) | Node::Input(_) | Node::State(_) | Node::Discrete(_) => vec![],
-        Node::Sum(a, b)
-        | Node::Difference(a, b)
-        | Node::Product(a, b)
-        | Node::Quotient(a, b)
-        | Node::ArcTangent(a, b) => vec![a, b],
-        Node::Negation(a)
-        | Node::Sine(a)
-        | Node::Cosine(a)
-        | Node::SquareRoot(a)
-        | Node::Exponential(a) => vec![a],
-        Node::Solution { solve, .. } => {
-            let solve = &graph.solves[solve as usize];
-            solve.matrix.iter().chain(&solve.right).copied().collect()
-        }
-    }
-}
-
 impl Compiler<'_> {
     /// Returns which nodes need a series of their own: outputs, operands of what is not linear, and linear expressions
     /// with several users. Finds the static numbers.
@@ -121,7 +100,7 @@ impl Compiler<'_> {
             }
             let linear = self.is_linear(nodes[place]);
             wanted[place] |= !linear || (used[place] > 1 && !self.expands);
-            for operand in operands(self.graph, nodes[place]) {
+            for operand in nodes[place].operands(&self.graph.solves) {
                 used[operand as usize] += 1;
                 let is_entry = matches!(nodes[place], Node::Solution { .. })
                     && self.static_of[operand as usize].is_some();
