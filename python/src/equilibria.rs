@@ -156,8 +156,7 @@ fn compute(
         "speeds": null,
     });
     let about = |table| provenance_with(study, table, &options);
-    let count = resolution.positions(study.model().balls()).ok_or_else(unknown)?;
-    let row = SetSummaryRow { point: Arc::clone(&key), set, positions: count };
+    let row = SetSummaryRow { point: Arc::clone(&key), set };
     let table = || -> Result<MemoryTable, Trouble> {
         let mut table = MemoryWriter::new(set_columns(study), about("equilibrium_positions"));
         let form = RestForm::new(machine).ok_or_else(unknown)?;

@@ -19,12 +19,9 @@ pub struct Machine {
     pub parts: Vec<(&'static str, Value)>,
 }
 
-/// The name of the function that simulates one run.
-pub const SIMULATE: &str = "simulate";
-
 impl Machine {
-    /// Creates a machine of a kind with these parameters; `friction` and `normal_force` are keys of
-    /// the model, and for a simulation also `contact`. Equilibrium sets are those of balls without contact.
+    /// Creates a machine of a kind with these parameters; `friction`, `normal_force` and
+    /// `contact` are keys of the model.
     ///
     /// # Errors
     /// Returns a `TypeError` for values that a study file cannot contain.
@@ -38,11 +35,7 @@ impl Machine {
         for (key, value) in parameters.iter().flat_map(|parameters| parameters.iter()) {
             let key: String = key.extract()?;
             let value = to_value(&key, &value)?;
-            let part = match key.as_str() {
-                "friction" | "normal_force" => true,
-                "contact" => name == SIMULATE,
-                _ => false,
-            };
+            let part = matches!(key.as_str(), "friction" | "normal_force" | "contact");
             if part { &mut model } else { &mut own }.insert(key, value);
         }
         model.insert("parameters".to_owned(), Value::Object(own));

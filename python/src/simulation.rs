@@ -10,7 +10,7 @@ use stickslip::table::{
 };
 
 use crate::error::Trouble;
-use crate::machine::{Machine, SIMULATE, to_value};
+use crate::machine::{Machine, to_value};
 use crate::table::Table;
 use crate::values::{items, kind, number};
 use crate::waiting::wait;
@@ -103,7 +103,7 @@ pub fn simulate(
     simulation: Option<&Bound<'_, PyAny>>,
     parameters: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Simulation> {
-    let mut machine = Machine::new(SIMULATE, model, parameters)?;
+    let mut machine = Machine::new("simulate", model, parameters)?;
     if let Some(simulation) = simulation {
         machine.parts.push(("simulation", to_value("simulation", simulation)?));
     }

@@ -88,8 +88,11 @@ def test_contact_of_a_simulation():
     assert min(found.trajectory["gap_1_2_rad"]) > -1e-9 and "touching_2_1" in found.trajectory.column_names
     plain = stickslip.simulate(start, **machine)
     assert plain.touches is None and "gap_1_2_rad" not in plain.trajectory.column_names
-    with pytest.raises(stickslip.StudyError, match="contact"):
-        stickslip.equilibrium_set(contact={})
+
+
+def test_the_set_of_balls_that_touch():
+    found = stickslip.equilibrium_set(contact={}, speed_rad_s=-173.1803, grid=256, positions=False)
+    assert found.summary["touching_fraction"] == pytest.approx([0.384], abs=0.01)
 
 
 def test_a_block_comes_to_rest():
