@@ -1,6 +1,6 @@
 //! Rates and forces of a system in one state.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use smallvec::SmallVec;
 
@@ -38,18 +38,28 @@ pub type Forces<T = f64> = SmallVec<[ContactForces<T>; 8]>;
 pub struct Evaluator {
     system: Arc<dyn System>,
     graph: Arc<Graph>,
+    affected: Arc<Mutex<Arc<Affected>>>,
+}
+
+/// The nodes that phases affect, as far as they are known.
+#[derive(Debug, Default)]
+struct Affected {
+    /// Which inputs vary.
+    varying: Vec<bool>,
+    /// The nodes that depend on these inputs, operands first.
+    nodes: Vec<NodeId>,
 }
 
 impl Evaluator {
     /// Records a system.
     pub fn new(system: Arc<dyn System>) -> Self {
         let graph = Graph::of(system.as_ref());
-        Evaluator { system, graph }
+        Evaluator::of_graph(system, graph)
     }
 
     /// Returns the equations of a system, which are already recorded.
     pub(super) fn of_graph(system: Arc<dyn System>, graph: Arc<Graph>) -> Self {
-        Evaluator { system, graph }
+        Evaluator { system, graph, affected: Arc::default() }
     }
 
     /// Returns the system.
@@ -87,9 +97,13 @@ impl Evaluator {
 
     /// Returns the equations in one state, for several assumptions about the phases.
     pub fn in_state<'a>(&'a self, state: &'a [f64]) -> InOneState<'a> {
-        let nodes = self.graph.nodes.len();
-        let (values, changed) = (SmallVec::from_elem(0.0, nodes), SmallVec::from_elem(true, nodes));
-        InOneState { evaluator: self, state, inputs: Vec::new(), values, changed }
+        InOneState {
+            evaluator: self,
+            state,
+            inputs: Vec::new(),
+            values: Vec::new(),
+            affected: self.affected(),
+        }
     }
 
     /// Returns speeds, accelerations and forces of all contacts in a state.
@@ -144,6 +158,19 @@ impl Evaluator {
             values.push(self.value(node, &values, &inputs, &state, &mut solution));
         }
         values
+    }
+
+    fn affected(&self) -> Arc<Affected> {
+        // A panic while the nodes are locked leaves them complete.
+        Arc::clone(&self.affected.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Finds the nodes that depend on inputs that vary, and remembers them for other states.
+    fn affected_by(&self, varying: Vec<bool>) -> Arc<Affected> {
+        let nodes = self.graph.depending_on(&varying);
+        let affected = Arc::new(Affected { varying, nodes });
+        *self.affected.lock().unwrap_or_else(PoisonError::into_inner) = Arc::clone(&affected);
+        affected
     }
 
     fn inputs(&self, phases: &[Phase]) -> Vec<f64> {
@@ -202,13 +229,13 @@ impl<T> Solution<T> {
 }
 
 /// The recorded equations in one state. From one assumption about the phases to the next, only the nodes that depend on
-/// what has changed are computed.
+/// the inputs that vary are computed.
 pub struct InOneState<'a> {
     evaluator: &'a Evaluator,
     state: &'a [f64],
     inputs: Vec<f64>,
-    values: SmallVec<[f64; 128]>,
-    changed: SmallVec<[bool; 128]>,
+    values: Vec<f64>,
+    affected: Arc<Affected>,
 }
 
 impl InOneState<'_> {
@@ -226,22 +253,24 @@ impl InOneState<'_> {
     /// Computes all nodes for these phases.
     fn assume(&mut self, phases: &[Phase]) {
         let inputs = self.evaluator.inputs(phases);
-        let graph = &self.evaluator.graph;
-        let first = self.inputs.is_empty();
+        if self.values.is_empty() {
+            let state = |component: usize| self.state[component];
+            self.values = self.evaluator.values(phases, state).to_vec();
+            self.inputs = inputs;
+            return;
+        }
+        let known = |input: usize| self.affected.varying.get(input) == Some(&true);
+        let varies = |input: usize| inputs[input] != self.inputs[input];
+        if (0..inputs.len()).any(|input| varies(input) && !known(input)) {
+            let varying = (0..inputs.len()).map(|input| varies(input) || known(input)).collect();
+            self.affected = self.evaluator.affected_by(varying);
+        }
         let mut solution = Solution::none();
-        for (place, node) in graph.nodes.iter().enumerate() {
-            let changed = |node: &NodeId| self.changed[*node as usize];
-            let changes = first
-                || match *node {
-                    Node::Input(index) => self.inputs[index as usize] != inputs[index as usize],
-                    _ => node.operands(&graph.solves).iter().any(changed),
-                };
-            self.changed[place] = changes;
-            if changes {
-                let state = |component: usize| self.state[component];
-                self.values[place] =
-                    self.evaluator.value(node, &self.values, &inputs, state, &mut solution);
-            }
+        for &place in &self.affected.nodes {
+            let node = &self.evaluator.graph.nodes[place as usize];
+            let state = |component: usize| self.state[component];
+            self.values[place as usize] =
+                self.evaluator.value(node, &self.values, &inputs, state, &mut solution);
         }
         self.inputs = inputs;
     }

