@@ -92,7 +92,7 @@ def test_contact_of_a_simulation():
 
 def test_the_set_of_balls_that_touch():
     found = stickslip.equilibrium_set(contact={}, speed_rad_s=-173.1803, grid=256, positions=False)
-    assert found.summary["touching_fraction"] == pytest.approx([0.384], abs=0.01)
+    assert found.summary["touching_fraction"] == pytest.approx([0.406], abs=0.001)
 
 
 def test_a_block_comes_to_rest():
