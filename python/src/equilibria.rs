@@ -83,8 +83,8 @@ impl EquilibriumSet {
 /// threads: number of worker threads, 1 to 1024; one per core by default. Does not change any
 ///     result.
 /// parameters: parameters of the machine with the names and units of a study file, such as
-///     ``speed_rad_s=-216.3772``, ``balls=2``, ``friction_coefficient=2.75e-3``; also ``friction``
-///     and ``normal_force``. The defaults are the machine of the thesis.
+///     ``speed_rad_s=-216.3772``, ``balls=2``, ``friction_coefficient=2.75e-3``; also ``friction``,
+///     ``normal_force`` and ``contact``. The defaults are the machine of the thesis.
 ///
 /// Raises StudyError for invalid parameters and options, and TypeError for values of other types.
 #[pyfunction]
@@ -156,8 +156,7 @@ fn compute(
         "speeds": null,
     });
     let about = |table| provenance_with(study, table, &options);
-    let count = resolution.positions(study.model().balls()).ok_or_else(unknown)?;
-    let row = SetSummaryRow { point: Arc::clone(&key), set, positions: count };
+    let row = SetSummaryRow { point: Arc::clone(&key), set };
     let table = || -> Result<MemoryTable, Trouble> {
         let mut table = MemoryWriter::new(set_columns(study), about("equilibrium_positions"));
         let form = RestForm::new(machine).ok_or_else(unknown)?;

@@ -20,8 +20,8 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Creates a machine of a kind with these parameters; `friction` and `normal_force` are keys of
-    /// the model.
+    /// Creates a machine of a kind with these parameters; `friction`, `normal_force` and
+    /// `contact` are keys of the model.
     ///
     /// # Errors
     /// Returns a `TypeError` for values that a study file cannot contain.
@@ -35,7 +35,7 @@ impl Machine {
         for (key, value) in parameters.iter().flat_map(|parameters| parameters.iter()) {
             let key: String = key.extract()?;
             let value = to_value(&key, &value)?;
-            let part = matches!(key.as_str(), "friction" | "normal_force");
+            let part = matches!(key.as_str(), "friction" | "normal_force" | "contact");
             if part { &mut model } else { &mut own }.insert(key, value);
         }
         model.insert("parameters".to_owned(), Value::Object(own));

@@ -5,7 +5,8 @@ use pyo3::types::PyDict;
 use serde_json::{Value, json};
 use stickslip::engine::record;
 use stickslip::table::{
-    MemoryTable, in_memory, provenance, run_columns, switch_columns, trajectory_columns,
+    MemoryTable, in_memory, provenance, run_columns, switch_columns, touch_columns,
+    trajectory_columns,
 };
 
 use crate::error::Trouble;
@@ -14,7 +15,7 @@ use crate::table::Table;
 use crate::values::{items, kind, number};
 use crate::waiting::wait;
 
-/// The largest number of instants, and of switches, of a motion.
+/// The largest number of instants, of switches and of impacts of a motion.
 const MOST: usize = 1_000_000;
 /// The latest time that may be requested, s.
 const LATEST_S: f64 = 1e12;
@@ -27,6 +28,7 @@ pub struct Simulation {
     run: MemoryTable,
     trajectory: MemoryTable,
     switches: MemoryTable,
+    touches: Option<MemoryTable>,
 }
 
 #[pymethods]
@@ -49,7 +51,8 @@ impl Simulation {
         Table(self.run.clone())
     }
 
-    /// One row per instant: table, angles, speeds, stick or slip, friction force and its limit.
+    /// One row per instant: table, angles, speeds, stick or slip, friction force and its limit, gaps between balls with
+    /// contact.
     #[getter]
     fn trajectory(&self) -> Table {
         Table(self.trajectory.clone())
@@ -59,6 +62,12 @@ impl Simulation {
     #[getter]
     fn switches(&self) -> Table {
         Table(self.switches.clone())
+    }
+
+    /// One row per impact between two balls and per end of lasting contact; None without contact between balls.
+    #[getter]
+    fn touches(&self) -> Option<Table> {
+        self.touches.clone().map(Table)
     }
 
     fn __repr__(&self) -> String {
@@ -78,8 +87,8 @@ impl Simulation {
 /// simulation: settings of the simulation with the keys of a study file, such as ``{"end_time_s":
 ///     33}``.
 /// parameters: parameters of the machine with the names and units of a study file, such as
-///     ``speed_rad_s=-216.3772``, ``balls=2``, ``friction_coefficient=2.75e-3``; also ``friction``
-///     and ``normal_force``. The defaults are the machine of the thesis.
+///     ``speed_rad_s=-216.3772``, ``balls=2``, ``friction_coefficient=2.75e-3``; also ``friction``,
+///     ``normal_force`` and ``contact``. The defaults are the machine of the thesis.
 ///
 /// A failed run raises no exception; its label is ``failed``. Raises StudyError for invalid
 /// arguments and for a motion of more than 1,000,000 instants, and TypeError for values of other
@@ -121,21 +130,29 @@ pub fn simulate(
         let (record, recording) = record(&study, 0, times_s.as_deref(), MOST);
         if recording.cut_off {
             return Err(Trouble::Usage(format!(
-                "the motion is too long\n  found:   more than {MOST} steps, or switches\n  \
+                "the motion is too long\n  found:   more than {MOST} steps, switches or impacts\n  \
                  allowed: fewer; select a part with `times_s`"
             )));
         }
         // Impossible parameters have no units; the motion is empty then.
         let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
+        let gaps = model.gaps(&record.planned.start);
+        let touches = gaps.is_some().then_some(recording.touches);
         let about = |table| provenance(&study, table);
-        let trajectory =
-            in_memory(trajectory_columns(model), about("trajectory"), recording.samples)?;
+        let trajectory = in_memory(
+            trajectory_columns(model, gaps.as_deref().unwrap_or_default()),
+            about("trajectory"),
+            recording.samples,
+        )?;
         let switches = in_memory(switch_columns(model), about("switches"), recording.switches)?;
+        let in_table = |touches| in_memory(touch_columns(model), about("touches"), touches);
+        let touches = touches.map(in_table).transpose()?;
         Ok::<_, Trouble>(Simulation {
             label: record.outcome.label().name(),
             evidence: record.outcome.evidence.name(),
             trajectory,
             switches,
+            touches,
             run: in_memory(run_columns(&study), about("runs"), [record])?,
         })
     })??;

@@ -417,6 +417,45 @@ def test_motion(tmp_path):
     assert entries(beside) == ["balls 1 and 2, side by side"] and len(panels(beside)[0].lines) == 1
 
 
+def test_contact_of_a_motion(tmp_path):
+    folder = replay(tmp_path, (0.5, 0.7), 9)
+    plain = figures.motion(folder)
+    assert entries(plain) == ["ball 1", "ball 2"] and "Crosses" not in plain.caption
+    trajectory_table = pyarrow.parquet.read_table(folder / "trajectory.parquet")
+    columns = {name: trajectory_table[name].to_pylist() for name in trajectory_table.column_names}
+    closed = [False] * 3 + [True] * 4 + [False] * 2
+    columns.update(touching_1_2=closed, touching_2_1=[False] * 9, gap_1_2_rad=[0.1] * 9)
+    small_tables.write(folder, "trajectory", columns, {"run_id": 17})
+    small_tables.write(
+        folder,
+        "touches",
+        {
+            "time_s": [0.5, 1.125, 1.375, 1.875],
+            "ball_behind": [1, 1, 1, 1],
+            "ball_ahead": [2, 2, 2, 2],
+            "from": ["open", "open", "open", "closed"],
+            "to": ["open", "open", "closed", "open"],
+            "beta_behind_rad": [0.1, 1.0, 6.2, 1.0],
+            "beta_ahead_rad": [0.3, 1.4, 0.2, 1.4],
+        },
+    )
+    figure = figures.motion(folder)
+    assert entries(figure) == ["ball 1", "ball 2", "balls touch", "impact"]
+    assert "Wide grey: two balls touch. Crosses: impacts." in figure.caption
+    angles, speeds, *_ = panels(figure)
+    wide = [line for line in angles.lines if line.get_linewidth() == 4]
+    assert len(wide) == 2 and len(speeds.lines) == 2
+    for line, place in zip(wide, (0.5, 0.7)):
+        x, y = np.array(line.get_xdata(), float), np.array(line.get_ydata(), float)
+        seen = ~np.isnan(y)
+        assert x[seen] == pytest.approx([1.375, 1.5, 1.625, 1.75])
+        assert y[seen] == pytest.approx((place + 4 * x[seen]) % (2 * np.pi))
+    # The impacts in the interval of the figure lie halfway between the balls, also across the angle 0.
+    crosses = [line for line in angles.lines if line.get_marker() == "x"]
+    middle = (6.2 + (0.2 + 2 * np.pi - 6.2) / 2) % (2 * np.pi)
+    assert crosses[0].get_xydata() == pytest.approx(np.array([[1.125, 1.2], [1.375, middle]]))
+
+
 def test_a_long_motion_keeps_its_extremes():
     time = np.linspace(0, 1, 100_001)
     values = np.sin(2000 * time)

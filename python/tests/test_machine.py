@@ -79,6 +79,22 @@ def test_the_motion_is_that_of_a_replay(program, tmp_path):
             assert found.trajectory["time_s"] == pytest.approx(times)
 
 
+def test_contact_of_a_simulation():
+    start = {"beta_1": 1.0, "beta_2": 2.0, "beta_dot_1": 0.8}
+    machine = {"speed_rad_s": -173.1803, "simulation": {"end_time_s": 2}}
+    found = stickslip.simulate(start, contact={"restitution": 0.5}, **machine)
+    impacts = [phase for phase in found.touches["from"] if phase == "open"]
+    assert len(impacts) == found.run["impacts"][0] > 0
+    assert min(found.trajectory["gap_1_2_rad"]) > -1e-9 and "touching_2_1" in found.trajectory.column_names
+    plain = stickslip.simulate(start, **machine)
+    assert plain.touches is None and "gap_1_2_rad" not in plain.trajectory.column_names
+
+
+def test_the_set_of_balls_that_touch():
+    found = stickslip.equilibrium_set(contact={}, speed_rad_s=-173.1803, grid=256, positions=False)
+    assert found.summary["touching_fraction"] == pytest.approx([0.406], abs=0.001)
+
+
 def test_a_block_comes_to_rest():
     found = stickslip.simulate(
         {"position_m": 0.35},

@@ -22,6 +22,7 @@ mod cycle;
 mod cycle_watch;
 mod extremes;
 mod follow;
+mod gap_sample;
 mod in_lockstep;
 mod lane_run;
 mod lane_step;
@@ -46,6 +47,7 @@ pub const MODEL_VERSION: u32 = 6;
 
 pub use closed_orbit::Orbit;
 pub use cycle::{Cycle, CyclePhase, TouchingPair};
+pub use gap_sample::{GapSample, Touch};
 pub use in_lockstep::{Runs, simulate_by_recorded_equations_in_lockstep, simulate_in_lockstep};
 pub use orbit::OrbitWatch;
 pub use outcome::{Evidence, Label, LyapunovExponent, Outcome, TouchingOutcome};

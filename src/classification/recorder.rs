@@ -5,6 +5,7 @@
 //! restarts from the state saved before its end time had an effect; the record is rewound to the
 //! same state.
 
+use super::gap_sample::{GapSample, Touch, gap_samples, touches};
 use super::lane_step::LaneStep;
 use super::system_view::SystemView;
 use crate::motion::{Effort, Instant, Phase};
@@ -34,6 +35,8 @@ pub struct Sample {
     pub table: Option<[f64; 4]>,
     /// One sample per contact.
     pub contacts: Vec<ContactSample>,
+    /// One sample per gap between contacts.
+    pub gaps: Vec<GapSample>,
 }
 
 /// A contact at an instant, non-dimensional.
@@ -73,6 +76,9 @@ pub struct Recording {
     pub samples: Vec<Sample>,
     /// All switches in chronological order, as many as counted in the run's effort.
     pub switches: Vec<Switch>,
+    /// All impacts between contacts in chronological order, as many as counted in the outcome, and where contacts that
+    /// touch separate.
+    pub touches: Vec<Touch>,
     /// Whether the limit of the recorder was exceeded.
     pub cut_off: bool,
 }
@@ -90,7 +96,8 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Creates a recorder of these instants for at most `most` samples and as many switches.
+    /// Creates a recorder of these instants for at most `most` samples, as many switches and as many
+    /// touches.
     pub fn new(instants: Instants, most: usize) -> Self {
         Recorder {
             instants,
@@ -115,10 +122,12 @@ impl Recorder {
 
     /// Rewinds to the time at which the run had cost `effort`.
     pub(super) fn rewind(&mut self, time: f64, effort: Effort) {
-        let Recording { samples, switches, cut_off } = &mut self.recording;
+        let Recording { samples, switches, touches, cut_off } = &mut self.recording;
         samples.truncate(samples.partition_point(|sample| sample.step <= effort.steps));
         switches.truncate(usize::try_from(effort.switches).unwrap_or(usize::MAX));
-        *cut_off &= samples.len() >= self.most || switches.len() >= self.most;
+        touches.truncate(touches.partition_point(|touch| touch.time <= time));
+        *cut_off &=
+            [samples.len(), switches.len(), touches.len()].iter().any(|all| *all >= self.most);
         (self.time, self.effort) = (time, effort);
     }
 
@@ -165,6 +174,7 @@ impl Recorder {
         }
         if let Some(before) = step.before_switch() {
             self.switches(view, &before, &step.now());
+            self.touches(view, &before, &step.now());
         }
         (self.time, self.effort) = (step.time(), effort);
     }
@@ -185,6 +195,16 @@ impl Recorder {
         }
     }
 
+    fn touches(&mut self, view: &SystemView, before: &Instant, after: &Instant) {
+        for touch in touches(view, before, after) {
+            if self.recording.touches.len() >= self.most {
+                self.recording.cut_off = true;
+                return;
+            }
+            self.recording.touches.push(touch);
+        }
+    }
+
     fn push(&mut self, view: &SystemView, step: u64, instant: &Instant) {
         if self.recording.samples.len() >= self.most {
             self.recording.cut_off = true;
@@ -196,6 +216,7 @@ impl Recorder {
             step,
             table: view.vibration.map(|places| places.map(|place| instant.state[place])),
             contacts: contacts.map(|contact| contact_sample(view, instant, contact)).collect(),
+            gaps: gap_samples(view, instant),
         });
     }
 }

@@ -21,7 +21,7 @@ use crate::study::Study;
 use crate::table::column::Column;
 use crate::table::{
     Difference, FILES, FileList, Kind, Manifest, RunRecord, StoredRun, Table, TableWriter,
-    provenance_with, switch_columns, trajectory_columns,
+    provenance_with, switch_columns, touch_columns, trajectory_columns,
 };
 
 const EXAMPLES: &str = "\
@@ -33,9 +33,10 @@ Examples:
 Computes the run again with the same engine and compares it with its stored row: all columns, to the \
 last bit. If they differ, for example on another kind of processor, it prints the differences and ends with exit \
 code 1. Writes trajectory.parquet (angle and speed of table and balls, phase, friction and friction limit of \
-each ball), switches.parquet (each change between stick and slip) and replay.html (an animation for any browser). \
-Prints all changes between stick and slip to a pipe or a file; a terminal shows a summary and the first of \
-them. The Python package's `stickslip-figures` draws figures for papers from these tables.";
+each ball), switches.parquet (each change between stick and slip) and replay.html (an animation for any browser); for \
+balls with contact also the gaps between them, and touches.parquet (each impact, and each end of lasting contact). \
+Prints all changes between stick and slip, and all impacts, to a pipe or a file; a terminal shows a summary and the first \
+of them. The Python package's `stickslip-figures` draws figures for papers from these tables.";
 
 /// The number of characters of a run's error message that are printed.
 const LONGEST_ERROR: usize = 400;
@@ -80,8 +81,9 @@ fn run_number(text: &str) -> Result<u64, String> {
 
 const TRAJECTORY: &str = "trajectory.parquet";
 const SWITCHES: &str = "switches.parquet";
+const TOUCHES: &str = "touches.parquet";
 /// All files that a replay may write.
-const OWN: [&str; 3] = [TRAJECTORY, SWITCHES, ANIMATION];
+const OWN: [&str; 4] = [TRAJECTORY, SWITCHES, TOUCHES, ANIMATION];
 
 /// Computes the run again and writes its motion.
 ///
@@ -98,7 +100,7 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
     let (record, recording) = record(&study, *run_id, times.as_deref(), MOST_TIMES as usize);
     if recording.cut_off {
         let what = format!("the motion of run {run_id} is too long");
-        let found = format!("more than {MOST_TIMES} steps, or switches");
+        let found = format!("more than {MOST_TIMES} steps, switches or impacts");
         let allowed = "fewer; choose an interval with --times FROM:TO:N";
         return Err(CliError::refusal(what, found, allowed));
     }
@@ -107,8 +109,7 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
         None => None,
     };
     let mut place = ExclusiveDirectory::open(&out, &OWN)?;
-    write(&out, &mut place.list, &study, arguments, &record, &recording)?;
-    let mut files = vec![TRAJECTORY, SWITCHES];
+    let mut files = write(&out, &mut place.list, &study, arguments, &record, &recording)?;
     if animate(&out, &mut place.list, &study, &record, arguments.times)? {
         files.push(ANIMATION);
     }
@@ -189,6 +190,7 @@ fn runs_of_point(directory: &Path, manifest: &Manifest, point_id: u64) -> Result
     Ok(0)
 }
 
+/// Writes the tables and returns their names.
 fn write(
     out: &Path,
     list: &mut FileList,
@@ -196,7 +198,7 @@ fn write(
     arguments: &ReplayArguments,
     record: &RunRecord,
     recording: &Recording,
-) -> Result<(), CliError> {
+) -> Result<Vec<&'static str>, CliError> {
     let times = arguments.times.map(|times| times.values().collect::<Vec<f64>>());
     let options = json!({
         "run_id": arguments.run_id,
@@ -204,8 +206,15 @@ fn write(
     });
     // Invalid parameters have no units; the table is then empty.
     let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
-    table(out, list, study, "trajectory", &options, trajectory_columns(model), &recording.samples)?;
-    table(out, list, study, "switches", &options, switch_columns(model), &recording.switches)
+    let gaps = model.gaps(&record.planned.start);
+    let columns = trajectory_columns(model, gaps.as_deref().unwrap_or_default());
+    table(out, list, study, "trajectory", &options, columns, &recording.samples)?;
+    table(out, list, study, "switches", &options, switch_columns(model), &recording.switches)?;
+    if gaps.is_none() {
+        return Ok(vec![TRAJECTORY, SWITCHES]);
+    }
+    table(out, list, study, "touches", &options, touch_columns(model), &recording.touches)?;
+    Ok(vec![TRAJECTORY, SWITCHES, TOUCHES])
 }
 
 fn table<R: Clone>(
@@ -283,7 +292,7 @@ impl Report<'_> {
         say(&format!("motion in {}", out.display()));
     }
 
-    /// Returns all switches, or a summary if a terminal shows it.
+    /// Returns all switches and impacts, or a summary if a terminal shows it.
     fn text(&self) -> String {
         let Report { out, study, record, recording, .. } = self;
         let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
@@ -296,7 +305,7 @@ impl Report<'_> {
     fn json(&self) -> Value {
         let Report { directory, out, study, record, recording, differences, files } = self;
         let differences = differences.as_ref();
-        json!({
+        let mut json = json!({
             "study": study.name(),
             "directory": directory.display().to_string(),
             "run_id": record.planned.run_id,
@@ -316,6 +325,14 @@ impl Report<'_> {
             "switches": recording.switches.len(),
             "out": out.display().to_string(),
             "files": files,
-        })
+        });
+        if let Some(touching) = &record.outcome.touching {
+            json["impacts"] = touching.impacts.into();
+            json["touching_time_s"] = touching.time_s.into();
+            json["touching_at_end"] = touching.at_end.into();
+            json["contact_force_n"] = touching.force_n.into();
+            json["lifted_off"] = touching.lifted_off.into();
+        }
+        json
     }
 }

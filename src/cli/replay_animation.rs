@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::exit::CliError;
-use super::range::Times;
+use super::range::{MOST_TIMES, Times};
 use crate::classification::{Evidence, Instants, Recorder, simulate_recorded};
 use crate::report::{animation, frames, time_text};
 use crate::study::Study;
@@ -50,9 +50,9 @@ pub fn animate(
     let last = f64::from(frames - 1);
     let time = |frame: u32| natural * (from + (to - from) * (f64::from(frame) / last));
     let mut recorder =
-        Recorder::new(Instants::At((0..frames).map(time).collect()), frames as usize);
+        Recorder::new(Instants::At((0..frames).map(time).collect()), MOST_TIMES as usize);
     simulate_recorded(case, &mut recorder);
-    let page = animation(machine, &recorder.finish().samples, &title);
+    let page = animation(machine, &recorder.finish(), &title);
     let unusable = |cause| ResultsError::Unusable { path: out.join(ANIMATION), cause };
     list.write_once(out, ANIMATION, page.as_bytes()).map_err(unusable)?;
     Ok(true)

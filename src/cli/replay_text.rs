@@ -4,26 +4,35 @@
 use std::path::Path;
 
 use super::point_words::micrometres;
-use crate::classification::{Outcome, Recording, Switch};
+use crate::classification::{Outcome, Recording, Switch, Touch, TouchingOutcome};
 use crate::counted::counted;
 use crate::model::{Model, SlidingSpeed};
+use crate::report::time_text;
 use crate::table::phase_name;
 use crate::text_table::text_table;
 
 /// The number of switches that are printed to a terminal.
 const MOST_ON_TERMINAL: usize = 20;
 
-/// Returns the first `most` switches as a table.
+/// Returns the first `most` switches as a table; for contacts with gaps, the first `most` of switches and touches in the
+/// order of time.
 pub fn switch_log(model: &Model, recording: &Recording, most: usize) -> String {
     let units = model.units();
     // The only contact of a block has no number, and the column has the name of the balls' numbers.
     let body = if model.block().is_some() { "ball" } else { model.kind().body };
-    let header = ["time_s", body, "from", "to", "friction_n", "friction_limit_n", "normal_n"];
-    let mut rows = vec![header.map(String::from).to_vec()];
-    let switches = recording.switches.iter().take(most);
-    rows.extend(switches.map(|Switch { time, contact, before, after }| {
+    let mut header =
+        vec!["time_s", body, "from", "to", "friction_n", "friction_limit_n", "normal_n"];
+    let has_gaps = model.system().is_some_and(|system| system.touching().is_some());
+    if has_gaps {
+        header.extend(match model.kind().sliding_speed {
+            SlidingSpeed::RadS => ["opening_before_rad_s", "opening_after_rad_s"],
+            SlidingSpeed::MS => ["opening_before_m_s", "opening_after_m_s"],
+        });
+    }
+    let columns = header.len();
+    let switch = |Switch { time, contact, before, after }: &Switch| {
         let newtons = |force| format!("{:.6e}", units.newtons(*contact, force).unwrap_or(f64::NAN));
-        vec![
+        let mut row = vec![
             format!("{:.9}", units.seconds(*time)),
             if model.block().is_some() { "-".to_owned() } else { format!("{}", contact + 1) },
             phase_name(before.phase).to_owned(),
@@ -31,13 +40,34 @@ pub fn switch_log(model: &Model, recording: &Recording, most: usize) -> String {
             newtons(before.friction),
             newtons(before.limit),
             newtons(before.normal),
-        ]
-    }));
+        ];
+        row.resize(columns, "-".to_owned());
+        row
+    };
+    let touch = |Touch { time, before, after, .. }: &Touch| {
+        let [behind, ahead] = after.contacts.map(|contact| contact + 1);
+        let mut row = vec![
+            format!("{:.9}", units.seconds(*time)),
+            format!("{behind}-{ahead}"),
+            phase_name(before.phase).to_owned(),
+            phase_name(after.phase).to_owned(),
+        ];
+        row.resize(columns - 2, "-".to_owned());
+        row.extend([before, after].map(|gap| format!("{:.6e}", units.opening_speed(gap))));
+        row
+    };
+    let switches = recording.switches.iter().map(|one| (one.time, switch(one)));
+    let mut timed: Vec<(f64, Vec<String>)> = switches.take(most).collect();
+    timed.extend(recording.touches.iter().take(most).map(|one| (one.time, touch(one))));
+    timed.sort_by(|(one, _), (other, _)| one.total_cmp(other));
+    let header = header.into_iter().map(String::from).collect();
+    let rows = timed.into_iter().take(most).map(|(_, row)| row);
+    let rows: Vec<Vec<String>> = std::iter::once(header).chain(rows).collect();
     text_table(&rows, &[2, 3])
 }
 
-/// Returns the summary for a terminal: the ending, the final positions, the vibration, and the first switches; `file` is
-/// the table of all switches.
+/// Returns the summary for a terminal: the ending, the final positions, the vibration, how balls touched, and the first
+/// switches and touches; `file` is the table of all switches.
 pub fn terminal_text(
     model: &Model,
     outcome: &Outcome,
@@ -64,6 +94,8 @@ pub fn terminal_text(
     rows.extend(outcome.amplitude_m.map(|metres| ("vibration", micrometres(metres) + " µm")));
     let all = recording.switches.len();
     rows.push(("switches", counted(all as u64, "change") + " between stick and slip"));
+    rows.extend(outcome.touching.map(|touching| ("contact", touching_words(model, touching))));
+    let all = all + recording.touches.len();
     let rows: Vec<Vec<String>> =
         rows.into_iter().map(|(name, value)| vec![name.to_owned(), value]).collect();
     let mut text = text_table(&rows, &[0, 1]);
@@ -73,17 +105,38 @@ pub fn terminal_text(
     }
     let more = all.saturating_sub(MOST_ON_TERMINAL);
     if more > 0 {
-        text += &format!("... and {more} more; pipe the output or see {}\n", file.display());
+        let touches = if recording.touches.is_empty() { "" } else { " and touches.parquet" };
+        let files = format!("{}{touches}", file.display());
+        text += &format!("... and {more} more; pipe the output or see {files}\n");
     }
     text
+}
+
+/// Returns how the balls of a run touched.
+fn touching_words(model: &Model, touching: TouchingOutcome) -> String {
+    let TouchingOutcome { impacts, lifted_off, time_s, at_end, .. } = touching;
+    let bodies = format!("{}s", model.kind().body);
+    let mut words = counted(impacts, "impact");
+    if time_s > 0.0 {
+        words += &format!(", {bodies} touch for {}", time_text(time_s));
+    }
+    words += &match (at_end, time_s > 0.0) {
+        (true, true) => ", also at the end".to_owned(),
+        (true, false) => format!(", {bodies} touch at the end"),
+        (false, _) => ", no contact at the end".to_owned(),
+    };
+    if lifted_off > 0 {
+        words += &format!("; impacts lift {} off the ring", counted(lifted_off, model.kind().body));
+    }
+    words
 }
 
 #[cfg(test)]
 mod tests {
     use std::path::Path;
 
-    use super::{switch_log, terminal_text};
-    use crate::classification::Recording;
+    use super::{switch_log, terminal_text, touching_words};
+    use crate::classification::{Recording, TouchingOutcome};
     use crate::engine::record;
     use crate::study::Study;
 
@@ -115,5 +168,36 @@ mod tests {
         recording.switches.truncate(1);
         let shown = text(&recording);
         assert!(shown.contains(" 1 change between") && !shown.contains("more"), "{shown}");
+    }
+
+    #[test]
+    fn a_terminal_shows_contact() {
+        let text = "schema: 1\nname: a\nseed: 5\n\
+            model: {kind: ball_balancer, contact: {}, parameters: {speed_rad_s: -173.1803}}\n\
+            initial_conditions: {design: {monte_carlo: {samples: 1}}}\nsimulation: {end_time_s: 2}\n";
+        let study = Study::parse(Path::new("a.yaml"), text.to_owned()).expect("a valid study");
+        let (record, recording) = record(&study, 0, None, 1_000_000);
+        let touching = record.outcome.touching.expect("contact");
+        let rows = recording.switches.len() + recording.touches.len();
+        let file = Path::new("b/switches.parquet");
+        let shown = terminal_text(study.model(), &record.outcome, &recording, file);
+        let words = format!("\ncontact       {} impacts, balls touch for ", touching.impacts);
+        assert!(touching.impacts > 1 && touching.time_s > 0.0 && shown.contains(&words), "{shown}");
+        let end = if touching.at_end { "also at the end\n" } else { "no contact at the end\n" };
+        assert!(shown.contains(end), "{shown}");
+        let more = format!(
+            "\n... and {} more; pipe the output or see b/switches.parquet and touches.parquet\n",
+            rows - 20
+        );
+        assert!(shown.ends_with(&more), "{shown}");
+        let once = TouchingOutcome {
+            impacts: 1,
+            lifted_off: 2,
+            time_s: 0.0,
+            at_end: false,
+            force_n: None,
+        };
+        let words = touching_words(study.model(), once);
+        assert_eq!(words, "1 impact, no contact at the end; impacts lift 2 balls off the ring");
     }
 }

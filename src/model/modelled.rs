@@ -83,6 +83,13 @@ impl Model {
         }
     }
 
+    /// Returns the contacts behind and ahead of each gap, in the order of the gaps of [`Model::system_for`]; `None` for a
+    /// system without gaps.
+    pub fn gaps(&self, start: &Start) -> Option<Vec<[usize; 2]>> {
+        let system = self.system_for(start)?;
+        Some(system.touching()?.gaps().iter().map(|gap| gap.contacts).collect())
+    }
+
     fn system_in_order(&self, angles: &[f64]) -> Option<Arc<dyn System>> {
         let machine = match self {
             Model::BallBalancer(machine) => machine,

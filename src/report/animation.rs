@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::classification::Sample;
+use crate::classification::{Recording, Sample};
 use crate::model::{Machine, Model};
 use crate::motion::Phase;
 
@@ -23,8 +23,10 @@ pub fn frames(model: &Model, seconds: f64) -> Option<u32> {
     Some(frames.clamp(FRAMES.0, FRAMES.1) as u32)
 }
 
-/// Returns the animation of a balancer from equally spaced samples; `title` is the heading.
-pub fn animation(machine: &Machine, samples: &[Sample], title: &str) -> String {
+/// Returns the animation of a balancer from equally spaced samples, with the touches between them; `title` is the
+/// heading.
+pub fn animation(machine: &Machine, recording: &Recording, title: &str) -> String {
+    let samples = &recording.samples;
     let model = Model::from(machine.clone());
     let units = model.units();
     let rounded = |value: f64, digits: i32| {
@@ -47,9 +49,22 @@ pub fn animation(machine: &Machine, samples: &[Sample], title: &str) -> String {
             samples.iter().map(|sample| if stick(sample) { '1' } else { '0' }).collect()
         })
         .collect();
+    // Balls that may touch, and for each such pair whether they do.
+    let gaps = samples.first().map_or(&[][..], |sample| &sample.gaps[..]);
+    let touching: Vec<String> = (0..gaps.len())
+        .map(|gap| {
+            let closed = |sample: &Sample| sample.gaps[gap].phase == Phase::Closed;
+            samples.iter().map(|sample| if closed(sample) { '1' } else { '0' }).collect()
+        })
+        .collect();
     let [begin, end] = [samples.first(), samples.last()]
         .map(|sample| sample.map_or(0.0, |sample| units.seconds(sample.time)));
-    let data = json!({
+    // The times of the impacts in the picture, counted from its first one, with the balls.
+    let impacts = recording.touches.iter().filter(|touch| touch.is_impact());
+    let impacts = impacts.map(|touch| (units.seconds(touch.time) - begin, touch.after.contacts));
+    let impacts: Vec<(f64, [usize; 2])> =
+        impacts.filter(|(time, _)| (0.0..=end - begin).contains(time)).collect();
+    let mut data = json!({
         "from_s": begin,
         "seconds": end - begin,
         "disc_rad_s": machine.speed_rad_s,
@@ -61,6 +76,11 @@ pub fn animation(machine: &Machine, samples: &[Sample], title: &str) -> String {
         "angles": angles,
         "sticks": sticks,
     });
+    if machine.contact.is_some() {
+        data["gaps"] = json!(gaps.iter().map(|gap| gap.contacts).collect::<Vec<_>>());
+        data["touching"] = json!(touching);
+        data["impacts"] = json!(impacts);
+    }
     let escaped = title.replace('&', "&amp;").replace('<', "&lt;");
     // The data are numbers, which cannot end the script element.
     PAGE.replace(TITLE, &escaped).replacen(DATA, &data.to_string(), 1)

@@ -2,6 +2,7 @@
 //! non-dimensional.
 
 use super::column::{Column, Columns, NON_DIMENSIONAL};
+use super::touches::add_gaps;
 use crate::classification::{ContactSample, Sample, Switch};
 use crate::model::{Model, SlidingSpeed, Units, wrap_to_two_pi};
 use crate::motion::Phase;
@@ -60,8 +61,8 @@ const FRICTION: &str = "friction force, positive against positive speed; during 
                         that sticking requires";
 const LIMIT: &str = "friction limit: static coefficient times normal force";
 
-/// Returns the columns of `trajectory.parquet`.
-pub fn trajectory_columns(model: &Model) -> Vec<Column<Sample>> {
+/// Returns the columns of `trajectory.parquet` of a run with these gaps ([`Model::gaps`]).
+pub fn trajectory_columns(model: &Model, gaps: &[[usize; 2]]) -> Vec<Column<Sample>> {
     let units = model.units();
     let natural = units.natural_rad_s;
     let mut list = Columns::<Sample>::new();
@@ -79,6 +80,7 @@ pub fn trajectory_columns(model: &Model) -> Vec<Column<Sample>> {
             (None, None) => add_body(&mut list, model, contact),
         }
     }
+    add_gaps(&mut list, model, gaps);
     list.number("time", NON_DIMENSIONAL, |row| row.time)
         .meaning("time times the natural frequency");
     if model.ball_balancer().is_some() {

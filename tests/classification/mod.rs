@@ -15,6 +15,7 @@ mod means;
 mod model_version;
 mod multipliers;
 mod recorder;
+mod recorder_touches;
 pub mod reference;
 mod reference_in_contact;
 mod settled;

@@ -28,6 +28,7 @@ mod own_system;
 mod progress;
 mod remedies;
 mod replay;
+mod replay_contact;
 mod report;
 mod resume;
 mod streams;

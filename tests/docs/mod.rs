@@ -3,7 +3,7 @@
 mod convergence;
 mod defaults;
 pub mod generated;
-mod named;
+pub mod named;
 mod own_system;
 mod records;
 mod tutorial;

@@ -16,11 +16,17 @@ fn is_number(part: &str) -> bool {
     part.len() == 1 && part.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// Returns a column in the notation of the pages: `K` for the number of a ball, `<label>` for a
-/// label.
+/// Returns a column in the notation of the pages: `K` for the number of a ball, `J_K` for those of two balls, `<label>` for
+/// a label.
 fn as_written(column: &str) -> String {
-    let parts = column.split('_').map(|part| if is_number(part) { "K" } else { part });
-    let name = parts.collect::<Vec<_>>().join("_");
+    let mut parts: Vec<&str> = column.split('_').collect();
+    for place in 0..parts.len() {
+        let of_two = parts.get(place + 1).is_some_and(|next| is_number(next));
+        if is_number(parts[place]) {
+            parts[place] = if of_two { "J" } else { "K" };
+        }
+    }
+    let name = parts.join("_");
     let of_label = LABELS.iter().find_map(|label| {
         let rest = name.strip_prefix(label)?;
         ["_runs", "_low", "_high"].contains(&rest).then_some(rest)
@@ -82,6 +88,7 @@ fn keys_of_study_files_are_on_their_page() {
 #[test]
 fn columns_have_the_notation_of_the_pages() {
     assert_eq!(as_written("ball_speed_2_rad_s"), "ball_speed_K_rad_s");
+    assert_eq!(as_written("gap_1_2_rad"), "gap_J_K_rad");
     assert_eq!(as_written("limit_cycle_low"), "<label>_low");
     assert_eq!(as_written("equilibrium_fraction"), "equilibrium_fraction");
 }

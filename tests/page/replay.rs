@@ -170,6 +170,74 @@ fn balls_move_by_button_keys_and_slider() {
     assert_eq!(page.faults(), [""; 0]);
 }
 
+/// Balls that touch are marked where their circles meet; the button leads from impact to impact.
+#[test]
+fn a_replay_shows_contact() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    made.write(
+        "a.yaml",
+        "schema: 1\nname: a\nseed: 5\n\
+         model: {kind: ball_balancer, contact: {}, parameters: {speed_rad_s: -173.1803}}\n\
+         initial_conditions: {design: {monte_carlo: {samples: 1}}}\n\
+         simulation: {end_time_s: 4}\n",
+    );
+    made.well("run a.yaml --out a");
+    made.well("replay a 0");
+    let file = made.path("a-replay-0/replay.html");
+    for view in [STILL, View { dark: true, ..STILL }] {
+        let mut page = browser.open(&file, view);
+        let all = page.number("impacts.length");
+        assert!(all > 0.0, "no impact in this run");
+        let seen = "gaps.filter(gap => gap.star.getAttribute('visibility') === 'visible').length";
+        assert_eq!((page.number("time"), page.number(seen)), (0.0, 0.0));
+        page.click_on("#next");
+        assert_eq!((page.number("time"), page.number(seen)), (page.number("impacts[0]"), 1.0));
+        assert_eq!(
+            page.text("document.getElementById('count').textContent"),
+            format!("Impacts: 1 of {all}")
+        );
+        page.ask("go(time + 2 * BURST); null");
+        assert!(page.number("time") > page.number("impacts[1]") || page.number(seen) == 0.0);
+
+        // The first frame in which balls touch: the dot lies on the edges of both circles.
+        page.ask(
+            "window.frame = Math.min(...data.touching.map(one => one.indexOf('1')).filter(place => place >= 0));
+             go(data.seconds * frame / last); null",
+        );
+        assert!(page.number("frame") < page.number("data.x.length"), "no contact that lasts");
+        let off = page.ask(
+            "(() => {
+                const box = shape => shape.getBoundingClientRect();
+                const gap = gaps.find(gap => gap.dot.getAttribute('visibility') === 'visible');
+                const centre = shape => [box(shape).x + box(shape).width / 2, box(shape).y + box(shape).height / 2];
+                const dot = centre(gap.dot);
+                return [gap.behind, gap.ahead].map(ball => {
+                    const circle = balls[ball].group.querySelector('circle');
+                    const [x, y] = centre(circle);
+                    return Math.hypot(x - dot[0], y - dot[1]) / (box(circle).width / 2);
+                });
+            })()",
+        );
+        let off: Vec<f64> = serde_json::from_value(off).unwrap();
+        assert!(off.len() == 2 && off.iter().all(|off| (off - 1.0).abs() < 0.1), "{off:?}");
+        let states = page.text("document.getElementById('states').textContent");
+        assert!(states.contains("touches ball 2") && states.contains("touches ball 1"), "{states}");
+        assert_eq!(page.ask("document.getElementById('contact').checkVisibility()"), true);
+        let (pale, texts) = page.pale();
+        assert!(texts > 8 && pale.is_empty(), "{texts} texts, {pale:?}");
+        assert_eq!((page.faults(), page.nameless()), (vec![], vec![]));
+        page.screenshot(&format!("replay-contact-{}", if view.dark { "dark" } else { "light" }));
+    }
+    // Balls without contact have none of this.
+    let plain = Made::new();
+    let mut page = browser.open(&replay(&plain, 2), STILL);
+    for part in ["contact", "impacts"] {
+        let seen = format!("document.getElementById('{part}').checkVisibility()");
+        assert_eq!(page.ask(&seen), false, "{part}");
+    }
+}
+
 #[test]
 fn a_replay_can_be_printed() {
     let Some(mut browser) = Browser::start() else { return };

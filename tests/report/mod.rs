@@ -7,6 +7,8 @@ mod drawn;
 mod equilibrium_set;
 /// The page of a search.
 mod optimum;
+/// Balls with contact: where they would overlap, and rests that touch.
+mod overlap;
 /// Rest positions of the balls.
 mod preferred;
 /// Cells of maps, and points in detail.

@@ -2,7 +2,7 @@
 
 mod atomic_files;
 mod cell;
-mod contract;
+pub mod contract;
 mod cycles;
 mod file_list;
 mod intervals;

@@ -32,6 +32,7 @@ _COMMANDS = {
     "equilibrium_set_summary": "stickslip equilibria STUDY --out DIR",
     "frictionless_equilibria": "stickslip equilibria STUDY --out DIR",
     "trajectory": "stickslip replay RESULTS RUN_ID --out DIR",
+    "touches": "stickslip replay RESULTS RUN_ID --out DIR",
 }
 
 

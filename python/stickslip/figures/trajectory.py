@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any, Optional
 
 import numpy as np
@@ -16,6 +17,8 @@ __all__ = ["motion"]
 
 #: Number of distinguishable positions along the time axis.
 _BINS = 1200
+#: Colour of contact between balls, wide behind the curves.
+CONTACT = "#bbbbbb"
 
 
 def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) -> Paper:
@@ -24,7 +27,8 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
     For balls, the panels show their angles from the imbalance [rad], their speeds relative to the ring [rad/s], and
     the position x, y of the ring's centre [µm] in the frame that rotates with the disc, x towards the imbalance. For
     a block, they show position [m], sliding speed [m/s] and friction force [N]. The curves end with the record; the
-    record of a run that comes to permanent rest ends at that time. Long records are reduced to the extreme values in
+    record of a run that comes to permanent rest ends at that time. With contact between balls, the panel of the angles
+    marks where two balls touch, and crosses between the balls mark impacts from `touches.parquet`. Long records are reduced to the extreme values in
     1,200 equal intervals of time. See figures 5.6 and 5.15 of the thesis.
 
     ``width``: "single" (90 mm) or "double" (180 mm). Raises FiguresError if the directory has no
@@ -45,7 +49,8 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
             ("sliding speed", "m/s", ["sliding_speed_m_s"], 1.0),
             ("friction force", "N", ["friction_n"], 1.0),
         ]
-    read = table.read(["time_s", *(column for *_, columns, _ in quantities for column in columns)])
+    gaps = [name for name in table.columns if re.fullmatch(r"touching_\d+_\d+", name)]
+    read = table.read(["time_s", *(column for *_, columns, _ in quantities for column in columns), *gaps])
     time = read["time_s"].astype(float)
     if time.size < 2 or not time[-1] > time[0]:
         raise table.nothing(
@@ -84,6 +89,7 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
                     style["linestyle"] = DASHES[ball % len(DASHES)]
                 axes.plot(x, y, label=label if len(columns) > 1 else "", **style)
             if unit == "rad":
+                _mark_contact(axes, Directory(directory), read, gaps)
                 angle_axis(axes, "y", name)
             else:
                 axes.set_ylabel(words.axis(name, unit))
@@ -96,6 +102,8 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
         "Angles of the balls from the imbalance, their speeds relative to the ring, and the position of the "
         "ring's centre in the frame that rotates with the disc, x towards the imbalance."
     )
+    if gaps:
+        of_balls += " Wide grey: two balls touch. Crosses: impacts."
     title = f"Run {run} of {table.study}" if run is not None else table.study
     return lay_out(
         panels,
@@ -107,6 +115,37 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
         sheet=sheet,
         columns=2 if balls else 3,
     )
+
+
+def _mark_contact(axes: Axes, directory: Directory, read: dict[str, Any], gaps: list[str]) -> None:
+    """Marks angles at which two balls touch, and impacts."""
+    time = read["time_s"].astype(float)
+    label = "balls touch"
+    for gap in gaps:
+        for ball in gap.split("_")[1:]:
+            angle = np.where(read[gap].astype(bool), read[f"beta_{ball}_rad"].astype(float), np.nan)
+            if not np.all(np.isnan(angle)):
+                x, y = _unbroken(*thinned(time, angle))
+                axes.plot(x, y, label=label, linewidth=4, color=CONTACT, solid_capstyle="butt", zorder=1)
+                label = ""
+    if not gaps or not directory.has("touches"):
+        return
+    touches = directory.table("touches").read(["time_s", "from", "beta_behind_rad", "beta_ahead_rad"])
+    at = touches["time_s"].astype(float)
+    shown = (touches["from"] == "open") & (at >= time[0]) & (at <= time[-1])
+    if np.any(shown):
+        behind, ahead = (touches[f"beta_{side}_rad"][shown].astype(float) for side in ("behind", "ahead"))
+        between = (behind + (ahead - behind) % (2 * np.pi) / 2) % (2 * np.pi)
+        axes.plot(
+            at[shown],
+            between,
+            label="impact",
+            linestyle="none",
+            marker="x",
+            markersize=4,
+            color=INK,
+            zorder=3,
+        )
 
 
 def thinned(time: Numbers, values: Numbers) -> tuple[Numbers, Numbers]:

@@ -146,7 +146,7 @@ impl<'a> ReportData<'a> {
         let incomplete = IncompletePoints::read(study, manifest, &tables.points)?;
         let detailed = evenly(points.len(), budget.details);
         let of: Vec<&PointFacts> = detailed.iter().filter_map(|&place| points.get(place)).collect();
-        let (runs, notable) = runs::read(study, &tables.runs, &of, budget.runs)?;
+        let (runs, notable) = runs::read(study, &tables.runs, &points, &of, budget.runs)?;
         let shown: Vec<u64> = of.iter().map(|point| point.point_id).collect();
         let drawn = drawn::read(study, &tables.runs, &of)?;
         let rest = time_to_rest::read(&tables.rest, &shown, budget.steps)?;
@@ -181,6 +181,11 @@ impl<'a> ReportData<'a> {
     /// Returns the points in detail.
     pub fn details(&self) -> impl Iterator<Item = &PointFacts> {
         self.detailed.iter().filter_map(|&place| self.points.get(place))
+    }
+
+    /// Returns the number of rests of a point at which balls touch; `None` without contact between balls.
+    pub fn touching_rests(&self, point: &PointFacts) -> Option<u64> {
+        self.runs.touching_rests.get(&point.point_id).copied()
     }
 
     /// Returns the residual vibration of a point. If the table lacks the fraction of runs that vibrate more than without

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::PointFacts;
 use crate::classification::Label;
-use crate::model::Coordinate;
+use crate::model::{Coordinate, Machine};
 use crate::study::Study;
 use crate::table::{Kind, Table, TableError};
 
@@ -25,6 +25,8 @@ pub struct RunSample {
     pub amplitudes_m: BTreeMap<u64, Vec<f64>>,
     /// About one in this many amplitudes is in `amplitudes_m`.
     pub amplitude_one_in: u64,
+    /// Number of rests at which balls touch, of all runs of each point; empty without contact between balls.
+    pub touching_rests: BTreeMap<u64, u64>,
     /// Number of runs, of all, that failed or changed their label in the audit.
     pub notable: u64,
     /// Numbers of the runs.
@@ -60,15 +62,18 @@ pub struct Notable {
     pub error: String,
 }
 
+const TOUCHING: &str = "touching_at_end";
 const NUMBERS: [&str; 3] = ["amplitude_m", "friction_margin", "time_to_rest_s"];
 
-/// Reads at most `most` runs, and the failed and flipped ones among all runs.
+/// Reads at most `most` runs of the points `shown`, the failed and flipped ones among all runs, and how many rests touch at
+/// each of `points`.
 ///
 /// A hash of the run numbers selects the subsample. Evenly spaced runs would lie in the same cells of a
 /// stratified design again and again.
 pub fn read(
     study: &Study,
     table: &Table,
+    points: &[PointFacts],
     shown: &[&PointFacts],
     most: u64,
 ) -> Result<(RunSample, Vec<Notable>), TableError> {
@@ -84,6 +89,11 @@ pub fn read(
     if audit {
         wanted.push(("audit_label", Kind::Text));
     }
+    let touches = |machine: &Machine| machine.contact.is_some() && machine.balls.len() > 1;
+    let contact = model.ball_balancer().is_some_and(touches);
+    if contact {
+        wanted.push((TOUCHING, Kind::Boolean));
+    }
     wanted.extend(NUMBERS.map(|name| (name, Kind::Number)));
     wanted.extend(positions.iter().chain(&starts).map(|name| (name.as_str(), Kind::Number)));
 
@@ -95,6 +105,10 @@ pub fn read(
         one_in,
         amplitude_one_in,
         amplitudes_m: shown.iter().map(|point| (point.point_id, Vec::new())).collect(),
+        touching_rests: match contact {
+            true => points.iter().map(|point| (point.point_id, 0)).collect(),
+            false => BTreeMap::new(),
+        },
         position: vec![Vec::new(); positions.len()],
         start: vec![Vec::new(); starts.len()],
         ..RunSample::default()
@@ -125,6 +139,13 @@ pub fn read(
             let Some((label, point_id)) = label.zip(batch.count("point_id", row)?) else {
                 continue;
             };
+            if contact
+                && Label::ALL[label] == Label::Equilibrium
+                && batch.truth(TOUCHING, row)? == Some(true)
+                && let Some(rests) = sample.touching_rests.get_mut(&point_id)
+            {
+                *rests += 1;
+            }
             let Some(amplitudes) = sample.amplitudes_m.get_mut(&point_id) else { continue };
             if scattered(run_id, amplitude_one_in) {
                 amplitudes.extend(batch.number(NUMBERS[0], row)?);

@@ -3,11 +3,12 @@
 
 use std::f64::consts::TAU;
 
+use super::overlap::contact_angle_rad;
 use crate::analysis::{
     FrictionlessEquilibrium, GridRow, HIGH_DRAG, RestForm, SetGrid, Stability,
     frictionless_equilibria, groups_of_identical,
 };
-use crate::model::Machine;
+use crate::model::{Machine, wrap_to_pi};
 use crate::report::chart::{
     Axis, AxisKind, Colour, ColourScale, Layer, Mark, Symbol, TooltipColumn, TooltipValues,
     Tooltips,
@@ -53,6 +54,7 @@ pub fn set_layers(machine: &Machine, panels: usize, most: usize) -> Option<SetLa
     }
     // Every second point of a grid with half the spacing is the centre of a cell.
     let grid = SetGrid::new(&form, 2 * cells)?;
+    let contact = contact_angle_rad(machine, [1, 2]).unwrap_or(0.0);
     let mut values = vec![f64::NAN; cells * cells];
     let mut row = GridRow::default();
     let (mut in_set, mut everywhere) = ([f64::INFINITY, 0.0], [f64::INFINITY, 0.0]);
@@ -63,7 +65,8 @@ pub fn set_layers(machine: &Machine, panels: usize, most: usize) -> Option<SetLa
             let rest = grid.at(&row, 2 * second + 1);
             let amplitude = 1e6 * rest.amplitude_m;
             extend(&mut everywhere, amplitude);
-            if rest.in_set() {
+            let apart = wrap_to_pi(TAU * (second as f64 - first as f64) / cells as f64).abs();
+            if rest.in_set() && apart >= contact {
                 extend(&mut in_set, amplitude);
                 values[second * cells + first] = amplitude;
             }

@@ -10,6 +10,7 @@ mod layers;
 mod limit_cycles;
 mod map;
 mod over_sweep;
+mod overlap;
 mod preferred;
 mod sweep_axis;
 mod time_to_rest;

@@ -2,6 +2,7 @@
 
 use super::equilibrium_set::{SetLayers, angle_axis, set_layers};
 use super::layers::{axis, label_colour, label_words, places, run_dots, run_tooltips, subscript};
+use super::overlap;
 use crate::classification::Label;
 use crate::report::chart::{Axis, Colour, Figure, Layer, Panel, Symbol};
 use crate::report::data::{PointFacts, ReportData};
@@ -37,20 +38,25 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         let fraction = point.set_fraction.map_or_else(String::new, |fraction| {
             format!(", and {:.0} % of all positions are equilibria", 100.0 * fraction)
         });
-        let runs = point.runs;
-        format!("{}: {} of {runs} runs came to rest{fraction}", point.title, point.equilibrium.runs)
+        let touching = data
+            .touching_rests(point)
+            .map_or_else(String::new, |rests| format!(", {rests} of them with balls that touch"));
+        let (runs, rests) = (point.runs, point.equilibrium.runs);
+        format!("{}: {rests} of {runs} runs came to rest{touching}{fraction}", point.title)
     });
     let alternative = counts.collect::<Vec<_>>().join("; ");
-    let set = if balls == 2 {
-        data.without_draws("Set, colours, stars and circles are those")
-    } else {
-        String::new()
+    let overlap = overlap::sentences(data);
+    let set = match (balls, overlap.is_empty()) {
+        (2, true) => data.without_draws("Set, colours, stars and circles are those"),
+        (2, false) => data.without_draws("Set, colours, stars, circles and band are those"),
+        (_, true) => String::new(),
+        (_, false) => data.without_draws("The band is that"),
     };
     let pairs = match most.min(all) {
         shown if balls > 2 && shown < all => format!(" {shown} of {all} pairs of balls are shown."),
         _ => String::new(),
     };
-    let left_out = format!("{set}{pairs}{}{}", data.left_out(), data.runs.left_out());
+    let left_out = format!("{overlap}{set}{pairs}{}{}", data.left_out(), data.runs.left_out());
     let (title, caption) = match balls {
         0 => ("Where the block comes to rest", "Position and time of rest of each run.".to_owned()),
         1 => ("Preferred equilibria", "Angle at rest and amplitude of each run.".to_owned()),
@@ -76,8 +82,10 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     })
 }
 
-fn counted(point: &PointFacts) -> String {
-    format!("{}: {} of {} at rest", point.title, point.equilibrium.runs, point.runs)
+fn counted(data: &ReportData<'_>, point: &PointFacts) -> String {
+    let touching =
+        data.touching_rests(point).map_or_else(String::new, |runs| format!(", {runs} touching"));
+    format!("{}: {} of {} at rest{touching}", point.title, point.equilibrium.runs, point.runs)
 }
 
 /// Returns dots of the runs at rest with two columns of the sample.
@@ -100,14 +108,17 @@ fn pair(data: &ReportData<'_>, point: &PointFacts, [first, second]: [usize; 2]) 
     let machine = model.as_ref().and_then(|point| point.model().ball_balancer());
     let (panels, cells) = (data.detailed.len(), data.budget.cells);
     let set = machine.and_then(|machine| set_layers(machine, panels, cells));
+    let overlap =
+        machine.map_or_else(Vec::new, |machine| overlap::layers(machine, [first, second]));
     let (scale, layers) = match set {
         Some(SetLayers { scale, set, frictionless }) => {
-            (Some(scale), [set, dots].into_iter().chain(frictionless).collect())
+            let above = overlap.into_iter().chain([dots]).chain(frictionless);
+            (Some(scale), [set].into_iter().chain(above).collect())
         }
-        None => (None, vec![dots]),
+        None => (None, overlap.into_iter().chain([dots]).collect()),
     };
     let (x, y) = (angle_axis(first), angle_axis(second));
-    Panel { title: counted(point), part, scale, ..Panel::new(x, y, layers) }
+    Panel { title: counted(data, point), part, scale, ..Panel::new(x, y, layers) }
 }
 
 fn one_contact(data: &ReportData<'_>, point: &PointFacts) -> Panel {
@@ -121,5 +132,5 @@ fn one_contact(data: &ReportData<'_>, point: &PointFacts) -> Panel {
     };
     let mut layer = dots(data, point, place, over);
     layer.colour = label_colour(Label::Equilibrium);
-    Panel { title: counted(point), ..Panel::new(x, y, vec![layer]) }
+    Panel { title: counted(data, point), ..Panel::new(x, y, vec![layer]) }
 }

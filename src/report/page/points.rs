@@ -68,6 +68,10 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     let optional: Vec<Optional> = OPTIONAL.into_iter().filter(|one| known(one.value)).collect();
     head.extend(optional.iter().map(|one| one.name));
     head.extend(["runs", "equilibria", "95 % interval"]);
+    let contact = data.points.iter().any(|point| data.touching_rests(point).is_some());
+    if contact {
+        head.push("rests that touch");
+    }
     let moving = [Label::LimitCycle, Label::Irregular, Label::Undecided, Label::Failed];
     let occurs = |label: &Label| data.points.iter().any(|point| point.label(*label).runs > 0);
     let moving: Vec<Label> = moving.into_iter().filter(occurs).collect();
@@ -101,6 +105,13 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
         cells.push(point.runs.to_string());
         cells.push(format!("{fraction:.4}"));
         cells.push(format!("<span class=\"interval\">{low:.4} to {high:.4}</span>"));
+        if contact {
+            let rests = data.touching_rests(point);
+            cells.push(rests.map_or_else(
+                || "–".to_owned(),
+                |rests| format!("{rests} of {}", point.equilibrium.runs),
+            ));
+        }
         cells.extend(moving.iter().map(|label| point.label(*label).runs.to_string()));
         if audit {
             cells.push(format!("{} of {}", point.audit.flips, point.audit.runs));
