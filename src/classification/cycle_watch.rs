@@ -48,15 +48,16 @@ impl CycleWatch {
         }
     }
 
-    /// Evaluates a run that ends otherwise undecided; `last_switches` are the times at which its contacts last changed their
-    /// phases. Returns the ending if the run has been shown to approach a limit cycle.
+    /// Evaluates a run that ends otherwise undecided after some steps; `last_switches` are the times at which its contacts
+    /// last changed their phases. Returns the ending if the run has been shown to approach a limit cycle.
     pub(super) fn closes_at_end(
         &self,
         settings: &Settings,
         last_switches: &[f64],
+        steps: u64,
     ) -> Option<Ending> {
         let CycleWatch::Orbits(watch) = self else { return None };
-        let orbit = watch.look_at_end(settings, last_switches)?;
+        let orbit = watch.look_at_end(settings, last_switches, steps)?;
         Some(Ending::Orbit(Box::new(orbit)))
     }
 

@@ -231,7 +231,10 @@ impl LaneRun {
         let forms = || self.view.system().rest_forms();
         let rests = all_stick(group.phases(lane))
             && forms().is_some_and(|forms| forms.rests(&group.state(lane)));
-        let closes = || self.watch.closes_at_end(&self.settings, group.last_switches(lane));
+        let closes = || {
+            let steps = group.effort(lane).total();
+            self.watch.closes_at_end(&self.settings, group.last_switches(lane), steps)
+        };
         let ending = if rests { Ending::Rest } else { closes().unwrap_or(Ending::EndTime) };
         let outcome = self.outcome(group, lane, ending);
         if let (Some(extend), Some(mut kept)) = (self.extend, self.kept.take())

@@ -169,7 +169,7 @@ impl OrbitWatch {
         // After an inconclusive examination the motion gets time to settle, longer each time.
         let looked_at = time - self.passages.front()?.time;
         self.wait_until = time + f64::from(1 << self.attempts) * looked_at;
-        match self.examine(settings, reference, turns, last_switches) {
+        match self.examine(settings, (reference, turns), last_switches, MOST_STEPS_OF_A_LOOK) {
             Verdict::Stable(orbit) => return Some(orbit),
             Verdict::Unstable(orbit) => self.unstable = Some((turns, Box::new(orbit))),
             Verdict::Open => {}
@@ -185,18 +185,24 @@ impl OrbitWatch {
         closes.then_some(orbit)
     }
 
-    /// Examines the orbit of a run that ends otherwise undecided, from farther away than during the run. Returns the limit
-    /// cycle that the run has been shown to approach.
-    pub(super) fn look_at_end(&self, settings: &Settings, last_switches: &[f64]) -> Option<Orbit> {
+    /// Examines the orbit of a run that ends otherwise undecided, from farther away than during the run, in at most as many
+    /// steps as the run has taken. Returns the limit cycle that the run has been shown to approach.
+    pub(super) fn look_at_end(
+        &self,
+        settings: &Settings,
+        last_switches: &[f64],
+        steps: u64,
+    ) -> Option<Orbit> {
         let (reference, _) = self.ball?;
         let (passage, before) = (self.passages.back()?, self.passages.len() - 1);
         let closes = |turns: &usize| self.passages[before - turns].phases == passage.phases;
-        let distance = |turns: &usize| passage.differences[*turns];
+        // More turns must close better: examining them costs more.
+        let rank = |turns: &usize| passage.differences[*turns] * *turns as f64;
         let turns = (1..=MOST_TURNS.min(before))
             .filter(closes)
-            .min_by(|one, other| distance(one).total_cmp(&distance(other)))
-            .filter(|turns| distance(turns) <= NEAR_AT_END)?;
-        match self.examine(settings, reference, turns, last_switches) {
+            .min_by(|one, other| rank(one).total_cmp(&rank(other)))
+            .filter(|turns| passage.differences[*turns] <= NEAR_AT_END)?;
+        match self.examine(settings, (reference, turns), last_switches, steps) {
             Verdict::Stable(orbit) => Some(orbit),
             Verdict::Unstable(_) | Verdict::Open => None,
         }
@@ -243,17 +249,17 @@ impl OrbitWatch {
         closing
     }
 
-    /// Examines the orbit that appears to close after this number of turns.
+    /// Examines the orbit that appears to close after this number of turns of the ball `reference`, in at most `most_steps`.
     fn examine(
         &self,
         settings: &Settings,
-        reference: usize,
-        turns: usize,
+        (reference, turns): (usize, usize),
         last_switches: &[f64],
+        most_steps: u64,
     ) -> Verdict {
         let Some(passage) = self.passages.back() else { return Verdict::Open };
         let earlier = self.passages[self.passages.len() - 1 - turns].time;
-        let steps_left = Cell::new(MOST_STEPS_OF_A_LOOK);
+        let steps_left = Cell::new(most_steps);
         let contacts = self.view.contacts.len();
         let rests = passage.phases.iter().zip(last_switches).take(contacts);
         let rests = rests.map(|(phase, last)| *phase == Phase::Stick && *last < earlier).collect();
