@@ -121,8 +121,8 @@ impl Resolution {
         }
     }
 
-    /// Passes all positions without overlap to `show`, one angle per ball in rad, with the friction and amplitude
-    /// there, one at a time and always in the same order. Passes none for a grid with more than two
+    /// Passes all positions to `show`, one angle per ball in rad, with the friction and amplitude there, one at a
+    /// time and always in the same order. No friction holds balls with contact where they overlap. Passes none for a grid with more than two
     /// balls.
     ///
     /// # Errors
@@ -140,9 +140,7 @@ impl Resolution {
                     grid.fill(row, &mut values);
                     for column in 0..points {
                         let beta = grid.beta(row, column);
-                        if form.is_possible(&beta) {
-                            show(&beta, grid.at(&values, column))?;
-                        }
+                        show(&beta, unless_overlap(form, &beta, grid.at(&values, column)))?;
                     }
                 }
             }
@@ -150,15 +148,21 @@ impl Resolution {
                 for replicate in 0..REPLICATES {
                     for index in 0..samples {
                         let beta = set_samples::sample(form.mass.len(), replicate, index);
-                        if form.is_possible(&beta) {
-                            show(&beta, form.at_rest(&beta))?;
-                        }
+                        show(&beta, unless_overlap(form, &beta, form.at_rest(&beta)))?;
                     }
                 }
             }
         }
         Ok(())
     }
+}
+
+/// Returns a position at rest; no friction holds balls with contact that overlap.
+fn unless_overlap(form: &RestForm, beta: &[f64], rest: AtRest) -> AtRest {
+    if form.is_possible(beta) {
+        return rest;
+    }
+    AtRest { required_friction: f64::INFINITY, friction_used: f64::INFINITY, ..rest }
 }
 
 fn set_of_one_ball(form: &RestForm, points: usize) -> EquilibriumSet {

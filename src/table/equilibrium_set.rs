@@ -49,11 +49,11 @@ pub fn set_columns(study: &Study) -> Vec<Column<SetRow>> {
         .meaning("amplitude of the table's vibration with the balls held there");
     list.number("required_friction_coefficient", "1", |row| row.rest.required_friction).meaning(
         "smallest common friction coefficient that holds all balls there; null if a normal force \
-         would have to pull",
+         would have to pull, and where balls with contact overlap",
     );
     list.number("friction_margin", "1", |row| row.rest.friction_margin()).meaning(
         "smallest unused fraction of the friction limit: 0 on the boundary of the equilibrium set, \
-         negative outside; null without a limit",
+         negative outside; null without a limit, and where balls with contact overlap",
     );
     list.boolean("in_set", |row| row.rest.in_set())
         .meaning("whether friction holds all balls there");

@@ -293,7 +293,7 @@ fn wrong_arguments_are_refused_before_anything_is_computed() {
     }
 }
 
-/// With contact, positions at which balls overlap have no row, and the touching positions are counted on their own.
+/// With contact, positions at which balls overlap are outside the set, and the touching positions are counted on their own.
 #[test]
 fn a_study_with_contact_has_its_own_sets() {
     let scratch = Scratch::new();
@@ -301,19 +301,20 @@ fn a_study_with_contact_has_its_own_sets() {
     let text = scratch.well("equilibria a.yaml --grid 128 --out out");
     assert_has(&text, &["fraction  touching  components"]);
     let sets = scratch.table("out", "equilibrium_set_summary");
-    let positions = counts(&sets, "grid_positions")[0];
     let table = scratch.table("out", "equilibrium_positions");
-    let beta = ["beta_1_rad", "beta_2_rad"].map(|name| numbers(&table, name));
-    assert_eq!(beta[0].len() as u64, positions);
-    let nearest = beta[0]
-        .iter()
-        .zip(&beta[1])
-        .map(|(one, other)| {
-            let apart = (one.unwrap() - other.unwrap()).abs();
-            apart.min(std::f64::consts::TAU - apart)
-        })
-        .fold(f64::INFINITY, f64::min);
-    assert!((0.2616..0.2616 + 0.05).contains(&nearest), "{nearest}");
+    let [first, second, margin] =
+        ["beta_1_rad", "beta_2_rad", "friction_margin"].map(|name| numbers(&table, name));
+    let inside = column(&table, "in_set").as_boolean();
+    let mut possible = 0;
+    for row in 0..table.num_rows() {
+        let apart = (first[row].unwrap() - second[row].unwrap()).abs();
+        let overlap = apart.min(std::f64::consts::TAU - apart) < 0.2616;
+        assert_eq!(margin[row].is_none(), overlap, "{apart}");
+        assert!(!(overlap && inside.value(row)), "{apart}");
+        possible += u64::from(!overlap);
+    }
+    assert_eq!(table.num_rows(), 128 * 128);
+    assert_eq!(counts(&sets, "grid_positions"), [possible]);
     let touching = numbers(&sets, "touching_fraction")[0].unwrap();
     assert!(touching > 0.0 && touching <= 1.0, "{touching}");
 }
