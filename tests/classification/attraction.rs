@@ -87,7 +87,7 @@ fn claimed_cycles_attract_the_run_and_methods_agree() {
             _ => panic!("run {index} by one method only"),
         }
     }
-    assert_eq!(claimed, 69);
+    assert_eq!(claimed, 70);
     let some: Vec<_> = claims.iter().flatten().flatten().step_by(3).collect();
     some.par_iter().for_each(|(case, outcome)| {
         let ([first, last], late) = drawn(case, outcome);
