@@ -73,22 +73,28 @@ impl<const N: usize> BallsInContact<N> {
 
 impl<const N: usize> RestForms for BallsInContact<N> {
     fn surely_rests(&self, state: &[f64]) -> bool {
-        let Some(state) = State::of_components(state) else { return false };
-        let rest = self.balancer.rest_point(&state.beta);
-        self.certified(&rest, &self.closed_gaps(&state.beta), &state)
+        let Some(parts) = State::of_components(state) else { return false };
+        let gaps = self.closed_gaps(&parts.beta);
+        if gaps.is_empty() {
+            return self.balancer.surely_rests(state);
+        }
+        self.certified(&self.balancer.rest_point(&parts.beta), &gaps, &parts)
     }
 
     fn rests(&self, state: &[f64]) -> bool {
-        let Some(state) = State::of_components(state) else { return false };
-        let rest = self.balancer.rest_point(&state.beta);
-        let gaps = self.closed_gaps(&state.beta);
+        let Some(parts) = State::of_components(state) else { return false };
+        let gaps = self.closed_gaps(&parts.beta);
+        if gaps.is_empty() {
+            return self.balancer.rests(state);
+        }
+        let rest = self.balancer.rest_point(&parts.beta);
         let endures =
             |normal: &[f64; N], friction: &[f64; N]| self.endures([normal, friction], &gaps, 1.0);
         endures(&rest.normal, &rest.friction) > 0.0
             && followed_to_rest(
                 &self.balancer,
                 &rest,
-                &state,
+                &parts,
                 |state| self.certified(&rest, &gaps, state),
                 |forces, unseen| endures(&forces.normal, &forces.friction) >= unseen,
             )
