@@ -1,10 +1,9 @@
 //! Figures over the drawn values of uncertain parameters.
 
 use stickslip::report::chart::{AxisKind, Figure, Mark};
-use stickslip::report::{Budget, ReportData, ResultTables, of_results};
-use stickslip::study::Study;
-use stickslip::table::Manifest;
+use stickslip::report::{Budget, of_results};
 
+use super::reported;
 use crate::cli::support::{AT_ONCE, Scratch, counts, numbers, study_text};
 
 /// Computes a study with these uncertain parameters at two points, and passes its figures to `check`.
@@ -14,13 +13,7 @@ fn with_figures(uncertain: &str, model: &str, check: impl FnOnce(&Scratch, &[Fig
         "{model}sweep: [{{grid: {{speed_rad_s: [-216.0, -160.0]}}}}]\nuncertain: {{{uncertain}}}\n"
     );
     scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 40}}", AT_ONCE, &rest));
-    scratch.well("run a.yaml --out out --quiet");
-    let directory = scratch.path("out");
-    let manifest = Manifest::read(&directory).unwrap().unwrap();
-    let study = Study::load(&directory.join("study.yaml")).unwrap();
-    let tables = ResultTables::open(&directory, &manifest).unwrap();
-    let data = ReportData::read(&tables, &study, &manifest, Budget::SCREEN).unwrap();
-    check(&scratch, &of_results(&data));
+    reported(&scratch, "a.yaml", Budget::SCREEN, |data| check(&scratch, &of_results(data)));
 }
 
 fn figure<'a>(figures: &'a [Figure], id: &str) -> &'a Figure {

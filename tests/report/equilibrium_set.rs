@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 
 use stickslip::analysis::{RestForm, set_fraction};
 use stickslip::report::chart::{Layer, Mark, Panel, Symbol};
-use stickslip::report::{Budget, ReportData, ResultTables, of_results};
+use stickslip::report::{Budget, of_results};
 use stickslip::study::Study;
-use stickslip::table::Manifest;
 
+use super::reported;
 use crate::cli::support::{AT_ONCE, Scratch, study_text};
 
 /// Cells of the raster per axis.
@@ -17,13 +17,7 @@ const CELLS: usize = 192;
 fn panels(rest: &str) -> (Study, Vec<Panel>) {
     let scratch = Scratch::new();
     scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 1}}", AT_ONCE, rest));
-    scratch.well("run a.yaml --out out --quiet");
-    let directory = scratch.path("out");
-    let manifest = Manifest::read(&directory).unwrap().unwrap();
-    let study = Study::load(&directory.join("study.yaml")).unwrap();
-    let tables = ResultTables::open(&directory, &manifest).unwrap();
-    let data = ReportData::read(&tables, &study, &manifest, Budget::SCREEN).unwrap();
-    let figures = of_results(&data);
+    let (study, figures) = reported(&scratch, "a.yaml", Budget::SCREEN, of_results);
     let figure = figures.into_iter().find(|figure| figure.id == "preferred-equilibria");
     let panels = figure.map_or(Vec::new(), |figure| figure.panels);
     (study, panels)

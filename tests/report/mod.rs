@@ -15,3 +15,25 @@ mod preferred;
 mod sweeps;
 /// Residual vibration, and vibration without balls.
 mod vibration;
+
+use stickslip::report::{Budget, ReportData, ResultTables};
+use stickslip::study::Study;
+use stickslip::table::Manifest;
+
+use crate::cli::support::Scratch;
+
+/// Computes the study in `file` into `out`, and returns it with what `of` makes of the data of its report.
+fn reported<T>(
+    scratch: &Scratch,
+    file: &str,
+    budget: Budget,
+    of: impl FnOnce(&ReportData<'_>) -> T,
+) -> (Study, T) {
+    scratch.well(&format!("run {file} --out out --quiet"));
+    let directory = scratch.path("out");
+    let manifest = Manifest::read(&directory).unwrap().unwrap();
+    let study = Study::load(&directory.join("study.yaml")).unwrap();
+    let tables = ResultTables::open(&directory, &manifest).unwrap();
+    let made = of(&ReportData::read(&tables, &study, &manifest, budget).unwrap());
+    (study, made)
+}

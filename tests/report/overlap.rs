@@ -7,10 +7,10 @@ use arrow::array::AsArray;
 use stickslip::analysis::touching_set_fraction;
 use stickslip::model::wrap_to_pi;
 use stickslip::report::chart::{Figure, Mark, Panel};
-use stickslip::report::{Budget, ReportData, ResultTables, of_results};
+use stickslip::report::{Budget, of_results};
 use stickslip::study::Study;
-use stickslip::table::Manifest;
 
+use super::reported;
 use crate::cli::support::{AT_ONCE, Scratch, assert_has, column, counts, study_text, words};
 
 const CONTACT: &str =
@@ -20,13 +20,7 @@ const CONTACT: &str =
 fn figure(scratch: &Scratch, runs: u32, end_time_s: f64, rest: &str) -> (Study, Figure) {
     let design = format!("{{monte_carlo: {{samples: {runs}}}}}");
     scratch.write("a.yaml", study_text("a", &design, end_time_s, rest));
-    scratch.well("run a.yaml --out out --quiet");
-    let directory = scratch.path("out");
-    let manifest = Manifest::read(&directory).unwrap().unwrap();
-    let study = Study::load(&directory.join("study.yaml")).unwrap();
-    let tables = ResultTables::open(&directory, &manifest).unwrap();
-    let data = ReportData::read(&tables, &study, &manifest, Budget::SCREEN).unwrap();
-    let figures = of_results(&data);
+    let (study, figures) = reported(scratch, "a.yaml", Budget::SCREEN, of_results);
     let figure = figures.into_iter().find(|figure| figure.id == "preferred-equilibria").unwrap();
     (study, figure)
 }

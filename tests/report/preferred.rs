@@ -3,10 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use stickslip::report::chart::{Figure, Mark, Symbol};
-use stickslip::report::{Budget, ReportData, ResultTables, of_results};
-use stickslip::study::Study;
-use stickslip::table::Manifest;
+use stickslip::report::{Budget, of_results};
 
+use super::reported;
 use crate::cli::support::Scratch;
 use crate::support::angular_distance;
 
@@ -35,13 +34,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 fn dots_are_densest_at_the_balancing_positions() {
     let scratch = Scratch::new();
     let study = format!("{}/studies/preferred-equilibria.yaml", env!("CARGO_MANIFEST_DIR"));
-    scratch.well(&format!("run {study} --out out --quiet"));
-    let directory = scratch.path("out");
-    let manifest = Manifest::read(&directory).unwrap().unwrap();
-    let study = Study::load(study.as_ref()).unwrap();
-    let tables = ResultTables::open(&directory, &manifest).unwrap();
-    let data = ReportData::read(&tables, &study, &manifest, Budget::SCREEN).unwrap();
-    let figures = of_results(&data);
+    let (_, figures) = reported(&scratch, &study, Budget::SCREEN, of_results);
     let figure = figures.iter().find(|figure| figure.id == "preferred-equilibria").unwrap();
     assert_eq!(figure.panels.len(), 6);
     let dots = dots(figure, "speed \u{2212}216.3772 rad/s, friction coefficient 0.00275:");

@@ -1,10 +1,10 @@
 //! Figures over swept parameters: cells of maps, and the points in detail.
 
 use stickslip::report::chart::{AxisKind, Mark};
-use stickslip::report::{Budget, ReportData, ResultTables, of_results};
-use stickslip::study::{ParameterValue, Study};
-use stickslip::table::Manifest;
+use stickslip::report::{Budget, ReportData, of_results};
+use stickslip::study::ParameterValue;
 
+use super::reported;
 use crate::cli::support::{AT_ONCE, Scratch, study_text};
 
 /// Computes one short run at each point of a grid, and passes the data of the report to `check`.
@@ -12,12 +12,7 @@ fn with_data(grid: &str, budget: Budget, check: impl FnOnce(&ReportData<'_>)) {
     let scratch = Scratch::new();
     let sweep = format!("sweep: [{{grid: {{{grid}}}}}]\n");
     scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 1}}", AT_ONCE, &sweep));
-    scratch.well("run a.yaml --out out --quiet");
-    let directory = scratch.path("out");
-    let manifest = Manifest::read(&directory).unwrap().unwrap();
-    let study = Study::load(&directory.join("study.yaml")).unwrap();
-    let tables = ResultTables::open(&directory, &manifest).unwrap();
-    check(&ReportData::read(&tables, &study, &manifest, budget).unwrap());
+    reported(&scratch, "a.yaml", budget, check);
 }
 
 /// Cells touch midway between the values on the scale of the axis.

@@ -1,10 +1,9 @@
 //! The first figure: residual vibration over the sweep, and without balls.
 
 use stickslip::report::chart::{Figure, Layer, Mark, Panel};
-use stickslip::report::{Budget, ReportData, ResultTables, of_results};
-use stickslip::study::Study;
-use stickslip::table::Manifest;
+use stickslip::report::{Budget, of_results};
 
+use super::reported;
 use crate::cli::support::{Scratch, counts, numbers, study_text};
 
 /// Returns the ordinates of the dots of the layers with this name.
@@ -29,13 +28,7 @@ fn the_first_figure_compares_with_no_balls() {
     // Ascending, as the figure orders them.
     let sweep = "sweep: [{grid: {speed_rad_s: [-247.0, -216.0, -160.0]}}]\n";
     scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 12}}", 0.5, sweep));
-    scratch.well("run a.yaml --out out --quiet");
-    let directory = scratch.path("out");
-    let manifest = Manifest::read(&directory).unwrap().unwrap();
-    let study = Study::load(&directory.join("study.yaml")).unwrap();
-    let tables = ResultTables::open(&directory, &manifest).unwrap();
-    let data = ReportData::read(&tables, &study, &manifest, Budget::SCREEN).unwrap();
-    let figures = of_results(&data);
+    let (_, figures) = reported(&scratch, "a.yaml", Budget::SCREEN, of_results);
     let Figure { id, panels, alternative, .. } = &figures[0];
     assert_eq!(id, "vibration");
     let points = scratch.table("out", "points");
