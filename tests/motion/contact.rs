@@ -10,7 +10,7 @@ use stickslip::motion::{Motion, Phase, Settings, Tolerance};
 
 use super::samples::Sampler;
 
-fn settings(method: Method, relative: f64) -> Settings {
+pub(super) fn settings(method: Method, relative: f64) -> Settings {
     let tolerance = Tolerance { relative, absolute: 1e-2 * relative };
     Settings { method, band: 1e-8, tolerance, effort_limit: 10_000_000 }
 }

@@ -17,5 +17,6 @@ mod resets;
 mod samples;
 mod smooth;
 mod symmetry;
+mod touching_selection;
 mod variational;
 mod work_of_friction;
