@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::lane_run::{LaneRun, Next};
 use super::outcome::{Evidence, Outcome};
 use super::recorder::Recorder;
-use crate::model::{Case, Components, Recorded, System};
+use crate::model::{Case, Components, Recorded, Stage, System};
 use crate::motion::lockstep::{Happened, LANES, LaneGroup, Saved};
 use crate::motion::{SimdLevel, unwind_if_cancelled};
 
@@ -57,12 +57,22 @@ pub(super) fn simulate_with(kernel: KernelChoice, level: SimdLevel, runs: &mut d
     }
 }
 
+/// The team of runs in which the speed of the disc changes.
+const DRIVEN: usize = 4;
+
 /// A run that has not begun.
 struct Upcoming {
     number: u64,
     case: Case,
-    system: Arc<dyn System>,
+    stages: Vec<Stage>,
     start: Components,
+}
+
+impl Upcoming {
+    /// Returns the system in the last stage, in which the run ends.
+    fn system(&self) -> &Arc<dyn System> {
+        &self.stages[self.stages.len() - 1].system
+    }
 }
 
 /// Returns the next run that is physically valid; all others end at once.
@@ -70,12 +80,13 @@ fn next_sound(kernel: KernelChoice, runs: &mut dyn Runs) -> Option<Upcoming> {
     loop {
         let (number, case) = runs.next()?;
         match prepared(&case) {
-            Ok((system, start)) => {
-                let system: Arc<dyn System> = match kernel {
-                    KernelChoice::Fastest => system,
-                    KernelChoice::General => Arc::new(Recorded(system)),
-                };
-                return Some(Upcoming { number, case, system, start });
+            Ok((mut stages, start)) => {
+                if let KernelChoice::General = kernel {
+                    for stage in &mut stages {
+                        stage.system = Arc::new(Recorded(Arc::clone(&stage.system)));
+                    }
+                }
+                return Some(Upcoming { number, case, stages, start });
             }
             Err(error) => {
                 runs.ended(number, Outcome::failed(Evidence::InvalidParameters, error));
@@ -84,13 +95,14 @@ fn next_sound(kernel: KernelChoice, runs: &mut dyn Runs) -> Option<Upcoming> {
     }
 }
 
-/// Returns system and start state of a case, or what is invalid about it.
-fn prepared(case: &Case) -> Result<(Arc<dyn System>, Components), String> {
-    let Case { model, start, .. } = case;
+/// Returns stages and start state of a case, or what is invalid about it.
+fn prepared(case: &Case) -> Result<(Vec<Stage>, Components), String> {
+    let Case { model, start, simulation } = case;
     model.validate().map_err(|invalid| invalid.to_string())?;
     let state = model.start_state(start).map_err(|other| other.to_string())?;
-    let system = model.system_for(start).ok_or_else(|| format!("{} balls", model.balls()))?;
-    Ok((system, state))
+    let stages = model.stages(start, simulation.end_time_s);
+    let stages = stages.filter(|stages| !stages.is_empty());
+    Ok((stages.ok_or_else(|| format!("{} balls", model.balls()))?, state))
 }
 
 /// Runs in progress whose systems share lanes.
@@ -99,8 +111,9 @@ struct Lockstep<'a> {
     runs: &'a mut dyn Runs,
     /// The next run, whose system may need other lanes.
     upcoming: Option<Upcoming>,
-    /// Without displacements and with them, first for runs in which no contacts touch, then for those in which some do.
-    teams: [Team; 4],
+    /// Without displacements and with them, first for runs in which no contacts touch, then for those in which some do; at
+    /// last for runs in a stage with a system of its own, because the speed of the disc changes.
+    teams: [Team; 5],
     level: SimdLevel,
     /// Whether steps are recorded.
     recorded: bool,
@@ -131,8 +144,8 @@ impl<'a> Lockstep<'a> {
             members: std::array::from_fn(|_| None),
             waiting: VecDeque::new(),
         };
-        let first_lanes = level.lanes(&first.system, false);
-        let teams = [team(Some(first_lanes)), team(None), team(None), team(None)];
+        let first_lanes = level.lanes(first.system(), false);
+        let teams = [team(Some(first_lanes)), team(None), team(None), team(None), team(None)];
         let recorded = runs.recorder().is_some();
         Lockstep { kernel, level, recorded, runs, upcoming: Some(first), teams }
     }
@@ -205,10 +218,10 @@ impl<'a> Lockstep<'a> {
     fn start_next(&mut self) -> Option<Waiting> {
         loop {
             let group = self.teams[0].group.as_ref();
-            let fits = |next: &mut Upcoming| group.is_some_and(|one| one.fits(&next.system));
-            let Upcoming { number, case, system, start } = self.upcoming.take_if(fits)?;
+            let fits = |next: &mut Upcoming| group.is_some_and(|one| one.fits(next.system()));
+            let Upcoming { number, case, stages, start } = self.upcoming.take_if(fits)?;
             self.upcoming = next_sound(self.kernel, self.runs);
-            match LaneRun::start(number, &case, &system, &start) {
+            match LaneRun::start(number, &case, stages, &start) {
                 Ok((saved, run)) => return Some(Waiting { saved, run: Box::new(run) }),
                 Err(failure) => {
                     let evidence = Evidence::Failure(failure);
@@ -289,5 +302,8 @@ impl Team {
 
 /// Returns the team that a run belongs to.
 fn team_of(saved: &Saved, run: &LaneRun) -> usize {
+    if run.stages.present().is_driven() {
+        return DRIVEN;
+    }
     2 * usize::from(saved.touches()) + usize::from(run.is_displaced(saved.time()))
 }

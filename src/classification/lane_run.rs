@@ -14,9 +14,10 @@ use super::outcome::Outcome;
 use super::recorder::Recorder;
 use super::run_outcome::Ending;
 use super::settled::SettledWatch;
+use super::stages::Stages;
 use super::step_limit::effort_limit;
 use super::system_view::SystemView;
-use crate::model::{Case, Components, Extend, System, Units};
+use crate::model::{Case, Components, Endings, Extend, Stage, Units};
 use crate::motion::lockstep::{Happened, LaneGroup, Saved};
 use crate::motion::{Evaluator, Failure, Settings, all_stick};
 
@@ -31,7 +32,9 @@ pub(super) struct LaneRun {
     pub(super) view: Arc<SystemView>,
     pub(super) units: Units,
     settings: Settings,
+    endings: Endings,
     extend: Option<Extend>,
+    pub(super) stages: Stages,
     pub(super) horizons: Horizons<Late>,
     pub(super) watch: CycleWatch,
     pub(super) settled: SettledWatch,
@@ -54,30 +57,38 @@ pub(super) enum Next {
 }
 
 impl LaneRun {
-    /// Creates a run at its start.
+    /// Creates a run at its start, in the first of its stages. The endings are those of the last stage.
     ///
     /// # Errors
     /// If the motion cannot be started from the start state.
     pub(super) fn start(
         number: u64,
         case: &Case,
-        system: &Arc<dyn System>,
+        stages: Vec<Stage>,
         state: &Components,
     ) -> Result<(Saved, Self), Failure> {
         let simulation = &case.simulation;
         let units = case.model.units();
-        let view = Arc::new(SystemView::new(Evaluator::new(Arc::clone(system))));
-        let late = |end: f64| Late::until(end, simulation.endings, &view);
+        let (first, last) = (&stages[0], &stages[stages.len() - 1]);
+        let view = view_of(first);
+        let begin = last.begins_s * units.natural_rad_s;
+        let late = |end: f64| Late::within([begin, end], simulation.endings, &view);
         let horizons = Horizons::new(simulation, units.natural_rad_s, late);
-        let limit = effort_limit(&case.model, system.as_ref(), horizons.latest_end());
-        let settings = Settings::new(simulation, limit);
-        let saved = Saved::start(system, settings, state)?;
+        let limit =
+            |stage: &Stage| effort_limit(&case.model, stage.system.as_ref(), horizons.latest_end());
+        let settings =
+            Settings::new(simulation, stages.iter().map(limit).max().unwrap_or_default());
+        let (state, lifted) = first.entered(None, state);
+        let saved = Saved::start(&first.system, settings, &state)?;
+        let watch = CycleWatch::new(simulation.endings, &settings, &view);
         let run = LaneRun {
             number,
-            watch: CycleWatch::new(simulation.endings, &settings, &view),
+            watch: if stages.len() == 1 { watch } else { CycleWatch::None },
+            stages: Stages::new(stages, lifted),
             view,
             units,
             settings,
+            endings: simulation.endings,
             extend: simulation.extend,
             horizons,
             settled: SettledWatch::default(),
@@ -88,9 +99,13 @@ impl LaneRun {
         Ok((saved, run))
     }
 
-    /// Returns the run's end time.
+    /// Returns the end of the present stage.
     pub(super) fn end(&self) -> f64 {
-        self.horizons.end()
+        if self.stages.is_last() {
+            self.horizons.end()
+        } else {
+            self.stages.present().ends_s * self.units.natural_rad_s
+        }
     }
 
     /// Returns whether the run needs a displacement at a time.
@@ -105,7 +120,7 @@ impl LaneRun {
         group: &mut dyn LaneGroup,
         lane: usize,
     ) -> (Next, Option<Box<Self>>) {
-        if self.rests(group, lane) {
+        if self.stages.is_last() && self.rests(group, lane) {
             return (self.ends(group, lane, Ending::Rest), None);
         }
         group.set_told(lane, !matches!(self.watch, CycleWatch::None));
@@ -130,6 +145,10 @@ impl LaneRun {
             return self.ends(group, lane, Ending::Failure(failure));
         }
         let time = group.time(lane);
+        self.stages.take_in(&LaneStep { group: &*group, lane, view: &self.view });
+        if !self.stages.is_last() {
+            return if time >= self.end() { self.enters(group, lane) } else { Next::Stay };
+        }
         let displaced = self.is_displaced(time);
         self.measure(&*group, lane);
         let separation = &mut self.horizons.window_mut().separation;
@@ -165,6 +184,28 @@ impl LaneRun {
         self.plan(group, lane);
         let stays = self.is_displaced(time) == displaced && group.is_home(lane);
         if stays { Next::Stay } else { Next::Move }
+    }
+
+    /// Goes on to the next stage.
+    fn enters(&self, group: &dyn LaneGroup, lane: usize) -> Next {
+        let mut run = self.clone();
+        let mut entered = || {
+            let (saved, stage) = (group.copy(lane)?, self.stages.upcoming()?);
+            let (state, lifted) = stage.entered(Some(self.stages.present()), saved.state());
+            let ended =
+                self.stages.outcome(&LaneStep { group, lane, view: &self.view }, &self.units);
+            run.stages.next(ended, lifted);
+            run.view = view_of(stage);
+            if run.stages.is_last() {
+                run.watch = CycleWatch::new(run.endings, &run.settings, &run.view);
+            }
+            Some(saved.enters(&stage.system, &state, lifted))
+        };
+        match entered() {
+            Some(Ok(saved)) => Next::Continue(Box::new((saved, run))),
+            Some(Err(failure)) => self.ends(group, lane, Ending::Failure(failure)),
+            None => Next::Stay,
+        }
     }
 
     /// Adds the latest step to the statistics that have begun.
@@ -205,8 +246,13 @@ impl LaneRun {
     /// Schedules the next inspection of the run, and saves the run if its end time may affect the
     /// next step.
     fn plan(&mut self, group: &mut dyn LaneGroup, lane: usize) {
+        if !self.stages.is_last() {
+            group.set_attention(lane, 0.0);
+            return;
+        }
         let Late { vibration, separation } = self.horizons.window();
-        let mut attention = if self.watch.takes_each_step() { 0.0 } else { vibration.start() };
+        let takes_each_step = self.watch.takes_each_step() || self.stages.counts();
+        let mut attention = if takes_each_step { 0.0 } else { vibration.start() };
         if !separation.has_begun() {
             attention = attention.min(separation.start());
         } else if self.is_displaced(group.time(lane)) {
@@ -250,4 +296,9 @@ impl LaneRun {
     fn ends(&self, group: &dyn LaneGroup, lane: usize, ending: Ending) -> Next {
         Next::Done(Box::new(self.outcome(group, lane, ending)))
     }
+}
+
+/// Returns the view of the system in a stage.
+fn view_of(stage: &Stage) -> Arc<SystemView> {
+    Arc::new(SystemView::new(Evaluator::new(Arc::clone(&stage.system))))
 }

@@ -24,12 +24,13 @@ pub(super) enum Vibration {
 }
 
 impl Late {
-    /// Creates the statistics for a run that ends at a time. A system with one position and its
+    /// Creates the statistics for the last stage of a run, between two times. A system with one position and its
     /// speed cannot move irregularly: nothing separates.
-    pub(super) fn until(end: f64, endings: Endings, view: &SystemView) -> Self {
+    pub(super) fn within([begin, end]: [f64; 2], endings: Endings, view: &SystemView) -> Self {
         let separates = endings == Endings::All && view.dimension() > 2;
-        let separation = if separates { (1.0 - SEPARATION_WINDOW) * end } else { f64::INFINITY };
-        let start = (1.0 - WINDOW) * end;
+        let before = |window: f64| begin + (1.0 - window) * (end - begin);
+        let separation = if separates { before(SEPARATION_WINDOW) } else { f64::INFINITY };
+        let start = before(WINDOW);
         let vibration = match view.vibration {
             Some(_) => Vibration::Means(Window::new(start)),
             None => Vibration::Extremes(Extremes::from(start)),

@@ -30,6 +30,7 @@ mod late;
 mod lyapunov;
 mod orbit;
 mod outcome;
+mod peak;
 mod period;
 mod recorder;
 mod return_map;
@@ -37,13 +38,14 @@ mod run_outcome;
 mod section;
 mod settled;
 mod simulate;
+mod stages;
 mod step_limit;
 mod system_view;
 mod window;
 
 /// Version of the computed outcomes, incremented with every change that alters an outcome; cached
 /// results of other versions are not reused. A test pins the outcomes of each version.
-pub const MODEL_VERSION: u32 = 6;
+pub const MODEL_VERSION: u32 = 7;
 
 pub use closed_orbit::Orbit;
 pub use cycle::{Cycle, CyclePhase, TouchingPair};
@@ -53,6 +55,7 @@ pub use orbit::OrbitWatch;
 pub use outcome::{Evidence, Label, LyapunovExponent, Outcome, TouchingOutcome};
 pub use recorder::{ContactSample, Instants, Recorder, Recording, Sample, Switch};
 pub use simulate::{simulate, simulate_by_recorded_equations, simulate_recorded};
+pub use stages::{PeakAmplitude, StageOutcome};
 pub use step_limit::{
     has_tuned_kernel, most_steps_of_a_run, most_steps_of_any_run, seconds_per_step,
 };

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::cycle::Cycle;
+use super::stages::{PeakAmplitude, StageOutcome};
 use crate::motion::{Effort, Failure};
 
 /// How a run ended.
@@ -172,6 +173,13 @@ pub struct Outcome {
     pub cycle: Option<Box<Cycle>>,
     /// Separation rate of neighbouring motions, if the run was still moving at its end time.
     pub lyapunov: Option<LyapunovExponent>,
+    /// The time since the start of the run at which the rest began, s. [`Outcome::time_to_rest_s`] counts from the begin of
+    /// the last stage.
+    pub rest_since_s: Option<f64>,
+    /// The stages of a run whose disc changes its speed or whose table is kicked; none for other runs.
+    pub stages: Vec<StageOutcome>,
+    /// The largest amplitude of a run with stages.
+    pub peak: Option<PeakAmplitude>,
     /// How the balls touched; `None` without contact between balls.
     pub touching: Option<TouchingOutcome>,
     /// The computational effort of the run.
@@ -186,13 +194,23 @@ impl Outcome {
         self.evidence.label()
     }
 
+    /// Returns how long the run was observed in its last stage, s, which is what [`Outcome::time_to_rest_s`] is compared
+    /// with.
+    pub fn observed_s(&self) -> Option<f64> {
+        let begin_s = self.stages.last().map_or(0.0, |stage| stage.time_s[0]);
+        self.end_time_s.map(|end_s| end_s - begin_s)
+    }
+
     /// Returns whether the outcome belongs to a system with this number of contacts: vectors with
     /// one value per contact have this length.
     pub fn is_of(&self, contacts: usize) -> bool {
         let of_each =
             |values: &Option<Vec<f64>>| values.as_ref().is_none_or(|v| v.len() == contacts);
         let cycle = self.cycle.as_ref().is_none_or(|cycle| cycle.is_of(contacts));
-        of_each(&self.position) && of_each(&self.mean_speed) && cycle
+        let stages = self.stages.iter().all(|stage| {
+            stage.position.len() == contacts && stage.ball_speed_rad_s.len() == contacts
+        });
+        of_each(&self.position) && of_each(&self.mean_speed) && cycle && stages
     }
 
     /// Returns the outcome of a failed run, with its evidence and message only.
@@ -210,6 +228,9 @@ impl Outcome {
             mean_speed: None,
             cycle: None,
             lyapunov: None,
+            rest_since_s: None,
+            stages: Vec::new(),
+            peak: None,
             touching: None,
             effort: Effort::default(),
             error: Some(error),

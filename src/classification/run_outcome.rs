@@ -40,6 +40,11 @@ impl LaneRun {
         let step = LaneStep { group, lane, view: &self.view };
         let position = self.view.wrapped(&group.state(lane));
         let position = position.iter().map(|position| position * self.units.position);
+        let begins_s = self.stages.present().begins_s;
+        let counted = |outcome: Outcome| Outcome {
+            time_to_rest_s: outcome.rest_since_s.map(|since_s| (since_s - begins_s).max(0.0)),
+            ..outcome
+        };
         let base = Outcome {
             evidence: Evidence::EndTime,
             balls_running: None,
@@ -53,6 +58,9 @@ impl LaneRun {
             mean_speed: None,
             cycle: None,
             lyapunov: None,
+            rest_since_s: None,
+            stages: self.stages.outcomes(&step, &self.units),
+            peak: self.stages.peak(&self.units),
             touching: group.touches(lane).map(|touches| TouchingOutcome {
                 impacts: touches.impacts,
                 lifted_off: touches.lifted_off,
@@ -63,13 +71,13 @@ impl LaneRun {
             effort: step.effort(),
             error: None,
         };
-        match ending {
+        counted(match ending {
             Ending::Rest => Outcome {
-                time_to_rest_s: Some(latest(group.last_switches(lane)) / natural),
+                rest_since_s: Some(latest(group.last_switches(lane)) / natural),
                 ..self.at_rest(&step, Evidence::RestCertified, base)
             },
             Ending::Settled => Outcome {
-                time_to_rest_s: self.slow_since(&step).map(|since| since / natural),
+                rest_since_s: self.slow_since(&step).map(|since| since / natural),
                 friction_margin: None,
                 touching: self.with_force(&base, self.force_in_gaps(&step)),
                 ..self.at_rest(&step, Evidence::Settled, base)
@@ -96,7 +104,7 @@ impl LaneRun {
                 // are on the edge of the set, approached from outside.
                 let slow = self.at_rest(&step, Evidence::Creep, base);
                 Outcome {
-                    time_to_rest_s: Some(latest(&group.slow_since(lane)) / natural),
+                    rest_since_s: Some(latest(&group.slow_since(lane)) / natural),
                     friction_margin: slow.friction_margin.map(|margin| margin.max(0.0)),
                     ..slow
                 }
@@ -107,7 +115,7 @@ impl LaneRun {
                 error: Some(failure.to_string()),
                 ..base
             },
-        }
+        })
     }
 
     /// Returns the outcome of a run at rest, except for the time at which the rest began.

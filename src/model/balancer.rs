@@ -27,6 +27,8 @@ pub struct BalancerBall<T = f64> {
 pub struct Balancer<const N: usize, T = f64> {
     /// Speed of the disc over `ω_n`.
     pub speed: T,
+    /// Acceleration of the disc over `ω_n²`; `None` at constant speed.
+    pub acceleration: Option<T>,
     /// Damping ratio of the suspension, `ζ = b / (2 M ω_n)`.
     pub damping_ratio: T,
     /// Imbalance `m_I e`, over `M L`.
@@ -51,6 +53,7 @@ impl<const N: usize> Balancer<N> {
         };
         Some(Balancer {
             speed,
+            acceleration: None,
             damping_ratio: machine.damping_n_s_m / (2.0 * total * natural),
             imbalance: machine.imbalance_mass_kg / total * machine.imbalance_radius_m
                 / machine.ring_radius_m,
@@ -76,6 +79,7 @@ impl<const N: usize> Balancer<N> {
     pub fn lifted<T: Number>(&self) -> Balancer<N, T> {
         Balancer {
             speed: T::constant(self.speed),
+            acceleration: self.acceleration.map(T::constant),
             damping_ratio: T::constant(self.damping_ratio),
             imbalance: T::constant(self.imbalance),
             balls: self.balls.map(|ball| BalancerBall {

@@ -14,7 +14,7 @@ pub(super) static KIND: ModelKind = ModelKind {
     default: || Model::BallBalancer(Machine { balls: vec![Ball::default()], ..Machine::default() }),
 };
 
-const PARAMETERS: [ParameterDescriptor; 13] = [
+const PARAMETERS: [ParameterDescriptor; 20] = [
     ParameterDescriptor {
         name: "table_mass_kg",
         unit: "kg",
@@ -84,8 +84,45 @@ const PARAMETERS: [ParameterDescriptor; 13] = [
     ParameterDescriptor {
         name: "speed_rad_s",
         unit: "rad/s",
-        meaning: "prescribed speed of the disc",
+        meaning: "speed of the disc, the last one of its profile",
         field: Field::Machine(|machine| &mut machine.speed_rad_s),
+    },
+    ParameterDescriptor {
+        name: "start_speed_rad_s",
+        unit: "rad/s",
+        meaning: "speed of the disc at the start",
+        field: Field::Profile(|profile| &mut profile.start_speed_rad_s),
+    },
+    ParameterDescriptor {
+        name: "ramp_to_rad_s",
+        unit: "rad/s",
+        meaning: "speed of the disc at the end",
+        field: Field::Ramp(|ramp| ramp.to_rad_s.as_mut()),
+    },
+    ParameterDescriptor {
+        name: "ramp_over_s",
+        unit: "s",
+        meaning: "duration",
+        field: Field::Ramp(|ramp| Some(&mut ramp.over_s)),
+    },
+    ParameterDescriptor { name: "hold_s", unit: "s", meaning: "duration", field: Field::Hold },
+    ParameterDescriptor {
+        name: "kick_at_s",
+        unit: "s",
+        meaning: "time",
+        field: Field::Kick(|kick| &mut kick.at_s),
+    },
+    ParameterDescriptor {
+        name: "kick_speed_m_s",
+        unit: "m/s",
+        meaning: "change of the table's velocity",
+        field: Field::Kick(|kick| &mut kick.speed_m_s),
+    },
+    ParameterDescriptor {
+        name: "kick_direction_rad",
+        unit: "rad",
+        meaning: "direction in space",
+        field: Field::Kick(|kick| &mut kick.direction_rad),
     },
     ParameterDescriptor {
         name: "normal_force",

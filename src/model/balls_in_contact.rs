@@ -7,6 +7,7 @@
 
 use std::any::{Any, TypeId};
 
+use super::driven::{Turning, Turns};
 use super::recorded::{add_contact_inputs, equations, record_contact, record_state};
 use super::{
     Balancer, BallContact, ContactMode, Dual, Expression, Friction, Gap, GapEquations, Machine,
@@ -68,10 +69,14 @@ impl<const N: usize> BallsInContact<N> {
     }
 }
 
-impl<const N: usize> System for BallsInContact<N> {
-    fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
+impl<const N: usize> Turns for BallsInContact<N> {
+    fn record_turning<'r>(
+        &self,
+        recorder: &'r Recorder,
+        turning: impl FnOnce() -> Option<Turning<'r>>,
+    ) -> SystemEquations<'r> {
         let state = record_state(recorder);
-        let balancer = self.balancer.record_parameters(recorder);
+        let balancer = self.balancer.record_parameters(recorder, turning());
         let contacts = std::array::from_fn(|i| {
             record_contact(recorder, &self.balancer.balls[i].friction, state.beta_dot[i])
         });
@@ -155,9 +160,9 @@ impl<const N: usize> System for BallsInContact<N> {
         SystemEquations { gaps, ..equations(&state, &derivative, &forces, true) }
     }
 
-    fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
+    fn inputs_turning(&self, modes: &[ContactMode], turning: bool) -> Vec<f64> {
         let (of_balls, of_gaps) = modes.split_at(N);
-        let mut inputs = self.balancer.parameter_inputs();
+        let mut inputs = self.balancer.parameter_inputs(turning);
         for (ball, mode) in self.balancer.balls.iter().zip(of_balls) {
             add_contact_inputs(&mut inputs, *mode, &ball.friction);
         }
@@ -168,6 +173,16 @@ impl<const N: usize> System for BallsInContact<N> {
             inputs.extend(gap.rolling_pushes(rolling.unwrap_or(0.0)).as_flattened());
         }
         inputs
+    }
+}
+
+impl<const N: usize> System for BallsInContact<N> {
+    fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
+        self.record_turning(recorder, || None)
+    }
+
+    fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
+        self.inputs_turning(modes, false)
     }
 
     fn structure(&self) -> Option<Structure> {
@@ -210,6 +225,10 @@ impl<const N: usize> System for BallsInContact<N> {
 
     fn rest_forms(&self) -> Option<&dyn RestForms> {
         Some(self)
+    }
+
+    fn jump_of_balls(&self, state: &mut [f64], jump: [f64; 2]) -> u32 {
+        self.balancer.jump_of_balls(state, jump)
     }
 
     fn touching(&self) -> Option<&dyn Touching> {

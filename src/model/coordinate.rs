@@ -98,7 +98,9 @@ impl Model {
     pub fn coordinates(&self) -> Vec<Coordinate> {
         match self {
             Model::Own(own) => own.own().coordinates(own),
-            Model::BallBalancer(machine) => of_balancer(machine.balls.len()),
+            Model::BallBalancer(machine) => {
+                of_balancer(machine.balls.len(), machine.speed_profile.is_some())
+            }
             Model::Block(block) => {
                 let of_block =
                     |name: &str, unit, meaning| Coordinate::new(name, unit, meaning, [0.0; 2]);
@@ -120,9 +122,11 @@ impl Model {
     }
 }
 
-fn of_balancer(balls: usize) -> Vec<Coordinate> {
+/// Returns the coordinates of a balancer. One whose disc starts has its table and its balls at rest on the disc by default.
+fn of_balancer(balls: usize, starts: bool) -> Vec<Coordinate> {
+    let [half_width, ball_speed] = if starts { [0.0; 2] } else { [HALF_WIDTH, BALL_SPEED] };
     let table =
-        |name: &str, meaning, unit| Coordinate::non_dimensional(name, meaning, unit, HALF_WIDTH);
+        |name: &str, meaning, unit| Coordinate::non_dimensional(name, meaning, unit, half_width);
     let each = |stem: &'static str, of_one: &dyn Fn(String) -> Coordinate| -> Vec<Coordinate> {
         let of_ball = |ball: usize| Coordinate {
             of_every_body: Some(stem),
@@ -143,7 +147,7 @@ fn of_balancer(balls: usize) -> Vec<Coordinate> {
     };
     let speed = |name: String| {
         let meaning = "start speed of the ball relative to the ring";
-        Coordinate::non_dimensional(name, meaning, "divided by the natural frequency", BALL_SPEED)
+        Coordinate::non_dimensional(name, meaning, "divided by the natural frequency", ball_speed)
     };
     const LENGTH: &str = "in ring radii";
     const VELOCITY: &str = "in ring radii, with time multiplied by the natural frequency";

@@ -14,8 +14,16 @@
 //!
 //! with `f_w = p f_n + q` in slip, for Coulomb friction `p = μ sign(β̇)` and `q = 0`, and `β̈ = 0` in
 //! stick. Forces are over `m ω_n² L`.
+//!
+//! A disc whose speed changes at the rate `α` adds Euler forces, on the table, on the imbalance and on the balls, which
+//! roll against the turning ring:
+//!
+//! ```text
+//! a_x + …  = … + Σ m s α        a_y + … = … - m_I e α - Σ m c α        (1 + 4J) β̈ = … - (1 - 2 J d) α
+//! a_x = ẍ - 2ω ẏ - ω² x - α y        a_y = ÿ + 2ω ẋ - ω² y + α x
+//! ```
 
-use super::{Balancer, Contact, Number, State};
+use super::{Balancer, BalancerBall, Contact, Number, State};
 
 /// Accelerations and contact forces in one state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +53,8 @@ pub(super) struct BallTerms<T> {
     pub(super) held: T,
     /// `m w²`.
     pub(super) outward: T,
+    /// `m α`; `None` at constant speed.
+    pub(super) euler: Option<T>,
 }
 
 /// The equations of the table's acceleration, `(1 - m_xx) a_x - m_xy a_y = force_x` and
@@ -99,6 +109,8 @@ impl<const N: usize, T: Number> Balancer<N, T> {
             let rolling = (ball.rolling_linear + ball.rolling_quadratic * beta_dot) * beta_dot;
             let pressed = w_squared - rolling;
             let mobile = ball.mass * ball.mobility * free;
+            let held = signed_friction * pressed + drag;
+            let held = self.euler_force(i).map_or(held, |euler| held + euler);
             BallTerms {
                 sine,
                 cosine,
@@ -108,9 +120,19 @@ impl<const N: usize, T: Number> Balancer<N, T> {
                     mobile * (sine + signed_friction * cosine),
                     mobile * (signed_friction * sine - cosine),
                 ],
-                held: mobile * (signed_friction * pressed + drag),
+                held: mobile * held,
                 outward: ball.mass * w_squared,
+                euler: self.acceleration.map(|acceleration| ball.mass * acceleration),
             }
+        })
+    }
+
+    /// Returns the Euler force on a ball against positive `β`, over its mass: `(1 - 2 J d) α`.
+    #[inline]
+    fn euler_force(&self, ball: usize) -> Option<T> {
+        self.acceleration.map(|acceleration| {
+            let BalancerBall { inertia, diameter, .. } = self.balls[ball];
+            (T::constant(1.0) - T::constant(2.0) * inertia * diameter) * acceleration
         })
     }
 
@@ -129,8 +151,8 @@ impl<const N: usize, T: Number> Balancer<N, T> {
         let (mut m_xx, mut m_xy, mut m_yx, mut m_yy) = (zero, zero, zero, zero);
         let (mut balls_x, mut balls_y) = (zero, zero);
         for term in terms {
-            let BallTerms { sine: s, cosine: c, along: [along_x, along_y], held, outward, .. } =
-                *term;
+            let BallTerms { sine: s, cosine: c, along: [along_x, along_y], outward, .. } = *term;
+            let held = term.euler.map_or(term.held, |euler| term.held - euler);
             m_xx = m_xx + s * along_x;
             m_xy = m_xy + s * along_y;
             m_yx = m_yx + c * along_x;
@@ -141,6 +163,8 @@ impl<const N: usize, T: Number> Balancer<N, T> {
         let drag = T::constant(2.0) * self.damping_ratio;
         let force_x = balls_x + (self.imbalance * omega * omega - x - drag * (x_dot - omega * y));
         let force_y = balls_y - y - drag * (y_dot + omega * x);
+        let euler = self.acceleration.map(|acceleration| self.imbalance * acceleration);
+        let force_y = euler.map_or(force_y, |euler| force_y - euler);
         TableEquations { matrix: [m_xx, m_xy, m_yx, m_yy], force: [force_x, force_y] }
     }
 
@@ -167,6 +191,9 @@ impl<const N: usize, T: Number> Balancer<N, T> {
             let BallTerms { sine, cosine, pressed, .. } = *term;
             let mut tangential = sine * a_x - cosine * a_y;
             let mut normal = pressed - (cosine * a_x + sine * a_y);
+            if let Some(euler) = self.euler_force(i) {
+                tangential = tangential - euler;
+            }
             if let Some([along, outward]) = pushed(i) {
                 tangential = tangential + along;
                 normal = normal + outward;
@@ -203,6 +230,10 @@ impl<const N: usize, T: Number> Balancer<N, T> {
             beta: state.beta_dot,
             beta_dot: forces.beta_ddot,
         };
+        if let Some(acceleration) = self.acceleration {
+            let [x_ddot, y_ddot] = derivative.velocity;
+            derivative.velocity = [x_ddot + acceleration * y, y_ddot - acceleration * x];
+        }
         for (i, contact) in contacts.iter().enumerate() {
             let stuck = one - contact.free;
             derivative.beta[i] = contact.free * state.beta_dot[i];

@@ -2,7 +2,6 @@
 
 use thiserror::Error;
 
-/// A value that no machine can have.
 /// An invalid parameter value.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{name} is {found}, but must be {allowed}")]

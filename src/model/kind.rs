@@ -3,8 +3,11 @@
 
 use std::fmt;
 
+use super::coordinate::unit_ending;
 use super::registry::model_kinds;
-use super::{Ball, BallContact, Block, Machine, Model, SlidingSpeed};
+use super::{
+    Ball, BallContact, Block, Kick, Machine, Model, ProfilePart, Ramp, SlidingSpeed, SpeedProfile,
+};
 
 /// The name of the (kinetic) friction coefficient in every kind of model.
 pub const FRICTION_COEFFICIENT: &str = "friction_coefficient";
@@ -92,6 +95,14 @@ pub enum Field {
     Block(fn(&mut Block) -> Option<&mut f64>),
     /// A number of the contact between balls, for balls with contact.
     Contact(fn(&mut BallContact) -> &mut f64),
+    /// A number of the speed profile, for a disc whose speed changes.
+    Profile(fn(&mut SpeedProfile) -> &mut f64),
+    /// A number of each ramp of the speed profile; `None` if a ramp has none.
+    Ramp(fn(&mut Ramp) -> Option<&mut f64>),
+    /// The duration of each plateau of the speed profile.
+    Hold,
+    /// A number of each kick of the table.
+    Kick(fn(&mut Kick) -> &mut f64),
     /// The form of the normal force, a word.
     NormalForce,
     /// A number of a model that is defined outside this crate.
@@ -171,14 +182,34 @@ impl ParameterDescriptor {
         matches!(self.field, Field::Ball(_))
     }
 
+    /// Returns the word for what has a value of its own each: balls, ramps and plateaus of the speed profile, or kicks;
+    /// `None` for a parameter with one value.
+    pub fn member(&self) -> Option<&'static str> {
+        match self.field {
+            Field::Ball(_) => Some("ball"),
+            Field::Ramp(_) => Some("ramp"),
+            Field::Hold => Some("plateau"),
+            Field::Kick(_) => Some("kick"),
+            _ => None,
+        }
+    }
+
+    /// Returns the name of the value of one member, counted from 1: `ball_mass_kg` of ball 2 is `ball_mass_2_kg`,
+    /// `friction_coefficient` is `friction_coefficient_2`.
+    pub fn name_of_member(&self, number: usize) -> String {
+        member_name(self.name, self.unit, number)
+    }
+
     /// Returns whether the values are numbers.
     pub fn is_number(&self) -> bool {
         !matches!(self.field, Field::NormalForce)
     }
 
-    /// Returns whether the value is given with the contact between balls, not among the parameters of a study file.
-    pub fn is_of_contact(&self) -> bool {
-        matches!(self.field, Field::Contact(_))
+    /// Returns whether the value stands under a key of its own, such as `contact`, not among the parameters of a study
+    /// file. A model without that key has no such parameter.
+    pub fn has_own_key(&self) -> bool {
+        use Field::{Contact, Hold, Kick, Profile, Ramp};
+        matches!(self.field, Contact(_) | Profile(_) | Ramp(_) | Hold | Kick(_))
     }
 
     /// Returns the largest value of a whole number; `None` for other parameters.
@@ -189,10 +220,30 @@ impl ParameterDescriptor {
         }
     }
 
-    /// Returns the numbers of a model that the parameter sets: those of all balls, or of one ball, counted from 1. None
-    /// for a model without this parameter.
-    pub fn numbers<'a>(&self, model: &'a mut Model, ball: Option<usize>) -> Vec<&'a mut f64> {
+    /// Returns the numbers of a model that the parameter sets: those of all members, such as balls, or of one, counted
+    /// from 1. None for a model without this parameter.
+    pub fn numbers<'a>(&self, model: &'a mut Model, member: Option<usize>) -> Vec<&'a mut f64> {
+        let is_meant = |number: usize| member.is_none_or(|own| own == number);
         match (self.field, model) {
+            (Field::Profile(field), Model::BallBalancer(machine)) => {
+                machine.speed_profile.as_mut().map(field).into_iter().collect()
+            }
+            (Field::Ramp(field), Model::BallBalancer(machine)) => {
+                let parts = machine.speed_profile.iter_mut().flat_map(|one| &mut one.parts);
+                let ramps = parts.filter_map(ProfilePart::ramp_mut);
+                let meant = (1..).zip(ramps).filter(|(number, _)| is_meant(*number));
+                meant.filter_map(|(_, ramp)| field(ramp)).collect()
+            }
+            (Field::Hold, Model::BallBalancer(machine)) => {
+                let parts = machine.speed_profile.iter_mut().flat_map(|one| &mut one.parts);
+                let holds = parts.filter_map(ProfilePart::hold_mut);
+                let meant = (1..).zip(holds).filter(|(number, _)| is_meant(*number));
+                meant.filter_map(|(_, lasts_s)| lasts_s.as_mut()).collect()
+            }
+            (Field::Kick(field), Model::BallBalancer(machine)) => {
+                let kicks = (1..).zip(&mut machine.kicks);
+                kicks.filter(|(number, _)| is_meant(*number)).map(|(_, kick)| field(kick)).collect()
+            }
             (Field::Machine(field), Model::BallBalancer(machine)) => vec![field(machine)],
             (Field::Contact(field), Model::BallBalancer(machine)) => {
                 machine.contact.as_mut().map(field).into_iter().collect()
@@ -201,12 +252,20 @@ impl ParameterDescriptor {
             (Field::Own { .. } | Field::Count { .. }, Model::Own(own)) => {
                 own.number_mut(self).into_iter().collect()
             }
-            (Field::Ball(field), Model::BallBalancer(machine)) => (1..)
-                .zip(&mut machine.balls)
-                .filter(|(number, _)| ball.is_none_or(|own| own == *number))
-                .map(|(_, ball)| field(ball))
-                .collect(),
+            (Field::Ball(field), Model::BallBalancer(machine)) => {
+                let balls = (1..).zip(&mut machine.balls);
+                balls.filter(|(number, _)| is_meant(*number)).map(|(_, ball)| field(ball)).collect()
+            }
             _ => Vec::new(),
         }
+    }
+}
+
+/// Returns the name of one member's own value of a parameter with a unit.
+pub(super) fn member_name(general: &str, unit: &str, number: usize) -> String {
+    let ending = unit_ending(unit);
+    match general.strip_suffix(&*ending) {
+        Some(stem) => format!("{stem}_{number}{ending}"),
+        None => format!("{general}_{number}"),
     }
 }

@@ -7,7 +7,8 @@
 use serde::Serialize;
 
 use super::invalid_parameter::{InvalidParameter, invalid, not_negative, positive};
-use super::{BallContact, Friction, FrictionLaw, SlidingSpeed};
+use super::kind::member_name;
+use super::{BallContact, Friction, FrictionLaw, Kick, SlidingSpeed, SpeedProfile};
 
 /// The largest number of balls that one machine may have.
 pub const MAX_BALLS: usize = 8;
@@ -71,7 +72,7 @@ pub struct Machine {
     pub imbalance_mass_kg: f64,
     /// Distance of the imbalance from the ring's centre, m.
     pub imbalance_radius_m: f64,
-    /// Prescribed speed of the disc, rad/s; negative turns clockwise.
+    /// Prescribed speed of the disc, rad/s, or the last one of the speed profile; negative turns clockwise.
     pub speed_rad_s: f64,
     /// The balls, one to [`MAX_BALLS`].
     pub balls: Vec<Ball>,
@@ -81,6 +82,10 @@ pub struct Machine {
     pub friction: FrictionLaw,
     /// The contact between balls; `None` for balls that pass through each other.
     pub contact: Option<BallContact>,
+    /// How the speed changes until it is `speed_rad_s`; `None` for a constant speed.
+    pub speed_profile: Option<SpeedProfile>,
+    /// The kicks of the table.
+    pub kicks: Vec<Kick>,
 }
 
 impl Default for Ball {
@@ -105,6 +110,8 @@ impl Default for Machine {
             normal_force: NormalForce::Lagrange,
             friction: FrictionLaw::COULOMB,
             contact: None,
+            speed_profile: None,
+            kicks: Vec::new(),
         }
     }
 }
@@ -135,20 +142,29 @@ impl Machine {
             return Err(invalid("speed_rad_s", &self.speed_rad_s.to_string(), "a finite number"));
         }
         for (index, ball) in self.balls.iter().enumerate() {
-            positive("ball_mass_kg", ball.mass_kg)
-                .and_then(|()| positive("ball_diameter_m", ball.diameter_m))
-                .and_then(|()| not_negative("friction_coefficient", ball.friction_coefficient))
-                .map_err(|error| InvalidParameter {
-                    name: ball_parameter_name(&error.name, index + 1),
-                    ..error
-                })?;
+            let name = |general: &str, unit: &str| member_name(general, unit, index + 1);
+            positive(&name("ball_mass_kg", "kg"), ball.mass_kg)?;
+            positive(&name("ball_diameter_m", "m"), ball.diameter_m)?;
+            not_negative(&name("friction_coefficient", ""), ball.friction_coefficient)?;
         }
         if let Some(contact) = &self.contact {
             contact.validate()?;
         }
+        self.validate_stages()?;
         self.balls.iter().try_for_each(|ball| {
             self.friction.validate(ball.friction_coefficient, SlidingSpeed::RadS)
         })
+    }
+
+    /// Checks that all values of the speed profile and of the kicks have a physical meaning.
+    ///
+    /// # Errors
+    /// The first invalid parameter, by the name it has in a study file.
+    pub fn validate_stages(&self) -> Result<(), InvalidParameter> {
+        if let Some(profile) = &self.speed_profile {
+            profile.validate(self.speed_rad_s)?;
+        }
+        (1..).zip(&self.kicks).try_for_each(|(number, kick)| kick.validate(number))
     }
 
     /// The whole vibrating mass `M = M_T + m_I + Σ m_i`, kg.
@@ -175,14 +191,5 @@ impl Machine {
     /// The natural frequency `ω_n = sqrt(k / M)`, rad/s (thesis section 3.4).
     pub fn natural_frequency_rad_s(&self) -> f64 {
         (self.stiffness_n_m / self.total_mass_kg()).sqrt()
-    }
-}
-
-/// Returns the name of one ball's own value of a parameter: `ball_mass_kg` of ball 2 is
-/// `ball_mass_2_kg`, `friction_coefficient` is `friction_coefficient_2`.
-pub fn ball_parameter_name(general: &str, ball: usize) -> String {
-    match general.rsplit_once('_') {
-        Some((stem, unit @ ("kg" | "m"))) => format!("{stem}_{ball}_{unit}"),
-        _ => format!("{general}_{ball}"),
     }
 }

@@ -90,7 +90,7 @@ impl Model {
         Some(system.touching()?.gaps().iter().map(|gap| gap.contacts).collect())
     }
 
-    fn system_in_order(&self, angles: &[f64]) -> Option<Arc<dyn System>> {
+    pub(super) fn system_in_order(&self, angles: &[f64]) -> Option<Arc<dyn System>> {
         let machine = match self {
             Model::BallBalancer(machine) => machine,
             Model::Block(block) => return Some(Arc::new(block.slider())),

@@ -3,6 +3,7 @@
 
 use std::any::{Any, TypeId};
 
+use super::driven::{Turning, Turns};
 use super::system::stiff_pace;
 use super::{
     Balancer, BalancerBall, Components, Contact, ContactEquations, ContactLayout, Expression,
@@ -104,6 +105,7 @@ impl<const N: usize> Balancer<N> {
     pub(super) fn record_parameters<'r>(
         &self,
         recorder: &'r Recorder,
+        turning: Option<Turning<'r>>,
     ) -> Balancer<N, Expression<'r>> {
         let [speed, damping_ratio, imbalance] =
             ["speed", "damping_ratio", "imbalance"].map(|name| recorder.input(name));
@@ -112,7 +114,7 @@ impl<const N: usize> Balancer<N> {
             let [mass, mobility, rolling_linear, rolling_quadratic] =
                 ["mass", "mobility", "rolling_linear", "rolling_quadratic"]
                     .map(|name| recorder.input(name));
-            BalancerBall {
+            let at_constant_speed = BalancerBall {
                 mass,
                 inertia: unused,
                 diameter: unused,
@@ -120,26 +122,47 @@ impl<const N: usize> Balancer<N> {
                 mobility,
                 rolling_linear,
                 rolling_quadratic,
-            }
+            };
+            turning.map_or(at_constant_speed, |turning| {
+                let [inertia, diameter] = ["inertia", "diameter"].map(|name| recorder.input(name));
+                // `2 J d ω`, or 0 (Newton).
+                let half = Expression::constant(-0.5);
+                let rolling_linear = half * rolling_quadratic * diameter * turning.speed;
+                BalancerBall { inertia, diameter, rolling_linear, ..at_constant_speed }
+            })
         });
-        Balancer { speed, damping_ratio, imbalance, balls }
+        let at_constant_speed =
+            Balancer { speed, acceleration: None, damping_ratio, imbalance, balls };
+        turning.map_or(at_constant_speed, |Turning { speed, acceleration }| Balancer {
+            speed,
+            acceleration: Some(acceleration),
+            ..at_constant_speed
+        })
     }
 
-    pub(super) fn parameter_inputs(&self) -> Vec<f64> {
-        let mut inputs = Vec::with_capacity(3 + 10 * N);
+    /// Returns the values of the inputs of the parameters; if `turning`, of a disc whose speed changes.
+    pub(super) fn parameter_inputs(&self, turning: bool) -> Vec<f64> {
+        let mut inputs = Vec::with_capacity(3 + 12 * N);
         inputs.extend_from_slice(&[self.speed, self.damping_ratio, self.imbalance]);
         for ball in &self.balls {
             let BalancerBall { mass, mobility, rolling_linear, rolling_quadratic, .. } = *ball;
             inputs.extend_from_slice(&[mass, mobility, rolling_linear, rolling_quadratic]);
+            if turning {
+                inputs.extend_from_slice(&[ball.inertia, ball.diameter]);
+            }
         }
         inputs
     }
 }
 
-impl<const N: usize> System for Balancer<N> {
-    fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
+impl<const N: usize> Turns for Balancer<N> {
+    fn record_turning<'r>(
+        &self,
+        recorder: &'r Recorder,
+        turning: impl FnOnce() -> Option<Turning<'r>>,
+    ) -> SystemEquations<'r> {
         let state = record_state(recorder);
-        let balancer = self.record_parameters(recorder);
+        let balancer = self.record_parameters(recorder, turning());
         let contacts = std::array::from_fn(|i| {
             record_contact(recorder, &self.balls[i].friction, state.beta_dot[i])
         });
@@ -147,12 +170,22 @@ impl<const N: usize> System for Balancer<N> {
         equations(&state, &balancer.derivative(&state, &contacts, &forces), &forces, true)
     }
 
-    fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
-        let mut inputs = self.parameter_inputs();
+    fn inputs_turning(&self, modes: &[ContactMode], turning: bool) -> Vec<f64> {
+        let mut inputs = self.parameter_inputs(turning);
         for (ball, mode) in self.balls.iter().zip(modes) {
             add_contact_inputs(&mut inputs, *mode, &ball.friction);
         }
         inputs
+    }
+}
+
+impl<const N: usize> System for Balancer<N> {
+    fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
+        self.record_turning(recorder, || None)
+    }
+
+    fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
+        self.inputs_turning(modes, false)
     }
 
     fn structure(&self) -> Option<Structure> {
@@ -199,6 +232,10 @@ impl<const N: usize> System for Balancer<N> {
 
     fn rest_forms(&self) -> Option<&dyn RestForms> {
         Some(self)
+    }
+
+    fn jump_of_balls(&self, state: &mut [f64], jump: [f64; 2]) -> u32 {
+        Balancer::jump_of_balls(self, state, jump)
     }
 
     fn as_any(&self) -> &dyn Any {

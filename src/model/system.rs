@@ -61,6 +61,12 @@ pub trait System: Any + Debug + Send + Sync {
         None
     }
 
+    /// Changes a state by a jump of the velocity of the table, which the balls follow. Returns the number of balls that the
+    /// blow lifts off their support.
+    fn jump_of_balls(&self, _state: &mut [f64], _jump: [f64; 2]) -> u32 {
+        0
+    }
+
     /// Returns the gaps between its contacts, if there are any.
     fn touching(&self) -> Option<&dyn Touching> {
         None
@@ -184,6 +190,10 @@ impl System for Recorded {
 
     fn rest_forms(&self) -> Option<&dyn RestForms> {
         self.0.rest_forms()
+    }
+
+    fn jump_of_balls(&self, state: &mut [f64], jump: [f64; 2]) -> u32 {
+        self.0.jump_of_balls(state, jump)
     }
 
     fn touching(&self) -> Option<&dyn Touching> {

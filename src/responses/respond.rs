@@ -207,7 +207,7 @@ fn observed(run: &RunRecord, relative: bool) -> RunResult {
             amplitude
         },
         time_to_rest_s: outcome.time_to_rest_s,
-        end_time_s: outcome.end_time_s,
+        end_time_s: outcome.observed_s(),
     }
 }
 

@@ -18,6 +18,7 @@ use super::points::{PointRow, point_columns};
 use super::provenance::provenance;
 use super::run_record::RunRecord;
 use super::runs::run_columns;
+use super::stages::{StageRow, stage_columns};
 use super::time_to_rest::{RestRow, rest_columns};
 use super::writer::{TableWriter, WriteError};
 use crate::analysis::{FailureCounts, LabelCounts, PointDetail};
@@ -64,20 +65,26 @@ pub struct Results {
     cycles: TableWriter<CycleRow>,
     equilibria: TableWriter<EquilibriumRow>,
     histogram: TableWriter<HistogramRow>,
+    /// Of a study whose runs have stages.
+    stages: Option<TableWriter<StageRow>>,
     counts: LabelCounts,
     failures: FailureCounts,
 }
 
 /// The data files of an output directory.
-pub(super) const DATA_FILES: [&str; 7] = [
+pub(super) const DATA_FILES: [&str; 8] = [
     RUNS,
     "points.parquet",
     "time_to_rest.parquet",
     "cycles.parquet",
     "equilibria.parquet",
     "equilibrium_histogram.parquet",
+    STAGES,
     STUDY,
 ];
+
+/// The table that only a study whose runs have stages has.
+pub(super) const STAGES: &str = "stages.parquet";
 
 /// The name of the study file in an output directory.
 pub(super) const STUDY: &str = "study.yaml";
@@ -98,7 +105,9 @@ impl Results {
         let study_file = directory.join(STUDY);
         write_once(&study_file, study.resolved_yaml().as_bytes())
             .map_err(|cause| ResultsError::Unusable { path: study_file, cause })?;
+        let stages = || create(directory, study, "stages", stage_columns(study));
         Ok(Results {
+            stages: study.has_stages().then(stages).transpose()?,
             runs: create(directory, study, "runs", run_columns(study))?,
             points: create(directory, study, "points", point_columns(study))?,
             rest: create(directory, study, "time_to_rest", rest_columns(study))?,
@@ -136,6 +145,9 @@ impl Results {
         if let Some(equilibrium) = EquilibriumRow::of(&record) {
             self.equilibria.push(equilibrium)?;
         }
+        if let Some(stages) = &mut self.stages {
+            StageRow::of(&record).try_for_each(|stage| stages.push(stage))?;
+        }
         Ok(self.runs.push(record)?)
     }
 
@@ -165,6 +177,7 @@ impl Results {
         study: &Study,
         circumstances: Circumstances,
     ) -> Result<Manifest, ResultsError> {
+        let stages = self.stages.map(TableWriter::finish).transpose()?;
         let tables = [
             self.runs.finish()?,
             self.points.finish()?,
@@ -173,7 +186,8 @@ impl Results {
             self.equilibria.finish()?,
             self.histogram.finish()?,
         ];
-        let mut files: BTreeMap<String, FileEntry> = tables.into_iter().flatten().collect();
+        let mut files: BTreeMap<String, FileEntry> =
+            tables.into_iter().chain(stages).flatten().collect();
         let directory = self.directory;
         let unusable = |cause| ResultsError::Unusable { path: directory.clone(), cause };
         let study_file = FileEntry::of(&directory.join(STUDY), None).map_err(unusable)?;

@@ -133,8 +133,16 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         list.small_count("balls_running", |row| row.outcome.balls_running)
             .meaning("balls that circulate in the ring");
     }
-    list.number("time_to_rest_s", "s", |row| row.outcome.time_to_rest_s)
-        .meaning("time at which the last ball, or the block, stopped for good; null if it did not");
+    list.number("time_to_rest_s", "s", |row| row.outcome.time_to_rest_s).meaning(
+        if study.has_stages() {
+            "time from the begin of the last stage until the last ball stopped for good; null if it did not"
+        } else {
+            "time at which the last ball, or the block, stopped for good; null if it did not"
+        },
+    );
+    if study.has_stages() {
+        add_stages(&mut list);
+    }
     list.number("end_time_s", "s", |row| row.outcome.end_time_s)
         .meaning("simulated time at which the run was stopped");
     list.boolean("extended", |row| row.outcome.extended)
@@ -212,6 +220,18 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         "evidence for that label, or the kind of failure; null if the run was not audited",
     );
     list.finish()
+}
+
+/// Adds the columns of runs with stages.
+fn add_stages(list: &mut Columns<RunRecord>) {
+    list.number("rest_since_s", "s", |row| row.outcome.rest_since_s)
+        .meaning("time from the start of the run until the last ball stopped for good");
+    list.number("last_stage_begin_s", "s", |row| Some(row.outcome.stages.last()?.time_s[0]))
+        .meaning("begin of the last stage that the run reached");
+    list.number("peak_amplitude_m", "m", |row| Some(row.outcome.peak?.amplitude_m))
+        .meaning("largest displacement of the table in the run");
+    list.number("peak_time_s", "s", |row| Some(row.outcome.peak?.time_s))
+        .meaning("time of that, since the start of the run");
 }
 
 /// Adds the columns of balls with contact.

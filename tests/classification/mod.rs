@@ -20,4 +20,5 @@ pub mod reference;
 mod reference_in_contact;
 mod settled;
 pub mod simulate_all;
+mod stages;
 mod step_limit;

@@ -20,7 +20,11 @@ use stickslip::motion::{Failure, Motion, Phase};
 use super::samples::{Sampler, settings};
 use crate::support::{for_each_kernel, reference, state_of};
 
-fn energy<const N: usize>(machine: &Machine, balancer: &Balancer<N>, state: &State<N>) -> f64 {
+pub(super) fn energy<const N: usize>(
+    machine: &Machine,
+    balancer: &Balancer<N>,
+    state: &State<N>,
+) -> f64 {
     let omega = balancer.speed;
     let ([x, y], [x_dot, y_dot]) = (state.position, state.velocity);
     let total = machine.total_mass_kg();

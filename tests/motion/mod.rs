@@ -1,5 +1,6 @@
 //! Integration of smooth phases, switches, and symmetries of motions.
 
+mod changing_speed;
 mod conservation;
 mod contact;
 mod contact_energy;

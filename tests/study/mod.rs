@@ -24,6 +24,7 @@ mod resolved;
 mod schema_agrees;
 mod shipped;
 mod stability;
+mod stages;
 mod table_places;
 mod templates;
 mod units;

@@ -158,6 +158,51 @@ impl Saved {
         })
     }
 
+    /// Continues the run with another system from a state, in which a blow has lifted balls off their support.
+    ///
+    /// # Errors
+    /// [`Failure`] if the motion cannot be continued from the state.
+    pub(crate) fn enters(
+        &self,
+        system: &Arc<dyn System>,
+        state: &[f64],
+        lifted: u32,
+    ) -> Result<Self, Failure> {
+        let started = Saved::start(system, self.lane.settings, state)?;
+        let before = &self.lane;
+        let mut lane = Lane {
+            last_switches: before.last_switches.clone(),
+            switches: before.switches,
+            impacts: before.impacts,
+            lifted: before.lifted + u64::from(lifted),
+            touching_time: before.touching_time,
+            last_touch: before.last_touch,
+            ..started.lane
+        };
+        for (contact, last) in lane.last_switches.iter_mut().enumerate() {
+            if lane.phases[contact] != before.phases[contact] {
+                *last = self.time;
+            }
+        }
+        if any_closed(&before.phases) {
+            lane.touching_time += self.time - before.last_touch;
+        }
+        lane.last_touch = self.time;
+        Ok(Saved {
+            lane,
+            time: self.time,
+            turns: self.turns.clone(),
+            slow_since: self.slow_since.clone(),
+            taken: self.taken,
+            ..started
+        })
+    }
+
+    /// Returns the state.
+    pub(crate) fn state(&self) -> &[f64] {
+        &self.state
+    }
+
     /// Returns the time.
     pub(crate) fn time(&self) -> f64 {
         self.time

@@ -18,6 +18,7 @@ pub(in crate::study) mod schema_parts;
 pub(in crate::study) mod schema_rules;
 pub(in crate::study) mod schema_units;
 pub(in crate::study) mod source_path;
+pub mod stages_file;
 pub mod study_file;
 pub(in crate::study) mod table_folders;
 pub(in crate::study) mod table_input;

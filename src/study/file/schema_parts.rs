@@ -10,10 +10,10 @@ use super::response_file::VariableFile;
 use super::table_folders::MAX_VALUES;
 use super::values::Range;
 use crate::model::{
-    Ball, BallContact, FRICTION_LAWS, FrictionLaw, MAX_BALLS, Machine, Model, ModelKind,
-    NormalForce, model_kinds,
+    Ball, BallContact, FRICTION_LAWS, FrictionLaw, Kick, MAX_BALLS, Machine, Model, ModelKind,
+    NormalForce, ProfilePart, Ramp, RampShape, SpeedProfile, model_kinds,
 };
-use crate::study::plan::parameter::Parameter;
+use crate::study::plan::parameter::{MOST_MEMBERS, Parameter};
 use crate::study::sampling::initial_box::{axes_in_words, axis_names, general_axes};
 
 /// The labels of runs that can be continued.
@@ -211,6 +211,20 @@ pub(in crate::study) fn extended_labels(_: &mut SchemaGenerator) -> Schema {
     })
 }
 
+/// A kick of a model that has all parameters.
+const KICK: Kick = Kick { at_s: 1.0, speed_m_s: 0.0, direction_rad: 0.0 };
+
+/// Returns a profile with as many ramps and plateaus as possible.
+fn longest_profile(speed_rad_s: f64) -> SpeedProfile {
+    let pair = |number: usize| {
+        let to_rad_s = (number < MOST_MEMBERS).then_some(speed_rad_s);
+        let ramp = Ramp { shape: RampShape::Linear, to_rad_s, over_s: 1.0 };
+        [ProfilePart::Ramp(ramp), ProfilePart::Hold(Some(1.0))]
+    };
+    let parts = (1..=MOST_MEMBERS).flat_map(pair).collect();
+    SpeedProfile { start_speed_rad_s: speed_rad_s, parts }
+}
+
 /// Returns one model of every kind and every friction law, with the largest number of balls or other bodies.
 fn all_models() -> Vec<Model> {
     let kinds = model_kinds().iter().map(|kind| {
@@ -218,6 +232,8 @@ fn all_models() -> Vec<Model> {
         if let Some(machine) = model.ball_balancer_mut() {
             machine.balls = vec![Ball::default(); MAX_BALLS];
             machine.contact = Some(BallContact::default());
+            machine.speed_profile = Some(longest_profile(machine.speed_rad_s));
+            machine.kicks = vec![KICK; MOST_MEMBERS];
         }
         for count in kind.parameters {
             if let Some(most) = count.largest_count() {

@@ -89,6 +89,16 @@ fn range_or_choices() -> Value {
     ] })
 }
 
+/// Returns the rules of a model without balls: it has none of their keys.
+fn without_balls() -> Value {
+    let foreign = ["normal_force", "contact", "speed_profile", "disturbances"];
+    foreign
+        .iter()
+        .map(|key| ((*key).to_owned(), json!(false)))
+        .collect::<Map<String, Value>>()
+        .into()
+}
+
 /// Returns the rules of the top-level keys for a kind of model; `parameters` are the keys of any model's parameters.
 fn of_kind(kind: &ModelKind, parameters: &Map<String, Value>) -> Value {
     let has_balls = kind.parameters.iter().any(ParameterDescriptor::is_of_each_ball);
@@ -123,7 +133,7 @@ fn of_kind(kind: &ModelKind, parameters: &Map<String, Value>) -> Value {
         let balls = json!({ "properties": { "from": number, "to": number } });
         variables.insert(BALLS.to_owned(), balls);
     } else {
-        merge(Some(&mut model), json!({ "normal_force": false, "contact": false }));
+        merge(Some(&mut model), without_balls());
     }
     json!({
         "model": { "properties": model },

@@ -13,6 +13,7 @@ use crate::study::file::optimize_file::OptimizeFile;
 use crate::study::file::parameters_file::{KindFile, ParametersFile};
 use crate::study::file::response_file::{ResponseFile, VariableFile};
 use crate::study::file::schema_parts as schema;
+use crate::study::file::stages_file::{DisturbanceFile, ProfilePartFile};
 use crate::study::file::values::{Count, Entry, Range, TableSource};
 
 /// A stickslip study: a model, the points of a sweep, and the sampling of start states.
@@ -77,6 +78,13 @@ pub struct ModelFile {
     /// Contact between balls, or `none` for balls that pass through each other; the default is `none`; only for a ball
     /// balancer.
     pub contact: Option<ContactFile>,
+    /// How the speed of the disc changes until it is `speed_rad_s`: ramps, plateaus and tables, one after another; by
+    /// default, the speed is constant; only for a ball balancer.
+    #[schemars(extend("minItems" = 1))]
+    pub speed_profile: Option<Vec<ProfilePartFile>>,
+    /// Kicks of the table; by default, none; only for a ball balancer.
+    #[schemars(extend("minItems" = 1))]
+    pub disturbances: Option<Vec<DisturbanceFile>>,
 }
 
 /// Derivations of the normal force.

@@ -6,7 +6,7 @@ use std::hash::{Hash, Hasher};
 
 use crate::model::{
     Ball, FRICTION_COEFFICIENT, Field, LawParameter, Lowest, Model, NormalForce,
-    ParameterDescriptor, SlidingSpeed, ball_parameter_name,
+    ParameterDescriptor, SlidingSpeed,
 };
 use crate::study::error::Fault;
 use crate::study::file::yaml_tree::describe_number;
@@ -51,6 +51,9 @@ pub struct VariedParameter {
     pub kind: ParameterKind,
 }
 
+/// The largest number of members of one kind: balls, ramps and plateaus of a speed profile, and kicks.
+pub(in crate::study) const MOST_MEMBERS: usize = 8;
+
 /// Where a parameter is defined.
 #[derive(Clone, Copy, Debug)]
 enum Definition {
@@ -60,14 +63,14 @@ enum Definition {
     Law(&'static LawParameter, SlidingSpeed),
 }
 
-/// A parameter of a model, of all its balls, or of one ball.
+/// A parameter of a model, of all its balls or other members, or of one of them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Parameter {
     definition: Definition,
     /// The place among the parameters of the model.
     order: usize,
-    /// The ball, counted from one, if this is the parameter of one ball.
-    ball: Option<usize>,
+    /// The member, counted from one, if this is the parameter of one ball, ramp, plateau or kick.
+    member: Option<usize>,
 }
 
 impl Parameter {
@@ -84,13 +87,16 @@ impl Parameter {
         };
         // A whole number is the same for all runs.
         let numbers = kind.parameters.iter().filter(|own| own.largest_count().is_none());
-        let touches = model.ball_balancer().is_some_and(|machine| machine.contact.is_some());
-        let numbers = numbers.filter(|own| touches || !own.is_of_contact());
+        let has = |parameter: &Parameter| !parameter.fields(&mut model.clone()).is_empty();
         let definitions = numbers.flat_map(with_law).enumerate();
         let parameters = definitions.flat_map(|(order, definition)| {
-            let general = Parameter { definition, order, ball: None };
-            let balls = if general.is_of_balls() { model.balls() } else { 0 };
-            std::iter::once(general).chain((1..=balls).map(move |ball| general.of_one_ball(ball)))
+            let general = Parameter { definition, order, member: None };
+            let members = if general.is_of_members() { MOST_MEMBERS } else { 0 };
+            let each = (1..=members).map(|member| general.of_one_member(member));
+            // The last ramp has no speed at its end: that is the speed of the machine.
+            let each: Vec<Parameter> = each.filter(has).collect();
+            let exists = !general.has_own_key() || has(&general);
+            exists.then_some(general).into_iter().chain(each)
         });
         parameters.collect()
     }
@@ -111,7 +117,10 @@ impl Parameter {
     /// Returns the name, as in the study file.
     pub fn name(self) -> String {
         let general = self.general_name();
-        self.ball.map_or_else(|| general.to_owned(), |ball| ball_parameter_name(general, ball))
+        match (self.definition, self.member) {
+            (Definition::Model(own), Some(member)) => own.name_of_member(member),
+            _ => general.to_owned(),
+        }
     }
 
     /// Returns the unit: `1` for dimensionless numbers, empty for words.
@@ -128,10 +137,13 @@ impl Parameter {
             Definition::Model(own) => own.meaning,
             Definition::Law(law, _) => law.meaning,
         };
-        match self.ball {
-            Some(ball) => format!("{meaning} of ball {ball}"),
-            None if self.is_general() => format!("{meaning} of every ball"),
-            None => meaning.to_owned(),
+        let (Definition::Model(own), member) = (self.definition, self.member) else {
+            return meaning.to_owned();
+        };
+        match (own.member(), member) {
+            (Some(word), Some(number)) => format!("{meaning} of {word} {number}"),
+            (Some(word), None) => format!("{meaning} of every {word}"),
+            (None, _) => meaning.to_owned(),
         }
     }
 
@@ -148,23 +160,40 @@ impl Parameter {
         matches!(self.definition, Definition::Law(..))
     }
 
-    fn is_of_balls(self) -> bool {
+    /// Returns whether each ball may have its own value.
+    pub fn is_of_balls(self) -> bool {
         matches!(self.definition, Definition::Model(own) if own.is_of_each_ball())
     }
 
-    /// Returns whether the parameter applies to all balls together.
+    fn is_of_members(self) -> bool {
+        matches!(self.definition, Definition::Model(own) if own.member().is_some())
+    }
+
+    /// Returns whether the parameter is one of the speed profile or of a kick.
+    pub fn is_of_stages(self) -> bool {
+        use Field::{Hold, Kick, Profile, Ramp};
+        let of_stages = |field| matches!(field, Profile(_) | Ramp(_) | Hold | Kick(_));
+        matches!(self.definition, Definition::Model(own) if of_stages(own.field))
+    }
+
+    /// Returns whether the value stands under a key of its own in a study file.
+    pub fn has_own_key(self) -> bool {
+        matches!(self.definition, Definition::Model(own) if own.has_own_key())
+    }
+
+    /// Returns whether the parameter applies to all balls, or to all other members, together.
     pub fn is_general(self) -> bool {
-        self.is_of_balls() && self.ball.is_none()
+        self.is_of_members() && self.member.is_none()
     }
 
-    /// Returns the parameter of all balls together, if this is the parameter of one ball.
+    /// Returns the parameter of all members together, if this is the parameter of one.
     pub fn general(self) -> Option<Parameter> {
-        self.ball.map(|_| Parameter { ball: None, ..self })
+        self.member.map(|_| Parameter { member: None, ..self })
     }
 
-    /// Returns the corresponding parameter of one ball.
-    pub fn of_one_ball(self, ball: usize) -> Parameter {
-        Parameter { ball: Some(ball), ..self }
+    /// Returns the corresponding parameter of one ball or other member.
+    pub fn of_one_member(self, member: usize) -> Parameter {
+        Parameter { member: Some(member), ..self }
     }
 
     /// Returns whether the model's friction law does not use the parameter.
@@ -200,7 +229,7 @@ impl Parameter {
     /// balls, none if the model does not have the parameter.
     fn fields(self, model: &mut Model) -> Vec<&mut f64> {
         match self.definition {
-            Definition::Model(own) => own.numbers(model, self.ball),
+            Definition::Model(own) => own.numbers(model, self.member),
             Definition::Law(law, _) => {
                 model.friction_mut().value_mut(law.name).into_iter().collect()
             }
@@ -231,7 +260,7 @@ impl Parameter {
     fn of_all_balls(self, ball: &mut Ball) -> Option<&mut f64> {
         match self.definition {
             Definition::Model(ParameterDescriptor { field: Field::Ball(field), .. })
-                if self.ball.is_none() =>
+                if self.member.is_none() =>
             {
                 Some(field(ball))
             }
@@ -265,14 +294,14 @@ impl Parameter {
 
     /// Returns the name that the validation reports.
     fn validated_name(self) -> String {
-        if self.is_general() { self.of_one_ball(1).name() } else { self.name() }
+        if self.is_general() { self.of_one_member(1).name() } else { self.name() }
     }
 }
 
 /// Parameters are ordered as in the documentation, and those of single balls after that of all balls.
 impl Parameter {
     fn key(&self) -> (usize, &'static str, Option<usize>) {
-        (self.order, self.general_name(), self.ball)
+        (self.order, self.general_name(), self.member)
     }
 }
 

@@ -1,7 +1,6 @@
 //! The parameters of a study's model, with the origin of each value: the file, a default, the sweep, a distribution
 //! or a design.
 
-use crate::model::ball_parameter_name;
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::plan::planned_study::Study;
 use crate::study::plan::sweep::Block;
@@ -87,6 +86,9 @@ impl Study {
             return false;
         }
         match parameter.general() {
+            // Each ramp, plateau and kick has its own values.
+            Some(general) if !general.is_of_balls() => true,
+            None if parameter.is_general() && !parameter.is_of_balls() => self.varies(parameter),
             Some(_) => self.base.has_own_value(parameter) || self.varies(parameter),
             None => !self.base.has_only_own_values(parameter) || self.varies(parameter),
         }
@@ -110,8 +112,8 @@ impl Study {
             Some(general) => self.base.has_own_value(parameter) || self.gives(&general.name()),
             None => self.gives(&name),
         };
-        // The parameters of a law have no defaults.
-        let is_given = is_given || parameter.is_of_law();
+        // The parameters of a law, a speed profile and a kick have no defaults.
+        let is_given = is_given || parameter.is_of_law() || parameter.is_of_stages();
         ListedParameter {
             unit: parameter.unit(),
             value,
@@ -211,7 +213,8 @@ impl Study {
     /// Returns the key that sets a parameter at a point, such as `sweep[0].grid.speed_rad_s`. `ball`, from 1, selects
     /// a ball for a parameter of balls. The key is that of `model.parameters` if nothing sets the parameter.
     pub fn key_of(&self, general: &str, ball: Option<usize>, point_id: u64) -> String {
-        let of_ball = ball.map(|ball| ball_parameter_name(general, ball));
+        let of_all = Parameter::find(general, &self.base.model);
+        let of_ball = ball.and_then(|ball| Some(of_all?.of_one_member(ball).name()));
         let names: Vec<&str> = of_ball.as_deref().into_iter().chain([general]).collect();
         let block = self.block_of(point_id);
         let columns = self.blocks.get(block).map_or(&[][..], |block| &block.columns);

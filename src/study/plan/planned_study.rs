@@ -140,6 +140,12 @@ impl Study {
         &self.base.model
     }
 
+    /// Returns whether the runs have stages: the disc changes its speed, or the table is kicked.
+    pub fn has_stages(&self) -> bool {
+        let machine = self.base.model.ball_balancer();
+        machine.is_some_and(|machine| machine.speed_profile.is_some() || !machine.kicks.is_empty())
+    }
+
     /// Returns the settings of the simulation.
     pub fn simulation(&self) -> &Simulation {
         &self.simulation
@@ -265,10 +271,12 @@ impl Study {
             }
         };
         let drawn = || block.design.coordinates(id);
+        let end_time_s = model.end_time_s().unwrap_or(self.simulation.end_time_s);
+        let simulation = Simulation { end_time_s, ..self.simulation };
         let sound = model.validate().and(start.clone().map(|_| ()));
+        let sound = sound.and_then(|()| model.validate_kicks(end_time_s));
         let start = Start(start.unwrap_or_else(|_| drawn()));
-        let case =
-            sound.map(|()| Case { model, start: start.clone(), simulation: self.simulation });
+        let case = sound.map(|()| Case { model, start: start.clone(), simulation });
         PlannedRun {
             run_id,
             point_id: point.point_id,

@@ -12,6 +12,7 @@ pub(in crate::study) mod responses;
 pub(in crate::study) mod runs;
 pub(in crate::study) mod sampling;
 pub(in crate::study) mod simulation;
+pub(in crate::study) mod stages;
 pub(in crate::study) mod sweep;
 pub(in crate::study) mod uncertain;
 pub(in crate::study) mod variables;

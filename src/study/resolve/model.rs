@@ -6,10 +6,14 @@ use crate::study::file::balls::{BallFile, Balls};
 use crate::study::file::parameters_file::{BALLS, KindFile, ParametersFile, parameter_keys};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::{ModelFile, NormalForceKind};
+use crate::study::file::table_folders::TableFolders;
 use crate::study::file::yaml_tree::{Content, Source, describe_number};
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::resolve::contact::{check_contact, contact_to_file, resolve_contact};
 use crate::study::resolve::friction::{check_friction, friction_to_file, resolve_friction};
+use crate::study::resolve::stages::{
+    check_stages, kicks_to_file, profile_to_file, resolve_kicks, resolve_profile,
+};
 
 /// The model before any parameter is swept or drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +24,8 @@ pub(crate) struct Base {
     pub general: Ball,
     /// The own values of each ball.
     own: Vec<BallFile>,
+    /// The kicks whose direction is drawn, counted from 1.
+    pub random_kicks: Vec<usize>,
 }
 
 impl Base {
@@ -28,7 +34,11 @@ impl Base {
     /// # Errors
     /// Returns an error for the first parameter that the model does not have or that is physically
     /// impossible.
-    pub fn resolve(source: &Source, written: &ModelFile) -> Result<Base, StudyError> {
+    pub fn resolve(
+        source: &Source,
+        folders: &TableFolders,
+        written: &ModelFile,
+    ) -> Result<Base, StudyError> {
         let path = source.path("model.parameters");
         let given = written.parameters.clone().unwrap_or_default();
         let kind = written.kind.0;
@@ -49,7 +59,7 @@ impl Base {
             parameter.check(*value, &model).map_err(|fault| path.key(name).refuse_value(fault))?;
             parameter.set(&mut model, ParameterValue::Number(*value));
         }
-        let (mut general, mut own) = (Ball::default(), Vec::new());
+        let (mut general, mut own, mut random_kicks) = (Ball::default(), Vec::new(), Vec::new());
         if let Some(machine) = model.ball_balancer_mut() {
             machine.normal_force = match written.normal_force {
                 None | Some(NormalForceKind::Lagrange) => NormalForce::Lagrange,
@@ -59,11 +69,27 @@ impl Base {
             general = machine.balls.first().copied().unwrap_or_default();
             own = own_values(&path.key("balls"), given.balls.as_ref())?;
             machine.balls = own.iter().map(|ball| overlay(general, ball)).collect();
+            if let Some(parts) = &written.speed_profile {
+                let is_given = given.numbers.contains_key("speed_rad_s");
+                let path = source.path("model.speed_profile");
+                let speed = (machine.speed_rad_s, is_given);
+                let (profile, last) = resolve_profile(folders, &path, parts, speed)?;
+                machine.speed_profile = Some(profile);
+                machine.speed_rad_s = last;
+            }
+            let disturbances = written.disturbances.as_deref().unwrap_or_default();
+            let kicks = resolve_kicks(&source.path("model.disturbances"), disturbances)?;
+            let random = (1..).zip(&kicks).filter(|(_, (_, is_random))| *is_random);
+            random_kicks = random.map(|(number, _)| number).collect();
+            machine.kicks = kicks.into_iter().map(|(kick, _)| kick).collect();
+            check_stages(source, machine)?;
         } else {
             let foreign = [
                 (path.key("balls"), given.balls.is_some()),
                 (source.path("model.normal_force"), written.normal_force.is_some()),
                 (source.path("model.contact"), written.contact.is_some()),
+                (source.path("model.speed_profile"), written.speed_profile.is_some()),
+                (source.path("model.disturbances"), written.disturbances.is_some()),
             ];
             if let Some((path, _)) = foreign.into_iter().find(|(_, given)| *given) {
                 let allowed = "kind: ball_balancer, or no such key";
@@ -74,7 +100,7 @@ impl Base {
         }
         check_friction(source, &model)?;
         check_contact(source, &model)?;
-        Ok(Base { model, general, own })
+        Ok(Base { model, general, own, random_kicks })
     }
 
     /// Checks whether a parameter may vary. A value of all balls may not vary if one ball has its
@@ -93,7 +119,7 @@ impl Base {
             let problem = format!("{} friction does not use it", law.name());
             return Err(Fault::new(problem, parameter.name(), allowed));
         }
-        if !parameter.is_general() {
+        if !(parameter.is_general() && parameter.is_of_balls()) {
             return Ok(());
         }
         let name = parameter.name();
@@ -102,7 +128,7 @@ impl Base {
             None => Ok(()),
             Some(index) => {
                 let found = format!("{name}, while ball {} has its own value", index + 1);
-                let one = |ball| parameter.of_one_ball(ball).name();
+                let one = |ball| parameter.of_one_member(ball).name();
                 let allowed: Vec<String> = (1..=self.own.len()).map(one).collect();
                 let problem = "a ball has its own value";
                 Err(Fault::new(problem, found, allowed.join(", ")))
@@ -117,17 +143,21 @@ impl Base {
 
     /// Returns whether the study gives a ball its own value of this parameter of one ball.
     pub fn has_own_value(&self, parameter: Parameter) -> bool {
-        let Some(general) = parameter.general() else { return false };
+        let Some(general) = parameter.general().filter(|one| one.is_of_balls()) else {
+            return false;
+        };
         let mut own = (1..).zip(&self.own);
         own.any(|(number, ball)| {
-            general.of_one_ball(number) == parameter && own_value(ball, &general.name()).is_some()
+            general.of_one_member(number) == parameter && own_value(ball, &general.name()).is_some()
         })
     }
 
     /// Returns whether every ball has its own value of this parameter of all balls, which is then not used.
     pub fn has_only_own_values(&self, general: Parameter) -> bool {
         let name = general.name();
-        general.is_general() && self.own.iter().all(|ball| own_value(ball, &name).is_some())
+        general.is_general()
+            && general.is_of_balls()
+            && self.own.iter().all(|ball| own_value(ball, &name).is_some())
     }
 
     /// Returns the whole numbers of the model, such as a number of bodies, with their names.
@@ -145,7 +175,7 @@ impl Base {
     pub fn to_file(&self) -> ModelFile {
         let kind = self.model.kind();
         let mut parameters = ParametersFile::default();
-        let numbers = kind.parameters.iter().filter(|one| one.is_number() && !one.is_of_contact());
+        let numbers = kind.parameters.iter().filter(|one| one.is_number() && !one.has_own_key());
         for parameter in numbers {
             let own = Parameter::find(parameter.name, &self.model);
             let own = own.map(|own| own.get(&self.model, &self.general));
@@ -169,6 +199,12 @@ impl Base {
             friction: Some(friction_to_file(self.model.friction(), kind.sliding_speed)),
             normal_force,
             contact: machine.map(|machine| contact_to_file(machine.contact)),
+            speed_profile: machine
+                .and_then(|machine| machine.speed_profile.as_ref())
+                .map(profile_to_file),
+            disturbances: machine
+                .map(|machine| kicks_to_file(&machine.kicks, &self.random_kicks))
+                .filter(|kicks| !kicks.is_empty()),
         }
     }
 }
@@ -196,7 +232,7 @@ fn set_count(
 
 /// Returns the names of the parameters that a study file may give for this kind of model.
 fn parameter_names(kind: &ModelKind) -> Vec<&'static str> {
-    let numbers = kind.parameters.iter().filter(|one| one.is_number() && !one.is_of_contact());
+    let numbers = kind.parameters.iter().filter(|one| one.is_number() && !one.has_own_key());
     let mut names: Vec<&str> = numbers.map(|parameter| parameter.name).collect();
     let has_balls = kind.parameters.iter().any(ParameterDescriptor::is_of_each_ball);
     names.extend(has_balls.then_some(BALLS));

@@ -13,11 +13,12 @@ const WIDEST_BAND: f64 = 1.0e-2;
 /// Validates the simulation settings and fills in the defaults.
 ///
 /// # Errors
-/// Returns an error if a band, tolerance or end time is not positive, if the band is too wide, or
-/// if the extension is invalid.
+/// Returns an error if a band, tolerance or end time is not positive, if the band is too wide, if the end time is not
+/// that of the speed profile, which is `ends_s` if the profile has an end, or if the extension is invalid.
 pub(crate) fn resolve_simulation(
     source: &Source,
     written: Option<&SimulationFile>,
+    ends_s: Option<f64>,
 ) -> Result<Simulation, StudyError> {
     let default = Simulation::default();
     let given = written.cloned().unwrap_or_default();
@@ -37,7 +38,17 @@ pub(crate) fn resolve_simulation(
         let fault = Fault::new("too wide", describe_number(band), allowed);
         return Err(source.path("simulation.band").refuse_value(fault));
     }
-    let end_time_s = positive("simulation.end_time_s", given.end_time_s, default.end_time_s)?;
+    let default_end_s = ends_s.unwrap_or(default.end_time_s);
+    let end_time_s = positive("simulation.end_time_s", given.end_time_s, default_end_s)?;
+    if end_time_s != default_end_s && ends_s.is_some() {
+        let allowed = format!(
+            "{}, no such key, or no `hold_s` at the end of the speed profile",
+            describe_number(default_end_s)
+        );
+        let fault =
+            Fault::new("not the end of the speed profile", describe_number(end_time_s), allowed);
+        return Err(source.path("simulation.end_time_s").refuse_value(fault));
+    }
     let extend = given.extend.as_ref();
     let extend = extend.map(|written| resolve_extend(source, written, end_time_s)).transpose()?;
     Ok(Simulation {

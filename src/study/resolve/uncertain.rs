@@ -1,5 +1,7 @@
 //! Resolution of uncertain parameters.
 
+use std::f64::consts::TAU;
+
 use indexmap::IndexMap;
 
 use crate::study::error::{Fault, StudyError};
@@ -67,8 +69,33 @@ pub(crate) fn resolve_uncertain(
         let key = DrawKey::new(seed, "uncertain", name);
         all.push(Uncertain { parameter, distribution, factor, key });
     }
+    all.extend(random_directions(base, swept, &all, seed));
     all.sort_by_key(|uncertain| uncertain.parameter);
     Ok(all)
+}
+
+/// Returns the directions of kicks that the study calls random, unless it sweeps or draws them.
+fn random_directions(
+    base: &Base,
+    swept: &[Parameter],
+    drawn: &[Uncertain],
+    seed: u64,
+) -> Vec<Uncertain> {
+    let all_directions = Distribution::Uniform { min: 0.0, max: TAU };
+    let direction = Parameter::find("kick_direction_rad", &base.model);
+    let directions =
+        base.random_kicks.iter().filter_map(|kick| Some(direction?.of_one_member(*kick)));
+    let varied: Vec<Parameter> =
+        swept.iter().copied().chain(drawn.iter().map(|one| one.parameter)).collect();
+    let is_free =
+        |own: &Parameter| !varied.iter().any(|other| other == own || own.general() == Some(*other));
+    let uncertain = |parameter: Parameter| Uncertain {
+        parameter,
+        distribution: all_directions.clone(),
+        factor: false,
+        key: DrawKey::new(seed, "uncertain", &parameter.name()),
+    };
+    directions.filter(is_free).map(uncertain).collect()
 }
 
 fn find_uncertain(

@@ -159,8 +159,8 @@ impl Setting<'_> {
             return Err(Fault::new("not a number", name, "a numeric parameter"));
         }
         self.study.base.check_varied(parameter)?;
-        let exists = |ball| parameter == parameter.of_one_ball(ball);
-        if (self.min_balls + 1..=MAX_BALLS).any(exists) {
+        let exists = |ball| parameter == parameter.of_one_member(ball);
+        if parameter.is_of_balls() && (self.min_balls + 1..=MAX_BALLS).any(exists) {
             let allowed = format!("a ball that every design has, 1 to {}", self.min_balls);
             return Err(Fault::new("some designs do not have this ball", name, allowed));
         }

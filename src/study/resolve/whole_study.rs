@@ -35,6 +35,7 @@ use crate::study::resolve::responses::resolve_responses;
 use crate::study::resolve::runs::number_runs;
 use crate::study::resolve::sampling::{ResolvedDesign, resolve_design};
 use crate::study::resolve::simulation::{resolve_simulation, simulation_to_file};
+use crate::study::resolve::stages::check_kicks;
 use crate::study::resolve::sweep::{ResolvedBlock, resolve_block};
 use crate::study::resolve::uncertain::resolve_uncertain;
 use crate::study::resolve::variables::resolve_variables;
@@ -113,8 +114,10 @@ fn resolve(
     folders: &TableFolders,
 ) -> Result<Study, StudyError> {
     check_study_name(&written.name).map_err(|fault| source.path("name").refuse_value(fault))?;
-    let base = Base::resolve(source, &written.model)?;
-    let simulation = resolve_simulation(source, written.simulation.as_ref())?;
+    let base = Base::resolve(source, folders, &written.model)?;
+    let ends_s = base.model.end_time_s();
+    let simulation = resolve_simulation(source, written.simulation.as_ref(), ends_s)?;
+    check_kicks(source, &base.model, &simulation)?;
     let audit = Audit::resolve(source, written.audit.as_ref())?;
     let precision = Precision::resolve(source, written.precision.as_ref())?;
     let conditions = source.path("initial_conditions");

@@ -1,0 +1,142 @@
+//! The stages of a run: the present one, and what has happened in those before.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::lane_step::LaneStep;
+use super::peak::Peak;
+use crate::model::{Stage, Units};
+use crate::motion::all_stick;
+
+/// What happened in a stage of a run, in SI units.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct StageOutcome {
+    /// Begin and end of the stage, s.
+    pub time_s: [f64; 2],
+    /// The speed of the disc at the begin and at the end, rad/s.
+    pub speed_rad_s: [f64; 2],
+    /// Whether the table is kicked at the begin.
+    pub is_kicked: bool,
+    /// The number of balls that the kick lifts off the ring, which the model does not follow.
+    pub lifted_off: u32,
+    /// Angle of each ball at the end, rad, in [0, 2π).
+    pub position: Vec<f64>,
+    /// Speed of each ball relative to the ring at the end, rad/s.
+    pub ball_speed_rad_s: Vec<f64>,
+    /// Whether the balls rest for good at the speed of the stage; `None` while the speed changes.
+    pub is_at_rest: Option<bool>,
+    /// The distance of the ring's centre from its place at rest at the end, m.
+    pub amplitude_m: f64,
+    /// The largest such distance in the stage, m, and when it occurs, s.
+    pub peak: PeakAmplitude,
+}
+
+/// The largest amplitude of the vibration.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+pub struct PeakAmplitude {
+    /// The amplitude, m.
+    pub amplitude_m: f64,
+    /// Its time since the start of the run, s.
+    pub time_s: f64,
+}
+
+/// The stages of a run.
+#[derive(Clone, Debug)]
+pub(super) struct Stages {
+    all: Arc<[Stage]>,
+    present: usize,
+    /// The largest amplitude in the present stage, and in those before.
+    peak: Peak,
+    peak_before: Peak,
+    lifted: u32,
+    ended: Vec<StageOutcome>,
+}
+
+impl Stages {
+    /// Returns the stages of a run at its start.
+    pub(super) fn new(all: Vec<Stage>, lifted: u32) -> Self {
+        let [peak, peak_before] = [Peak::default(); 2];
+        Stages { all: all.into(), present: 0, peak, peak_before, lifted, ended: Vec::new() }
+    }
+
+    /// Returns the present stage.
+    pub(super) fn present(&self) -> &Stage {
+        &self.all[self.present]
+    }
+
+    /// Returns whether the present stage is the last.
+    pub(super) fn is_last(&self) -> bool {
+        self.present + 1 == self.all.len()
+    }
+
+    /// Returns whether the run has stages whose amplitudes count.
+    pub(super) fn counts(&self) -> bool {
+        self.all.len() > 1
+    }
+
+    /// Takes in the latest step.
+    pub(super) fn take_in(&mut self, step: &LaneStep) {
+        if self.counts() {
+            self.peak.take_in(step);
+        }
+    }
+
+    /// Goes on to the next stage, after what happened in the present one. `lifted` is the number of balls that the kick at
+    /// the begin of the next one lifts off.
+    pub(super) fn next(&mut self, ended: StageOutcome, lifted: u32) {
+        self.ended.push(ended);
+        self.peak_before = self.peak_before.or(self.peak);
+        self.peak = Peak::default();
+        self.lifted = lifted;
+        self.present += 1;
+    }
+
+    /// Returns the next stage.
+    pub(super) fn upcoming(&self) -> Option<&Stage> {
+        self.all.get(self.present + 1)
+    }
+
+    /// Returns the largest amplitude so far; `None` for a run with one stage.
+    pub(super) fn peak(&self, units: &Units) -> Option<PeakAmplitude> {
+        self.counts().then(|| in_si(self.peak_before.or(self.peak), units))
+    }
+
+    /// Returns what has happened in all stages until the latest step, the present one included; nothing for a run with one
+    /// stage.
+    pub(super) fn outcomes(&self, step: &LaneStep, units: &Units) -> Vec<StageOutcome> {
+        let mut all = self.ended.clone();
+        all.extend(self.counts().then(|| self.outcome(step, units)));
+        all
+    }
+
+    /// Returns what has happened in the present stage until the latest step.
+    pub(super) fn outcome(&self, step: &LaneStep, units: &Units) -> StageOutcome {
+        let stage = self.present();
+        let LaneStep { group, lane, view } = *step;
+        let state = group.state(lane);
+        let phases = group.phases(lane);
+        let speed_unit = units.position * units.natural_rad_s;
+        let speeds = (0..view.contacts.len()).map(|ball| view.speed(phases, &state, ball));
+        let rests = || {
+            let forms = view.system().rest_forms();
+            all_stick(phases) && forms.is_some_and(|forms| forms.rests(&state))
+        };
+        StageOutcome {
+            time_s: [stage.begins_s, step.time() / units.natural_rad_s],
+            speed_rad_s: stage.speeds_rad_s.unwrap_or_default(),
+            is_kicked: stage.is_kicked,
+            lifted_off: self.lifted,
+            position: view.wrapped(&state).iter().map(|one| one * units.position).collect(),
+            ball_speed_rad_s: speeds.map(|speed| speed * speed_unit).collect(),
+            is_at_rest: (!stage.is_driven()).then(rests),
+            amplitude_m: view.square(&state).sqrt() * units.length_m,
+            peak: in_si(self.peak, units),
+        }
+    }
+}
+
+fn in_si(peak: Peak, units: &Units) -> PeakAmplitude {
+    let [amplitude, time] = peak.amplitude_and_time();
+    PeakAmplitude { amplitude_m: amplitude * units.length_m, time_s: time / units.natural_rad_s }
+}

@@ -1,0 +1,156 @@
+//! A balancer whose disc turns with a speed that is a polynomial of time, as one part of a speed profile prescribes it.
+//!
+//! The time since the begin of the part is the last component of the state.
+
+use std::any::{Any, TypeId};
+use std::sync::Arc;
+
+use super::{
+    Balancer, BallsInContact, ContactMode, Expression, Friction, Machine, Number, Recorder,
+    Structure, System, SystemEquations, Touching,
+};
+
+/// The number of coefficients of the speed: those of a cubic polynomial.
+pub const SPEED_TERMS: usize = 4;
+
+/// Speed and acceleration of the disc in recorded equations.
+#[derive(Clone, Copy)]
+pub(super) struct Turning<'r> {
+    pub(super) speed: Expression<'r>,
+    pub(super) acceleration: Expression<'r>,
+}
+
+/// A system whose disc may turn with a speed that changes.
+pub(super) trait Turns: System + Clone {
+    /// Records the equations at constant speed, or with what `turning` returns. `turning` is called when the components of
+    /// the state are recorded, and may record another one.
+    fn record_turning<'r>(
+        &self,
+        recorder: &'r Recorder,
+        turning: impl FnOnce() -> Option<Turning<'r>>,
+    ) -> SystemEquations<'r>;
+
+    /// Returns the values of the inputs without those that `turning` records.
+    fn inputs_turning(&self, modes: &[ContactMode], turning: bool) -> Vec<f64>;
+}
+
+/// A balancer whose disc turns with a speed that changes.
+#[derive(Clone, Debug)]
+struct Driven<B> {
+    /// The balancer at the largest speed of the part, for bounds.
+    fastest: B,
+    /// The coefficients of the speed over `ω_n`, as a polynomial of the time since the begin of the part.
+    speed: [f64; SPEED_TERMS],
+}
+
+impl Machine {
+    /// Returns the system of this machine, at the largest speed, while its disc turns with this speed over `ω_n`; `None` for
+    /// an unsupported number of balls. The balls with contact have the order of these angles.
+    pub(super) fn driven(
+        &self,
+        angles: &[f64],
+        speed: [f64; SPEED_TERMS],
+    ) -> Option<Arc<dyn System>> {
+        fn of<const N: usize>(
+            machine: &Machine,
+            angles: &[f64],
+            speed: [f64; SPEED_TERMS],
+        ) -> Option<Arc<dyn System>> {
+            Some(match &machine.contact {
+                None => Arc::new(Driven { fastest: Balancer::<N>::new(machine)?, speed }),
+                Some(contact) => {
+                    let fastest = BallsInContact::<N>::new(machine, contact, angles)?;
+                    Arc::new(Driven { fastest, speed })
+                }
+            })
+        }
+        match self.balls.len() {
+            1 => of::<1>(self, angles, speed),
+            2 => of::<2>(self, angles, speed),
+            3 => of::<3>(self, angles, speed),
+            4 => of::<4>(self, angles, speed),
+            5 => of::<5>(self, angles, speed),
+            6 => of::<6>(self, angles, speed),
+            7 => of::<7>(self, angles, speed),
+            8 => of::<8>(self, angles, speed),
+            _ => None,
+        }
+    }
+}
+
+/// Returns the value of a polynomial and of its derivative.
+fn polynomial<T: Number>(coefficients: &[T], at: T) -> [T; 2] {
+    let zero = T::constant(0.0);
+    coefficients.iter().rev().fold([zero; 2], |[value, slope], coefficient| {
+        [value * at + *coefficient, slope * at + value]
+    })
+}
+
+impl<B: Turns> System for Driven<B> {
+    fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
+        let turning = || {
+            let time = recorder.state();
+            let terms = self.speed.map(|_| recorder.input("speed_term"));
+            let [speed, acceleration] = polynomial(&terms, time);
+            Some(Turning { speed, acceleration })
+        };
+        let mut equations = self.fastest.record_turning(recorder, turning);
+        equations.derivative.push(Expression::constant(1.0));
+        equations
+    }
+
+    fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
+        let mut inputs = self.speed.to_vec();
+        inputs.extend(self.fastest.inputs_turning(modes, true));
+        inputs
+    }
+
+    fn structure(&self) -> Option<Structure> {
+        let (_, laws, order) = self.fastest.structure()?;
+        Some((TypeId::of::<Self>(), laws, order))
+    }
+
+    fn contacts(&self) -> usize {
+        self.fastest.contacts()
+    }
+
+    fn friction(&self, contact: usize) -> &Friction {
+        self.fastest.friction(contact)
+    }
+
+    fn longest_step(&self) -> f64 {
+        self.fastest.longest_step()
+    }
+
+    fn pace(&self) -> f64 {
+        self.fastest.pace()
+    }
+
+    fn fewest_steps(&self) -> f64 {
+        self.fastest.fewest_steps()
+    }
+
+    fn surely_one_solution(&self) -> bool {
+        self.fastest.surely_one_solution()
+    }
+
+    fn one_solution_at(&self, state: &[f64]) -> bool {
+        state.split_last().is_some_and(|(_, state)| self.fastest.one_solution_at(state))
+    }
+
+    fn force_scale(&self) -> f64 {
+        self.fastest.force_scale()
+    }
+
+    fn jump_of_balls(&self, state: &mut [f64], jump: [f64; 2]) -> u32 {
+        self.fastest.jump_of_balls(state, jump)
+    }
+
+    fn touching(&self) -> Option<&dyn Touching> {
+        self.fastest.touching()
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}

@@ -1,0 +1,177 @@
+//! The stages of a run: between two knots of the speed profile or two kicks, the motion is that of one system.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use super::invalid_parameter::{InvalidParameter, invalid};
+use super::kind::member_name;
+use super::{Components, Machine, Model, SPEED_TERMS, SpeedSegment, Start, System};
+
+/// A stage of a run.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// Its begin, s.
+    pub begins_s: f64,
+    /// Its end, s; that of the run for the last stage.
+    pub ends_s: f64,
+    /// The speed of the disc at its begin and at its end, rad/s; `None` for a model without a disc.
+    pub speeds_rad_s: Option<[f64; 2]>,
+    /// Whether the table is kicked at its begin.
+    pub is_kicked: bool,
+    /// The system in this stage.
+    pub system: Arc<dyn System>,
+    /// The non-dimensional time since the begin of the segment of the profile, which is the last component of the state
+    /// if the speed changes.
+    time: Option<f64>,
+    /// The jump of the table's velocity at its begin, non-dimensional, in the turning frame.
+    jump: [f64; 2],
+}
+
+impl Stage {
+    /// Returns the state at the begin of the stage from that at the end of the stage `before`, or from a start state, and the
+    /// number of balls that a kick lifts off the ring.
+    pub fn entered(&self, before: Option<&Stage>, state: &[f64]) -> (Components, u32) {
+        let mut state = Components::from(state);
+        if before.is_some_and(Stage::is_driven) {
+            state.pop();
+        }
+        let lifted =
+            if self.is_kicked { self.system.jump_of_balls(&mut state, self.jump) } else { 0 };
+        state.extend(self.time);
+        (state, lifted)
+    }
+
+    /// Returns whether the speed of the disc changes.
+    pub fn is_driven(&self) -> bool {
+        self.time.is_some()
+    }
+}
+
+impl Model {
+    /// Returns the stages of a run that ends at a time; `None` for an unsupported number of balls. The speed is constant in
+    /// the last stage.
+    pub fn stages(&self, start: &Start, end_time_s: f64) -> Option<Vec<Stage>> {
+        let machine = match self.ball_balancer() {
+            Some(machine) if machine.speed_profile.is_some() || !machine.kicks.is_empty() => {
+                machine
+            }
+            _ => {
+                let system = self.system_for(start)?;
+                let only = Stage {
+                    begins_s: 0.0,
+                    ends_s: end_time_s,
+                    speeds_rad_s: self.ball_balancer().map(|machine| [machine.speed_rad_s; 2]),
+                    is_kicked: false,
+                    system,
+                    time: None,
+                    jump: [0.0; 2],
+                };
+                return Some(vec![only]);
+            }
+        };
+        let segments = machine.speed_segments();
+        let knots = segments.iter().map(|segment| segment.begins_s);
+        let mut begins: Vec<f64> =
+            knots.chain(machine.kicks.iter().map(|kick| kick.at_s)).collect();
+        begins.retain(|begin| *begin < end_time_s);
+        begins.sort_by(f64::total_cmp);
+        begins.dedup();
+        let ends = begins.iter().copied().skip(1).chain([end_time_s]);
+        let angles = start.0.get(2..2 + machine.balls.len())?;
+        begins
+            .iter()
+            .zip(ends)
+            .map(|(begins_s, ends_s)| {
+                let segment = *segments.iter().rev().find(|one| one.begins_s <= *begins_s)?;
+                machine.stage(angles, &segments, segment, [*begins_s, ends_s])
+            })
+            .collect()
+    }
+}
+
+impl Model {
+    /// Returns the end time of a run, s, if the speed profile has an end.
+    pub fn end_time_s(&self) -> Option<f64> {
+        self.ball_balancer()?.speed_profile.as_ref()?.end_time_s()
+    }
+
+    /// Checks that all kicks come before the end of a run.
+    ///
+    /// # Errors
+    /// The time of the first kick that comes later.
+    pub fn validate_kicks(&self, end_time_s: f64) -> Result<(), InvalidParameter> {
+        let kicks = self.ball_balancer().into_iter().flat_map(|machine| &machine.kicks);
+        match (1..).zip(kicks).find(|(_, kick)| kick.at_s >= end_time_s) {
+            None => Ok(()),
+            Some((number, kick)) => {
+                let name = member_name("kick_at_s", "s", number);
+                let allowed = "a time before the end of the run";
+                Err(invalid(&name, &kick.at_s.to_string(), allowed))
+            }
+        }
+    }
+}
+
+impl Machine {
+    /// Returns the segments of the speed; one if the speed is constant.
+    pub fn speed_segments(&self) -> Vec<SpeedSegment> {
+        let constant = || {
+            let terms = [self.speed_rad_s, 0.0, 0.0, 0.0];
+            vec![SpeedSegment { begins_s: 0.0, lasts_s: f64::INFINITY, terms, is_hold: true }]
+        };
+        let profile = self.speed_profile.as_ref();
+        profile.map_or_else(constant, |profile| profile.segments(self.speed_rad_s))
+    }
+
+    fn stage(
+        &self,
+        angles: &[f64],
+        segments: &[SpeedSegment],
+        segment: SpeedSegment,
+        [begins_s, ends_s]: [f64; 2],
+    ) -> Option<Stage> {
+        let natural = self.natural_frequency_rad_s();
+        let since_begin_s = begins_s - segment.begins_s;
+        let speed_at = |time_s: f64| segment.speed_rad_s(time_s - segment.begins_s);
+        let speeds_rad_s = [begins_s, ends_s].map(speed_at);
+        let driven = || {
+            let [one, other] = speeds_rad_s;
+            let fastest = if one.abs() > other.abs() { one } else { other };
+            let mut unit = 1.0;
+            let terms: [f64; SPEED_TERMS] = segment.terms.map(|term| {
+                unit *= natural;
+                term / unit
+            });
+            self.at_speed(fastest).driven(angles, terms)
+        };
+        let system = if segment.is_hold {
+            Model::from(self.at_speed(segment.terms[0])).system_in_order(angles)
+        } else {
+            driven()
+        };
+        let kicks: Vec<_> = self.kicks.iter().filter(|kick| kick.at_s == begins_s).collect();
+        let before = segments.iter().filter(|one| one.begins_s < segment.begins_s);
+        let turned: f64 = before.map(|one| one.turned_rad(one.lasts_s)).sum();
+        let turned = (turned + segment.turned_rad(since_begin_s)) % TAU;
+        let unit = self.ring_radius_m * natural;
+        let jump = kicks.iter().fold([0.0; 2], |[x, y], kick| {
+            let (sine, cosine) = libm::sincos(kick.direction_rad - turned);
+            let speed = kick.speed_m_s / unit;
+            [x + speed * cosine, y + speed * sine]
+        });
+        Some(Stage {
+            begins_s,
+            ends_s,
+            speeds_rad_s: Some(speeds_rad_s),
+            is_kicked: !kicks.is_empty(),
+            system: system?,
+            time: (!segment.is_hold).then_some(since_begin_s * natural),
+            jump,
+        })
+    }
+
+    /// Returns this machine at constant speed.
+    fn at_speed(&self, speed_rad_s: f64) -> Machine {
+        Machine { speed_rad_s, speed_profile: None, kicks: Vec::new(), ..self.clone() }
+    }
+}

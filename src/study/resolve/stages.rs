@@ -1,0 +1,281 @@
+//! Resolution of the speed profile and the disturbances, and the reverse.
+
+use crate::model::{Kick, Machine, Model, ProfilePart, Ramp, RampShape, Simulation, SpeedProfile};
+use crate::study::error::{Fault, StudyError, shorten};
+use crate::study::file::source_path::SourcePath;
+use crate::study::file::stages_file::{
+    DirectionFile, DisturbanceFile, KickFile, ProfilePartFile, RampFile,
+};
+use crate::study::file::table_folders::TableFolders;
+use crate::study::file::table_input::Rows;
+use crate::study::file::values::{Entry, InlineTable, TableSource};
+use crate::study::file::yaml_tree::{Source, describe_number};
+use crate::study::plan::parameter::MOST_MEMBERS;
+
+/// The columns of the table of a speed profile.
+const COLUMNS: [&str; 2] = ["time_s", "speed_rad_s"];
+
+/// Returns the speed profile and the last speed, rad/s. `last` is the speed of the parameters, and whether the study gives
+/// it.
+///
+/// # Errors
+/// Returns an error if speeds do not follow one another, if the last speed is not that of the parameters, or if a value is
+/// not possible.
+pub(in crate::study) fn resolve_profile(
+    folders: &TableFolders,
+    path: &SourcePath<'_>,
+    written: &[ProfilePartFile],
+    (last, is_given): (f64, bool),
+) -> Result<(SpeedProfile, f64), StudyError> {
+    check_number(path, written.len(), "parts; a table may have any number of rows")?;
+    let given = is_given.then_some(last);
+    let last_change = written.iter().rposition(|part| !matches!(part, ProfilePartFile::HoldS(_)));
+    let mut parts = Vec::new();
+    let mut start = None;
+    let mut speed: Option<f64> = None;
+    for (place, part) in written.iter().enumerate() {
+        let path = path.item(place);
+        let mut ramp = |key: &str, shape: RampShape, ramp: &RampFile| {
+            let path = path.key(key);
+            let from = begin(&path, ramp.from_rad_s, speed)?;
+            start.get_or_insert(from);
+            let is_last = last_change == Some(place);
+            let to = match (ramp.to_rad_s, given) {
+                (Some(to), Some(given)) if is_last && to != given => {
+                    let problem = "another speed than the last one of the profile";
+                    let allowed = format!("{}, or no such key", describe_number(given));
+                    let fault = Fault::new(problem, describe_number(to), allowed);
+                    return Err(path.key("to_rad_s").refuse_value(fault));
+                }
+                (Some(to), _) => to,
+                (None, _) if is_last => last,
+                (None, _) => {
+                    let allowed = "a key to_rad_s; only the last ramp leads to speed_rad_s";
+                    let fault =
+                        Fault::new("the speed at the end is missing", "no such key", allowed);
+                    return Err(path.refuse_value(fault));
+                }
+            };
+            speed = Some(to);
+            let to_rad_s = (!is_last).then_some(to);
+            Ok(ProfilePart::Ramp(Ramp { shape, to_rad_s, over_s: ramp.over_s }))
+        };
+        parts.push(match part {
+            ProfilePartFile::Ramp(linear) => ramp("ramp", RampShape::Linear, linear)?,
+            ProfilePartFile::SmoothRamp(smooth) => ramp("smooth_ramp", RampShape::Smooth, smooth)?,
+            ProfilePartFile::HoldS(lasts_s) => {
+                if speed.is_none() {
+                    // A plateau at the start is at the only speed that the study gives.
+                    let only = last_change.is_none().then_some(last);
+                    let allowed = "a ramp or a table as the first part";
+                    let fault = Fault::new("the first speed is missing", "hold_s", allowed);
+                    speed = Some(only.ok_or_else(|| path.refuse_value(fault))?);
+                    start = speed;
+                }
+                ProfilePart::Hold(Some(*lasts_s))
+            }
+            ProfilePartFile::Table(table) => {
+                let rows = speeds(folders, &path.key("table"), table)?;
+                let [first, last] = [rows[0][1], rows[rows.len() - 1][1]];
+                start.get_or_insert(begin(&path, Some(first), speed)?);
+                speed = Some(last);
+                ProfilePart::Table(rows)
+            }
+        });
+    }
+    let (Some(start_speed_rad_s), Some(last)) = (start, speed) else {
+        let fault = Fault::new("no parts", "an empty list", "at least one part");
+        return Err(path.refuse_value(fault));
+    };
+    if let Some(given) = given.filter(|given| *given != last) {
+        let found = format!(
+            "{}, while the profile ends at {}",
+            describe_number(given),
+            describe_number(last)
+        );
+        let fault = Fault::new(
+            "not the last speed of the profile",
+            found,
+            "the same speed, or no such key",
+        );
+        return Err(path.refuse_value(fault));
+    }
+    Ok((SpeedProfile { start_speed_rad_s, parts }, last))
+}
+
+/// Returns the speed at the begin of a part, which is that at the end of the part before.
+fn begin(path: &SourcePath<'_>, from: Option<f64>, before: Option<f64>) -> Result<f64, StudyError> {
+    match (from, before) {
+        (None, None) => {
+            let fault = Fault::new("the first speed is missing", "no such key", "a key from_rad_s");
+            Err(path.refuse_value(fault))
+        }
+        (Some(from), Some(before)) if from != before => {
+            let found = describe_number(from);
+            let allowed = format!("{}, the speed before", describe_number(before));
+            Err(path.refuse_value(Fault::new("the speed jumps", found, allowed)))
+        }
+        (from, before) => Ok(before.or(from).unwrap_or_default()),
+    }
+}
+
+/// Reads the table of a profile: times from 0, ascending, and speeds.
+fn speeds(
+    folders: &TableFolders,
+    path: &SourcePath<'_>,
+    table: &TableSource,
+) -> Result<Vec<[f64; 2]>, StudyError> {
+    let names = COLUMNS.map(str::to_owned);
+    let read = Rows::read(folders, path, table, &names)?;
+    let column = |name: &&str| {
+        read.columns.iter().position(|column| column == name).ok_or_else(|| {
+            let found = read.columns.join(", ");
+            let fault = Fault::new("a missing column", found, format!("a column `{name}`"));
+            read.refuse(None, None, fault)
+        })
+    };
+    let order = COLUMNS.iter().map(column).collect::<Result<Vec<usize>, _>>()?;
+    let mut rows: Vec<[f64; 2]> = Vec::new();
+    for (row, values) in read.rows.iter().enumerate() {
+        let mut own = [0.0; 2];
+        for (value, &column) in own.iter_mut().zip(&order) {
+            *value = match &values[column] {
+                Entry::Number(number) => *number,
+                Entry::Text(text) => {
+                    let found = format!("text {:?}", shorten(text));
+                    let fault = Fault::new("not a number", found, "a number");
+                    return Err(read.refuse(Some(row), Some(column), fault));
+                }
+            };
+        }
+        let sound = rows.last().map_or(own[0] == 0.0, |before| own[0] > before[0]);
+        if !sound {
+            let fault = Fault::new(
+                "times do not ascend from 0",
+                describe_number(own[0]),
+                "0 in the first row, then later times",
+            );
+            return Err(read.refuse(Some(row), Some(order[0]), fault));
+        }
+        rows.push(own);
+    }
+    if rows.len() < 2 {
+        let fault = Fault::new("one row only", "1 row", "two rows or more");
+        return Err(read.refuse(None, None, fault));
+    }
+    Ok(rows)
+}
+
+fn check_number(path: &SourcePath<'_>, number: usize, what: &str) -> Result<(), StudyError> {
+    if number <= MOST_MEMBERS {
+        return Ok(());
+    }
+    let allowed = format!("at most {MOST_MEMBERS} {what}");
+    Err(path.refuse_value(Fault::new("too many", number.to_string(), allowed)))
+}
+
+/// Returns the kicks, and for each whether its direction is drawn.
+///
+/// # Errors
+/// Returns an error if a direction is given twice.
+pub(in crate::study) fn resolve_kicks(
+    path: &SourcePath<'_>,
+    written: &[DisturbanceFile],
+) -> Result<Vec<(Kick, bool)>, StudyError> {
+    check_number(path, written.len(), "kicks")?;
+    let kick = |(place, DisturbanceFile::Kick(kick)): (usize, &DisturbanceFile)| {
+        if kick.direction.is_some() && kick.direction_rad.is_some() {
+            let found = "direction_rad beside direction";
+            let fault = Fault::new("the direction is given twice", found, "one of both");
+            return Err(path.item(place).key("kick").key("direction_rad").refuse_key(fault));
+        }
+        let direction_rad = kick.direction_rad.unwrap_or_default();
+        let own = Kick { at_s: kick.at_s, speed_m_s: kick.speed_m_s, direction_rad };
+        Ok((own, kick.direction_rad.is_none()))
+    };
+    written.iter().enumerate().map(kick).collect()
+}
+
+/// Checks the numbers of the speed profile and of the kicks.
+///
+/// # Errors
+/// Returns an error for the first number that is not possible.
+pub(in crate::study) fn check_stages(source: &Source, machine: &Machine) -> Result<(), StudyError> {
+    let Err(invalid) = machine.validate_stages() else { return Ok(()) };
+    let path = place_of(&invalid.name, source, machine);
+    let problem = format!("no physical meaning: {}", invalid.name);
+    Err(path.refuse_value(Fault::new(problem, invalid.found, invalid.allowed)))
+}
+
+/// Checks that all kicks come before the end of the runs.
+///
+/// # Errors
+/// Returns an error for the first kick that comes later.
+pub(in crate::study) fn check_kicks(
+    source: &Source,
+    model: &Model,
+    simulation: &Simulation,
+) -> Result<(), StudyError> {
+    let Err(invalid) = model.validate_kicks(simulation.end_time_s) else { return Ok(()) };
+    let kicks = model.ball_balancer().into_iter().flat_map(|machine| &machine.kicks);
+    let late = kicks.enumerate().find(|(_, kick)| kick.at_s >= simulation.end_time_s);
+    let path = source.path("model.disturbances").item(late.map_or(0, |(place, _)| place));
+    let fault = Fault::new("a kick after the end of the run", invalid.found, invalid.allowed);
+    Err(path.key("kick").key("at_s").refuse_value(fault))
+}
+
+/// Returns the key of a number of the speed profile or of a kick.
+fn place_of<'a>(name: &str, source: &'a Source, machine: &Machine) -> SourcePath<'a> {
+    let number = name.split('_').find_map(|part| part.parse::<usize>().ok()).unwrap_or(1);
+    if name.starts_with("kick_") {
+        return source.path("model.disturbances").item(number.saturating_sub(1));
+    }
+    let path = source.path("model.speed_profile");
+    let parts = machine.speed_profile.iter().flat_map(|profile| &profile.parts).enumerate();
+    let is_ramp = |part: &ProfilePart| matches!(part, ProfilePart::Ramp(_));
+    let is_hold = |part: &ProfilePart| matches!(part, ProfilePart::Hold(_));
+    let is_meant: fn(&ProfilePart) -> bool = match name {
+        name if name.starts_with("ramp_") => is_ramp,
+        name if name.starts_with("hold_") => is_hold,
+        _ => return path,
+    };
+    let place = parts.filter(|(_, part)| is_meant(part)).nth(number.saturating_sub(1));
+    place.map_or(path.clone(), |(place, _)| path.item(place))
+}
+
+/// Returns the profile in the form of a study file.
+pub(in crate::study) fn profile_to_file(profile: &SpeedProfile) -> Vec<ProfilePartFile> {
+    let part = |(place, part): (usize, &ProfilePart)| match part {
+        ProfilePart::Ramp(Ramp { shape, to_rad_s, over_s }) => {
+            let ramp = RampFile {
+                from_rad_s: (place == 0).then_some(profile.start_speed_rad_s),
+                to_rad_s: *to_rad_s,
+                over_s: *over_s,
+            };
+            match shape {
+                RampShape::Linear => ProfilePartFile::Ramp(ramp),
+                RampShape::Smooth => ProfilePartFile::SmoothRamp(ramp),
+            }
+        }
+        ProfilePart::Hold(lasts_s) => ProfilePartFile::HoldS(lasts_s.unwrap_or_default()),
+        ProfilePart::Table(rows) => ProfilePartFile::Table(TableSource::Inline(InlineTable {
+            columns: COLUMNS.map(str::to_owned).to_vec(),
+            rows: rows.iter().map(|row| row.map(Entry::Number).to_vec()).collect(),
+        })),
+    };
+    profile.parts.iter().enumerate().map(part).collect()
+}
+
+/// Returns the kicks in the form of a study file.
+pub(in crate::study) fn kicks_to_file(kicks: &[Kick], random: &[usize]) -> Vec<DisturbanceFile> {
+    let kick = |(number, kick): (usize, &Kick)| {
+        let is_drawn = random.contains(&number);
+        DisturbanceFile::Kick(KickFile {
+            at_s: kick.at_s,
+            speed_m_s: kick.speed_m_s,
+            direction: is_drawn.then_some(DirectionFile::Random),
+            direction_rad: (!is_drawn).then_some(kick.direction_rad),
+        })
+    };
+    (1..).zip(kicks).map(kick).collect()
+}
