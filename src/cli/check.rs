@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use super::arguments::StudyArgument;
 use super::check_machine::{machine_json, machine_text};
 use super::check_points::ClosedForms;
+use super::check_run_up::{run_up_json, run_up_rows};
 use super::cost::Cost;
 use super::design_cost::DesignCost;
 use super::duration::cost_in_words;
@@ -97,6 +98,9 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
             report["precision"] = json!(precision.equilibrium_fraction);
         }
         report["machine"] = machine_json(&study);
+        if study.has_stages() {
+            report["run_up"] = run_up_json(design.as_ref().map_or(&study, |one| &one.study).model());
+        }
         report["closed_form"] =
             ClosedForms::of(&study, design.as_ref(), most_points(&study)).json();
         report["warnings"] = warnings.iter().map(Warning::json).collect();
@@ -189,6 +193,7 @@ fn rows(
         );
         rows.push(("audit", text));
     }
+    rows.extend(run_up_rows(model));
     rows.push(("expectations", study.expectations().len().to_string()));
     rows.push(("cost", cost_in_words(cost)));
     if let Some(designs) = designs {

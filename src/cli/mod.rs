@@ -5,6 +5,7 @@ mod check;
 mod check_legend;
 mod check_machine;
 mod check_points;
+mod check_run_up;
 mod completions;
 mod cost;
 mod design_cost;

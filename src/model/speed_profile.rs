@@ -84,6 +84,12 @@ impl SpeedSegment {
         self.terms.iter().rev().fold(0.0, |sum, term| sum * after_s + term)
     }
 
+    /// Returns the acceleration a time after the begin, rad/s².
+    pub fn acceleration_rad_s2(&self, after_s: f64) -> f64 {
+        let [_, first, second, third] = self.terms;
+        first + after_s * (2.0 * second + 3.0 * third * after_s)
+    }
+
     /// Returns the angle by which the disc turns in a time from the begin, rad.
     pub fn turned_rad(&self, after_s: f64) -> f64 {
         let terms = self.terms.iter().zip([1.0, 2.0, 3.0, 4.0]).rev();
