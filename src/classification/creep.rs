@@ -3,7 +3,8 @@
 //!
 //! Near the edge friction is just too small to stop a ball, and the net force on it vanishes with
 //! the distance, so that its speed decays like that of an overdamped system and never becomes zero.
-//! For practical purposes the ball is at rest. At one instant, a ball that is about to leave the
+//! A block does so against a drag of more than critical damping.
+//! For practical purposes the body is at rest. At one instant, a ball that is about to leave the
 //! set looks the same; the motion is therefore followed for a test period. The criteria are:
 //!
 //! - all balls are slow (below 1e-6 of the natural frequency, or below the band if that is wider),

@@ -227,8 +227,11 @@ impl RestForms for Slider {
         RestAmplitude { amplitude: 0.0, friction_margin: friction_margin.max(0.0) }
     }
 
-    /// A block does not creep: the force on it does not depend on its speed.
-    fn nearly_rests(&self, _state: &[f64], _excess: f64) -> bool {
-        false
+    /// A block on rigid ground creeps only against a drag: without one, the force on it does not depend on its speed.
+    fn nearly_rests(&self, state: &[f64], excess: f64) -> bool {
+        let position = state.first().map_or(f64::INFINITY, |position| position.abs());
+        self.belt_speed == 0.0
+            && self.friction.damping_rate(1.0) > 0.0
+            && position <= self.friction.limit * (1.0 + excess)
     }
 }

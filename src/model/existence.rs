@@ -26,7 +26,8 @@
 //! steep instead) is continuous, one-to-one and grows without bound, hence onto. Either that
 //! solution keeps all contacts closed, or none does and a contact opens. Subsets of the balls, the
 //! others slipping or sticking, are Schur complements and principal submatrices of the same `K`:
-//! one test covers all configurations.
+//! one test covers all configurations. Drag does not change the answer: that of a slipping ball is
+//! part of `q`, and a ball at rest has none.
 //!
 //! Conversely, where some `K(p)` is not a P-matrix there is a `d ≠ 0` with `d_i (K d)_i ≤ 0`. Then
 //! `d⁺` and `d⁻` (in the directions of the corner `p`) both solve the problem for one and the same

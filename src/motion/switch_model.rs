@@ -11,7 +11,8 @@
 use super::Failure;
 use super::evaluator::Forces;
 use super::modes::{InState, Open, resolve_modes, stick_reserve};
-use super::{Phase, Phases};
+use super::{Phase, Phases, Settings};
+use crate::model::System;
 
 /// Slack of the conditions for stick and transition, as an acceleration over `L ω_n²`: a phase ends
 /// when its condition fails by more than this.
@@ -22,6 +23,21 @@ use super::{Phase, Phases};
 /// inversely proportional to the slack. Friction limits of a real balancer are about 1e-3, a
 /// million times larger.
 pub const SLACK: f64 = 1e-9;
+
+impl Settings {
+    /// Returns the settings with a band in which the drag on each contact that can stick is at most half of the slack.
+    ///
+    /// A contact has no drag in the band, as at rest. A force between dry friction alone and both together at the edge of
+    /// the band accelerates the contact inside the band and slows it down outside, so that it would enter and leave the
+    /// band without end. In the narrower band, the slack covers this difference, and the contact sticks.
+    pub(super) fn narrowed(self, system: &dyn System) -> Self {
+        let contacts = (0..system.contacts()).map(|contact| system.friction(contact));
+        let rates = contacts.filter(|friction| friction.can_stick());
+        let rates = rates.map(|friction| friction.damping_rate(system.force_scale()));
+        let most = rates.fold(0.0, f64::max);
+        Settings { band: self.band.min(0.5 * SLACK / most), ..self }
+    }
+}
 
 /// Decides stick or transition jointly for all contacts in the band and returns the corresponding
 /// forces. Slipping contacts are unchanged.

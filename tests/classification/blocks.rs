@@ -269,6 +269,7 @@ fn extreme_values_end_in_an_outcome() {
         FrictionLaw::stribeck(1e300, 1e-300),
         FrictionLaw::smooth(1e-300),
         FrictionLaw::viscous(1e300),
+        FrictionLaw::coulomb_viscous(1e300),
     ];
     for friction in laws {
         for (mass_kg, stiffness_n_m, normal_force_n, speed_m_s) in [

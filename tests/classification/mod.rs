@@ -4,6 +4,7 @@ mod attraction;
 mod blocks;
 mod certificate;
 pub mod convergence;
+mod dry_and_viscous;
 mod effort_pinned;
 mod endings;
 mod extend;

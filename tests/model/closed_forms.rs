@@ -43,6 +43,15 @@ impl Stopping {
     }
 }
 
+/// How a block with Coulomb friction and viscous drag comes to rest, by [`ClosedForms::damped_stopping`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct DampedStopping {
+    /// The positions at which the block stands still, m; the last one is final.
+    pub turning_points_m: Vec<f64>,
+    /// Time of the final stop, s.
+    pub time_s: f64,
+}
+
 /// The limit cycle of a block on a belt, by [`ClosedForms::stick_slip_cycle`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StickSlipCycle {
@@ -76,6 +85,16 @@ pub trait ClosedForms {
     ///
     /// None on a belt, without friction, and with friction that depends on speed.
     fn stopping(&self, position_m: f64, velocity_m_s: f64) -> Option<Stopping>;
+
+    /// How a block with Coulomb friction and viscous drag comes to rest on rigid ground.
+    ///
+    /// While it slides in the direction `σ`, `y = x + σ μ F_n / k` is a damped oscillation
+    /// `m ÿ + c ẏ + k y = 0` with `δ = c / (2 m)` and `ν² = k / m - δ²`. From `(y, v)` it stands still after the time
+    /// `atan2(ν |v|, σ (y k / m + δ v)) / ν`, and after `π / ν` from rest. It stays at the first turning point with
+    /// `|x| ≤ μ F_n / k`, because there is no drag at rest.
+    ///
+    /// None with another law, on a belt, and without an oscillation (`ν² ≤ 0`).
+    fn damped_stopping(&self, position_m: f64, velocity_m_s: f64) -> Option<DampedStopping>;
 
     /// The stick-slip limit cycle of a block on a belt whose friction drops at once from a static to
     /// a kinetic coefficient (R. I. Leine, D. H. van Campen, A. de Kraker, L. van den Steen,
@@ -121,6 +140,25 @@ fn reaches_m(block: &Block) -> Option<[f64; 2]> {
     Some([fixed, kinetic].map(|coefficient| coefficient * block.unit_length_m()))
 }
 
+/// Returns the solution of `m ẍ + c ẋ + k x = 0`, with the drag `c`, from a position and a velocity after a time.
+fn oscillation(block: &Block, drag: f64, [x, v]: [f64; 2], time_s: f64) -> [f64; 2] {
+    let decay = 0.5 * drag / block.mass_kg;
+    let discriminant = block.stiffness_n_m / block.mass_kg - decay * decay;
+    // x(t) = e^{-δt} (x C + (v + δx) S) with C, S = cos νt, sin νt / ν, their hyperbolic
+    // counterparts, or 1 and t between the two.
+    let root = discriminant.abs().sqrt();
+    let (even, odd) = if discriminant > 0.0 {
+        (libm::cos(root * time_s), libm::sin(root * time_s) / root)
+    } else if discriminant < 0.0 {
+        (libm::cosh(root * time_s), libm::sinh(root * time_s) / root)
+    } else {
+        (1.0, time_s)
+    };
+    let left = libm::exp(-decay * time_s);
+    let pull = block.stiffness_n_m / block.mass_kg * x;
+    [left * (x * even + (v + decay * x) * odd), left * (v * even - (pull + decay * v) * odd)]
+}
+
 impl ClosedForms for Block {
     fn stopping(&self, position_m: f64, velocity_m_s: f64) -> Option<Stopping> {
         let [hold, slide] = reaches_m(self)?;
@@ -148,6 +186,41 @@ impl ClosedForms for Block {
         };
         stopping.position_m = stopping.turning_point_m(stopping.half_swings);
         Some(stopping)
+    }
+
+    fn damped_stopping(&self, position_m: f64, velocity_m_s: f64) -> Option<DampedStopping> {
+        let drag = match (self.friction.name(), self.friction.values()) {
+            ("coulomb_viscous", &[drag]) if self.ground == Ground::Fixed => drag,
+            _ => return None,
+        };
+        let reach = self.friction_coefficient * self.unit_length_m();
+        let square = self.stiffness_n_m / self.mass_kg;
+        let decay = 0.5 * drag / self.mass_kg;
+        let frequency = (square - decay * decay).sqrt();
+        if frequency.is_nan() || frequency == 0.0 {
+            return None;
+        }
+        let (mut x, mut v, mut time_s) = (position_m, velocity_m_s, 0.0);
+        let mut turning_points_m = Vec::new();
+        loop {
+            if v == 0.0 {
+                turning_points_m.push(x);
+                if x.abs() <= reach {
+                    return Some(DampedStopping { turning_points_m, time_s });
+                }
+            }
+            let direction = if v == 0.0 { -x.signum() } else { v.signum() };
+            let y = x + direction * reach;
+            let half_swing = match v == 0.0 {
+                true => PI / frequency,
+                false => {
+                    let across = direction * (square * y + decay * v);
+                    libm::atan2(frequency * v.abs(), across) / frequency
+                }
+            };
+            x = oscillation(self, drag, [y, v], half_swing)[0] - direction * reach;
+            (v, time_s) = (0.0, time_s + half_swing);
+        }
     }
 
     fn stick_slip_cycle(&self) -> Option<StickSlipCycle> {
@@ -178,31 +251,17 @@ impl ClosedForms for Block {
         velocity_m_s: f64,
         time_s: f64,
     ) -> Option<[f64; 2]> {
-        let drag = self.friction.value("viscous_coefficient_n_s_m")?;
+        let drag = match (self.friction.name(), self.friction.values()) {
+            ("viscous", &[drag]) => drag,
+            _ => return None,
+        };
         let belt = match self.ground {
             Ground::Fixed => 0.0,
             Ground::Belt { speed_m_s } => speed_m_s,
         };
         let centre = drag * belt / self.stiffness_n_m;
-        let (x, v) = (position_m - centre, velocity_m_s);
-        let decay = 0.5 * drag / self.mass_kg;
-        let discriminant = self.stiffness_n_m / self.mass_kg - decay * decay;
-        // x(t) = e^{-δt} (x C + (v + δx) S) with C, S = cos νt, sin νt / ν, their hyperbolic
-        // counterparts, or 1 and t between the two.
-        let root = discriminant.abs().sqrt();
-        let (even, odd) = if discriminant > 0.0 {
-            (libm::cos(root * time_s), libm::sin(root * time_s) / root)
-        } else if discriminant < 0.0 {
-            (libm::cosh(root * time_s), libm::sinh(root * time_s) / root)
-        } else {
-            (1.0, time_s)
-        };
-        let left = libm::exp(-decay * time_s);
-        let pull = self.stiffness_n_m / self.mass_kg * x;
-        Some([
-            centre + left * (x * even + (v + decay * x) * odd),
-            left * (v * even - (pull + decay * v) * odd),
-        ])
+        let [x, v] = oscillation(self, drag, [position_m - centre, velocity_m_s], time_s);
+        Some([centre + x, v])
     }
 
     fn creep_position_m(&self, position_m: f64, time_s: f64) -> Option<f64> {

@@ -31,6 +31,7 @@ fn slopes_of_the_friction_laws() {
         FrictionLaw::stribeck(0.8, 0.0),
         FrictionLaw::smooth(0.2),
         FrictionLaw::viscous(0.7),
+        FrictionLaw::coulomb_viscous(0.7),
     ];
     for law in examples.chain(special) {
         let friction = law.contact(0.5, 1.0, 1.0);

@@ -14,7 +14,7 @@
 
 use std::sync::Arc;
 
-use stickslip::model::{Balancer, Contact, Machine, Method, State, System};
+use stickslip::model::{Balancer, Contact, FrictionLaw, Machine, Method, State, System};
 use stickslip::motion::{Failure, Motion, Phase};
 
 use super::samples::{Sampler, settings};
@@ -96,10 +96,14 @@ fn balance<const N: usize>(
         let phases = motion.phases().to_vec();
         motion.advance(20_f64.min(time + 0.2))?;
         let length = motion.time() - time;
-        let contacts = reference::contacts(balancer, &phases, &state);
-        let f = |s: &State<N>| balancer.derivative(s, &contacts, &balancer.forces(s, &contacts));
+        let contacts = |s: &State<N>| reference::contacts(balancer, &phases, s);
+        let f = |s: &State<N>| {
+            let contacts = contacts(s);
+            balancer.derivative(s, &contacts, &balancer.forces(s, &contacts))
+        };
         for (node, weight) in gauss() {
             let inside = reference::step(f, &state, node * length);
+            let contacts = contacts(&inside);
             let powers = powers(machine, balancer, &inside, &contacts);
             for (work, power) in work.iter_mut().zip(powers) {
                 *work += weight * length * power;
@@ -132,7 +136,10 @@ fn energy_changes_by_the_work() {
     let (mut balanced, mut rubbed) = (0, 0);
     for seed in 0..300 {
         let mut sampler = Sampler::new(seed);
-        let machine = sampler.machine(3);
+        let mut machine = sampler.machine(3);
+        if seed % 5 == 0 {
+            machine.friction = FrictionLaw::coulomb_viscous(5e-4);
+        }
         let balancer = Balancer::<3>::new(&machine).expect("three balls");
         let start = sampler.state(&balancer);
         let scale = energy(&machine, &balancer, &start).max(1e-6);

@@ -1,6 +1,6 @@
 //! The kernel that is written for the balancer against the general one, step by step.
 
-use stickslip::model::{Balancer, Method, State};
+use stickslip::model::{Balancer, FrictionLaw, Machine, Method, State};
 use stickslip::motion::{Motion, Phase, Settings, Tolerance};
 
 use super::samples::Sampler;
@@ -19,6 +19,17 @@ fn largest(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
+/// Returns a random machine: of six machines, one has viscous drag and one has Coulomb friction and viscous drag.
+fn machine(sampler: &mut Sampler, balls: usize) -> Machine {
+    let mut machine = sampler.machine(balls);
+    machine.friction = match sampler.between(0.0, 6.0) {
+        ..1.0 => FrictionLaw::viscous(1e-4),
+        ..2.0 => FrictionLaw::coulomb_viscous(1e-3),
+        _ => FrictionLaw::COULOMB,
+    };
+    machine
+}
+
 /// Compares steps of a motion with those of the general kernel from the same states.
 fn compare<const N: usize>(seeds: std::ops::Range<u64>, method: Method, seen: &mut Seen) {
     // A wide band, in which a ball takes some time.
@@ -26,7 +37,7 @@ fn compare<const N: usize>(seeds: std::ops::Range<u64>, method: Method, seen: &m
     let settings = Settings { method, band: 1e-3, tolerance, effort_limit: 200_000 };
     for seed in seeds {
         let mut sampler = Sampler::new(seed);
-        let balancer = Balancer::<N>::new(&sampler.machine(N)).expect("as many balls");
+        let balancer = Balancer::<N>::new(&machine(&mut sampler, N)).expect("as many balls");
         let mut state = sampler.state(&balancer);
         // Half of the balls begin in the band.
         for speed in &mut state.beta_dot {
@@ -107,7 +118,7 @@ fn kernels_carry_the_same_displacements() {
         let settings = Settings { method, band: 1e-3, tolerance, effort_limit: 200_000 };
         for seed in 0..100 {
             let mut sampler = Sampler::new(seed);
-            let balancer = Balancer::<2>::new(&sampler.machine(2)).expect("two balls");
+            let balancer = Balancer::<2>::new(&machine(&mut sampler, 2)).expect("two balls");
             let start: State<2> = sampler.state(&balancer);
             // More than the lanes of one group.
             let directions: Vec<_> =

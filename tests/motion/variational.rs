@@ -84,6 +84,7 @@ fn carried_displacements_are_those_of_neighbours() {
                 FrictionLaw::stribeck(4e-3, 20.0),
                 FrictionLaw::smooth(30.0),
                 FrictionLaw::viscous(1e-4),
+                FrictionLaw::coulomb_viscous(1e-4),
             ]);
             machine.balls[1].mass_kg *= 1.5;
             Model::from(machine.clone()).validate().expect("a valid machine");

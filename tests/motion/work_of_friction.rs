@@ -49,6 +49,7 @@ fn friction_never_does_positive_work_on_balls() {
         FrictionLaw::stribeck(4e-3, 0.0),
         FrictionLaw::smooth(1.0),
         FrictionLaw::viscous(2e-4),
+        FrictionLaw::coulomb_viscous(2e-4),
     ] {
         let machine = Machine { friction, ..Machine::default() };
         let balancer = Balancer::<2>::new(&machine).expect("two balls");
@@ -95,6 +96,36 @@ fn dry_friction_dissipates_force_times_distance() {
         }
         let lost = 0.5 * 1.7 * 1.7 - energy;
         assert!((lost - 0.1 * way).abs() < 1e-8, "{method:?}: {lost} {way}");
+    }
+}
+
+/// With Coulomb friction and viscous drag on rigid ground, the energy loss is Coulomb friction times distance plus the
+/// integral of the drag times the speed, `μ s + ∫ c v² dt`, by Simpson's rule within each step.
+#[test]
+fn dry_and_viscous_friction_dissipate_force_times_distance_and_speed() {
+    let drag = 0.25;
+    // The unit of drag is mass times natural frequency, 10 N s/m.
+    let friction = FrictionLaw::coulomb_viscous(10.0 * drag);
+    for method in METHODS {
+        let slider = shared(Block { friction, ..Block::on_spring() }.slider());
+        let start = SliderState { position: [], velocity: [], beta: [0.0], beta_dot: [1.7] };
+        let mut motion = started(&slider, settings(method), &start);
+        let mut work = 0.0;
+        while !motion.all_stick() {
+            let time = motion.time();
+            motion.advance(time + 0.02).expect("continues");
+            let length = motion.time() - time;
+            let power = |part: f64| {
+                let state = motion.within_last_step(time + part * length).expect("inside");
+                let speed = state[1].abs();
+                0.1 * speed + drag * speed * speed
+            };
+            work += length / 6.0 * (power(0.0) + 4.0 * power(0.5) + power(1.0));
+        }
+        let x = motion.state()[0];
+        let lost = 0.5 * 1.7 * 1.7 - 0.5 * x * x;
+        println!("{method:?}: {lost} {work} at {x}");
+        assert!((lost - work).abs() < 1e-8, "{method:?}: {lost} {work}");
     }
 }
 

@@ -20,6 +20,7 @@ const STRIBECK: &str =
     "  friction: {stribeck: {static_friction_coefficient: 0.3, stribeck_speed_m_s: 0.1}}\n";
 const SMOOTH: &str = "  friction: {smooth: {smoothing_speed_m_s: 0.01}}\n";
 const VISCOUS: &str = "  friction: {viscous: {viscous_coefficient_n_s_m: 2}}\n";
+const BOTH: &str = "  friction: {coulomb_viscous: {viscous_coefficient_n_s_m: 2}}\n";
 
 #[track_caller]
 fn refused(text: &str, line: usize, key: &str, found: &str, allowed: &str) {
@@ -55,7 +56,7 @@ fn every_parameter_of_a_block_can_be_varied() {
     let on_belt = "  kind: block_on_belt\n";
     let first: Field = |block| law(block, 0).expect("a law with a value");
     let second: Field = |block| law(block, 1).expect("a law with two values");
-    let cases: [(&str, &str, &str, &str, Field); 9] = [
+    let cases: [(&str, &str, &str, &str, Field); 11] = [
         (spring, "", "mass_kg", "kg", |block| &mut block.mass_kg),
         (spring, "", "stiffness_n_m", "N/m", |block| &mut block.stiffness_n_m),
         (spring, "", "normal_force_n", "N", |block| &mut block.normal_force_n),
@@ -65,6 +66,8 @@ fn every_parameter_of_a_block_can_be_varied() {
         (on_belt, STRIBECK, "stribeck_speed_m_s", "m/s", second),
         (spring, SMOOTH, "smoothing_speed_m_s", "m/s", first),
         (on_belt, VISCOUS, "viscous_coefficient_n_s_m", "N s/m", first),
+        (on_belt, BOTH, "viscous_coefficient_n_s_m", "N s/m", first),
+        (spring, BOTH, "friction_coefficient", "1", |block| &mut block.friction_coefficient),
     ];
     for (kind, friction, name, unit, field) in cases {
         let model = format!("{kind}{friction}");
@@ -103,6 +106,11 @@ fn laws_of_friction_of_balls_can_be_varied() {
         ),
         ("smooth: {smoothing_speed_rad_s: 0.1}", "smoothing_speed_rad_s", "rad/s"),
         ("viscous: {viscous_coefficient_n_s_m: 1e-4}", "viscous_coefficient_n_s_m", "N s/m"),
+        (
+            "coulomb_viscous: {viscous_coefficient_n_s_m: 1e-4}",
+            "viscous_coefficient_n_s_m",
+            "N s/m",
+        ),
     ] {
         let model = format!("  kind: ball_balancer\n  friction: {{{law}}}\n");
         let swept = study(&text(&model, &format!("sweep: [{{zip: {{{name}: [0.2, 0.4]}}}}]\n")));
@@ -124,6 +132,7 @@ fn every_model_and_law_resolves_to_itself() {
             format!("{{stribeck: {{static_friction_coefficient: 0.3, stribeck_speed_{unit}: 0}}}}"),
             format!("{{smooth: {{smoothing_speed_{unit}: 1.0e-3}}}}"),
             "{viscous: {viscous_coefficient_n_s_m: 0.25}}".to_owned(),
+            "{coulomb_viscous: {viscous_coefficient_n_s_m: 0.25}}".to_owned(),
         ] {
             let first = study(&text(&format!("  kind: {kind}\n  friction: {law}\n"), ""));
             let written = first.resolved_yaml();
@@ -271,6 +280,12 @@ fn laws_of_friction_are_checked() {
     refused(&block("smooth: {smoothing_speed_m_s: 0}"), 7, &key, "0", "a positive");
     let key = format!("{path}.viscous.viscous_coefficient_n_s_m");
     refused(&block("viscous: {viscous_coefficient_n_s_m: -2}"), 7, &key, "-2", "zero or more");
+    let key = format!("{path}.coulomb_viscous.viscous_coefficient_n_s_m");
+    for model in [&block, &balls] as [&dyn Fn(&str) -> String; 2] {
+        let with = |keys: &str| model(&format!("coulomb_viscous: {keys}"));
+        refused(&with("{viscous_coefficient_n_s_m: -2}"), 7, &key, "-2", "zero or more");
+        refused(&with("{}"), 7, &key, "no such key", "viscous_coefficient_n_s_m");
+    }
     let law = "stribeck: {static_friction_coefficient: 0.05, stribeck_speed_m_s: 1}";
     let key = format!("{path}.stribeck.static_friction_coefficient");
     refused(&block(law), 7, &key, "0.05", "not below the friction coefficient");

@@ -22,6 +22,7 @@ fn every_numeric_parameter_can_be_a_variable() {
             ),
             format!("{{smooth: {{smoothing_speed_{speed}: 0.01}}}}"),
             "{viscous: {viscous_coefficient_n_s_m: 0.01}}".to_owned(),
+            "{coulomb_viscous: {viscous_coefficient_n_s_m: 0.01}}".to_owned(),
         ] {
             let plain = format!(
                 "schema: 1\nname: a\nseed: 1\nmodel: {{kind: {kind}, friction: {friction}}}\n\
@@ -61,7 +62,7 @@ fn every_numeric_parameter_can_be_a_variable() {
         }
     }
     // A balancer with two balls has 16 parameters and the blocks have 4 and 5; the friction laws
-    // add 0, 2, 1 and 1. Viscous friction does not use three parameters of the balls and one of
+    // add 0, 2, 1, 1 and 1. Viscous friction does not use three parameters of the balls and one of
     // each block.
-    assert_eq!((tried, refused), (4 * (16 + 4 + 5) + 3 * 4 - 5, 5));
+    assert_eq!((tried, refused), (5 * (16 + 4 + 5) + 3 * 5 - 5, 5));
 }

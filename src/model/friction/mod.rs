@@ -4,6 +4,7 @@
 //! distributions, design variables, columns and the motion take everything else from its [`Law`].
 
 mod coulomb;
+mod coulomb_viscous;
 mod law;
 mod non_dimensional;
 mod smooth;
@@ -22,8 +23,13 @@ pub use law::{
 pub use non_dimensional::Friction;
 
 /// All friction laws, in the order of the documentation.
-pub static FRICTION_LAWS: [&dyn Law; 4] =
-    [&coulomb::Coulomb, &stribeck::Stribeck, &smooth::Smooth, &viscous::Viscous];
+pub static FRICTION_LAWS: [&dyn Law; 5] = [
+    &coulomb::Coulomb,
+    &stribeck::Stribeck,
+    &smooth::Smooth,
+    &viscous::Viscous,
+    &coulomb_viscous::CoulombViscous,
+];
 
 /// The largest number of parameters of a law.
 pub const MAX_LAW_PARAMETERS: usize = 4;

@@ -17,8 +17,18 @@ impl FrictionLaw {
     }
 }
 
-/// Drag over speed.
-fn drag(friction: &Friction) -> f64 {
+/// The viscous coefficient.
+pub(super) const PARAMETERS: [LawParameter; 1] = [LawParameter {
+    name: "viscous_coefficient_n_s_m",
+    dimension: Dimension::Drag,
+    lowest: Lowest::Zero,
+    meaning: "viscous drag force divided by sliding speed",
+    note: "",
+    examples: [1.0e-4, 1.0e-4],
+}];
+
+/// Returns drag over speed, the first parameter of a law.
+pub(super) fn drag(friction: &Friction) -> f64 {
     friction.values().first().copied().unwrap_or(0.0)
 }
 
@@ -32,14 +42,6 @@ impl Law for Viscous {
     }
 
     fn parameters(&self) -> &'static [LawParameter] {
-        const PARAMETERS: [LawParameter; 1] = [LawParameter {
-            name: "viscous_coefficient_n_s_m",
-            dimension: Dimension::Drag,
-            lowest: Lowest::Zero,
-            meaning: "viscous drag force divided by sliding speed",
-            note: "",
-            examples: [1.0e-4, 1.0e-4],
-        }];
         &PARAMETERS
     }
 

@@ -92,6 +92,7 @@ impl Saved {
         state: &[f64],
     ) -> Result<Self, Failure> {
         let mut start: Components = state.into();
+        let settings = settings.narrowed(system.as_ref());
         let force_scale = system.force_scale();
         let surely_one_solution = system.surely_one_solution();
         let contacts = system.contacts();

@@ -88,6 +88,8 @@ fn machine(lane: usize, balls: usize) -> Machine {
     }
     if lane == 5 {
         machine.friction = FrictionLaw::viscous(3e-3);
+    } else if lane == 2 {
+        machine.friction = FrictionLaw::coulomb_viscous(3e-3);
     }
     machine
 }

@@ -1,7 +1,7 @@
 //! The parameters of the equations of motion of a balancer for all lanes.
 //!
 //! The equations are those of `model::equations`, solved by power series (`series`). Friction is
-//! `p f_n + q β̇`: Coulomb friction and viscous drag.
+//! `p f_n + q β̇`: Coulomb friction, viscous drag, or both.
 
 use fearless_simd::SimdBase;
 

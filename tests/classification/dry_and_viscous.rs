@@ -1,0 +1,206 @@
+//! Coulomb friction and viscous drag together: closed forms of blocks, and the two laws as limits.
+
+use crate::cli::support::parse;
+use crate::model::closed_forms::ClosedForms;
+use stickslip::classification::{Evidence, Outcome, simulate, simulate_by_recorded_equations};
+use stickslip::engine::compute;
+use stickslip::model::{
+    BallContact, Block, Case, FrictionLaw, Ground, Machine, Method, Model, Simulation, Start,
+};
+
+const METHODS: [Method; 2] = [Method::Event, Method::Switch];
+
+fn case(model: impl Into<Model>, start: Start, method: Method, end_time_s: f64) -> Case {
+    let simulation = Simulation {
+        method,
+        end_time_s,
+        relative_tolerance: 1e-12,
+        absolute_tolerance: 1e-14,
+        ..Simulation::default()
+    };
+    Case { model: model.into(), start, simulation }
+}
+
+fn run(block: &Block, start: [f64; 2], method: Method, end_time_s: f64) -> Outcome {
+    simulate(&case(block.clone(), Start(start.to_vec()), method, end_time_s))
+}
+
+fn block(drag: f64) -> Block {
+    Block { friction: FrictionLaw::coulomb_viscous(drag), ..Block::on_spring() }
+}
+
+#[track_caller]
+fn near(found: Option<f64>, exact: f64, tolerance: f64) {
+    let found = found.expect("known");
+    assert!((found - exact).abs() <= tolerance, "{found}, exact {exact}");
+}
+
+fn position(outcome: &Outcome) -> Option<f64> {
+    outcome.position.as_ref().map(|position| position[0])
+}
+
+/// A block stops at the place and time of the closed form, a damped oscillation in each half swing, up to a third
+/// of critical damping (20 N s/m).
+#[test]
+fn a_block_stops_where_and_when_the_closed_form_says() {
+    let mut longest = 0;
+    let mut largest = [[0.0_f64; 2]; 2];
+    for drag in [0.0, 0.3, 2.0, 7.0] {
+        for k in 0..40 {
+            let spread = |factor: f64| (f64::from(k) * factor + 0.3).sin();
+            let velocity = if k % 3 == 0 { 0.0 } else { 2.1 * spread(2.3) };
+            let start = [0.2 * spread(1.1), velocity];
+            let exact = block(drag).damped_stopping(start[0], start[1]).expect("oscillates");
+            let swings = exact.turning_points_m.len();
+            longest = longest.max(swings);
+            let end = exact.turning_points_m[swings - 1];
+            for (method, largest) in METHODS.into_iter().zip(&mut largest) {
+                let outcome = run(&block(drag), start, method, 100.0);
+                assert_eq!(outcome.evidence, Evidence::RestCertified, "{drag} {start:?}");
+                near(outcome.amplitude_m, 0.0, 0.0);
+                near(outcome.friction_margin, 1.0 - end.abs() / 0.01, 1e-7);
+                let found = [position(&outcome).unwrap(), outcome.time_to_rest_s.unwrap()];
+                for (error, (found, exact)) in
+                    largest.iter_mut().zip(found.into_iter().zip([end, exact.time_s]))
+                {
+                    *error = error.max((found - exact).abs());
+                }
+            }
+        }
+    }
+    println!("{longest} turning points, largest errors {largest:?}");
+    assert!(longest >= 9, "{longest}");
+    let [event, switch] = largest;
+    assert!(event[0] < 1e-10 && event[1] < 1e-9, "{event:?}");
+    assert!(switch[0] < 1e-10 && switch[1] < 1e-5, "{switch:?}");
+}
+
+/// A study sweeps the coefficient by the name that it has in the law.
+#[test]
+fn a_study_sweeps_the_viscous_coefficient() {
+    let study = parse(
+        "schema: 1\nname: both\nseed: 1\n\
+         model: {kind: block_on_spring, friction: {coulomb_viscous: {viscous_coefficient_n_s_m: 1}}}\n\
+         sweep: [{grid: {viscous_coefficient_n_s_m: [0, 2, 7], friction_coefficient: [0.05, 0.1]}}]\n\
+         initial_conditions: {box: {position_m: [0.2, 0.2]}, design: {monte_carlo: {samples: 1}}}\n",
+    );
+    for run in 0..study.run_count() {
+        let case = study.planned_run(run).case.expect("a case");
+        let block = case.model.block().expect("a block");
+        let exact = block.damped_stopping(0.2, 0.0).expect("oscillates");
+        let outcome = compute(&study, run, simulate).outcome;
+        near(position(&outcome), *exact.turning_points_m.last().expect("stops"), 1e-8);
+        near(outcome.time_to_rest_s, exact.time_s, 1e-5);
+    }
+}
+
+/// A block with more than critical damping creeps to the edge of the rest set, which it never reaches: in the closed
+/// form its distance from there decays exponentially. The run is an equilibrium.
+#[test]
+fn an_overdamped_block_creeps_to_the_edge_of_the_rest_set() {
+    for drag in [25.0, 60.0, 300.0] {
+        for (start, edge) in [(0.05, 0.01), (-0.3, -0.01)] {
+            let block = block(drag);
+            let half = 0.5 * drag;
+            let slowest = half - (half * half - 100.0).sqrt();
+            for method in METHODS {
+                let soon = 0.5 / slowest;
+                let exact = Block { friction: FrictionLaw::viscous(drag), ..block.clone() };
+                let exact = exact.damped_oscillation(start - edge, 0.0, soon).expect("viscous");
+                let outcome = run(&block, [start, 0.0], method, soon);
+                assert_eq!(outcome.evidence, Evidence::EndTime, "{drag} {method:?}");
+                near(position(&outcome), edge + exact[0], 1e-10);
+                let outcome = run(&block, [start, 0.0], method, 30.0 / slowest);
+                println!("{drag} {start} {method:?}: {:?} {:?}", outcome.evidence, outcome.effort);
+                assert!(
+                    matches!(outcome.evidence, Evidence::RestCertified | Evidence::Creep),
+                    "{drag} {method:?} {:?}",
+                    outcome.evidence
+                );
+                near(position(&outcome), edge, 1e-8);
+            }
+        }
+    }
+}
+
+/// On a belt the oscillation decays to steady sliding, where the spring balances Coulomb friction and drag.
+#[test]
+fn a_block_on_a_belt_slides_steadily() {
+    for (drag, speed_m_s) in [(0.5, 0.1), (3.0, 0.5), (50.0, 0.1)] {
+        let block = Block { ground: Ground::Belt { speed_m_s }, ..block(drag) };
+        for method in METHODS {
+            for start in [[0.0, speed_m_s], [0.1, 0.0], [-0.2, -1.0]] {
+                let outcome = run(&block, start, method, 400.0);
+                assert_eq!(outcome.evidence, Evidence::Settled, "{drag} {start:?} {method:?}");
+                near(position(&outcome), 0.01 + drag * speed_m_s / 100.0, 1e-6);
+            }
+        }
+    }
+}
+
+fn machine(friction: FrictionLaw, friction_coefficient: f64, speed_rad_s: f64) -> Machine {
+    let mut machine = Machine { friction, speed_rad_s, ..Machine::default() };
+    for ball in &mut machine.balls {
+        ball.friction_coefficient = friction_coefficient;
+    }
+    machine
+}
+
+fn balls(k: u32) -> Start {
+    let spread = |factor: f64| (f64::from(k) * factor + 0.3).sin();
+    Start::of_balancer(
+        [0.05 * spread(1.1), 0.05 * spread(2.3)],
+        &[3.0 + 3.0 * spread(3.1), 3.0 + 3.0 * spread(4.7)],
+        [0.05 * spread(5.9), 0.05 * spread(7.3)],
+        &[spread(8.9), spread(10.7)],
+    )
+}
+
+type Simulate = fn(&Case) -> Outcome;
+const KERNELS: [Simulate; 2] = [simulate, simulate_by_recorded_equations];
+
+/// Without drag, the outcome is that of Coulomb friction to the last bit, in both kernels.
+#[test]
+fn without_drag_the_outcome_is_that_of_coulomb_friction() {
+    for method in METHODS {
+        for kernel in KERNELS {
+            let outcome = |law, speed, k, contact| {
+                let model = Machine { contact, ..machine(law, 2.75e-3, speed) };
+                kernel(&case(model, balls(k), method, 3.0))
+            };
+            let contact = Some(BallContact { restitution: 0.36, friction_coefficient: 0.1 });
+            for (speed, contact) in [(-160.8103, None), (-216.3772, None), (-173.1803, contact)] {
+                for k in 0..2 {
+                    let both = outcome(FrictionLaw::coulomb_viscous(0.0), speed, k, contact);
+                    let dry = outcome(FrictionLaw::COULOMB, speed, k, contact);
+                    assert_eq!(both, dry, "{method:?} {speed} {k}");
+                }
+            }
+        }
+        let start = [0.12, -0.4];
+        assert_eq!(run(&block(0.0), start, method, 9.0), {
+            run(&Block::on_spring(), start, method, 9.0)
+        });
+    }
+}
+
+/// With the friction coefficient 0, the motion is that of viscous drag.
+#[test]
+fn without_dry_friction_the_motion_is_that_of_viscous_drag() {
+    let drag = 5e-4;
+    for method in METHODS {
+        for kernel in KERNELS {
+            for k in 0..3 {
+                let at = |friction, end| {
+                    kernel(&case(machine(friction, 0.0, -309.15), balls(k), method, end))
+                };
+                let [both, viscous] =
+                    [FrictionLaw::coulomb_viscous(drag), FrictionLaw::viscous(drag)]
+                        .map(|law| at(law, 0.2).position.expect("known"));
+                for (both, viscous) in both.iter().zip(&viscous) {
+                    assert!((both - viscous).abs() < 1e-12, "{both} {viscous}");
+                }
+            }
+        }
+    }
+}
