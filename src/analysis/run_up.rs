@@ -4,7 +4,7 @@
 //! normal force of the equations of motion with `ẍ = ÿ = x = y = 0`). The vibration of the table adds to that, so that a
 //! ball may slip earlier.
 
-use crate::model::{Ball, Balancer, Machine, SpeedSegment};
+use crate::model::{Ball, Machine, SPHERE_INERTIA, SpeedSegment};
 
 /// Parts of a segment in which the condition is evaluated.
 const PARTS: u32 = 1000;
@@ -31,18 +31,15 @@ pub fn run_ups(machine: &Machine) -> Vec<RunUp> {
     driven.map(|segment| run_up(machine, segment)).collect()
 }
 
-/// Returns the acceleration that a ball with this friction coefficient can follow at a speed, rad/s².
-fn followed(machine: &Machine, friction_coefficient: f64, ball: &Ball, speed_rad_s: f64) -> f64 {
-    let inertia = Balancer::<1>::new(&Machine { balls: vec![*ball], ..machine.clone() })
-        .map_or(0.0, |balancer| balancer.balls[0].inertia);
-    let lever = 1.0 - 2.0 * inertia * ball.diameter_m / machine.ring_radius_m;
-    friction_coefficient * speed_rad_s * speed_rad_s / lever
+/// Returns the acceleration that a ball can follow at a speed, rad/s².
+fn followed(machine: &Machine, ball: &Ball, speed_rad_s: f64) -> f64 {
+    let lever = 1.0 - 2.0 * SPHERE_INERTIA * ball.diameter_m / machine.ring_radius_m;
+    ball.friction_coefficient * speed_rad_s * speed_rad_s / lever
 }
 
 fn run_up(machine: &Machine, segment: &SpeedSegment) -> RunUp {
     let least = |speed_rad_s: f64| {
-        let balls = machine.balls.iter();
-        let each = balls.map(|ball| followed(machine, ball.friction_coefficient, ball, speed_rad_s));
+        let each = machine.balls.iter().map(|ball| followed(machine, ball, speed_rad_s));
         each.fold(f64::INFINITY, f64::min)
     };
     let ends = [0.0, segment.lasts_s].map(|after_s| segment.speed_rad_s(after_s));

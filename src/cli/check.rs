@@ -99,7 +99,8 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         }
         report["machine"] = machine_json(&study);
         if study.has_stages() {
-            report["run_up"] = run_up_json(design.as_ref().map_or(&study, |one| &one.study).model());
+            report["run_up"] =
+                run_up_json(design.as_ref().map_or(&study, |one| &one.study).model());
         }
         report["closed_form"] =
             ClosedForms::of(&study, design.as_ref(), most_points(&study)).json();

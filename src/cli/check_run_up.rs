@@ -23,7 +23,8 @@ fn words(run_up: &RunUp) -> String {
         "{from} to {to} rad/s from {begin} to {end} s, at most {} rad/s²",
         short(*acceleration_rad_s2)
     );
-    let followed = format!("sticking balls follow {slow} rad/s² at its begin and {fast} at its end");
+    let followed =
+        format!("sticking balls follow {slow} rad/s² at its begin and {fast} at its end");
     let slips = match slipping_fraction {
         0.0 => "they can follow all of it".to_owned(),
         fraction => format!("they slip in {} % of its time or more", short(100.0 * fraction)),

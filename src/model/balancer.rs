@@ -38,7 +38,7 @@ pub struct Balancer<const N: usize, T = f64> {
 }
 
 /// Polar moment of inertia of a homogeneous sphere over `m d²`.
-pub(super) const SPHERE_INERTIA: f64 = 0.1;
+pub const SPHERE_INERTIA: f64 = 0.1;
 
 impl<const N: usize> Balancer<N> {
     /// The non-dimensional form of a machine with exactly `N` balls; `None` for another number.

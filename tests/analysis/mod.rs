@@ -18,6 +18,7 @@ mod rank_correlation;
 mod reference_amplitude;
 mod residual_vibration;
 mod rest_curve;
+mod run_up;
 mod set_components;
 mod set_extremes;
 mod set_samples;
