@@ -124,6 +124,7 @@ impl LaneRun {
             return (self.ends(group, lane, Ending::Rest), None);
         }
         group.set_told(lane, !matches!(self.watch, CycleWatch::None));
+        self.stages.watch(group, lane, &self.units);
         self.plan(group, lane);
         (Next::Stay, Some(self))
     }
@@ -146,8 +147,12 @@ impl LaneRun {
         }
         let time = group.time(lane);
         self.stages.take_in(&LaneStep { group: &*group, lane, view: &self.view });
+        self.stages.watch(group, lane, &self.units);
         if !self.stages.is_last() {
-            return if time >= self.end() { self.enters(group, lane) } else { Next::Stay };
+            if time >= self.end() {
+                return self.enters(group, lane);
+            }
+            return if group.is_home(lane) { Next::Stay } else { Next::Move };
         }
         let displaced = self.is_displaced(time);
         self.measure(&*group, lane);
@@ -247,12 +252,10 @@ impl LaneRun {
     /// next step.
     fn plan(&mut self, group: &mut dyn LaneGroup, lane: usize) {
         if !self.stages.is_last() {
-            group.set_attention(lane, 0.0);
             return;
         }
         let Late { vibration, separation } = self.horizons.window();
-        let takes_each_step = self.watch.takes_each_step() || self.stages.counts();
-        let mut attention = if takes_each_step { 0.0 } else { vibration.start() };
+        let mut attention = if self.watch.takes_each_step() { 0.0 } else { vibration.start() };
         if !separation.has_begun() {
             attention = attention.min(separation.start());
         } else if self.is_displaced(group.time(lane)) {

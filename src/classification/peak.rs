@@ -48,6 +48,11 @@ impl Peak {
         }
     }
 
+    /// Returns the square of the amplitude.
+    pub(super) fn square(self) -> f64 {
+        self.square
+    }
+
     /// Returns the larger of two.
     pub(super) fn or(self, other: Peak) -> Peak {
         if other.square > self.square { other } else { self }

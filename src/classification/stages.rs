@@ -8,6 +8,7 @@ use super::lane_step::LaneStep;
 use super::peak::Peak;
 use crate::model::{Stage, Units};
 use crate::motion::all_stick;
+use crate::motion::lockstep::LaneGroup;
 
 /// What happened in a stage of a run, in SI units.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -79,6 +80,15 @@ impl Stages {
     pub(super) fn take_in(&mut self, step: &LaneStep) {
         if self.counts() {
             self.peak.take_in(step);
+        }
+    }
+
+    /// Requests a report of each step in which the amplitude may be larger than so far.
+    pub(super) fn watch(&self, group: &mut dyn LaneGroup, lane: usize, units: &Units) {
+        if self.counts() {
+            let speeds = self.present().speeds_rad_s.unwrap_or_default();
+            let fastest = speeds.iter().fold(0.0_f64, |most, speed| most.max(speed.abs()));
+            group.watch_amplitude(lane, fastest / units.natural_rad_s, self.peak.square());
         }
     }
 

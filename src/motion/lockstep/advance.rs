@@ -26,6 +26,10 @@ const SHORTEST: f64 = 1e-14;
 /// Square of the size above which a displacement must be rescaled.
 const LARGE: f64 = 1e200;
 
+/// In a step, the square of the amplitude is at most the largest possible one at both of its ends over this number: in
+/// half of the longest step, the table moves from its largest amplitude by less than that.
+const NEARLY_POSSIBLE: f64 = 0.5;
+
 /// Takes a step in all lanes of a group. If `displaced`, a displacement of each lane is propagated.
 pub(super) fn advance<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happened {
     g.simd.vectorize(
@@ -129,6 +133,12 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
     happened.rest = g.kernel.rest(&g.state) & commit;
     let due = g.time.simd_ge(g.attention) | g.time.simd_ge(g.until);
     happened.attention |= due.to_bitmask() & commit;
+    if g.watched != 0 {
+        let possible = possible_square(g);
+        let near = possible.max(g.possible_square).simd_ge(g.watched_square * c!(NEARLY_POSSIBLE));
+        g.possible_square = commits.select(possible, g.possible_square);
+        happened.attention |= near.to_bitmask() & commit & g.watched;
+    }
     if g.sliding != 0 {
         let mut turned = g.time.simd_lt(g.time);
         for contact in 0..g.kernel.contacts() {
@@ -147,6 +157,17 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
         }
     }
     happened
+}
+
+/// Returns the square of an amplitude that the table can reach from the end of a step: that of its displacement and its
+/// velocity in the frame at rest, over the natural frequency, together.
+#[inline(always)]
+fn possible_square<S: Vector, K: Kernel<S>>(g: &Group<S, K>) -> Lanes<S> {
+    let [x, y, x_dot, y_dot] = g.kernel.vibration_in(&g.end);
+    let square = x.fused(x, y * y);
+    let speed = x_dot.fused(x_dot, y_dot * y_dot).sqrt();
+    let at_rest = g.turning.fused(square.sqrt(), speed);
+    at_rest.fused(at_rest, square)
 }
 
 /// An event that ends a step.

@@ -45,6 +45,12 @@ pub(super) struct Group<S: Vector, K: Kernel<S>> {
     pub(super) sliding: u64,
     /// Lanes for which turns and switches are reported.
     pub(super) told: u64,
+    /// Lanes whose amplitude is watched, with the speed of their frames, the square of the amplitude above which a step is
+    /// reported, and the square of the largest amplitude possible near the end of the latest step.
+    pub(super) watched: u64,
+    pub(super) turning: Lanes<S>,
+    pub(super) watched_square: Lanes<S>,
+    pub(super) possible_square: Lanes<S>,
     /// Lanes whose latest step ended with an event.
     pub(super) ended: u64,
     /// Lanes in which an event at the end of the latest step reset the state.
@@ -88,6 +94,10 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
             alive: 0,
             sliding: 0,
             told: 0,
+            watched: 0,
+            turning: zero,
+            watched_square: zero,
+            possible_square: zero,
             ended: 0,
             reset: 0,
             before: flow.clone(),
@@ -146,6 +156,7 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
         self.alive |= bit;
         self.ended &= !bit;
         self.reset &= !bit;
+        self.watched &= !bit;
         let slides =
             (0..self.kernel.contacts()).any(|contact| !own.system.friction(contact).can_stick());
         self.sliding = self.sliding & !bit | if slides { bit } else { 0 };
@@ -164,6 +175,7 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
         let bit = 1 << lane;
         self.alive &= !bit;
         self.sliding &= !bit;
+        self.watched &= !bit;
         self.lanes[lane] = None;
         self.kernel.clear(lane);
         // The lane takes steps of length 0 until it has a run again.
@@ -193,6 +205,16 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
 
     fn set_attention(&mut self, lane: usize, from: f64) {
         self.attention[lane] = from;
+    }
+
+    fn watch_amplitude(&mut self, lane: usize, turning: f64, square: f64) {
+        let bit = 1 << lane;
+        if self.watched & bit == 0 {
+            self.possible_square[lane] = f64::INFINITY;
+        }
+        self.watched |= bit;
+        self.turning[lane] = turning.abs();
+        self.watched_square[lane] = square;
     }
 
     fn set_told(&mut self, lane: usize, told: bool) {

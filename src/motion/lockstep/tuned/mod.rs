@@ -309,6 +309,11 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     }
 
     #[inline(always)]
+    fn vibration_in(&self, flow: &Flow<S, N>) -> [Lanes<S>; 4] {
+        flow.table
+    }
+
+    #[inline(always)]
     fn relative_travel(
         &self,
         room: &Room<S, N>,
