@@ -79,7 +79,7 @@ impl Coordinate {
             unit: None,
             unit_in_words,
             meaning,
-            default_range: [-half_width, half_width],
+            default_range: [0.0 - half_width, half_width], // not -0.0 for no width
             default_in_words: None,
         }
     }

@@ -94,6 +94,8 @@ fn units_on_the_page_are_those_of_the_schema() {
         ("_m_s", "m/s"),
         ("_n", "N"),
         ("_m", "m"),
+        ("_s", "s"),
+        ("_rad", "rad"),
     ];
     let described = &schema["properties"]["uncertain"]["properties"];
     let mut compared = 0;

@@ -4,14 +4,26 @@ use std::sync::Arc;
 
 use stickslip::model::{
     BallContact, Block, Bound, Capabilities, Components, Coordinate, FRICTION_LAWS, Field,
-    FrictionLaw, Law, MAX_LAW_PARAMETERS, Model, ModelKind, OwnKind, OwnModel, ParameterDescriptor,
-    Registry, SlidingSpeed, System, Units, model_kinds,
+    FrictionLaw, Kick, Law, MAX_LAW_PARAMETERS, Model, ModelKind, OwnKind, OwnModel,
+    ParameterDescriptor, ProfilePart, Ramp, RampShape, Registry, SlidingSpeed, SpeedProfile,
+    System, Units, model_kinds,
 };
 
-/// Gives the balls of a model contact, whose parameters exist only then.
-fn with_contact(mut model: Model) -> Model {
+/// Gives a machine what it has only on request: contact between balls, a speed profile with one part of each form, and a
+/// kick. Their parameters exist only then.
+fn with_all_parts(mut model: Model) -> Model {
     if let Some(machine) = model.ball_balancer_mut() {
         machine.contact = Some(BallContact::default());
+        let last = machine.speed_rad_s;
+        let (start_speed_rad_s, middle) = (0.1 * last, 0.5 * last);
+        let ramp = Ramp { shape: RampShape::Linear, to_rad_s: Some(middle), over_s: 1.0 };
+        let parts = vec![
+            ProfilePart::Ramp(ramp),
+            ProfilePart::Hold(Some(1.0)),
+            ProfilePart::Table(vec![[0.0, middle], [1.0, last]]),
+        ];
+        machine.speed_profile = Some(SpeedProfile { start_speed_rad_s, parts });
+        machine.kicks = vec![Kick { at_s: 1.0, speed_m_s: 0.01, direction_rad: 0.0 }];
     }
     model
 }
@@ -20,7 +32,7 @@ fn with_contact(mut model: Model) -> Model {
 #[test]
 fn defaults_have_all_parameters() {
     for kind in model_kinds().iter().copied() {
-        let mut model = with_contact((kind.default)());
+        let mut model = with_all_parts((kind.default)());
         assert_eq!(model.kind(), kind);
         assert_eq!(model.validate(), Ok(()), "{kind:?}");
         for parameter in kind.parameters.iter().filter(|parameter| parameter.is_number()) {
@@ -36,7 +48,7 @@ fn parameters_have_fields_of_their_own() {
     for kind in model_kinds().iter().copied() {
         let numbers = || kind.parameters.iter().filter(|parameter| parameter.is_number());
         for changed in numbers() {
-            let mut model = with_contact((kind.default)());
+            let mut model = with_all_parts((kind.default)());
             *changed.numbers(&mut model, None)[0] = 1234.5;
             let is_changed = |name: &str| {
                 let own = numbers().find(|parameter| parameter.name == name).expect("a number");
@@ -55,6 +67,8 @@ fn names_are_unique_and_have_units() {
     let endings = [
         ("kg", "_kg"),
         ("m", "_m"),
+        ("s", "_s"),
+        ("rad", "_rad"),
         ("N/m", "_n_m"),
         ("N s/m", "_n_s_m"),
         ("N", "_n"),

@@ -197,7 +197,11 @@ pub(in crate::study) fn axes_of(kind: &str) -> Vec<String> {
 /// Returns the schema of ranges by start coordinate.
 pub(in crate::study) fn start_box(generator: &mut SchemaGenerator) -> Schema {
     let range = <Range as JsonSchema>::json_schema(generator);
-    let models = all_models();
+    let mut models = all_models();
+    // The default ranges are those at constant speed; the description of `box` says what a profile changes.
+    for machine in models.iter_mut().filter_map(Model::ball_balancer_mut) {
+        machine.speed_profile = None;
+    }
     let axes = models.iter().flat_map(axes_in_words);
     let properties: Map<String, Value> =
         axes.map(|(name, meaning)| (name, described(range.clone().to_value(), meaning))).collect();

@@ -123,8 +123,8 @@ pub struct BlockFile {
 pub struct InitialConditionsFile {
     /// Ranges `[low, high]` by coordinate; other coordinates have their default range. Ball
     /// balancer: lengths over the ring radius, and time multiplied by the natural frequency; `beta`
-    /// and `beta_dot` hold for every ball, `beta_1` and so on for one ball. Block: `position_m` and
-    /// `velocity_m_s`.
+    /// and `beta_dot` hold for every ball, `beta_1` and so on for one ball; with a speed profile, the default range of all
+    /// coordinates but the angles is `[0, 0]`. Block: `position_m` and `velocity_m_s`.
     #[serde(rename = "box", default)]
     #[schemars(schema_with = "schema::start_box")]
     pub start_box: Option<IndexMap<String, Range>>,
