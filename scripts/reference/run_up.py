@@ -389,7 +389,8 @@ def run_all(starts, parts, durations, end, p, t_end, rtol, atol):
     infos = np.zeros((n, 3))
     for i in nb.prange(n):
         infos[i, 2] = 1e300
-        y, rows = follow(starts[i], parts, durations, p, rtol, atol, H_MAX, infos[i], np.zeros((0, STATE + N)))
+        nothing = np.zeros((0, STATE + N))
+        y, rows = follow(starts[i], parts, durations, p, rtol, atol, H_MAX, infos[i], nothing)
         if rows < 0:
             outcome[i] = el.FAILED
             continue
@@ -476,8 +477,9 @@ def main():
             other = runs(starts, profile, end_s, rtol=args.flips, atol=1e-2 * args.flips)
             print(
                 f"  relative tolerance {args.flips:g}: {(outcome != other[0]).sum()} other outcomes; largest changes"
-                f" {largest_angle(reached, other[2]):.1e} rad at the end of the ramp, {largest_angle(ends, other[3]):.1e}"
-                f" rad at the end, {np.abs(rest - other[1]).max() / natural:.1e} s in time to rest"
+                f" {largest_angle(reached, other[2]):.1e} rad at the end of the ramp,"
+                f" {largest_angle(ends, other[3]):.1e} rad at the end,"
+                f" {np.abs(rest - other[1]).max() / natural:.1e} s in time to rest"
             )
         if args.out:
             if (outcome == el.FAILED).any():
