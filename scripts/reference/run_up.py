@@ -66,7 +66,7 @@ STATE = DIM + 1
 # A part of the speed: disc angle and speed at its begin, and acceleration.
 THETA, OMEGA, ALPHA = 0, 1, 2
 
-RTOL, ATOL = 1e-10, 1e-12
+RTOL, ATOL = 1e-11, 1e-13
 MAX_EVENTS = 100_000
 
 TABLEAU = np.zeros((7, 7))
@@ -414,11 +414,13 @@ def start_states(count, seed):
 
 
 # --- The recorded runs ------------------------------------------------------------------
-# All balls slip throughout the single ramp. The plateau of the other profile lets balls
-# come to rest, and its second ramp breaks some of them away.
+# All balls slip throughout the single ramp. The plateaus of the other profiles let balls
+# come to rest, and their second ramps break some of them away; the last one passes the
+# natural frequency.
 PROFILES = (
     Profile(-10.0, [(3.0, -160.8103)]),
     Profile(-10.0, [(2.0, -140.0), (4.0, -140.0), (1.5, -173.1803)]),
+    Profile(-10.0, [(2.0, -160.0), (3.0, -160.0), (4.0, -216.3772)]),
 )
 AFTER_THE_RAMP_S = 8.0
 RUNS = 64
@@ -479,7 +481,7 @@ def main():
                 f"  relative tolerance {args.flips:g}: {(outcome != other[0]).sum()} other outcomes; largest changes"
                 f" {largest_angle(reached, other[2]):.1e} rad at the end of the ramp,"
                 f" {largest_angle(ends, other[3]):.1e} rad at the end,"
-                f" {np.abs(rest - other[1]).max() / natural:.1e} s in time to rest"
+                f" {np.abs(rest - other[1])[calm].max() / natural:.1e} s in time to rest"
             )
         if args.out:
             if (outcome == el.FAILED).any():
