@@ -124,7 +124,7 @@ impl LaneRun {
             return (self.ends(group, lane, Ending::Rest), None);
         }
         group.set_told(lane, !matches!(self.watch, CycleWatch::None));
-        self.stages.watch(group, lane, &self.units);
+        self.stages.watch(group, lane);
         self.plan(group, lane);
         (Next::Stay, Some(self))
     }
@@ -147,7 +147,7 @@ impl LaneRun {
         }
         let time = group.time(lane);
         self.stages.take_in(&LaneStep { group: &*group, lane, view: &self.view });
-        self.stages.watch(group, lane, &self.units);
+        self.stages.watch(group, lane);
         if !self.stages.is_last() {
             if time >= self.end() {
                 return self.enters(group, lane);

@@ -84,11 +84,9 @@ impl Stages {
     }
 
     /// Requests a report of each step in which the amplitude may be larger than so far.
-    pub(super) fn watch(&self, group: &mut dyn LaneGroup, lane: usize, units: &Units) {
+    pub(super) fn watch(&self, group: &mut dyn LaneGroup, lane: usize) {
         if self.counts() {
-            let speeds = self.present().speeds_rad_s.unwrap_or_default();
-            let fastest = speeds.iter().fold(0.0_f64, |most, speed| most.max(speed.abs()));
-            group.watch_amplitude(lane, fastest / units.natural_rad_s, self.peak.square());
+            group.watch_amplitude(lane, self.peak.square());
         }
     }
 

@@ -26,9 +26,10 @@ const SHORTEST: f64 = 1e-14;
 /// Square of the size above which a displacement must be rescaled.
 const LARGE: f64 = 1e200;
 
-/// In a step, the square of the amplitude is at most the largest possible one at both of its ends over this number: in
-/// half of the longest step, the table moves from its largest amplitude by less than that.
-const NEARLY_POSSIBLE: f64 = 0.5;
+/// The square of the amplitude exceeds its values at the ends of the quarters of a step by less than this part of their
+/// range: in the longest steps it oscillates by 5 rad at its highest frequency, by 0.63 rad within half of a quarter, and
+/// 1 - cos 0.63 is 0.19.
+const BETWEEN: f64 = 0.25;
 
 /// Takes a step in all lanes of a group. If `displaced`, a displacement of each lane is propagated.
 pub(super) fn advance<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happened {
@@ -134,10 +135,8 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
     let due = g.time.simd_ge(g.attention) | g.time.simd_ge(g.until);
     happened.attention |= due.to_bitmask() & commit;
     if g.watched != 0 {
-        let possible = possible_square(g);
-        let near = possible.max(g.possible_square).simd_ge(g.watched_square * c!(NEARLY_POSSIBLE));
-        g.possible_square = commits.select(possible, g.possible_square);
-        happened.attention |= near.to_bitmask() & commit & g.watched;
+        let larger = largest_square(g, length).simd_gt(g.watched_square);
+        happened.attention |= larger.to_bitmask() & commit & g.watched;
     }
     if g.sliding != 0 {
         let mut turned = g.time.simd_lt(g.time);
@@ -159,15 +158,18 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
     happened
 }
 
-/// Returns the square of an amplitude that the table can reach from the end of a step: that of its displacement and its
-/// velocity in the frame at rest, over the natural frequency, together.
+/// Returns a bound of the square of the amplitude in a step, from its values at the ends of the quarters.
 #[inline(always)]
-fn possible_square<S: Vector, K: Kernel<S>>(g: &Group<S, K>) -> Lanes<S> {
-    let [x, y, x_dot, y_dot] = g.kernel.vibration_in(&g.end);
-    let square = x.fused(x, y * y);
-    let speed = x_dot.fused(x_dot, y_dot * y_dot).sqrt();
-    let at_rest = g.turning.fused(square.sqrt(), speed);
-    at_rest.fused(at_rest, square)
+fn largest_square<S: Vector, K: Kernel<S>>(g: &Group<S, K>, length: Lanes<S>) -> Lanes<S> {
+    let zero = Lanes::splat(g.simd, 0.0);
+    let (mut least, mut most) = (Lanes::splat(g.simd, f64::INFINITY), zero);
+    for part in [0.0, 0.25, 0.5, 0.75, 1.0] {
+        let [x, y] = g.kernel.vibration_at(&g.room, Lanes::splat(g.simd, part) * length);
+        let square = x.fused(x, y * y);
+        least = least.min(square);
+        most = most.max(square);
+    }
+    (most - least).fused(Lanes::splat(g.simd, BETWEEN), most)
 }
 
 /// An event that ends a step.

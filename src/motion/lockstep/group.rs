@@ -45,12 +45,9 @@ pub(super) struct Group<S: Vector, K: Kernel<S>> {
     pub(super) sliding: u64,
     /// Lanes for which turns and switches are reported.
     pub(super) told: u64,
-    /// Lanes whose amplitude is watched, with the speed of their frames, the square of the amplitude above which a step is
-    /// reported, and the square of the largest amplitude possible near the end of the latest step.
+    /// Lanes whose amplitude is watched, with the square of the amplitude above which a step is reported.
     pub(super) watched: u64,
-    pub(super) turning: Lanes<S>,
     pub(super) watched_square: Lanes<S>,
-    pub(super) possible_square: Lanes<S>,
     /// Lanes whose latest step ended with an event.
     pub(super) ended: u64,
     /// Lanes in which an event at the end of the latest step reset the state.
@@ -95,9 +92,7 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
             sliding: 0,
             told: 0,
             watched: 0,
-            turning: zero,
             watched_square: zero,
-            possible_square: zero,
             ended: 0,
             reset: 0,
             before: flow.clone(),
@@ -207,13 +202,8 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
         self.attention[lane] = from;
     }
 
-    fn watch_amplitude(&mut self, lane: usize, turning: f64, square: f64) {
-        let bit = 1 << lane;
-        if self.watched & bit == 0 {
-            self.possible_square[lane] = f64::INFINITY;
-        }
-        self.watched |= bit;
-        self.turning[lane] = turning.abs();
+    fn watch_amplitude(&mut self, lane: usize, square: f64) {
+        self.watched |= 1 << lane;
         self.watched_square[lane] = square;
     }
 

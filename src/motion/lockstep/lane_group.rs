@@ -74,8 +74,8 @@ pub(crate) trait LaneGroup {
     /// Requests that a lane be reported after each step from a time on.
     fn set_attention(&mut self, lane: usize, from: f64);
     /// Requests that a lane be reported after each step in which the amplitude of the vibration may exceed the root of
-    /// `square`, in a frame that turns at most with the speed `turning`.
-    fn watch_amplitude(&mut self, lane: usize, turning: f64, square: f64);
+    /// `square`.
+    fn watch_amplitude(&mut self, lane: usize, square: f64);
     /// Sets whether turns and switches of a lane are reported.
     fn set_told(&mut self, lane: usize, told: bool);
     /// Returns whether a time may shorten the next step of a lane.

@@ -19,7 +19,7 @@ use super::kernel::{Ends, Kernel, POWERS, Powers};
 use super::lane::Lane;
 use super::step_length::{longest_step, reciprocal};
 use super::{LANES, Lanes, ORDER};
-use crate::model::{Components, Graph, Layout, Structure, System};
+use crate::model::{Components, Graph, Structure, System};
 use crate::motion::cluster::{HeldCluster, held_clusters};
 use crate::motion::evaluator::Evaluator;
 use crate::motion::lockstep::vector::{Fused, Vector};
@@ -381,13 +381,12 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     #[inline(always)]
-    fn vibration_in(&self, flow: &Flow<S>) -> [Lanes<S>; 4] {
-        let Layout { vibration, velocities, .. } = &self.graph.layout;
-        match (vibration, velocities.first().map(Vec::as_slice)) {
-            (Some([x, y]), Some([x_dot, y_dot])) => {
-                [*x, *y, *x_dot, *y_dot].map(|component| flow.components[component])
+    fn vibration_at(&self, room: &Room<S>, time: Lanes<S>) -> [Lanes<S>; 2] {
+        match self.graph.layout.vibration {
+            Some([x, y]) => {
+                [self.sum(&room.series, x as Slot, time), self.sum(&room.series, y as Slot, time)]
             }
-            _ => [Lanes::splat(self.simd, 0.0); 4],
+            None => [Lanes::splat(self.simd, 0.0); 2],
         }
     }
 

@@ -309,8 +309,8 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     }
 
     #[inline(always)]
-    fn vibration_in(&self, flow: &Flow<S, N>) -> [Lanes<S>; 4] {
-        flow.table
+    fn vibration_at(&self, room: &Room<S, N>, time: Lanes<S>) -> [Lanes<S>; 2] {
+        room.series.table_at(time)
     }
 
     #[inline(always)]

@@ -191,6 +191,17 @@ impl<S: Vector, const N: usize> Series<S, N> {
         sums
     }
 
+    /// Returns the position of the table a time later.
+    #[inline(always)]
+    pub(super) fn table_at(&self, time: Lanes<S>) -> [Lanes<S>; 2] {
+        let [mut x, mut y] = [Lanes::splat(time.simd, 0.0); 2];
+        for term in self.terms[..=ORDER + 1].iter().rev() {
+            x = x.fused(time, term.table[0]);
+            y = y.fused(time, term.table[1]);
+        }
+        [x, y]
+    }
+
     /// The state a time later.
     #[inline(always)]
     pub(super) fn at(
