@@ -50,7 +50,7 @@ pub fn most_steps_by(time: f64, pace: f64) -> u64 {
     MOST_AT_ONCE.saturating_add((MOST_PER_TIME * pace * time) as u64)
 }
 
-/// Number of events allowed within a unit of time. A motion with more does not go on, and each event may take as long as a
+/// Number of events allowed within a unit of time over the pace. A motion with more does not go on, and each event may take as long as a
 /// hundred steps.
 pub(super) const MOST_EVENTS_AT_ONCE: u32 = 10_000;
 /// Number of steps allowed at time 0.

@@ -29,8 +29,8 @@ fn runs_with_too_many_steps_are_abandoned_soon() {
 }
 
 /// With extremely heavy balls, the steps of a ball that nearly turns about its own contact shrink
-/// without bound. The run is given up by the limit for the time reached, not by the limit for its
-/// end time.
+/// without bound, and many switches follow one another at once. The run is given up by the limit
+/// for these, not by the limit for its end time.
 #[test]
 fn a_run_that_hardly_moves_on_is_given_up_soon() {
     let mut machine = Machine::default();
@@ -45,5 +45,5 @@ fn a_run_that_hardly_moves_on_is_given_up_soon() {
     let outcome = simulate(&Case { model: machine.into(), start, simulation });
     assert_eq!(outcome.evidence.name(), "step_limit");
     let taken = outcome.effort.total();
-    assert!((100_000..200_000).contains(&taken), "{taken}");
+    assert!((10_000..20_000).contains(&taken), "{taken}");
 }

@@ -233,22 +233,22 @@ fn protocols_that_are_refused() {
             "protocol: startup, disturbances: [{kick: {at_s: 1, speed_m_s: 1}}]",
             "disturbances beside protocol",
         ),
-        ("protocol: {startup: {over_s: 0}}", "model.protocol.startup.over_s: not a duration"),
+        ("protocol: {startup: {over_s: 0}}", "`model.protocol.startup.over_s`: not a duration"),
         (
             "protocol: {startup: {from_rad_s: 31}}",
-            "model.protocol.startup.from_rad_s: not a first speed",
+            "`model.protocol.startup.from_rad_s`: not a first speed",
         ),
         (
             "protocol: {startup_and_hammer: {hits: 9}}",
-            "model.protocol.startup_and_hammer.hits: not a number of hits",
+            "`model.protocol.startup_and_hammer.hits`: not a number of hits",
         ),
         (
             "protocol: {startup_and_hammer: {wait_s: -1}}",
-            "model.protocol.startup_and_hammer.wait_s: not a duration",
+            "`model.protocol.startup_and_hammer.wait_s`: not a duration",
         ),
         (
             "protocol: {startup_and_hammer: {speed_m_s: -1}}",
-            "model.protocol.startup_and_hammer.speed_m_s: not a hit",
+            "`model.protocol.startup_and_hammer.speed_m_s`: not a hit",
         ),
     ] {
         let message = refusal(&text(model, ""));

@@ -43,7 +43,7 @@ pub(crate) struct Lane {
     pub(super) last_touch: f64,
     /// Whether a displacement met a switch by grazing.
     pub(super) grazed: bool,
-    /// The events within a unit of time, and its begin.
+    /// The events within a unit of time over the pace, and its begin.
     pub(super) events: u32,
     pub(super) events_since: f64,
 }
@@ -68,9 +68,9 @@ impl Lane {
     /// Counts an event.
     ///
     /// # Errors
-    /// [`Failure::StepLimit`] if there are more within a unit of time than any motion has that goes on.
+    /// [`Failure::StepLimit`] if there are more within a unit of time, over the pace, than in any motion that goes on.
     pub(super) fn count_event(&mut self, time: f64) -> Result<(), Failure> {
-        if time >= self.events_since + 1.0 {
+        if time >= self.events_since + 1.0 / self.pace {
             (self.events, self.events_since) = (0, time);
         }
         self.events += 1;
