@@ -1,6 +1,6 @@
 //! The motion of the disc in a run: its speed, and the angle by which it has turned since the start.
 
-use super::{Machine, SpeedSegment};
+use super::{Machine, Model, SpeedSegment};
 
 /// The motion of a disc over the time of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +62,13 @@ impl Machine {
         let segments = self.speed_segments();
         let knots = segments.iter().map(|segment| segment.begins_s);
         knots.chain(self.kicks.iter().map(|kick| kick.at_s)).fold(0.0, f64::max)
+    }
+}
+
+impl Model {
+    /// Returns the begin of the last stage of a run, s; 0 for a model whose runs have one stage.
+    pub fn last_stage_begins_s(&self) -> f64 {
+        self.ball_balancer().map_or(0.0, Machine::last_stage_begins_s)
     }
 }
 

@@ -150,7 +150,7 @@ fn the_tables_of_a_motion() {
 }
 
 /// The speed of the disc is that of the profile, and the disc has turned by its integral. A kick breaks balls loose that
-/// rest, at its very time.
+/// rest, at its very time, which is a switch.
 #[test]
 fn the_motion_of_a_disc_that_starts() {
     let scratch = Scratch::new();
@@ -184,13 +184,17 @@ fn the_motion_of_a_disc_that_starts() {
         assert_eq!((x[before], y[before]), (x[after], y[after]));
         let [one, other] = ["x_dot_inertial_m_s", "y_dot_inertial_m_s"].map(of);
         let jump = (one[after] - one[before]).hypot(other[after] - other[before]);
-        assert!((jump - 0.2).abs() < 1e-9, "{jump} m/s");
+        // The impact of balls that touched before the kick moves the table by a few µm/s.
+        assert!((jump - 0.2).abs() < 1e-5, "{jump} m/s");
         let direction = (other[after] - other[before]).atan2(one[after] - one[before]);
-        assert!((direction - 1.0).abs() < 1e-6, "{direction} rad");
+        assert!((direction - 1.0).abs() < 1e-4, "{direction} rad");
+        // Only balls that rest change their phase, and each does.
         let switches = scratch.table(&out, "switches");
         let from = words(&switches, "from");
-        let at_kick = numbers(&switches, "time_s").into_iter().zip(from).filter(|(time, from)| {
-            (time.unwrap() - 1.5).abs() < 1e-9 && from.as_deref() == Some("stick")
+        let is_kick = |time: f64| (time - 0.05).abs() < 1e-9 || (time - 1.5).abs() < 1e-9;
+        let switched = numbers(&switches, "time_s").into_iter().zip(from);
+        let at_kick = switched.filter(|(time, from)| {
+            is_kick(time.unwrap()) && from.as_deref() == Some("stick")
         });
         broken_loose += at_kick.count();
         // Requested times have the motion after the kick.

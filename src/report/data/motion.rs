@@ -1,16 +1,17 @@
 //! The motion of a run that is computed again: speed of the disc, amplitude and speeds of the balls over time.
 
-use crate::classification::{Instants, Recorder, simulate_recorded};
+use crate::classification::{Instants, Recorder, Sample, simulate_recorded};
 use crate::model::{Case, DiscMotion};
 use crate::study::Study;
 
-/// The number of intervals into which the time of a run is divided, each with one value of a curve.
-const INTERVALS: usize = 320;
+/// The number of intervals into which the time before the last stage and that of the last stage are each divided. A curve
+/// has one value in each.
+const INTERVALS: usize = 160;
 /// Instants per period of the fastest oscillation, and the smallest and the largest number of instants in an interval.
 const INSTANTS_PER_PERIOD: f64 = 8.0;
 const INSTANTS: (f64, f64) = (6.0, 64.0);
 
-/// The motion of a run in intervals of equal length.
+/// The motion of a run in intervals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
     /// The middle of each interval, s.
@@ -49,26 +50,35 @@ pub fn motion(study: &Study, run_id: u64, end_s: f64) -> Option<Motion> {
     }
     let disc = machine.disc_motion();
     let units = case.model.units();
-    let rate = disc.fastest_rad_s() + units.natural_rad_s;
-    let periods = end_s * rate / std::f64::consts::TAU / INTERVALS as f64;
-    let each = (periods * INSTANTS_PER_PERIOD).clamp(INSTANTS.0, INSTANTS.1).ceil() as usize;
-    let all = each * INTERVALS;
-    let instant = |place: usize| end_s * ((place as f64 + 0.5) / all as f64);
-    let times = (0..all).map(|place| instant(place) * units.natural_rad_s);
-    let mut recorder = Recorder::new(Instants::At(times.collect()), all);
+    let rate_rad_s = disc.fastest_rad_s() + units.natural_rad_s;
+    let last_stage_s = machine.last_stage_begins_s();
+    let parts = match 0.0 < last_stage_s && last_stage_s < end_s {
+        true => vec![[0.0, last_stage_s], [last_stage_s, end_s]],
+        false => vec![[0.0, end_s]],
+    };
+    let intervals: Vec<Interval> =
+        parts.into_iter().flat_map(|ends| divided(ends, rate_rad_s)).collect();
+    let instants = intervals.iter().flat_map(Interval::instants_s);
+    let times: Vec<f64> = instants.map(|time| time * units.natural_rad_s).collect();
+    let most = times.len();
+    let mut recorder = Recorder::new(Instants::At(times), most);
     simulate_recorded(&case, &mut recorder);
     let samples = recorder.finish().samples;
-    let balls = machine.balls.len();
+    let mut samples = samples.iter();
     let mut motion = Motion {
         time_s: Vec::new(),
         amplitude_m: Vec::new(),
-        ball_speed_rad_s: vec![Vec::new(); balls],
+        ball_speed_rad_s: vec![Vec::new(); machine.balls.len()],
         disc,
-        last_stage_s: machine.last_stage_begins_s(),
+        last_stage_s,
         kicks_s: machine.kicks.iter().map(|kick| kick.at_s).collect(),
     };
-    for (interval, samples) in samples.chunks(each).enumerate() {
-        motion.time_s.push(end_s * ((interval as f64 + 0.5) / INTERVALS as f64));
+    for interval in intervals {
+        let samples: Vec<&Sample> = samples.by_ref().take(interval.instants).collect();
+        if samples.is_empty() {
+            break;
+        }
+        motion.time_s.push(interval.middle_s());
         let tables = samples.iter().filter_map(|sample| sample.table);
         let largest = tables.map(|[x, y, ..]| x.hypot(y)).fold(0.0, f64::max);
         motion.amplitude_m.push(largest * units.length_m);
@@ -79,4 +89,34 @@ pub fn motion(study: &Study, run_id: u64, end_s: f64) -> Option<Motion> {
         }
     }
     Some(motion)
+}
+
+/// A part of the time of a run, with a number of equidistant instants in it.
+#[derive(Clone, Copy, Debug)]
+struct Interval {
+    ends_s: [f64; 2],
+    instants: usize,
+}
+
+impl Interval {
+    fn instants_s(&self) -> impl Iterator<Item = f64> {
+        let Interval { ends_s: [from, to], instants } = *self;
+        let part = move |place: usize| (place as f64 + 0.5) / instants as f64;
+        (0..instants).map(move |place| from + (to - from) * part(place))
+    }
+
+    fn middle_s(&self) -> f64 {
+        0.5 * (self.ends_s[0] + self.ends_s[1])
+    }
+}
+
+/// Divides a time into intervals, with enough instants for oscillations of this angular frequency.
+fn divided([from_s, to_s]: [f64; 2], rate_rad_s: f64) -> impl Iterator<Item = Interval> {
+    let length_s = (to_s - from_s) / INTERVALS as f64;
+    let periods = length_s * rate_rad_s / std::f64::consts::TAU;
+    let instants = (periods * INSTANTS_PER_PERIOD).clamp(INSTANTS.0, INSTANTS.1).ceil() as usize;
+    (0..INTERVALS).map(move |place| {
+        let [begin_s, end_s] = [place, place + 1].map(|place| from_s + length_s * place as f64);
+        Interval { ends_s: [begin_s, end_s], instants }
+    })
 }

@@ -26,10 +26,9 @@ impl ReportData<'_> {
             return Observation { begin_s: 0.0, end_s };
         }
         let point = self.study.point(point.point_id);
-        let machine = point.model().ball_balancer();
         Observation {
-            begin_s: machine.map_or(0.0, |machine| machine.last_stage_begins_s()),
-            end_s: point.model().end_time_s().unwrap_or(end_s),
+            begin_s: point.model().last_stage_begins_s(),
+            end_s: point.model().end_time_s().map_or(end_s, rounded),
         }
     }
 
@@ -45,4 +44,9 @@ impl ReportData<'_> {
             false => self.study.simulation().end_time_s.to_string(),
         }
     }
+}
+
+/// Returns a sum of durations without the digits that rounding adds.
+fn rounded(time_s: f64) -> f64 {
+    (time_s * 1e9).round() / 1e9
 }

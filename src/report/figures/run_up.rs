@@ -36,8 +36,8 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         caption: format!(
             "The motion of up to {runs} runs of each point, computed again: the first run, the run with the largest \
              amplitude, and runs with the smallest, median, 90 % and largest amplitude at the end. Amplitude: the \
-             largest displacement of the table in each of 320 intervals of the time of a run; a diamond is the largest \
-             one of the run. The curves over the speed of the disc show the times at which the speed changes. Speed of \
+             largest displacement of the table in each of 160 intervals before the last stage and of 160 in it; a \
+             diamond is the largest one of the run. The curves over the speed of the disc show the times at which the speed changes. Speed of \
              a ball: relative to the ring, the mean of each interval.{of_points}{left_out}"
         ),
         alternative: words(data, points),
