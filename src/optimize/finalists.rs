@@ -13,7 +13,7 @@ use super::pareto::pareto_front;
 use super::search::Search;
 use crate::classification::Label;
 use crate::responses::{Answer, Design, Estimate, respond};
-use crate::study::{DesignValue, Measure, Response};
+use crate::study::{AmplitudeKind, DesignValue, Measure, Response};
 
 /// The role of a design in the finalists.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -176,7 +176,8 @@ fn respond_with_own_runs(
     let design = Design { number: design.unwrap_or(0), values, studies };
     let name = String::new();
     let mut responses = study.responses().to_vec();
-    responses.push(Response { name, measure: Measure::Mean, relative: true });
+    let amplitude = AmplitudeKind::RelativeResidual;
+    responses.push(Response { name, measure: Measure::Mean, amplitude });
     respond(workers, &responses, design, stop, finished)
 }
 

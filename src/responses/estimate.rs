@@ -11,7 +11,7 @@ pub struct RunResult {
     pub cell: u64,
     /// Label of the run.
     pub label: Label,
-    /// Residual amplitude, in m or relative to the amplitude without balls; `None` if the run failed.
+    /// The measured amplitude, in m or relative to the amplitude without balls; `None` if the run failed.
     pub amplitude: Option<f64>,
     /// Time at which the run came to rest, s.
     pub time_to_rest_s: Option<f64>,

@@ -10,7 +10,7 @@ use super::rest_time::median_time_to_rest;
 use crate::analysis::{LabelCounts, reference_amplitude};
 use crate::classification::Label;
 use crate::engine::WorkerPool;
-use crate::study::{DesignValue, Measure, ParameterValue, Response, Study};
+use crate::study::{AmplitudeKind, DesignValue, Measure, ParameterValue, Response, Study};
 use crate::table::RunRecord;
 
 const NO_REFERENCE: &str =
@@ -160,17 +160,20 @@ fn queue_length(points: &[PointRuns]) -> usize {
 /// Returns the answer of a design at a point from its runs there.
 fn answer(design: &Design, responses: &[Response], at: &PointRuns, runs: &[RunRecord]) -> Answer {
     let point = at.study.point(at.point_id);
-    let sample = |relative| Sample {
+    let sample = |amplitude| Sample {
         cells: point.cells,
-        runs: runs.iter().map(|run| observed(run, relative)).collect(),
+        runs: runs.iter().map(|run| observed(run, amplitude)).collect(),
     };
-    let [absolute, relative] = [sample(false), sample(true)];
-    let estimate = |response: &Response| {
-        let sample = if response.relative { &relative } else { &absolute };
-        match response.relative && lacks_reference(&absolute, &relative) {
-            true => Estimate::unknown(NO_REFERENCE),
-            false => estimate(response.measure, sample),
+    let residual = sample(AmplitudeKind::Residual);
+    let relative = sample(AmplitudeKind::RelativeResidual);
+    let peak = sample(AmplitudeKind::Peak);
+    let estimate = |response: &Response| match response.amplitude {
+        AmplitudeKind::Residual => estimate(response.measure, &residual),
+        AmplitudeKind::RelativeResidual if lacks_reference(&residual, &relative) => {
+            Estimate::unknown(NO_REFERENCE)
         }
+        AmplitudeKind::RelativeResidual => estimate(response.measure, &relative),
+        AmplitudeKind::Peak => estimate(response.measure, &peak),
     };
     let mut counts = LabelCounts::default();
     runs.iter().for_each(|run| counts.add(run.outcome.label()));
@@ -186,25 +189,25 @@ fn answer(design: &Design, responses: &[Response], at: &PointRuns, runs: &[RunRe
 }
 
 /// Returns whether runs have amplitudes, but none that is relative to the machine without balls.
-fn lacks_reference(absolute: &Sample, relative: &Sample) -> bool {
+fn lacks_reference(residual: &Sample, relative: &Sample) -> bool {
     let has_amplitude = |sample: &Sample| sample.runs.iter().any(|run| run.amplitude.is_some());
-    has_amplitude(absolute) && !has_amplitude(relative)
+    has_amplitude(residual) && !has_amplitude(relative)
 }
 
-fn observed(run: &RunRecord, relative: bool) -> RunResult {
+fn observed(run: &RunRecord, amplitude: AmplitudeKind) -> RunResult {
     let RunRecord { planned, outcome, .. } = run;
     let reference = || {
         let machine = planned.case.as_ref().ok()?.model.ball_balancer()?;
         reference_amplitude(machine).filter(|amplitude| *amplitude > 0.0)
     };
-    let amplitude = outcome.amplitude_m;
+    let residual = outcome.amplitude_m;
     RunResult {
         cell: planned.cell,
         label: outcome.label(),
-        amplitude: if relative {
-            amplitude.and_then(|own| Some(own / reference()?))
-        } else {
-            amplitude
+        amplitude: match amplitude {
+            AmplitudeKind::Residual => residual,
+            AmplitudeKind::RelativeResidual => residual.and_then(|own| Some(own / reference()?)),
+            AmplitudeKind::Peak => outcome.peak.map(|peak| peak.amplitude_m),
         },
         time_to_rest_s: outcome.time_to_rest_s,
         end_time_s: outcome.observed_s(),

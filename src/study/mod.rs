@@ -46,7 +46,7 @@ pub use plan::parameter_list::{ListedParameter, SweptValues, UncertainRange};
 pub use plan::planned_study::{PlannedRun, Point, Study};
 pub use plan::precision::{Precision, Sampling};
 pub use plan::repeated_points::RepeatedPoints;
-pub use plan::response::{Measure, Response};
+pub use plan::response::{AmplitudeKind, Measure, Response};
 pub use plan::variable::{DesignValue, Values, Variable};
 pub use schema::json_schema;
 pub use template::Template;

@@ -19,6 +19,7 @@ mod recorder;
 mod recorder_touches;
 pub mod reference;
 mod reference_in_contact;
+mod reference_run_up;
 mod settled;
 pub mod simulate_all;
 mod stages;

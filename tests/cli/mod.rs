@@ -31,6 +31,7 @@ mod replay;
 mod replay_contact;
 mod report;
 mod resume;
+mod stages;
 mod streams;
 mod summary;
 mod tables;

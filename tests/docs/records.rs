@@ -178,3 +178,68 @@ pub fn escape_rate(points: &arrow::array::RecordBatch, point: usize) -> Value {
 pub fn rate_in_words(rate: &Value) -> String {
     estimate(rate, 1.0, 4).replacen(" (", "/s (", 1)
 }
+
+/// Returns the result of the search for the best start of the disc: `optimum.json`, and the responses of both designs.
+fn start_values(out: &str) -> Value {
+    stickslip(&["optimize", "studies/startup-profile.yaml", "--out", out, "--quiet"]);
+    let text = fs::read_to_string(Path::new(out).join("optimum.json")).expect("optimum.json");
+    let all = table(&Path::new(out).join("evaluations.parquet"));
+    let range = |response: &str| {
+        let known: Vec<f64> = numbers(&all, response).into_iter().flatten().collect();
+        let end = |f: fn(f64, f64) -> f64| known.iter().copied().reduce(f);
+        json!([end(f64::min), end(f64::max)])
+    };
+    json!({
+        "optimum": serde_json::from_str::<Value>(&text).expect("JSON"),
+        "of_all_designs": {"vibration_95": range("vibration_95"), "relative": range("relative"), "quiet": range("quiet")},
+    })
+}
+
+/// The tables of docs/startup.md are those of the search.
+#[test]
+fn the_start_of_the_disc() {
+    let values = record("startup-profile", "studies/startup-profile.yaml", start_values);
+    let optimum = &values["optimum"];
+    let (best, plain) = (&optimum["best"], &optimum["compare_with"]);
+    assert_eq!(best["runs"], plain["runs"]);
+    let row = |title: &str, response: &str, scale: f64, digits: usize| {
+        let of = |design: &Value| estimate(&design["responses"][response], scale, digits);
+        format!("| {title} | {} | {} |\n", of(plain), of(best))
+    };
+    let of_design = |title: &str, variable: &str, digits: usize| {
+        let of = |design: &Value| format!("{:.digits$}", number(&design["values"][variable]));
+        format!("| {title} | {} | {} |\n", of(plain), of(best))
+    };
+    let table = [
+        row("95 % quantile of the residual amplitude, µm", "vibration_95", 1e6, 2),
+        row("mean amplitude over that without balls", "relative", 1.0, 3),
+        row("95 % quantile of the peak amplitude, µm", "peak_95", 1e6, 1),
+        row("at rest within 5 s", "quiet", 1.0, 3),
+        of_design("first ramp, s", "ramp_over_1_s", 2),
+        of_design("to, rad/s", "ramp_to_1_rad_s", 1),
+        of_design("plateau, s", "hold_1_s", 2),
+        of_design("second ramp, s", "ramp_over_2_s", 2),
+        of_design("to, rad/s", "ramp_to_2_rad_s", 1),
+        of_design("plateau, s", "hold_2_s", 2),
+        of_design("last ramp, s", "ramp_over_3_s", 2),
+    ];
+    let page = "docs/startup.md";
+    let designs = &optimum["search"]["designs"];
+    let text = format!(
+        "\nThe search evaluates {designs} designs. Each of the two designs has {} final runs:\n\n\
+         | | plain ramp | best start |\n|---|---|---|\n{}\n",
+        best["runs"],
+        table.concat()
+    );
+    compare_or_write_part(page, "startup", &text);
+    let ratio = &optimum["best_over_compare_with"][0]["ratio"];
+    compare_or_write_part(page, "startup-ratio", &estimate(ratio, 1.0, 3));
+    let range = |response: &str, scale: f64, digits: usize| {
+        let [low, high] =
+            [0, 1].map(|end| scale * number(&values["of_all_designs"][response][end]));
+        format!("{low:.digits$} to {high:.digits$}")
+    };
+    compare_or_write_part(page, "startup-all-vibration", &range("vibration_95", 1e6, 0));
+    compare_or_write_part(page, "startup-all-relative", &range("relative", 1.0, 1));
+    compare_or_write_part(page, "startup-all-quiet", &range("quiet", 1.0, 2));
+}

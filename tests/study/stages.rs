@@ -203,3 +203,74 @@ fn wrong_profiles_are_refused_with_their_key() {
                  initial_conditions: {design: {monte_carlo: {samples: 4}}}\n";
     assert!(refusal(block).contains("only for a ball balancer"));
 }
+
+/// A protocol is short for a speed profile and kicks; the resolved study contains those.
+#[test]
+fn protocols_of_the_thesis() {
+    let resolved = |model: &str, rest: &str| study_of(&text(model, rest)).resolved_yaml();
+    let ramp =
+        "parameters: {speed_rad_s: -100}, speed_profile: [{ramp: {from_rad_s: -31, over_s: 2}}";
+    let startup = resolved("parameters: {speed_rad_s: -100}, protocol: startup", "");
+    assert_eq!(startup, resolved(&format!("{ramp}]"), ""));
+    assert!(!startup.contains("protocol"), "{startup}");
+    let hits = "parameters: {speed_rad_s: -100}, protocol: {startup_and_hammer: {hits: 2, wait: 4000 ms, over_s: 2}}";
+    let kicks = format!(
+        "{ramp}, {{hold_s: 12}}], disturbances: [{{kick: {{at_s: 6, speed_m_s: 0.01}}}}, \
+         {{kick: {{at_s: 10, speed_m_s: 0.01, direction: random}}}}]"
+    );
+    assert_eq!(resolved(hits, ""), resolved(&kicks, ""));
+    let counter_clockwise = "parameters: {speed_rad_s: 300}, protocol: {startup: {over_s: 3}}";
+    let written =
+        "parameters: {speed_rad_s: 300}, speed_profile: [{ramp: {from_rad_s: 31, over_s: 3}}]";
+    assert_eq!(resolved(counter_clockwise, ""), resolved(written, ""));
+}
+
+#[test]
+fn protocols_that_are_refused() {
+    for (model, problem) in [
+        ("protocol: start", "model.protocol"),
+        (
+            "protocol: startup, disturbances: [{kick: {at_s: 1, speed_m_s: 1}}]",
+            "disturbances beside protocol",
+        ),
+        ("protocol: {startup: {over_s: 0}}", "model.protocol.startup.over_s: not a duration"),
+        (
+            "protocol: {startup: {from_rad_s: 31}}",
+            "model.protocol.startup.from_rad_s: not a first speed",
+        ),
+        (
+            "protocol: {startup_and_hammer: {hits: 9}}",
+            "model.protocol.startup_and_hammer.hits: not a number of hits",
+        ),
+        (
+            "protocol: {startup_and_hammer: {wait_s: -1}}",
+            "model.protocol.startup_and_hammer.wait_s: not a duration",
+        ),
+        (
+            "protocol: {startup_and_hammer: {speed_m_s: -1}}",
+            "model.protocol.startup_and_hammer.speed_m_s: not a hit",
+        ),
+    ] {
+        let message = refusal(&text(model, ""));
+        assert!(message.contains(problem), "{model}: {message}");
+    }
+}
+
+/// The peak amplitude is a response of runs with stages, and of no others.
+#[test]
+fn responses_of_the_peak_amplitude() {
+    let with =
+        |model: &str, response: &str| text(model, &format!("responses: {{r: {response}}}\n"));
+    let peak = "{amplitude_quantile: {fraction: 0.95, of: peak}}";
+    let study = study_of(&with("protocol: startup", peak));
+    let [response] = study.responses() else { panic!("one response") };
+    assert_eq!(
+        (response.unit(), &*response.meaning()),
+        ("m", "quantile 0.95 of the peak amplitude")
+    );
+    let message = refusal(&with("friction: coulomb", peak));
+    assert!(message.contains("no peak amplitude at constant speed"), "{message}");
+    let relative = "{amplitude_quantile: {fraction: 0.95, of: peak, relative: true}}";
+    let message = refusal(&with("protocol: startup", relative));
+    assert!(message.contains("no counterpart without balls"), "{message}");
+}

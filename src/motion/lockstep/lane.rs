@@ -11,6 +11,7 @@ use crate::model::{Components, Method, System};
 use crate::motion::condition::Margins;
 use crate::motion::impact::Impact;
 use crate::motion::modes::{Evaluated, InState, decide_first, first_phases};
+use crate::motion::settings::MOST_EVENTS_AT_ONCE;
 use crate::motion::touching::InTouch;
 use crate::motion::{
     Effort, Evaluator, Failure, PerContact, Phases, SLOW, Settings, Touches, any_closed,
@@ -42,6 +43,9 @@ pub(crate) struct Lane {
     pub(super) last_touch: f64,
     /// Whether a displacement met a switch by grazing.
     pub(super) grazed: bool,
+    /// The events within a unit of time, and its begin.
+    pub(super) events: u32,
+    pub(super) events_since: f64,
 }
 
 impl Lane {
@@ -59,6 +63,18 @@ impl Lane {
             lifted_off: self.lifted,
             time: self.touching_time + now,
         })
+    }
+
+    /// Counts an event.
+    ///
+    /// # Errors
+    /// [`Failure::StepLimit`] if there are more within a unit of time than any motion has that goes on.
+    pub(super) fn count_event(&mut self, time: f64) -> Result<(), Failure> {
+        if time >= self.events_since + 1.0 {
+            (self.events, self.events_since) = (0, time);
+        }
+        self.events += 1;
+        if self.events > MOST_EVENTS_AT_ONCE { Err(Failure::StepLimit) } else { Ok(()) }
     }
 
     /// Takes in an impact.
@@ -144,6 +160,8 @@ impl Saved {
             last_touch: 0.0,
             phases,
             grazed: false,
+            events: 0,
+            events_since: 0.0,
             system: Arc::clone(system),
         };
         let next = lane.longest_step;

@@ -7,7 +7,7 @@ use crate::counted::counted;
 use crate::optimize::use_of_balls;
 use crate::report::figures::significant;
 use crate::responses::Estimate;
-use crate::study::Measure;
+use crate::study::{AmplitudeKind, Measure};
 
 /// The distance to a bound, relative to the range, below which an optimum lies on the bound: designs are rounded to six
 /// digits.
@@ -82,7 +82,7 @@ fn compared_with_no_balls(data: &OptimumData) -> Vec<String> {
     for (index, response) in data.study.responses().iter().enumerate() {
         // An amplitude is no better from 1 on. A probability of more than that amplitude is no better from 1/2 on.
         let (limit, what) = match response.measure {
-            _ if !response.relative => continue,
+            _ if response.amplitude != AmplitudeKind::RelativeResidual => continue,
             Measure::Quantile(_) => (1.0, "quantile of the amplitude"),
             Measure::Worst => (1.0, "largest amplitude"),
             Measure::Above(1.0) => (0.5, "probability of a larger amplitude"),

@@ -9,6 +9,7 @@ pub(in crate::study) mod key_path;
 pub(in crate::study) mod name;
 pub mod optimize_file;
 pub(in crate::study) mod parameters_file;
+pub mod protocol_file;
 pub(in crate::study) mod quantity;
 pub(in crate::study) mod ranges;
 pub(in crate::study) mod read_file;

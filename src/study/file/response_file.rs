@@ -20,8 +20,8 @@ pub struct VariableFile {
     pub choices: Option<IndexMap<String, IndexMap<String, f64>>>,
 }
 
-/// A response of a design, estimated from the residual amplitudes (`amplitude_m` in `runs.parquet`)
-/// or the times to rest of its runs.
+/// A response of a design, estimated from the residual amplitudes (`amplitude_m` in `runs.parquet`), the peak amplitudes
+/// (`peak_amplitude_m`) or the times to rest of its runs.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ResponseFile {
@@ -31,6 +31,9 @@ pub enum ResponseFile {
         /// the default is `false`.
         #[serde(default)]
         relative: bool,
+        /// Which amplitude of each run; the default is `residual`.
+        #[serde(default)]
+        of: AmplitudeFile,
     },
     /// Standard deviation of the amplitude, m; with `relative`, dimensionless.
     AmplitudeStdDev {
@@ -38,6 +41,9 @@ pub enum ResponseFile {
         /// the default is `false`.
         #[serde(default)]
         relative: bool,
+        /// Which amplitude of each run; the default is `residual`.
+        #[serde(default)]
+        of: AmplitudeFile,
     },
     /// Quantile of the amplitude, m; with `relative`, dimensionless.
     AmplitudeQuantile {
@@ -48,6 +54,9 @@ pub enum ResponseFile {
         /// the default is `false`.
         #[serde(default)]
         relative: bool,
+        /// Which amplitude of each run; the default is `residual`.
+        #[serde(default)]
+        of: AmplitudeFile,
     },
     /// Largest amplitude of all runs, m; with `relative`, dimensionless.
     AmplitudeWorst {
@@ -55,6 +64,9 @@ pub enum ResponseFile {
         /// the default is `false`.
         #[serde(default)]
         relative: bool,
+        /// Which amplitude of each run; the default is `residual`.
+        #[serde(default)]
+        of: AmplitudeFile,
     },
     /// Probability of an amplitude above a limit.
     AmplitudeAbove {
@@ -65,9 +77,23 @@ pub enum ResponseFile {
         /// the default is `false`.
         #[serde(default)]
         relative: bool,
+        /// Which amplitude of each run; the default is `residual`.
+        #[serde(default)]
+        of: AmplitudeFile,
     },
     /// Probability of rest by this time, s; above 0 and at most the end time of the simulation.
     AtRestByS(#[schemars(extend("exclusiveMinimum" = 0))] f64),
     /// Median time to rest (Kaplan-Meier estimator), s.
     MedianTimeToRest,
+}
+
+/// An amplitude of a run.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AmplitudeFile {
+    /// The residual amplitude at the end, `amplitude_m`.
+    #[default]
+    Residual,
+    /// The largest amplitude from start to end, `peak_amplitude_m`; only with a speed profile or disturbances.
+    Peak,
 }

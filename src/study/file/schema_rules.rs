@@ -91,7 +91,7 @@ fn range_or_choices() -> Value {
 
 /// Returns the rules of a model without balls: it has none of their keys.
 fn without_balls() -> Value {
-    let foreign = ["normal_force", "contact", "speed_profile", "disturbances"];
+    let foreign = ["normal_force", "contact", "speed_profile", "disturbances", "protocol"];
     foreign
         .iter()
         .map(|key| ((*key).to_owned(), json!(false)))

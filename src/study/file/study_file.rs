@@ -11,6 +11,7 @@ use crate::study::file::distribution_file::DistributionFile;
 use crate::study::file::friction_file::FrictionFile;
 use crate::study::file::optimize_file::OptimizeFile;
 use crate::study::file::parameters_file::{KindFile, ParametersFile};
+use crate::study::file::protocol_file::ProtocolFile;
 use crate::study::file::response_file::{ResponseFile, VariableFile};
 use crate::study::file::schema_parts as schema;
 use crate::study::file::stages_file::{DisturbanceFile, ProfilePartFile};
@@ -85,6 +86,10 @@ pub struct ModelFile {
     /// Kicks of the table; by default, none; only for a ball balancer.
     #[schemars(extend("minItems" = 1))]
     pub disturbances: Option<Vec<DisturbanceFile>>,
+    /// A measurement protocol, short for `speed_profile` and `disturbances`: `startup`, or `startup_and_hammer` with hits of
+    /// the table; only for a ball balancer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub protocol: Option<ProtocolFile>,
 }
 
 /// Derivations of the normal force.

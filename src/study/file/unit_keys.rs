@@ -23,7 +23,7 @@ const ENDINGS: [(&str, &str); 8] = [
 const COORDINATES: &[&str] = &["*"];
 
 /// The places of keys with units, where `*` is any key or item, with the SI keys; none means the model's parameters, and [`COORDINATES`] its coordinates.
-const PLACES: [(&str, &[&str]); 17] = [
+const PLACES: [(&str, &[&str]); 19] = [
     ("model.parameters", &[]),
     ("model.parameters.balls.*", &["mass_kg", "diameter_m"]),
     ("model.friction.*", &[]),
@@ -31,6 +31,8 @@ const PLACES: [(&str, &[&str]); 17] = [
     ("model.speed_profile.*.ramp", &["from_rad_s", "to_rad_s", "over_s"]),
     ("model.speed_profile.*.smooth_ramp", &["from_rad_s", "to_rad_s", "over_s"]),
     ("model.disturbances.*.kick", &["at_s", "speed_m_s"]),
+    ("model.protocol.startup", &["from_rad_s", "over_s"]),
+    ("model.protocol.startup_and_hammer", &["from_rad_s", "over_s", "wait_s", "speed_m_s"]),
     ("sweep.*.grid", &[]),
     ("sweep.*.zip", &[]),
     ("uncertain", &[]),

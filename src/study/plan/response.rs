@@ -28,8 +28,19 @@ pub struct Response {
     pub name: String,
     /// What is measured.
     pub measure: Measure,
-    /// Whether each amplitude is divided by the amplitude without balls.
-    pub relative: bool,
+    /// The amplitude of each run that is measured.
+    pub amplitude: AmplitudeKind,
+}
+
+/// An amplitude of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AmplitudeKind {
+    /// The residual amplitude, m.
+    Residual,
+    /// The residual amplitude over that of the same machine without balls.
+    RelativeResidual,
+    /// The largest amplitude from the start to the end, m.
+    Peak,
 }
 
 /// Suffixes of the columns that accompany the value of a response.
@@ -60,15 +71,20 @@ impl Response {
         match self.measure {
             Measure::Above(_) | Measure::AtRestBy(_) => "1",
             Measure::MedianTimeToRest => "s",
-            _ if self.relative => "1",
+            _ if self.amplitude == AmplitudeKind::RelativeResidual => "1",
             _ => "m",
         }
     }
 
     /// Returns the meaning of the value.
     pub fn meaning(&self) -> String {
-        let of = if self.relative { " over the amplitude without balls" } else { "" };
-        let amplitude = format!("residual amplitude{of}");
+        let (amplitude, unit) = match self.amplitude {
+            AmplitudeKind::Residual => ("residual amplitude", " m"),
+            AmplitudeKind::RelativeResidual => {
+                ("residual amplitude over the amplitude without balls", "")
+            }
+            AmplitudeKind::Peak => ("peak amplitude", " m"),
+        };
         match self.measure {
             Measure::Mean => format!("mean {amplitude}"),
             Measure::StandardDeviation => format!("standard deviation of the {amplitude}"),
@@ -78,10 +94,7 @@ impl Response {
             Measure::Worst => format!("largest {amplitude} of all runs"),
             Measure::Above(limit) => {
                 let limit = describe_number(limit);
-                format!(
-                    "probability of a {amplitude} above {limit}{}",
-                    if self.relative { "" } else { " m" }
-                )
+                format!("probability of a {amplitude} above {limit}{unit}")
             }
             Measure::AtRestBy(time) => {
                 format!("probability of being at rest by {} s", describe_number(time))

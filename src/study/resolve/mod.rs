@@ -8,6 +8,7 @@ pub(in crate::study) mod model;
 pub(in crate::study) mod names;
 pub(in crate::study) mod optimization;
 pub(in crate::study) mod points;
+pub(in crate::study) mod protocol;
 pub(in crate::study) mod responses;
 pub(in crate::study) mod runs;
 pub(in crate::study) mod sampling;

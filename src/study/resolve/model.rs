@@ -11,6 +11,7 @@ use crate::study::file::yaml_tree::{Content, Source, describe_number};
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::resolve::contact::{check_contact, contact_to_file, resolve_contact};
 use crate::study::resolve::friction::{check_friction, friction_to_file, resolve_friction};
+use crate::study::resolve::protocol::stages_of;
 use crate::study::resolve::stages::{
     check_stages, kicks_to_file, profile_to_file, resolve_kicks, resolve_profile,
 };
@@ -69,7 +70,8 @@ impl Base {
             general = machine.balls.first().copied().unwrap_or_default();
             own = own_values(&path.key("balls"), given.balls.as_ref())?;
             machine.balls = own.iter().map(|ball| overlay(general, ball)).collect();
-            if let Some(parts) = &written.speed_profile {
+            let stages = stages_of(source, written, machine.speed_rad_s)?;
+            if let Some(parts) = &stages.speed_profile {
                 let is_given = given.numbers.contains_key("speed_rad_s");
                 let path = source.path("model.speed_profile");
                 let speed = (machine.speed_rad_s, is_given);
@@ -77,8 +79,8 @@ impl Base {
                 machine.speed_profile = Some(profile);
                 machine.speed_rad_s = last;
             }
-            let disturbances = written.disturbances.as_deref().unwrap_or_default();
-            let kicks = resolve_kicks(&source.path("model.disturbances"), disturbances)?;
+            let path = source.path("model.disturbances");
+            let kicks = resolve_kicks(&path, stages.disturbances.as_deref().unwrap_or_default())?;
             let random = (1..).zip(&kicks).filter(|(_, (_, is_random))| *is_random);
             random_kicks = random.map(|(number, _)| number).collect();
             machine.kicks = kicks.into_iter().map(|(kick, _)| kick).collect();
@@ -90,6 +92,7 @@ impl Base {
                 (source.path("model.contact"), written.contact.is_some()),
                 (source.path("model.speed_profile"), written.speed_profile.is_some()),
                 (source.path("model.disturbances"), written.disturbances.is_some()),
+                (source.path("model.protocol"), written.protocol.is_some()),
             ];
             if let Some((path, _)) = foreign.into_iter().find(|(_, given)| *given) {
                 let allowed = "kind: ball_balancer, or no such key";
@@ -205,6 +208,7 @@ impl Base {
             disturbances: machine
                 .map(|machine| kicks_to_file(&machine.kicks, &self.random_kicks))
                 .filter(|kicks| !kicks.is_empty()),
+            protocol: None,
         }
     }
 }

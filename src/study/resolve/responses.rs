@@ -5,18 +5,18 @@ use std::collections::HashSet;
 use indexmap::IndexMap;
 
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::response_file::ResponseFile;
+use crate::study::file::response_file::{AmplitudeFile, ResponseFile};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::planned_study::Study;
-use crate::study::plan::response::{Measure, RESERVED_COLUMNS, Response, SUFFIXES};
+use crate::study::plan::response::{AmplitudeKind, Measure, RESERVED_COLUMNS, Response, SUFFIXES};
 use crate::study::resolve::names::check_column_name;
 
 /// Validates the responses.
 ///
 /// # Errors
-/// Returns an error if a name cannot be the name of a column, if a number is invalid, or if
-/// `relative` is set for a model without balls.
+/// Returns an error if a name cannot be the name of a column, if a number is invalid, or if the runs do not have the
+/// amplitude.
 pub(crate) fn resolve_responses(
     source: &Source,
     study: &Study,
@@ -38,40 +38,77 @@ pub(crate) fn resolve_responses(
                 return Err(path.refuse_key(fault));
             }
         }
-        let (measure, relative) = measure(study, &path, file)?;
-        if relative && !study.model().kind().offers.vibration {
-            let found = format!("kind: {}", study.model().kind().name);
-            let fault = Fault::new("only for a ball balancer", found, "relative: false");
-            return Err(path.refuse_value(fault));
-        }
-        Ok(Response { name: name.clone(), measure, relative })
+        let measure = measure(study, &path, file)?;
+        let amplitude = amplitude(study, &path, file)?;
+        Ok(Response { name: name.clone(), measure, amplitude })
     };
     written.into_iter().flatten().map(resolve).collect()
+}
+
+/// Returns which amplitude a response measures.
+fn amplitude(
+    study: &Study,
+    path: &SourcePath<'_>,
+    file: &ResponseFile,
+) -> Result<AmplitudeKind, StudyError> {
+    let (key, relative, of) = match *file {
+        ResponseFile::AmplitudeMean { relative, of } => ("amplitude_mean", relative, of),
+        ResponseFile::AmplitudeStdDev { relative, of } => ("amplitude_std_dev", relative, of),
+        ResponseFile::AmplitudeQuantile { relative, of, .. } => {
+            ("amplitude_quantile", relative, of)
+        }
+        ResponseFile::AmplitudeWorst { relative, of } => ("amplitude_worst", relative, of),
+        ResponseFile::AmplitudeAbove { relative, of, .. } => ("amplitude_above", relative, of),
+        ResponseFile::AtRestByS(_) | ResponseFile::MedianTimeToRest => {
+            return Ok(AmplitudeKind::Residual);
+        }
+    };
+    if relative && !study.model().kind().offers.vibration {
+        let found = format!("kind: {}", study.model().kind().name);
+        let fault = Fault::new("only for a ball balancer", found, "relative: false");
+        return Err(path.refuse_value(fault));
+    }
+    let path = path.key(key);
+    match (of, relative) {
+        (AmplitudeFile::Residual, false) => Ok(AmplitudeKind::Residual),
+        (AmplitudeFile::Residual, true) => Ok(AmplitudeKind::RelativeResidual),
+        (AmplitudeFile::Peak, true) => {
+            let problem = "a peak amplitude has no counterpart without balls";
+            let fault = Fault::new(problem, "relative: true", "of: residual, or relative: false");
+            Err(path.key("relative").refuse_value(fault))
+        }
+        (AmplitudeFile::Peak, false) if !study.has_stages() => {
+            let problem = "no peak amplitude at constant speed without disturbances";
+            let allowed = "of: residual, or a speed_profile or disturbances in the model";
+            Err(path.key("of").refuse_value(Fault::new(problem, "of: peak", allowed)))
+        }
+        (AmplitudeFile::Peak, false) => Ok(AmplitudeKind::Peak),
+    }
 }
 
 fn measure(
     study: &Study,
     path: &SourcePath<'_>,
     file: &ResponseFile,
-) -> Result<(Measure, bool), StudyError> {
+) -> Result<Measure, StudyError> {
     Ok(match *file {
-        ResponseFile::AmplitudeMean { relative } => (Measure::Mean, relative),
-        ResponseFile::AmplitudeStdDev { relative } => (Measure::StandardDeviation, relative),
-        ResponseFile::AmplitudeWorst { relative } => (Measure::Worst, relative),
-        ResponseFile::AmplitudeQuantile { fraction, relative } => {
+        ResponseFile::AmplitudeMean { .. } => Measure::Mean,
+        ResponseFile::AmplitudeStdDev { .. } => Measure::StandardDeviation,
+        ResponseFile::AmplitudeWorst { .. } => Measure::Worst,
+        ResponseFile::AmplitudeQuantile { fraction, .. } => {
             if !(fraction > 0.0 && fraction < 1.0) {
                 let fault =
                     Fault::new("not a fraction", describe_number(fraction), "above 0 and below 1");
                 return Err(path.key("amplitude_quantile").key("fraction").refuse_value(fault));
             }
-            (Measure::Quantile(fraction), relative)
+            Measure::Quantile(fraction)
         }
-        ResponseFile::AmplitudeAbove { limit, relative } => {
+        ResponseFile::AmplitudeAbove { limit, .. } => {
             if limit < 0.0 {
                 let fault = Fault::new("not an amplitude", describe_number(limit), "0 or more");
                 return Err(path.key("amplitude_above").key("limit").refuse_value(fault));
             }
-            (Measure::Above(limit), relative)
+            Measure::Above(limit)
         }
         ResponseFile::AtRestByS(time) => {
             let [_, end] = study.simulation().end_times_s();
@@ -81,8 +118,8 @@ fn measure(
                     Fault::new("a time that no run reaches", describe_number(time), allowed);
                 return Err(path.key("at_rest_by_s").refuse_value(fault));
             }
-            (Measure::AtRestBy(time), false)
+            Measure::AtRestBy(time)
         }
-        ResponseFile::MedianTimeToRest => (Measure::MedianTimeToRest, false),
+        ResponseFile::MedianTimeToRest => Measure::MedianTimeToRest,
     })
 }

@@ -1,0 +1,142 @@
+//! Runs of a disc that starts, run by run, against an independent integration: another language, the equations in a fixed
+//! frame, another integrator and the exact motion (`scripts/reference/run_up.py`).
+
+use stickslip::classification::{Label, Outcome, StageOutcome};
+use stickslip::model::{
+    Case, Machine, Method, ProfilePart, Ramp, RampShape, Simulation, SpeedProfile, Start,
+};
+
+use super::simulate_all::simulate_all;
+use crate::support::angular_distance;
+
+/// A run of the independent program.
+struct Recorded {
+    start_beta: [f64; 2],
+    /// Angles and speeds of the balls at the end of the last ramp.
+    reached_beta: [f64; 2],
+    reached_speed_rad_s: [f64; 2],
+    end_beta: [f64; 2],
+    rests: bool,
+    /// None for a run that does not rest.
+    time_to_rest_s: Option<f64>,
+}
+
+fn recorded(speed: &str) -> Vec<Recorded> {
+    let path = format!("{}/tests/data/reference_run_up_{speed}.csv", env!("CARGO_MANIFEST_DIR"));
+    let mut reader = csv::Reader::from_path(path).expect("the reference data are there");
+    let header = reader.headers().expect("a header").clone();
+    let rows = reader.records().map(|record| {
+        let record = record.expect("a row");
+        let text = |name: &str| {
+            let column = header.iter().position(|column| column == name).expect("the column");
+            record[column].to_owned()
+        };
+        let number = |name: &str| text(name).parse::<f64>().expect("a number");
+        Recorded {
+            start_beta: ["beta_1_rad", "beta_2_rad"].map(number),
+            reached_beta: ["reached_beta_1_rad", "reached_beta_2_rad"].map(number),
+            reached_speed_rad_s: ["reached_ball_speed_1_rad_s", "reached_ball_speed_2_rad_s"]
+                .map(number),
+            end_beta: ["end_beta_1_rad", "end_beta_2_rad"].map(number),
+            rests: text("label") == "equilibrium",
+            time_to_rest_s: text("time_to_rest_s").parse().ok(),
+        }
+    });
+    rows.collect()
+}
+
+fn ramp(to_rad_s: Option<f64>, over_s: f64) -> ProfilePart {
+    ProfilePart::Ramp(Ramp { shape: RampShape::Linear, to_rad_s, over_s })
+}
+
+/// The largest differences of all runs; those at the end are of runs at rest.
+#[derive(Debug, Default)]
+struct Differences {
+    reached_beta: f64,
+    reached_speed_rad_s: f64,
+    end_beta: f64,
+    time_to_rest_s: f64,
+}
+
+impl Differences {
+    /// `reached` is the last stage before the last corner of the speed.
+    fn include(&mut self, run: &Recorded, outcome: &Outcome, reached: &StageOutcome) {
+        let include = |largest: &mut f64, found: f64| *largest = largest.max(found);
+        for ball in 0..2 {
+            let turned = angular_distance(reached.position[ball], run.reached_beta[ball]);
+            include(&mut self.reached_beta, turned);
+            let faster = reached.ball_speed_rad_s[ball] - run.reached_speed_rad_s[ball];
+            include(&mut self.reached_speed_rad_s, faster.abs());
+            if run.rests {
+                let end = outcome.position.as_deref().expect("angles at rest");
+                include(&mut self.end_beta, angular_distance(end[ball], run.end_beta[ball]));
+            }
+        }
+        if let Some(expected) = run.time_to_rest_s {
+            let found = outcome.time_to_rest_s.expect("rests");
+            include(&mut self.time_to_rest_s, (found - expected).abs());
+        }
+    }
+}
+
+/// Compares all runs at a speed: labels must agree.
+fn compare(speed: &str, parts: &[ProfilePart], method: Method, band: f64) -> Differences {
+    let recorded = recorded(speed);
+    assert_eq!(recorded.len(), 64);
+    let durations = parts.iter().map(|part| match part {
+        ProfilePart::Ramp(ramp) => ramp.over_s,
+        ProfilePart::Hold(hold_s) => hold_s.expect("a duration"),
+        other => panic!("{other:?}"),
+    });
+    let over_s: f64 = durations.sum();
+    let machine = Machine {
+        speed_rad_s: -speed.parse::<f64>().expect("a speed"),
+        speed_profile: Some(SpeedProfile { start_speed_rad_s: -10.0, parts: parts.to_vec() }),
+        ..Machine::default()
+    };
+    let end_time_s = over_s + 8.0;
+    let case = |run: &Recorded| Case {
+        model: machine.clone().into(),
+        start: Start::of_balancer([0.0; 2], &run.start_beta, [0.0; 2], &[0.0; 2]),
+        simulation: Simulation { method, band, end_time_s, ..Simulation::default() },
+    };
+    let outcomes = simulate_all(&recorded.iter().map(case).collect::<Vec<_>>());
+    let mut largest = Differences::default();
+    for (row, (run, outcome)) in recorded.iter().zip(&outcomes).enumerate() {
+        let rests = outcome.label() == Label::Equilibrium;
+        assert_eq!(rests, run.rests, "-{speed} rad/s, {method:?}, row {row}");
+        let [.., reached, _] = outcome.stages.as_slice() else { panic!("two stages") };
+        assert!((reached.time_s[1] - over_s).abs() < 1e-12);
+        largest.include(run, outcome, reached);
+    }
+    println!("-{speed} rad/s, {method:?}: {largest:?}");
+    largest
+}
+
+/// Below the natural frequency all labels agree. The angles at the end of the ramp and at rest agree to 1e-6 rad, in a ramp
+/// in which all balls slip, and in a profile with a plateau, on which balls come to rest, and a second ramp, which lets
+/// some of them break away.
+#[test]
+fn balls_follow_a_disc_that_starts() {
+    let plateau = vec![ramp(Some(-140.0), 2.0), ProfilePart::Hold(Some(4.0)), ramp(None, 1.5)];
+    for (speed, parts) in [("160.8103", vec![ramp(None, 3.0)]), ("173.1803", plateau)] {
+        for method in [Method::Switch, Method::Event] {
+            let largest = compare(speed, &parts, method, Simulation::default().band);
+            assert!(largest.reached_beta < 1e-6 && largest.reached_speed_rad_s < 1e-5);
+            assert!(largest.end_beta < 1e-6 && largest.time_to_rest_s < 1e-5);
+        }
+    }
+}
+
+/// Balls that pass the natural frequency slip and stick 26 times on average, and small differences grow: those of the
+/// switch model are proportional to its band, which is therefore narrow here. All labels agree, and all angles at the end
+/// of the ramp and at rest agree to 1e-3 rad.
+#[test]
+fn balls_pass_the_natural_frequency() {
+    let parts = [ramp(Some(-160.0), 2.0), ProfilePart::Hold(Some(3.0)), ramp(None, 4.0)];
+    for (method, band) in [(Method::Event, Simulation::default().band), (Method::Switch, 1e-10)] {
+        let largest = compare("216.3772", &parts, method, band);
+        assert!(largest.reached_beta < 1e-3 && largest.reached_speed_rad_s < 1e-1);
+        assert!(largest.end_beta < 1e-3 && largest.time_to_rest_s < 1e-3);
+    }
+}
