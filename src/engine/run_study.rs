@@ -21,7 +21,7 @@ use super::worker::{RunQueue, Storage};
 use super::{EngineOptions, Progress, WorkerPool};
 use crate::analysis::{LabelCounts, PointAccumulator, PointDetail};
 use crate::classification::Outcome;
-use crate::model::Case;
+use crate::model::{Case, Model, Simulation};
 use crate::motion::{Cancellation, SimdLevel};
 use crate::study::Study;
 use crate::table::{PointRow, Results, ResultsError, RunRecord};
