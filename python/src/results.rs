@@ -14,8 +14,8 @@ use stickslip::engine::{
 };
 use stickslip::study::Study;
 use stickslip::table::{
-    self, Circumstances, Manifest, MemoryResults, MemoryTable, PointRow, ResultsError, RunRecord,
-    TABLES,
+    self, Circumstances, Manifest, MemoryResults, MemoryTable, MemoryTables, PointRow,
+    ResultsError, RunRecord, STAGES_TABLE, TABLES,
 };
 
 use crate::error::Trouble;
@@ -32,6 +32,8 @@ pub struct Results {
     directory: Option<PathBuf>,
     manifest: Option<Arc<Manifest>>,
     tables: [OnceLock<MemoryTable>; 6],
+    /// Of a study whose runs have stages.
+    stages: Option<OnceLock<MemoryTable>>,
 }
 
 #[pymethods]
@@ -74,6 +76,13 @@ impl Results {
         self.table(py, 5)
     }
 
+    /// One row per run and stage of a disc that starts or a table that is kicked: the speeds of disc and balls, and the
+    /// largest displacement of the table. None for a study without stages.
+    #[getter]
+    fn stages(&self, py: Python<'_>) -> PyResult<Option<Table>> {
+        self.stages.as_ref().map(|slot| self.in_slot(py, slot, STAGES_TABLE)).transpose()
+    }
+
     /// Number of runs by label: equilibrium, limit_cycle, irregular, undecided, failed.
     #[getter]
     fn labels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -99,7 +108,16 @@ impl Results {
 
 impl Results {
     fn table(&self, py: Python<'_>, index: usize) -> PyResult<Table> {
-        let slot = &self.tables[index];
+        self.in_slot(py, &self.tables[index], TABLES[index])
+    }
+
+    /// Returns the table in a slot, which is read on the first access.
+    fn in_slot(
+        &self,
+        py: Python<'_>,
+        slot: &OnceLock<MemoryTable>,
+        name: &'static str,
+    ) -> PyResult<Table> {
         if let Some(table) = slot.get() {
             return Ok(Table(table.clone()));
         }
@@ -108,7 +126,7 @@ impl Results {
             return Err(Trouble::Defect("a defect of stickslip: no table".to_owned()).into());
         };
         let read = move |_: &AtomicBool| {
-            Ok::<_, Trouble>(table::Table::open(&directory, &manifest, TABLES[index])?.in_memory()?)
+            Ok::<_, Trouble>(table::Table::open(&directory, &manifest, name)?.in_memory()?)
         };
         let table = wait(py, read)??;
         Ok(Table(slot.get_or_init(|| table).clone()))
@@ -138,11 +156,13 @@ impl Run {
         progress.close();
         let totals = ended?;
         let labels = Label::ALL.map(|label| (label.name().to_owned(), totals.counts.of(label)));
+        let MemoryTables { tables, stages } = tables.finish()?;
         Ok(Results {
             labels: labels.to_vec(),
             directory: None,
             manifest: None,
-            tables: tables.finish()?.map(OnceLock::from),
+            tables: tables.map(OnceLock::from),
+            stages: stages.map(OnceLock::from),
         })
     }
 
@@ -192,6 +212,7 @@ impl Run {
             directory: Some(directory),
             manifest: Some(Arc::new(manifest)),
             tables: Default::default(),
+            stages: study.has_stages().then(OnceLock::new),
         })
     }
 

@@ -50,6 +50,27 @@ def test_all_runs_of_a_block(program, tmp_path):
         assert_same(getattr(results, table), tmp_path / f"program/{table}.parquet")
 
 
+STARTS = """
+schema: 1
+name: start
+seed: 1
+model:
+  kind: ball_balancer
+  speed_profile: [{ramp: {from_rad_s: -100, over_s: 0.2}}, {hold_s: 0.2}]
+initial_conditions: {design: {monte_carlo: {samples: 4}}}
+"""
+
+
+def test_stages_of_a_disc_that_starts(small, program, tmp_path):
+    (tmp_path / "start.yaml").write_text(STARTS)
+    program("run", tmp_path / "start.yaml", "--quiet", "--out", tmp_path / "program")
+    study = stickslip.Study.from_text(STARTS)
+    for results in (study.run(), study.run(tmp_path / "out")):
+        assert_same(results.stages, tmp_path / "program/stages.parquet")
+        assert results.stages["kind"] == ["ramp", "hold"] * 4
+    assert small.run().stages is None
+
+
 def test_a_directory_of_something_else_is_left_alone(small, tmp_path):
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(FileExistsError, match="allowed:"):

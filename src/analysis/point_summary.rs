@@ -117,7 +117,7 @@ impl PointAccumulator {
     }
 
     /// Returns the data of the point's separate tables. `end_times_s` are the study's end time and
-    /// that of continued runs.
+    /// that of continued runs, both since the begin of the last stage.
     pub fn detail(&self, end_times_s: [f64; 2]) -> PointDetail {
         PointDetail {
             rest: rest_curve(&SurvivalCurve::new(self.times.groups()), end_times_s),

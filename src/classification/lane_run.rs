@@ -129,9 +129,13 @@ impl LaneRun {
         (Next::Stay, Some(self))
     }
 
-    /// Passes the latest step, or the start of the run, to a recorder.
+    /// Passes the latest step, or the start of a stage, to a recorder.
     pub(super) fn show(&self, recorder: &mut Recorder, group: &dyn LaneGroup, lane: usize) {
-        recorder.take_in(&LaneStep { group, lane, view: &self.view });
+        let step = LaneStep { group, lane, view: &self.view };
+        recorder.take_in(&step);
+        if !self.stages.is_last() && step.time() >= self.end() {
+            recorder.leaves(&step);
+        }
     }
 
     /// Evaluates the latest step.

@@ -4,6 +4,9 @@
 //! The engine passes every step to the recorder. A run that is continued to a later end time
 //! restarts from the state saved before its end time had an effect; the record is rewound to the
 //! same state.
+//!
+//! Where a stage of the run ends and the next one begins, there are two instants, as at a switch: a kick changes
+//! velocities, and a corner of the speed changes forces.
 
 use super::gap_sample::{GapSample, Touch, gap_samples, touches};
 use super::lane_step::LaneStep;
@@ -13,13 +16,13 @@ use crate::motion::{Effort, Instant, Phase};
 /// The recorded instants.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Instants {
-    /// The start, the end of every step, and evenly spaced instants inside each step. At a switch
-    /// there are two instants: before and after it.
+    /// The start, the end of every step, and evenly spaced instants inside each step. At a switch, and where a stage of
+    /// the run begins, there are two instants: before and after it.
     EveryStep {
         /// Number of instants inside each step.
         inside: u32,
     },
-    /// These non-dimensional times, ascending; at a switch, after it.
+    /// These non-dimensional times, ascending; at a switch or at the begin of a stage, after it.
     At(Vec<f64>),
 }
 
@@ -74,7 +77,7 @@ pub struct Switch {
 pub struct Recording {
     /// Instants in the order of time.
     pub samples: Vec<Sample>,
-    /// All switches in chronological order, as many as counted in the run's effort.
+    /// All switches in chronological order, as many as counted in the run's effort; also those at the begin of a stage.
     pub switches: Vec<Switch>,
     /// All impacts between contacts in chronological order, as many as counted in the outcome, and where contacts that
     /// touch separate.
@@ -92,6 +95,8 @@ pub struct Recorder {
     time: f64,
     effort: Effort,
     begun: bool,
+    /// The end of a stage, until the next stage begins.
+    left: Option<Instant>,
     recording: Recording,
 }
 
@@ -105,6 +110,7 @@ impl Recorder {
             time: 0.0,
             effort: Effort::default(),
             begun: false,
+            left: None,
             recording: Recording::default(),
         }
     }
@@ -144,6 +150,9 @@ impl Recorder {
                 self.push(view, 0, &step.now());
             }
         }
+        if let Some(before) = self.left.take() {
+            self.enters(step, &before);
+        }
         if effort.steps == self.effort.steps {
             return;
         }
@@ -177,6 +186,29 @@ impl Recorder {
             self.touches(view, &before, &step.now());
         }
         (self.time, self.effort) = (step.time(), effort);
+    }
+
+    /// Keeps the latest step as the last one of a stage.
+    pub(super) fn leaves(&mut self, step: &LaneStep) {
+        self.left = Some(step.now());
+    }
+
+    /// Adds the begin of a stage after the end of the one before.
+    fn enters(&mut self, step: &LaneStep, before: &Instant) {
+        let (view, now) = (step.view, step.now());
+        let every_step = matches!(self.instants, Instants::EveryStep { .. });
+        if every_step || self.recording.samples.pop_if(|last| last.time == now.time).is_some() {
+            self.push(view, step.effort().steps, &now);
+        }
+        self.switches(view, before, &now);
+        // A kick separates balls that touch, but it is no impact of two balls.
+        let first = self.recording.touches.len();
+        self.touches(view, before, &now);
+        let mut place = 0;
+        self.recording.touches.retain(|touch| {
+            place += 1;
+            place <= first || !touch.is_impact()
+        });
     }
 
     fn switches(&mut self, view: &SystemView, before: &Instant, after: &Instant) {

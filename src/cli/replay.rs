@@ -34,7 +34,8 @@ Computes the run again with the same engine and compares it with its stored row:
 last bit. If they differ, for example on another kind of processor, it prints the differences and ends with exit \
 code 1. Writes trajectory.parquet (angle and speed of table and balls, phase, friction and friction limit of \
 each ball), switches.parquet (each change between stick and slip) and replay.html (an animation for any browser); for \
-balls with contact also the gaps between them, and touches.parquet (each impact, and each end of lasting contact). \
+balls with contact also the gaps between them, and touches.parquet (each impact, and each end of lasting contact); for a \
+disc that starts or a table that is kicked also the speed of the disc. \
 Prints all changes between stick and slip, and all impacts, to a pipe or a file; a terminal shows a summary and the first \
 of them. The Python package's `stickslip-figures` draws figures for papers from these tables.";
 
@@ -326,6 +327,13 @@ impl Report<'_> {
             "out": out.display().to_string(),
             "files": files,
         });
+        if let Some(stage) = record.outcome.stages.last() {
+            json["stages"] = record.outcome.stages.len().into();
+            json["stage_begins_s"] = stage.time_s[0].into();
+            json["rest_since_s"] = record.outcome.rest_since_s.into();
+            json["peak_amplitude_m"] = record.outcome.peak.map(|peak| peak.amplitude_m).into();
+            json["peak_time_s"] = record.outcome.peak.map(|peak| peak.time_s).into();
+        }
         if let Some(touching) = &record.outcome.touching {
             json["impacts"] = touching.impacts.into();
             json["touching_time_s"] = touching.time_s.into();

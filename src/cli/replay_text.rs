@@ -4,9 +4,9 @@
 use std::path::Path;
 
 use super::point_words::micrometres;
-use crate::classification::{Outcome, Recording, Switch, Touch, TouchingOutcome};
+use crate::classification::{Outcome, Recording, StageOutcome, Switch, Touch, TouchingOutcome};
 use crate::counted::counted;
-use crate::model::{Model, SlidingSpeed};
+use crate::model::{Machine, Model, SlidingSpeed};
 use crate::report::time_text;
 use crate::table::phase_name;
 use crate::text_table::text_table;
@@ -77,6 +77,9 @@ pub fn terminal_text(
     let (label, evidence) = (outcome.label().name(), outcome.evidence.name());
     let end = outcome.end_time_s.map(|end| format!(" at {end:.4} s")).unwrap_or_default();
     let mut rows = vec![("ending", format!("{label} ({evidence}){end}"))];
+    if let (Some(machine), Some(last)) = (model.ball_balancer(), outcome.stages.last()) {
+        rows.extend(stage_rows(machine, outcome, last));
+    }
     if let Some(positions) = &outcome.position {
         let angles = model.kind().sliding_speed == SlidingSpeed::RadS;
         let name = match (angles, positions.len()) {
@@ -110,6 +113,31 @@ pub fn terminal_text(
         text += &format!("... and {more} more; pipe the output or see {files}\n");
     }
     text
+}
+
+/// Returns the rows on the stages of a run: the last one, since when the balls rest, and the largest vibration of all.
+fn stage_rows(
+    machine: &Machine,
+    outcome: &Outcome,
+    last: &StageOutcome,
+) -> Vec<(&'static str, String)> {
+    let begin_s = last.time_s[0];
+    let speed = machine.disc_motion();
+    let at = |time_s: f64| format!("{time_s:.4} s, at {:.4} rad/s", speed.speed_rad_s(time_s));
+    let stages = outcome.stages.len();
+    // A run that fails may not reach the last stage.
+    let is_last = begin_s >= machine.last_stage_begins_s();
+    let name = if is_last { "last stage" } else { "stage" };
+    let mut rows = vec![(name, format!("number {stages}, from {}", at(begin_s)))];
+    rows.extend(outcome.rest_since_s.zip(outcome.time_to_rest_s).map(|(since_s, after_s)| {
+        let words = format!("{since_s:.4} s, {after_s:.4} s after the begin of the last stage");
+        ("rest since", words)
+    }));
+    rows.extend(outcome.peak.map(|peak| {
+        let words = format!("{} µm at {}", micrometres(peak.amplitude_m), at(peak.time_s));
+        ("largest vibration", words)
+    }));
+    rows
 }
 
 /// Returns how the balls of a run touched.
@@ -168,6 +196,26 @@ mod tests {
         recording.switches.truncate(1);
         let shown = text(&recording);
         assert!(shown.contains(" 1 change between") && !shown.contains("more"), "{shown}");
+    }
+
+    #[test]
+    fn a_terminal_shows_the_stages() {
+        let text = "schema: 1\nname: a\nseed: 5\n\
+            model: {kind: ball_balancer, speed_profile: [{ramp: {from_rad_s: -100, over_s: 0.5}}, {hold_s: 4}]}\n\
+            initial_conditions: {design: {monte_carlo: {samples: 1}}}\n";
+        let study = Study::parse(Path::new("a.yaml"), text.to_owned()).expect("a valid study");
+        let (record, recording) = record(&study, 0, None, 1_000_000);
+        let file = Path::new("b/switches.parquet");
+        let shown = terminal_text(study.model(), &record.outcome, &recording, file);
+        let stage = "\nlast stage         number 2, from 0.5000 s, at -216.3772 rad/s\n";
+        assert!(shown.contains(stage), "{shown}");
+        let outcome = &record.outcome;
+        let since = outcome.rest_since_s.expect("a run that comes to rest");
+        let rest = format!("\nrest since         {since:.4} s, {:.4} s after", since - 0.5);
+        assert!(shown.contains(&rest), "{shown}");
+        let peak = outcome.peak.expect("a largest amplitude");
+        let words = format!(" µm at {:.4} s, at -", peak.time_s);
+        assert!(shown.contains("\nlargest vibration  ") && shown.contains(&words), "{shown}");
     }
 
     #[test]

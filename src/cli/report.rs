@@ -28,7 +28,8 @@ without balls, the influence of uncertain parameters, endings over the sweep, ti
 rest on the equilibrium set, basins of attraction, limit cycles and diagnostics. While a study is running, and after \
 it was killed, the page shows the finished runs. The page of a search shows its convergence, the Pareto front, Sobol' \
 indices, and the best design beside the reference. Each dot shows the results of its run and the command that replays it. The command \
-computes nothing and changes nothing in the directory. The page saves each figure as SVG or PNG; the Python \
+changes nothing in the directory, and computes nothing but, for a disc that starts or a table that is kicked, the motion of \
+a few runs. The page saves each figure as SVG or PNG; the Python \
 package's `stickslip-figures` draws figures for papers from the tables.";
 
 /// Write an HTML page with figures of a directory of results

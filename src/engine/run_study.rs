@@ -21,7 +21,7 @@ use super::worker::{RunQueue, Storage};
 use super::{EngineOptions, Progress, WorkerPool};
 use crate::analysis::{LabelCounts, PointAccumulator, PointDetail};
 use crate::classification::Outcome;
-use crate::model::Case;
+use crate::model::{Case, Model, Simulation};
 use crate::motion::{Cancellation, SimdLevel};
 use crate::study::Study;
 use crate::table::{PointRow, Results, ResultsError, RunRecord};
@@ -301,8 +301,9 @@ impl<S: Sink> PointCollector<'_, S> {
     fn close_point(&mut self) -> Result<(), S::Error> {
         match self.point.take() {
             Some((point_id, runs)) => {
-                let detail = runs.detail(self.study.simulation().end_times_s());
-                let row = PointRow::new(&self.study.point(point_id), runs.summary());
+                let point = self.study.point(point_id);
+                let detail = runs.detail(observed_times_s(self.study.simulation(), point.model()));
+                let row = PointRow::new(&point, runs.summary());
                 self.sink.point(row, detail)
             }
             None => Ok(()),
@@ -313,4 +314,12 @@ impl<S: Sink> PointCollector<'_, S> {
         self.close_point()?;
         Ok(self.counts)
     }
+}
+
+/// Returns how long runs of a model are observed in their last stage, s, until the end time and until that of continued
+/// runs; for the durations of stages without draws.
+fn observed_times_s(simulation: &Simulation, model: &Model) -> [f64; 2] {
+    let end_time_s = model.end_time_s().unwrap_or(simulation.end_time_s);
+    let simulation = Simulation { end_time_s, ..*simulation };
+    simulation.end_times_s().map(|end_time_s| end_time_s - model.last_stage_begins_s())
 }

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use crate::classification::{Recording, Sample};
-use crate::model::{Machine, Model};
+use crate::model::{Machine, Model, SPEED_TERMS};
 use crate::motion::Phase;
 
 /// Markup, style and script of the page, with marks for title and data.
@@ -18,7 +18,7 @@ const FRAMES: (f64, f64) = (200.0, 20_000.0);
 /// Returns the number of frames of a motion of this length; `None` for a model without balls.
 pub fn frames(model: &Model, seconds: f64) -> Option<u32> {
     let machine = model.ball_balancer()?;
-    let rate = machine.speed_rad_s.abs() + machine.natural_frequency_rad_s();
+    let rate = machine.disc_motion().fastest_rad_s() + machine.natural_frequency_rad_s();
     let frames = seconds * rate / std::f64::consts::TAU * FRAMES_PER_TURN;
     Some(frames.clamp(FRAMES.0, FRAMES.1) as u32)
 }
@@ -81,9 +81,22 @@ pub fn animation(machine: &Machine, recording: &Recording, title: &str) -> Strin
         data["touching"] = json!(touching);
         data["impacts"] = json!(impacts);
     }
+    if machine.has_stages() {
+        data["disc"] = json!(disc(machine));
+        data["kicks"] = json!(machine.kicks.iter().map(|kick| kick.at_s).collect::<Vec<f64>>());
+        data["last_stage_s"] = machine.last_stage_begins_s().into();
+    }
     let escaped = title.replace('&', "&amp;").replace('<', "&lt;");
     // The data are numbers, which cannot end the script element.
     PAGE.replace(TITLE, &escaped).replacen(DATA, &data.to_string(), 1)
+}
+
+/// Returns the segments of the speed of the disc: the begin of each, the angle turned before, and the coefficients of the
+/// speed as a polynomial of the time since the begin.
+fn disc(machine: &Machine) -> Vec<(f64, f64, [f64; SPEED_TERMS])> {
+    let disc = machine.disc_motion();
+    let segments = disc.segments().iter();
+    segments.map(|(segment, turned)| (segment.begins_s, *turned, segment.terms)).collect()
 }
 
 /// Returns a time, given in s, as text with its unit and four decimals.

@@ -63,7 +63,7 @@ pub(crate) use file_entry::read_regular;
 pub use file_list::{FILES, FileList};
 pub use frictionless_equilibria::{FrictionlessRow, frictionless_columns};
 pub use manifest::{Circumstances, MANIFEST, Manifest};
-pub use memory_results::{MemoryResults, TABLES};
+pub use memory_results::{MemoryResults, MemoryTables, STAGES_TABLE, TABLES};
 pub use memory_table::{MemoryTable, MemoryWriter, in_memory};
 pub use output_state::{OutputState, check_path, inspect, manifest_of};
 pub use point_key::{OfPoint, PointKey};

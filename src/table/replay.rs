@@ -4,7 +4,7 @@
 use super::column::{Column, Columns, NON_DIMENSIONAL};
 use super::touches::add_gaps;
 use crate::classification::{ContactSample, Sample, Switch};
-use crate::model::{Model, SlidingSpeed, Units, wrap_to_two_pi};
+use crate::model::{DiscMotion, Model, SlidingSpeed, Units, wrap_to_two_pi};
 use crate::motion::Phase;
 
 impl Units {
@@ -13,12 +13,13 @@ impl Units {
         time / self.natural_rad_s
     }
 
-    /// Returns position and velocity of the ring's centre in the inertial frame, m and m/s. At time
-    /// 0, the axes of the disc and of the inertial frame coincide.
-    pub fn in_space(&self, sample: &Sample) -> Option<[f64; 4]> {
+    /// Returns position and velocity of the ring's centre in the inertial frame, m and m/s, for this motion of the disc. At
+    /// time 0, the axes of the disc and of the inertial frame coincide.
+    pub fn in_space(&self, disc: &DiscMotion, sample: &Sample) -> Option<[f64; 4]> {
         let [x, y, x_dot, y_dot] = sample.table?;
-        let omega = self.disc_rad_s / self.natural_rad_s;
-        let (sine, cosine) = (omega * sample.time).sin_cos();
+        let time_s = self.seconds(sample.time);
+        let omega = disc.speed_rad_s(time_s) / self.natural_rad_s;
+        let (sine, cosine) = disc.turned_rad(time_s).sin_cos();
         let (u, v) = (x_dot - omega * y, y_dot + omega * x);
         let speed = self.length_m * self.natural_rad_s;
         Some([
@@ -70,8 +71,14 @@ pub fn trajectory_columns(model: &Model, gaps: &[[usize; 2]]) -> Vec<Column<Samp
     list.count("step", |row| row.step).meaning(
         "number of the integration step that contains the row or ends there; 0 at the start",
     );
-    if model.ball_balancer().is_some() {
-        add_table(&mut list, &units);
+    if let Some(machine) = model.ball_balancer() {
+        let disc = machine.disc_motion();
+        if machine.has_stages() {
+            let disc = disc.clone();
+            list.number("speed_rad_s", "rad/s", move |row| disc.speed_rad_s(row.time / natural))
+                .meaning("speed of the disc");
+        }
+        add_table(&mut list, &units, &disc);
     }
     for contact in 0..model.contacts() {
         match (model.ball_balancer(), model.block()) {
@@ -123,7 +130,7 @@ fn of_contact<'a>(
 }
 
 /// Adds position and velocity of the ring's centre.
-fn add_table(list: &mut Columns<Sample>, units: &Units) {
+fn add_table(list: &mut Columns<Sample>, units: &Units, disc: &DiscMotion) {
     let (length, speed) = (units.length_m, units.length_m * units.natural_rad_s);
     for (axis, name, unit, factor, meaning) in [
         (0, "x_m", "m", length, "position of the ring's centre towards the imbalance"),
@@ -141,8 +148,8 @@ fn add_table(list: &mut Columns<Sample>, units: &Units) {
         (2, "x_dot_inertial_m_s", "m/s", "velocity of the ring's centre along x_inertial"),
         (3, "y_dot_inertial_m_s", "m/s", "velocity of the ring's centre along y_inertial"),
     ] {
-        let units = units.clone();
-        list.number(name, unit, move |row| Some(units.in_space(row)?[axis]))
+        let (units, disc) = (units.clone(), disc.clone());
+        list.number(name, unit, move |row| Some(units.in_space(&disc, row)?[axis]))
             .meaning(format!("{meaning}, in the inertial frame"));
     }
 }

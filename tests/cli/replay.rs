@@ -9,9 +9,15 @@ use parquet::arrow::ArrowWriter;
 use super::summary::kill;
 use super::support::{Scratch, assert_has, column, counts, numbers, study_text, words};
 
+/// Balls with contact on a table that is kicked twice, with balls that rest at the first kick.
+const KICKED: &str = "model: {kind: ball_balancer, contact: {}, \
+    speed_profile: [{ramp: {from_rad_s: -216, over_s: 0.1}}], \
+    disturbances: [{kick: {at_s: 0.05, speed_m_s: 0.1}}, {kick: {at_s: 1.5, speed_m_s: 0.2, direction_rad: 1}}]}\n";
+
 /// Studies of all kinds, with the runs to replay: both methods, one ball and three, a law without
-/// stick, audited and continued runs, failures, physically invalid samples, blocks.
-const STUDIES: [(&str, &str, f64, u64); 8] = [
+/// stick, audited and continued runs, failures, physically invalid samples, blocks, a disc that starts, a table that is
+/// kicked.
+const STUDIES: [(&str, &str, f64, u64); 10] = [
     (
         "two",
         "sweep: [{grid: {speed_rad_s: [-179.2671, -216.3772]}}]\naudit: {fraction: 0.5}\n",
@@ -34,6 +40,14 @@ const STUDIES: [(&str, &str, f64, u64); 8] = [
         4,
     ),
     ("drawn", "uncertain: {ball_mass_2_kg: {normal: {mean: 1.0e-4, std_dev: 2.0e-4}}}\n", 0.1, 4),
+    (
+        "starts",
+        "model: {kind: ball_balancer, speed_profile: [{ramp: {from_rad_s: -100, to_rad_s: -150, over_s: 0.3}}, \
+         {hold_s: 0.2}, {smooth_ramp: {over_s: 0.5}}]}\naudit: {fraction: 0.5}\n",
+        2.0,
+        4,
+    ),
+    ("kicked", KICKED, 2.0, 4),
     ("spring", "model: {kind: block_on_spring}\n", 5.0, 4),
     (
         "belt",
@@ -133,6 +147,69 @@ fn the_tables_of_a_motion() {
         );
         fs::remove_dir_all(scratch.path("c")).unwrap();
     }
+}
+
+/// The speed of the disc is that of the profile, and the disc has turned by its integral. A kick breaks balls loose that
+/// rest, at its very time, which is a switch.
+#[test]
+fn the_motion_of_a_disc_that_starts() {
+    let scratch = Scratch::new();
+    let study = study_text("a", "{monte_carlo: {samples: 3}}", 2.0, KICKED);
+    scratch.write("a.yaml", study);
+    scratch.well("run a.yaml --out a");
+    let mut broken_loose = 0;
+    for run in 0..3 {
+        scratch.well(&format!("replay a {run}"));
+        let out = format!("a-replay-{run}");
+        let all = scratch.table(&out, "trajectory");
+        let of = |name: &str| numbers(&all, name).into_iter().flatten().collect::<Vec<f64>>();
+        let (times, speeds) = (of("time_s"), of("speed_rad_s"));
+        let last = -216.3772;
+        for (time, speed) in times.iter().zip(&speeds) {
+            let expected = -216.0 + (last + 216.0) * (time / 0.1).min(1.0);
+            assert!((speed - expected).abs() < 1e-9, "{speed} {expected} at {time}");
+        }
+        let (x, y, there) = (of("x_m"), of("y_m"), of("x_inertial_m"));
+        for (index, time) in times.iter().enumerate() {
+            let ramp = time.min(0.1);
+            let turned = -216.0 * ramp + 5.0 * (last + 216.0) * ramp * ramp + last * (time - ramp);
+            let (sine, cosine) = turned.sin_cos();
+            assert!((cosine * x[index] - sine * y[index] - there[index]).abs() < 1e-12, "{time}");
+        }
+        // The position is continuous at a kick, the velocity jumps by its speed.
+        let [before, after] = [0, 1].map(|place| {
+            let mut at = times.iter().enumerate().filter(|(_, time)| (**time - 1.5).abs() < 1e-9);
+            at.nth(place).expect("two rows at the kick").0
+        });
+        assert_eq!((x[before], y[before]), (x[after], y[after]));
+        let [one, other] = ["x_dot_inertial_m_s", "y_dot_inertial_m_s"].map(of);
+        let jump = (one[after] - one[before]).hypot(other[after] - other[before]);
+        // The impact of balls that touched before the kick moves the table by a few µm/s.
+        assert!((jump - 0.2).abs() < 1e-5, "{jump} m/s");
+        let direction = (other[after] - other[before]).atan2(one[after] - one[before]);
+        assert!((direction - 1.0).abs() < 1e-4, "{direction} rad");
+        // Only balls that rest change their phase, and each does.
+        let switches = scratch.table(&out, "switches");
+        let from = words(&switches, "from");
+        let is_kick = |time: f64| (time - 0.05).abs() < 1e-9 || (time - 1.5).abs() < 1e-9;
+        let switched = numbers(&switches, "time_s").into_iter().zip(from);
+        let at_kick = switched
+            .filter(|(time, from)| is_kick(time.unwrap()) && from.as_deref() == Some("stick"));
+        broken_loose += at_kick.count();
+        // Requested times have the motion after the kick.
+        scratch.well(&format!("replay a {run} --times 1.5:1.5:1 --out b"));
+        let at = scratch.table("b", "trajectory");
+        let found = numbers(&at, "x_dot_inertial_m_s")[0].unwrap();
+        assert!((found - one[after]).abs() < 1e-12, "{found}");
+        fs::remove_dir_all(scratch.path("b")).unwrap();
+    }
+    assert!(broken_loose > 0, "no ball rests at the kick");
+    // A disc with constant speed has no such column.
+    scratch.write("c.yaml", study_text("c", "{monte_carlo: {samples: 1}}", 0.02, ""));
+    scratch.well("run c.yaml --out c");
+    scratch.well("replay c 0");
+    let plain = scratch.table("c-replay-0", "trajectory");
+    assert!(plain.column_by_name("speed_rad_s").is_none());
 }
 
 /// Returns the table of runs with a column replaced or removed.

@@ -11,6 +11,8 @@ mod optimum;
 mod overlap;
 /// Rest positions of the balls.
 mod preferred;
+/// A disc that starts.
+mod run_up;
 /// Cells of maps, and points in detail.
 mod sweeps;
 /// Residual vibration, and vibration without balls.

@@ -12,7 +12,8 @@ use stickslip::engine::{EngineOptions, Progress, Sink, run_study};
 use stickslip::study::Study;
 use stickslip::table::column::Columns;
 use stickslip::table::{
-    MemoryResults, MemoryTable, PointRow, RunRecord, TABLES, Table, in_memory, manifest_of,
+    MemoryResults, MemoryTable, MemoryTables, PointRow, RunRecord, STAGES_TABLE, TABLES, Table,
+    in_memory, manifest_of,
 };
 
 use crate::cli::support::{Scratch, study_text};
@@ -59,7 +60,8 @@ fn what_is_computed_is_what_is_written() {
     let options = EngineOptions { threads: 2, chunk: 7, ..EngineOptions::default() };
     let go_on = AtomicBool::new(false);
     run_study(&study, options, &go_on, &progress, None, &mut sink).unwrap();
-    let tables = sink.0.finish().unwrap();
+    let MemoryTables { tables, stages } = sink.0.finish().unwrap();
+    assert!(stages.is_none());
     assert_eq!(tables[0].rows() as u64, study.run_count());
     for (name, table) in TABLES.into_iter().zip(&tables) {
         assert_same(table, &read(name).unwrap());
@@ -85,6 +87,27 @@ fn what_is_computed_is_what_is_written() {
         }
     }
     assert!(refused > 5, "{refused}");
+}
+
+/// A study whose disc starts has one more table.
+#[test]
+fn stages_are_those_that_are_written() {
+    let scratch = Scratch::new();
+    let model =
+        "model: {kind: ball_balancer, speed_profile: [{ramp: {from_rad_s: -50, over_s: 0.2}}]}\n";
+    let text = study_text("a", "{monte_carlo: {samples: 6}}", 0.5, model);
+    let path = scratch.write("a.yaml", text);
+    scratch.well("run a.yaml --out out --quiet");
+    let manifest = manifest_of(&scratch.path("out")).unwrap().unwrap();
+    let written = Table::open(&scratch.path("out"), &manifest, STAGES_TABLE).unwrap();
+    let study = Study::load(&path).unwrap();
+    let mut sink = InMemory(MemoryResults::new(&study));
+    let progress = Progress::new(study.run_count(), true);
+    let go_on = AtomicBool::new(false);
+    run_study(&study, EngineOptions::default(), &go_on, &progress, None, &mut sink).unwrap();
+    let stages = sink.0.finish().unwrap().stages.unwrap();
+    assert_eq!(stages.rows() as u64, 2 * study.run_count());
+    assert_same(&stages, &written.in_memory().unwrap());
 }
 
 /// Rows per batch.

@@ -100,6 +100,7 @@ def time_to_rest(
 ) -> Paper:
     """Draws the probability that the balls (or the block) are at rest by time t [s], with one curve per point.
 
+    For a disc that starts or a table that is kicked, time counts from the begin of the last stage.
     The curve is the Kaplan-Meier estimator from `time_to_rest.parquet`; runs that still move at the end are
     censored. The bands are pointwise 95 % confidence intervals. Failed runs are excluded from the curve; the band
     includes the two extremes that all of them rest immediately or that none ever does.
@@ -120,7 +121,10 @@ def time_to_rest(
             curves[row] = tuple(read[name][of].astype(float) for name in names)
     if not curves:
         raise table.nothing("it has no rows of these points", "choose points with runs that did not fail")
-    end = max(float(np.nanmax(read["time_s"])), table.parameters.get("end_time_s", 0.0))
+    # With stages, time counts from the begin of the last one, up to the last censored run.
+    staged = results.has("stages")
+    after = " after the begin of the last stage" if staged else ""
+    end = max(float(np.nanmax(read["time_s"])), 0.0 if staged else table.parameters.get("end_time_s", 0.0))
 
     def draw(axes: Axes, row: int, name: str, place: int) -> None:
         time, probability, low, high = curves[row]
@@ -139,7 +143,7 @@ def time_to_rest(
     def finish(axes: Axes) -> None:
         axes.set_xlim(0, end)
         axes.set_ylim(0, 1)
-        axes.set_xlabel("time [s]")
+        axes.set_xlabel(f"time{after} [s]")
         axes.set_ylabel("probability of being at rest")
 
     balls = runs.balls_of(results)
@@ -147,7 +151,7 @@ def time_to_rest(
     told = [
         f"{sweep.named(row)}"
         + (
-            f"half of the runs that did not fail are at rest by {medians[row]:.3f} s"
+            f"half of the runs that did not fail are at rest by {medians[row]:.3f} s{after}"
             if np.isfinite(medians[row])
             else "less than half of the runs that did not fail come to rest"
         )
@@ -160,7 +164,7 @@ def time_to_rest(
     return lay_out(
         _panels(sweep, list(curves), draw, finish),
         title=f"When the {moving} to rest",
-        caption="Probability of being at rest by time t (Kaplan-Meier; runs that still move at the end are "
+        caption=f"Probability of being at rest by time t{after} (Kaplan-Meier; runs that still move at the end are "
         f"censored), with pointwise 95 % bands.{left_out}{sweep.left_out(list(curves))}",
         alternative=words.listed(told),
         width=width,

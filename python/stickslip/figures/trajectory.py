@@ -25,8 +25,9 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
     """Draws the motion of a run over time [s], from `trajectory.parquet` of `stickslip replay`.
 
     For balls, the panels show their angles from the imbalance [rad], their speeds relative to the ring [rad/s], and
-    the position x, y of the ring's centre [µm] in the frame that rotates with the disc, x towards the imbalance. For
-    a block, they show position [m], sliding speed [m/s] and friction force [N]. The curves end with the record; the
+    the position x, y of the ring's centre [µm] in the frame that rotates with the disc, x towards the imbalance; for a
+    disc that starts or a table that is kicked, also the speed of the disc [rad/s]. For a block, they show position [m],
+    sliding speed [m/s] and friction force [N]. The curves end with the record; the
     record of a run that comes to permanent rest ends at that time. With contact between balls, the panel of the angles
     marks where two balls touch, and crosses between the balls mark impacts from `touches.parquet`. Long records are reduced to the extreme values in
     1,200 equal intervals of time. See figures 5.6 and 5.15 of the thesis.
@@ -43,6 +44,9 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
         ("x of the table", "µm", ["x_m"], 1e6),
         ("y of the table", "µm", ["y_m"], 1e6),
     ]
+    starts = "speed_rad_s" in table.columns
+    if starts:
+        quantities.append(("speed of the disc", "rad/s", ["speed_rad_s"], 1.0))
     if not balls:
         quantities = [
             ("position", "m", ["position_m"], 1.0),
@@ -102,6 +106,8 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
         "Angles of the balls from the imbalance, their speeds relative to the ring, and the position of the "
         "ring's centre in the frame that rotates with the disc, x towards the imbalance."
     )
+    if starts:
+        of_balls += " Speed of the disc."
     if gaps:
         of_balls += " Wide grey: two balls touch. Crosses: impacts."
     title = f"Run {run} of {table.study}" if run is not None else table.study

@@ -198,9 +198,11 @@ impl Saved {
             last_touch: before.last_touch,
             ..started.lane
         };
+        let contacts = system.contacts();
         for (contact, last) in lane.last_switches.iter_mut().enumerate() {
             if lane.phases[contact] != before.phases[contact] {
                 *last = self.time;
+                lane.switches += u64::from(contact < contacts);
             }
         }
         if any_closed(&before.phases) {

@@ -1,21 +1,28 @@
-//! The data of a report, read from the tables of a directory of results, in bounded memory.
+//! The data of a report, read from the tables of a directory of results, in bounded memory. Of a study with stages, the
+//! motion of a few runs is computed again.
 
 mod cycles;
 mod drawn;
 mod incomplete;
+mod motion;
 mod names;
+mod observation;
 mod points;
+mod run_up;
 mod runs;
 mod time_to_rest;
 mod vibration;
 
 use std::path::Path;
+use std::sync::{Arc, OnceLock};
 
 pub use cycles::{CycleFacts, QUANTITIES};
 pub use drawn::{DrawnRuns, DrawnValues};
 pub use incomplete::IncompletePoints;
+pub use motion::Motion;
 pub use names::{axis_of, heading, said};
 pub use points::{Fraction, PointFacts};
+pub use run_up::{PeakOfRun, RunUp, SampledRun};
 pub use runs::{Notable, RunSample, scattered};
 pub use time_to_rest::RestCurve;
 pub use vibration::Vibration;
@@ -83,6 +90,8 @@ pub struct ResultTables {
     runs: Table,
     rest: Table,
     cycles: Table,
+    /// Runs that have been computed again, once for all budgets.
+    run_up: OnceLock<Arc<RunUp>>,
 }
 
 impl ResultTables {
@@ -93,7 +102,17 @@ impl ResultTables {
     pub fn open(directory: &Path, manifest: &Manifest) -> Result<Self, TableError> {
         let open = |name: &str| Table::open(directory, manifest, name);
         let (points, runs) = (open("points")?, open("runs")?);
-        Ok(ResultTables { points, runs, rest: open("time_to_rest")?, cycles: open("cycles")? })
+        let (rest, cycles) = (open("time_to_rest")?, open("cycles")?);
+        Ok(ResultTables { points, runs, rest, cycles, run_up: OnceLock::new() })
+    }
+
+    /// Returns what happened in the runs of a study with stages; computes a few of them again on the first call.
+    fn run_up(&self, study: &Study, points: &[PointFacts]) -> Result<Arc<RunUp>, TableError> {
+        if let Some(run_up) = self.run_up.get() {
+            return Ok(Arc::clone(run_up));
+        }
+        let run_up = Arc::new(run_up::read(study, &self.runs, points)?);
+        Ok(Arc::clone(self.run_up.get_or_init(|| run_up)))
     }
 }
 
@@ -122,6 +141,8 @@ pub struct ReportData<'a> {
     pub notable: Vec<Notable>,
     /// Time to rest of the points in detail.
     pub rest: Vec<RestCurve>,
+    /// What happened in the stages of the runs.
+    pub run_up: Arc<RunUp>,
     /// Classes of limit cycles.
     pub cycles: Vec<CycleFacts>,
     /// Limits of what figures show.
@@ -150,6 +171,7 @@ impl<'a> ReportData<'a> {
         let shown: Vec<u64> = of.iter().map(|point| point.point_id).collect();
         let drawn = drawn::read(study, &tables.runs, &of)?;
         let rest = time_to_rest::read(&tables.rest, &shown, budget.steps)?;
+        let run_up = tables.run_up(study, &points)?;
         let cycles = cycles::read(&tables.cycles)?;
         Ok(ReportData {
             study,
@@ -163,6 +185,7 @@ impl<'a> ReportData<'a> {
             drawn,
             notable,
             rest,
+            run_up,
             cycles,
             budget,
         })

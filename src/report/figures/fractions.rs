@@ -13,7 +13,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let fraction = fraction_axis("fraction of runs");
     let panels = sweep.panels(data, &fraction, |points| layers(data, points));
     let left_out = &sweep.left_out;
-    let end = data.study.simulation().end_time_s;
+    let end = data.ends_in_words();
     let most = data.points.iter().map(|point| point.equilibrium.fraction).fold(f64::NAN, f64::max);
     let least = data.points.iter().map(|point| point.equilibrium.fraction).fold(f64::NAN, f64::min);
     Some(Figure {

@@ -12,6 +12,7 @@ mod map;
 mod over_sweep;
 mod overlap;
 mod preferred;
+mod run_up;
 mod sweep_axis;
 mod time_to_rest;
 mod vibration;
@@ -26,6 +27,7 @@ use super::data::ReportData;
 pub fn of_results(data: &ReportData<'_>) -> Vec<Figure> {
     let figures = [
         vibration::figure(data),
+        run_up::figure(data),
         amplitudes::figure(data),
         drawn::correlations(data),
         drawn::amplitudes(data),

@@ -5,9 +5,9 @@ use crate::classification::Label;
 use crate::report::chart::{Axis, Colour, Figure, Layer, Mark, Panel};
 use crate::report::data::{PointFacts, ReportData, RestCurve};
 
-/// Plots curves with their bands, up to the study's end time.
+/// Plots curves with their bands, up to the end of the runs. With stages, time counts from the begin of the last one.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
-    let end = data.study.simulation().end_time_s;
+    let after = if data.study.has_stages() { " after the begin of the last stage" } else { "" };
     let curve_of =
         |point: &PointFacts| data.rest.iter().find(|curve| curve.point_id == point.point_id);
     let with_curves: Vec<(&PointFacts, &RestCurve)> =
@@ -15,11 +15,12 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     if with_curves.is_empty() {
         return None;
     }
+    let observed = data.points.iter().map(|point| data.observation(point).observed_s());
     let last = with_curves.iter().filter_map(|(_, curve)| curve.time_s.last().copied());
-    let x = Axis { range: Some([0.0, last.fold(end, f64::max)]), ..axis("time", "s") };
+    let range = Some([0.0, last.chain(observed).fold(0.0, f64::max)]);
+    let x = Axis { range, ..axis(&format!("time{after}"), "s") };
     let y = fraction_axis("probability of being at rest");
-    let panel =
-        |(part, few)| Panel { part, ..Panel::new(x.clone(), y.clone(), layers(data, few, end)) };
+    let panel = |(part, few)| Panel { part, ..Panel::new(x.clone(), y.clone(), layers(data, few)) };
     let panels: Vec<Panel> = few_each(&with_curves).into_iter().map(panel).collect();
     let medians: Vec<String> = with_curves
         .iter()
@@ -29,7 +30,9 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
                 failed => format!(" of those that did not fail ({failed} of {} did)", point.runs),
             };
             match point.time_to_rest_s[1] {
-                Some(median) => format!("{}: half{of} at rest by {median:.3} s", point.title),
+                Some(median) => {
+                    format!("{}: half{of} at rest by {median:.3} s{after}", point.title)
+                }
                 None => format!("{}: less than half{of} at rest", point.title),
             }
         })
@@ -41,7 +44,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             (several, false) => format!("When the {several} come to rest"),
         },
         caption: format!(
-            "Probability of rest by time t (Kaplan-Meier estimator; runs that still move at the end are \
+            "Probability of rest by time t{after} (Kaplan-Meier estimator; runs that still move at the end are \
              censored), with 95 % bands.{}{}{}",
             match data.failures_left_out() {
                 none if none.is_empty() => none,
@@ -56,7 +59,8 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     })
 }
 
-fn layers(data: &ReportData<'_>, curves: &[CurveOf<'_, &RestCurve>], end: f64) -> Vec<Layer> {
+fn layers(data: &ReportData<'_>, curves: &[CurveOf<'_, &RestCurve>]) -> Vec<Layer> {
+    let end_of = |point: &PointFacts| data.observation(point).observed_s();
     let layer = |place: usize, point: &PointFacts, mark| {
         let name = match failed(point) {
             0 => data.curve_name(point),
@@ -71,7 +75,8 @@ fn layers(data: &ReportData<'_>, curves: &[CurveOf<'_, &RestCurve>], end: f64) -
         let mut x = time_s.clone();
         let mut low: Vec<f64> = low.iter().map(|low| low * (1.0 - part)).collect();
         let mut high: Vec<f64> = high.iter().map(|high| high * (1.0 - part) + part).collect();
-        // The curve stays constant up to the end time.
+        // The curve stays constant up to the end of the runs.
+        let end = end_of(point);
         if x.last().is_some_and(|time| *time < end) {
             x.push(end);
             low.extend(low.last().copied());
@@ -82,6 +87,7 @@ fn layers(data: &ReportData<'_>, curves: &[CurveOf<'_, &RestCurve>], end: f64) -
     let lines = curves.iter().enumerate().map(|(place, (point, curve))| {
         let steps = curve.time_s.iter().zip(&curve.probability).map(|(t, p)| [*t, *p]);
         let mut points: Vec<[f64; 2]> = std::iter::once([0.0, 0.0]).chain(steps).collect();
+        let end = end_of(point);
         if let Some([_, probability]) = points.last().copied().filter(|[time, _]| *time < end) {
             points.push([end, probability]);
         }

@@ -5,10 +5,10 @@ use std::path::Path;
 use super::html::{Html, escaped};
 use super::tables::MOST_ROWS;
 use crate::classification::Label;
-use crate::report::data::{Fraction, PointFacts, ReportData, Vibration, said};
+use crate::report::data::{Fraction, PeakOfRun, PointFacts, ReportData, Vibration, said};
 use crate::report::figures::{label_words, significant};
 use crate::sanitize::shell_word;
-use crate::study::ParameterKind;
+use crate::study::{ParameterKind, Study};
 
 /// The number of rows above which a table is folded.
 const SHORT_TABLE: usize = 24;
@@ -65,6 +65,10 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     let known = |of: fn(&Vibration) -> Option<f64>| {
         data.points.iter().any(|point| of(&data.vibration(point)).is_some())
     };
+    let stages = study.has_stages();
+    if stages {
+        head.extend(["largest amplitude of a run [µm]", "at the speed [rad/s]"]);
+    }
     let optional: Vec<Optional> = OPTIONAL.into_iter().filter(|one| known(one.value)).collect();
     head.extend(optional.iter().map(|one| one.name));
     head.extend(["runs", "equilibria", "95 % interval"]);
@@ -81,7 +85,10 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     if audit {
         head.push("flips");
     }
-    head.push("median time to rest [s]");
+    head.push(match stages {
+        true => "median time to rest after the begin of the last stage [s]",
+        false => "median time to rest [s]",
+    });
     if balls {
         head.push("set [%]");
     }
@@ -98,6 +105,11 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
         if balls {
             let [_, median, p95] = point.amplitude_m;
             cells.extend([median, p95, point.without_balls_m].map(micro));
+        }
+        if stages {
+            let peak = data.run_up.largest.get(&point.point_id);
+            let speed = peak.and_then(|peak| disc_speed(study, peak));
+            cells.extend([micro(peak.map(|peak| peak.amplitude_m)), written(speed)]);
         }
         let vibration = data.vibration(point);
         cells.extend(optional.iter().map(|one| (one.text)((one.value)(&vibration))));
@@ -142,6 +154,15 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
         ));
     }
     body.line("</section>");
+}
+
+/// Returns the speed of the disc at the largest vibration of a run, rad/s.
+fn disc_speed(study: &Study, peak: &PeakOfRun) -> Option<f64> {
+    if peak.run_id >= study.run_count() {
+        return None;
+    }
+    let case = study.planned_run(peak.run_id).case.ok()?;
+    Some(case.model.ball_balancer()?.disc_motion().speed_rad_s(peak.time_s))
 }
 
 /// Returns a number with four significant digits, or a dash.

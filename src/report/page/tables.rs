@@ -36,7 +36,7 @@ pub fn facts(body: &mut Html, data: &ReportData<'_>) {
         "{}, {} friction; {} s at most, method {}",
         study.model().kind().name.replace('_', " "),
         study.model().friction().name(),
-        simulation.end_time_s,
+        data.ends_in_words(),
         match simulation.method {
             Method::Switch => "switch",
             Method::Event => "event",

@@ -1,0 +1,112 @@
+//! The motion of the disc in a run: its speed, and the angle by which it has turned since the start.
+
+use super::{Machine, Model, SpeedSegment};
+
+/// The motion of a disc over the time of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DiscMotion {
+    /// The segments of the speed, each with the angle by which the disc has turned before.
+    segments: Vec<(SpeedSegment, f64)>,
+}
+
+impl DiscMotion {
+    /// Returns the speed at a time since the start, rad/s.
+    pub fn speed_rad_s(&self, time_s: f64) -> f64 {
+        self.segment_at(time_s)
+            .map_or(f64::NAN, |(segment, _)| segment.speed_rad_s(time_s - segment.begins_s))
+    }
+
+    /// Returns the angle by which the disc has turned until a time since the start, rad.
+    pub fn turned_rad(&self, time_s: f64) -> f64 {
+        self.segment_at(time_s).map_or(f64::NAN, |(segment, before_rad)| {
+            before_rad + segment.turned_rad(time_s - segment.begins_s)
+        })
+    }
+
+    /// Returns the largest absolute value of the speed, rad/s. It is at an end of a segment, because no ramp overshoots.
+    pub fn fastest_rad_s(&self) -> f64 {
+        let begins = self.segments.iter().map(|(segment, _)| segment.terms[0].abs());
+        begins.fold(0.0, f64::max)
+    }
+
+    /// Returns the segments of the speed, each with the angle in rad by which the disc has turned before.
+    pub fn segments(&self) -> &[(SpeedSegment, f64)] {
+        &self.segments
+    }
+
+    fn segment_at(&self, time_s: f64) -> Option<&(SpeedSegment, f64)> {
+        let begun = self.segments.partition_point(|(segment, _)| segment.begins_s <= time_s);
+        self.segments.get(begun.saturating_sub(1))
+    }
+}
+
+impl Machine {
+    /// Returns the motion of the disc.
+    pub fn disc_motion(&self) -> DiscMotion {
+        let mut turned_rad = 0.0;
+        let with_angle = |segment: SpeedSegment| {
+            let before_rad = turned_rad;
+            turned_rad += segment.turned_rad(segment.lasts_s);
+            (segment, before_rad)
+        };
+        DiscMotion { segments: self.speed_segments().into_iter().map(with_angle).collect() }
+    }
+
+    /// Returns whether a run has stages: the disc changes its speed, or the table is kicked.
+    pub fn has_stages(&self) -> bool {
+        self.speed_profile.is_some() || !self.kicks.is_empty()
+    }
+
+    /// Returns the begin of the last stage of a run, s.
+    pub fn last_stage_begins_s(&self) -> f64 {
+        let segments = self.speed_segments();
+        let knots = segments.iter().map(|segment| segment.begins_s);
+        knots.chain(self.kicks.iter().map(|kick| kick.at_s)).fold(0.0, f64::max)
+    }
+}
+
+impl Model {
+    /// Returns the begin of the last stage of a run, s; 0 for a model whose runs have one stage.
+    pub fn last_stage_begins_s(&self) -> f64 {
+        self.ball_balancer().map_or(0.0, Machine::last_stage_begins_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::model::{Kick, Machine, ProfilePart, Ramp, RampShape, SpeedProfile};
+
+    /// The angle is the integral of the speed, by Simpson's rule, which is exact for the cubic polynomials here.
+    #[test]
+    fn the_angle_is_the_integral_of_the_speed() {
+        let ramp = |shape, to_rad_s, over_s| ProfilePart::Ramp(Ramp { shape, to_rad_s, over_s });
+        let parts = vec![
+            ramp(RampShape::Smooth, Some(-100.0), 2.0),
+            ProfilePart::Hold(Some(0.5)),
+            ramp(RampShape::Linear, None, 1.0),
+        ];
+        let kicks = vec![Kick { at_s: 4.0, speed_m_s: 0.01, direction_rad: 0.0 }];
+        let profile = SpeedProfile { start_speed_rad_s: -10.0, parts };
+        let machine = Machine {
+            speed_rad_s: -200.0,
+            speed_profile: Some(profile),
+            kicks,
+            ..Machine::default()
+        };
+        let disc = machine.disc_motion();
+        let (mut sum, step) = (0.0, 0.25);
+        for k in 0..20 {
+            let begin = f64::from(k) * step;
+            assert!((disc.turned_rad(begin) - sum).abs() < 1e-9, "{begin} s");
+            let [one, middle, other] =
+                [0.0, 0.5, 1.0].map(|part| disc.speed_rad_s(begin + part * step));
+            sum += step / 6.0 * (one + 4.0 * middle + other);
+        }
+        assert_eq!([0.0, 2.25, 9.0].map(|time| disc.speed_rad_s(time)), [-10.0, -100.0, -200.0]);
+        assert_eq!(disc.fastest_rad_s(), 200.0);
+        assert_eq!(machine.last_stage_begins_s(), 4.0);
+        let constant = Machine::default();
+        assert_eq!(constant.disc_motion().turned_rad(0.5), 0.5 * constant.speed_rad_s);
+        assert!(machine.has_stages() && !constant.has_stages());
+    }
+}
