@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 static PAGES: Mutex<()> = Mutex::new(());
 
 /// Every computed part of a page.
-const PARTS: [(&str, &[&str]); 5] = [
+const PARTS: [(&str, &[&str]); 6] = [
     ("docs/check.md", &["check"]),
     ("docs/verification.md", &["labels-below", "labels-above", "labels-irregular"]),
     (
@@ -34,6 +34,7 @@ const PARTS: [(&str, &[&str]); 5] = [
             "cd-rom-indices-rest",
         ],
     ),
+    ("docs/startup.md", &["startup", "startup-ratio", "startup-all"]),
 ];
 
 fn writes() -> bool {
