@@ -130,8 +130,11 @@ fn stage_rows(
     let name = if is_last { "last stage" } else { "stage" };
     let mut rows = vec![(name, format!("number {stages}, from {}", at(begin_s)))];
     rows.extend(outcome.rest_since_s.zip(outcome.time_to_rest_s).map(|(since_s, after_s)| {
-        let words = format!("{since_s:.4} s, {after_s:.4} s after the begin of the last stage");
-        ("rest since", words)
+        let when = match since_s < begin_s {
+            true => "before the last stage begins".to_owned(),
+            false => format!("{after_s:.4} s after the begin of the last stage"),
+        };
+        ("rest since", format!("{since_s:.4} s, {when}"))
     }));
     rows.extend(outcome.peak.map(|peak| {
         let words = format!("{} µm at {}", micrometres(peak.amplitude_m), at(peak.time_s));
@@ -200,22 +203,31 @@ mod tests {
 
     #[test]
     fn a_terminal_shows_the_stages() {
-        let text = "schema: 1\nname: a\nseed: 5\n\
-            model: {kind: ball_balancer, speed_profile: [{ramp: {from_rad_s: -100, over_s: 0.5}}, {hold_s: 4}]}\n\
-            initial_conditions: {design: {monte_carlo: {samples: 1}}}\n";
-        let study = Study::parse(Path::new("a.yaml"), text.to_owned()).expect("a valid study");
-        let (record, recording) = record(&study, 0, None, 1_000_000);
-        let file = Path::new("b/switches.parquet");
-        let shown = terminal_text(study.model(), &record.outcome, &recording, file);
-        let stage = "\nlast stage         number 2, from 0.5000 s, at -216.3772 rad/s\n";
-        assert!(shown.contains(stage), "{shown}");
-        let outcome = &record.outcome;
-        let since = outcome.rest_since_s.expect("a run that comes to rest");
-        let rest = format!("\nrest since         {since:.4} s, {:.4} s after", since - 0.5);
-        assert!(shown.contains(&rest), "{shown}");
-        let peak = outcome.peak.expect("a largest amplitude");
-        let words = format!(" µm at {:.4} s, at -", peak.time_s);
-        assert!(shown.contains("\nlargest vibration  ") && shown.contains(&words), "{shown}");
+        // With strong friction the balls never move.
+        for (friction, moves) in [("0.005", true), ("0.05", false)] {
+            let text = format!(
+                "schema: 1\nname: a\nseed: 5\nmodel: {{kind: ball_balancer, \
+                 parameters: {{friction_coefficient: {friction}}}, \
+                 speed_profile: [{{ramp: {{from_rad_s: -100, over_s: 0.5}}}}, {{hold_s: 4}}]}}\n\
+                 initial_conditions: {{design: {{monte_carlo: {{samples: 1}}}}}}\n"
+            );
+            let study = Study::parse(Path::new("a.yaml"), text).expect("a valid study");
+            let (record, recording) = record(&study, 0, None, 1_000_000);
+            let file = Path::new("b/switches.parquet");
+            let shown = terminal_text(study.model(), &record.outcome, &recording, file);
+            let stage = "\nlast stage         number 2, from 0.5000 s, at -216.3772 rad/s\n";
+            assert!(shown.contains(stage), "{shown}");
+            let outcome = &record.outcome;
+            let since = outcome.rest_since_s.expect("a run that comes to rest");
+            let rest = match moves {
+                true => format!("{since:.4} s, {:.4} s after the begin of", since - 0.5),
+                false => "0.0000 s, before the last stage begins".to_owned(),
+            };
+            assert!(shown.contains(&format!("\nrest since         {rest}")), "{shown}");
+            let peak = outcome.peak.expect("a largest amplitude");
+            let words = format!(" µm at {:.4} s, at -", peak.time_s);
+            assert!(shown.contains("\nlargest vibration  ") && shown.contains(&words), "{shown}");
+        }
     }
 
     #[test]

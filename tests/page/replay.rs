@@ -238,6 +238,60 @@ fn a_replay_shows_contact() {
     }
 }
 
+/// The disc turns with the speed of its profile, whose plot marks kicks and the begin of the last stage.
+#[test]
+fn a_replay_shows_the_start_of_the_disc() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    made.write(
+        "a.yaml",
+        "schema: 1\nname: a\nseed: 5\n\
+         model: {kind: ball_balancer, speed_profile: [{ramp: {from_rad_s: -100, over_s: 0.5}}, {hold_s: 1.5}], \
+         disturbances: [{kick: {at_s: 0.25, speed_m_s: 0.01, direction_rad: 0}}]}\n\
+         initial_conditions: {design: {monte_carlo: {samples: 1}}}\n",
+    );
+    made.well("run a.yaml --out a");
+    made.well("replay a 0");
+    let file = made.path("a-replay-0/replay.html");
+    for view in [STILL, View { dark: true, ..STILL }] {
+        let mut page = browser.open(&file, view);
+        assert_eq!(page.ask("document.getElementById('plots').checkVisibility()"), true);
+        assert_eq!(page.ask("document.getElementById('stages').checkVisibility()"), true);
+        let change = -116.3772;
+        for time in [0.0_f64, 0.2, 0.5, 1.0] {
+            let ramp = time.min(0.5);
+            let speed = -100.0 + change * ramp / 0.5;
+            let turned = -100.0 * ramp + change * ramp * ramp + (time - ramp) * (-100.0 + change);
+            let found = page.number(&format!("disc({time}).speed"));
+            assert!((found - speed).abs() < 1e-9, "{found} {speed}");
+            let found = page.number(&format!("disc({time}).turned"));
+            assert!((found - turned).abs() < 1e-9, "{found} {turned}");
+        }
+        // Each panel has both marks.
+        for (mark, place) in [("kick", 0.25), ("last-stage", 0.5)] {
+            let marks = format!("document.querySelectorAll('#plots .{mark}')");
+            assert_eq!(page.number(&format!("{marks}.length")), 2.0);
+            let box_of = |what: &str| format!("{what}.getBoundingClientRect()");
+            let middle = |what: &str| {
+                let shape = box_of(what);
+                format!("({shape}.left + {shape}.right) / 2")
+            };
+            page.ask(&format!("go({place}); null"));
+            let mark = page.number(&middle(&format!("{marks}[0]")));
+            let now = page.number(&middle("marker"));
+            assert!((mark - now).abs() < 1.0, "{mark} {now}");
+        }
+        let (pale, texts) = page.pale();
+        assert!(texts > 12 && pale.is_empty(), "{texts} texts, {pale:?}");
+        assert_eq!((page.faults(), page.nameless()), (vec![], vec![]));
+        page.screenshot(&format!("replay-start-{}", if view.dark { "dark" } else { "light" }));
+    }
+    // A disc at constant speed has no plots.
+    let plain = Made::new();
+    let mut page = browser.open(&replay(&plain, 2), STILL);
+    assert_eq!(page.ask("document.getElementById('plots').checkVisibility()"), false);
+}
+
 #[test]
 fn a_replay_can_be_printed() {
     let Some(mut browser) = Browser::start() else { return };
