@@ -33,6 +33,8 @@ pub struct Balancer<const N: usize, T = f64> {
     pub damping_ratio: T,
     /// Imbalance `m_I e`, over `M L`.
     pub imbalance: T,
+    /// Position `(ε_x, ε_y)` of the ring's centre in the disc, over `L`; `None` for a ring whose centre is that of the disc.
+    pub runout: Option<[T; 2]>,
     /// The balls.
     pub balls: [BalancerBall<T>; N],
 }
@@ -57,6 +59,10 @@ impl<const N: usize> Balancer<N> {
             damping_ratio: machine.damping_n_s_m / (2.0 * total * natural),
             imbalance: machine.imbalance_mass_kg / total * machine.imbalance_radius_m
                 / machine.ring_radius_m,
+            runout: (machine.ring_runout_m != 0.0).then(|| {
+                let (sine, cosine) = libm::sincos(machine.ring_runout_angle_rad);
+                [cosine, sine].map(|part| part * machine.ring_runout_m / machine.ring_radius_m)
+            }),
             balls: balls.map(|ball| {
                 let diameter = ball.diameter_m / machine.ring_radius_m;
                 BalancerBall {
@@ -82,6 +88,7 @@ impl<const N: usize> Balancer<N> {
             acceleration: self.acceleration.map(T::constant),
             damping_ratio: T::constant(self.damping_ratio),
             imbalance: T::constant(self.imbalance),
+            runout: self.runout.map(|runout| runout.map(T::constant)),
             balls: self.balls.map(|ball| BalancerBall {
                 mass: T::constant(ball.mass),
                 inertia: T::constant(ball.inertia),
@@ -102,7 +109,7 @@ impl<const N: usize> Balancer<N> {
 /// disc, and the contacts are the balls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State<const N: usize, T = f64, const FREE: usize = 2> {
-    /// The ring's centre `(x, y)`.
+    /// The centre of the disc `(x, y)`, which is that of the ring if it has no runout.
     pub position: [T; FREE],
     /// Its velocity `(ẋ, ẏ)`.
     pub velocity: [T; FREE],

@@ -14,7 +14,7 @@ pub(super) static KIND: ModelKind = ModelKind {
     default: || Model::BallBalancer(Machine { balls: vec![Ball::default()], ..Machine::default() }),
 };
 
-const PARAMETERS: [ParameterDescriptor; 20] = [
+const PARAMETERS: [ParameterDescriptor; 22] = [
     ParameterDescriptor {
         name: "table_mass_kg",
         unit: "kg",
@@ -48,8 +48,20 @@ const PARAMETERS: [ParameterDescriptor; 20] = [
     ParameterDescriptor {
         name: "imbalance_radius_m",
         unit: "m",
-        meaning: "distance of the imbalance from the ring's centre",
+        meaning: "distance of the imbalance from the disc's centre",
         field: Field::Machine(|machine| &mut machine.imbalance_radius_m),
+    },
+    ParameterDescriptor {
+        name: "ring_runout_m",
+        unit: "m",
+        meaning: "distance of the ring's centre from the disc's centre",
+        field: Field::Machine(|machine| &mut machine.ring_runout_m),
+    },
+    ParameterDescriptor {
+        name: "ring_runout_angle_rad",
+        unit: "rad",
+        meaning: "direction of the ring's centre from the disc's centre, an angle from the imbalance",
+        field: Field::Machine(|machine| &mut machine.ring_runout_angle_rad),
     },
     ParameterDescriptor {
         name: "ball_mass_kg",

@@ -188,7 +188,8 @@ impl<const N: usize> System for BallsInContact<N> {
     fn structure(&self) -> Option<Structure> {
         let laws = self.balancer.balls.iter().map(|ball| ball.friction.law_name());
         let order = self.gaps.iter().flat_map(|gap| gap.contacts);
-        Some((TypeId::of::<Self>(), laws.collect(), order.collect()))
+        let runout = usize::from(self.balancer.runout.is_some());
+        Some((TypeId::of::<Self>(), laws.collect(), order.chain([runout]).collect()))
     }
 
     fn contacts(&self) -> usize {

@@ -22,13 +22,18 @@
 //! a_x + …  = … + Σ m s α        a_y + … = … - m_I e α - Σ m c α        (1 + 4J) β̈ = … - (1 - 2 J d) α
 //! a_x = ẍ - 2ω ẏ - ω² x - α y        a_y = ÿ + 2ω ẋ - ω² y + α x
 //! ```
+//!
+//! A ring whose centre is at `(ε_x, ε_y)` in the disc (runout) has the acceleration `a - S`, `S_x = ω² ε_x + α ε_y` and
+//! `S_y = ω² ε_y - α ε_x`, which takes the place of `a` in the equations of the balls, and the forces of the balls on the
+//! table gain `Σ m S`. With `a - S` as the unknowns, the equations above have the further force `-(1 - Σ m) S`.
 
 use super::{Balancer, BalancerBall, Contact, Number, State};
 
 /// Accelerations and contact forces in one state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forces<const N: usize, T = f64, const FREE: usize = 2> {
-    /// Absolute acceleration `(a_x, a_y)` of the ring's centre, resolved in the turning frame.
+    /// Absolute acceleration `(a_x, a_y)` of the ring's centre, resolved in the turning frame: that of the table, if the ring
+    /// has no runout.
     pub table_acceleration: [T; FREE],
     /// Angular acceleration `β̈` of each ball relative to the ring; acceleration of a block.
     pub beta_ddot: [T; N],
@@ -136,6 +141,19 @@ impl<const N: usize, T: Number> Balancer<N, T> {
         })
     }
 
+    /// Returns how much more the table accelerates than the ring's centre, whose distance from the disc's centre turns with
+    /// the disc: `S`.
+    #[inline]
+    fn runout_acceleration(&self) -> Option<[T; 2]> {
+        let [e_x, e_y] = self.runout?;
+        let centripetal = self.speed * self.speed;
+        let [s_x, s_y] = [centripetal * e_x, centripetal * e_y];
+        Some(match self.acceleration {
+            None => [s_x, s_y],
+            Some(acceleration) => [s_x + acceleration * e_y, s_y - acceleration * e_x],
+        })
+    }
+
     /// Returns the equations of the table's acceleration. Sums over the balls are separate from the table's own terms,
     /// so that exchanging two balls exchanges the results bit for bit.
     #[inline]
@@ -165,6 +183,14 @@ impl<const N: usize, T: Number> Balancer<N, T> {
         let force_y = balls_y - y - drag * (y_dot + omega * x);
         let euler = self.acceleration.map(|acceleration| self.imbalance * acceleration);
         let force_y = euler.map_or(force_y, |euler| force_y - euler);
+        let [force_x, force_y] = match self.runout_acceleration() {
+            None => [force_x, force_y],
+            Some([s_x, s_y]) => {
+                let balls = self.balls.iter().fold(zero, |sum, ball| sum + ball.mass);
+                let table = T::constant(1.0) - balls;
+                [force_x - table * s_x, force_y - table * s_y]
+            }
+        };
         TableEquations { matrix: [m_xx, m_xy, m_yx, m_yy], force: [force_x, force_y] }
     }
 
@@ -233,6 +259,10 @@ impl<const N: usize, T: Number> Balancer<N, T> {
         if let Some(acceleration) = self.acceleration {
             let [x_ddot, y_ddot] = derivative.velocity;
             derivative.velocity = [x_ddot + acceleration * y, y_ddot - acceleration * x];
+        }
+        if let Some([s_x, s_y]) = self.runout_acceleration() {
+            let [x_ddot, y_ddot] = derivative.velocity;
+            derivative.velocity = [x_ddot + s_x, y_ddot + s_y];
         }
         for (i, contact) in contacts.iter().enumerate() {
             let stuck = one - contact.free;

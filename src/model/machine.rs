@@ -70,8 +70,12 @@ pub struct Machine {
     pub ring_radius_m: f64,
     /// Mass of the imbalance, kg; 0 for a balanced rotor.
     pub imbalance_mass_kg: f64,
-    /// Distance of the imbalance from the ring's centre, m.
+    /// Distance of the imbalance from the disc's centre, m.
     pub imbalance_radius_m: f64,
+    /// Distance of the ring's centre from the disc's centre, m.
+    pub ring_runout_m: f64,
+    /// Direction of the ring's centre from the disc's centre, an angle from the imbalance, rad.
+    pub ring_runout_angle_rad: f64,
     /// Prescribed speed of the disc, rad/s, or the last one of the speed profile; negative turns clockwise.
     pub speed_rad_s: f64,
     /// The balls, one to [`MAX_BALLS`].
@@ -105,6 +109,8 @@ impl Default for Machine {
             ring_radius_m: 1.15e-2,
             imbalance_mass_kg: 5.6e-5,
             imbalance_radius_m: 3.7e-2,
+            ring_runout_m: 0.0,
+            ring_runout_angle_rad: 0.0,
             speed_rad_s: -216.3772,
             balls: vec![Ball::default(); 2],
             normal_force: NormalForce::Lagrange,
@@ -138,8 +144,14 @@ impl Machine {
         }
         not_negative("imbalance_mass_kg", self.imbalance_mass_kg)?;
         not_negative("damping_n_s_m", self.damping_n_s_m)?;
-        if !self.speed_rad_s.is_finite() {
-            return Err(invalid("speed_rad_s", &self.speed_rad_s.to_string(), "a finite number"));
+        not_negative("ring_runout_m", self.ring_runout_m)?;
+        for (name, value) in [
+            ("ring_runout_angle_rad", self.ring_runout_angle_rad),
+            ("speed_rad_s", self.speed_rad_s),
+        ] {
+            if !value.is_finite() {
+                return Err(invalid(name, &value.to_string(), "a finite number"));
+            }
         }
         for (index, ball) in self.balls.iter().enumerate() {
             let name = |general: &str, unit: &str| member_name(general, unit, index + 1);

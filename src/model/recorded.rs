@@ -109,6 +109,7 @@ impl<const N: usize> Balancer<N> {
     ) -> Balancer<N, Expression<'r>> {
         let [speed, damping_ratio, imbalance] =
             ["speed", "damping_ratio", "imbalance"].map(|name| recorder.input(name));
+        let runout = self.runout.map(|parts| parts.map(|_| recorder.input("runout")));
         let unused = Expression::constant(0.0);
         let balls = self.balls.map(|ball| {
             let [mass, mobility, rolling_linear, rolling_quadratic] =
@@ -132,7 +133,7 @@ impl<const N: usize> Balancer<N> {
             })
         });
         let at_constant_speed =
-            Balancer { speed, acceleration: None, damping_ratio, imbalance, balls };
+            Balancer { speed, acceleration: None, damping_ratio, imbalance, runout, balls };
         turning.map_or(at_constant_speed, |Turning { speed, acceleration }| Balancer {
             speed,
             acceleration: Some(acceleration),
@@ -144,6 +145,7 @@ impl<const N: usize> Balancer<N> {
     pub(super) fn parameter_inputs(&self, turning: bool) -> Vec<f64> {
         let mut inputs = Vec::with_capacity(3 + 12 * N);
         inputs.extend_from_slice(&[self.speed, self.damping_ratio, self.imbalance]);
+        inputs.extend(self.runout.into_iter().flatten());
         for ball in &self.balls {
             let BalancerBall { mass, mobility, rolling_linear, rolling_quadratic, .. } = *ball;
             inputs.extend_from_slice(&[mass, mobility, rolling_linear, rolling_quadratic]);
@@ -190,7 +192,8 @@ impl<const N: usize> System for Balancer<N> {
 
     fn structure(&self) -> Option<Structure> {
         let laws = self.balls.iter().map(|ball| ball.friction.law_name());
-        Some((TypeId::of::<Self>(), laws.collect(), Vec::new()))
+        let runout = usize::from(self.runout.is_some());
+        Some((TypeId::of::<Self>(), laws.collect(), vec![runout]))
     }
 
     fn contacts(&self) -> usize {

@@ -10,7 +10,7 @@ use super::{Balancer, State};
 /// The table at rest in the turning frame, with the balls held where they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestPoint<const N: usize> {
-    /// The ring's centre `(x_0, y_0)`, non-dimensional.
+    /// The centre of the disc `(x_0, y_0)`, non-dimensional.
     pub position: [f64; 2],
     /// Normal force on each ball.
     pub normal: [f64; N],
@@ -20,7 +20,8 @@ pub struct RestPoint<const N: usize> {
 
 impl<const N: usize> Balancer<N> {
     /// Where the table rests when the balls stay at `beta` (thesis equations 5.3, 5.4):
-    /// `z_0 = ω² F / (1 - ω² + 2iζω)` with `F = m_I e + Σ m e^{iβ}`.
+    /// `z_0 = ω² F / (1 - ω² + 2iζω)` with `F = m_I e + Σ m e^{iβ}`. With a runout `ε` of the ring, `F` gains `Σ m ε`, and
+    /// the ring's centre is at `z_0 + ε`.
     pub fn rest_point(&self, beta: &[f64; N]) -> RestPoint<N> {
         let omega = self.speed;
         let trigonometry = beta.map(libm::sincos);
@@ -30,13 +31,20 @@ impl<const N: usize> Balancer<N> {
             force_y += ball.mass * s;
         }
         force_x += self.imbalance;
+        let [e_x, e_y] = self.runout.unwrap_or_default();
+        if self.runout.is_some() {
+            let balls: f64 = self.balls.iter().map(|ball| ball.mass).sum();
+            force_x += balls * e_x;
+            force_y += balls * e_y;
+        }
         let real = 1.0 - omega * omega;
         let imaginary = 2.0 * self.damping_ratio * omega;
         let scale = omega * omega / (real * real + imaginary * imaginary);
         let x = scale * (real * force_x + imaginary * force_y);
         let y = scale * (real * force_y - imaginary * force_x);
-        let normal = trigonometry.map(|(s, c)| omega * omega * (1.0 + c * x + s * y));
-        let friction = trigonometry.map(|(s, c)| -omega * omega * (s * x - c * y));
+        let [ring_x, ring_y] = [x + e_x, y + e_y];
+        let normal = trigonometry.map(|(s, c)| omega * omega * (1.0 + c * ring_x + s * ring_y));
+        let friction = trigonometry.map(|(s, c)| -omega * omega * (s * ring_x - c * ring_y));
         RestPoint { position: [x, y], normal, friction }
     }
 

@@ -78,7 +78,9 @@ impl<S: Vector, const N: usize> Tuned<S, N> {
     /// proportional to it.
     pub(super) fn computes(system: &Arc<dyn System>) -> bool {
         let balancer = while_apart::<N>(system);
-        balancer.is_some_and(|own| own.balls.iter().all(|ball| ball.friction.is_linear()))
+        balancer.is_some_and(|own| {
+            own.runout.is_none() && own.balls.iter().all(|ball| ball.friction.is_linear())
+        })
     }
 }
 
