@@ -636,9 +636,9 @@ fn the_run_up_is_that_of_the_point_at_which_balls_slip_longest() {
         of("sweep: [{grid: {speed_rad_s: [-100, -200], ramp_over_1_s: [4, 1]}}]\n"),
     );
     let text = scratch.well("check a.yaml");
-    assert_has(&text, &["-31 to -200 rad/s from 0 to 4 s", "(point 2, where they slip longest)"]);
+    assert_has(&text, &["-31 to -100 rad/s from 0 to 4 s", "(point 0, where they slip longest)"]);
     let run_up = &report(&scratch, "a.yaml")["run_up"];
-    assert_eq!((&run_up[0]["point_id"], &run_up[0]["speed_rad_s"][1]), (&json!(2), &json!(-200.0)));
+    assert_eq!((&run_up[0]["point_id"], &run_up[0]["speed_rad_s"][1]), (&json!(0), &json!(-100.0)));
     scratch.write("b.yaml", of("sweep: [{grid: {imbalance_mass_kg: [5.0e-5, 6.0e-5]}}]\n"));
     assert!(!scratch.well("check b.yaml").contains("slip longest"));
     assert_eq!(report(&scratch, "b.yaml")["run_up"][0]["point_id"], Value::Null);
