@@ -17,7 +17,7 @@ use super::output::{print, print_json};
 use super::point_keys::merged;
 use crate::check::{ExaminedDesign, Warning, warnings};
 use crate::engine::say;
-use crate::model::{Endings, Extend, Method, Model};
+use crate::model::{Endings, Extend, Method};
 use crate::study::{Precision, Response, Study, Variable, VariedParameter, describe_number};
 use crate::text_table::text_table;
 
@@ -99,8 +99,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         }
         report["machine"] = machine_json(&study);
         if study.has_stages() {
-            report["run_up"] =
-                run_up_json(design.as_ref().map_or(&study, |one| &one.study).model());
+            report["run_up"] = run_up_json(design.as_ref().map_or(&study, |one| &one.study));
         }
         report["closed_form"] =
             ClosedForms::of(&study, design.as_ref(), most_points(&study)).json();
@@ -116,7 +115,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         return Ok(end);
     }
     let described = design.as_ref().map_or(&study, |design| &design.study);
-    let mut rows = rows(&study, described.model(), &cost, designs.as_ref());
+    let mut rows = rows(&study, described, &cost, designs.as_ref());
     rows.extend(existence.iter().flat_map(Existence::rows));
     let rows: Vec<Vec<String>> =
         rows.into_iter().map(|(key, text)| vec![key.to_owned(), text]).collect();
@@ -151,10 +150,10 @@ fn say_all(warnings: &[Warning], strict: bool) {
     }
 }
 
-/// Returns the rows of the plan: a key and its text. `model` is that of the examined design.
+/// Returns the rows of the plan: a key and its text. `described` is the study of the examined design.
 fn rows(
     study: &Study,
-    model: &Model,
+    described: &Study,
     cost: &Cost,
     designs: Option<&DesignCost>,
 ) -> Vec<(&'static str, String)> {
@@ -164,6 +163,7 @@ fn rows(
     let names = |columns: &'_ [VariedParameter]| {
         listed(columns.iter().map(|column| column.name.as_str()).collect())
     };
+    let model = described.model();
     let kind = model.kind();
     let what = match (model.block(), model.contacts()) {
         (Some(_), _) => kind.name.to_owned(),
@@ -194,7 +194,7 @@ fn rows(
         );
         rows.push(("audit", text));
     }
-    rows.extend(run_up_rows(model));
+    rows.extend(run_up_rows(described));
     rows.push(("expectations", study.expectations().len().to_string()));
     rows.push(("cost", cost_in_words(cost)));
     if let Some(designs) = designs {

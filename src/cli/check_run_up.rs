@@ -3,14 +3,41 @@
 use serde_json::{Value, json};
 
 use crate::analysis::{RunUp, run_ups};
-use crate::check::short;
-use crate::model::Model;
+use crate::check::{points_to_examine, short};
+use crate::study::Study;
+
+/// The most points whose run-ups are compared.
+const MOST_POINTS: u64 = 1000;
+
+/// Returns the changes of speed at the point at which the balls slip longest, and the number of that point if the points
+/// differ.
+fn longest_slipping(study: &Study) -> (Option<u64>, Vec<RunUp>) {
+    let of_point = |point_id: u64| {
+        let point = study.point(point_id);
+        (point_id, point.model().ball_balancer().map(run_ups).unwrap_or_default())
+    };
+    let slips = |all: &[RunUp]| {
+        let each = all.iter().map(|one| one.slipping_fraction * (one.time_s[1] - one.time_s[0]));
+        each.sum::<f64>()
+    };
+    let mut all = points_to_examine(study.point_count(), MOST_POINTS).into_iter().map(of_point);
+    let Some((mut point_id, mut longest)) = all.next() else { return (None, Vec::new()) };
+    let mut differ = false;
+    for (other_id, other) in all {
+        differ |= other != longest;
+        if slips(&other) > slips(&longest) {
+            (point_id, longest) = (other_id, other);
+        }
+    }
+    (differ.then_some(point_id), longest)
+}
 
 /// Returns one row for each change of speed.
-pub(super) fn run_up_rows(model: &Model) -> Vec<(&'static str, String)> {
-    let machine = model.ball_balancer();
-    let all = machine.map(run_ups).unwrap_or_default();
-    all.iter().map(|one| ("run-up", words(one))).collect()
+pub(super) fn run_up_rows(study: &Study) -> Vec<(&'static str, String)> {
+    let (point_id, all) = longest_slipping(study);
+    let at = point_id.map(|id| format!(" (point {id}, where they slip longest)"));
+    let at = at.unwrap_or_default();
+    all.iter().map(|one| ("run-up", format!("{}{at}", words(one)))).collect()
 }
 
 fn words(run_up: &RunUp) -> String {
@@ -33,8 +60,8 @@ fn words(run_up: &RunUp) -> String {
 }
 
 /// Returns the changes of speed as JSON.
-pub(super) fn run_up_json(model: &Model) -> Value {
-    let machine = model.ball_balancer();
+pub(super) fn run_up_json(study: &Study) -> Value {
+    let (point_id, all) = longest_slipping(study);
     let object = |one: &RunUp| {
         json!({
             "time_s": one.time_s,
@@ -42,7 +69,8 @@ pub(super) fn run_up_json(model: &Model) -> Value {
             "acceleration_rad_s2": one.acceleration_rad_s2,
             "followed_rad_s2": one.followed_rad_s2,
             "slipping_fraction": one.slipping_fraction,
+            "point_id": point_id,
         })
     };
-    machine.map(run_ups).unwrap_or_default().iter().map(object).collect()
+    all.iter().map(object).collect()
 }

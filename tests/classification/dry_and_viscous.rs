@@ -59,7 +59,10 @@ fn a_block_stops_where_and_when_the_closed_form_says() {
                 assert_eq!(outcome.evidence, Evidence::RestCertified, "{drag} {start:?}");
                 near(outcome.amplitude_m, 0.0, 0.0);
                 near(outcome.friction_margin, 1.0 - end.abs() / 0.01, 1e-7);
-                let found = [position(&outcome).unwrap(), outcome.time_to_rest_s.unwrap()];
+                let found = [
+                    position(&outcome).expect("a position"),
+                    outcome.time_to_rest_s.expect("a block that rests"),
+                ];
                 for (error, (found, exact)) in
                     largest.iter_mut().zip(found.into_iter().zip([end, exact.time_s]))
                 {

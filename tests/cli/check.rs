@@ -621,3 +621,25 @@ fn designs_and_searches_have_a_price() {
     scratch.write("a.yaml", study_text("a", "{sobol: {samples: 1}}", AT_ONCE, ""));
     assert!(report(&scratch, "a.yaml").get("design_cost").is_none());
 }
+
+/// Where the points of a sweep differ, the run-up is that of the point at which the balls slip longest.
+#[test]
+fn the_run_up_is_that_of_the_point_at_which_balls_slip_longest() {
+    let scratch = Scratch::new();
+    let of = |sweep: &str| {
+        let model = "model: {kind: ball_balancer, speed_profile: [{ramp: {from_rad_s: -31, over_s: 2}}, {hold_s: 1}]}\n";
+        let study = "schema: 1\nname: a\nseed: 5\n".to_owned() + model + sweep;
+        study + "initial_conditions: {design: {monte_carlo: {samples: 2}}}\n"
+    };
+    scratch.write(
+        "a.yaml",
+        of("sweep: [{grid: {speed_rad_s: [-100, -200], ramp_over_1_s: [4, 1]}}]\n"),
+    );
+    let text = scratch.well("check a.yaml");
+    assert_has(&text, &["-31 to -100 rad/s from 0 to 4 s", "(point 0, where they slip longest)"]);
+    let run_up = &report(&scratch, "a.yaml")["run_up"];
+    assert_eq!((&run_up[0]["point_id"], &run_up[0]["speed_rad_s"][1]), (&json!(0), &json!(-100.0)));
+    scratch.write("b.yaml", of("sweep: [{grid: {imbalance_mass_kg: [5.0e-5, 6.0e-5]}}]\n"));
+    assert!(!scratch.well("check b.yaml").contains("slip longest"));
+    assert_eq!(report(&scratch, "b.yaml")["run_up"][0]["point_id"], Value::Null);
+}

@@ -193,15 +193,16 @@ fn the_motion_of_a_disc_that_starts() {
         let from = words(&switches, "from");
         let is_kick = |time: f64| (time - 0.05).abs() < 1e-9 || (time - 1.5).abs() < 1e-9;
         let switched = numbers(&switches, "time_s").into_iter().zip(from);
-        let at_kick = switched
-            .filter(|(time, from)| is_kick(time.unwrap()) && from.as_deref() == Some("stick"));
+        let at_kick = switched.filter(|(time, from)| {
+            is_kick(time.expect("each switch has a time")) && from.as_deref() == Some("stick")
+        });
         broken_loose += at_kick.count();
         // Requested times have the motion after the kick.
         scratch.well(&format!("replay a {run} --times 1.5:1.5:1 --out b"));
         let at = scratch.table("b", "trajectory");
-        let found = numbers(&at, "x_dot_inertial_m_s")[0].unwrap();
+        let found = numbers(&at, "x_dot_inertial_m_s")[0].expect("a speed at the requested time");
         assert!((found - one[after]).abs() < 1e-12, "{found}");
-        fs::remove_dir_all(scratch.path("b")).unwrap();
+        fs::remove_dir_all(scratch.path("b")).expect("a folder of this test");
     }
     assert!(broken_loose > 0, "no ball rests at the kick");
     // A disc with constant speed has no such column.

@@ -22,6 +22,10 @@ sweep: [{grid: {ramp_over_s: [0.2, 0.4]}}]
 initial_conditions: {design: {monte_carlo: {samples: 4}}}
 ";
 
+fn figure_of<'a>(figures: &'a [Figure], id: &str) -> &'a Figure {
+    figures.iter().find(|figure| figure.id == id).unwrap_or_else(|| panic!("no figure {id}"))
+}
+
 fn part<'a>(figure: &'a Figure, title: &str, part: &str) -> &'a Panel {
     let is = |panel: &&Panel| panel.title == title && panel.part == part;
     figure.panels.iter().find(is).unwrap_or_else(|| panic!("no {part} of {title}"))
@@ -29,10 +33,9 @@ fn part<'a>(figure: &'a Figure, title: &str, part: &str) -> &'a Panel {
 
 /// Returns the lines of a panel, one for each run.
 fn lines(panel: &Panel) -> Vec<(&Layer, &[[f64; 2]])> {
-    let line = |layer: &'_ Layer| matches!(layer.mark, Mark::Line { .. });
-    let points = panel.layers.iter().filter(|layer| line(layer)).map(|layer| match &layer.mark {
-        Mark::Line { points, .. } => (layer, &points[..]),
-        _ => panic!(),
+    let points = panel.layers.iter().filter_map(|layer| match &layer.mark {
+        Mark::Line { points, .. } => Some((layer, &points[..])),
+        _ => None,
     });
     points.collect()
 }
@@ -42,7 +45,7 @@ fn a_few_runs_are_computed_again() {
     let scratch = Scratch::new();
     scratch.write("a.yaml", STUDY);
     let (_, figures) = reported(&scratch, "a.yaml", Budget::SCREEN, of_results);
-    let figure = figures.iter().find(|figure| figure.id == "run-up").unwrap();
+    let figure = figure_of(&figures, "run-up");
     let runs = scratch.table("out", "runs");
     let [peaks, times] = ["peak_amplitude_m", "peak_time_s"].map(|name| numbers(&runs, name));
     let ends = numbers(&runs, "end_time_s");
@@ -54,25 +57,28 @@ fn a_few_runs_are_computed_again() {
             Mark::Dots { x, y, tooltips, .. } => Some((x, y, &tooltips.run_ids)),
             _ => None,
         });
-        let (x, y, run_ids) = dots.unwrap();
+        let (x, y, run_ids) = dots.expect("dots at the peaks");
         assert!((2..=4).contains(&run_ids.len()) && run_ids[0] == 4 * point, "{run_ids:?}");
         let lines_over_time = lines(over_time);
         assert_eq!(lines_over_time.len(), run_ids.len());
         for (place, run) in run_ids.iter().enumerate() {
             assert_eq!(counts(&runs, "point_id")[*run as usize], point);
-            let peak = peaks[*run as usize].unwrap();
-            assert_eq!((x[place], y[place]), (times[*run as usize].unwrap(), 1e6 * peak));
+            let peak = peaks[*run as usize].expect("a peak");
+            assert_eq!(
+                (x[place], y[place]),
+                (times[*run as usize].expect("the time of a peak"), 1e6 * peak)
+            );
             let (layer, points) = lines_over_time[place];
             assert!(layer.name.starts_with(&format!("run {run}: ")), "{}", layer.name);
             // The curve reaches the peak, and goes to the end of the run.
             let largest = points.iter().map(|point| point[1]).fold(0.0, f64::max);
             let ratio = largest / (1e6 * peak);
             assert!((0.99..1.0 + 1e-9).contains(&ratio), "{ratio}");
-            let end = ends[*run as usize].unwrap();
-            assert!((points.last().unwrap()[0] / end - 1.0).abs() < 0.01);
+            let end = ends[*run as usize].expect("an end");
+            assert!((points.last().expect("points of a curve")[0] / end - 1.0).abs() < 0.01);
         }
         // The run with the largest peak of the point is among them.
-        let of_point = (4 * point..4 * point + 4).map(|run| peaks[run as usize].unwrap());
+        let of_point = (4 * point..4 * point + 4).map(|run| peaks[run as usize].expect("a peak"));
         let most = of_point.fold(0.0, f64::max);
         assert!(y.contains(&(1e6 * most)));
         // The speed of the disc, and the amplitude over it in the ramp.
@@ -109,18 +115,18 @@ fn times_are_those_of_the_stages() {
     let scratch = Scratch::new();
     scratch.write("a.yaml", STUDY);
     let (_, figures) = reported(&scratch, "a.yaml", Budget::SCREEN, of_results);
-    let caption = |id: &str| &figures.iter().find(|figure| figure.id == id).unwrap().caption;
+    let caption = |id: &str| &figure_of(&figures, id).caption;
     assert!(
         caption("fractions").contains("0.8 to 1 s after the start"),
         "{}",
         caption("fractions")
     );
     assert!(caption("time-to-rest").contains("by time t after the begin of the last stage"));
-    let rest = figures.iter().find(|figure| figure.id == "time-to-rest").unwrap();
+    let rest = figure_of(&figures, "time-to-rest");
     let x = &rest.panels[0].x;
     assert_eq!((&*x.name, x.range), ("time after the begin of the last stage", Some([0.0, 0.5])));
     scratch.well("report out");
-    let page = fs::read_to_string(scratch.path("out-report.html")).unwrap();
+    let page = fs::read_to_string(scratch.path("out-report.html")).expect("the page");
     for words in ["0.8 to 1 s at most", "largest amplitude of a run [µm]", "at the speed [rad/s]"]
     {
         assert!(page.contains(words), "{words}");

@@ -80,11 +80,11 @@ fn the_last_speed_may_be_given_by_the_profile() {
 
 #[test]
 fn a_profile_is_read_from_a_file() {
-    let scratch = tempdir().unwrap();
+    let scratch = tempdir().expect("a folder");
     fs::write(scratch.path().join("profile.csv"), "time_s,speed_rad_s\n0,-20\n1.5,-80\n4,-200\n")
-        .unwrap();
+        .expect("a written table");
     let study = text("speed_profile: [{table: profile.csv}]", "");
-    let study = Study::parse(&scratch.path().join("a.yaml"), study).unwrap();
+    let study = Study::parse(&scratch.path().join("a.yaml"), study).expect("a valid study");
     let rows = vec![[0.0, -20.0], [1.5, -80.0], [4.0, -200.0]];
     assert_eq!(profile(&study).parts, [ProfilePart::Table(rows)]);
 }
@@ -106,9 +106,9 @@ fn each_number_varies() {
     let mut directions = Vec::new();
     for run in 0..study.run_count() {
         let planned = study.planned_run(run);
-        let case = planned.case.unwrap();
-        let machine = case.model.ball_balancer().unwrap();
-        let parts = &machine.speed_profile.as_ref().unwrap().parts;
+        let case = planned.case.expect("a possible run");
+        let machine = case.model.ball_balancer().expect("a balancer");
+        let parts = &machine.speed_profile.as_ref().expect("a profile").parts;
         let ProfilePart::Hold(Some(first)) = parts[1] else { panic!("{parts:?}") };
         let over_s = [3.0, 4.0][(planned.point_id % 2) as usize];
         assert_eq!(parts[2], ramp(RampShape::Linear, None, over_s));
@@ -134,10 +134,10 @@ fn runs_of_a_swept_speed_reach_it() {
         "sweep: [{grid: {speed_rad_s: [-150, -200]}}]\n",
     ));
     for (run, speed) in [(0, -150.0), (4, -200.0)] {
-        let case = study.planned_run(run).case.unwrap();
-        let stages = case.model.stages(&case.start, case.simulation.end_time_s).unwrap();
+        let case = study.planned_run(run).case.expect("a possible run");
+        let stages = case.model.stages(&case.start, case.simulation.end_time_s).expect("two balls");
         let speeds: Vec<[f64; 2]> =
-            stages.iter().map(|stage| stage.speeds_rad_s.unwrap()).collect();
+            stages.iter().map(|stage| stage.speeds_rad_s.expect("a disc")).collect();
         assert_eq!(speeds, [[-10.0, speed], [speed; 2]]);
     }
 }

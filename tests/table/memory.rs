@@ -51,16 +51,16 @@ fn what_is_computed_is_what_is_written() {
     let ended = scratch.command("run a.yaml --out out -q").status().unwrap();
     // Some runs fail with Newton's normal force.
     assert_eq!(ended.code(), Some(3));
-    let manifest = manifest_of(&scratch.path("out")).unwrap().unwrap();
+    let manifest = manifest_of(&scratch.path("out")).expect("readable").expect("a manifest");
     let read = |name| Table::open(&scratch.path("out"), &manifest, name).unwrap().in_memory();
 
-    let study = Study::load(&path).unwrap();
+    let study = Study::load(&path).expect("a valid study");
     let mut sink = InMemory(MemoryResults::new(&study));
     let progress = Progress::new(study.run_count(), true);
     let options = EngineOptions { threads: 2, chunk: 7, ..EngineOptions::default() };
     let go_on = AtomicBool::new(false);
-    run_study(&study, options, &go_on, &progress, None, &mut sink).unwrap();
-    let MemoryTables { tables, stages } = sink.0.finish().unwrap();
+    run_study(&study, options, &go_on, &progress, None, &mut sink).expect("a finished study");
+    let MemoryTables { tables, stages } = sink.0.finish().expect("tables in memory");
     assert!(stages.is_none());
     assert_eq!(tables[0].rows() as u64, study.run_count());
     for (name, table) in TABLES.into_iter().zip(&tables) {
@@ -98,16 +98,18 @@ fn stages_are_those_that_are_written() {
     let text = study_text("a", "{monte_carlo: {samples: 6}}", 0.5, model);
     let path = scratch.write("a.yaml", text);
     scratch.well("run a.yaml --out out --quiet");
-    let manifest = manifest_of(&scratch.path("out")).unwrap().unwrap();
-    let written = Table::open(&scratch.path("out"), &manifest, STAGES_TABLE).unwrap();
-    let study = Study::load(&path).unwrap();
+    let manifest = manifest_of(&scratch.path("out")).expect("readable").expect("a manifest");
+    let written =
+        Table::open(&scratch.path("out"), &manifest, STAGES_TABLE).expect("the table of stages");
+    let study = Study::load(&path).expect("a valid study");
     let mut sink = InMemory(MemoryResults::new(&study));
     let progress = Progress::new(study.run_count(), true);
     let go_on = AtomicBool::new(false);
-    run_study(&study, EngineOptions::default(), &go_on, &progress, None, &mut sink).unwrap();
-    let stages = sink.0.finish().unwrap().stages.unwrap();
+    run_study(&study, EngineOptions::default(), &go_on, &progress, None, &mut sink)
+        .expect("a finished study");
+    let stages = sink.0.finish().expect("tables in memory").stages.expect("stages");
     assert_eq!(stages.rows() as u64, 2 * study.run_count());
-    assert_same(&stages, &written.in_memory().unwrap());
+    assert_same(&stages, &written.in_memory().expect("a table in memory"));
 }
 
 /// Rows per batch.
