@@ -39,7 +39,7 @@ impl Balance {
         let found = found.map(|beta| sorted_where_identical(&beta, &form.balls));
         match (found, count) {
             (None, _) => Balance::Nowhere,
-            (Some(example), 2) if form.imbalance == 0.0 => {
+            (Some(example), 2) if form.imbalance.norm() == 0.0 => {
                 Balance::Family { example, dimension: 1 }
             }
             (Some(position), 1 | 2) => Balance::Position(position),
@@ -73,7 +73,7 @@ const ZERO_IMBALANCE: f64 = 1e-12;
 
 /// Returns whether the balls at these angles balance the imbalance.
 pub(super) fn balances(form: &RestForm, beta: &[f64]) -> bool {
-    let scale = form.imbalance + form.mass.iter().sum::<f64>();
+    let scale = form.imbalance.norm() + form.mass.iter().sum::<f64>();
     form.imbalance_at(beta).norm() <= ZERO_IMBALANCE * scale
 }
 
@@ -88,7 +88,7 @@ fn balanced(form: &RestForm) -> Option<Vec<f64>> {
     heaviest.sort_by(|&i, &j| form.mass[j].total_cmp(&form.mass[i]));
     let (pair, rest) = heaviest.split_at(heaviest.len().min(2));
     let [mass_1, mass_2] = [0, 1].map(|place| pair.get(place).map_or(0.0, |&ball| form.mass[ball]));
-    let imbalance = form.imbalance;
+    let (imbalance, towards) = (form.imbalance.norm(), form.imbalance.arg());
     (0..1_u32 << rest.len()).find_map(|signs| {
         let sign = |place: usize| if signs >> place & 1 == 0 { 1.0 } else { -1.0 };
         let along: f64 =
@@ -114,7 +114,7 @@ fn balanced(form: &RestForm) -> Option<Vec<f64>> {
         if let Some(&ball) = pair.get(1) {
             beta[ball] = opposite - side_angle(mass_2, mass_1, force);
         }
-        Some(beta.into_iter().map(wrap_to_two_pi).collect())
+        Some(beta.into_iter().map(|beta| wrap_to_two_pi(beta + towards)).collect())
     })
 }
 

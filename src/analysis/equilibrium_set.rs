@@ -43,11 +43,11 @@ pub struct EquilibriumSet {
     /// Fraction of the positions in which two balls with contact touch that are in the set.
     pub touching_fraction: Option<f64>,
     /// The smallest and the largest amplitude anywhere in the set, m; `None` if the set is empty. For balls with contact,
-    /// those of the examined positions, apart or touching.
+    /// and for several balls in a ring with runout, those of the examined positions.
     pub amplitude_m: Option<(f64, f64)>,
     /// The position with the smallest amplitude, one angle per ball, rad.
     pub min_amplitude_beta_rad: Option<Vec<f64>>,
-    /// Where the balls balance the imbalance; friction carries no load there.
+    /// Where the balls balance the imbalance, with a runout of the ring that which they feel; friction carries no load there.
     pub balance: Balance,
 }
 
@@ -69,9 +69,13 @@ impl EquilibriumSet {
         if let Some(beta) = set.balance.position()
             && form.transfer.is_finite()
         {
-            let largest = set.amplitude_m.map_or(0.0, |(_, largest)| largest);
-            set.amplitude_m = Some((0.0, largest));
-            set.min_amplitude_beta_rad = Some(beta.to_vec());
+            // The ring's centre is on the axis there.
+            let amplitude = form.runout.norm() * form.ring_radius_m;
+            let (smallest, largest) = set.amplitude_m.unwrap_or((f64::INFINITY, amplitude));
+            if amplitude <= smallest {
+                set.min_amplitude_beta_rad = Some(beta.to_vec());
+            }
+            set.amplitude_m = Some((amplitude.min(smallest), amplitude.max(largest)));
         }
         Some(set)
     }
@@ -84,7 +88,7 @@ impl EquilibriumSet {
             (!samples.is_empty()).then(|| held.len() as f64 / samples.len() as f64);
         let without_friction = frictionless_positions(form);
         for beta in held.into_iter().chain(without_friction.iter().map(|one| &one.beta)) {
-            let amplitude = form.rest_point(beta).norm() * form.ring_radius_m;
+            let amplitude = form.amplitude_m(beta);
             let (smallest, largest) = self.amplitude_m.get_or_insert((amplitude, amplitude));
             *largest = largest.max(amplitude);
             if amplitude < *smallest || self.min_amplitude_beta_rad.is_none() {

@@ -94,7 +94,8 @@ impl FrictionlessEquilibrium {
         let Candidate { kind, beta, family_dimension } = candidate;
         let motions = SmallMotions::about(form, &beta, drag, family_dimension);
         let balanced = kind == FrictionlessKind::B1;
-        let z = if balanced { Complex::from(0.0) } else { form.rest_point(&beta) };
+        let z = if balanced { Complex::from(0.0) } else { form.ring_centre(&beta) };
+        let z = z - form.runout;
         let rate = form.natural_frequency_rad_s;
         FrictionlessEquilibrium {
             kind,
@@ -150,7 +151,8 @@ pub(super) fn equilibrium_positions(form: &RestForm) -> Vec<Candidate> {
         Balance::Nowhere => {}
         Balance::Family { example, dimension } => all.push(balanced(example, dimension)),
         Balance::Position(beta) => {
-            let mirrored: Vec<f64> = beta.iter().map(|beta| wrap_to_two_pi(-beta)).collect();
+            let axis = 2.0 * form.imbalance.arg();
+            let mirrored: Vec<f64> = beta.iter().map(|beta| wrap_to_two_pi(axis - beta)).collect();
             let identical = groups_of_identical(&form.balls).len() == 1;
             all.push(balanced(beta, 0));
             if !identical {

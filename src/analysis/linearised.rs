@@ -2,7 +2,7 @@
 //!
 //! The equations of motion with `f_w = C β̇` (over `m ω_n² L`; thesis equation 5.1), linearised
 //! about balls at rest at `β` (thesis equation 5.2), are `M q̈ + D q̇ + K q = 0` for small `q = (x,
-//! y, β_1, ..., β_N)`. With `s = sin β`, `c = cos β`, `p = x_0 c + y_0 s` and the balls' equations
+//! y, β_1, ..., β_N)`. With `s = sin β`, `c = cos β`, `p = x_0 c + y_0 s` (`z_0` that of the ring's centre) and the balls' equations
 //! multiplied by their mass,
 //!
 //! ```text
@@ -68,7 +68,7 @@ pub fn state_matrix(form: &RestForm, beta: &[f64], drag: f64) -> Option<DMatrix<
     let n = 2 + beta.len();
     let (omega, zeta) = (form.speed, form.damping_ratio);
     let omega_squared = omega * omega;
-    let z = rest_point(form, beta)?;
+    let z = ring_centre(form, beta)?;
     let mut mass = DMatrix::<f64>::identity(n, n);
     let mut damping = DMatrix::<f64>::zeros(n, n);
     let mut stiffness = DMatrix::<f64>::zeros(n, n);
@@ -124,9 +124,9 @@ fn coordinates(form: &RestForm, beta: &[f64]) -> DMatrix<f64> {
     matrix
 }
 
-/// Returns the rest point, which is 0 if the balls balance the imbalance, even at resonance.
-fn rest_point(form: &RestForm, beta: &[f64]) -> Option<Complex<f64>> {
-    let z = form.rest_point(beta);
+/// Returns where the ring's centre rests, which is 0 if the balls balance the imbalance, even at resonance.
+fn ring_centre(form: &RestForm, beta: &[f64]) -> Option<Complex<f64>> {
+    let z = form.ring_centre(beta);
     if z.is_finite() {
         return Some(z);
     }

@@ -48,15 +48,15 @@ pub(super) fn on_a_line(form: &RestForm) -> Vec<Candidate> {
 }
 
 fn candidates(form: &RestForm, sides: &Sides, arrangement: &Arrangement) -> Vec<Candidate> {
-    let gamma = form.transfer.arg();
+    let (gamma, imbalance) = (form.transfer.arg(), form.imbalance.norm());
     let Arrangement { offsets, sum, rows } = arrangement;
-    let balanced_rotor = form.imbalance == 0.0;
+    let balanced_rotor = imbalance == 0.0;
     // An undamped suspension moves along the force, and every direction is equivalent.
     let every_direction = balanced_rotor && form.transfer.im == 0.0;
     let sine = match balanced_rotor {
         true if every_direction => 0.0,
         true => f64::INFINITY,
-        false => sum / form.imbalance * gamma.sin(),
+        false => sum / imbalance * gamma.sin(),
     };
     if !sine.is_finite() || sine.abs() > 1.0 {
         return Vec::new();
@@ -68,7 +68,8 @@ fn candidates(form: &RestForm, sides: &Sides, arrangement: &Arrangement) -> Vec<
     let one_branch = sides.self_opposite || every_direction;
     let branches = branches.into_iter().take(if one_branch { 1 } else { 2 });
     let candidate = |(turn, branch): (f64, FrictionlessKind)| {
-        let side = |sign: f64| gamma + turn + if sign > 0.0 { 0.0 } else { PI };
+        let line = form.imbalance.arg() + gamma + turn;
+        let side = |sign: f64| line + if sign > 0.0 { 0.0 } else { PI };
         let places = sides.signs.iter().zip(offsets);
         let beta: Vec<f64> =
             places.map(|(sign, offset)| wrap_to_two_pi(side(*sign) + offset)).collect();
@@ -92,7 +93,7 @@ fn candidates(form: &RestForm, sides: &Sides, arrangement: &Arrangement) -> Vec<
 
 /// Returns whether all forces between the balls of a row press.
 fn is_pressed(form: &RestForm, beta: &[f64], row: &[usize]) -> bool {
-    let z = form.rest_point(beta);
+    let z = form.ring_centre(beta);
     let pushed = |ball: usize| form.mass[ball] * (z * direction(beta[ball]).conj()).im;
     let forces = row.iter().scan(0.0, |sum, ball| {
         *sum += pushed(*ball);

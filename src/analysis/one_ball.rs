@@ -15,17 +15,21 @@ pub(super) struct Arcs {
     /// Start, in [0, 2π), and end of each arc, in the positive sense, without overlap. An arc of
     /// length 0 is an isolated rest position; the whole circle is one arc of 2π.
     arcs: Vec<[f64; 2]>,
+    /// The direction of the imbalance of the table without the ball.
+    imbalance_direction: f64,
 }
 
 impl Arcs {
     /// Returns the arcs of a machine with one ball.
     pub(super) fn of(form: &RestForm) -> Self {
         let holds = |beta: f64| form.holds(&[direction(beta)]);
+        let imbalance_direction = form.imbalance_of_table().arg();
         let mut ends = ends(form);
         ends.sort_by(f64::total_cmp);
         ends.dedup();
         let (Some(first), Some(last)) = (ends.first(), ends.last()) else {
-            return Arcs { arcs: if holds(0.0) { vec![[0.0, TAU]] } else { Vec::new() } };
+            let arcs = if holds(0.0) { vec![[0.0, TAU]] } else { Vec::new() };
+            return Arcs { arcs, imbalance_direction };
         };
         // Piece `k` extends from end `k` to the next end round the circle.
         let piece = |k: usize| [ends[k], ends.get(k + 1).copied().unwrap_or(*first + TAU)];
@@ -36,7 +40,7 @@ impl Arcs {
             })
             .collect();
         if !inside.contains(&false) {
-            return Arcs { arcs: vec![[*last, *last + TAU]] };
+            return Arcs { arcs: vec![[*last, *last + TAU]], imbalance_direction };
         }
         let mut arcs = Vec::new();
         for k in 0..ends.len() {
@@ -53,7 +57,7 @@ impl Arcs {
                 arcs.push([ends[k]; 2]);
             }
         }
-        Arcs { arcs }
+        Arcs { arcs, imbalance_direction }
     }
 
     /// Returns the number of arcs.
@@ -70,7 +74,8 @@ impl Arcs {
     /// if the ball can rest there, the direction of the imbalance and the opposite one.
     pub(super) fn candidates(&self) -> impl Iterator<Item = f64> {
         self.arcs.iter().flat_map(|&arc| {
-            let special = [0.0, PI].into_iter().filter(move |angle| within(arc, *angle));
+            let special = [0.0, PI].map(|turn| wrap_to_two_pi(self.imbalance_direction + turn));
+            let special = special.into_iter().filter(move |angle| within(arc, *angle));
             special.chain(arc.map(wrap_to_two_pi))
         })
     }
@@ -107,7 +112,7 @@ fn ends(form: &RestForm) -> Vec<f64> {
 
 /// Returns the ratio of the normal force on the ball to that without vibration.
 fn normal_force(form: &RestForm, beta: f64) -> f64 {
-    let (z, e) = (form.rest_point(&[beta]), direction(beta));
+    let (z, e) = (form.ring_centre(&[beta]), direction(beta));
     1.0 + (z.re * e.re + z.im * e.im)
 }
 

@@ -1,5 +1,9 @@
 //! Non-dimensional parameters of the closed forms at rest, for any number of balls. Equilibrium
 //! sets, balancing positions and linearised equations all read a machine's parameters from here.
+//!
+//! The balls feel the position of the ring's centre. With a runout `ε` of the ring the centre rests at `g F + ε`, where `F`
+//! contains `Σ m ε`. This is `g (F + ε/g)`: the balls rest as in a ring without runout on a disc with the imbalance
+//! `m_I e + Σ m ε + ε/g`, and only the table's own place differs, by `ε`.
 
 use nalgebra::Complex;
 
@@ -16,8 +20,10 @@ pub struct RestForm {
     /// Transfer function from the sum of imbalances to the rest point, `g = ω² / (1 - ω² + 2iζω)`:
     /// not finite at the resonance of an undamped suspension, where nothing rests.
     pub transfer: Complex<f64>,
-    /// Imbalance `m_I e`.
-    pub imbalance: f64,
+    /// The imbalance that the balls feel: `m_I e`, and with a runout `ε` of the ring also `Σ m ε + ε/g`.
+    pub imbalance: Complex<f64>,
+    /// Position `ε` of the ring's centre in the disc; 0 at standstill, where it has no effect.
+    pub runout: Complex<f64>,
     /// Mass of each ball.
     pub mass: Vec<f64>,
     /// Largest ratio of friction to normal force of each ball at rest.
@@ -81,12 +87,19 @@ impl RestForm {
         let (speed, damping_ratio) = (balancer.speed, balancer.damping_ratio);
         let denominator = Complex::new(1.0 - speed * speed, 2.0 * damping_ratio * speed);
         let balls = balancer.balls.iter();
+        let runout = balancer.runout.filter(|_| speed != 0.0);
+        let runout = runout.map(|[x, y]| Complex::new(x, y));
+        let balls_mass: f64 = balls.clone().map(|ball| ball.mass).sum();
+        let felt =
+            |runout: Complex<f64>| runout * balls_mass + runout * denominator / (speed * speed);
+        let imbalance = Complex::from(balancer.imbalance);
         Some(RestForm {
             touching: Touching::of(machine),
             speed,
             damping_ratio,
             transfer: Complex::from(speed * speed) / denominator,
-            imbalance: balancer.imbalance,
+            imbalance: runout.map_or(imbalance, |runout| imbalance + felt(runout)),
+            runout: runout.unwrap_or_default(),
             mass: balls.clone().map(|ball| ball.mass).collect(),
             friction_coefficient: balls.clone().map(|ball| ball.friction.limit).collect(),
             inertia: balls.map(|ball| 1.0 / ball.mobility).collect(),
@@ -96,26 +109,40 @@ impl RestForm {
         })
     }
 
-    /// Returns the total imbalance that acts on the table with the balls at `beta`, one angle per
-    /// ball: `F = m_I e + Σ m e^{iβ}` (thesis equations 5.3, 5.4).
+    /// Returns the total imbalance that the balls feel with the balls at `beta`, one angle per ball: without runout
+    /// `F = m_I e + Σ m e^{iβ}` (thesis equations 5.3, 5.4).
     pub fn imbalance_at(&self, beta: &[f64]) -> Complex<f64> {
         self.imbalance_of(beta.iter().map(|&beta| direction(beta)))
     }
 
     fn imbalance_of(&self, directions: impl Iterator<Item = Complex<f64>>) -> Complex<f64> {
         let balls = self.mass.iter().zip(directions).map(|(&mass, direction)| direction * mass);
-        Complex::from(self.imbalance) + balls.sum::<Complex<f64>>()
+        self.imbalance + balls.sum::<Complex<f64>>()
     }
 
-    /// Returns the table's rest point `z_0 = x_0 + i y_0` with the balls at `beta`,
-    /// non-dimensional.
-    pub fn rest_point(&self, beta: &[f64]) -> Complex<f64> {
+    /// Returns the imbalance that acts on the table without the masses that the balls move: `m_I e`, with a runout `ε` of the
+    /// ring `m_I e + Σ m ε`.
+    pub(super) fn imbalance_of_table(&self) -> Complex<f64> {
+        if self.runout.norm() == 0.0 {
+            return self.imbalance;
+        }
+        self.imbalance - self.runout / self.transfer
+    }
+
+    /// Returns where the ring's centre rests with the balls at `beta`, `z_0 + ε`, non-dimensional: without runout the table's
+    /// rest point `z_0 = x_0 + i y_0`.
+    pub fn ring_centre(&self, beta: &[f64]) -> Complex<f64> {
         self.transfer * self.imbalance_at(beta)
+    }
+
+    /// Returns the amplitude of the table with the balls at `beta`, m.
+    pub fn amplitude_m(&self, beta: &[f64]) -> f64 {
+        (self.ring_centre(beta) - self.runout).norm() * self.ring_radius_m
     }
 
     /// Returns the amplitude and the friction required for rest at `beta` (thesis equation 5.5).
     pub fn at_rest(&self, beta: &[f64]) -> AtRest {
-        let z = self.rest_point(beta);
+        let z = self.ring_centre(beta);
         let (mut required_friction, mut friction_used) = (0.0, 0.0);
         for (&beta, &coefficient) in beta.iter().zip(&self.friction_coefficient) {
             let e = direction(beta);
@@ -123,7 +150,8 @@ impl RestForm {
             required_friction = larger(required_friction, required);
             friction_used = larger(friction_used, used);
         }
-        AtRest { amplitude_m: z.norm() * self.ring_radius_m, required_friction, friction_used }
+        let amplitude_m = (z - self.runout).norm() * self.ring_radius_m;
+        AtRest { amplitude_m, required_friction, friction_used }
     }
 
     /// Returns whether the balls can rest in these directions, `e^{iβ}` of each; a faster
@@ -143,7 +171,7 @@ pub(super) fn direction(beta: f64) -> Complex<f64> {
     Complex::new(cosine, sine)
 }
 
-/// Returns the friction coefficient that holds a ball in the direction `[c, s]` with the table at
+/// Returns the friction coefficient that holds a ball in the direction `[c, s]` with the ring's centre at
 /// `[x, y]`, `|y c - x s| / (1 + x c + y s)`, and the ratio of the tangential force to the friction
 /// limit.
 ///

@@ -26,8 +26,9 @@ const ROUNDS: usize = 200;
 /// Returns the smallest and the largest non-dimensional amplitude that the search finds in the set,
 /// each with the angles of the balls.
 ///
-/// `None` for an empty set, for balls that can balance (whose smallest amplitude is 0), and without
-/// imbalance, where all directions are equivalent.
+/// `None` for an empty set, for balls that can balance (whose smallest amplitude is 0), without
+/// imbalance, where all directions are equivalent, and for a ring with runout, with which the balls feel another amplitude
+/// than the table's.
 pub fn amplitude_extremes(form: &RestForm) -> [Option<(f64, Vec<f64>)>; 2] {
     let Some(above) = above_all(form) else { return [None, None] };
     [found(form, 0.0, above), found(form, above, 0.0)]
@@ -38,10 +39,14 @@ pub fn largest_amplitude(form: &RestForm) -> Option<(f64, Vec<f64>)> {
     found(form, above_all(form)?, 0.0)
 }
 
-/// Returns an amplitude above all others, or `None` without imbalance and without a finite response.
+/// Returns an amplitude above all others, or `None` without imbalance, without a finite response and with a runout, with
+/// which the amplitude of the table is not that of the ring.
 fn above_all(form: &RestForm) -> Option<f64> {
-    let most: f64 = form.transfer.norm() * (form.imbalance + form.mass.iter().sum::<f64>());
-    (most > 0.0 && most.is_finite() && form.imbalance > 0.0).then_some(most * (1.0 + 1e-9))
+    let imbalance = form.imbalance.norm();
+    let most: f64 = form.transfer.norm() * (imbalance + form.mass.iter().sum::<f64>());
+    let table_is_ring = form.runout.norm() == 0.0;
+    (most > 0.0 && most.is_finite() && imbalance > 0.0 && table_is_ring)
+        .then_some(most * (1.0 + 1e-9))
 }
 
 /// Returns the first amplitude in the set on the way from one to another, with the angles of the balls.
@@ -142,7 +147,7 @@ impl ArcChoice<'_> {
     /// Compares the modulus of the remainder with the imbalance over all positions in the arcs;
     /// `None` if a ball has no arc.
     fn compare_with_imbalance(&self, size: f64) -> Option<Comparison> {
-        let (imbalance, arcs) = (self.form.imbalance, self.arcs(size)?);
+        let (imbalance, arcs) = (self.form.imbalance.norm(), self.arcs(size)?);
         // The middles of the arcs usually decide: no ball is farther from there than the chord to
         // the end of its arc.
         let middles: Vec<f64> = arcs.iter().map(|[middle, _]| *middle).collect();
@@ -174,7 +179,8 @@ impl ArcChoice<'_> {
     /// angles of the balls there. Each ball is moved to its best angle in turn, from several
     /// starts, until the comparison with the imbalance is decided.
     fn extreme(&self, size: f64, arcs: &[[f64; 2]], sign: f64) -> (f64, Vec<f64>) {
-        let decided = |modulus: f64| sign * (modulus - self.form.imbalance) >= 0.0;
+        let imbalance = self.form.imbalance.norm();
+        let decided = |modulus: f64| sign * (modulus - imbalance) >= 0.0;
         let mut best: Option<(f64, Vec<f64>)> = None;
         for start in 0..=arcs.len() + 1 {
             let place = |(ball, [middle, half]): (usize, &[f64; 2])| match start {
@@ -195,7 +201,7 @@ impl ArcChoice<'_> {
                     remainder = without - direction(phi[ball]) * mass;
                 }
                 if decided(remainder.norm())
-                    || (remainder.norm() - before).abs() <= 1e-15 * self.form.imbalance
+                    || (remainder.norm() - before).abs() <= 1e-15 * imbalance
                 {
                     break;
                 }
@@ -217,7 +223,7 @@ impl ArcChoice<'_> {
     fn position(&self, size: f64) -> Option<Vec<f64>> {
         let arcs = self.arcs(size)?;
         let [(least, low), (most, high)] = [-1.0, 1.0].map(|sign| self.extreme(size, &arcs, sign));
-        let imbalance = self.form.imbalance;
+        let imbalance = self.form.imbalance.norm();
         let tiny = 1e-9 * imbalance;
         if least > imbalance + tiny || most < imbalance - tiny {
             return None;

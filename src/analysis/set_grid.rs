@@ -20,7 +20,7 @@ pub struct SetGrid<'a> {
     points: usize,
     cosine: Vec<f64>,
     sine: Vec<f64>,
-    /// For each ball, the displacement of the table that it causes at each point of its axis.
+    /// For each ball, the displacement of the ring's centre that it causes at each point of its axis.
     push: Vec<[Vec<f64>; 2]>,
 }
 
@@ -95,6 +95,7 @@ impl<'a> SetGrid<'a> {
     pub fn fill(&self, row: usize, values: &mut GridRow) {
         let points = self.points;
         let imbalance = self.form.transfer * self.form.imbalance;
+        let runout = self.form.runout;
         let last = self.push.len() - 1; // at least one ball, see `RestForm::new`
         let first = (last == 1).then(|| [self.push[0][0][row], self.push[0][1][row]]);
         let [first_x, first_y] = first.unwrap_or_default();
@@ -113,7 +114,8 @@ impl<'a> SetGrid<'a> {
         for j in 0..points {
             let x = imbalance.re + (first_x + push_x[j]);
             let y = imbalance.im + (first_y + push_y[j]);
-            amplitude_squared[j] = x * x + y * y;
+            let table = [x - runout.re, y - runout.im];
+            amplitude_squared[j] = table[0] * table[0] + table[1] * table[1];
             (required[j], used[j]) = holding([x, y], [cosine[j], sine[j]], coefficient);
         }
         if last == 0 {

@@ -79,7 +79,7 @@ impl RestForm {
 
     /// Returns whether friction holds all balls at these angles, with the forces between balls that touch.
     pub fn holds_with_forces(&self, beta: &[f64]) -> bool {
-        let z = self.rest_point(beta);
+        let z = self.ring_centre(beta);
         let contact = |(beta, limit): (&f64, &f64)| {
             let pull = z * direction(*beta).conj();
             HeldContact { normal: 1.0 + pull.re, friction: pull.im, limit: *limit, weight: 1.0 }

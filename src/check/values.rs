@@ -1,12 +1,12 @@
 //! Values of one machine that are possible but unlikely: balls without room, densities of no material, friction and
-//! speeds out of any range, and balls that cannot balance.
+//! speeds out of any range, balls that cannot balance, and a ring that is more eccentric than the table vibrates.
 
 use std::f64::consts::TAU;
 
 use super::ball_fit::{BallPositions, density_kg_m3, occupied_angle, sphere_volume_m3};
 use super::closed_form::capacity_kg_m;
 use super::warning::Finding;
-use crate::analysis::{Balance, RestForm};
+use crate::analysis::{Balance, RestForm, reference_amplitude};
 use crate::model::{Ball, Block, Dimension, FrictionLaw, Ground, LawParameter, Machine, Model};
 use crate::study::{Study, describe_number};
 
@@ -47,6 +47,7 @@ pub(super) fn findings(
     }));
     all.extend(at.speed(machine));
     all.extend(at.balance(machine));
+    all.extend(at.runout(machine));
     if let Some(positions) = positions.filter(|_| has_room) {
         all.extend(at.overlap(machine, positions));
     }
@@ -227,7 +228,11 @@ impl At<'_> {
             return None;
         }
         let capacity = capacity_kg_m(machine) * GRAM_MILLIMETRES;
-        let imbalance = machine.imbalance_mass_kg * machine.imbalance_radius_m * GRAM_MILLIMETRES;
+        // With a runout of the ring, the imbalance that the balls feel.
+        let own = machine.imbalance_mass_kg * machine.imbalance_radius_m;
+        let felt = form.imbalance.norm() * machine.total_mass_kg() * machine.ring_radius_m;
+        let has_runout = machine.ring_runout_m != 0.0;
+        let imbalance = GRAM_MILLIMETRES * if has_runout { felt } else { own };
         let (problem, remedy) = if capacity < imbalance {
             let remedy =
                 format!("more or heavier balls, or a larger {}", self.name("ring_radius_m"));
@@ -242,12 +247,35 @@ impl At<'_> {
             key: self.key("ball_mass_kg", None),
             problem: problem.to_owned(),
             found: format!(
-                "ball masses times {} are {} g mm, and the imbalance is {} g mm",
+                "ball masses times {} are {} g mm, and the imbalance{} is {} g mm",
                 self.name("ring_radius_m"),
                 short(capacity),
+                if has_runout { " with the runout of the ring" } else { "" },
                 short(imbalance)
             ),
             remedy,
+        })
+    }
+
+    fn runout(&self, machine: &Machine) -> Option<Finding> {
+        let runout_m = machine.ring_runout_m;
+        let without_balls_m = reference_amplitude(machine)?;
+        (runout_m > without_balls_m && without_balls_m > 0.0).then(|| Finding {
+            kind: "ring_runout",
+            key: self.key("ring_runout_m", None),
+            problem: "the balls cannot reduce the vibration: free balls bring the centre of the ring to the axis, \
+                      and the table then vibrates with the runout as its amplitude"
+                .to_owned(),
+            found: format!(
+                "a runout of {} m, and an amplitude without balls of {} m",
+                short(runout_m),
+                short(without_balls_m)
+            ),
+            remedy: format!(
+                "{} below the amplitude without balls{}",
+                self.name("ring_runout_m"),
+                self.remark("ring_runout_m", "; lengths are in m, not in mm")
+            ),
         })
     }
 

@@ -33,7 +33,7 @@ pub struct Sample {
     pub time: f64,
     /// How many steps had been taken when it was recorded: 0 at the start.
     pub step: u64,
-    /// Position and velocity `(x, y, ẋ, ẏ)` of the ring's centre, in the frame that turns with the
+    /// Position and velocity `(x, y, ẋ, ẏ)` of the disc's centre, in the frame that turns with the
     /// disc; `None` for a block.
     pub table: Option<[f64; 4]>,
     /// One sample per contact.

@@ -27,7 +27,7 @@ pub struct StageOutcome {
     pub ball_speed_rad_s: Vec<f64>,
     /// Whether the balls rest for good at the speed of the stage; `None` while the speed changes.
     pub is_at_rest: Option<bool>,
-    /// The distance of the ring's centre from its place at rest at the end, m.
+    /// The distance of the disc's centre from its place at rest at the end, m.
     pub amplitude_m: f64,
     /// The largest such distance in the stage, m, and when it occurs, s.
     pub peak: PeakAmplitude,

@@ -151,9 +151,9 @@ fn of_balancer(balls: usize, starts: bool) -> Vec<Coordinate> {
     };
     const LENGTH: &str = "in ring radii";
     const VELOCITY: &str = "in ring radii, with time multiplied by the natural frequency";
-    let across = "start position of the ring's centre at right angles to that";
+    let across = "start position of the disc's centre at right angles to that";
     let mut all = vec![
-        table("x", "start position of the ring's centre towards the imbalance", LENGTH),
+        table("x", "start position of the disc's centre towards the imbalance", LENGTH),
         table("y", across, LENGTH),
     ];
     all.extend(each("beta", &angle));

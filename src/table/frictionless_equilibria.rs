@@ -51,9 +51,9 @@ pub fn frictionless_columns(study: &Study, own_speeds: bool) -> Vec<Column<Frict
         );
     }
     list.number("x_m", "m", |row| row.equilibrium.position_m[0])
-        .meaning("position of the ring's centre towards the imbalance");
+        .meaning("position of the disc's centre towards the imbalance");
     list.number("y_m", "m", |row| row.equilibrium.position_m[1])
-        .meaning("position of the ring's centre perpendicular to x");
+        .meaning("position of the disc's centre perpendicular to x");
     list.number("amplitude_m", "m", |row| row.equilibrium.amplitude_m())
         .meaning("amplitude of the table's vibration");
     list.count("family_dimension", |row| row.equilibrium.family_dimension as u64)

@@ -13,7 +13,7 @@ impl Units {
         time / self.natural_rad_s
     }
 
-    /// Returns position and velocity of the ring's centre in the inertial frame, m and m/s, for this motion of the disc. At
+    /// Returns position and velocity of the disc's centre in the inertial frame, m and m/s, for this motion of the disc. At
     /// time 0, the axes of the disc and of the inertial frame coincide.
     pub fn in_space(&self, disc: &DiscMotion, sample: &Sample) -> Option<[f64; 4]> {
         let [x, y, x_dot, y_dot] = sample.table?;
@@ -92,8 +92,8 @@ pub fn trajectory_columns(model: &Model, gaps: &[[usize; 2]]) -> Vec<Column<Samp
         .meaning("time times the natural frequency");
     if model.ball_balancer().is_some() {
         for (axis, name, meaning) in [
-            (0, "x", "position of the ring's centre towards the imbalance, in the rotating frame"),
-            (1, "y", "position of the ring's centre perpendicular to x, in the rotating frame"),
+            (0, "x", "position of the disc's centre towards the imbalance, in the rotating frame"),
+            (1, "y", "position of the disc's centre perpendicular to x, in the rotating frame"),
             (2, "x_dot", "velocity along x in the rotating frame"),
             (3, "y_dot", "velocity along y in the rotating frame"),
         ] {
@@ -129,24 +129,24 @@ fn of_contact<'a>(
     list.number(name, unit, move |row| row.contacts.get(contact).map(&value))
 }
 
-/// Adds position and velocity of the ring's centre.
+/// Adds position and velocity of the disc's centre.
 fn add_table(list: &mut Columns<Sample>, units: &Units, disc: &DiscMotion) {
     let (length, speed) = (units.length_m, units.length_m * units.natural_rad_s);
     for (axis, name, unit, factor, meaning) in [
-        (0, "x_m", "m", length, "position of the ring's centre towards the imbalance"),
-        (1, "y_m", "m", length, "position of the ring's centre perpendicular to x"),
-        (2, "x_dot_m_s", "m/s", speed, "velocity of the ring's centre along x"),
-        (3, "y_dot_m_s", "m/s", speed, "velocity of the ring's centre along y"),
+        (0, "x_m", "m", length, "position of the disc's centre towards the imbalance"),
+        (1, "y_m", "m", length, "position of the disc's centre perpendicular to x"),
+        (2, "x_dot_m_s", "m/s", speed, "velocity of the disc's centre along x"),
+        (3, "y_dot_m_s", "m/s", speed, "velocity of the disc's centre along y"),
     ] {
         list.number(name, unit, move |row| Some(factor * row.table?[axis]))
             .meaning(format!("{meaning}, in the frame that rotates with the disc"));
     }
-    let along = "position of the ring's centre along the imbalance's direction at t = 0";
+    let along = "position of the disc's centre along the imbalance's direction at t = 0";
     for (axis, name, unit, meaning) in [
         (0, "x_inertial_m", "m", along),
-        (1, "y_inertial_m", "m", "position of the ring's centre perpendicular to x_inertial"),
-        (2, "x_dot_inertial_m_s", "m/s", "velocity of the ring's centre along x_inertial"),
-        (3, "y_dot_inertial_m_s", "m/s", "velocity of the ring's centre along y_inertial"),
+        (1, "y_inertial_m", "m", "position of the disc's centre perpendicular to x_inertial"),
+        (2, "x_dot_inertial_m_s", "m/s", "velocity of the disc's centre along x_inertial"),
+        (3, "y_dot_inertial_m_s", "m/s", "velocity of the disc's centre along y_inertial"),
     ] {
         let (units, disc) = (units.clone(), disc.clone());
         list.number(name, unit, move |row| Some(units.in_space(&disc, row)?[axis]))

@@ -123,7 +123,16 @@ fn machines() -> Vec<Machine> {
         ..Machine::default()
     };
     let speeds = [-150.0, -178.0, -183.0, -216.3772, 300.0];
-    speeds.iter().flat_map(|&speed| masses.iter().map(move |m| machine(m, speed))).collect()
+    let own = speeds.iter().flat_map(|&speed| masses.iter().map(move |m| machine(m, speed)));
+    // The same in a ring with runout, which is more or less than the balls' reach.
+    let in_ring_with_runout = |speed, ring_runout_m| {
+        let with_runout =
+            move |machine| Machine { ring_runout_m, ring_runout_angle_rad: 2.0, ..machine };
+        masses.iter().map(move |m| with_runout(machine(m, speed)))
+    };
+    own.chain(in_ring_with_runout(-150.0, 5e-6))
+        .chain(in_ring_with_runout(-216.3772, 4e-5))
+        .collect()
 }
 
 /// At every equilibrium the tangential force on each ball vanishes.
@@ -187,7 +196,7 @@ fn a_numerical_search_finds_the_same_equilibria() {
                 (place as f64 + 0.3 + 0.1 * axis as f64) / per_axis as f64 * TAU
             };
             let Some(beta) = newton(&machine, (0..n).map(angle).collect()) else { continue };
-            if n > 2 && form.imbalance_at(&beta).norm() < 1e-6 * form.imbalance {
+            if n > 2 && form.imbalance_at(&beta).norm() < 1e-6 * form.imbalance.norm() {
                 let family = known.iter().position(|one| one.kind == Kind::B1);
                 met[family.expect("a family of balanced positions")] = true;
                 continue;
@@ -220,8 +229,7 @@ fn three_balls_balance_in_a_family() {
     let slow = RestForm::new(&Machine { balls: balls.clone(), ..thesis(-160.0) }).unwrap();
     for step in 0..48 {
         let third = f64::from(step) / 48.0 * TAU;
-        let held = nalgebra::Complex::from(form.imbalance)
-            + nalgebra::Complex::from_polar(form.mass[0], third);
+        let held = form.imbalance + nalgebra::Complex::from_polar(form.mass[0], third);
         if held.norm() > 2.0 * form.mass[0] {
             continue;
         }

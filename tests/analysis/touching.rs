@@ -143,7 +143,7 @@ fn rows_move_as_linearised() {
                 };
                 let smooth = BallsInContact::<3>::new(&frictionless, &SLIDING, &beta).unwrap();
                 let evaluator = Evaluator::new(Arc::new(smooth) as Arc<dyn System>);
-                let z = form.rest_point(&beta);
+                let z = form.ring_centre(&beta);
                 let state = |q: &[f64; 6]| {
                     let mut state = vec![z.re + q[0], z.im + q[1], q[3], q[4]];
                     state.extend(beta.map(|beta| beta + q[2]));
@@ -209,7 +209,7 @@ fn balls_balance_apart() {
             panic!("{balls} balls do not balance")
         };
         assert_eq!(dimension, balls - 2);
-        assert!(form.imbalance_at(&example).norm() < 1e-12 * form.imbalance);
+        assert!(form.imbalance_at(&example).norm() < 1e-12 * form.imbalance.norm());
         let angle = machine.contact_angle_rad(&machine.balls[0], &machine.balls[1]);
         for (ball, beta) in example.iter().enumerate() {
             let apart = example[..ball].iter().map(|other| angular_distance(*other, *beta));

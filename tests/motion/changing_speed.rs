@@ -71,7 +71,8 @@ impl<const N: usize> Turning<N> {
 
     /// Returns the power of dampers, friction and motor.
     fn power(&self, motion: &Motion, phases: &[Phase], state: &[f64]) -> f64 {
-        let Balancer { speed, acceleration, damping_ratio, imbalance, balls } = &self.balancer;
+        let Balancer { speed, acceleration, damping_ratio, imbalance, runout, balls } =
+            &self.balancer;
         let alpha = acceleration.expect("an acceleration");
         let own: State<N> = State::of_components(&state[..4 + 2 * N]).expect("components");
         let ([x, y], [x_dot, y_dot]) = (own.position, own.velocity);
@@ -83,12 +84,21 @@ impl<const N: usize> Turning<N> {
         let (v_x, v_y) = (x_dot - speed * y, y_dot + speed * x);
         let mut friction = 0.0;
         let mut moment = imbalance * (a_y + radius * alpha);
+        let [e_x, e_y] = runout.unwrap_or_default();
+        // The acceleration of the ring's centre.
+        let a_x = a_x - speed * speed * e_x - alpha * e_y;
+        let a_y = a_y - speed * speed * e_y + alpha * e_x;
         for (i, ball) in balls.iter().enumerate() {
             let (s, c) = own.beta[i].sin_cos();
             let d = ball.diameter;
             let rolls = forces[i].acceleration;
             let spin = ball.inertia * d * (d * alpha - 2.0 * rolls);
             moment += ball.mass * (c * a_y - s * a_x + rolls + alpha + spin);
+            // The rest of the moment about the disc's centre, of the ball's acceleration.
+            let (rate, along) = (speed + own.beta_dot[i], rolls + alpha);
+            let b_x = a_x - along * s - rate * rate * c;
+            let b_y = a_y + along * c - rate * rate * s;
+            moment += ball.mass * (e_x * b_y - e_y * b_x);
             friction += ball.mass * forces[i].friction * own.beta_dot[i];
         }
         speed * moment - 2.0 * damping_ratio * (v_x * v_x + v_y * v_y) - friction
@@ -102,11 +112,13 @@ fn the_motors_work_accounts_for_the_energy_through_a_ramp() {
         |mass_kg: f64, diameter_m: f64| Ball { mass_kg, diameter_m, friction_coefficient: 0.05 };
     let machine = Machine { balls: vec![ball(3e-3, 3e-3), ball(1e-3, 2e-3)], ..Machine::default() };
     let start = Start::of_balancer([0.01, -0.02], &[1.0, 3.5], [0.0; 2], &[0.0; 2]);
-    for (shape, from, to, over_s) in [
-        (RampShape::Linear, -40.0, -216.3772, 1.0),
-        (RampShape::Smooth, -40.0, -216.3772, 0.7),
-        (RampShape::Smooth, 250.0, 30.0, 1.0),
+    for (shape, from, to, over_s, ring_runout_m) in [
+        (RampShape::Linear, -40.0, -216.3772, 1.0, 0.0),
+        (RampShape::Smooth, -40.0, -216.3772, 0.7, 0.0),
+        (RampShape::Smooth, 250.0, 30.0, 1.0, 0.0),
+        (RampShape::Smooth, 250.0, 30.0, 1.0, 2e-4),
     ] {
+        let machine = Machine { ring_runout_m, ring_runout_angle_rad: 2.0, ..machine.clone() };
         let machine = with_ramp(&machine, shape, from, to, over_s);
         let (stage, mut motion) = first_stage(&machine, &start, 2.0 * over_s);
         assert!(stage.is_driven() && stage.ends_s == over_s);
@@ -336,7 +348,7 @@ fn a_ball_breaks_loose_where_friction_no_longer_holds_it() {
         // Returns what is left of the friction of each ball while both stick.
         let reserve = |time: f64, state: &[f64]| -> [f64; 2] {
             let turning = Turning::<2>::at(&machine, time);
-            let Balancer { speed, acceleration, damping_ratio, imbalance, balls } =
+            let Balancer { speed, acceleration, damping_ratio, imbalance, balls, .. } =
                 turning.balancer;
             let alpha = acceleration.expect("an acceleration");
             let [x, y, x_dot, y_dot] = [state[0], state[1], state[2], state[3]];

@@ -11,6 +11,9 @@
 //! dE/dt = -2ζ |v|² - Σ m f_w β̇ + ω τ
 //! τ = m_I e a_y + Σ m [ c a_y - s a_x + β̈ - 2 J d β̈ ]
 //! ```
+//!
+//! A ring with the runout `ε` has the acceleration `a - ω² ε` in the balls' terms, and `τ` gains the moment `Σ m ε × b` of
+//! their accelerations `b`.
 
 use std::sync::Arc;
 
@@ -34,12 +37,14 @@ pub(super) fn energy<const N: usize>(
     let mut sum = 0.5 * (x * x + y * y) + kinetic(machine.table_mass_kg / total, centre);
     let imbalance = [centre[0], centre[1] + omega * radius];
     sum += kinetic(machine.imbalance_mass_kg / total, imbalance);
+    let [e_x, e_y] = balancer.runout.unwrap_or_default();
     for (ball, (beta, beta_dot)) in
         balancer.balls.iter().zip(state.beta.into_iter().zip(state.beta_dot))
     {
         let (s, c) = beta.sin_cos();
         let round = omega + beta_dot;
-        sum += kinetic(ball.mass, [centre[0] - round * s, centre[1] + round * c]);
+        let ring = [centre[0] - omega * e_y, centre[1] + omega * e_x];
+        sum += kinetic(ball.mass, [ring[0] - round * s, ring[1] + round * c]);
         let spin = ball.diameter * omega - 2.0 * beta_dot;
         sum += 0.5 * ball.inertia * ball.mass * spin * spin;
     }
@@ -57,6 +62,7 @@ fn powers<const N: usize>(
     let ([x, y], [x_dot, y_dot]) = (state.position, state.velocity);
     let forces = balancer.forces(state, contacts);
     let [a_x, a_y] = forces.table_acceleration;
+    let [e_x, e_y] = balancer.runout.unwrap_or_default();
     let (v_x, v_y) = (x_dot - omega * y, y_dot + omega * x);
     let (mut friction, mut moment) = (0.0, 0.0);
     for (i, ball) in balancer.balls.iter().enumerate() {
@@ -65,9 +71,16 @@ fn powers<const N: usize>(
         friction -= ball.mass * forces.friction[i] * state.beta_dot[i];
         moment += ball.mass
             * (c * a_y - s * a_x + angular - 2.0 * ball.inertia * ball.diameter * angular);
+        // The rest of the moment about the disc's centre, of the ball's acceleration.
+        let round = omega + state.beta_dot[i];
+        let b_x = a_x - angular * s - round * round * c;
+        let b_y = a_y + angular * c - round * round * s;
+        moment += ball.mass * (e_x * b_y - e_y * b_x);
     }
     let arm = machine.imbalance_radius_m / machine.ring_radius_m;
-    moment += machine.imbalance_mass_kg / machine.total_mass_kg() * arm * a_y;
+    // The forces contain the acceleration of the ring's centre.
+    let table_a_y = a_y + omega * omega * e_y;
+    moment += machine.imbalance_mass_kg / machine.total_mass_kg() * arm * table_a_y;
     [-2.0 * balancer.damping_ratio * (v_x * v_x + v_y * v_y), friction, omega * moment]
 }
 

@@ -59,6 +59,10 @@ fn newton<const N: usize>(
     let (mut a, mut b) = (DMatrix::<f64>::zeros(size, size), DVector::<f64>::zeros(size));
     // Table and disc: the imbalance turns about the centre at the disc's speed.
     let towards = [state.imbalance.cos(), state.imbalance.sin()];
+    let runout = {
+        let angle = state.imbalance + machine.ring_runout_angle_rad;
+        [angle.cos(), angle.sin()].map(|part| part * machine.ring_runout_m / machine.ring_radius_m)
+    };
     for axis in 0..2 {
         a[(axis, axis)] = table + imbalance_mass;
         b[axis] = imbalance_mass * radius * omega * omega * towards[axis]
@@ -86,7 +90,7 @@ fn newton<const N: usize>(
             a[(row, first + axis)] = 1.0;
             a[(row, axis)] = -1.0;
             a[(row, angular)] = -along[axis];
-            b[row] = -rate * rate * outward[axis];
+            b[row] = -rate * rate * outward[axis] - omega * omega * runout[axis];
         }
         // Spin: the tangential force at the outer side, and the resistance.
         let row = first + 4;
@@ -152,7 +156,11 @@ fn forces_agree_in_every_frame() {
         let solved =
             newton(&machine, &balancer, &in_space(&balancer, &state, imbalance), &direction);
         let (s, c) = imbalance.sin_cos();
-        let [a_x, a_y] = forces.table_acceleration;
+        // The forces contain the acceleration of the ring's centre.
+        let [e_x, e_y] = balancer.runout.unwrap_or_default();
+        let square = balancer.speed * balancer.speed;
+        let a_x = forces.table_acceleration[0] + square * e_x;
+        let a_y = forces.table_acceleration[1] + square * e_y;
         let scale = 1e-11 * (1.0 + balancer.speed * balancer.speed);
         let close = |one: f64, other: f64| {
             assert!((one - other).abs() < scale, "{seed}: {one} {other} {phases:?}");

@@ -32,7 +32,7 @@ impl Sampler {
     }
 
     /// Returns a machine of varied kind: speeds below and above resonance, without speed, damping
-    /// or friction, heavy balls, different balls.
+    /// or friction, heavy balls, different balls, a ring with runout.
     pub fn machine(&mut self, balls: usize) -> Machine {
         let speeds = [-160.8, -179.2671, -185.55, -191.64, -216.3772, -309.15, 0.0, 100.0, 216.0];
         let mut machine = Machine {
@@ -50,6 +50,8 @@ impl Sampler {
             ball.friction_coefficient = friction * self.between(1.0 / spread, spread);
             ball.diameter_m *= self.between(1.0 / spread, spread);
         }
+        machine.ring_runout_m = self.one_of(&[0.0, 0.0, 0.0, 1e-5, 3e-4]);
+        machine.ring_runout_angle_rad = self.between(0.0, TAU);
         machine
     }
 

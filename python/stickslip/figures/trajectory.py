@@ -25,7 +25,7 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
     """Draws the motion of a run over time [s], from `trajectory.parquet` of `stickslip replay`.
 
     For balls, the panels show their angles from the imbalance [rad], their speeds relative to the ring [rad/s], and
-    the position x, y of the ring's centre [µm] in the frame that rotates with the disc, x towards the imbalance; for a
+    the position x, y of the disc's centre [µm] in the frame that rotates with the disc, x towards the imbalance; for a
     disc that starts or a table that is kicked, also the speed of the disc [rad/s]. For a block, they show position [m],
     sliding speed [m/s] and friction force [N]. The curves end with the record; the
     record of a run that comes to permanent rest ends at that time. With contact between balls, the panel of the angles
@@ -104,7 +104,7 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
     run = table.about.get("options", {}).get("run_id")
     of_balls = (
         "Angles of the balls from the imbalance, their speeds relative to the ring, and the position of the "
-        "ring's centre in the frame that rotates with the disc, x towards the imbalance."
+        "disc's centre in the frame that rotates with the disc, x towards the imbalance."
     )
     if starts:
         of_balls += " Speed of the disc."
