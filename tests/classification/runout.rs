@@ -1,6 +1,8 @@
 //! Balls in a ring with runout: rests against the conditions of friction in complex numbers, and the vibration that free
 //! balls leave.
 
+use std::f64::consts::PI;
+
 use nalgebra::Complex;
 use stickslip::analysis::set_fraction;
 use stickslip::classification::{Label, simulate, simulate_by_recorded_equations};
@@ -87,9 +89,9 @@ fn rests_are_those_of_the_eccentric_ring() {
 /// up to the friction. Both kernels give the same.
 #[test]
 fn free_balls_leave_the_runout_as_vibration() {
-    let friction = 1e-5;
-    for runout_m in [5e-6, 2e-5] {
-        let machine = machine(-250.0, friction, runout_m);
+    let friction = 1e-4;
+    for runout_m in [1e-5, 2e-5] {
+        let machine = Machine { ring_runout_angle_rad: 0.5, ..machine(-250.0, friction, runout_m) };
         for simulate in [simulate, simulate_by_recorded_equations] {
             for k in 0..3 {
                 let outcome = simulate(&case(&machine, k, 60.0));
@@ -103,17 +105,21 @@ fn free_balls_leave_the_runout_as_vibration() {
     }
 }
 
-/// A ring that is far more eccentric than friction and balls can make up for lets no ball rest.
+/// Where the runout exceeds what friction holds, a ball rests only near the direction of the ring's centre from the axis or
+/// opposite, in arcs of `2 asin(μ L / ε)`. The ring's centre is within a quarter of `ε`, because the balls are light.
 #[test]
-fn nothing_rests_in_a_ring_that_is_too_eccentric() {
-    let fractions = [0.0, 1.5e-5, 1e-4].map(|runout_m| {
-        set_fraction(&machine(-309.15, 1.5e-3, runout_m)).expect("two balls")
-    });
-    assert!(fractions[0] > fractions[1] && fractions[1] > 0.0, "{fractions:?}");
-    assert_eq!(fractions[2], 0.0);
-    let machine = machine(-309.15, 1.5e-3, 1e-4);
-    for k in 0..4 {
-        let outcome = simulate(&case(&machine, k, 10.0));
-        assert!(!matches!(outcome.label(), Label::Equilibrium), "{k}");
+fn an_eccentric_ring_holds_balls_in_two_arcs() {
+    let friction = 1.5e-3;
+    let fraction = |runout_m| {
+        set_fraction(&machine(-309.15, friction, runout_m)).expect("the fraction of two balls")
+    };
+    assert!(fraction(0.0) > fraction(1.5e-5) && fraction(1.5e-5) > fraction(1e-4));
+    for runout_m in [1e-4, 1.5e-4] {
+        let arcs = |from_axis: f64| {
+            (2.0 / PI * (friction * machine(0.0, 0.0, 0.0).ring_radius_m / from_axis).asin())
+                .powi(2)
+        };
+        let found = fraction(runout_m);
+        assert!(arcs(1.25 * runout_m) < found && found < arcs(0.75 * runout_m), "{found}");
     }
 }

@@ -83,7 +83,7 @@ fn the_machine_template_gives_every_parameter() {
         .take_while(|line| line.starts_with("    "))
         .filter_map(|line| line.trim().split(':').next())
         .collect();
-    assert_eq!(parameters.len(), 11, "{parameters:?}");
+    assert_eq!(parameters.len(), 13, "{parameters:?}");
     for name in parameters {
         assert!(text.contains(&format!("\n    {name}: ")), "{name} in\n{text}");
     }
