@@ -64,7 +64,7 @@ fn compare(heading: &str, map: &str, prefix: &str) -> usize {
 #[test]
 fn defaults_on_the_page_are_those_of_the_program() {
     assert_eq!(compare("## Model", "ModelFile", ""), 3);
-    assert_eq!(compare("### Ball balancer", "ParametersFile", ""), 9);
+    assert_eq!(compare("### Ball balancer", "ParametersFile", ""), 11);
     assert_eq!(compare("### Block on a spring or belt", "ParametersFile", ""), 3);
     assert_eq!(compare("## Simulation", "SimulationFile", ""), 4);
     assert_eq!(compare("## Simulation", "ToleranceFile", "tolerance."), 2);
