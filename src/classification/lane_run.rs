@@ -150,8 +150,10 @@ impl LaneRun {
             return self.ends(group, lane, Ending::Failure(failure));
         }
         let time = group.time(lane);
-        self.stages.take_in(&LaneStep { group: &*group, lane, view: &self.view });
-        self.stages.watch(group, lane);
+        if happened.larger & bit != 0 {
+            self.stages.take_in(&LaneStep { group: &*group, lane, view: &self.view });
+            self.stages.watch(group, lane);
+        }
         if !self.stages.is_last() {
             if time >= self.end() {
                 return self.enters(group, lane);

@@ -76,11 +76,9 @@ impl Stages {
         self.all.len() > 1
     }
 
-    /// Takes in the latest step.
+    /// Takes in the latest step, in which the amplitude may be larger than so far.
     pub(super) fn take_in(&mut self, step: &LaneStep) {
-        if self.counts() {
-            self.peak.take_in(step);
-        }
+        self.peak.take_in(step);
     }
 
     /// Requests a report of each step in which the amplitude may be larger than so far.

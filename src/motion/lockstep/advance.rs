@@ -136,7 +136,7 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
     happened.attention |= due.to_bitmask() & commit;
     if g.watched != 0 {
         let larger = largest_square(g, length).simd_gt(g.watched_square);
-        happened.attention |= larger.to_bitmask() & commit & g.watched;
+        happened.larger = larger.to_bitmask() & commit & g.watched;
     }
     if g.sliding != 0 {
         let mut turned = g.time.simd_lt(g.time);
@@ -163,8 +163,9 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
 fn largest_square<S: Vector, K: Kernel<S>>(g: &Group<S, K>, length: Lanes<S>) -> Lanes<S> {
     let zero = Lanes::splat(g.simd, 0.0);
     let (mut least, mut most) = (Lanes::splat(g.simd, f64::INFINITY), zero);
-    for part in [0.0, 0.25, 0.5, 0.75, 1.0] {
-        let [x, y] = g.kernel.vibration_at(&g.room, Lanes::splat(g.simd, part) * length);
+    let ends = [&g.before, &g.end].map(|flow| g.kernel.vibration_of(flow));
+    let times = [0.25, 0.5, 0.75].map(|part| Lanes::splat(g.simd, part) * length);
+    for [x, y] in ends.into_iter().chain(g.kernel.vibration_at(&g.room, times)) {
         let square = x.fused(x, y * y);
         least = least.min(square);
         most = most.max(square);

@@ -104,8 +104,10 @@ pub(super) trait Kernel<S: Vector>: Sized {
     fn coordinates(&self, contact: usize) -> (usize, Option<usize>);
     /// Returns the components whose displacement is measured.
     fn vibration(&self) -> Option<[usize; 2]>;
-    /// Returns the measured displacement at a time after the start of the step; zero without one.
-    fn vibration_at(&self, room: &Self::Room, time: Lanes<S>) -> [Lanes<S>; 2];
+    /// Returns the measured displacement of a state; zero without one.
+    fn vibration_of(&self, flow: &Self::Flow) -> [Lanes<S>; 2];
+    /// Returns the measured displacement at three times after the start of the step; zero without one.
+    fn vibration_at(&self, room: &Self::Room, times: [Lanes<S>; 3]) -> [[Lanes<S>; 2]; 3];
 
     /// Returns a bound on how much the distance of two contacts changes in a step of this length.
     fn relative_travel(&self, room: &Self::Room, pair: [usize; 2], length: Lanes<S>) -> Lanes<S>;

@@ -18,6 +18,8 @@ pub(crate) struct Happened {
     pub(crate) round: u64,
     /// The requested time or the end time was reached, or the displacement must be rescaled.
     pub(crate) attention: u64,
+    /// The amplitude may have been larger than the watched one.
+    pub(crate) larger: u64,
     /// All contacts stick, perhaps for good.
     pub(crate) rest: u64,
     /// Everything is slow while a contact slides.
@@ -37,7 +39,7 @@ impl Happened {
     /// Returns the lanes with anything to report.
     pub(crate) fn any(&self) -> u64 {
         let happened = (self.event | self.round | self.turned) & self.told;
-        happened | self.attention | self.rest | self.still | self.touched | self.failed
+        happened | self.attention | self.larger | self.rest | self.still | self.touched | self.failed
     }
 
     /// Returns why a lane cannot continue.

@@ -381,13 +381,18 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     #[inline(always)]
-    fn vibration_at(&self, room: &Room<S>, time: Lanes<S>) -> [Lanes<S>; 2] {
-        match self.graph.layout.vibration {
-            Some([x, y]) => {
-                [self.sum(&room.series, x as Slot, time), self.sum(&room.series, y as Slot, time)]
-            }
-            None => [Lanes::splat(self.simd, 0.0); 2],
-        }
+    fn vibration_of(&self, flow: &Flow<S>) -> [Lanes<S>; 2] {
+        let zero = [Lanes::splat(self.simd, 0.0); 2];
+        self.graph.layout.vibration.map_or(zero, |places| places.map(|one| flow.components[one]))
+    }
+
+    #[inline(always)]
+    fn vibration_at(&self, room: &Room<S>, times: [Lanes<S>; 3]) -> [[Lanes<S>; 2]; 3] {
+        let zero = [Lanes::splat(self.simd, 0.0); 2];
+        times.map(|time| {
+            let places = self.graph.layout.vibration;
+            places.map_or(zero, |all| all.map(|one| self.sum(&room.series, one as Slot, time)))
+        })
     }
 
     #[inline(always)]

@@ -311,8 +311,13 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     }
 
     #[inline(always)]
-    fn vibration_at(&self, room: &Room<S, N>, time: Lanes<S>) -> [Lanes<S>; 2] {
-        room.series.table_at(time)
+    fn vibration_of(&self, flow: &Flow<S, N>) -> [Lanes<S>; 2] {
+        [flow.table[0], flow.table[1]]
+    }
+
+    #[inline(always)]
+    fn vibration_at(&self, room: &Room<S, N>, times: [Lanes<S>; 3]) -> [[Lanes<S>; 2]; 3] {
+        room.series.table_at(times)
     }
 
     #[inline(always)]

@@ -193,13 +193,16 @@ impl<S: Vector, const N: usize> Series<S, N> {
 
     /// Returns the position of the table a time later.
     #[inline(always)]
-    pub(super) fn table_at(&self, time: Lanes<S>) -> [Lanes<S>; 2] {
-        let [mut x, mut y] = [Lanes::splat(time.simd, 0.0); 2];
+    pub(super) fn table_at(&self, times: [Lanes<S>; 3]) -> [[Lanes<S>; 2]; 3] {
+        let mut places = [[Lanes::splat(times[0].simd, 0.0); 2]; 3];
+        // All three times in one loop: each sum alone would wait for its previous term.
         for term in self.terms[..=ORDER + 1].iter().rev() {
-            x = x.fused(time, term.table[0]);
-            y = y.fused(time, term.table[1]);
+            for (place, time) in places.iter_mut().zip(times) {
+                place[0] = place[0].fused(time, term.table[0]);
+                place[1] = place[1].fused(time, term.table[1]);
+            }
         }
-        [x, y]
+        places
     }
 
     /// The state a time later.
