@@ -19,6 +19,7 @@
 //! - [`report`]: the HTML page of results and the animation of a run.
 //! - [`responses`]: the responses of a design, for optimisers.
 //! - [`optimize`]: the search for the best design, and sensitivity indices.
+//! - [`identify`]: the inference of parameters from measured positions of rest.
 //! - [`check`]: closed forms and warnings, before a study is computed.
 //! - [`cli`]: the commands.
 //!
@@ -47,6 +48,7 @@ pub mod classification;
 pub mod cli;
 mod counted;
 pub mod engine;
+pub mod identify;
 pub mod model;
 pub mod motion;
 pub mod optimize;

@@ -61,8 +61,8 @@ impl ExclusiveDirectory {
         lock.check()?;
         Self::inspect(directory, if begun { files } else { &[] })?;
         sync_directory(directory).map_err(unusable)?;
-        clear_temporaries(directory, files).map_err(unusable)?;
-        clear_temporaries(directory, &[FILES]).map_err(unusable)?;
+        let own = |name: &str| name == FILES || files.contains(&name);
+        clear_temporaries(directory, own).map_err(unusable)?;
         // An unfinished list is written anew; an invalid one belongs to someone else.
         FileList::read(directory)?;
         Ok(ExclusiveDirectory { list: FileList::default(), directory: directory.to_owned(), lock })

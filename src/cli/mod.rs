@@ -7,6 +7,7 @@ mod check_machine;
 mod check_points;
 mod check_run_up;
 mod completions;
+mod continued_directory;
 mod cost;
 mod design_cost;
 mod duration;
@@ -19,6 +20,7 @@ mod existence;
 mod exit;
 mod expand;
 mod failures;
+mod identify;
 mod merge;
 mod new;
 mod optimize;
@@ -95,6 +97,7 @@ enum Command {
     Equilibria(equilibria::EquilibriaArguments),
     Evaluate(evaluate::EvaluateArguments),
     Optimize(optimize::OptimizeArguments),
+    Identify(identify::IdentifyArguments),
     Schema(schema::SchemaArguments),
     Completions(completions::CompletionsArguments),
 }
@@ -129,6 +132,7 @@ pub fn run(registry: Registry) -> ExitCode {
         Command::Equilibria(arguments) => equilibria::equilibria(&arguments),
         Command::Evaluate(arguments) => evaluate::evaluate(&arguments),
         Command::Optimize(arguments) => optimize::optimize(&arguments),
+        Command::Identify(arguments) => identify::identify(&arguments),
         Command::Schema(arguments) => schema::schema(&arguments),
         Command::Completions(arguments) => completions::completions(&arguments),
     };

@@ -1,6 +1,5 @@
 //! `stickslip optimize`: searches for the best design.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
@@ -8,12 +7,12 @@ use clap::Args;
 use serde_json::json;
 
 use super::arguments::{StudyArgument, ThreadsArgument};
-use super::exclusive_directory::check_entries;
+use super::continued_directory::ContinuedDirectory;
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
 use crate::classification::Label;
 use crate::counted::counted;
-use crate::engine::{Lock, Parts, Planned, Progress, Show, say, stop_on_signals};
+use crate::engine::{Parts, Planned, Progress, Show, say, stop_on_signals};
 use crate::optimize::{
     Evaluation, FinalistRole, Finalists, Origin, QuantitySurrogate, Search, SearchEnd,
     evaluation_columns, final_runs, finalist_columns, finalists, nearest_unmet, optimum_json,
@@ -24,10 +23,7 @@ use crate::responses::check_answerable;
 use crate::sanitize::shell_word;
 use crate::study::{Optimization, SensitivityFrom, Study};
 use crate::table::column::Column;
-use crate::table::{
-    FILES, FileList, ResultsError, TableWriter, WriteError, clear_temporaries, is_one_of,
-    make_directory, provenance_with,
-};
+use crate::table::{WriteError, provenance_with};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -89,7 +85,7 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     let mut search_directory = SearchDirectory::new(&study, optimization, &directory)?;
     let mut evaluations =
         read_evaluations(&study, &directory).map_err(|error| CliError::Usage(error.to_string()))?;
-    for name in &search_directory.changed {
+    for name in &search_directory.directory.changed {
         say(&format!("{name} has been changed since it was written; writing it anew"));
     }
     let (workers, stop) = (arguments.threads.start()?, stop_on_signals());
@@ -151,7 +147,7 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     };
     search_directory.write_finals(&finalists)?;
     let summary = optimum_json(&what, &end, &evaluations, &finalists, &sensitivities);
-    search_directory.write_json("optimum.json", &summary)?;
+    search_directory.directory.write_json("optimum.json", &summary)?;
     if arguments.json {
         print_json(&format!("{summary:#}\n"))?;
     } else {
@@ -249,56 +245,35 @@ fn with_progress<T>(
 struct SearchDirectory<'a> {
     study: &'a Study,
     optimization: &'a Optimization,
-    directory: &'a Path,
-    list: FileList,
-    /// Names of the files that differ from what was written.
-    changed: Vec<String>,
-    _lock: Lock,
+    directory: ContinuedDirectory<'a>,
 }
 
-/// The files that a search writes, also under temporary names while they are incomplete.
-const OWN: [&str; 8] = [
-    "evaluations.parquet",
+/// The files that a search writes.
+const OWN: [&str; 6] = [
+    EVALUATIONS,
     "finalists.parquet",
     "pareto.parquet",
     "sensitivities.parquet",
     "surrogates.json",
     "optimum.json",
-    FILES,
-    "lock",
 ];
+const EVALUATIONS: &str = "evaluations.parquet";
 
 impl<'a> SearchDirectory<'a> {
-    /// Opens the directory, creates it if needed, and locks it for this process. Returns an error if it holds anything
-    /// but files of a search.
+    /// Opens the directory. Returns an error if it holds anything but files of a search.
     fn new(
         study: &'a Study,
         optimization: &'a Optimization,
         directory: &'a Path,
     ) -> Result<Self, CliError> {
-        let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
         let reason = "this directory is not empty and holds no search";
-        check_entries(directory, reason, |name| is_one_of(name, &OWN))?;
-        make_directory(directory).map_err(unusable)?;
-        let lock = Lock::take(directory.join("lock"), directory)?;
-        clear_temporaries(directory, &OWN).map_err(unusable)?;
-        let found = FileList::read(directory)?;
-        let mut list = found.clone().unwrap_or_default();
-        let changed = list.reconcile(directory);
-        if found.is_some_and(|found| !found.has_files_of(&list)) {
-            list.save(directory).map_err(unusable)?;
-        }
-        Ok(SearchDirectory { study, optimization, directory, list, changed, _lock: lock })
+        let directory = ContinuedDirectory::open(directory, reason, |name| OWN.contains(&name))?;
+        Ok(SearchDirectory { study, optimization, directory })
     }
 
     /// Removes the results of an earlier end of the search, because there are more designs now.
     fn remove_ends(&mut self) {
-        let remaining = ["evaluations.parquet", FILES, "lock"];
-        for name in OWN.iter().filter(|name| !remaining.contains(name)) {
-            // A missing file needs no removal, and one that cannot be removed is overwritten at the end.
-            let _ = fs::remove_file(self.directory.join(name));
-            self.list.remove(name);
-        }
+        self.directory.remove(OWN.into_iter().filter(|name| *name != EVALUATIONS));
     }
 
     fn write<R>(
@@ -308,14 +283,7 @@ impl<'a> SearchDirectory<'a> {
         rows: impl IntoIterator<Item = R>,
     ) -> Result<(), WriteError> {
         let about = provenance_with(self.study, name, &search_facts(self.study));
-        let path = self.directory.join(format!("{name}.parquet"));
-        let mut table = TableWriter::create(&path, columns, &about)?;
-        for row in rows {
-            table.push(row)?;
-        }
-        let SearchDirectory { list, directory, .. } = self;
-        table.finish_after(|files| list.announce(directory, files))?;
-        Ok(())
+        self.directory.write(name, &about, columns, rows)
     }
 
     fn write_evaluations(&mut self, evaluations: &[Evaluation]) -> Result<(), WriteError> {
@@ -348,13 +316,6 @@ impl<'a> SearchDirectory<'a> {
             Some(json!({"response": name, "state": state}))
         });
         let states: Vec<_> = states.collect();
-        self.write_json("surrogates.json", &json!({"format": 1, "surrogates": states}))
-    }
-
-    fn write_json(&mut self, name: &str, value: &serde_json::Value) -> Result<(), CliError> {
-        let text = format!("{value:#}\n");
-        let written = self.list.write(self.directory, name, text.as_bytes());
-        let path = self.directory.join(name);
-        written.map_err(|cause| WriteError { path, cause: cause.into() }.into())
+        self.directory.write_json("surrogates.json", &json!({"format": 1, "surrogates": states}))
     }
 }

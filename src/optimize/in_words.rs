@@ -14,7 +14,7 @@ pub fn shown_unit(unit: &str) -> (&str, f64) {
 }
 
 /// Returns a number with four significant digits.
-pub(super) fn short(number: f64) -> String {
+pub(crate) fn short(number: f64) -> String {
     let size = number.abs();
     if number == 0.0 || (1e-3..1e5).contains(&size) {
         let digits = if number == 0.0 { 0 } else { (3 - size.log10().floor() as i32).max(0) };

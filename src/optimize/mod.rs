@@ -34,6 +34,7 @@ pub use evaluation::{Evaluation, Origin};
 pub use evaluations_table::{EvaluationsError, evaluation_columns, read_evaluations, search_facts};
 pub use finalists::{Finalist, FinalistRole, Finalists, final_runs, finalists};
 pub use goal::{Goal, Quantity};
+pub(crate) use in_words::short;
 pub use in_words::{shown_unit, unmet_limits};
 pub use notes::{Bound, notes, on_bounds, use_of_balls};
 pub use pareto::pareto_front;

@@ -100,19 +100,24 @@ pub(super) fn taken() -> io::Error {
 
 /// Returns whether a name is one of `names`, or a temporary name of one of them.
 pub(crate) fn is_one_of(name: &str, names: &[&str]) -> bool {
-    names.contains(&final_name(name).unwrap_or(name))
+    is_own(name, |name| names.contains(&name))
 }
 
-/// Removes what killed processes have left of the files `names` in a locked directory. It removes
+/// Returns whether a name is one of a command's own, or a temporary name of one of them.
+pub(crate) fn is_own(name: &str, own: impl Fn(&str) -> bool) -> bool {
+    own(final_name(name).unwrap_or(name))
+}
+
+/// Removes what killed processes have left of a command's own files in a locked directory. It removes
 /// temporary names only.
 ///
 /// # Errors
 /// Returns an error if something cannot be removed.
-pub fn clear_temporaries(directory: &Path, names: &[&str]) -> io::Result<()> {
+pub fn clear_temporaries(directory: &Path, own: impl Fn(&str) -> bool) -> io::Result<()> {
     for entry in fs::read_dir(directory)? {
         let entry = entry?;
         let name = entry.file_name();
-        if !name.to_str().and_then(final_name).is_some_and(|target| names.contains(&target)) {
+        if !name.to_str().and_then(final_name).is_some_and(&own) {
             continue;
         }
         // Removes a link itself, not its target.

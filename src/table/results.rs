@@ -101,7 +101,7 @@ impl Results {
         let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
         make_directory(directory).map_err(unusable)?;
         let names: Vec<&str> = DATA_FILES.into_iter().chain([MANIFEST]).collect();
-        clear_temporaries(directory, &names).map_err(unusable)?;
+        clear_temporaries(directory, |name| names.contains(&name)).map_err(unusable)?;
         let study_file = directory.join(STUDY);
         write_once(&study_file, study.resolved_yaml().as_bytes())
             .map_err(|cause| ResultsError::Unusable { path: study_file, cause })?;

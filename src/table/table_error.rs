@@ -32,7 +32,7 @@ fn place(column: &Option<String>) -> String {
 }
 
 impl TableError {
-    pub(super) fn new(file: &Path, column: Option<&str>, fault: Fault) -> Self {
+    pub(crate) fn new(file: &Path, column: Option<&str>, fault: Fault) -> Self {
         TableError {
             file: file.to_owned(),
             column: column.map(str::to_owned),

@@ -39,7 +39,13 @@ impl Happened {
     /// Returns the lanes with anything to report.
     pub(crate) fn any(&self) -> u64 {
         let happened = (self.event | self.round | self.turned) & self.told;
-        happened | self.attention | self.larger | self.rest | self.still | self.touched | self.failed
+        happened
+            | self.attention
+            | self.larger
+            | self.rest
+            | self.still
+            | self.touched
+            | self.failed
     }
 
     /// Returns why a lane cannot continue.

@@ -5,6 +5,7 @@ pub mod contact_file;
 pub(in crate::study) mod decode;
 pub mod distribution_file;
 pub(in crate::study) mod friction_file;
+pub mod identify_file;
 pub(in crate::study) mod key_path;
 pub(in crate::study) mod name;
 pub mod optimize_file;

@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 
 use super::balls::Balls;
 use super::distribution_file::DistributionFile;
+use super::identify_file::PriorFile;
 use super::parameters_file::{BALLS, is_before_balls, parameter_keys};
 use super::response_file::VariableFile;
 use super::table_folders::MAX_VALUES;
@@ -55,6 +56,15 @@ pub(in crate::study) fn variables(generator: &mut SchemaGenerator) -> Schema {
     let variable = generator.subschema_for::<VariableFile>();
     let mut schema = per_parameter(|_| variable.clone().to_value(), &numeric());
     schema.insert("additionalProperties".to_owned(), variable.to_value());
+    schema
+}
+
+/// Returns the schema of ranges of priors by numeric parameter.
+pub(in crate::study) fn priors(generator: &mut SchemaGenerator) -> Schema {
+    let prior = generator.subschema_for::<PriorFile>().to_value();
+    let mut schema = per_parameter(|_| prior.clone(), &numeric());
+    schema.insert("minProperties".to_owned(), 1.into());
+    schema.insert("maxProperties".to_owned(), 8.into());
     schema
 }
 

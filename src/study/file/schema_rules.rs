@@ -147,6 +147,7 @@ fn of_kind(kind: &ModelKind, parameters: &Map<String, Value>) -> Value {
                 "properties": { "choices": { "additionalProperties": names(&numeric) } },
             },
         },
+        "identify": { "properties": { "parameters": names(&numeric) } },
         "initial_conditions": { "properties": { "box": names(&with_short(axes_of(name))) } },
     })
 }

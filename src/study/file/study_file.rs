@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::study::file::contact_file::ContactFile;
 use crate::study::file::distribution_file::DistributionFile;
 use crate::study::file::friction_file::FrictionFile;
+use crate::study::file::identify_file::IdentifyFile;
 use crate::study::file::optimize_file::OptimizeFile;
 use crate::study::file::parameters_file::{KindFile, ParametersFile};
 use crate::study::file::protocol_file::ProtocolFile;
@@ -60,6 +61,8 @@ pub struct StudyFile {
     pub responses: Option<IndexMap<String, ResponseFile>>,
     /// Objectives, limits and effort of `stickslip optimize`.
     pub optimize: Option<OptimizeFile>,
+    /// Parameters that `stickslip identify` infers from measured positions of rest.
+    pub identify: Option<IdentifyFile>,
 }
 
 /// The model with its parameters.

@@ -93,6 +93,29 @@ impl<'a> Rows<'a> {
         read: impl FnOnce(&Limits<'_>) -> Result<Cells, Refusal>,
         allowed: &[String],
     ) -> Result<Rows<'a>, StudyError> {
+        let refused = || Err(Fault::new("an empty value", "nothing", "a number"));
+        Rows::with_cells(name, read, allowed, refused)
+    }
+
+    /// Reads a table like [`Rows::in_file`], in which a missing value is an empty text.
+    ///
+    /// # Errors
+    /// Returns the first fault with its location.
+    pub fn with_gaps(
+        name: &Path,
+        read: impl FnOnce(&Limits<'_>) -> Result<Cells, Refusal>,
+        allowed: &[String],
+    ) -> Result<Rows<'a>, StudyError> {
+        Rows::with_cells(name, read, allowed, || Ok(Entry::Text(String::new())))
+    }
+
+    /// Reads a table; `empty` is a missing value.
+    fn with_cells(
+        name: &Path,
+        read: impl FnOnce(&Limits<'_>) -> Result<Cells, Refusal>,
+        allowed: &[String],
+        empty: impl Fn() -> Result<Entry, Fault>,
+    ) -> Result<Rows<'a>, StudyError> {
         let columns = |columns: &[String]| check_columns(columns, allowed);
         let refuse = |Refusal { line, row, column, fault }| {
             StudyError::new(name, line.map(at_line), key(row, column.as_deref()), *fault, None)
@@ -105,7 +128,10 @@ impl<'a> Rows<'a> {
                 Cell::Number(number) => return Ok(Entry::Number(number)),
                 Cell::Text(text) => return Ok(Entry::Text(text)),
                 Cell::NotFinite(written) => not_finite(written),
-                Cell::Empty => Fault::new("an empty value", "nothing", "a number"),
+                Cell::Empty => match empty() {
+                    Ok(entry) => return Ok(entry),
+                    Err(fault) => fault,
+                },
             };
             Err(file.refuse(Some(row), Some(column), fault))
         };

@@ -23,7 +23,7 @@ const ENDINGS: [(&str, &str); 8] = [
 const COORDINATES: &[&str] = &["*"];
 
 /// The places of keys with units, where `*` is any key or item, with the SI keys; none means the model's parameters, and [`COORDINATES`] its coordinates.
-const PLACES: [(&str, &[&str]); 19] = [
+const PLACES: [(&str, &[&str]); 20] = [
     ("model.parameters", &[]),
     ("model.parameters.balls.*", &["mass_kg", "diameter_m"]),
     ("model.friction.*", &[]),
@@ -43,6 +43,7 @@ const PLACES: [(&str, &[&str]); 19] = [
     ("design", &[]),
     ("design.*.choices.*", &[]),
     ("optimize.compare_with", &[]),
+    ("identify.parameters", &[]),
 ];
 
 /// Keys below a parameter whose values do not have its unit.

@@ -3,6 +3,7 @@
 pub(in crate::study) mod audit;
 pub(in crate::study) mod changed_keys;
 pub(in crate::study) mod expectation;
+pub(in crate::study) mod identification;
 pub(in crate::study) mod optimization;
 pub(in crate::study) mod parameter;
 pub(in crate::study) mod parameter_list;

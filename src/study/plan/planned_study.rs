@@ -7,6 +7,7 @@ use crate::model::{Case, InvalidParameter, Model, Simulation, Start};
 use crate::study::file::resolved_yaml::ResolvedFile;
 use crate::study::plan::audit::Audit;
 use crate::study::plan::expectation::{Expectation, same};
+use crate::study::plan::identification::Identification;
 use crate::study::plan::optimization::Optimization;
 use crate::study::plan::parameter::{Parameter, ParameterValue, VariedParameter};
 use crate::study::plan::precision::{Precision, Sampling};
@@ -42,6 +43,7 @@ pub struct Study {
     pub(in crate::study) variables: Vec<Variable>,
     pub(in crate::study) responses: Vec<Response>,
     pub(in crate::study) optimization: Option<Optimization>,
+    pub(in crate::study) identification: Option<Identification>,
     /// Copies of this study, one for each number of balls that a design may have, in ascending
     /// order.
     pub(in crate::study) by_balls: Vec<Study>,

@@ -34,7 +34,7 @@ impl Study {
 
     /// Returns the SHA-256 hash, in hexadecimal, of everything that determines the runs. It
     /// excludes the name, format and comments of the file, and the keys `name`, `expect`, `design`,
-    /// `responses` and `optimize`.
+    /// `responses`, `optimize` and `identify`.
     pub fn hash(&self) -> String {
         let compute = || {
             let file = self.resolved.file.clone();
@@ -44,6 +44,7 @@ impl Study {
                 design: None,
                 responses: None,
                 optimize: None,
+                identify: None,
                 ..file
             };
             // Ranges of all balls concern designs; the balls of this study have their own ranges.

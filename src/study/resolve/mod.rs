@@ -1,9 +1,11 @@
 //! From the study file to the study: every key validated, every default filled in.
 
 pub(in crate::study) mod contact;
+pub(in crate::study) mod counts;
 pub(in crate::study) mod expectations;
 pub(in crate::study) mod extend;
 pub(in crate::study) mod friction;
+pub(in crate::study) mod identification;
 pub(in crate::study) mod model;
 pub(in crate::study) mod names;
 pub(in crate::study) mod optimization;

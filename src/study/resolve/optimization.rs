@@ -13,6 +13,7 @@ use crate::study::plan::optimization::{Limit, Objective, Optimization};
 use crate::study::plan::planned_study::Study;
 use crate::study::plan::response::Measure;
 use crate::study::plan::variable::DesignValue;
+use crate::study::resolve::counts::count_within;
 
 /// The largest number of designs in a search; surrogates of more designs take too long.
 const MAX_DESIGNS: u64 = 300;
@@ -193,13 +194,7 @@ impl Setting<'_> {
         written: Option<Count>,
         allowed: std::ops::RangeInclusive<u64>,
     ) -> Result<Option<u64>, StudyError> {
-        let Some(Count(count)) = written else { return Ok(None) };
-        if allowed.contains(&count) {
-            return Ok(Some(count));
-        }
-        let allowed = format!("a whole number from {} to {}", allowed.start(), allowed.end());
-        let fault = Fault::new("out of range", count.to_string(), allowed);
-        Err(self.path.key(key).refuse_value(fault))
+        count_within(&self.path, key, written, allowed)
     }
 
     fn compare_with(

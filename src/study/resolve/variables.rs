@@ -6,7 +6,7 @@ use crate::model::MAX_BALLS;
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::response_file::VariableFile;
 use crate::study::file::source_path::SourcePath;
-use crate::study::file::yaml_tree::{Source, describe_number};
+use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::Parameter;
 use crate::study::plan::planned_study::Study;
 use crate::study::plan::response::{RESERVED_COLUMNS, SUFFIXES};
@@ -14,17 +14,16 @@ use crate::study::plan::variable::{Domain, Variable};
 use crate::study::resolve::names::{check_column_name, check_name};
 use crate::study::resolve::sweep::find_parameter;
 
-/// Validates the variables.
+/// Validates the variables at a place of the study file.
 ///
 /// # Errors
 /// Returns an error if a name or range is invalid, if a parameter is set twice, swept or uncertain,
 /// or if choices do not set the same parameters.
 pub(crate) fn resolve_variables(
-    source: &Source,
+    path: &SourcePath<'_>,
     study: &Study,
     written: Option<&IndexMap<String, VariableFile>>,
 ) -> Result<Vec<Variable>, StudyError> {
-    let path = source.path("design");
     let min_balls = written
         .and_then(|named| named.get("balls"))
         .and_then(|balls| balls.from)

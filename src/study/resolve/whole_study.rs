@@ -27,6 +27,7 @@ use crate::study::plan::sweep::Listing;
 use crate::study::plan::variable::Variable;
 use crate::study::plan::written::Written;
 use crate::study::resolve::expectations::resolve_expectations;
+use crate::study::resolve::identification::resolve_identification;
 use crate::study::resolve::model::{Base, check_parameter_names};
 use crate::study::resolve::names::check_study_name;
 use crate::study::resolve::optimization::resolve_optimization;
@@ -170,6 +171,7 @@ fn resolve(
         design: written.design.clone(),
         responses: written.responses.clone(),
         optimize: written.optimize.clone(),
+        identify: written.identify.clone(),
     };
     let mut study = Study {
         name: written.name.clone(),
@@ -188,6 +190,7 @@ fn resolve(
         variables: Vec::new(),
         responses: Vec::new(),
         optimization: None,
+        identification: None,
         by_balls: Vec::new(),
         resolved: ResolvedFile::new(resolved),
         written: Arc::default(),
@@ -196,9 +199,10 @@ fn resolve(
     let expected = written.expect.as_deref().unwrap_or_default();
     study.expectations = resolve_expectations(source, &study, &study.swept_parameters, expected)?;
     study.responses = resolve_responses(source, &study, written.responses.as_ref())?;
-    study.variables = resolve_variables(source, &study, written.design.as_ref())?;
+    study.variables = resolve_variables(&source.path("design"), &study, written.design.as_ref())?;
     study.by_balls = by_balls(source, written, folders, &study)?;
     study.optimization = resolve_optimization(source, &study, written.optimize.as_ref())?;
+    study.identification = resolve_identification(source, &study, written.identify.as_ref())?;
     Ok(study)
 }
 
@@ -219,6 +223,7 @@ fn by_balls(
             design: None,
             responses: None,
             optimize: None,
+            identify: None,
             ..written.clone()
         };
         other.model.parameters.get_or_insert_default().balls = Some(Balls::Number(balls));

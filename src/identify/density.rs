@@ -1,0 +1,255 @@
+//! The probability density of measured angles, from simulated positions of rest.
+//!
+//! The density is the mean of kernels at the simulated positions. A ball at rest has a normal kernel whose variance is that of
+//! the measurement plus the square of a bandwidth. Balls that rest in touch have exact distances between them: their group is
+//! displaced as a whole by the bandwidth, and each ball by the measurement. Balls are not told apart in measurements: the
+//! kernels are summed over all assignments of measured angles to balls.
+
+use std::f64::consts::TAU;
+
+use super::bandwidth::Bandwidths;
+use super::end::End;
+use crate::model::wrap_to_pi;
+
+/// The largest number of balls: the number of their permutations is the cost of a kernel.
+pub const MOST_BALLS: usize = 5;
+
+/// Kernels below the exponential of this are zero.
+const SMALLEST_EXPONENT: f64 = -60.0;
+
+/// The simulated ends at a site for one parameter set.
+#[derive(Clone, Debug, Default)]
+pub struct Rests {
+    balls: usize,
+    /// All different groupings of the balls: for each group the balls in it.
+    groupings: Vec<Vec<Vec<usize>>>,
+    /// The positions: the grouping and the angles.
+    positions: Vec<(usize, Vec<f64>)>,
+    /// The number of runs that move.
+    moving: usize,
+}
+
+impl Rests {
+    /// Returns the known ends at a site.
+    pub fn new<'a>(balls: usize, ends: impl IntoIterator<Item = &'a End>) -> Self {
+        let mut all = Rests { balls, ..Rests::default() };
+        for end in ends {
+            match end {
+                End::Rest { angles, groups } => {
+                    let grouping = grouping(groups);
+                    let known = all.groupings.iter().position(|one| *one == grouping);
+                    let index = known.unwrap_or_else(|| {
+                        all.groupings.push(grouping);
+                        all.groupings.len() - 1
+                    });
+                    all.positions.push((index, angles.clone()));
+                }
+                End::Moving => all.moving += 1,
+                End::Unknown => {}
+            }
+        }
+        all
+    }
+
+    /// Returns the number of runs whose end is known.
+    pub fn runs(&self) -> usize {
+        self.positions.len() + self.moving
+    }
+
+    /// Returns the number of runs that move.
+    pub fn moving(&self) -> usize {
+        self.moving
+    }
+
+    /// Returns the angles of the balls in each run at rest.
+    pub fn positions(&self) -> impl Iterator<Item = &[f64]> {
+        self.positions.iter().map(|(_, angles)| angles.as_slice())
+    }
+
+    /// Returns the angles of the balls in a run, or `None` if it moves; runs at rest come first.
+    pub fn run(&self, index: usize) -> Option<&[f64]> {
+        self.positions.get(index).map(|(_, angles)| angles.as_slice())
+    }
+
+    /// Returns whether any balls rest in touch.
+    pub fn touches(&self) -> bool {
+        self.groupings.iter().flatten().any(|group| group.len() > 1)
+    }
+
+    /// Returns the density at which one further run would rest anywhere, for balls that are not told apart.
+    pub fn uniform(&self) -> f64 {
+        let balls = self.balls as f64;
+        permutations(self.balls).len() as f64 / TAU.powf(balls)
+    }
+
+    /// Returns the kernel of each position at rest for measured angles.
+    pub fn kernels(&self, measured: &[f64], std_dev_rad: f64, bandwidths: Bandwidths) -> Vec<f64> {
+        let variance = std_dev_rad.powi(2);
+        let shapes: Vec<Vec<GroupKernel>> = self
+            .groupings
+            .iter()
+            .map(|groups| {
+                let groups = groups.iter();
+                groups.map(|balls| GroupKernel::new(balls, variance, bandwidths)).collect()
+            })
+            .collect();
+        let norms: Vec<f64> = shapes
+            .iter()
+            .map(|groups| groups.iter().map(|group| group.log_norm).sum::<f64>())
+            .collect();
+        let permutations = permutations(self.balls);
+        let mut distances = vec![0.0; self.balls * self.balls];
+        let kernel = |(grouping, angles): &(usize, Vec<f64>)| {
+            for (ball, angle) in angles.iter().enumerate() {
+                for (which, measured) in measured.iter().enumerate() {
+                    distances[ball * self.balls + which] = wrap_to_pi(measured - angle);
+                }
+            }
+            let of = |order: &Vec<usize>| {
+                let distance = |ball: usize| distances[ball * self.balls + order[ball]];
+                let groups = shapes[*grouping].iter();
+                let exponent: f64 = groups.map(|group| group.exponent(distance)).sum();
+                if exponent < SMALLEST_EXPONENT { 0.0 } else { libm::exp(exponent) }
+            };
+            libm::exp(norms[*grouping]) * permutations.iter().map(of).sum::<f64>()
+        };
+        self.positions.iter().map(kernel).collect()
+    }
+}
+
+/// The normal kernel of a group of balls: the covariance of their angles is the measurement's on the diagonal plus the square
+/// of the bandwidth everywhere.
+struct GroupKernel<'a> {
+    balls: &'a [usize],
+    log_norm: f64,
+    /// Factors of the sum of squares and of the square of the sum in the exponent.
+    squares: f64,
+    square_of_sum: f64,
+}
+
+impl<'a> GroupKernel<'a> {
+    fn new(balls: &'a [usize], variance: f64, bandwidths: Bandwidths) -> Self {
+        let count = balls.len() as f64;
+        let own = if balls.len() > 1 { bandwidths.touching } else { bandwidths.single };
+        let along = variance + count * own.powi(2);
+        let log_norm =
+            count * libm::log(TAU) + (count - 1.0) * libm::log(variance) + libm::log(along);
+        GroupKernel {
+            balls,
+            log_norm: -0.5 * log_norm,
+            squares: -0.5 / variance,
+            square_of_sum: 0.5 * own.powi(2) / (variance * along),
+        }
+    }
+
+    fn exponent(&self, distance: impl Fn(usize) -> f64) -> f64 {
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for ball in self.balls {
+            let distance = distance(*ball);
+            sum += distance;
+            squares += distance * distance;
+        }
+        self.squares * squares + self.square_of_sum * sum * sum
+    }
+}
+
+/// Returns the balls of each group.
+fn grouping(groups: &[u8]) -> Vec<Vec<usize>> {
+    let mut all: Vec<(u8, Vec<usize>)> = Vec::new();
+    for (ball, group) in groups.iter().enumerate() {
+        match all.iter_mut().find(|(other, _)| other == group) {
+            Some((_, balls)) => balls.push(ball),
+            None => all.push((*group, vec![ball])),
+        }
+    }
+    all.into_iter().map(|(_, balls)| balls).collect()
+}
+
+/// Returns all orders of a number of balls.
+pub(super) fn permutations(balls: usize) -> Vec<Vec<usize>> {
+    let mut all = vec![Vec::new()];
+    for ball in 0..balls {
+        let longer = |order: &Vec<usize>| -> Vec<Vec<usize>> {
+            let with = |place: usize| {
+                let mut longer = order.clone();
+                longer.insert(place, ball);
+                longer
+            };
+            (0..=order.len()).map(with).collect()
+        };
+        all = all.iter().flat_map(longer).collect();
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Rests, permutations};
+    use crate::identify::{Bandwidths, End};
+
+    const BANDWIDTHS: Bandwidths = Bandwidths { single: 0.1, touching: 0.2 };
+
+    fn rest(angles: &[f64], groups: &[u8]) -> End {
+        End::Rest { angles: angles.to_vec(), groups: groups.to_vec() }
+    }
+
+    #[test]
+    fn permutations_are_all_orders() {
+        assert_eq!(permutations(1), [[0]]);
+        let mut three = permutations(3);
+        three.sort();
+        assert_eq!(three, [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]]);
+    }
+
+    /// The density over unordered positions integrates to one: half of the integral over the torus, for two balls.
+    #[test]
+    fn densities_integrate_to_one() {
+        for groups in [[0, 1], [0, 0]] {
+            let rests = Rests::new(2, &[rest(&[0.1, 0.4], &groups), rest(&[3.0, 6.2], &groups)]);
+            let cells = 400;
+            let width = std::f64::consts::TAU / f64::from(cells);
+            let mut sum = 0.0;
+            for one in 0..cells {
+                for other in 0..cells {
+                    let angles = [one, other].map(|cell| width * f64::from(cell));
+                    sum += rests.kernels(&angles, 0.1, BANDWIDTHS).iter().sum::<f64>();
+                }
+            }
+            let integral = 0.5 * sum * width * width / 2.0;
+            assert!((integral - 1.0).abs() < 1e-9, "{groups:?}: {integral}");
+        }
+    }
+
+    /// A single ball has a normal density with the sum of both variances; the order of measured angles does not matter.
+    #[test]
+    fn kernels_of_one_ball_and_of_exchanged_balls() {
+        let rests = Rests::new(1, &[rest(&[6.2], &[0])]);
+        let density = rests.kernels(&[0.1], 0.05, BANDWIDTHS)[0];
+        let (distance, variance) =
+            (0.1 - 6.2 + std::f64::consts::TAU, 0.05_f64.powi(2) + 0.1_f64.powi(2));
+        let expected = (-0.5 * distance * distance / variance).exp()
+            / (std::f64::consts::TAU * variance).sqrt();
+        assert!((density - expected).abs() < 1e-13, "{density} {expected}");
+        let rests = Rests::new(3, &[rest(&[1.0, 1.26, 4.0], &[0, 0, 2])]);
+        let [one, other] = [[1.1, 1.3, 4.1], [4.1, 1.1, 1.3]]
+            .map(|angles| rests.kernels(&angles, 0.1, BANDWIDTHS)[0]);
+        assert!((one - other).abs() < 1e-13 * one, "{one} {other}");
+    }
+
+    /// Balls in touch keep their distance: only the measurement blurs it.
+    #[test]
+    fn balls_in_touch_move_together() {
+        let apart = |groups: &[u8]| {
+            let rests = Rests::new(2, &[rest(&[1.0, 1.26], groups)]);
+            let [near, far] = [[1.1, 1.36], [1.1, 1.56]]
+                .map(|angles| rests.kernels(&angles, 0.02, BANDWIDTHS)[0]);
+            near / far
+        };
+        assert!(
+            apart(&[0, 0]) > 1e10 && apart(&[0, 1]) < 1e2,
+            "{} {}",
+            apart(&[0, 0]),
+            apart(&[0, 1])
+        );
+    }
+}

@@ -1,0 +1,100 @@
+//! How a simulated run ends, as a measurement would show it.
+
+use crate::classification::Label;
+use crate::model::{Machine, wrap_to_pi};
+use crate::table::RunRecord;
+
+/// Balls whose gap is at most this wide rest in touch, rad: far below any measured distance.
+const IN_TOUCH: f64 = 1e-6;
+
+/// Where the balls of a simulated run are at the end of a stage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SimulatedEnd {
+    /// Number of the run.
+    pub run_id: u64,
+    /// Number of its point.
+    pub point_id: u64,
+    /// Number of the stage, from 1; a run without stages has one.
+    pub stage: u64,
+    /// What the balls do.
+    pub end: End,
+}
+
+/// What balls do when they are measured.
+#[derive(Clone, Debug, PartialEq)]
+pub enum End {
+    /// All balls rest.
+    Rest {
+        /// Angle of each ball from the imbalance, rad.
+        angles: Vec<f64>,
+        /// The group of each ball: balls in a group touch each other in a row. Groups are numbered from 0.
+        groups: Vec<u8>,
+    },
+    /// A ball moves.
+    Moving,
+    /// The run failed, or the speed of the disc changes.
+    Unknown,
+}
+
+impl End {
+    /// Returns the name in tables.
+    pub fn name(&self) -> &'static str {
+        match self {
+            End::Rest { .. } => "rest",
+            End::Moving => "moving",
+            End::Unknown => "unknown",
+        }
+    }
+}
+
+impl SimulatedEnd {
+    /// Returns the ends of the stages of a run.
+    pub fn of(record: &RunRecord) -> Vec<SimulatedEnd> {
+        let RunRecord { planned, outcome, .. } = record;
+        let machine = planned.case.as_ref().ok().and_then(|case| case.model.ball_balancer());
+        let rest = |angles: &Vec<f64>| End::Rest {
+            groups: groups(machine, angles),
+            angles: angles.clone(),
+        };
+        let last = match (outcome.label(), &outcome.position) {
+            (Label::Equilibrium, Some(angles)) => rest(angles),
+            (Label::Failed, _) | (_, None) => End::Unknown,
+            (_, Some(_)) => End::Moving,
+        };
+        let before = outcome.stages.split_last().map_or(&[][..], |(_, before)| before);
+        let mut ends: Vec<End> = before
+            .iter()
+            .map(|stage| match stage.is_at_rest {
+                Some(true) => rest(&stage.position),
+                Some(false) => End::Moving,
+                None => End::Unknown,
+            })
+            .collect();
+        ends.push(last);
+        let of = |(stage, end)| SimulatedEnd {
+            run_id: planned.run_id,
+            point_id: planned.point_id,
+            stage,
+            end,
+        };
+        (1..).zip(ends).map(of).collect()
+    }
+}
+
+/// Returns the group of each ball; without contact each ball is a group of its own.
+fn groups(machine: Option<&Machine>, angles: &[f64]) -> Vec<u8> {
+    let count = angles.len();
+    let mut groups: Vec<u8> = (0..).take(count).collect();
+    let Some(machine) = machine.filter(|machine| machine.contact.is_some()) else { return groups };
+    for one in 0..count.min(machine.balls.len()) {
+        for other in 0..one {
+            let touching = machine.contact_angle_rad(&machine.balls[one], &machine.balls[other]);
+            let apart = wrap_to_pi(angles[one] - angles[other]).abs() - touching;
+            if apart < IN_TOUCH && groups[one] != groups[other] {
+                let (from, to) = (groups[one].max(groups[other]), groups[one].min(groups[other]));
+                groups.iter_mut().filter(|group| **group == from).for_each(|group| *group = to);
+            }
+        }
+    }
+    groups
+}

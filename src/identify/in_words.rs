@@ -1,0 +1,162 @@
+//! The result of an inference, as JSON and in words.
+
+use serde_json::{Value, json};
+
+use super::fit_test::SiteFit;
+use super::inference::{Inference, Inferred};
+use super::posterior::{Marginal, Posterior};
+use crate::optimize::short;
+use crate::study::ParameterValue;
+use crate::text_table::text_table;
+
+/// The model does not explain the measured runs if the smallest probability over all sites, corrected for their number, is
+/// below this level.
+const LEVEL: f64 = 0.05;
+/// Correlations above this are shown.
+const CORRELATED: f64 = 0.5;
+/// Errors from the number of simulated runs above this are shown, over the standard deviation of the posterior.
+const INACCURATE: f64 = 0.5;
+
+/// Returns the contents of `identification.json`; `measured` is the hash of the measured runs.
+pub fn identification_json(inference: &Inference, inferred: &Inferred, measured: &str) -> Value {
+    let Inference { study, sites, .. } = *inference;
+    let Posterior { marginals, correlations, simulation_error, .. } = &inferred.posterior;
+    let marginal = |(one, error): (&Marginal, &f64)| {
+        json!({
+            "parameter": one.name,
+            "unit": one.unit,
+            "prior": one.prior,
+            "mean": one.mean,
+            "std_dev": one.std_dev,
+            "median": one.median,
+            "low": one.interval[0],
+            "high": one.interval[1],
+            "width_over_prior": one.width_over_prior,
+            "identified": one.is_identified(),
+            "simulation_error": error,
+        })
+    };
+    let fit = |one: &SiteFit| {
+        json!({
+            "point_id": one.point_id,
+            "stage": one.stage,
+            "measured_rests": one.measured[0],
+            "measured_moving": one.measured[1],
+            "predicted_rest_fraction": one.predicted_rest_fraction,
+            "p_positions": one.p_positions,
+            "p_neighbours": one.p_neighbours,
+            "p_value": one.p_value(),
+        })
+    };
+    let bandwidths = sites.iter().zip(&inferred.bandwidths).map(|(site, one)| {
+        json!({
+            "point_id": site.point_id,
+            "stage": site.stage,
+            "single_rad": one.single,
+            "touching_rad": one.touching,
+        })
+    });
+    json!({
+        "study": study.name(),
+        "study_hash": study.hash(),
+        "measured_sha256": measured,
+        "parameter_sets": inferred.sets.len(),
+        "runs": inferred.runs[0],
+        "failed": inferred.runs[1],
+        "parameters": marginals.iter().zip(simulation_error).map(marginal).collect::<Vec<_>>(),
+        "correlations": correlations,
+        "fit": {
+            "sites": inferred.fits.iter().map(fit).collect::<Vec<_>>(),
+            "p_value": p_value(&inferred.fits),
+            "rejected": p_value(&inferred.fits) < LEVEL,
+        },
+        "bandwidths": bandwidths.collect::<Vec<_>>(),
+    })
+}
+
+/// Returns the smallest probability over all sites, corrected for their number (Bonferroni).
+fn p_value(fits: &[SiteFit]) -> f64 {
+    let smallest = fits.iter().map(SiteFit::p_value).fold(1.0, f64::min);
+    (smallest * fits.len() as f64).min(1.0)
+}
+
+/// Returns the result in words.
+pub fn result_in_words(inference: &Inference, inferred: &Inferred) -> String {
+    let Posterior { marginals, correlations, simulation_error, .. } = &inferred.posterior;
+    let mut rows = vec![
+        ["parameter", "unit", "median", "95 % interval", "prior", "width/prior"]
+            .map(str::to_owned)
+            .to_vec(),
+    ];
+    let range = |[low, high]: [f64; 2]| format!("{} to {}", short(low), short(high));
+    rows.extend(marginals.iter().map(|one| {
+        vec![
+            one.name.clone(),
+            one.unit.to_owned(),
+            short(one.median),
+            range(one.interval),
+            range(one.prior),
+            format!("{:.2}", one.width_over_prior),
+        ]
+    }));
+    let mut text = text_table(&rows, &[0, 1]);
+    let mut line = |words: String| text.push_str(&(words + "\n"));
+    for one in marginals.iter().filter(|one| !one.is_identified()) {
+        line(format!(
+            "{} is not identified: its interval has {:.0} % of the width of the prior's",
+            one.name,
+            100.0 * one.width_over_prior
+        ));
+    }
+    for (one, row) in marginals.iter().zip(correlations) {
+        let later =
+            marginals.iter().zip(row).skip_while(|(other, _)| other.name != one.name).skip(1);
+        for (other, correlation) in later.filter(|(_, value)| value.abs() > CORRELATED) {
+            line(format!("correlation of {} and {}: {correlation:.2}", one.name, other.name));
+        }
+    }
+    for (one, error) in marginals.iter().zip(simulation_error) {
+        if *error > INACCURATE {
+            line(format!(
+                "the number of simulated runs gives {} an error of {error:.1} standard deviations, which its interval includes; more samples in initial_conditions.design make it smaller",
+                one.name
+            ));
+        }
+    }
+    text.push('\n');
+    text.push_str(&fit_in_words(inference, inferred));
+    text
+}
+
+fn fit_in_words(inference: &Inference, inferred: &Inferred) -> String {
+    let Inference { study, sites, .. } = *inference;
+    let has_stages = study.has_stages();
+    let mut head = vec!["point".to_owned()];
+    head.extend(study.swept().iter().map(|one| one.name.clone()));
+    head.extend(has_stages.then(|| "stage".to_owned()));
+    head.extend(["rests", "moving", "predicted rests [%]", "p"].map(str::to_owned));
+    let mut rows = vec![head];
+    for fit in &inferred.fits {
+        let mut row = vec![fit.point_id.to_string()];
+        row.extend(study.point(fit.point_id).swept.iter().map(|value| match value {
+            ParameterValue::Number(number) => number.to_string(),
+            ParameterValue::Text(word) => (*word).to_owned(),
+        }));
+        row.extend(has_stages.then(|| fit.stage.to_string()));
+        row.extend(fit.measured.map(|count| count.to_string()));
+        row.push(format!("{:.0}", 100.0 * fit.predicted_rest_fraction));
+        row.push(format!("{:.3}", fit.p_value()));
+        rows.push(row);
+    }
+    let mut text = text_table(&rows, &[]);
+    let probability = p_value(&inferred.fits);
+    let runs: u64 = sites.iter().map(super::site::Site::runs).sum();
+    let verdict = match probability < LEVEL {
+        true => "The model does not explain",
+        false => "The model explains",
+    };
+    text.push_str(&format!(
+        "{verdict} the {runs} measured runs (p = {probability:.3} over all rows; level {LEVEL}).\n"
+    ));
+    text
+}

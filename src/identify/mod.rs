@@ -1,0 +1,34 @@
+//! Inference of parameters from measured positions of rest.
+//!
+//! Parameter sets are drawn from the prior, and the study is simulated for each. The simulated positions of rest give a
+//! probability density on the torus of ball angles, and with it the likelihood of the measured positions. A surrogate of the
+//! log-likelihood between the parameter sets gives the posterior, from which an ensemble sampler draws. Further parameter
+//! sets lie where the posterior is. How well the model explains the measurements is tested at each point.
+//!
+//! All results are functions of the study and of the measurements.
+
+mod bandwidth;
+mod density;
+mod end;
+mod fit_test;
+mod in_words;
+mod inference;
+mod likelihood;
+mod next_sets;
+mod parameter_set;
+mod posterior;
+mod sampler;
+mod site;
+mod tables;
+
+pub use bandwidth::Bandwidths;
+pub use density::Rests;
+pub use end::{End, SimulatedEnd};
+pub use fit_test::{SiteFit, fit_tests};
+pub use in_words::{identification_json, result_in_words};
+pub use inference::{Inference, InferenceEnd, Inferred, Sets, infer};
+pub use likelihood::{LogLikelihood, log_likelihood};
+pub use parameter_set::{ParameterSet, read_parameter_set, set_columns, set_facts, set_name};
+pub use posterior::{Marginal, Posterior, posterior};
+pub use site::{Measured, Site, sites};
+pub use tables::{evaluated_set_columns, fit_columns, posterior_columns};

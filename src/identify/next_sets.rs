@@ -1,0 +1,53 @@
+//! Further parameter sets: where the posterior is, and far from the sets so far.
+
+use super::likelihood::LogLikelihood;
+use super::posterior::{predicted, surrogate};
+use super::sampler::{generator, sample_in_unit_cube};
+use crate::study::Study;
+
+/// The number of places among which the next ones are chosen.
+const CANDIDATES: usize = 512;
+
+/// Returns `count` places in the unit cube for the next parameter sets, by those so far and their log-likelihoods.
+///
+/// # Errors
+/// Returns the reason if there is no surrogate.
+pub(super) fn next_places(
+    study: &Study,
+    coordinates: &[Vec<f64>],
+    likelihoods: &[LogLikelihood],
+    count: usize,
+) -> Result<Vec<Vec<f64>>, String> {
+    let number = coordinates.len() as u64;
+    let seed = study.derived_seed("identify surrogate", number);
+    let (surrogate, _) = surrogate(coordinates, likelihoods, seed)?;
+    let mut random = generator(study, "identify next", number);
+    let dimensions = coordinates.first().map_or(0, Vec::len);
+    let density = |place: &[f64]| predicted(&surrogate, place);
+    let candidates = sample_in_unit_cube(dimensions, CANDIDATES, density, &mut random);
+    let widths: Vec<f64> = (0..dimensions).map(|index| width(&candidates, index)).collect();
+    let mut all = coordinates.to_vec();
+    for _ in 0..count {
+        let distance = |place: &Vec<f64>| {
+            let square = |other: &Vec<f64>| -> f64 {
+                let parts = place.iter().zip(other).zip(&widths);
+                parts.map(|((one, other), width)| ((one - other) / width).powi(2)).sum()
+            };
+            all.iter().map(square).fold(f64::INFINITY, f64::min)
+        };
+        let scored = candidates.iter().map(|place| (distance(place), place));
+        let Some((_, farthest)) = scored.max_by(|one, other| one.0.total_cmp(&other.0)) else {
+            break;
+        };
+        all.push(farthest.clone());
+    }
+    Ok(all.split_off(coordinates.len()))
+}
+
+/// Returns the standard deviation of a coordinate.
+fn width(places: &[Vec<f64>], index: usize) -> f64 {
+    let count = places.len() as f64;
+    let mean = places.iter().map(|place| place[index]).sum::<f64>() / count;
+    let square = |place: &Vec<f64>| (place[index] - mean).powi(2);
+    (places.iter().map(square).sum::<f64>() / count).sqrt().max(1e-6)
+}

@@ -1,0 +1,150 @@
+//! A parameter set with the ends of all its runs, and its file.
+//!
+//! The file is named by the values of the parameters: every inference of the same study finds the runs that it needs,
+//! whatever the measurements are.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+
+use super::end::{End, SimulatedEnd};
+use crate::study::{DesignValue, Study, Variable};
+use crate::table::column::{Column, Columns};
+use crate::table::{Batch, Kind, Table, TableError};
+
+/// A parameter set with the ends of all its runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterSet {
+    /// One value per parameter.
+    pub values: Vec<DesignValue>,
+    /// The ends of all stages of all runs, in the order of runs and stages.
+    pub ends: Vec<SimulatedEnd>,
+}
+
+/// Returns the name of the table with the runs of a parameter set, without `.parquet`.
+pub fn set_name(study: &Study, values: &[DesignValue]) -> String {
+    let digest = Sha256::digest(set_facts(study, values).to_string());
+    let hexadecimal: String = digest.iter().take(8).map(|byte| format!("{byte:02x}")).collect();
+    format!("set-{hexadecimal}")
+}
+
+/// Returns what determines the runs of a parameter set besides the study's hash.
+pub fn set_facts(study: &Study, values: &[DesignValue]) -> Value {
+    let value = |(parameter, value): (&Variable, &DesignValue)| {
+        let number = match value {
+            DesignValue::Number(number) => json!(number),
+            DesignValue::Choice(choice) => json!(choice),
+        };
+        (parameter.name().to_owned(), number)
+    };
+    let values: serde_json::Map<String, Value> =
+        study.variables().iter().zip(values).map(value).collect();
+    json!({ "parameters": values })
+}
+
+/// Returns the columns of the table of a parameter set: one row per run and stage.
+pub fn set_columns(study: &Study) -> Vec<Column<SimulatedEnd>> {
+    let mut list = Columns::<SimulatedEnd>::new();
+    list.count("run_id", |row| row.run_id).meaning("number of the run in the study, from 0");
+    list.count("point_id", |row| row.point_id).meaning("number of the point of the sweep");
+    list.count("stage", |row| row.stage).meaning("number of the stage in the run, from 1");
+    list.word("end", |row| row.end.name())
+        .meaning("rest, moving, or unknown if the run failed or the speed changes");
+    for ball in 0..study.model().balls() {
+        let angle = move |row: &SimulatedEnd| match &row.end {
+            End::Rest { angles, .. } => angles.get(ball).copied(),
+            End::Moving | End::Unknown => None,
+        };
+        list.number(format!("beta_{}_rad", ball + 1), "rad", angle)
+            .meaning("angle of the ball from the imbalance at rest");
+    }
+    for ball in 0..study.model().balls() {
+        let group = move |row: &SimulatedEnd| match &row.end {
+            End::Rest { groups, .. } => groups.get(ball).map(|group| u64::from(*group)),
+            End::Moving | End::Unknown => None,
+        };
+        list.count(format!("group_{}", ball + 1), group)
+            .meaning("the group of the ball; balls of one group rest in touch");
+    }
+    list.finish()
+}
+
+/// Reads the runs of a parameter set from a directory; `None` if it has none.
+///
+/// # Errors
+/// Returns an error if the table was changed or belongs to another study.
+pub fn read_parameter_set(
+    study: &Study,
+    directory: &Path,
+    values: &[DesignValue],
+) -> Result<Option<ParameterSet>, TableError> {
+    let name = set_name(study, values);
+    let path = directory.join(format!("{name}.parquet"));
+    if !path.exists() {
+        return Ok(None);
+    }
+    let (table, about) = Table::of_itself(directory, &name)?;
+    let other = || {
+        let fault = crate::tabular::Fault::new(
+            "runs of another study",
+            "another study or other parameters in the metadata",
+            "another directory for the simulated runs, with --simulations DIR",
+        );
+        TableError::new(&path, None, fault)
+    };
+    if about["study_hash"] != study.hash() || about["options"] != set_facts(study, values) {
+        return Err(other());
+    }
+    let balls = study.model().balls();
+    let angle_names: Vec<String> = (1..=balls).map(|ball| format!("beta_{ball}_rad")).collect();
+    let group_names: Vec<String> = (1..=balls).map(|ball| format!("group_{ball}")).collect();
+    let mut columns = vec![
+        ("run_id", Kind::Count),
+        ("point_id", Kind::Count),
+        ("stage", Kind::Count),
+        ("end", Kind::Text),
+    ];
+    columns.extend(angle_names.iter().map(|name| (name.as_str(), Kind::Number)));
+    columns.extend(group_names.iter().map(|name| (name.as_str(), Kind::Count)));
+    let mut ends = Vec::new();
+    for batch in table.read(&columns)? {
+        let batch = batch?;
+        for row in 0..batch.rows {
+            let end = read_end(&batch, row, &angle_names, &group_names)?;
+            ends.push(end.ok_or_else(other)?);
+        }
+    }
+    Ok(Some(ParameterSet { values: values.to_vec(), ends }))
+}
+
+fn read_end(
+    batch: &Batch,
+    row: usize,
+    angles: &[String],
+    groups: &[String],
+) -> Result<Option<SimulatedEnd>, TableError> {
+    let count = |name: &str| batch.count(name, row);
+    let word = batch.text("end", row)?;
+    let end = match word.as_deref() {
+        Some("rest") => {
+            let angles = angles.iter().map(|name| batch.number(name, row));
+            let angles: Option<Vec<f64>> =
+                angles.collect::<Result<Vec<_>, _>>()?.into_iter().collect();
+            let groups = groups.iter().map(|name| count(name));
+            let groups: Option<Vec<u8>> = groups
+                .collect::<Result<Vec<_>, _>>()?
+                .into_iter()
+                .map(|group| group.and_then(|group| u8::try_from(group).ok()))
+                .collect();
+            let Some((angles, groups)) = angles.zip(groups) else { return Ok(None) };
+            End::Rest { angles, groups }
+        }
+        Some("moving") => End::Moving,
+        Some("unknown") => End::Unknown,
+        _ => return Ok(None),
+    };
+    let (run_id, point_id, stage) = (count("run_id")?, count("point_id")?, count("stage")?);
+    let place = run_id.zip(point_id).zip(stage);
+    Ok(place.map(|((run_id, point_id), stage)| SimulatedEnd { run_id, point_id, stage, end }))
+}

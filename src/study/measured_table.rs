@@ -1,0 +1,171 @@
+//! Reads tables of measured runs: where balls were seen to rest, or that they were seen to move.
+
+use std::path::Path;
+
+use super::error::{Fault, StudyError};
+use super::file::read_file::read_bytes;
+use super::file::table_input::Rows;
+use super::file::values::Entry;
+use super::file::yaml_tree::describe_number;
+use super::plan::parameter::{ParameterKind, ParameterValue};
+use super::plan::planned_study::Study;
+use crate::tabular::{Cells, check_name};
+
+/// Swept values of the table and of the study agree if they differ by at most this part.
+const AGREEMENT: f64 = 1e-4;
+/// The column of the standard deviation of a measured angle.
+const STD_DEV: &str = "std_dev_rad";
+/// The column of the stage of a run.
+const STAGE: &str = "stage";
+
+/// A measured run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredRun {
+    /// The point of the sweep.
+    pub point_id: u64,
+    /// The number of the stage at whose end the balls were measured, from 1; `None` for the end of the run.
+    pub stage: Option<u64>,
+    /// Angles of the balls from the imbalance in any order, rad; `None` if the balls were seen to move.
+    pub rest: Option<Vec<f64>>,
+    /// Standard deviation of a measured angle, rad.
+    pub std_dev_rad: f64,
+}
+
+impl Study {
+    /// Reads measured runs from a CSV or Parquet file: columns of swept parameters, which select the point; `stage`;
+    /// `beta_1_rad` and so on, empty where the balls were seen to move; and `std_dev_rad`.
+    ///
+    /// # Errors
+    /// Returns the first fault with its row and column: an unreadable file, an unknown or missing column, a row that
+    /// selects no point or several, a value that is no angle, or a standard deviation that is not positive.
+    pub fn measured(&self, path: &Path) -> Result<Vec<MeasuredRun>, StudyError> {
+        let refuse = |fault| StudyError::about_file(path, fault);
+        check_name(path, "a name that ends in .csv or .parquet").map_err(refuse)?;
+        let bytes = read_bytes(path).map_err(refuse)?;
+        let angles: Vec<String> =
+            (1..=self.model().balls()).map(|ball| format!("beta_{ball}_rad")).collect();
+        let mut names: Vec<String> = self.swept().iter().map(|one| one.name.clone()).collect();
+        if self.has_stages() {
+            names.push(STAGE.to_owned());
+        }
+        names.extend(angles.iter().cloned());
+        names.push(STD_DEV.to_owned());
+        let rows = Rows::with_gaps(path, |limits| Cells::read(path, bytes, limits), &names)?;
+        let needed = angles.iter().map(String::as_str).chain([STD_DEV]);
+        if let Some(name) = needed.into_iter().find(|name| !rows.columns.iter().any(|c| c == name))
+        {
+            let fault = Fault::new(
+                format!("no column {name}"),
+                rows.columns.join(", "),
+                format!("the columns {}", names.join(", ")),
+            );
+            return Err(rows.refuse(None, None, fault));
+        }
+        (0..rows.rows.len()).map(|row| self.measured_run(&rows, row, &angles)).collect()
+    }
+
+    fn measured_run(
+        &self,
+        rows: &Rows<'_>,
+        row: usize,
+        angles: &[String],
+    ) -> Result<MeasuredRun, StudyError> {
+        let place = |name: &str| rows.columns.iter().position(|column| column == name);
+        let number = |name: &str, allowed: &str| -> Result<Option<f64>, StudyError> {
+            let Some(column) = place(name) else { return Ok(None) };
+            match &rows.rows[row][column] {
+                Entry::Number(number) => Ok(Some(*number)),
+                Entry::Text(text) if text.is_empty() => Ok(None),
+                Entry::Text(text) => {
+                    let fault = Fault::new("not a number", text.as_str(), allowed);
+                    Err(rows.refuse(Some(row), Some(column), fault))
+                }
+            }
+        };
+        let stage = match number(STAGE, "the number of a stage, from 1")? {
+            Some(stage) if stage >= 1.0 && stage.fract() == 0.0 => Some(stage as u64),
+            Some(stage) => {
+                let allowed = "the number of a stage, from 1, as in stages.parquet";
+                let fault = Fault::new("not a stage", describe_number(stage), allowed);
+                return Err(rows.refuse(Some(row), place(STAGE), fault));
+            }
+            None => None,
+        };
+        let allowed = "an angle in rad, or nothing in all of these columns for balls that move";
+        let measured = angles.iter().map(|name| number(name, allowed));
+        let measured = measured.collect::<Result<Vec<_>, _>>()?;
+        let rest = match measured.iter().flatten().count() {
+            0 => None,
+            all if all == measured.len() => Some(measured.into_iter().flatten().collect()),
+            some => {
+                let found = format!("{some} of {} angles", measured.len());
+                let fault = Fault::new("angles of some balls only", found, allowed);
+                return Err(rows.refuse(Some(row), None, fault));
+            }
+        };
+        let std_dev_rad = number(STD_DEV, "a number above 0, rad")?;
+        let std_dev_rad = std_dev_rad.filter(|value| *value > 0.0 && *value < 1.0);
+        let std_dev_rad = std_dev_rad.ok_or_else(|| {
+            let allowed = "the standard deviation of a measured angle in rad, above 0 and below 1, such as 0.1";
+            let found = place(STD_DEV).map(|column| match &rows.rows[row][column] {
+                Entry::Number(number) => describe_number(*number),
+                Entry::Text(_) => "nothing".to_owned(),
+            });
+            let found = found.unwrap_or_default();
+            rows.refuse(Some(row), place(STD_DEV), Fault::new("not an accuracy", found, allowed))
+        })?;
+        Ok(MeasuredRun { point_id: self.measured_point(rows, row)?, stage, rest, std_dev_rad })
+    }
+
+    /// Returns the only point whose swept values are those of a row.
+    fn measured_point(&self, rows: &Rows<'_>, row: usize) -> Result<u64, StudyError> {
+        let values = |name: &String| {
+            let column = rows.columns.iter().position(|column| column == name)?;
+            Some(&rows.rows[row][column])
+        };
+        let agrees = |point_id: &u64| {
+            let swept = self.point(*point_id).swept;
+            self.swept().iter().zip(swept).all(|(parameter, own)| {
+                match (values(&parameter.name), own) {
+                    (None, _) => true,
+                    (Some(Entry::Number(measured)), ParameterValue::Number(own)) => {
+                        (measured - own).abs() <= AGREEMENT * own.abs()
+                    }
+                    (Some(Entry::Text(measured)), ParameterValue::Text(own)) => measured == own,
+                    _ => false,
+                }
+            })
+        };
+        let mut points = (0..self.point_count()).filter(agrees);
+        let (first, second) = (points.next(), points.next());
+        match (first, second) {
+            (Some(point_id), None) => Ok(point_id),
+            (first, _) => {
+                let given = self.swept().iter().filter_map(|one| {
+                    let value = match values(&one.name)? {
+                        Entry::Number(number) => describe_number(*number),
+                        Entry::Text(text) => text.clone(),
+                    };
+                    Some(format!("{} {value}", one.name))
+                });
+                let given: Vec<String> = given.collect();
+                let problem = match first {
+                    None => "no point of the sweep has these values",
+                    Some(_) => "several points of the sweep have these values",
+                };
+                let all = self.swept().iter().map(|one| match one.kind {
+                    ParameterKind::Number => format!("{} in {}", one.name, one.unit),
+                    ParameterKind::Text => one.name.clone(),
+                });
+                let allowed = format!(
+                    "values of one point of the study's `sweep`, by {}; a sweep such as [{{grid: {{speed_rad_s: \
+                     [-160, -173]}}}}] has the measured speeds",
+                    all.collect::<Vec<_>>().join(", ")
+                );
+                let found =
+                    if given.is_empty() { "no swept value".to_owned() } else { given.join(", ") };
+                Err(rows.refuse(Some(row), None, Fault::new(problem, found, allowed)))
+            }
+        }
+    }
+}

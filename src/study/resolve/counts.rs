@@ -1,0 +1,26 @@
+//! Validation of whole numbers within a range.
+
+use std::ops::RangeInclusive;
+
+use crate::study::error::{Fault, StudyError};
+use crate::study::file::source_path::SourcePath;
+use crate::study::file::values::Count;
+
+/// Returns the number under a key, if it is written.
+///
+/// # Errors
+/// Returns an error if the number is out of the range.
+pub(crate) fn count_within(
+    path: &SourcePath<'_>,
+    key: &str,
+    written: Option<Count>,
+    range: RangeInclusive<u64>,
+) -> Result<Option<u64>, StudyError> {
+    let Some(Count(number)) = written else { return Ok(None) };
+    if range.contains(&number) {
+        return Ok(Some(number));
+    }
+    let allowed = format!("a whole number from {} to {}", range.start(), range.end());
+    let fault = Fault::new("out of range", number.to_string(), allowed);
+    Err(path.key(key).refuse_value(fault))
+}

@@ -1,0 +1,90 @@
+//! Resolution of the key `identify`.
+
+use indexmap::IndexMap;
+
+use crate::study::error::{Fault, StudyError};
+use crate::study::file::identify_file::{IdentifyFile, PriorFile};
+use crate::study::file::response_file::VariableFile;
+use crate::study::file::yaml_tree::{Source, describe_number};
+use crate::study::plan::identification::Identification;
+use crate::study::plan::planned_study::Study;
+use crate::study::resolve::counts::count_within;
+use crate::study::resolve::variables::resolve_variables;
+
+/// The range of the numbers of parameter sets; a surrogate of more takes too long.
+const DESIGNS: std::ops::RangeInclusive<u64> = 8..=300;
+/// The range of the number of samples of the posterior.
+const POSTERIOR_SAMPLES: std::ops::RangeInclusive<u64> = 100..=100_000;
+/// The default number of samples of the posterior.
+const USUAL_SAMPLES: u64 = 4000;
+/// The default number of initial parameter sets per parameter, and the largest default.
+const USUAL_START: [u64; 2] = [32, 256];
+/// The largest number of parameters.
+const MOST_PARAMETERS: usize = 8;
+
+/// Validates the key `identify`.
+///
+/// # Errors
+/// Returns an error if a parameter is unknown, swept or uncertain, if a range is empty, or if a number is out of range.
+pub(crate) fn resolve_identification(
+    source: &Source,
+    study: &Study,
+    written: Option<&IdentifyFile>,
+) -> Result<Option<Identification>, StudyError> {
+    let Some(file) = written else { return Ok(None) };
+    let path = source.path("identify");
+    let own = path.key("parameters");
+    if file.parameters.is_empty() || file.parameters.len() > MOST_PARAMETERS {
+        let found = format!("{} parameters", file.parameters.len());
+        let allowed = format!("1 to {MOST_PARAMETERS} parameters, each with `from` and `to`");
+        return Err(own.refuse_value(Fault::new(
+            "nothing to identify, or too much",
+            found,
+            allowed,
+        )));
+    }
+    let mut ranges: IndexMap<String, VariableFile> = IndexMap::new();
+    for (name, PriorFile { from, to }) in &file.parameters {
+        let path = own.key(name);
+        if name == "balls" {
+            let allowed =
+                "a numeric parameter; compare the fit of two studies for numbers of balls";
+            return Err(path.refuse_key(Fault::new(
+                "not a number to infer",
+                name.as_str(),
+                allowed,
+            )));
+        }
+        if from.total_cmp(to).is_ge() {
+            let found = format!("from {} to {}", describe_number(*from), describe_number(*to));
+            return Err(path.refuse_value(Fault::new(
+                "an empty range",
+                found,
+                "`from` below `to`",
+            )));
+        }
+        let range = VariableFile { from: Some(*from), to: Some(*to), choices: None };
+        ranges.insert(name.clone(), range);
+    }
+    let parameters = resolve_variables(&own, study, Some(&ranges))?;
+    let counts = [("start_designs", file.start_designs), ("designs", file.designs)];
+    let [start, designs] = counts.map(|(key, written)| count_within(&path, key, written, DESIGNS));
+    let (start, designs) = (start?, designs?);
+    let usual = (USUAL_START[0] << (parameters.len() - 1)).min(USUAL_START[1]);
+    let start = start.unwrap_or_else(|| designs.map_or(usual, |all| usual.min(all)));
+    let designs = designs.unwrap_or_else(|| (start + start / 4).min(*DESIGNS.end()));
+    if start > designs {
+        let found = format!("{start} of {designs} parameter sets");
+        let problem = "more parameter sets at the start than in all";
+        let fault = Fault::new(problem, found, "at most `designs`");
+        return Err(path.key("start_designs").refuse_value(fault));
+    }
+    let samples =
+        count_within(&path, "posterior_samples", file.posterior_samples, POSTERIOR_SAMPLES)?;
+    Ok(Some(Identification {
+        parameters,
+        start_designs: start,
+        designs,
+        posterior_samples: samples.unwrap_or(USUAL_SAMPLES),
+    }))
+}
