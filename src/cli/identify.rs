@@ -14,8 +14,8 @@ use crate::counted::counted;
 use crate::engine::{Parts, Planned, Progress, Show, say, stop_on_signals};
 use crate::identify::{
     Inference, InferenceEnd, Inferred, ParameterSet, Sets, evaluated_set_columns, fit_columns,
-    identification_json, infer, posterior_columns, read_parameter_set, result_in_words,
-    set_columns, set_facts, set_name, sites,
+    identification_json, infer, position_columns, position_rows, posterior_columns,
+    read_parameter_set, result_in_words, set_columns, set_facts, set_name, sites,
 };
 use crate::sanitize::shell_word;
 use crate::study::{DesignValue, Identification, MeasuredRun, Study};
@@ -33,7 +33,8 @@ beta_2_rad and so on, the angles of the balls from the imbalance in any order, e
 std_dev_rad, the standard deviation of a measured angle; and for studies with stages `stage`.
 
 DIR holds posterior.parquet (samples of the posterior), parameter_sets.parquet (the log-likelihood of each parameter \
-set), fit.parquet (whether the model explains the measurements, at each point), identification.json, files.json, and \
+set), fit.parquet (whether the model explains the measurements, at each point), positions.parquet (measured and \
+predicted positions), identification.json, files.json, and \
 the directory simulations with the ends of all runs. The same command continues an interrupted inference. The same \
 study, measurements and seed give the same bytes on any number of threads.";
 
@@ -221,8 +222,14 @@ struct ResultFiles<'a> {
 }
 
 /// The files of an inference.
-const OWN: [&str; 5] =
-    ["posterior.parquet", "parameter_sets.parquet", "fit.parquet", SUMMARY, SIMULATIONS];
+const OWN: [&str; 6] = [
+    "posterior.parquet",
+    "parameter_sets.parquet",
+    "fit.parquet",
+    "positions.parquet",
+    SUMMARY,
+    SIMULATIONS,
+];
 const SUMMARY: &str = "identification.json";
 
 impl<'a> ResultFiles<'a> {
@@ -268,6 +275,8 @@ impl<'a> ResultFiles<'a> {
         directory.write("parameter_sets", &about("parameter_sets"), columns, sets)?;
         let fits = inferred.fits.iter().cloned();
         directory.write("fit", &about("fit"), fit_columns(study), fits)?;
+        let positions = position_rows(inference.sites, &inferred.fits);
+        directory.write("positions", &about("positions"), position_columns(study), positions)?;
         directory.write_json(SUMMARY, summary)
     }
 }

@@ -36,6 +36,8 @@ pub struct SiteFit {
     pub p_positions: f64,
     /// The same for the angles between neighbouring balls; `None` for one ball.
     pub p_neighbours: Option<f64>,
+    /// The runs of the predictive distribution, with the error of the measurements.
+    pub predicted: Vec<Seen>,
 }
 
 impl SiteFit {
@@ -50,7 +52,7 @@ impl SiteFit {
 }
 
 /// A run as measured: the angles, or `None` if it moves.
-type Seen = Option<Vec<f64>>;
+pub type Seen = Option<Vec<f64>>;
 
 /// Returns the tests at all sites. `drawn` are the simulated ends of the parameter set next to each sample of the posterior, one
 /// entry per site.
@@ -101,6 +103,7 @@ fn test_at(site: &Site, drawn: &[&Rests], random: &mut ChaCha8Rng) -> Option<Sit
         predicted_rest_fraction: at_rest as f64 / pool.len() as f64,
         p_positions,
         p_neighbours,
+        predicted: pool,
     })
 }
 

@@ -24,11 +24,14 @@ mod tables;
 pub use bandwidth::Bandwidths;
 pub use density::Rests;
 pub use end::{End, SimulatedEnd};
-pub use fit_test::{SiteFit, fit_tests};
+pub use fit_test::{Seen, SiteFit, fit_tests};
 pub use in_words::{identification_json, result_in_words};
 pub use inference::{Inference, InferenceEnd, Inferred, Sets, infer};
 pub use likelihood::{LogLikelihood, log_likelihood};
 pub use parameter_set::{ParameterSet, read_parameter_set, set_columns, set_facts, set_name};
 pub use posterior::{Marginal, Posterior, posterior};
 pub use site::{Measured, Site, sites};
-pub use tables::{evaluated_set_columns, fit_columns, posterior_columns};
+pub use tables::{
+    PositionRow, evaluated_set_columns, fit_columns, position_columns, position_rows,
+    posterior_columns,
+};
