@@ -15,6 +15,7 @@ use super::sampler::{generator, normal};
 use super::site::Site;
 use crate::model::wrap_to_pi;
 use crate::study::Study;
+use crate::table::PointKey;
 
 /// The number of runs of the predictive distribution.
 const POOL: usize = 800;
@@ -24,8 +25,8 @@ const SAMPLES: u32 = 999;
 /// The test at a site.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SiteFit {
-    /// Number of the point.
-    pub point_id: u64,
+    /// The point.
+    pub point: PointKey,
     /// Number of the stage.
     pub stage: u64,
     /// Number of measured runs that rest, and that move.
@@ -60,12 +61,18 @@ pub fn fit_tests(study: &Study, sites: &[Site], drawn: &[&[Rests]]) -> Vec<SiteF
     let test = |(index, site): (usize, &Site)| {
         let mut random = generator(study, "identify fit", index as u64);
         let drawn: Vec<&Rests> = drawn.iter().filter_map(|of_set| of_set.get(index)).collect();
-        test_at(site, &drawn, &mut random)
+        let point = PointKey::of(&study.point(site.point_id));
+        test_at(point, site, &drawn, &mut random)
     };
     sites.iter().enumerate().filter_map(test).collect()
 }
 
-fn test_at(site: &Site, drawn: &[&Rests], random: &mut ChaCha8Rng) -> Option<SiteFit> {
+fn test_at(
+    point: PointKey,
+    site: &Site,
+    drawn: &[&Rests],
+    random: &mut ChaCha8Rng,
+) -> Option<SiteFit> {
     let deviations: Vec<f64> = site.rests.iter().map(|one| one.std_dev_rad).collect();
     let known: Vec<&Rests> = drawn.iter().copied().filter(|rests| rests.runs() > 0).collect();
     if known.is_empty() {
@@ -97,7 +104,7 @@ fn test_at(site: &Site, drawn: &[&Rests], random: &mut ChaCha8Rng) -> Option<Sit
     });
     let at_rest = pool.iter().flatten().count();
     Some(SiteFit {
-        point_id: site.point_id,
+        point,
         stage: site.stage,
         measured: [site.rests.len() as u64, site.moving],
         predicted_rest_fraction: at_rest as f64 / pool.len() as f64,
@@ -180,6 +187,11 @@ mod tests {
 
     use super::{angles_between, permutations, test_at, torus};
     use crate::identify::{End, Measured, Rests, Site};
+    use crate::table::PointKey;
+
+    fn point() -> PointKey {
+        PointKey { point_id: 0, swept: Vec::new() }
+    }
 
     #[test]
     fn distances_do_not_tell_balls_apart() {
@@ -219,7 +231,7 @@ mod tests {
         let model = Rests::new(2, &ends);
         let mut random = ChaCha8Rng::seed_from_u64(5);
         let mut p_of =
-            |site: &Site| test_at(site, &[&model], &mut random).expect("a test").p_value();
+            |site: &Site| test_at(point(), site, &[&model], &mut random).expect("a test").p_value();
         let rejected = |site: Site, p_of: &mut dyn FnMut(&Site) -> f64| p_of(&site) < 0.05;
         let blurred = |seed| {
             let mut random = ChaCha8Rng::seed_from_u64(1000 + seed);

@@ -38,7 +38,7 @@ pub fn identification_json(inference: &Inference, inferred: &Inferred, measured:
     };
     let fit = |one: &SiteFit| {
         json!({
-            "point_id": one.point_id,
+            "point_id": one.point.point_id,
             "stage": one.stage,
             "measured_rests": one.measured[0],
             "measured_moving": one.measured[1],
@@ -137,8 +137,8 @@ fn fit_in_words(inference: &Inference, inferred: &Inferred) -> String {
     head.extend(["rests", "moving", "predicted rests [%]", "p"].map(str::to_owned));
     let mut rows = vec![head];
     for fit in &inferred.fits {
-        let mut row = vec![fit.point_id.to_string()];
-        row.extend(study.point(fit.point_id).swept.iter().map(|value| match value {
+        let mut row = vec![fit.point.point_id.to_string()];
+        row.extend(fit.point.swept.iter().map(|value| match value {
             ParameterValue::Number(number) => number.to_string(),
             ParameterValue::Text(word) => (*word).to_owned(),
         }));

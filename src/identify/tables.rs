@@ -4,8 +4,9 @@ use super::fit_test::{Seen, SiteFit};
 use super::likelihood::LogLikelihood;
 use super::site::Site;
 use crate::responses::columns::add_variables;
-use crate::study::{DesignValue, ParameterKind, ParameterValue, Study};
+use crate::study::{DesignValue, Study};
 use crate::table::column::{Column, Columns};
+use crate::table::{PointKey, add_point};
 
 /// A row of `parameter_sets.parquet`: number, values and log-likelihood of a parameter set.
 type SetRow = (u64, Vec<DesignValue>, LogLikelihood);
@@ -38,8 +39,7 @@ pub fn evaluated_set_columns(study: &Study, start_designs: u64) -> Vec<Column<Se
 /// Returns the columns of `fit.parquet`: one row per point and stage with measured runs.
 pub fn fit_columns(study: &Study) -> Vec<Column<SiteFit>> {
     let mut list = Columns::<SiteFit>::new();
-    list.count("point_id", |row| row.point_id).meaning("number of the point of the sweep");
-    add_swept(&mut list, study, |row: &SiteFit| row.point_id);
+    add_point(&mut list, study, |row: &SiteFit| &row.point);
     list.count("stage", |row| row.stage).meaning("number of the stage, from 1");
     list.count("measured_rests", |row| row.measured[0]).meaning("measured runs that rest");
     list.count("measured_moving", |row| row.measured[1]).meaning("measured runs that move");
@@ -58,38 +58,32 @@ pub fn fit_columns(study: &Study) -> Vec<Column<SiteFit>> {
 /// A row of `positions.parquet`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PositionRow {
-    point_id: u64,
+    point: PointKey,
     stage: u64,
     is_measured: bool,
     seen: Seen,
 }
 
-/// Returns the rows of `positions.parquet`: the measured runs at each site, then the predicted ones.
+/// Returns the rows of `positions.parquet`: at each site the measured runs, then the predicted ones.
 pub fn position_rows<'a>(
     sites: &'a [Site],
     fits: &'a [SiteFit],
 ) -> impl Iterator<Item = PositionRow> + 'a {
-    let measured = sites.iter().flat_map(|site| {
-        let rests = site.rests.iter().map(|one| Some(one.angles.clone()));
-        let moving = (0..site.moving).map(|_| None);
-        let row = |seen| PositionRow {
-            point_id: site.point_id,
-            stage: site.stage,
-            is_measured: true,
-            seen,
-        };
-        rests.chain(moving).map(row)
-    });
-    let predicted = fits.iter().flat_map(|fit| {
-        let row = |seen: &Seen| PositionRow {
-            point_id: fit.point_id,
+    let of_fit = |fit: &'a SiteFit| {
+        let here =
+            move |site: &&Site| (site.point_id, site.stage) == (fit.point.point_id, fit.stage);
+        let rests = sites.iter().filter(here).flat_map(|site| &site.rests);
+        let rests = rests.map(|one| Some(one.angles.clone()));
+        let measured = rests.chain((0..fit.measured[1]).map(|_| None)).map(|seen| (true, seen));
+        let predicted = fit.predicted.iter().map(|seen| (false, seen.clone()));
+        measured.chain(predicted).map(|(is_measured, seen)| PositionRow {
+            point: fit.point.clone(),
             stage: fit.stage,
-            is_measured: false,
-            seen: seen.clone(),
-        };
-        fit.predicted.iter().map(row)
-    });
-    measured.chain(predicted)
+            is_measured,
+            seen,
+        })
+    };
+    fits.iter().flat_map(of_fit)
 }
 
 /// Returns the columns of `positions.parquet`: one row per measured run, and per run of the predictive distribution.
@@ -98,8 +92,7 @@ pub fn position_columns(study: &Study) -> Vec<Column<PositionRow>> {
     list.word("source", |row| if row.is_measured { "measured" } else { "predicted" }).meaning(
         "a measured run, or a run of the posterior predictive distribution with the error of the measurements",
     );
-    list.count("point_id", |row| row.point_id).meaning("number of the point of the sweep");
-    add_swept(&mut list, study, |row: &PositionRow| row.point_id);
+    add_point(&mut list, study, |row: &PositionRow| &row.point);
     list.count("stage", |row| row.stage).meaning("number of the stage, from 1");
     list.boolean("at_rest", |row| row.seen.is_some()).meaning("whether the balls rest");
     for ball in 0..study.model().balls() {
@@ -108,30 +101,4 @@ pub fn position_columns(study: &Study) -> Vec<Column<PositionRow>> {
             .meaning("angle of a ball from the imbalance; balls are not told apart");
     }
     list.finish()
-}
-
-/// Adds a column for each swept number.
-fn add_swept<R: 'static>(
-    list: &mut Columns<R>,
-    study: &Study,
-    point_id: impl Fn(&R) -> u64 + Copy + Send + Sync + 'static,
-) {
-    for (index, parameter) in study.swept().iter().enumerate() {
-        let points = (0..study.point_count()).map(|one| study.point(one).swept.get(index).copied());
-        let points: Vec<Option<ParameterValue>> = points.collect();
-        let at = move |row: &R| points.get(usize::try_from(point_id(row)).ok()?).copied().flatten();
-        let column = match parameter.kind {
-            ParameterKind::Number => {
-                list.number(&parameter.name, parameter.unit, move |row| match at(row) {
-                    Some(ParameterValue::Number(number)) => Some(number),
-                    _ => None,
-                })
-            }
-            ParameterKind::Text => list.word(&parameter.name, move |row| match at(row) {
-                Some(ParameterValue::Text(word)) => Some(word),
-                _ => None,
-            }),
-        };
-        column.meaning(parameter.meaning.clone());
-    }
 }

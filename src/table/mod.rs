@@ -66,6 +66,7 @@ pub use manifest::{Circumstances, MANIFEST, Manifest};
 pub use memory_results::{MemoryResults, MemoryTables, STAGES_TABLE, TABLES};
 pub use memory_table::{MemoryTable, MemoryWriter, in_memory};
 pub use output_state::{OutputState, check_path, inspect, manifest_of};
+pub(crate) use point_key::add_point;
 pub use point_key::{OfPoint, PointKey};
 pub use points::{PointRow, point_columns};
 pub use previous_results::{EARLIER, close_earlier, put_aside};

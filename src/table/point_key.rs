@@ -39,10 +39,10 @@ impl<T> OfPoint<T> {
 }
 
 /// Adds the columns that identify the point of the sweep; `point` gets it from a row.
-pub(super) fn add_point<R: 'static>(
+pub(crate) fn add_point<R: 'static>(
     list: &mut Columns<R>,
     study: &Study,
-    point: fn(&R) -> &PointKey,
+    point: impl Fn(&R) -> &PointKey + Copy + Send + Sync + 'static,
 ) {
     add_point_id(list, move |row| point(row).point_id);
     add_swept(list, study, move |row| &point(row).swept);
