@@ -8,14 +8,14 @@ use std::f64::consts::TAU;
 use super::angle_set::AngleSet;
 use super::cycle_class::{CycleClass, Role, speeds_in_sense};
 use super::interval::{Z_95, wilson_with_failures};
-use super::observed::{LabelCounts, Observed};
+use super::observed::LabelCounts;
 use super::summary_statistics::SummaryStatistics;
 use crate::classification::{Label, Outcome};
 use crate::model::Model;
 
 /// Largest number of classes that are reported separately at one point; the others are counted
 /// together.
-const MOST_CLASSES: usize = 1000;
+pub(super) const MOST_CLASSES: usize = 1000;
 
 /// The distribution of a quantity over the runs of a class.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,14 +122,8 @@ struct ClassPlace {
 }
 
 impl CycleClasses {
-    /// Adds one run. A run that is not on a limit cycle is ignored.
-    pub(super) fn add(&mut self, run: Observed<'_>) {
-        let Some(case) = run.case else { return };
-        let Some(class) = CycleClass::of(&case.model, run.outcome) else { return };
-        self.add_to_class(&case.model, class, run.outcome);
-    }
-
-    fn add_to_class(&mut self, model: &Model, class: CycleClass, outcome: &Outcome) {
+    /// Adds one run on a limit cycle of a class.
+    pub(super) fn add(&mut self, model: &Model, class: CycleClass, outcome: &Outcome) {
         let key = (class.name.len(), class.name.clone());
         self.classes.entry(key).or_default().add(model, class, outcome);
         if self.classes.len() > MOST_CLASSES

@@ -1,6 +1,8 @@
 //! Summary of one sweep point: endings of its runs, time to rest, amplitude and what the balls leave.
 
 use super::audit::AuditCounts;
+use super::basin_entropy::Basins;
+use super::cycle_class::CycleClass;
 use super::cycles::{CycleClasses, CycleGroup};
 use super::equilibrium_histogram::{EquilibriumHistogram, HistogramBin};
 use super::escape::{EscapeRate, Group, escape_rate};
@@ -31,6 +33,7 @@ pub struct PointDetail {
 pub struct PointAccumulator {
     counts: LabelCounts,
     cells: Cells,
+    basins: Basins,
     /// Times at which runs came to rest (kind 0) or were stopped while moving (kind 1). Runs that
     /// have been shown to be on a limit cycle have an infinite time.
     times: ValueCounts,
@@ -65,6 +68,8 @@ pub struct PointSummary {
     pub escape: Option<EscapeRate>,
     /// Quantiles 5, 50 and 95 % of the amplitude over all runs that have one, m.
     pub amplitude_m: [Option<f64>; 3],
+    /// The basin entropy; `None` without cells with at least two runs.
+    pub basin_entropy: Option<f64>,
     /// The vibration that the balls leave; all `None` for a block.
     pub residual: ResidualVibration,
     /// How often audited runs got another label.
@@ -82,7 +87,11 @@ impl PointAccumulator {
     /// Creates an empty accumulator; `cells` is the number of cells of equal size, or `None` if the
     /// design is not stratified.
     pub fn new(cells: Option<u64>) -> Self {
-        PointAccumulator { cells: cells.map(Cells::new).unwrap_or_default(), ..Self::default() }
+        PointAccumulator {
+            cells: cells.map(Cells::new).unwrap_or_default(),
+            basins: cells.map(Basins::new).unwrap_or_default(),
+            ..Self::default()
+        }
     }
 
     /// Adds one run. Failed runs contribute no time and no amplitude.
@@ -103,7 +112,11 @@ impl PointAccumulator {
             self.cycles.add(end, STOPPED);
         }
         outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitudes.add(amplitude, 0));
-        self.cycle_classes.add(run);
+        let class = run.case.and_then(|case| CycleClass::of(&case.model, outcome));
+        self.basins.add(run.cell, label, class.as_ref().map(|class| class.name.as_str()));
+        if let (Some(case), Some(class)) = (run.case, class) {
+            self.cycle_classes.add(&case.model, class, outcome);
+        }
         let machine = run.case.and_then(|case| case.model.ball_balancer());
         machine.into_iter().for_each(|machine| self.residual.add(machine, outcome));
         if let (Label::Equilibrium, Some(machine), Some(beta)) = (label, machine, &outcome.position)
@@ -168,6 +181,7 @@ impl PointAccumulator {
             escape: self.escape(),
             amplitude_m: PointSummary::AMPLITUDE_FRACTIONS
                 .map(|fraction| self.amplitudes.quantile(fraction)),
+            basin_entropy: self.basins.entropy(),
             residual: self.residual.summary(counts.of(Label::Failed)),
             audit: self.audit,
         }

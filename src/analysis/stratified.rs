@@ -49,6 +49,11 @@ use super::interval::{Z_95, score_interval};
 /// Largest number of cells that are counted separately.
 const MOST_CELLS: u64 = 1 << 16;
 
+/// Returns how many cells are counted: all, or none with a single cell or more than 65,536.
+pub(super) fn cells_counted(cells: u64) -> usize {
+    if (2..=MOST_CELLS).contains(&cells) { cells as usize } else { 0 }
+}
+
 /// Counts of one cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Cell {
@@ -65,8 +70,7 @@ impl Cells {
     /// Creates this number of empty cells of equal size. With a single cell or more than 65,536
     /// cells the design counts as not stratified.
     pub fn new(cells: u64) -> Self {
-        let counted = if (2..=MOST_CELLS).contains(&cells) { cells } else { 0 };
-        Cells(vec![Cell::default(); counted as usize])
+        Cells(vec![Cell::default(); cells_counted(cells)])
     }
 
     /// Counts a run.

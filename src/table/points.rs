@@ -79,6 +79,12 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         })
         .meaning(format!("quantile {percent} % of the amplitude over all runs except failed runs"));
     }
+    list.number("basin_entropy", "1", |row| row.summary.basin_entropy).meaning(
+        "basin entropy (Daza and others 2016): mean over the cells of a stratified design of the \
+         entropy -sum p ln p of the outcomes of the runs in the cell (Zhang's estimate); outcomes \
+         are rest, each class of limit cycles, irregular and undecided; null without cells with \
+         at least two runs that did not fail",
+    );
     let widest = study.precision().map(|precision| precision.equilibrium_fraction);
     list.boolean("precision_reached", move |row| {
         widest.map(|widest| is_narrow(row.summary.interval.ends(), widest))

@@ -24,7 +24,7 @@ fn groups(runs: &[(Case, Outcome)]) -> Vec<CycleGroup> {
 
 /// Returns a run at -247.3 rad/s in which one ball falls back by some turns per period while the
 /// other rests at an angle.
-fn falls_back(turns: i32, period_s: f64, rests_at: f64, second_rests: bool) -> (Case, Outcome) {
+pub fn falls_back(turns: i32, period_s: f64, rests_at: f64, second_rests: bool) -> (Case, Outcome) {
     fn in_order<T>(second_rests: bool, runs: T, rests: T) -> Vec<T> {
         if second_rests { vec![runs, rests] } else { vec![rests, runs] }
     }

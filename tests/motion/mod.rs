@@ -15,6 +15,7 @@ mod mode_selection;
 mod operations;
 mod recorded_equations;
 mod resets;
+mod run_down;
 mod samples;
 mod smooth;
 mod symmetry;

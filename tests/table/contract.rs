@@ -187,6 +187,7 @@ fn points() {
         "amplitude_p05_m n m",
         "amplitude_p50_m n m",
         "amplitude_p95_m n m",
+        "basin_entropy n 1",
         "precision_reached b -",
         "audited_runs c -",
         "audit_flips c -",

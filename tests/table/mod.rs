@@ -1,6 +1,7 @@
 //! The tables from the reader's point of view.
 
 mod atomic_files;
+mod basin_entropy;
 mod cell;
 pub mod contract;
 mod cycles;
