@@ -32,7 +32,11 @@ def _ranges(speeds, step):
         else:
             ranges.append([at, at])
     words = [f"{low:.0f} to {high:.0f}" if high > low else f"{low:.0f}" for low, high in ranges]
-    return ", ".join(words) if len(words) < 5 else f"{len(speeds)} speeds between {speeds[0]:.0f} and {speeds[-1]:.0f}"
+    return (
+        ", ".join(words)
+        if len(words) < 5
+        else f"{len(speeds)} speeds between {speeds[0]:.0f} and {speeds[-1]:.0f}"
+    )
 
 
 def _branches(study):
@@ -62,8 +66,11 @@ def values(results):
     edges = (120, 140, 160, 170, 176, 181.6, 186, 192, 200, 210, 230, 260, 290, 320)
     for low, high in zip(edges[:-1], edges[1:]):
         of = [one for one in points if low <= -one["speed_rad_s"] < high]
-        cells = [f"{low:g} to {high:g}", percent(float(np.mean([one["set_fraction"] for one in of]))),
-                 percent(float(np.nanmean([one["touching_set_fraction"] for one in of])))]  # fmt: skip
+        cells = [
+            f"{low:g} to {high:g}",
+            percent(float(np.mean([one["set_fraction"] for one in of]))),
+            percent(float(np.nanmean([one["touching_set_fraction"] for one in of]))),
+        ]
         for label in ("equilibrium", "limit_cycle"):
             for force in FORCES:
                 own = [one for one in of if one["normal_force"] == force]
@@ -90,17 +97,37 @@ def values(results):
             continue
         most = max(own, key=lambda row: row[1] / row[2])
         classes.append(
-            [f"`{name}`".replace("|", "\\|"), force, _ranges([row[0] for row in own], 1.0), number(len(own), 0),
-             number(runs, 0), percent(statistics.wilson(most[1], most[2])), f"{-most[0]:.0f}",
-             number(max(row[4] for row in own), 3)]
-        )  # fmt: skip
-    class_head = ["class", "normal force", "absolute speeds, rad/s", "speeds", "runs", "largest fraction, %", "at, rad/s",
-                  "largest multiplier"]  # fmt: skip
+            [
+                f"`{name}`".replace("|", "\\|"),
+                force,
+                _ranges([row[0] for row in own], 1.0),
+                number(len(own), 0),
+                number(runs, 0),
+                percent(statistics.wilson(most[1], most[2])),
+                f"{-most[0]:.0f}",
+                number(max(row[4] for row in own), 3),
+            ]
+        )
+    class_head = [
+        "class",
+        "normal force",
+        "absolute speeds, rad/s",
+        "speeds",
+        "runs",
+        "largest fraction, %",
+        "at, rad/s",
+        "largest multiplier",
+    ]
 
     friction = []
-    for coefficient in sorted({one["friction_coefficient"] for one in _points(results["atlas-friction"], "friction_coefficient")}):
-        of = [one for one in _points(results["atlas-friction"], "friction_coefficient")
-              if one["friction_coefficient"] == coefficient]  # fmt: skip
+    for coefficient in sorted(
+        {one["friction_coefficient"] for one in _points(results["atlas-friction"], "friction_coefficient")}
+    ):
+        of = [
+            one
+            for one in _points(results["atlas-friction"], "friction_coefficient")
+            if one["friction_coefficient"] == coefficient
+        ]
         for side, words in ((True, "below 181.6"), (False, "above 181.6")):
             own = [one for one in of if (-one["speed_rad_s"] < 181.6) == side]
             cells = [f"{coefficient:g}", words, percent(float(np.mean([one["set_fraction"] for one in own])))]
@@ -147,17 +174,35 @@ def figure(results):
     panels = []
 
     def of(force, column):
-        own = sorted((one for one in points if one["normal_force"] == force), key=lambda one: -one["speed_rad_s"])
+        own = sorted(
+            (one for one in points if one["normal_force"] == force), key=lambda one: -one["speed_rad_s"]
+        )
         return np.array([float(one[column]) for one in own]), np.array([float(one["runs"]) for one in own])
 
     def draw_sets(axes):
-        axes.plot(speeds, of(FORCES[0], "set_fraction")[0], color="black", label="equilibrium set, share of positions")
-        axes.plot(speeds, of(FORCES[0], "touching_set_fraction")[0], color="black", linestyle=DASHES[2],
-                  label="set of balls that touch")  # fmt: skip
+        axes.plot(
+            speeds,
+            of(FORCES[0], "set_fraction")[0],
+            color="black",
+            label="equilibrium set, share of positions",
+        )
+        axes.plot(
+            speeds,
+            of(FORCES[0], "touching_set_fraction")[0],
+            color="black",
+            linestyle=DASHES[2],
+            label="set of balls that touch",
+        )
         for place, force in enumerate(FORCES):
             count, runs = of(force, "equilibrium_runs")
-            axes.plot(speeds, count / runs, color=SERIES[place], linestyle=DASHES[place], linewidth=0.8,
-                      label=f"at rest, {force}")  # fmt: skip
+            axes.plot(
+                speeds,
+                count / runs,
+                color=SERIES[place],
+                linestyle=DASHES[place],
+                linewidth=0.8,
+                label=f"at rest, {force}",
+            )
         if ENTROPY in points[0]:
             entropy, _ = of(FORCES[0], ENTROPY)
             axes.plot(speeds, entropy, color=SERIES[3], linewidth=0.8, label="basin entropy, lagrange")
@@ -169,7 +214,7 @@ def figure(results):
 
     branches = _branches(study)
     totals = {}
-    for (force, name), own in branches.items():
+    for (_, name), own in branches.items():
         totals[name] = totals.get(name, 0) + sum(row[1] for row in own)
     largest = sorted(totals, key=lambda name: -totals[name])[:3]
 
@@ -177,8 +222,14 @@ def figure(results):
         for place, name in enumerate(largest):
             for dashed, force in enumerate(FORCES):
                 runs = {-row[0]: row[1] / row[2] for row in branches.get((force, name), [])}
-                axes.plot(speeds, [runs.get(at, 0.0) for at in speeds], color=SERIES[place],
-                          linestyle=DASHES[dashed], linewidth=0.8, label=f"{name}, {force}")  # fmt: skip
+                axes.plot(
+                    speeds,
+                    [runs.get(at, 0.0) for at in speeds],
+                    color=SERIES[place],
+                    linestyle=DASHES[dashed],
+                    linewidth=0.8,
+                    label=f"{name}, {force}",
+                )
         axes.set_ylim(-0.03, 1.03)
         axes.set_ylabel("fraction of the runs")
         axes.set_xlabel("absolute speed [rad/s]")
@@ -198,8 +249,16 @@ def figure(results):
                     grid[:, column] = np.nan
 
         def draw_density(axes, grid=grid):
-            drawn = axes.pcolormesh(speeds, (bins[1:] + bins[:-1]) / 2, np.ma.masked_invalid(grid), cmap=SCALE, vmin=0,
-                                    vmax=5, rasterized=True, shading="nearest")  # fmt: skip
+            drawn = axes.pcolormesh(
+                speeds,
+                (bins[1:] + bins[:-1]) / 2,
+                np.ma.masked_invalid(grid),
+                cmap=SCALE,
+                vmin=0,
+                vmax=5,
+                rasterized=True,
+                shading="nearest",
+            )
             axes.set_yticks([0, np.pi, 2 * np.pi], ["0", "π", "2π"])
             axes.set_ylabel("angle of a ball at rest [rad]")
             axes.set_xlabel("absolute speed [rad/s]")
@@ -217,8 +276,16 @@ def figure(results):
                 grid[place] = one["equilibrium_runs"] / one["runs"]
 
         def draw_map(axes, grid=grid):
-            drawn = axes.pcolormesh(across, range(len(coefficients)), grid, cmap=SCALE, vmin=0, vmax=1,
-                                    shading="nearest", rasterized=True)  # fmt: skip
+            drawn = axes.pcolormesh(
+                across,
+                range(len(coefficients)),
+                grid,
+                cmap=SCALE,
+                vmin=0,
+                vmax=1,
+                shading="nearest",
+                rasterized=True,
+            )
             axes.set_yticks(range(len(coefficients)), [f"{one:g}" for one in coefficients])
             axes.set_ylabel("friction of the ring")
             axes.set_xlabel("absolute speed [rad/s]")
@@ -230,8 +297,8 @@ def figure(results):
         columns=2,
         width="double",
         title="Sets, rests and limit cycles over the speed",
-        caption="Share of positions in the equilibrium set and fraction of the runs at rest; fractions of the three most "
-        "frequent classes of limit cycles; density of the angles at rest (a speed with fewer than 5 rests is white); "
+        caption="Share of positions in the equilibrium set and fraction of the runs at rest; fractions of the three "
+        "most frequent classes of limit cycles; density of the angles at rest (a speed with fewer than 5 rests is white); "
         "and fraction at rest over speed and friction.",
         alternative="Six panels over the absolute speed of the disc, from 120 to 319 rad/s.",
     )

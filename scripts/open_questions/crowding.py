@@ -29,7 +29,14 @@ def _rests(results):
     """Rests and runs by study, normal force, speed, runout and the number of its angle."""
     found = {}
     for name in STUDIES[1:]:
-        columns = ("point_id", "runs", "normal_force", "speed_rad_s", "ring_runout_m", "ring_runout_angle_rad")
+        columns = (
+            "point_id",
+            "runs",
+            "normal_force",
+            "speed_rad_s",
+            "ring_runout_m",
+            "ring_runout_angle_rad",
+        )
         for point in results[name].points(*columns):
             angle = int(round(point["ring_runout_angle_rad"] / (np.pi / 2))) % 4
             key = (name, point["normal_force"], point["speed_rad_s"], point["ring_runout_m"], angle)
@@ -68,7 +75,11 @@ def values(results):
                 for at in SPEEDS:
                     own, _ = rests[(name, force, at, runout, angle)]
                     # A share of very few rests says nothing.
-                    cells.append(percent(_share(own, of)) if len(own) >= 5 else f"{len(own)} rest" + "s" * (len(own) != 1))
+                    cells.append(
+                        percent(_share(own, of))
+                        if len(own) >= 5
+                        else f"{len(own)} rest" + "s" * (len(own) != 1)
+                    )
                 rows.append([words, force, *cells])
         steps = (np.arange(720) + 0.5) * 2 * np.pi / 720
         first, second = (grid.ravel() for grid in np.meshgrid(steps, steps))

@@ -32,7 +32,12 @@ def _runs(results, name, *columns):
 def _speeds(results):
     """Mean speeds of the balls by normal force and speed of the disc, for each change of the machine."""
     reference = {(run["normal_force"], run["speed_rad_s"]): _mean(run) for run in _runs(results, STUDIES[0])}
-    factors = ("contact_friction_coefficient", "ring_runout_m", "ring_runout_angle_rad", "friction_coefficient")
+    factors = (
+        "contact_friction_coefficient",
+        "ring_runout_m",
+        "ring_runout_angle_rad",
+        "friction_coefficient",
+    )
     found = {}
     for run in _runs(results, STUDIES[1], *factors):
         key = (run["normal_force"], run["speed_rad_s"])
@@ -71,8 +76,10 @@ def values(results):
     tolerances = _tolerances(results)
     keys = [(force, at) for at in SPEEDS for force in FORCES]
     base = found[("contact", DEFAULT_CONTACT)]
-    rows = [["without contact, side by side: mean speed, rad/s", *(number(reference[key], 2) for key in keys)],
-            ["with contact, μ_b = 0.1: mean speed, rad/s", *(number(base[key], 2) for key in keys)]]  # fmt: skip
+    rows = [
+        ["without contact, side by side: mean speed, rad/s", *(number(reference[key], 2) for key in keys)],
+        ["with contact, μ_b = 0.1: mean speed, rad/s", *(number(base[key], 2) for key in keys)],
+    ]
 
     def change(words, own, against):
         changes = [own[key] - against[key] for key in keys]
@@ -86,7 +93,11 @@ def values(results):
         slowest = {key: min(found[what][key] for what in of) for key in keys}
         change(f"runout {1e6 * runout:.0f} µm, slowest of four directions: change", slowest, base)
     for friction in (1.4e-3, 4e-3, 5.5e-3):
-        change(f"friction of the ring {friction:g} instead of {DEFAULT_FRICTION:g}: change", found[("friction", friction)], base)
+        change(
+            f"friction of the ring {friction:g} instead of {DEFAULT_FRICTION:g}: change",
+            found[("friction", friction)],
+            base,
+        )
     numbers = {}
     spread = []
     for key in keys:
@@ -99,7 +110,9 @@ def values(results):
     for place, words in enumerate(TOLERATED.values()):
         cells = []
         for key in keys:
-            estimate = statistics.bootstrap(tolerances[key], lambda own, place=place: _slopes(own)[place], 500)
+            estimate = statistics.bootstrap(
+                tolerances[key], lambda own, place=place: _slopes(own)[place], 500
+            )
             slopes[key].append(estimate)
             cells.append(number(estimate, 3))
         rows.append([f"{words} 1 % larger: change", *cells])
@@ -107,9 +120,13 @@ def values(results):
         key = (force, -247.3)
         contact = found[("contact", DEFAULT_CONTACT)][key] - reference[key]
         numbers[f"cycles-contact-{force}"] = number(-contact, 2)
-        numbers[f"cycles-contact-309-{force}"] = number(-(base[(force, -309.15)] - reference[(force, -309.15)]), 2)
+        numbers[f"cycles-contact-309-{force}"] = number(
+            -(base[(force, -309.15)] - reference[(force, -309.15)]), 2
+        )
         numbers[f"cycles-relative-{force}"] = number(-100 * contact / reference[key], 2)
-        numbers[f"cycles-stiffness-{force}"] = number(tuple(-one for one in np.array(slopes[key][0])[[0, 2, 1]]), 2)
+        numbers[f"cycles-stiffness-{force}"] = number(
+            tuple(-one for one in np.array(slopes[key][0])[[0, 2, 1]]), 2
+        )
         low, high = np.quantile(tolerances[key][:, 0] - base[key], [0.025, 0.975])
         numbers[f"cycles-tolerance-{force}"] = number((high - low) / 2, 2)
         numbers[f"cycles-model-{force}"] = number(reference[key], 2)
@@ -128,10 +145,16 @@ def figure(results):
         def draw(axes, at=at):
             for place, force in enumerate(FORCES):
                 key = (force, at)
-                axes.plot(coefficients, [found[("contact", one)][key] for one in coefficients], color=SERIES[place],
-                          marker=MARKS[place], label=f"contact, {force}")  # fmt: skip
-                axes.axhline(reference[key], color=SERIES[place], linestyle=DASHES[1],
-                             label=f"no contact, {force}")  # fmt: skip
+                axes.plot(
+                    coefficients,
+                    [found[("contact", one)][key] for one in coefficients],
+                    color=SERIES[place],
+                    marker=MARKS[place],
+                    label=f"contact, {force}",
+                )
+                axes.axhline(
+                    reference[key], color=SERIES[place], linestyle=DASHES[1], label=f"no contact, {force}"
+                )
                 low, high = np.quantile(tolerances[key][:, 0], [0.025, 0.975])
                 axes.fill_between([0.09, 0.11], low, high, color=SERIES[place], alpha=0.25, linewidth=0)
             axes.set_xlabel("friction between balls μ_b")
@@ -153,13 +176,19 @@ def figure(results):
             for place, force in enumerate(FORCES):
                 key = (force, at)
                 changes = [
-                    found[what][key] - (reference[key] if what[0] == "contact" else base[key]) for _, what in named
+                    found[what][key] - (reference[key] if what[0] == "contact" else base[key])
+                    for _, what in named
                 ]
                 rows = np.arange(len(named)) + 0.2 * (2 * place - 1)
                 axes.barh(rows, changes, height=0.36, color=SERIES[place])
                 low, high = np.quantile(tolerances[key][:, 0] - base[key], [0.025, 0.975])
-                axes.barh([len(named) + 0.2 * (2 * place - 1)], [high - low], left=[low], height=0.36,
-                          color=SERIES[place])  # fmt: skip
+                axes.barh(
+                    [len(named) + 0.2 * (2 * place - 1)],
+                    [high - low],
+                    left=[low],
+                    height=0.36,
+                    color=SERIES[place],
+                )
             axes.axvline(0, color="black", linewidth=0.6)
             axes.set_yticks(range(len(named) + 1), [words for words, _ in named] + ["tolerances"])
             axes.invert_yaxis()

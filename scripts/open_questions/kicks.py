@@ -66,32 +66,52 @@ def values(results):
             half_left = statistics.bootstrap(left, lambda draws: _half(kicks, draws), 500)
             largest = statistics.wilson(int(escaped[:, -1].sum()), len(escaped))
             rows.append(
-                [f"{at:.1f}", force, number(1000 * first if first else math.nan, 1),
-                 number(tuple(1000 * (one or math.nan) for one in half), 1),
-                 number(tuple(1000 * (one or math.nan) for one in half_left), 1),
-                 percent(largest)]
-            )  # fmt: skip
-            numbers[f"kicks-half-{-at:.0f}-{force}"] = number(tuple(1000 * (one or math.nan) for one in half), 0)
+                [
+                    f"{at:.1f}",
+                    force,
+                    number(1000 * first if first else math.nan, 1),
+                    number(tuple(1000 * (one or math.nan) for one in half), 1),
+                    number(tuple(1000 * (one or math.nan) for one in half_left), 1),
+                    percent(largest),
+                ]
+            )
+            numbers[f"kicks-half-{-at:.0f}-{force}"] = number(
+                tuple(1000 * (one or math.nan) for one in half), 0
+            )
             numbers[f"kicks-all-{-at:.0f}-{force}"] = percent(largest)
-    head = ["speed, rad/s", "normal force", "smallest kick after which a run does not rest, mm/s",
-            "kick after which half of the runs do not rest, mm/s", "kick after which half of the runs have left their place, mm/s",
-            "runs not at rest after 500 mm/s, %"]  # fmt: skip
+    head = [
+        "speed, rad/s",
+        "normal force",
+        "smallest kick after which a run does not rest, mm/s",
+        "kick after which half of the runs do not rest, mm/s",
+        "kick after which half of the runs have left their place, mm/s",
+        "runs not at rest after 500 mm/s, %",
+    ]
     small = []
     for at in SPEEDS:
         for kick in (1e-4, 1e-3):
             cells = [f"{at:.1f}", number(1000 * kick, 1), number(1e6 * estimated_angle(kick, at), 2)]
             for force in FORCES:
                 one = found[(force, at, kick)]
-                cells.append(number(tuple(1e6 * v for v in statistics.bootstrap(one[:, 2], np.median, 500)), 2))
+                cells.append(
+                    number(tuple(1e6 * v for v in statistics.bootstrap(one[:, 2], np.median, 500)), 2)
+                )
             one = found[(FORCES[0], at, kick)]
             for low, high in ((0.0, 0.01), (0.01, 0.1), (0.1, 1.0)):
                 among = one[(one[:, 0] >= low) & (one[:, 0] < high)]
                 gone = int(((among[:, 2] > LEFT) | (among[:, 1] == 0)).sum())
                 cells.append(f"{gone} of {len(among)}")
             small.append(cells)
-    small_head = ["speed, rad/s", "kick, mm/s", "estimated angle, µrad", "median angle, lagrange, µrad",
-                  "median angle, newton, µrad", "left with margin below 0.01", "left with margin 0.01 to 0.1",
-                  "left with margin above 0.1"]  # fmt: skip
+    small_head = [
+        "speed, rad/s",
+        "kick, mm/s",
+        "estimated angle, µrad",
+        "median angle, lagrange, µrad",
+        "median angle, newton, µrad",
+        "left with margin below 0.01",
+        "left with margin 0.01 to 0.1",
+        "left with margin above 0.1",
+    ]
     every = np.concatenate(list(found.values()))
     numbers["kicks-lifted"] = number(statistics.bootstrap(every[:, 3], np.mean, 200), 2)
     return {"kicks": table(head, rows), "kicks-small": table(small_head, small)}, numbers
@@ -112,7 +132,9 @@ def figure(results):
             ):
                 for dashed, force in enumerate(FORCES):
                     estimates = [
-                        statistics.wilson(int(of(found[(force, at, kick)]).sum()), len(found[(force, at, kick)]))
+                        statistics.wilson(
+                            int(of(found[(force, at, kick)]).sum()), len(found[(force, at, kick)])
+                        )
                         for kick in kicks
                     ]
                     bars(axes, np.array(kicks), estimates, place, f"{words}, {force}", bool(dashed))
@@ -126,9 +148,16 @@ def figure(results):
     def draw_angles(axes):
         for place, at in enumerate(SPEEDS):
             medians = [np.median(found[(FORCES[0], at, kick)][:, 2]) for kick in kicks]
-            axes.plot(kicks, medians, color=SERIES[place], marker=MARKS[place], label=f"median at {speed(at)}")
-        axes.plot(kicks, [estimated_angle(kick, -216.3772) for kick in kicks], color=INK, linestyle=DASHES[1],
-                  label="estimate at −216 rad/s")  # fmt: skip
+            axes.plot(
+                kicks, medians, color=SERIES[place], marker=MARKS[place], label=f"median at {speed(at)}"
+            )
+        axes.plot(
+            kicks,
+            [estimated_angle(kick, -216.3772) for kick in kicks],
+            color=INK,
+            linestyle=DASHES[1],
+            label="estimate at −216 rad/s",
+        )
         axes.set_xscale("log")
         axes.set_yscale("log")
         axes.set_ylim(1e-8, 10)

@@ -26,13 +26,17 @@ def selected(search):
     found = {}
     for point in search.points("point_id", "runs", "normal_force", *PROFILE):
         profile = tuple(float(point[name]) for name in PROFILE)
-        found.setdefault(profile, []).append(_coincidence(search.rests(point["point_id"]), int(point["runs"]))[0])
+        found.setdefault(profile, []).append(
+            _coincidence(search.rests(point["point_id"]), int(point["runs"]))[0]
+        )
     return max(found, key=lambda profile: sum(found[profile])), len(found)
 
 
 def _measures(results):
     rows = []
-    for place, point in enumerate(results.points("point_id", "runs", "equilibrium_runs", "normal_force", *PROFILE)):
+    for place, point in enumerate(
+        results.points("point_id", "runs", "equilibrium_runs", "normal_force", *PROFILE)
+    ):
         rests, runs = results.rests(point["point_id"]), int(point["runs"])
         rows.append(
             {
@@ -62,10 +66,17 @@ def values(results):
             if one["start"] == "selected" and one["profile"] != best:
                 raise SystemExit(f"{study.study}: the selected start is {best}, not {one['profile']}")
             rows.append(
-                [machine, one["start"], one["force"], percent(one["rest"], 1), number(one["distance"], 2),
-                 number(one["cells"], 1), percent(one["same"], 1),
-                 *(number(tuple(1e6 * v for v in one[name]), 1) for name in ("amplitude", "worst"))]
-            )  # fmt: skip
+                [
+                    machine,
+                    one["start"],
+                    one["force"],
+                    percent(one["rest"], 1),
+                    number(one["distance"], 2),
+                    number(one["cells"], 1),
+                    percent(one["same"], 1),
+                    *(number(tuple(1e6 * v for v in one[name]), 1) for name in ("amplitude", "worst")),
+                ]
+            )
     draws = np.random.default_rng(statistics.SEED)
     anywhere = draws.uniform(0, 2 * np.pi, (1500, 2))
     anywhere = anywhere[statistics.turn(anywhere[:, 0] - anywhere[:, 1]) > TOUCHING]
@@ -73,26 +84,49 @@ def values(results):
     for name, places in (("any position", anywhere), ("any position of the set", held)):
         distances = statistics.apart(places, places)
         rows.append(
-            ["", name, "", "", number(statistics.mean_of_pairs(distances), 2),
-             number(statistics.effective_cells(places), 1),
-             percent(statistics.mean_of_pairs((distances < NEAR) * 1.0), 1), "", ""]
-        )  # fmt: skip
+            [
+                "",
+                name,
+                "",
+                "",
+                number(statistics.mean_of_pairs(distances), 2),
+                number(statistics.effective_cells(places), 1),
+                percent(statistics.mean_of_pairs((distances < NEAR) * 1.0), 1),
+                "",
+                "",
+            ]
+        )
     of = {one["force"]: one for one in _measures(scattered) if one["start"] == "selected"}
     plain = {one["force"]: one for one in _measures(scattered) if one["start"] == "plain ramp"}
     for force in FORCES:
         numbers[f"predictability-rest-{force}"] = percent(of[force]["rest"], 1)
         numbers[f"predictability-plain-{force}"] = percent(plain[force]["rest"], 1)
         numbers[f"predictability-same-{force}"] = percent(of[force]["same"], 1)
-        numbers[f"predictability-amplitude-{force}"] = number(tuple(1e6 * v for v in of[force]["amplitude"]), 0)
+        numbers[f"predictability-amplitude-{force}"] = number(
+            tuple(1e6 * v for v in of[force]["amplitude"]), 0
+        )
         numbers[f"predictability-worst-{force}"] = number(tuple(1e6 * v for v in of[force]["worst"]), 0)
-        numbers[f"predictability-plain-worst-{force}"] = number(tuple(1e6 * v for v in plain[force]["worst"]), 0)
-        numbers[f"predictability-plain-amplitude-{force}"] = number(tuple(1e6 * v for v in plain[force]["amplitude"]), 0)
+        numbers[f"predictability-plain-worst-{force}"] = number(
+            tuple(1e6 * v for v in plain[force]["worst"]), 0
+        )
+        numbers[f"predictability-plain-amplitude-{force}"] = number(
+            tuple(1e6 * v for v in plain[force]["amplitude"]), 0
+        )
         numbers[f"predictability-distance-{force}"] = number(of[force]["distance"], 2)
     numbers["predictability-starts"] = number(profiles, 0)
     for name, value, digits in zip(("to-1", "over-2", "to-2", "over-3"), best, (0, 2, 0, 1)):
         numbers[f"predictability-{name}"] = number(abs(value), digits)
-    head = ["machine", "start", "normal force", "at rest, %", "distance of two rests, rad", "effective cells",
-            "two runs at one place, %", "median amplitude, µm", "95 % quantile, µm"]  # fmt: skip
+    head = [
+        "machine",
+        "start",
+        "normal force",
+        "at rest, %",
+        "distance of two rests, rad",
+        "effective cells",
+        "two runs at one place, %",
+        "median amplitude, µm",
+        "95 % quantile, µm",
+    ]
     return {"predictability": table(head, rows)}, numbers
 
 

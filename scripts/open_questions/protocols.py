@@ -21,8 +21,16 @@ def _samples(results):
     found = {}
     for name in STUDIES:
         stages = results[name].stages()
-        for point in results[name].points("point_id", "normal_force", "speed_rad_s", "kick_speed_m_s", "ramp_over_s"):
-            key = (name, point["normal_force"], point["speed_rad_s"], point["ramp_over_s"], point["kick_speed_m_s"])
+        for point in results[name].points(
+            "point_id", "normal_force", "speed_rad_s", "kick_speed_m_s", "ramp_over_s"
+        ):
+            key = (
+                name,
+                point["normal_force"],
+                point["speed_rad_s"],
+                point["ramp_over_s"],
+                point["kick_speed_m_s"],
+            )
             both = []
             for stage, odd in ((2, 0), (2 + HITS, 1)):
                 rows = stages[stage]
@@ -48,27 +56,50 @@ def _compared(samples, keys):
 def _test(p):
     if p is None:
         return "too few rests"
-    return ("different" if p < LEVEL else "not shown") + f", p = {p:.2g}" * (p >= 0.001) + ", p < 0.001" * (p < 0.001)
+    return (
+        ("different" if p < LEVEL else "not shown")
+        + f", p = {p:.2g}" * (p >= 0.001)
+        + ", p < 0.001" * (p < 0.001)
+    )
 
 
 def values(results):
     samples = _samples(results)
-    keys = [(name, force, at, ramp, 0.1)
-            for ramp in (2.0, 20.0) for name in STUDIES for at in SPEEDS for force in FORCES]  # fmt: skip
+    keys = [
+        (name, force, at, ramp, 0.1)
+        for ramp in (2.0, 20.0)
+        for name in STUDIES
+        for at in SPEEDS
+        for force in FORCES
+    ]
     compared = _compared(samples, keys)
-    head = ["contact", "speed, rad/s", "normal force", "at rest in I, %", "at rest in II, %", "are the fractions different?",
-            "coefficient of the positions", "are the positions different?"]  # fmt: skip
+    head = [
+        "contact",
+        "speed, rad/s",
+        "normal force",
+        "at rest in I, %",
+        "at rest in II, %",
+        "are the fractions different?",
+        "coefficient of the positions",
+        "are the positions different?",
+    ]
     tables, numbers = {}, {}
     for title, ramp in (("protocols", 2.0), ("protocols-slow", 20.0)):
         rows = []
         for key, (runs_1, rests_1), (runs_2, rests_2), coefficient, p_rest, p_place in compared:
             if key[3] == ramp:
                 rows.append(
-                    [CONTACT[key[0]], f"{key[2]:.1f}", key[1],
-                     percent(statistics.wilson(len(rests_1), runs_1)),
-                     percent(statistics.wilson(len(rests_2), runs_2)),
-                     _test(p_rest), number(coefficient, 3), _test(p_place)]
-                )  # fmt: skip
+                    [
+                        CONTACT[key[0]],
+                        f"{key[2]:.1f}",
+                        key[1],
+                        percent(statistics.wilson(len(rests_1), runs_1)),
+                        percent(statistics.wilson(len(rests_2), runs_2)),
+                        _test(p_rest),
+                        number(coefficient, 3),
+                        _test(p_place),
+                    ]
+                )
         tables[title] = table(head, rows)
     for force in FORCES:
         (runs_1, rests_1), (runs_2, rests_2) = samples[("protocols", force, -216.3772, 2.0, 0.1)]
@@ -81,8 +112,9 @@ def values(results):
             (runs, rests) = samples[(name, force, -216.3772, 2.0, 0.0)][1]
             word = "contact" if CONTACT[name] == "yes" else "alone"
             numbers[f"protocols-wait-{word}-{force}"] = percent(statistics.wilson(len(rests), runs))
-    numbers["protocols-tests"] = number(sum(row[4] is not None for row in compared) + sum(
-        row[5] is not None for row in compared), 0)  # fmt: skip
+    numbers["protocols-tests"] = number(
+        sum(row[4] is not None for row in compared) + sum(row[5] is not None for row in compared), 0
+    )
     return tables, numbers
 
 

@@ -24,7 +24,9 @@ def _runs(results):
     stages = study.stages()
     found = {}
     for point in study.points("point_id", "normal_force", "start_speed_rad_s", "ramp_to_2_rad_s"):
-        first, second, third = (stages[stage][stages[stage][:, 1] == point["point_id"]] for stage in (2, 4, 6))
+        first, second, third = (
+            stages[stage][stages[stage][:, 1] == point["point_id"]] for stage in (2, 4, 6)
+        )
         # A run that fails after its first stage has no later ones.
         whole = np.isin(first[:, 0], second[:, 0]) & np.isin(first[:, 0], third[:, 0])
         first = first[whole]
@@ -63,8 +65,12 @@ def values(results):
             held = both[0]["held"][both[0]["first"]]
             rows.append([f"{start:.1f}", f"{to:.1f}", percent(float(held.mean())), *cells])
     head = ["from, rad/s", "to, rad/s", "equilibrium at `to`, %"]
-    for words in ("not an equilibrium: at rest", "equilibrium: at rest", "equilibrium: at the same place",
-                  "returned to the same place"):  # fmt: skip
+    for words in (
+        "not an equilibrium: at rest",
+        "equilibrium: at rest",
+        "equilibrium: at the same place",
+        "returned to the same place",
+    ):
         head += [f"{words}, {force}, %" for force in FORCES]
     numbers = {}
     for force in FORCES:
@@ -83,7 +89,9 @@ def values(results):
         numbers[f"steps-above-held-{force}"] = pooled(above, "second", True)
         numbers[f"steps-up-{force}"] = percent(_fraction(up["second"], up["first"]), 1)
         numbers[f"steps-down-stay-{force}"] = percent(_fraction(down["stays"], down["first"] & down["held"]))
-        numbers[f"steps-down-lost-{force}"] = percent(_fraction(down["second"], down["first"] & ~down["held"]))
+        numbers[f"steps-down-lost-{force}"] = percent(
+            _fraction(down["second"], down["first"] & ~down["held"])
+        )
     return {"steps": table(head, rows)}, numbers
 
 

@@ -11,8 +11,21 @@ from stickslip.figures.panels import Panel, angle_axis, lay_out  # noqa: E402
 from stickslip.figures.paper import DASHES, FAINT, INK, MARKS, SCALE, SERIES  # noqa: E402
 
 FORCES = ("lagrange", "newton")
-__all__ = ["DASHES", "FAINT", "FORCES", "INK", "MARKS", "SCALE", "SERIES", "Panel", "angle_axis", "bars", "lay_out",
-           "scatter", "speed"]  # fmt: skip
+__all__ = [
+    "DASHES",
+    "FAINT",
+    "FORCES",
+    "INK",
+    "MARKS",
+    "SCALE",
+    "SERIES",
+    "Panel",
+    "angle_axis",
+    "bars",
+    "lay_out",
+    "scatter",
+    "speed",
+]
 
 
 def speed(value):
@@ -44,8 +57,16 @@ def scatter(rests):
 
     def draw(axes):
         both = np.concatenate([rests, rests[:, ::-1]]) if len(rests) else np.empty((0, 2))
-        axes.plot(both[:, 0], both[:, 1], linestyle="none", marker="o", markersize=1.3, color=INK,
-                  markeredgewidth=0, rasterized=True)  # fmt: skip
+        axes.plot(
+            both[:, 0],
+            both[:, 1],
+            linestyle="none",
+            marker="o",
+            markersize=1.3,
+            color=INK,
+            markeredgewidth=0,
+            rasterized=True,
+        )
         angle_axis(axes, "x", "angle of ball 1")
         angle_axis(axes, "y", "angle of ball 2")
 
