@@ -4,6 +4,7 @@ mod convergence;
 mod defaults;
 pub mod generated;
 pub mod named;
+mod open_questions;
 mod own_system;
 mod records;
 mod tutorial;

@@ -28,18 +28,24 @@ fn stickslip(arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
+/// Returns what a record says about its study, so that a stale record fails.
+pub fn about(study: &str) -> Value {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(study);
+    let resolved = Study::load(&path).expect("a study").resolved_yaml();
+    let digest = Sha256::digest(resolved.as_bytes());
+    json!({
+        "study": study,
+        "resolved_study_sha256": digest.iter().map(|byte| format!("{byte:02x}")).collect::<String>(),
+        "model_version": MODEL_VERSION,
+    })
+}
+
 /// Returns the values of a record; with `STICKSLIP_WRITE_RECORDS` set to 1, computes them in a
 /// directory and stores them.
 fn record(name: &str, study: &str, compute: impl FnOnce(&str) -> Value) -> Value {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let file = root.join("docs/records").join(name).with_extension("json");
-    let resolved = Study::load(&root.join(study)).expect("a study").resolved_yaml();
-    let digest = Sha256::digest(resolved.as_bytes());
-    let about = json!({
-        "study": study,
-        "resolved_study_sha256": digest.iter().map(|byte| format!("{byte:02x}")).collect::<String>(),
-        "model_version": MODEL_VERSION,
-    });
+    let about = about(study);
     if std::env::var_os("STICKSLIP_WRITE_RECORDS").is_some_and(|value| value == "1") {
         let scratch = tempfile::tempdir().expect("a folder");
         let out = scratch.path().join("out");

@@ -27,6 +27,8 @@ _COMMANDS = {
     "runs": "stickslip run STUDY --out DIR",
     "time_to_rest": "stickslip run STUDY --out DIR",
     "cycles": "stickslip run STUDY --out DIR",
+    "equilibria": "stickslip run STUDY --out DIR",
+    "stages": "stickslip run STUDY --out DIR",
     "equilibrium_histogram": "stickslip run STUDY --out DIR",
     "equilibrium_positions": "stickslip equilibria STUDY --out DIR (without --no-set)",
     "equilibrium_set_summary": "stickslip equilibria STUDY --out DIR",
