@@ -270,7 +270,7 @@ impl<'a> ResultFiles<'a> {
         directory.write("posterior", &about("posterior"), posterior_columns(study), samples)?;
         let sets = (0..)
             .zip(&inferred.sets)
-            .map(|(number, (values, likelihood))| (number, values.clone(), likelihood.clone()));
+            .map(|(number, (values, likelihood))| (number, values.clone(), *likelihood));
         let columns = evaluated_set_columns(study, inference.identification.start_designs);
         directory.write("parameter_sets", &about("parameter_sets"), columns, sets)?;
         let fits = inferred.fits.iter().cloned();

@@ -1,15 +1,18 @@
-//! The bandwidths of kernels: those that predict left-out simulated rests best.
+//! Bandwidths of kernels on the torus, and widths of the regression over parameters: those that predict the rests of left-out
+//! parameter sets best.
 //!
-//! Each of a sample of rests is left out in turn and measured with the error of the measurements; the bandwidth with the
-//! largest mean logarithm of its density is chosen (likelihood cross-validation; B. W. Silverman, *Density Estimation for
-//! Statistics and Data Analysis*, 1986, section 3.4.4). The bandwidths of a site are the same for all parameter sets, so that
-//! the likelihood is smooth.
+//! Parameter sets near the maximum of the likelihood are left out in turn. Some of their rests, measured with the error of the
+//! measurements, are predicted from the other sets, and the values with the largest sum of logarithms of densities are chosen
+//! (likelihood cross-validation; B. W. Silverman, *Density Estimation for Statistics and Data Analysis*, 1986, section 3.4.4).
 
-use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 use super::density::Rests;
-use super::sampler::normal;
-use super::site::Site;
+use super::sampler::{generator, normal};
+use super::set_densities::{RunWeights, SetDensities};
+use super::site::{Measured, Site};
+use super::smoother::Smoother;
+use crate::study::Study;
 
 /// The bandwidths of a site, rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,49 +24,178 @@ pub struct Bandwidths {
 }
 
 /// The bandwidths that are compared, rad.
-const CANDIDATES: [f64; 8] = [0.015, 0.025, 0.04, 0.065, 0.1, 0.16, 0.25, 0.4];
+const BANDWIDTHS: [f64; 6] = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32];
 /// The bandwidth with which the comparison begins.
-const FIRST: f64 = 0.1;
-/// The number of rests that are left out, over all parameter sets.
-const LEFT_OUT: usize = 400;
+const FIRST_BANDWIDTH: f64 = 0.04;
+/// The widths that are compared, over the width of the prior.
+const WIDTHS: [f64; 7] = [0.03, 0.05, 0.08, 0.12, 0.18, 0.27, 0.4];
+/// The width with which the comparison begins.
+const FIRST_WIDTH: f64 = 0.12;
+/// The number of parameter sets that are left out.
+const LEFT_OUT: usize = 12;
+/// The number of rests of a left-out parameter set that are predicted at each site.
+const PREDICTED: usize = 8;
 
 impl Default for Bandwidths {
     fn default() -> Self {
-        Bandwidths { single: FIRST, touching: FIRST }
+        Bandwidths { single: FIRST_BANDWIDTH, touching: FIRST_BANDWIDTH }
     }
 }
 
-impl Bandwidths {
-    /// Returns the best bandwidths of a site for the simulated rests of several parameter sets.
-    pub(super) fn chosen(site: &Site, all: &[&Rests], random: &mut ChaCha8Rng) -> Self {
-        let Some(measured) = site.rests.first() else { return Bandwidths::default() };
-        let each = LEFT_OUT.div_ceil(all.len().max(1));
-        let mut left_out: Vec<(&Rests, usize, Vec<f64>)> = Vec::new();
-        for rests in all {
-            let count = rests.positions().count();
-            let every = count.div_ceil(each).max(1);
-            for (place, angles) in rests.positions().enumerate().step_by(every) {
-                let blurred = |angle: &f64| angle + measured.std_dev_rad * normal(random);
-                left_out.push((rests, place, angles.iter().map(blurred).collect()));
-            }
-        }
+/// Returns the widths with which the regression begins.
+pub fn first_widths(dimensions: usize) -> Vec<f64> {
+    vec![FIRST_WIDTH; dimensions]
+}
+
+/// Parameter sets with their simulated ends, of which some are predicted from the others.
+pub struct CrossValidation<'a> {
+    /// The sites.
+    pub sites: &'a [Site],
+    /// The ends for each parameter set, one entry per site.
+    pub rests: &'a [Vec<Rests>],
+    /// The places of the parameter sets.
+    pub places: &'a [Vec<f64>],
+    /// The left-out sets, and for each one a site per site whose rests are predicted.
+    left_out: Vec<(usize, Vec<Site>)>,
+}
+
+impl<'a> CrossValidation<'a> {
+    /// Leaves out the parameter sets with the largest log-likelihoods.
+    pub fn new(
+        study: &Study,
+        sites: &'a [Site],
+        rests: &'a [Vec<Rests>],
+        places: &'a [Vec<f64>],
+        likelihoods: &[f64],
+    ) -> Self {
+        let mut order: Vec<usize> = (0..places.len()).collect();
+        order.sort_by(|one, other| likelihoods[*other].total_cmp(&likelihoods[*one]));
+        order.truncate(LEFT_OUT);
+        let mut random = generator(study, "identify bandwidths", 0);
+        let mut predicted = |set: usize, index: usize| {
+            let site = &sites[index];
+            let deviations: Vec<f64> = site.rests.iter().map(|one| one.std_dev_rad).collect();
+            let own = &rests[set][index];
+            let every = own.at_rest().len().div_ceil(PREDICTED).max(1);
+            let positions = own.positions().step_by(every).enumerate();
+            let measured = positions.filter(|_| !deviations.is_empty()).map(|(place, angles)| {
+                let std_dev_rad = deviations[place % deviations.len()];
+                let blurred = angles.iter().map(|angle| angle + std_dev_rad * normal(&mut random));
+                Measured { angles: blurred.collect(), std_dev_rad }
+            });
+            Site { rests: measured.collect(), moving: 0, ..site.clone() }
+        };
+        let of_set = |set: usize| {
+            (set, (0..sites.len()).map(|index| predicted(set, index)).collect::<Vec<Site>>())
+        };
+        let left_out = order.into_iter().map(of_set).collect();
+        CrossValidation { sites, rests, places, left_out }
+    }
+
+    /// Returns the best bandwidths at each site.
+    pub fn bandwidths(&self) -> Vec<Bandwidths> {
+        let smoother = Smoother::new(self.places.to_vec(), first_widths(self.dimensions()));
+        let weights: Vec<Vec<(usize, f64)>> = self
+            .left_out
+            .iter()
+            .map(|(set, _)| smoother.weights(&self.places[*set], Some(*set)))
+            .collect();
+        (0..self.sites.len()).into_par_iter().map(|index| self.at_site(index, &weights)).collect()
+    }
+
+    fn at_site(&self, index: usize, weights: &[Vec<(usize, f64)>]) -> Bandwidths {
         let score = |bandwidths: Bandwidths| -> f64 {
-            let of = |(rests, place, angles): &(&Rests, usize, Vec<f64>)| {
-                let kernels = rests.kernels(angles, measured.std_dev_rad, bandwidths);
-                let own = kernels.get(*place).copied().unwrap_or_default();
-                libm::log(rests.uniform() + (kernels.iter().sum::<f64>() - own).max(0.0))
+            let of_set = |((_, sites), weights): (&(usize, Vec<Site>), &Vec<(usize, f64)>)| {
+                let densities = |(set, weight): &(usize, f64)| {
+                    (self.densities(*set, index, &sites[index], bandwidths), *weight)
+                };
+                let each: Vec<(SetDensities, f64)> = weights.iter().map(densities).collect();
+                self.log_density(
+                    index,
+                    &each.iter().map(|(one, weight)| (one, *weight)).collect::<Vec<_>>(),
+                )
             };
-            left_out.iter().map(of).sum()
+            self.left_out.iter().zip(weights).map(of_set).sum()
         };
         let best = |with: &dyn Fn(f64) -> Bandwidths| {
-            let scored = CANDIDATES.map(|candidate| (score(with(candidate)), with(candidate)));
+            let scored = BANDWIDTHS.map(|candidate| (score(with(candidate)), with(candidate)));
             let best = scored.into_iter().max_by(|one, other| one.0.total_cmp(&other.0));
             best.map_or_else(Bandwidths::default, |(_, bandwidths)| bandwidths)
         };
-        let single = best(&|single| Bandwidths { single, touching: FIRST });
-        if !all.iter().any(|rests| rests.touches()) {
+        let single = best(&|single| Bandwidths { single, ..Bandwidths::default() });
+        if !self.rests.iter().any(|of_set| of_set[index].touches()) {
             return single;
         }
         best(&|touching| Bandwidths { touching, ..single })
+    }
+
+    /// Returns the best widths of the regression.
+    pub fn widths(&self, bandwidths: &[Bandwidths]) -> Vec<f64> {
+        // The densities of the predicted rests for all parameter sets, per left-out set and site.
+        let densities: Vec<Vec<Vec<SetDensities>>> = self
+            .left_out
+            .par_iter()
+            .map(|(_, sites)| {
+                let at = |index: usize| -> Vec<SetDensities> {
+                    let of = |set| self.densities(set, index, &sites[index], bandwidths[index]);
+                    (0..self.places.len()).map(of).collect()
+                };
+                (0..self.sites.len()).map(at).collect()
+            })
+            .collect();
+        let score = |widths: &[f64]| -> f64 {
+            let smoother = Smoother::new(self.places.to_vec(), widths.to_vec());
+            let of_set = |((set, _), of_sites): (&(usize, Vec<Site>), &Vec<Vec<SetDensities>>)| {
+                let weights = smoother.weights(&self.places[*set], Some(*set));
+                let at = |(index, all): (usize, &Vec<SetDensities>)| {
+                    let each: Vec<(&SetDensities, f64)> =
+                        weights.iter().map(|(set, weight)| (&all[*set], *weight)).collect();
+                    self.log_density(index, &each)
+                };
+                of_sites.iter().enumerate().map(at).sum::<f64>()
+            };
+            self.left_out.iter().zip(&densities).map(of_set).sum()
+        };
+        let mut widths = first_widths(self.dimensions());
+        let mut best = score(&widths);
+        for _ in 0..2 {
+            for index in 0..widths.len() {
+                for candidate in WIDTHS {
+                    let mut other = widths.clone();
+                    other[index] = candidate;
+                    let own = score(&other);
+                    if own > best {
+                        (best, widths) = (own, other);
+                    }
+                }
+            }
+        }
+        widths
+    }
+
+    fn dimensions(&self) -> usize {
+        self.places.first().map_or(0, Vec::len)
+    }
+
+    fn densities(
+        &self,
+        set: usize,
+        index: usize,
+        site: &Site,
+        bandwidths: Bandwidths,
+    ) -> SetDensities {
+        SetDensities::at_site(site, &self.rests[set][index], bandwidths, &RunWeights::equal())
+    }
+
+    /// Returns the sum of the logarithms of the densities of predicted rests.
+    fn log_density(&self, index: usize, each: &[(&SetDensities, f64)]) -> f64 {
+        let rows = each.first().map_or(0, |(one, _)| one.rests.len());
+        let runs = each.iter().map(|(one, _)| one.runs).min().unwrap_or(0) as f64;
+        let uniform = self.rests.first().map_or(1.0, |of_set| of_set[index].uniform());
+        let density = |row: usize| -> f64 {
+            let sum: f64 = each.iter().map(|(one, weight)| weight * one.rests[row][0]).sum();
+            libm::log(sum.max(uniform / (runs + 1.0)))
+        };
+        (0..rows).map(density).sum()
     }
 }

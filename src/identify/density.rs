@@ -25,15 +25,16 @@ pub struct Rests {
     groupings: Vec<Vec<Vec<usize>>>,
     /// The positions: the grouping and the angles.
     positions: Vec<(usize, Vec<f64>)>,
-    /// The number of runs that move.
-    moving: usize,
+    /// The number of each run at rest, and of each moving run, among all runs of the site.
+    at_rest: Vec<usize>,
+    moving: Vec<usize>,
 }
 
 impl Rests {
     /// Returns the known ends at a site.
     pub fn new<'a>(balls: usize, ends: impl IntoIterator<Item = &'a End>) -> Self {
         let mut all = Rests { balls, ..Rests::default() };
-        for end in ends {
+        for (number, end) in ends.into_iter().enumerate() {
             match end {
                 End::Rest { angles, groups } => {
                     let grouping = grouping(groups);
@@ -43,8 +44,9 @@ impl Rests {
                         all.groupings.len() - 1
                     });
                     all.positions.push((index, angles.clone()));
+                    all.at_rest.push(number);
                 }
-                End::Moving => all.moving += 1,
+                End::Moving => all.moving.push(number),
                 End::Unknown => {}
             }
         }
@@ -53,12 +55,17 @@ impl Rests {
 
     /// Returns the number of runs whose end is known.
     pub fn runs(&self) -> usize {
-        self.positions.len() + self.moving
+        self.positions.len() + self.moving.len()
     }
 
-    /// Returns the number of runs that move.
-    pub fn moving(&self) -> usize {
-        self.moving
+    /// Returns the numbers of the runs at rest, in the order of their positions.
+    pub fn at_rest(&self) -> &[usize] {
+        &self.at_rest
+    }
+
+    /// Returns the numbers of the runs that move.
+    pub fn moving(&self) -> &[usize] {
+        &self.moving
     }
 
     /// Returns the angles of the balls in each run at rest.

@@ -20,8 +20,8 @@ const INACCURATE: f64 = 0.5;
 /// Returns the contents of `identification.json`; `measured` is the hash of the measured runs.
 pub fn identification_json(inference: &Inference, inferred: &Inferred, measured: &str) -> Value {
     let Inference { study, sites, .. } = *inference;
-    let Posterior { marginals, correlations, simulation_error, .. } = &inferred.posterior;
-    let marginal = |(one, error): (&Marginal, &f64)| {
+    let Posterior { marginals, correlations, .. } = &inferred.posterior;
+    let marginal = |(one, width): (&Marginal, &f64)| {
         json!({
             "parameter": one.name,
             "unit": one.unit,
@@ -33,7 +33,8 @@ pub fn identification_json(inference: &Inference, inferred: &Inferred, measured:
             "high": one.interval[1],
             "width_over_prior": one.width_over_prior,
             "identified": one.is_identified(),
-            "simulation_error": error,
+            "simulation_error": one.simulation_error,
+            "regression_width": width,
         })
     };
     let fit = |one: &SiteFit| {
@@ -63,7 +64,7 @@ pub fn identification_json(inference: &Inference, inferred: &Inferred, measured:
         "parameter_sets": inferred.sets.len(),
         "runs": inferred.runs[0],
         "failed": inferred.runs[1],
-        "parameters": marginals.iter().zip(simulation_error).map(marginal).collect::<Vec<_>>(),
+        "parameters": marginals.iter().zip(&inferred.widths).map(marginal).collect::<Vec<_>>(),
         "correlations": correlations,
         "fit": {
             "sites": inferred.fits.iter().map(fit).collect::<Vec<_>>(),
@@ -82,7 +83,7 @@ fn p_value(fits: &[SiteFit]) -> f64 {
 
 /// Returns the result in words.
 pub fn result_in_words(inference: &Inference, inferred: &Inferred) -> String {
-    let Posterior { marginals, correlations, simulation_error, .. } = &inferred.posterior;
+    let Posterior { marginals, correlations, .. } = &inferred.posterior;
     let mut rows = vec![
         ["parameter", "unit", "median", "95 % interval", "prior", "width/prior"]
             .map(str::to_owned)
@@ -115,11 +116,12 @@ pub fn result_in_words(inference: &Inference, inferred: &Inferred) -> String {
             line(format!("correlation of {} and {}: {correlation:.2}", one.name, other.name));
         }
     }
-    for (one, error) in marginals.iter().zip(simulation_error) {
-        if *error > INACCURATE {
+    for one in marginals {
+        if one.simulation_error > INACCURATE {
             line(format!(
-                "the number of simulated runs gives {} an error of {error:.1} standard deviations, which its interval includes; more samples in initial_conditions.design make it smaller",
-                one.name
+                "the number of simulated runs gives {} an error of {:.1} standard deviations, which its interval \
+                 includes; more samples in initial_conditions.design make it smaller",
+                one.name, one.simulation_error
             ));
         }
     }

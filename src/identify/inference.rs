@@ -4,16 +4,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::bandwidth::Bandwidths;
+use super::bandwidth::{Bandwidths, CrossValidation, first_widths};
 use super::density::{MOST_BALLS, Rests};
 use super::end::{End, SimulatedEnd};
 use super::fit_test::{SiteFit, fit_tests};
-use super::likelihood::{LogLikelihood, log_likelihood};
+use super::likelihood::Likelihood;
 use super::next_sets::next_places;
 use super::parameter_set::ParameterSet;
 use super::posterior::{Posterior, posterior};
-use super::sampler::generator;
+use super::set_densities::{RunWeights, SetDensities};
 use super::site::Site;
+use super::smoother::Smoother;
 use crate::classification::Label;
 use crate::engine::WorkerPool;
 use crate::optimize::Space;
@@ -21,8 +22,6 @@ use crate::study::{DesignValue, Identification, Study};
 
 /// The number of parameter sets that are chosen at a time.
 const BATCH: u64 = 8;
-/// The number of parameter sets, the most likely ones, that choose the bandwidths.
-const FOR_BANDWIDTHS: usize = 6;
 
 /// An inference: what is inferred from what, and the workers.
 pub struct Inference<'a> {
@@ -66,27 +65,18 @@ pub enum InferenceEnd {
 /// What was inferred.
 #[derive(Clone, Debug)]
 pub struct Inferred {
-    /// All parameter sets: their values, and their log-likelihoods.
-    pub sets: Vec<(Vec<DesignValue>, LogLikelihood)>,
+    /// All parameter sets: their values, and the log-likelihood there with its standard error.
+    pub sets: Vec<(Vec<DesignValue>, [f64; 2])>,
     /// The number of runs of all parameter sets, and how many of them failed.
     pub runs: [u64; 2],
     /// The bandwidths at each site.
     pub bandwidths: Vec<Bandwidths>,
+    /// The width of the regression over each parameter, over that of the prior.
+    pub widths: Vec<f64>,
     /// The posterior.
     pub posterior: Posterior,
     /// The tests at each site.
     pub fits: Vec<SiteFit>,
-}
-
-/// The parameter sets so far.
-#[derive(Default)]
-struct Evaluated {
-    values: Vec<Vec<DesignValue>>,
-    coordinates: Vec<Vec<f64>>,
-    /// The simulated ends at each site.
-    rests: Vec<Vec<Rests>>,
-    likelihoods: Vec<LogLikelihood>,
-    runs: [u64; 2],
 }
 
 /// Infers the parameters. Calls `finished` for each run that is computed, and `evaluated` after each parameter set.
@@ -99,58 +89,54 @@ pub fn infer<E>(
     finished: &(dyn Fn(Label) + Sync),
     mut evaluated: impl FnMut(u64),
 ) -> Result<InferenceEnd, E> {
-    let Inference { study, identification, sites, workers, .. } = *inference;
+    let Inference { study, identification, workers, .. } = *inference;
     if study.model().balls() > MOST_BALLS {
         let problem =
             format!("{} balls; at most {MOST_BALLS} are supported", study.model().balls());
         return Ok(InferenceEnd::Impossible(problem));
     }
-    let space = Space::new(study);
     let seed = study.derived_seed("identify sets", 0) as u32;
-    let mut all = Evaluated::default();
-    let mut bandwidths = vec![Bandwidths::default(); sites.len()];
-    while (all.values.len() as u64) < identification.designs {
-        let number = all.values.len() as u64;
-        let next: Vec<Vec<DesignValue>> = if number < identification.start_designs {
-            let index = u32::try_from(number).unwrap_or(u32::MAX);
-            vec![space.space_filling(index, seed)]
+    let mut all = Evaluated::new(inference);
+    while all.count() < identification.designs {
+        let next: Vec<Vec<f64>> = if all.count() < identification.start_designs {
+            // The study file bounds the number.
+            let index = u32::try_from(all.count()).unwrap_or(u32::MAX);
+            let dimensions = 0..identification.parameters.len() as u32;
+            vec![dimensions.map(|one| f64::from(sobol_burley::sample(index, one, seed))).collect()]
         } else {
-            if number == identification.start_designs {
-                bandwidths = chosen_bandwidths(inference, &mut all);
-            }
-            let count = BATCH.min(identification.designs - number) as usize;
-            match next_places(study, &all.coordinates, &all.likelihoods, count) {
-                Ok(places) => places.iter().map(|place| space.design_at(place)).collect(),
-                Err(problem) => return Ok(InferenceEnd::Impossible(problem)),
-            }
+            let count = BATCH.min(identification.designs - all.count()) as usize;
+            workers.install(|| next_places(study, &all.likelihood(), count))
         };
-        for values in next {
+        for place in next {
+            let values = values_at(inference, &place);
             let Some(set) = simulated(inference, sets, values, finished)? else {
                 return Ok(InferenceEnd::Stopped);
             };
-            all.add(inference, set, &bandwidths);
-            evaluated(all.values.len() as u64);
+            all.add(set);
+            evaluated(all.count());
+        }
+        if all.count() == identification.start_designs {
+            if all.known_runs() == 0 {
+                let problem = "all runs of all parameter sets failed".to_owned();
+                return Ok(InferenceEnd::Impossible(problem));
+            }
+            workers.install(|| all.choose_smoothing());
         }
     }
-    if identification.start_designs == identification.designs {
-        bandwidths = chosen_bandwidths(inference, &mut all);
-    }
-    let infer = || posterior(study, identification, &all.coordinates, &all.likelihoods);
-    let posterior = match workers.install(infer) {
-        Ok(posterior) => posterior,
-        Err(problem) => return Ok(InferenceEnd::Impossible(problem)),
+    let inferred = workers.install(|| all.inferred());
+    Ok(InferenceEnd::Finished(Box::new(inferred)))
+}
+
+/// Returns the values of the parameters at a place in the unit cube, with six significant digits.
+fn values_at(inference: &Inference, place: &[f64]) -> Vec<DesignValue> {
+    let Inference { study, identification, .. } = *inference;
+    let values = identification.values_at(place);
+    let fraction = |(parameter, value): (&crate::study::Variable, f64)| {
+        let [from, to] = parameter.range().unwrap_or([0.0, 1.0]);
+        (value - from) / (to - from)
     };
-    let nearest: Vec<&[Rests]> =
-        posterior.samples.iter().map(|sample| all.nearest(&posterior, sample)).collect();
-    let fits = fit_tests(study, sites, &nearest);
-    let sets = all.values.into_iter().zip(all.likelihoods).collect();
-    Ok(InferenceEnd::Finished(Box::new(Inferred {
-        sets,
-        runs: all.runs,
-        bandwidths,
-        posterior,
-        fits,
-    })))
+    let fractions: Vec<f64> = identification.parameters.iter().zip(values).map(fraction).collect();
+    Space::new(study).design_at(&fractions)
 }
 
 /// Returns a parameter set with its runs, computed unless they are kept; `None` if the inference was stopped.
@@ -182,30 +168,53 @@ fn simulated<E>(
     Ok(Some(set))
 }
 
-/// Chooses the bandwidths at each site, and computes all log-likelihoods with them.
-fn chosen_bandwidths(inference: &Inference, all: &mut Evaluated) -> Vec<Bandwidths> {
-    let Inference { study, sites, workers, .. } = *inference;
-    let mut order: Vec<usize> = (0..all.values.len()).collect();
-    order.sort_by(|one, other| {
-        let [one, other] = [one, other].map(|index| all.likelihoods[*index].value);
-        other.total_cmp(&one)
-    });
-    order.truncate(FOR_BANDWIDTHS);
-    let chosen = |(index, site): (usize, &Site)| {
-        let mut random = generator(study, "identify bandwidths", index as u64);
-        let rests: Vec<&Rests> = order.iter().map(|set| &all.rests[*set][index]).collect();
-        Bandwidths::chosen(site, &rests, &mut random)
-    };
-    let bandwidths: Vec<Bandwidths> =
-        workers.install(|| sites.par_iter().enumerate().map(chosen).collect());
-    let likelihood = |rests: &Vec<Rests>| log_likelihood(sites, rests, &bandwidths);
-    all.likelihoods = workers.install(|| all.rests.par_iter().map(likelihood).collect());
-    bandwidths
+/// The parameter sets so far.
+struct Evaluated<'a> {
+    inference: &'a Inference<'a>,
+    values: Vec<Vec<DesignValue>>,
+    /// The simulated ends of each set at each site.
+    rests: Vec<Vec<Rests>>,
+    densities: Vec<Vec<SetDensities>>,
+    weights: Vec<RunWeights>,
+    uniform: Vec<f64>,
+    bandwidths: Vec<Bandwidths>,
+    widths: Vec<f64>,
+    smoother: Smoother,
+    runs: [u64; 2],
 }
 
-impl Evaluated {
-    fn add(&mut self, inference: &Inference, set: ParameterSet, bandwidths: &[Bandwidths]) {
-        let Inference { study, sites, .. } = *inference;
+impl<'a> Evaluated<'a> {
+    fn new(inference: &'a Inference<'a>) -> Self {
+        let Inference { study, sites, identification, .. } = *inference;
+        let weights = |(index, site): (usize, &Site)| {
+            let runs = study.point(site.point_id).sampling.first;
+            RunWeights::new(study, index, usize::try_from(runs).unwrap_or(usize::MAX))
+        };
+        let widths = first_widths(identification.parameters.len());
+        Evaluated {
+            inference,
+            values: Vec::new(),
+            rests: Vec::new(),
+            densities: Vec::new(),
+            weights: sites.iter().enumerate().map(weights).collect(),
+            uniform: vec![Rests::new(study.model().balls(), []).uniform(); sites.len()],
+            bandwidths: vec![Bandwidths::default(); sites.len()],
+            smoother: Smoother::new(Vec::new(), widths.clone()),
+            widths,
+            runs: [0; 2],
+        }
+    }
+
+    fn count(&self) -> u64 {
+        self.values.len() as u64
+    }
+
+    fn known_runs(&self) -> usize {
+        self.rests.iter().flatten().map(Rests::runs).sum()
+    }
+
+    fn add(&mut self, set: ParameterSet) {
+        let Inference { study, sites, identification, .. } = *self.inference;
         let balls = study.model().balls();
         let at = |site: &Site| {
             let here =
@@ -218,27 +227,82 @@ impl Evaluated {
         let ended = last_ends.filter(|ends| ends.last().is_some_and(|one| one.end != End::Unknown));
         self.runs[0] += study.run_count();
         self.runs[1] += study.run_count().saturating_sub(ended.count() as u64);
-        self.likelihoods.push(log_likelihood(sites, &rests, bandwidths));
-        self.coordinates.push(study.scaled(&set.values));
-        self.values.push(set.values);
+        let numbers: Vec<f64> = set.values.iter().map(number).collect();
+        let mut places = self.smoother.places().to_vec();
+        places.push(identification.place_of(&numbers));
+        self.smoother = Smoother::new(places, self.widths.clone());
+        self.densities.push(self.densities_of(&rests));
         self.rests.push(rests);
+        self.values.push(set.values);
+    }
+
+    fn densities_of(&self, rests: &[Rests]) -> Vec<SetDensities> {
+        let sites = self.inference.sites;
+        let each = sites.iter().zip(rests).zip(&self.bandwidths).zip(&self.weights);
+        each.map(|(((site, rests), bandwidths), weights)| {
+            SetDensities::at_site(site, rests, *bandwidths, weights)
+        })
+        .collect()
+    }
+
+    fn likelihood(&self) -> Likelihood<'_> {
+        let Evaluated { densities, smoother, uniform, .. } = self;
+        Likelihood { sites: self.inference.sites, densities, smoother, uniform }
+    }
+
+    /// Chooses bandwidths and widths, and computes all densities with them.
+    fn choose_smoothing(&mut self) {
+        let Inference { study, sites, .. } = *self.inference;
+        let places = self.smoother.places().to_vec();
+        let likelihood = self.likelihood();
+        let likelihoods: Vec<f64> =
+            places.par_iter().map(|place| likelihood.at(place, 0)).collect();
+        let validation = CrossValidation::new(study, sites, &self.rests, &places, &likelihoods);
+        let bandwidths = validation.bandwidths();
+        self.widths = validation.widths(&bandwidths);
+        self.bandwidths = bandwidths;
+        self.densities = self.rests.par_iter().map(|rests| self.densities_of(rests)).collect();
+        self.smoother = Smoother::new(places, self.widths.clone());
+    }
+
+    fn inferred(self) -> Inferred {
+        let Inference { study, sites, identification, .. } = *self.inference;
+        let likelihood = self.likelihood();
+        let posterior = posterior(study, identification, &likelihood);
+        let nearest: Vec<&[Rests]> =
+            posterior.samples.iter().map(|sample| self.nearest(&posterior, sample)).collect();
+        let fits = fit_tests(study, sites, &nearest);
+        let at = |place: &Vec<f64>| likelihood.with_error(place);
+        let likelihoods: Vec<[f64; 2]> = self.smoother.places().par_iter().map(at).collect();
+        Inferred {
+            sets: self.values.iter().cloned().zip(likelihoods).collect(),
+            runs: self.runs,
+            posterior,
+            fits,
+            bandwidths: self.bandwidths,
+            widths: self.widths,
+        }
     }
 
     /// Returns the ends of the parameter set next to a sample of the posterior.
     fn nearest(&self, posterior: &Posterior, sample: &[f64]) -> &[Rests] {
-        let place = |set: &Vec<DesignValue>| -> f64 {
+        let distance = |set: &Vec<DesignValue>| -> f64 {
             let parts = set.iter().zip(sample).zip(&posterior.marginals);
-            parts
-                .map(|((value, sample), marginal)| match value {
-                    DesignValue::Number(number) => {
-                        ((number - sample) / marginal.std_dev.max(f64::MIN_POSITIVE)).powi(2)
-                    }
-                    DesignValue::Choice(_) => 0.0,
-                })
-                .sum()
+            let square = |((value, sample), marginal): ((&DesignValue, &f64), &super::Marginal)| {
+                ((number(value) - sample) / marginal.std_dev.max(f64::MIN_POSITIVE)).powi(2)
+            };
+            parts.map(square).sum()
         };
-        let distances = self.values.iter().map(place).enumerate();
+        let distances = self.values.iter().map(distance).enumerate();
         let nearest = distances.min_by(|one, other| one.1.total_cmp(&other.1));
         nearest.map_or(&[], |(index, _)| &self.rests[index])
+    }
+}
+
+/// Returns the number of a value; only numbers are identified.
+fn number(value: &DesignValue) -> f64 {
+    match value {
+        DesignValue::Number(number) => *number,
+        DesignValue::Choice(_) => f64::NAN,
     }
 }

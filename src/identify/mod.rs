@@ -1,9 +1,10 @@
 //! Inference of parameters from measured positions of rest.
 //!
 //! Parameter sets are drawn from the prior, and the study is simulated for each. The simulated positions of rest give a
-//! probability density on the torus of ball angles, and with it the likelihood of the measured positions. A surrogate of the
-//! log-likelihood between the parameter sets gives the posterior, from which an ensemble sampler draws. Further parameter
-//! sets lie where the posterior is. How well the model explains the measurements is tested at each point.
+//! probability density on the torus of ball angles, and with it the density of each measured position. A regression over the
+//! parameter sets gives these densities, and with them the likelihood, at any place of the prior; it is the surrogate from whose
+//! posterior an ensemble sampler draws. Further parameter sets lie where the posterior is. How well the model explains the
+//! measurements is tested at each point.
 //!
 //! All results are functions of the study and of the measurements.
 
@@ -18,7 +19,9 @@ mod next_sets;
 mod parameter_set;
 mod posterior;
 mod sampler;
+mod set_densities;
 mod site;
+mod smoother;
 mod tables;
 
 pub use bandwidth::Bandwidths;
@@ -27,10 +30,12 @@ pub use end::{End, SimulatedEnd};
 pub use fit_test::{Seen, SiteFit, fit_tests};
 pub use in_words::{identification_json, result_in_words};
 pub use inference::{Inference, InferenceEnd, Inferred, Sets, infer};
-pub use likelihood::{LogLikelihood, log_likelihood};
+pub use likelihood::Likelihood;
 pub use parameter_set::{ParameterSet, read_parameter_set, set_columns, set_facts, set_name};
 pub use posterior::{Marginal, Posterior, posterior};
+pub use set_densities::{REPLICATES, Replicated, RunWeights, SetDensities};
 pub use site::{Measured, Site, sites};
+pub use smoother::Smoother;
 pub use tables::{
     PositionRow, evaluated_set_columns, fit_columns, position_columns, position_rows,
     posterior_columns,

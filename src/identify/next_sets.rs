@@ -1,32 +1,21 @@
 //! Further parameter sets: where the posterior is, and far from the sets so far.
 
-use super::likelihood::LogLikelihood;
-use super::posterior::{predicted, surrogate};
+use super::likelihood::Likelihood;
 use super::sampler::{generator, sample_in_unit_cube};
 use crate::study::Study;
 
 /// The number of places among which the next ones are chosen.
 const CANDIDATES: usize = 512;
 
-/// Returns `count` places in the unit cube for the next parameter sets, by those so far and their log-likelihoods.
-///
-/// # Errors
-/// Returns the reason if there is no surrogate.
-pub(super) fn next_places(
-    study: &Study,
-    coordinates: &[Vec<f64>],
-    likelihoods: &[LogLikelihood],
-    count: usize,
-) -> Result<Vec<Vec<f64>>, String> {
-    let number = coordinates.len() as u64;
-    let seed = study.derived_seed("identify surrogate", number);
-    let (surrogate, _) = surrogate(coordinates, likelihoods, seed)?;
-    let mut random = generator(study, "identify next", number);
-    let dimensions = coordinates.first().map_or(0, Vec::len);
-    let density = |place: &[f64]| predicted(&surrogate, place);
+/// Returns `count` places in the unit cube for the next parameter sets.
+pub(super) fn next_places(study: &Study, likelihood: &Likelihood, count: usize) -> Vec<Vec<f64>> {
+    let places = likelihood.smoother.places();
+    let dimensions = places.first().map_or(0, Vec::len);
+    let mut random = generator(study, "identify next", places.len() as u64);
+    let density = |place: &[f64]| likelihood.at(place, 0);
     let candidates = sample_in_unit_cube(dimensions, CANDIDATES, density, &mut random);
     let widths: Vec<f64> = (0..dimensions).map(|index| width(&candidates, index)).collect();
-    let mut all = coordinates.to_vec();
+    let mut all = places.to_vec();
     for _ in 0..count {
         let distance = |place: &Vec<f64>| {
             let square = |other: &Vec<f64>| -> f64 {
@@ -36,12 +25,11 @@ pub(super) fn next_places(
             all.iter().map(square).fold(f64::INFINITY, f64::min)
         };
         let scored = candidates.iter().map(|place| (distance(place), place));
-        let Some((_, farthest)) = scored.max_by(|one, other| one.0.total_cmp(&other.0)) else {
-            break;
-        };
+        let farthest = scored.max_by(|one, other| one.0.total_cmp(&other.0));
+        let Some((_, farthest)) = farthest else { break };
         all.push(farthest.clone());
     }
-    Ok(all.split_off(coordinates.len()))
+    all.split_off(places.len())
 }
 
 /// Returns the standard deviation of a coordinate.

@@ -1,15 +1,15 @@
 //! Columns of `posterior.parquet`, `parameter_sets.parquet`, `fit.parquet` and `positions.parquet`.
 
 use super::fit_test::{Seen, SiteFit};
-use super::likelihood::LogLikelihood;
 use super::site::Site;
 use crate::responses::columns::add_variables;
 use crate::study::{DesignValue, Study};
 use crate::table::column::{Column, Columns};
 use crate::table::{PointKey, add_point};
 
-/// A row of `parameter_sets.parquet`: number, values and log-likelihood of a parameter set.
-type SetRow = (u64, Vec<DesignValue>, LogLikelihood);
+/// A row of `parameter_sets.parquet`: number, values, and log-likelihood of a parameter set with its
+/// standard error.
+type SetRow = (u64, Vec<DesignValue>, [f64; 2]);
 
 /// Returns the columns of `posterior.parquet`: one row per sample.
 pub fn posterior_columns(study: &Study) -> Vec<Column<Vec<f64>>> {
@@ -29,9 +29,9 @@ pub fn evaluated_set_columns(study: &Study, start_designs: u64) -> Vec<Column<Se
     list.word("origin", move |row| if row.0 < start_designs { "prior" } else { "posterior" })
         .meaning("whether the set fills the prior, or lies where the posterior is");
     add_variables(&mut list, study, |row: &SetRow| row.1.as_slice());
-    list.number("log_likelihood", "1", |row| row.2.value)
+    list.number("log_likelihood", "1", |row| row.2[0])
         .meaning("log-likelihood of all measured runs, up to a constant");
-    list.number("log_likelihood_std_error", "1", |row| row.2.variance.sqrt())
+    list.number("log_likelihood_std_error", "1", |row| row.2[1])
         .meaning("its standard error, which comes from the number of simulated runs");
     list.finish()
 }

@@ -5,9 +5,7 @@
 //! start states and draws, so that a part of these errors is common to all designs and is not noise between them.
 
 use egobox_gp::correlation_models::Matern52Corr;
-use egobox_gp::{
-    Inducings, ParamTuning, SgpParams, SparseGaussianProcess, SparseMethod, ThetaTuning,
-};
+use egobox_gp::{Inducings, ParamTuning, SgpParams, SparseGaussianProcess, SparseMethod};
 use linfa::Dataset;
 use linfa::traits::Fit;
 use ndarray::{Array1, Array2};
@@ -38,33 +36,32 @@ impl Surrogate {
         noise: f64,
         seed: u64,
     ) -> Result<Self, String> {
-        let (mean, variance) = moments(values)?;
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let variance = values.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / count;
+        let scale = variance.sqrt();
+        if scale.is_nan() || scale <= 1e-12 * mean.abs() {
+            return Err("all values are equal".to_owned());
+        }
+        let x = table(coordinates)?;
+        let y: Array1<f64> = values.iter().map(|value| (value - mean) / scale).collect();
         let most = (noise / variance).clamp(10.0 * LEAST_NOISE, 1.0);
         let noise = ParamTuning::Optimized {
             init: (most * LEAST_NOISE).sqrt(),
             bounds: (LEAST_NOISE, most),
         };
-        let params = |x: Array2<f64>| {
-            let params = SgpParams::new(Matern52Corr::default(), Inducings::Located(x));
-            params.noise_variance(noise).n_start(STARTS).seed(Some(seed))
+        let fit = || {
+            SgpParams::new(Matern52Corr::default(), Inducings::Located(x.clone()))
+                .sparse_method(SparseMethod::Fitc)
+                .noise_variance(noise)
+                .n_start(STARTS)
+                .seed(Some(seed))
+                .fit(&Dataset::new(x.clone(), y))
         };
-        let process = fitted(coordinates, values, (mean, variance.sqrt()), params)?;
-        Ok(Surrogate { process, mean, scale: variance.sqrt() })
-    }
-
-    /// Fits other values at the same coordinates with the length scales and the noise of this surrogate.
-    ///
-    /// # Errors
-    /// Returns the reason if the library cannot fit them.
-    pub fn with_values(&self, coordinates: &[Vec<f64>], values: &[f64]) -> Result<Self, String> {
-        let theta = ThetaTuning::Fixed(self.process.theta().clone());
-        let noise = ParamTuning::Fixed(self.process.noise_variance());
-        let params = |x: Array2<f64>| {
-            let params = SgpParams::new(Matern52Corr::default(), Inducings::Located(x));
-            params.theta_tuning(theta).noise_variance(noise).n_start(0)
-        };
-        let process = fitted(coordinates, values, (self.mean, self.scale), params)?;
-        Ok(Surrogate { process, mean: self.mean, scale: self.scale })
+        // After a panic the library's objects are not used again.
+        let process = quietly(fit).ok_or_else(|| "the fit failed".to_owned())?;
+        let process = process.map_err(|error| format!("the fit failed: {error}"))?;
+        Ok(Surrogate { process, mean, scale })
     }
 
     /// Returns the approximation for designs with these coordinates.
@@ -96,35 +93,6 @@ impl Surrogate {
             "process": serde_json::to_value(&self.process).unwrap_or(Value::Null),
         })
     }
-}
-
-/// Returns mean and variance of values that are to be fitted.
-fn moments(values: &[f64]) -> Result<(f64, f64), String> {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let variance = values.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / count;
-    if variance.is_nan() || variance.sqrt() <= 1e-12 * mean.abs() {
-        return Err("all values are equal".to_owned());
-    }
-    Ok((mean, variance))
-}
-
-/// Returns the process of scaled values.
-fn fitted(
-    coordinates: &[Vec<f64>],
-    values: &[f64],
-    (mean, scale): (f64, f64),
-    params: impl FnOnce(Array2<f64>) -> SgpParams<f64, Matern52Corr>,
-) -> Result<SparseGaussianProcess<f64, Matern52Corr>, String> {
-    let x = table(coordinates)?;
-    let y: Array1<f64> = values.iter().map(|value| (value - mean) / scale).collect();
-    let fit = || {
-        let params = params(x.clone()).sparse_method(SparseMethod::Fitc);
-        params.fit(&Dataset::new(x.clone(), y))
-    };
-    // After a panic the library's objects are not used again.
-    let process = quietly(fit).ok_or_else(|| "the fit failed".to_owned())?;
-    process.map_err(|error| format!("the fit failed: {error}"))
 }
 
 pub(super) fn table(rows: &[Vec<f64>]) -> Result<Array2<f64>, String> {

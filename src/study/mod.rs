@@ -36,6 +36,7 @@ mod template;
 
 pub use error::StudyError;
 pub(crate) use error::{list_names, shorten};
+pub use file::identify_file::SpacingFile;
 pub use file::optimize_file::{OverPoints, SensitivityFrom};
 pub(crate) use file::yaml_tree::describe_number;
 pub use measured_table::MeasuredRun;

@@ -24,7 +24,7 @@ pub struct IdentifyFile {
     pub posterior_samples: Option<Count>,
 }
 
-/// The prior of a parameter: all values of a range with equal probability density.
+/// The prior of a parameter: a range, and where its probability density is constant.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PriorFile {
@@ -32,4 +32,19 @@ pub struct PriorFile {
     pub from: f64,
     /// Largest value, in the unit of the parameter; above `from`.
     pub to: f64,
+    /// Whether all values or all logarithms of values have equal probability density; `logarithmic` needs a positive range;
+    /// the default is `linear`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spacing: Option<SpacingFile>,
+}
+
+/// The scale on which the probability density of a prior is constant.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Eq, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SpacingFile {
+    /// The values.
+    #[default]
+    Linear,
+    /// The logarithms of the values.
+    Logarithmic,
 }

@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::identify_file::{IdentifyFile, PriorFile};
+use crate::study::file::identify_file::{IdentifyFile, PriorFile, SpacingFile};
 use crate::study::file::response_file::VariableFile;
 use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::identification::Identification;
@@ -44,7 +44,8 @@ pub(crate) fn resolve_identification(
         )));
     }
     let mut ranges: IndexMap<String, VariableFile> = IndexMap::new();
-    for (name, PriorFile { from, to }) in &file.parameters {
+    let mut spacings = Vec::new();
+    for (name, PriorFile { from, to, spacing }) in &file.parameters {
         let path = own.key(name);
         if name == "balls" {
             let allowed =
@@ -63,6 +64,14 @@ pub(crate) fn resolve_identification(
                 "`from` below `to`",
             )));
         }
+        let spacing = spacing.unwrap_or_default();
+        if spacing == SpacingFile::Logarithmic && *from <= 0.0 {
+            let problem = "a logarithmic range that is not positive";
+            let allowed = "`from` above 0, or `spacing: linear`";
+            let fault = Fault::new(problem, format!("from {}", describe_number(*from)), allowed);
+            return Err(path.key("from").refuse_value(fault));
+        }
+        spacings.push(spacing);
         let range = VariableFile { from: Some(*from), to: Some(*to), choices: None };
         ranges.insert(name.clone(), range);
     }
@@ -83,6 +92,7 @@ pub(crate) fn resolve_identification(
         count_within(&path, "posterior_samples", file.posterior_samples, POSTERIOR_SAMPLES)?;
     Ok(Some(Identification {
         parameters,
+        spacings,
         start_designs: start,
         designs,
         posterior_samples: samples.unwrap_or(USUAL_SAMPLES),

@@ -1,0 +1,95 @@
+//! The densities of all measured runs for one parameter set, with replicates for the error of a finite number of runs.
+//!
+//! A replicate gives each simulated run an exponentially distributed weight instead of an equal one (the Bayesian bootstrap,
+//! D. B. Rubin 1981, doi:10.1214/aos/1176345338). A run has the same weights in all parameter sets, because it has the same
+//! start state and draws.
+
+use rand::RngExt;
+use rand_distr::Exp1;
+
+use super::bandwidth::Bandwidths;
+use super::density::Rests;
+use super::sampler::generator;
+use super::site::{Measured, Site};
+use crate::study::Study;
+
+/// The number of replicates.
+pub const REPLICATES: usize = 8;
+
+/// A value with equal weights, and with the weights of each replicate.
+pub type Replicated = [f64; REPLICATES + 1];
+
+/// The weights of all runs at a site.
+pub struct RunWeights(Vec<Replicated>);
+
+impl RunWeights {
+    /// Returns the weights of this many runs at a site.
+    pub fn new(study: &Study, site: usize, runs: usize) -> Self {
+        let mut random = generator(study, "identify weights", site as u64);
+        let weights = |_| {
+            std::array::from_fn(|replicate| if replicate == 0 { 1.0 } else { random.sample(Exp1) })
+        };
+        RunWeights((0..runs).map(weights).collect())
+    }
+
+    /// Returns equal weights.
+    pub fn equal() -> Self {
+        RunWeights(Vec::new())
+    }
+
+    fn of(&self, run: usize) -> Replicated {
+        self.0.get(run).copied().unwrap_or([1.0; REPLICATES + 1])
+    }
+
+    /// Returns the sum of the weights of runs.
+    fn sum(&self, runs: &[usize]) -> Replicated {
+        runs.iter().fold([0.0; REPLICATES + 1], |sum, run| added(sum, self.of(*run), 1.0))
+    }
+}
+
+/// The densities of the measured runs at a site for one parameter set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SetDensities {
+    /// The number of simulated runs.
+    pub runs: usize,
+    /// The probability density of each measured position of rest.
+    pub rests: Vec<Replicated>,
+    /// The probability of motion.
+    pub moving: Replicated,
+}
+
+impl SetDensities {
+    /// Returns the densities of the measured runs at a site.
+    pub fn at_site(
+        site: &Site,
+        rests: &Rests,
+        bandwidths: Bandwidths,
+        weights: &RunWeights,
+    ) -> Self {
+        let moving = weights.sum(rests.moving());
+        let all = added(weights.sum(rests.at_rest()), moving, 1.0);
+        let of_run = |measured: &Measured| {
+            let kernels = rests.kernels(&measured.angles, measured.std_dev_rad, bandwidths);
+            let each = rests.at_rest().iter().zip(&kernels).filter(|(_, kernel)| **kernel > 0.0);
+            let sum = each.fold([0.0; REPLICATES + 1], |sum, (run, kernel)| {
+                added(sum, weights.of(*run), *kernel)
+            });
+            over(sum, all)
+        };
+        SetDensities {
+            runs: rests.runs(),
+            rests: site.rests.iter().map(of_run).collect(),
+            moving: over(moving, all),
+        }
+    }
+}
+
+fn added(sum: Replicated, terms: Replicated, factor: f64) -> Replicated {
+    std::array::from_fn(|replicate| sum[replicate] + factor * terms[replicate])
+}
+
+fn over(sum: Replicated, all: Replicated) -> Replicated {
+    std::array::from_fn(
+        |replicate| if all[replicate] > 0.0 { sum[replicate] / all[replicate] } else { 0.0 },
+    )
+}

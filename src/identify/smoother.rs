@@ -1,0 +1,146 @@
+//! Densities between parameter sets: local quadratic regression over the parameters.
+//!
+//! The density of a measurement at a place is a weighted sum of its densities for the parameter sets around it. The weights are
+//! those of a quadratic polynomial that is fitted with normal weights of the distance (W. S. Cleveland and S. J. Devlin 1988,
+//! doi:10.1080/01621459.1988.10478639). They are the same for all measurements. Because runs of several parameter sets
+//! contribute, the error of a finite number of runs is smaller than that of one set.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Sets whose weight is below this are left out.
+const SMALLEST: f64 = 1e-4;
+/// The weight of at least this many times as many sets as the polynomial has coefficients is above `exp(-2)`.
+const SETS_PER_COEFFICIENT: f64 = 1.5;
+/// A ridge that keeps the regression regular.
+const RIDGE: f64 = 1e-9;
+
+/// A local regression over places in the unit cube.
+#[derive(Clone, Debug)]
+pub struct Smoother {
+    /// The places of the parameter sets.
+    places: Vec<Vec<f64>>,
+    /// The standard deviation of the weight in each coordinate.
+    widths: Vec<f64>,
+}
+
+impl Smoother {
+    /// Returns the regression over parameter sets at these places.
+    pub fn new(places: Vec<Vec<f64>>, widths: Vec<f64>) -> Self {
+        Smoother { places, widths }
+    }
+
+    /// Returns the places of the parameter sets.
+    pub fn places(&self) -> &[Vec<f64>] {
+        &self.places
+    }
+
+    /// Returns the weights of the parameter sets at a place, without those of the set `left_out`. Their sum is 1.
+    pub fn weights(&self, place: &[f64], left_out: Option<usize>) -> Vec<(usize, f64)> {
+        let dimensions = place.len();
+        let scaled = |set: &Vec<f64>| -> Vec<f64> {
+            let parts = set.iter().zip(place).zip(&self.widths);
+            parts.map(|((set, place), width)| (set - place) / width).collect()
+        };
+        let square = |from: &Vec<f64>| -> f64 { from.iter().map(|one| one * one).sum() };
+        let numbered = self.places.iter().enumerate().filter(|(set, _)| Some(*set) != left_out);
+        let mut near: Vec<(usize, Vec<f64>, f64)> = numbered
+            .map(|(set, place)| {
+                let from = scaled(place);
+                let distance = square(&from);
+                (set, from, distance)
+            })
+            .collect();
+        // A quadratic polynomial where there are enough sets, else a linear one.
+        let quadratic = 1 + dimensions + dimensions * (dimensions + 1) / 2;
+        let is_quadratic = near.len() >= 2 * quadratic;
+        let coefficients = if is_quadratic { quadratic } else { 1 + dimensions };
+        let needed = ((SETS_PER_COEFFICIENT * coefficients as f64) as usize).min(near.len());
+        let Some(last) = needed.checked_sub(1) else { return Vec::new() };
+        near.sort_by(|one, other| one.2.total_cmp(&other.2).then(one.0.cmp(&other.0)));
+        // Where few sets are near, the weights are wider.
+        let scale = (near[last].2 / 4.0).max(1.0);
+        let weight = |distance: f64| libm::exp(-0.5 * distance / scale);
+        near.retain(|(_, _, distance)| weight(*distance) > SMALLEST);
+        let row = |from: &[f64]| -> Vec<f64> {
+            let mut row = vec![1.0];
+            row.extend_from_slice(from);
+            if is_quadratic {
+                for (index, one) in from.iter().enumerate() {
+                    row.extend(from[index..].iter().map(|other| one * other));
+                }
+            }
+            row
+        };
+        let rows: Vec<Vec<f64>> = near.iter().map(|(_, from, _)| row(from)).collect();
+        let mut matrix = DMatrix::<f64>::zeros(coefficients, coefficients);
+        for (row, (_, _, distance)) in rows.iter().zip(&near) {
+            let weight = weight(*distance);
+            for (i, one) in row.iter().enumerate() {
+                for (j, other) in row.iter().enumerate() {
+                    matrix[(i, j)] += weight * one * other;
+                }
+            }
+        }
+        for i in 1..coefficients {
+            matrix[(i, i)] += RIDGE * matrix[(0, 0)];
+        }
+        let mut first = DVector::<f64>::zeros(coefficients);
+        first[0] = 1.0;
+        let solution = matrix.cholesky().map(|factors| factors.solve(&first));
+        let weighted = rows.iter().zip(&near).map(|(row, (set, _, distance))| {
+            let value = match &solution {
+                Some(solution) => row.iter().zip(solution.iter()).map(|(x, y)| x * y).sum(),
+                None => 1.0,
+            };
+            (*set, weight(*distance) * value)
+        });
+        let weighted: Vec<(usize, f64)> = weighted.collect();
+        let sum: f64 = weighted.iter().map(|(_, weight)| weight).sum();
+        weighted.into_iter().map(|(set, weight)| (set, weight / sum)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Smoother;
+
+    fn scattered(count: u32) -> Vec<Vec<f64>> {
+        let at = |index, dimension| f64::from(sobol_burley::sample(index, dimension, 3));
+        (0..count).map(|index| vec![at(index, 0), at(index, 1)]).collect()
+    }
+
+    /// Quadratic polynomials are reproduced exactly, everywhere in the cube, also with a set left out.
+    #[test]
+    fn quadratic_polynomials_are_exact() {
+        let smoother = Smoother::new(scattered(64), vec![0.1, 0.3]);
+        let polynomial = |place: &[f64]| {
+            let [x, y] = [place[0], place[1]];
+            1.0 + 2.0 * x - y + 3.0 * x * x - x * y + 0.5 * y * y
+        };
+        for place in [[0.5, 0.5], [0.0, 1.0], [0.02, 0.4]] {
+            for left_out in [None, Some(5)] {
+                let weights = smoother.weights(&place, left_out);
+                let value: f64 = weights
+                    .iter()
+                    .map(|(set, weight)| weight * polynomial(&smoother.places()[*set]))
+                    .sum();
+                assert!((value - polynomial(&place)).abs() < 1e-6, "{place:?}: {value}");
+                assert!(weights.iter().all(|(set, _)| Some(*set) != left_out));
+            }
+        }
+    }
+
+    /// With few sets the regression is linear, and with one set its value is that of the set.
+    #[test]
+    fn few_sets() {
+        let smoother = Smoother::new(scattered(8), vec![0.05, 0.05]);
+        let value: f64 = smoother
+            .weights(&[0.4, 0.6], None)
+            .iter()
+            .map(|(set, weight)| weight * (1.0 + smoother.places()[*set][0]))
+            .sum();
+        assert!((value - 1.4).abs() < 1e-6, "{value}");
+        let one = Smoother::new(vec![vec![0.5]], vec![0.1]);
+        assert_eq!(one.weights(&[0.2], None), [(0, 1.0)]);
+    }
+}
