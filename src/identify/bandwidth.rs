@@ -24,17 +24,17 @@ pub struct Bandwidths {
 }
 
 /// The bandwidths that are compared, rad.
-const BANDWIDTHS: [f64; 6] = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32];
+const BANDWIDTHS: [f64; 5] = [0.01, 0.03, 0.06, 0.12, 0.24];
 /// The bandwidth with which the comparison begins.
-const FIRST_BANDWIDTH: f64 = 0.04;
+const FIRST_BANDWIDTH: f64 = 0.03;
 /// The widths that are compared, over the width of the prior.
 const WIDTHS: [f64; 7] = [0.03, 0.05, 0.08, 0.12, 0.18, 0.27, 0.4];
 /// The width with which the comparison begins.
 const FIRST_WIDTH: f64 = 0.12;
 /// The number of parameter sets that are left out.
-const LEFT_OUT: usize = 12;
+const LEFT_OUT: usize = 8;
 /// The number of rests of a left-out parameter set that are predicted at each site.
-const PREDICTED: usize = 8;
+const PREDICTED: usize = 6;
 
 impl Default for Bandwidths {
     fn default() -> Self {

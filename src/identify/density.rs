@@ -15,7 +15,7 @@ use crate::model::wrap_to_pi;
 pub const MOST_BALLS: usize = 5;
 
 /// Kernels below the exponential of this are zero.
-const SMALLEST_EXPONENT: f64 = -60.0;
+const SMALLEST_EXPONENT: f64 = -30.0;
 
 /// The simulated ends at a site for one parameter set.
 #[derive(Clone, Debug, Default)]
@@ -102,7 +102,7 @@ impl Rests {
             .collect();
         let norms: Vec<f64> = shapes
             .iter()
-            .map(|groups| groups.iter().map(|group| group.log_norm).sum::<f64>())
+            .map(|groups| libm::exp(groups.iter().map(|group| group.log_norm).sum::<f64>()))
             .collect();
         let permutations = permutations(self.balls);
         let mut distances = vec![0.0; self.balls * self.balls];
@@ -118,7 +118,7 @@ impl Rests {
                 let exponent: f64 = groups.map(|group| group.exponent(distance)).sum();
                 if exponent < SMALLEST_EXPONENT { 0.0 } else { libm::exp(exponent) }
             };
-            libm::exp(norms[*grouping]) * permutations.iter().map(of).sum::<f64>()
+            norms[*grouping] * permutations.iter().map(of).sum::<f64>()
         };
         self.positions.iter().map(kernel).collect()
     }

@@ -10,11 +10,11 @@ use crate::study::Study;
 /// The number of walkers of the ensemble; at least twice the number of parameters.
 const WALKERS: usize = 32;
 /// The number of iterations before the first sample.
-const BURN_IN: usize = 150;
+const BURN_IN: usize = 60;
 /// Every so many iterations, all walkers are samples.
-const THINNING: usize = 10;
+const THINNING: usize = 5;
 /// The number of points from which the walkers' first places are drawn.
-const FIRST_PLACES: usize = 4096;
+const FIRST_PLACES: usize = 1024;
 
 /// Returns the generator for a purpose and a number.
 pub(super) fn generator(study: &Study, purpose: &str, number: u64) -> ChaCha8Rng {
