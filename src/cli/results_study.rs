@@ -10,7 +10,7 @@ use crate::table::{MANIFEST, Manifest, ResultsError, VERSION, manifest_of};
 
 const STUDY: &str = "study.yaml";
 /// Other commands with directories of their own: a file, the command that writes it, and what reads the directory.
-const OTHER_COMMANDS: [(&str, &str, &str); 3] = [
+const OTHER_COMMANDS: [(&str, &str, &str); 4] = [
     (
         "evaluations.parquet",
         "optimize",
@@ -18,6 +18,7 @@ const OTHER_COMMANDS: [(&str, &str, &str); 3] = [
     ),
     ("equilibrium_set_summary.parquet", "equilibria", FIGURES),
     ("trajectory.parquet", "replay", FIGURES),
+    ("identification.json", "identify", FIGURES),
 ];
 const FIGURES: &str = "the Python package's `stickslip-figures DIR` draws its tables";
 

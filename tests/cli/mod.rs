@@ -17,6 +17,7 @@ mod evaluate_tables;
 mod existence;
 mod expand;
 mod foreign;
+mod identify;
 mod interrupt;
 mod limits;
 mod memory;

@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 static PAGES: Mutex<()> = Mutex::new(());
 
 /// Every computed part of a page.
-const PARTS: [(&str, &[&str]); 7] = [
+const PARTS: [(&str, &[&str]); 8] = [
     ("docs/check.md", &["check"]),
     ("docs/verification.md", &["labels-below", "labels-above", "labels-irregular"]),
     (
@@ -35,6 +35,7 @@ const PARTS: [(&str, &[&str]); 7] = [
         ],
     ),
     ("docs/startup.md", &["startup", "startup-ratio", "startup-all"]),
+    ("docs/identify.md", &["identify", "identify-synthetic"]),
     (
         "docs/open-questions.md",
         &[

@@ -3,6 +3,7 @@
 mod convergence;
 mod defaults;
 pub mod generated;
+mod identify;
 pub mod named;
 mod open_questions;
 mod own_system;

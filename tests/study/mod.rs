@@ -16,6 +16,7 @@ mod design_tables;
 mod designs;
 mod distributions;
 mod endings;
+mod identify;
 mod models;
 mod parquet_tables;
 mod plan;

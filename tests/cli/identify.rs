@@ -1,0 +1,163 @@
+//! `stickslip identify`: synthetic measurements with known truths, reproducibility, and errors.
+
+use std::fmt::Write;
+
+use serde_json::Value;
+use stickslip::study::Study;
+
+use super::support::{Scratch, numbers, words};
+
+/// Two speeds at which all runs rest, with few runs and parameter sets.
+fn identify(contact: &str, samples: u32) -> String {
+    format!(
+        "schema: 1\nname: small\nseed: 3\nmodel:\n  kind: ball_balancer\n  contact: {contact}\n\
+         sweep: [{{grid: {{speed_rad_s: [-140, -160.8103]}}}}]\n\
+         initial_conditions: {{design: {{monte_carlo: {{samples: {samples}}}}}}}\n\
+         simulation: {{endings: rest}}\n\
+         identify:\n  parameters: {{friction_coefficient: {{from: 1.0e-3, to: 6.0e-3, spacing: logarithmic}}}}\n\
+         \x20 start_designs: 12\n  designs: 20\n  posterior_samples: 800\n"
+    )
+}
+
+const TOUCHING: &str = "{restitution: 0.36, friction_coefficient: 0.1}";
+
+/// The measurement error of an angle, rad: 0.1 times a number that depends on run and ball, with the standard deviation 1.
+fn error(run: usize, ball: usize) -> f64 {
+    let uniform = (0..12).map(|part| {
+        let bits =
+            (run as u64 * 31 + ball as u64 * 7 + part + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let bits = (bits ^ (bits >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        (bits >> 11) as f64 / (1_u64 << 53) as f64
+    });
+    0.1 * (uniform.sum::<f64>() - 6.0)
+}
+
+/// Simulates machines with friction coefficient 0.00275, and writes measurements of their rests.
+fn measure(scratch: &Scratch, contact: &str) {
+    let text =
+        identify(contact, 60).replace("seed: 3", "seed: 99").replace("name: small", "name: truth");
+    let text = text.split("identify:").next().expect("a study").to_owned();
+    let text = text.replace("contact:", "parameters: {friction_coefficient: 2.75e-3}\n  contact:");
+    scratch.write("truth.yaml", text);
+    scratch.well("run truth.yaml --out truth -q");
+    let runs = scratch.table("truth", "runs");
+    let [speeds, one, other] =
+        ["speed_rad_s", "beta_1_rad", "beta_2_rad"].map(|name| numbers(&runs, name));
+    let mut table = "speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n".to_owned();
+    for (run, label) in words(&runs, "label").iter().enumerate() {
+        assert_eq!(label.as_deref(), Some("equilibrium"));
+        let angle =
+            |values: &Vec<Option<f64>>, ball| values[run].expect("an angle") + error(run, ball);
+        let (first, second) = (angle(&one, 0), angle(&other, 1));
+        // Balls are not told apart.
+        let (first, second) = if run % 2 == 0 { (first, second) } else { (second, first) };
+        let speed = speeds[run].expect("a speed");
+        writeln!(table, "{speed},{first:.4},{second:.4},0.1").expect("text");
+    }
+    scratch.write("rests.csv", table);
+}
+
+fn summary(text: &str) -> Value {
+    serde_json::from_str(text).expect("JSON")
+}
+
+/// The truth is inside the interval, the model with contact explains the measurements, and the one without does not. All
+/// files have the same bytes on one thread and on two, after an interruption, and with the simulated runs of before; other
+/// measurements are refused in the same directory.
+#[test]
+fn synthetic_measurements() {
+    let scratch = Scratch::new();
+    measure(&scratch, TOUCHING);
+    scratch.write("small.yaml", identify(TOUCHING, 128));
+    let text =
+        scratch.well("identify small.yaml --measured rests.csv --out one --threads 1 --json -q");
+    let one = summary(&text);
+    let parameter = &one["parameters"][0];
+    let [low, high] = ["low", "high"].map(|key| parameter[key].as_f64().expect("a number"));
+    assert!(low < 2.75e-3 && 2.75e-3 < high && high - low < 1.5e-3, "{parameter:#}");
+    assert_eq!(parameter["identified"], true);
+    assert_eq!(one["fit"]["rejected"], false, "{:#}", one["fit"]);
+
+    // The runs of some parameter sets are lost, as if the command had been killed.
+    scratch.well("identify small.yaml --measured rests.csv --out two --threads 2 -q");
+    let sets = std::fs::read_dir(scratch.path("two/simulations")).expect("a folder");
+    let sets: Vec<_> = sets.map(|entry| entry.expect("an entry").path()).collect();
+    let lost = sets.iter().filter(|path| path.extension().is_some_and(|one| one == "parquet"));
+    lost.step_by(3).for_each(|path| std::fs::remove_file(path).expect("removed"));
+    std::fs::remove_file(scratch.path("two/posterior.parquet")).expect("removed");
+    let words = scratch.well("identify small.yaml --measured rests.csv --out two --threads 2 -q");
+    scratch.well(
+        "identify small.yaml --measured rests.csv --out three --simulations one/simulations -q",
+    );
+    for name in [
+        "posterior.parquet",
+        "parameter_sets.parquet",
+        "fit.parquet",
+        "positions.parquet",
+        "identification.json",
+    ] {
+        let bytes = |folder: &str| std::fs::read(scratch.path(folder).join(name)).expect("a file");
+        assert!(bytes("one") == bytes("two"), "{name}");
+        assert!(bytes("one") == bytes("three"), "{name}");
+    }
+    for part in
+        ["friction_coefficient  1", "The model explains the 120 measured runs", "predicted rests"]
+    {
+        assert!(words.contains(part), "no {part:?} in\n{words}");
+    }
+    let samples = scratch.table("one", "posterior");
+    assert_eq!(numbers(&samples, "friction_coefficient").len(), 800);
+    let origins = super::support::words(&scratch.table("one", "parameter_sets"), "origin");
+    assert_eq!(origins.iter().filter(|one| one.as_deref() == Some("posterior")).count(), 8);
+
+    let rows = std::fs::read_to_string(scratch.path("rests.csv")).expect("a table");
+    scratch.write("fewer.csv", rows.lines().take(40).collect::<Vec<_>>().join("\n"));
+    scratch.refused(
+        "identify small.yaml --measured fewer.csv --out one",
+        &["this directory holds another inference", "--simulations one/simulations"],
+    );
+
+    scratch.write("ghosts.yaml", identify("none", 128));
+    let ghosts =
+        summary(&scratch.well("identify ghosts.yaml --measured rests.csv --out ghosts --json -q"));
+    assert_eq!(ghosts["fit"]["rejected"], true, "{:#}", ghosts["fit"]);
+}
+
+#[test]
+fn wrong_usage() {
+    let scratch = Scratch::new();
+    let good = identify("none", 8);
+    scratch.write("rests.csv", "speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n-140,1,2,0.1\n");
+    for (name, text, parts) in [
+        ("without.yaml", good.split("identify:").next().expect("text").to_owned(), ["`identify` is missing", "friction_coefficient: {from"]),
+        ("precise.yaml", format!("{good}precision: {{equilibrium_fraction: 0.1, max_runs: 100}}\n"), ["different numbers of runs", "without `precision`"]),
+        (
+            "block.yaml",
+            "schema: 1\nname: b\nseed: 1\nmodel: {kind: block_on_spring}\ninitial_conditions: {design: {monte_carlo: {samples: 1}}}\n\
+             identify: {parameters: {stiffness_n_m: {from: 1, to: 2}}}\n"
+                .to_owned(),
+            ["needs positions of balls", "kind: ball_balancer"],
+        ),
+    ] {
+        scratch.write(name, text);
+        scratch.refused(&format!("identify {name} --measured rests.csv"), &parts);
+    }
+    scratch.write("good.yaml", &good);
+    scratch.refused("identify good.yaml --measured none.csv", &["none.csv"]);
+    let full = scratch.path("full");
+    std::fs::create_dir(&full).expect("a folder");
+    scratch.write("full/thesis.txt", "mine");
+    scratch.refused(
+        "identify good.yaml --measured rests.csv --out full",
+        &["holds no inference", "thesis.txt"],
+    );
+    let staged = good.replace("contact: none", "protocol: startup");
+    scratch.write("staged.yaml", &staged);
+    Study::parse(std::path::Path::new("staged.yaml"), staged).expect("a study");
+    scratch
+        .write("ramp.csv", "speed_rad_s,stage,beta_1_rad,beta_2_rad,std_dev_rad\n-140,1,1,2,0.1\n");
+    scratch.refused(
+        "identify staged.yaml --measured ramp.csv",
+        &["no stage of constant speed", "allowed: 2"],
+    );
+}

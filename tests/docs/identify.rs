@@ -1,0 +1,121 @@
+//! The numbers of docs/identify.md come from docs/records/identify.json, which `scripts/identify-synthetic` computes: the
+//! outcomes of inferences from synthetic measurements with known truths.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::generated::compare_or_write_part;
+use super::records::about;
+
+const PAGE: &str = "docs/identify.md";
+/// The level at which ranks of the truth are tested for uniformity.
+const ALPHA: f64 = 1e-3;
+
+/// Returns the record, which is of the studies as they are now.
+fn record() -> Value {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = fs::read_to_string(root.join("docs/records/identify.json")).expect("a record");
+    let record: Value = serde_json::from_str(&text).expect("JSON");
+    let of = record["of"].as_array().expect("a list");
+    assert_eq!(of.len(), 3);
+    for one in of {
+        let due = about(one["study"].as_str().expect("a study"));
+        let stale = "`scripts/identify-synthetic` computes the record anew";
+        assert!(one == &due, "the record is stale: it is of {one}, not of {due}; {stale}");
+    }
+    record
+}
+
+/// Returns the probability of a Kolmogorov-Smirnov distance from the uniform distribution at least as large as that of these
+/// values (M. A. Stephens 1970, with his correction for the number of values).
+fn kolmogorov_smirnov(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let count = values.len() as f64;
+    let distance = (0..).zip(&values).fold(0.0_f64, |most, (index, value)| {
+        let steps = [f64::from(index) / count, f64::from(index + 1) / count];
+        most.max((value - steps[0]).abs()).max((value - steps[1]).abs())
+    });
+    let root = count.sqrt();
+    let scaled = (root + 0.12 + 0.11 / root) * distance;
+    let term = |k: i32| {
+        let sign = if k % 2 == 1 { 2.0 } else { -2.0 };
+        sign * (-2.0 * (f64::from(k) * scaled).powi(2)).exp()
+    };
+    (1..=100).map(term).sum::<f64>().clamp(0.0, 1.0)
+}
+
+/// The distance of evenly spaced values is small, and that of squeezed ones large.
+#[test]
+fn distances_from_the_uniform_distribution() {
+    let even = |index: i32| (f64::from(index) + 0.5) / 100.0;
+    assert!(kolmogorov_smirnov((0..100).map(even).collect()) > 0.99);
+    assert!(kolmogorov_smirnov((0..100).map(|one| 0.25 + 0.5 * even(one)).collect()) < ALPHA);
+}
+
+/// What the command prints for the shipped measurements, and the truth of these lies within both intervals.
+#[test]
+fn the_example() {
+    let record = record();
+    let text = record["example"].as_str().expect("text");
+    for (parameter, truth) in
+        [("friction_coefficient", 2.75e-3), ("contact_friction_coefficient", 0.1)]
+    {
+        let line =
+            text.lines().find(|line| line.starts_with(&format!("{parameter} "))).expect("a row");
+        let numbers: Vec<f64> =
+            line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+        let [low, high] = [numbers[2], numbers[3]];
+        assert!(low < truth && truth < high, "{line}");
+    }
+    assert!(text.contains("The model explains the 200 measured runs"), "{text}");
+    compare_or_write_part(PAGE, "identify", &format!("\n```text\n{text}```\n"));
+}
+
+/// Ranks of the truth are uniform, the test of the fit rejects true models rarely, and the model without contact nearly always.
+#[test]
+fn synthetic_measurements() {
+    let record = record();
+    let families = &record["families"];
+    let mut table = "\n| truth | inferred | ranks uniform, p | truth in the 95 % interval | std. dev. / mean | \
+        width/prior | fit rejected |\n|---|---|---|---|---|---|---|\n"
+        .to_owned();
+    for (family, title) in [
+        ("friction", "balls pass through each other"),
+        ("contact", "balls touch"),
+        ("runout", "the ring has runout"),
+        ("ghosts", "balls touch, inferred without contact"),
+    ] {
+        let outcomes = families[family].as_array().expect("a list");
+        assert_eq!(outcomes.len(), 100, "{family}");
+        let rejected = outcomes.iter().filter(|one| one["fit"]["rejected"] == true).count();
+        if family == "ghosts" {
+            assert!(rejected >= 95, "{family}: {rejected}");
+            table.push_str(&format!("| {title} | | | | | | {rejected} of 100 |\n"));
+            continue;
+        }
+        // With a level of 0.05, more than 12 of 100 have a probability of 0.002.
+        assert!(rejected <= 12, "{family}: {rejected}");
+        let first = outcomes[0]["parameters"].as_object().expect("parameters");
+        for parameter in first.keys() {
+            let of = |key: &str| -> Vec<f64> {
+                let value =
+                    |one: &Value| one["parameters"][parameter][key].as_f64().expect("a number");
+                outcomes.iter().map(value).collect()
+            };
+            let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
+            let uniform = kolmogorov_smirnov(of("rank"));
+            assert!(uniform > ALPHA, "{family}, {parameter}: {uniform}");
+            let ends = of("low").into_iter().zip(of("high")).zip(of("truth"));
+            let covered = ends.filter(|((low, high), truth)| low <= truth && truth <= high).count();
+            let relative = of("std_dev").into_iter().zip(of("mean")).map(|(dev, mean)| dev / mean);
+            table.push_str(&format!(
+                "| {title} | `{parameter}` | {uniform:.2} | {covered} of 100 | {:.1} % | {:.2} | {rejected} of 100 |\n",
+                100.0 * mean(relative.collect()),
+                mean(of("width_over_prior")),
+            ));
+        }
+    }
+    compare_or_write_part(PAGE, "identify-synthetic", &format!("{table}\n"));
+}
