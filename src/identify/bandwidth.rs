@@ -11,7 +11,7 @@ use super::density::Rests;
 use super::sampler::{generator, normal};
 use super::set_densities::{RunWeights, SetDensities};
 use super::site::{Measured, Site};
-use super::smoother::Smoother;
+use super::smoother::{SetWeight, Smoother, smoothed};
 use crate::study::Study;
 
 /// The bandwidths of a site, rad.
@@ -24,17 +24,20 @@ pub struct Bandwidths {
 }
 
 /// The bandwidths that are compared, rad.
-const BANDWIDTHS: [f64; 5] = [0.01, 0.03, 0.06, 0.12, 0.24];
+const BANDWIDTHS: [f64; 4] = [0.01, 0.03, 0.05, 0.08];
 /// The bandwidth with which the comparison begins.
 const FIRST_BANDWIDTH: f64 = 0.03;
 /// The widths that are compared, over the width of the prior.
-const WIDTHS: [f64; 7] = [0.03, 0.05, 0.08, 0.12, 0.18, 0.27, 0.4];
+const WIDTHS: [f64; 4] = [0.08, 0.12, 0.18, 0.27];
+/// The largest width whose sum of logarithms is this close to the largest sum is chosen: the differences between likelihoods of
+/// neighbouring parameters are then least noisy.
+const CLOSE: f64 = 1.0;
 /// The width with which the comparison begins.
 const FIRST_WIDTH: f64 = 0.12;
 /// The number of parameter sets that are left out.
 const LEFT_OUT: usize = 8;
 /// The number of rests of a left-out parameter set that are predicted at each site.
-const PREDICTED: usize = 6;
+const PREDICTED: usize = 8;
 
 impl Default for Bandwidths {
     fn default() -> Self {
@@ -95,7 +98,7 @@ impl<'a> CrossValidation<'a> {
     /// Returns the best bandwidths at each site.
     pub fn bandwidths(&self) -> Vec<Bandwidths> {
         let smoother = Smoother::new(self.places.to_vec(), first_widths(self.dimensions()));
-        let weights: Vec<Vec<(usize, f64)>> = self
+        let weights: Vec<Vec<SetWeight>> = self
             .left_out
             .iter()
             .map(|(set, _)| smoother.weights(&self.places[*set], Some(*set)))
@@ -103,17 +106,14 @@ impl<'a> CrossValidation<'a> {
         (0..self.sites.len()).into_par_iter().map(|index| self.at_site(index, &weights)).collect()
     }
 
-    fn at_site(&self, index: usize, weights: &[Vec<(usize, f64)>]) -> Bandwidths {
+    fn at_site(&self, index: usize, weights: &[Vec<SetWeight>]) -> Bandwidths {
         let score = |bandwidths: Bandwidths| -> f64 {
-            let of_set = |((_, sites), weights): (&(usize, Vec<Site>), &Vec<(usize, f64)>)| {
-                let densities = |(set, weight): &(usize, f64)| {
-                    (self.densities(*set, index, &sites[index], bandwidths), *weight)
+            let of_set = |((_, sites), weights): (&(usize, Vec<Site>), &Vec<SetWeight>)| {
+                let densities = |one: &SetWeight| {
+                    (*one, self.densities(one.set, index, &sites[index], bandwidths))
                 };
-                let each: Vec<(SetDensities, f64)> = weights.iter().map(densities).collect();
-                self.log_density(
-                    index,
-                    &each.iter().map(|(one, weight)| (one, *weight)).collect::<Vec<_>>(),
-                )
+                let each: Vec<(SetWeight, SetDensities)> = weights.iter().map(densities).collect();
+                self.log_density(index, each.iter().map(|(weight, one)| (*weight, one)))
             };
             self.left_out.iter().zip(weights).map(of_set).sum()
         };
@@ -148,26 +148,23 @@ impl<'a> CrossValidation<'a> {
             let of_set = |((set, _), of_sites): (&(usize, Vec<Site>), &Vec<Vec<SetDensities>>)| {
                 let weights = smoother.weights(&self.places[*set], Some(*set));
                 let at = |(index, all): (usize, &Vec<SetDensities>)| {
-                    let each: Vec<(&SetDensities, f64)> =
-                        weights.iter().map(|(set, weight)| (&all[*set], *weight)).collect();
-                    self.log_density(index, &each)
+                    self.log_density(index, weights.iter().map(|one| (*one, &all[one.set])))
                 };
                 of_sites.iter().enumerate().map(at).sum::<f64>()
             };
             self.left_out.iter().zip(&densities).map(of_set).sum()
         };
         let mut widths = first_widths(self.dimensions());
-        let mut best = score(&widths);
         for _ in 0..2 {
             for index in 0..widths.len() {
-                for candidate in WIDTHS {
+                let scores = WIDTHS.map(|candidate| {
                     let mut other = widths.clone();
                     other[index] = candidate;
-                    let own = score(&other);
-                    if own > best {
-                        (best, widths) = (own, other);
-                    }
-                }
+                    score(&other)
+                });
+                let largest = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                let close = scores.iter().rposition(|score| *score >= largest - CLOSE);
+                widths[index] = close.map_or(FIRST_WIDTH, |close| WIDTHS[close]);
             }
         }
         widths
@@ -188,13 +185,17 @@ impl<'a> CrossValidation<'a> {
     }
 
     /// Returns the sum of the logarithms of the densities of predicted rests.
-    fn log_density(&self, index: usize, each: &[(&SetDensities, f64)]) -> f64 {
-        let rows = each.first().map_or(0, |(one, _)| one.rests.len());
-        let runs = each.iter().map(|(one, _)| one.runs).min().unwrap_or(0) as f64;
+    fn log_density<'d>(
+        &self,
+        index: usize,
+        each: impl Iterator<Item = (SetWeight, &'d SetDensities)> + Clone,
+    ) -> f64 {
+        let rows = each.clone().next().map_or(0, |(_, one)| one.rests.len());
+        let runs = each.clone().map(|(_, one)| one.runs).min().unwrap_or(0) as f64;
         let uniform = self.rests.first().map_or(1.0, |of_set| of_set[index].uniform());
         let density = |row: usize| -> f64 {
-            let sum: f64 = each.iter().map(|(one, weight)| weight * one.rests[row][0]).sum();
-            libm::log(sum.max(uniform / (runs + 1.0)))
+            let parts = each.clone().map(|(weight, one)| (weight, one.rests[row][0]));
+            libm::log(smoothed(parts).max(uniform / (runs + 1.0)))
         };
         (0..rows).map(density).sum()
     }

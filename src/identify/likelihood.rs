@@ -3,9 +3,9 @@
 //! The density of each measured run is smoothed over the parameter sets, and the log-likelihood is the sum of the logarithms. A
 //! density is at least that of one further run that rests anywhere, so that no measurement is impossible.
 
-use super::set_densities::{REPLICATES, Replicated, SetDensities};
+use super::set_densities::{REPLICATES, SetDensities};
 use super::site::Site;
-use super::smoother::Smoother;
+use super::smoother::{SetWeight, Smoother, smoothed};
 
 /// The log-likelihood as a function of the place.
 pub struct Likelihood<'a> {
@@ -36,34 +36,26 @@ impl Likelihood<'_> {
         [self.at(place, 0), variance.sqrt()]
     }
 
-    fn at_site(&self, index: usize, weights: &[(usize, f64)], replicate: usize) -> f64 {
+    fn at_site(&self, index: usize, weights: &[SetWeight], replicate: usize) -> f64 {
         let (site, uniform) = (&self.sites[index], self.uniform[index]);
-        let known: Vec<(&SetDensities, f64)> = weights
-            .iter()
-            .map(|(set, weight)| (&self.densities[*set][index], *weight))
-            .filter(|(densities, _)| densities.runs > 0)
-            .collect();
-        let all: f64 = known.iter().map(|(_, weight)| weight).sum();
-        if known.is_empty() || all <= 0.0 {
+        let of = |one: &SetWeight| (*one, &self.densities[one.set][index]);
+        let known: Vec<(SetWeight, &SetDensities)> =
+            weights.iter().map(of).filter(|(_, densities)| densities.runs > 0).collect();
+        let Some(runs) = known.iter().map(|(_, densities)| densities.runs).min() else {
             // Nothing is known here: all runs around it failed.
             return site.runs() as f64 * libm::log(SMALLEST);
-        }
-        let runs = known.iter().map(|(densities, _)| densities.runs).min().unwrap_or(1) as f64;
-        let smoothed = |of: &dyn Fn(&SetDensities) -> Replicated| -> f64 {
-            known.iter().map(|(densities, weight)| weight * of(densities)[replicate]).sum::<f64>()
-                / all
         };
-        let least = uniform / (runs + 1.0);
+        let least = 1.0 / (runs as f64 + 1.0);
         let rests = (0..site.rests.len()).map(|row| {
-            libm::log(smoothed(&|densities: &SetDensities| densities.rests[row]).max(least))
+            let each = known.iter().map(|(weight, one)| (*weight, one.rests[row][replicate]));
+            libm::log(smoothed(each).max(uniform * least))
         });
         let rests: f64 = rests.sum();
         if site.moving == 0 {
             return rests;
         }
-        let moving = smoothed(&|densities: &SetDensities| densities.moving);
-        let moving = moving.clamp(0.5 / (runs + 1.0), 1.0);
-        rests + site.moving as f64 * libm::log(moving)
+        let moving = smoothed(known.iter().map(|(weight, one)| (*weight, one.moving[replicate])));
+        rests + site.moving as f64 * libm::log(moving.clamp(0.5 * least, 1.0))
     }
 }
 

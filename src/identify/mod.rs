@@ -35,7 +35,7 @@ pub use parameter_set::{ParameterSet, read_parameter_set, set_columns, set_facts
 pub use posterior::{Marginal, Posterior, posterior};
 pub use set_densities::{REPLICATES, Replicated, RunWeights, SetDensities};
 pub use site::{Measured, Site, sites};
-pub use smoother::Smoother;
+pub use smoother::{SetWeight, Smoother, smoothed};
 pub use tables::{
     PositionRow, evaluated_set_columns, fit_columns, position_columns, position_rows,
     posterior_columns,

@@ -13,6 +13,19 @@ const SMALLEST: f64 = 1e-4;
 const SETS_PER_COEFFICIENT: f64 = 1.5;
 /// A ridge that keeps the regression regular.
 const RIDGE: f64 = 1e-9;
+/// A smoothed density is at least this part of the plain mean.
+const LEAST_OF_MEAN: f64 = 0.2;
+
+/// The weights of a parameter set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SetWeight {
+    /// The number of the set.
+    pub set: usize,
+    /// Its weight in the regression.
+    pub regression: f64,
+    /// Its weight in a plain mean.
+    pub mean: f64,
+}
 
 /// A local regression over places in the unit cube.
 #[derive(Clone, Debug)]
@@ -34,8 +47,9 @@ impl Smoother {
         &self.places
     }
 
-    /// Returns the weights of the parameter sets at a place, without those of the set `left_out`. Their sum is 1.
-    pub fn weights(&self, place: &[f64], left_out: Option<usize>) -> Vec<(usize, f64)> {
+    /// Returns the weights of the parameter sets at a place, without the set `left_out`: those of the regression and those of a
+    /// plain mean, which are positive. The sum of either is 1.
+    pub fn weights(&self, place: &[f64], left_out: Option<usize>) -> Vec<SetWeight> {
         let dimensions = place.len();
         let scaled = |set: &Vec<f64>| -> Vec<f64> {
             let parts = set.iter().zip(place).zip(&self.widths);
@@ -92,17 +106,34 @@ impl Smoother {
                 Some(solution) => row.iter().zip(solution.iter()).map(|(x, y)| x * y).sum(),
                 None => 1.0,
             };
-            (*set, weight(*distance) * value)
+            let mean = weight(*distance);
+            SetWeight { set: *set, regression: mean * value, mean }
         });
-        let weighted: Vec<(usize, f64)> = weighted.collect();
-        let sum: f64 = weighted.iter().map(|(_, weight)| weight).sum();
-        weighted.into_iter().map(|(set, weight)| (set, weight / sum)).collect()
+        let weighted: Vec<SetWeight> = weighted.collect();
+        let regression: f64 = weighted.iter().map(|one| one.regression).sum();
+        let mean: f64 = weighted.iter().map(|one| one.mean).sum();
+        let scaled = |one: SetWeight| SetWeight {
+            set: one.set,
+            regression: one.regression / regression,
+            mean: one.mean / mean,
+        };
+        weighted.into_iter().map(scaled).collect()
     }
+}
+
+/// Returns a smoothed density: that of the regression, but at least this part of the mean, because a polynomial may be negative.
+pub fn smoothed(parts: impl Iterator<Item = (SetWeight, f64)>) -> f64 {
+    let (mut regression, mut mean) = (0.0, 0.0);
+    for (weight, value) in parts {
+        regression += weight.regression * value;
+        mean += weight.mean * value;
+    }
+    regression.max(LEAST_OF_MEAN * mean)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Smoother;
+    use super::{SetWeight, Smoother, smoothed};
 
     fn scattered(count: u32) -> Vec<Vec<f64>> {
         let at = |index, dimension| f64::from(sobol_burley::sample(index, dimension, 3));
@@ -122,10 +153,10 @@ mod tests {
                 let weights = smoother.weights(&place, left_out);
                 let value: f64 = weights
                     .iter()
-                    .map(|(set, weight)| weight * polynomial(&smoother.places()[*set]))
+                    .map(|one| one.regression * polynomial(&smoother.places()[one.set]))
                     .sum();
                 assert!((value - polynomial(&place)).abs() < 1e-6, "{place:?}: {value}");
-                assert!(weights.iter().all(|(set, _)| Some(*set) != left_out));
+                assert!(weights.iter().all(|one| Some(one.set) != left_out && one.mean > 0.0));
             }
         }
     }
@@ -137,10 +168,24 @@ mod tests {
         let value: f64 = smoother
             .weights(&[0.4, 0.6], None)
             .iter()
-            .map(|(set, weight)| weight * (1.0 + smoother.places()[*set][0]))
+            .map(|one| one.regression * (1.0 + smoother.places()[one.set][0]))
             .sum();
         assert!((value - 1.4).abs() < 1e-6, "{value}");
         let one = Smoother::new(vec![vec![0.5]], vec![0.1]);
-        assert_eq!(one.weights(&[0.2], None), [(0, 1.0)]);
+        let alone = SetWeight { set: 0, regression: 1.0, mean: 1.0 };
+        assert_eq!(one.weights(&[0.2], None), [alone]);
+    }
+
+    /// Where the polynomial is negative, a part of the mean takes its place.
+    #[test]
+    fn densities_are_positive() {
+        let smoother =
+            Smoother::new((0..8).map(|one| vec![f64::from(one) / 7.0]).collect(), vec![0.2]);
+        let step = |one: SetWeight| if one.set < 4 { 0.0 } else { 1.0 };
+        for place in [0.2, 0.3, 0.4, 0.5] {
+            let weights = smoother.weights(&[place], None);
+            let value = smoothed(weights.into_iter().map(|one| (one, step(one))));
+            assert!(value > 0.0 && value < 1.5, "{place}: {value}");
+        }
     }
 }
