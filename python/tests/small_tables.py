@@ -26,6 +26,8 @@ simulation:
 UNITS = {
     "speed_rad_s": "rad/s",
     "friction_coefficient": "1",
+    "contact_friction_coefficient": "1",
+    "ball_mass_kg": "kg",
     "initial_beta_1": "rad",
     "initial_beta_2": "rad",
 }
@@ -211,4 +213,60 @@ def equilibria(folder, side=64, parts=1, study_hash=HASH, samples=None):
         options,
         study_hash,
     )
+    return folder
+
+
+#: Inferred parameters: the range of the prior, whether its spacing is logarithmic, and the interval.
+INFERRED = {
+    "friction_coefficient": (1e-3, 6e-3, True, (2e-3, 4e-3)),
+    "contact_friction_coefficient": (0.0, 0.3, False, (0.01, 0.29)),
+    "ball_mass_kg": (1e-4, 2e-4, False, (1.2e-4, 1.4e-4)),
+}
+
+
+def identification(folder, parameters=2, balls=2, stages=1):
+    """An inference: samples that fill the intervals evenly, and two points; the second has two moving runs.
+
+    At both points, two runs were measured at rest, and four are predicted, of which one moves.
+    """
+    names = list(INFERRED)[:parameters]
+    shares = np.arange(1000) / 999
+    samples, found, listed = {}, [], {}
+    for place, name in enumerate(names):
+        low, high, logarithmic, (first, last) = INFERRED[name]
+        share = shares if place == 0 else np.roll(shares[::-1], 250 * place)
+        samples[name] = (first + share * (last - first)).tolist()
+        listed[name] = {"from": low, "to": high, **({"spacing": "logarithmic"} if logarithmic else {})}
+        middle = (first + last) / 2
+        identified = last - first < 0.8 * (high - low)
+        facts = {"parameter": name, "unit": UNITS[name], "prior": [low, high], "median": middle}
+        found.append({**facts, "low": first, "high": last, "identified": identified})
+    about = {"identify": {"parameters": listed}}
+    write(folder, "posterior", samples, about)
+    sites = [(point, stage) for point in (0, 1) for stage in range(1, stages + 1)]
+    points_of, stages_of = ([site[place] for site in sites] for place in (0, 1))
+    swept = {"speed_rad_s": [-160.0 - 40 * point for point in points_of]}
+    columns = {"point_id": points_of, **swept, "stage": stages_of, "measured_rests": [2] * len(sites)}
+    columns["measured_moving"] = [2 * point for point in points_of]
+    columns["predicted_rest_fraction"] = [0.75] * len(sites)
+    columns["p_value"] = [0.5 - 0.498 * point for point in points_of]
+    write(folder, "fit", columns, about)
+    rows = []
+    for point, stage in sites:
+        moving = [("measured", point, stage, None)] * (2 * point) + [("predicted", point, stage, None)]
+        seen = [("measured", place) for place in (1.0, 4.0)] + [("predicted", 2.0 + k) for k in range(3)]
+        rows += [(source, point, stage, place + point) for source, place in seen] + moving
+    names = ("source", "point_id", "stage", "at_rest")
+    columns = {name: [row[place] for row in rows] for place, name in enumerate(names[:3])}
+    columns["at_rest"] = [row[3] is not None for row in rows]
+    for ball in range(balls):
+        # The angles of later balls are smaller, and the last ones are below 0.
+        places = [None if row[3] is None else row[3] - 1.5 * ball for row in rows]
+        columns[f"beta_{ball + 1}_rad"] = pyarrow.array(places, pyarrow.float64())
+    write(folder, "positions", columns, about)
+    summary = {"parameters": found, "fit": {"p_value": 0.004, "rejected": True}}
+    summary["correlations"] = (
+        np.corrcoef([samples[name] for name in samples]).reshape(parameters, -1).tolist()
+    )
+    (folder / "identification.json").write_text(json.dumps(summary))
     return folder

@@ -1,6 +1,7 @@
 """What figures show: marks at coordinates, axes, words; and the command that draws them."""
 
 import hashlib
+import json
 import os
 import re
 import subprocess
@@ -454,6 +455,123 @@ def test_contact_of_a_motion(tmp_path):
     crosses = [line for line in angles.lines if line.get_marker() == "x"]
     middle = (6.2 + (0.2 + 2 * np.pi - 6.2) / 2) % (2 * np.pi)
     assert crosses[0].get_xydata() == pytest.approx(np.array([[1.125, 1.2], [1.375, middle]]))
+
+
+def words_in(axes):
+    """Words inside of the axes."""
+    return [text.get_text().replace("\u00a0", " ") for text in axes.texts]
+
+
+def steps(axes):
+    """Heights and edges of the last histogram of the axes."""
+    return axes.patches[-1].get_data()
+
+
+def test_identification(tmp_path):
+    figure = figures.identification(small_tables.identification(tmp_path))
+    friction, pair, contact, first, second, legend = panels(figure)
+    assert titles(figure) == [
+        "(a) 0.003 (0.002 to 0.004)",
+        "(b) correlation 0.13",
+        "(c) 0.15 (0.01 to 0.29)",
+        "(d) speed −160 rad/s",
+        "(e) speed −200 rad/s",
+        "",
+    ]
+    # Posteriors over the prior's range; density over prior density has the mean 1 where the prior is uniform.
+    assert friction.get_xlim() == (1e-3, 6e-3) and friction.get_xscale() == "log"
+    assert contact.get_xlim() == (0.0, 0.3) and contact.get_xscale() == "linear"
+    for axes in (friction, contact):
+        ratio, edges, _ = steps(axes)
+        scaled = np.log(edges) if axes is friction else edges
+        assert np.average(ratio, weights=np.diff(scaled)) == pytest.approx(1.0)
+        assert axes.get_ylabel() == "density / prior's"
+    ratio, edges, _ = steps(friction)
+    assert np.all(ratio[(edges[1:] < 2e-3) | (edges[:-1] > 4e-3)] == 0) and ratio.max() > 3
+    prior, interval = friction.lines[:2]
+    assert list(prior.get_ydata()) == [1.0, 1.0] and list(interval.get_xdata()) == [2e-3, 4e-3]
+    assert words_in(friction) == [] and words_in(contact) == ["not identified"]
+    # Samples with the earlier parameter on the abscissa.
+    samples = np.array(dots(pair))
+    assert len(samples) == 1000 and 2e-3 <= samples[:, 0].min() < samples[:, 0].max() <= 4e-3
+    assert pair.lines[0].get_rasterized() and pair.get_ylabel() == "contact friction\ncoefficient"
+    # The smaller and the larger angle of each run at rest; -0.5 is 2π - 0.5.
+    seen, predicted = (dots(first, colour) for colour in (paper.SERIES[1], paper.SERIES[0]))
+    assert np.array(seen) == pytest.approx(np.array([[1.0, 2 * np.pi - 0.5], [2.5, 4.0]]))
+    assert predicted == [[0.5, 2.0], [1.5, 3.0], [2.5, 4.0]]
+    assert words_in(first) == ["predicted 75 %", "rests 2 of 2", "p = 0.500"]
+    assert words_in(second) == ["predicted 75 %", "rests 2 of 4", "p = 0.002"]
+    assert first.get_xlim() == (0, 2 * np.pi) and second.get_xlabel() == "smaller angle [rad]"
+    said = legend.get_legend()
+    assert [text.get_text() for text in said.get_texts()][-2:] == ["measured rest", "predicted rest"]
+    verdict = "The model does not explain the 6 measured runs (p = 0.004)."
+    assert said.get_title().get_text().replace("\n", " ").replace("\u00a0", " ") == verdict
+    told = figure.alternative.replace("\u00a0", " ")
+    assert "95 % interval 0.15 (0.01 to 0.29), not identified" in told and told.endswith(verdict)
+    assert "speed −200 rad/s: 2 of 4 measured runs are at rest, predicted 75 %, p = 0.002" in told
+
+
+def test_identification_of_other_numbers_of_balls(tmp_path):
+    one = small_tables.identification(tmp_path / "one", parameters=1, balls=1)
+    figure = figures.identification(one, width="single")
+    _, first, second = panels(figure)
+    assert titles(figure)[1] == "(b) speed −160 rad/s rests 2 of 2; predicted 75 %; p = 0.500"
+    found, edges, _ = steps(first)
+    assert found[np.searchsorted(edges, [1.0, 4.0]) - 1].tolist() == [50.0, 50.0] and found.sum() == 100.0
+    assert entries(figure)[-2:] == ["measured rests", "predicted rests"]
+    three = small_tables.identification(tmp_path / "three", parameters=3, balls=3, stages=2)
+    figure = figures.identification(three, points=[1])
+    shown = titles(figure)
+    assert shown[6:8] == [
+        f"({letter}) speed −200 rad/s, stage {stage} rests 2 of 4; predicted 75 %; p = 0.002"
+        for letter, stage in (("g", 1), ("h", 2))
+    ]
+    assert len(shown) == 9 and "2 of 4 points are shown" in figure.caption
+    assert steps(panels(figure)[-2])[0].sum() == pytest.approx(100.0)
+    # Small numbers have their power of ten at the name of the axis.
+    mass = panels(figure)[5]
+    assert mass.get_xlabel() == "ball mass [10⁻⁴ kg]" and mass.xaxis.get_major_formatter()(1.5e-4) == "1.5"
+    with pytest.raises(figures.FiguresError, match="no point 2; points are 0, 1"):
+        figures.identification(three, points=[2])
+
+
+def test_many_measured_points_are_thinned(tmp_path):
+    folder = small_tables.identification(tmp_path, parameters=1, stages=8)
+    figure = figures.identification(folder)
+    assert len(panels(figure)) == 13 and "12 of 16 points are shown" in figure.caption
+
+
+def test_directories_without_an_identification(results, tmp_path, capsys):
+    with pytest.raises(
+        figures.FiguresError, match=r"posterior\.parquet: the table is not there; `stickslip id"
+    ):
+        figures.identification(results)
+    folder = small_tables.identification(tmp_path / "inferred")
+    summary = (folder / "identification.json").read_text()
+    for text, problem in (
+        ("{", "it cannot be read"),
+        ("[]", "it is no object"),
+        ("{}", "it has no parameters"),
+        (summary.replace('"rejected"', '"other"'), r"it has no fit\.rejected"),
+        (summary.replace("contact_friction", "other"), "not the parameters of identification.json"),
+    ):
+        (folder / "identification.json").write_text(text)
+        with pytest.raises(figures.FiguresError, match=problem):
+            figures.identification(folder)
+    (folder / "identification.json").unlink()
+    assert command.main([str(folder)]) == 1
+    assert "identification.json: the file is not there; `stickslip identify" in capsys.readouterr().err
+    (folder / "identification.json").write_text(summary)
+    names = ("posterior.parquet", "fit.parquet", "positions.parquet", "identification.json")
+    hashes = {name: {"sha256": hashlib.sha256((folder / name).read_bytes()).hexdigest()} for name in names}
+    (folder / "files.json").write_text(json.dumps({"files": hashes}))
+    assert command.main([str(folder), "--out", str(tmp_path / "drawn")]) == 0
+    assert capsys.readouterr().out == f"{tmp_path / 'drawn/identification.svg'}\n"
+    (folder / "identification.json").write_text(summary + " ")
+    with pytest.raises(
+        figures.FiguresError, match=r"identification\.json: it is not the file that was written"
+    ):
+        figures.identification(folder)
 
 
 def test_a_long_motion_keeps_its_extremes():

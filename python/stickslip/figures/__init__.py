@@ -22,6 +22,7 @@ from .branches import frictionless_branches
 from .curves import amplitudes, time_to_rest
 from .cycles import limit_cycle_branches
 from .endings import diagnostics, ending_fractions
+from .identification import identification
 from .maps import label_map
 from .trajectory import motion
 from .preferred import preferred_equilibria
@@ -40,6 +41,7 @@ __all__ = [
     "equilibrium_set",
     "equilibrium_surface",
     "frictionless_branches",
+    "identification",
     "label_map",
     "limit_cycle_branches",
     "motion",

@@ -16,6 +16,7 @@ from . import (
     equilibrium_set,
     equilibrium_surface,
     frictionless_branches,
+    identification,
     label_map,
     limit_cycle_branches,
     motion,
@@ -43,6 +44,7 @@ FIGURES: dict[str, tuple[Drawing, str]] = {
     "equilibrium-surface": (equilibrium_surface, "equilibrium_positions"),
     "frictionless-branches": (frictionless_branches, "frictionless_equilibria"),
     "motion": (motion, "trajectory"),
+    "identification": (identification, "posterior"),
 }
 
 _DESCRIPTION = "Draws figures for papers from the tables of a results directory, and prints their paths."
@@ -53,9 +55,9 @@ Examples:
   stickslip-figures results/night --equilibria results/night-equilibria
   stickslip-figures results/night --width double --out paper/figures
 
-DIR is a directory written by `stickslip run`, `stickslip equilibria` or `stickslip replay`. Figures that its
-tables cannot show are omitted; with --only, an error states the reason. Identical tables and versions of
-matplotlib give identical bytes. Exit codes: 0 success; 1 a table cannot be read; 2 wrong usage.
+DIR is a directory written by `stickslip run`, `stickslip equilibria`, `stickslip replay` or `stickslip identify`.
+Figures that its tables cannot show are omitted; with --only, an error states the reason. Identical tables and
+versions of matplotlib give identical bytes. Exit codes: 0 success; 1 a table cannot be read; 2 wrong usage.
 """
 
 
@@ -117,8 +119,8 @@ def _drawn(arguments: argparse.Namespace) -> list[tuple[str, Paper]]:
             directory.path,
             "",
             "there is nothing to draw here: no points.parquet, equilibrium_positions.parquet, "
-            "frictionless_equilibria.parquet or trajectory.parquet",
-            "give a directory written by `stickslip run`, `equilibria` or `replay`",
+            "frictionless_equilibria.parquet, trajectory.parquet or posterior.parquet",
+            "give a directory written by `stickslip run`, `equilibria`, `replay` or `identify`",
         )
     drawn: list[tuple[str, Paper]] = []
     why_not: list[FiguresError] = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import textwrap
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Callable, Optional
 
@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator, ScalarFormatter
 
+from . import words
 from .paper import WIDTHS_MM, Paper, Width, style
 
 __all__ = ["MOST_PANELS", "Panel", "angle_axis", "lay_out"]
@@ -40,6 +41,8 @@ class Panel:
     keys: Sequence[Any] = field(default_factory=tuple)
     #: Whether the axes are three-dimensional.
     in_space: bool = False
+    #: Whether the title begins with a letter.
+    lettered: bool = True
 
 
 def angle_axis(axes: Axes, which: str, name: str) -> None:
@@ -73,7 +76,7 @@ def named_axis(axes: Axes, names: Sequence[str], label: str) -> None:
 
 def _power(exponent: str) -> str:
     """Formats a power of ten: `10⁻⁵` for `-05`."""
-    return "10" + str(int(exponent.replace("−", "-"))).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return "10" + words.superscript(int(exponent.replace("−", "-")))
 
 
 def _plain(value: float) -> str:
@@ -117,22 +120,32 @@ def lay_out(
     width: Optional[Width] = None,
     sheet: int = 1,
     columns: Optional[int] = None,
+    places: Optional[Sequence[tuple[int, int]]] = None,
     legend_title: str = "",
 ) -> Paper:
-    """Draws panels on a sheet as wide as a journal's column or page, and fits its height."""
+    """Draws panels on a sheet as wide as a journal's column or page, and fits its height.
+
+    ``places`` are the row and column of each panel; all panels are then on one sheet.
+    """
     if width is not None and width not in WIDTHS_MM:
         raise ValueError(f"width={width!r}: allowed are {', '.join(map(repr, WIDTHS_MM))}")
-    sheets = -(-len(panels) // MOST_PANELS)
+    most_panels = MOST_PANELS if places is None else len(panels)
+    sheets = -(-len(panels) // most_panels)
     if not 1 <= sheet <= sheets:
         raise ValueError(f"sheet={sheet!r}: there are {sheets}, numbered from 1")
-    first = (sheet - 1) * MOST_PANELS
-    shown = panels[first : first + MOST_PANELS]
+    first = (sheet - 1) * most_panels
+    shown = panels[first : first + most_panels]
     size = WIDTHS_MM[width or ("double" if len(shown) > 1 else "single")] / _INCH_MM
-    if columns is None:
+    if places is not None:
+        columns = 1 + max(column for _, column in places)
+    elif columns is None:
         most = 3 if size > 5 else 1
         columns = min(most, 2 if len(shown) in (2, 4) else len(shown))
     columns = min(columns, len(shown))
-    rows = -(-len(shown) // columns)
+    if places is None:
+        places = [divmod(place, columns) for place in range(len(shown))]
+    rows = 1 + max(row for row, _ in places)
+    letters = iter(range(first, first + len(shown)))
     with style():
         across = size / columns
         height = rows * (across * max(panel.aspect for panel in shown) + 0.5) + 0.8
@@ -140,10 +153,11 @@ def lay_out(
         paper.title, paper.caption, paper.alternative = title, caption.strip(), alternative
         paper.sheets = sheets
         paper.get_layout_engine().set(w_pad=0.02, h_pad=0.02)  # type: ignore[union-attr, call-arg]
-        letters = 72 * (across - 0.35) / 4.7
-        drawn: list[Axes] = []
-        for place, panel in enumerate(shown):
-            axes = paper.add_subplot(rows, columns, place + 1, projection="3d" if panel.in_space else None)
+        wide = max(18, int(72 * (across - 0.35) / 4.7))
+        drawn: dict[tuple[int, int], Axes] = {}
+        for (row, column), panel in zip(places, shown):
+            place = row * columns + column + 1
+            axes = paper.add_subplot(rows, columns, place, projection="3d" if panel.in_space else None)
             if not panel.in_space:
                 axes.set_box_aspect(panel.aspect)
             mappable = panel.draw(axes)
@@ -152,21 +166,21 @@ def lay_out(
                 bar = paper.colorbar(mappable, ax=axes, aspect=18, **beside)
                 bar.set_label(panel.scale)
                 bar.outline.set_linewidth(0.6)
-            lettered = f"({_letter(first + place)}) {panel.title}" if len(panels) > 1 else panel.title
+            with_letter = panel.lettered and len(panels) > 1
+            lettered = f"({_letter(next(letters))}) {panel.title}" if with_letter else panel.title
             if lettered.strip():
-                axes.set_title(
-                    "\n".join(textwrap.wrap(lettered.strip(), max(18, int(letters)))), pad=4.0 + panel.above
-                )
-            drawn.append(axes)
+                lines = [part for line in lettered.strip().split("\n") for part in textwrap.wrap(line, wide)]
+                axes.set_title("\n".join(lines), pad=4.0 + panel.above)
+            drawn[row, column] = axes
         for axes in paper.axes:
             _plain_numbers(axes)
-        _label_outer(drawn, columns)
-        _legend(paper, shown, drawn, legend_title)
+        _label_outer(drawn)
+        _legend(paper, shown, list(drawn.values()), legend_title)
         _fit_height(paper)
     return paper
 
 
-def _label_outer(drawn: Sequence[Axes], columns: int) -> None:
+def _label_outer(drawn: Mapping[tuple[int, int], Axes]) -> None:
     """Removes the labels of axes that repeat those of a neighbour."""
 
     def of_x(axes: Axes) -> Any:
@@ -176,13 +190,13 @@ def _label_outer(drawn: Sequence[Axes], columns: int) -> None:
         return axes.get_ylabel(), axes.get_ylim(), axes.get_yscale()
 
     inner_x, inner_y = [], []
-    for place, axes in enumerate(drawn):
+    for (row, column), axes in drawn.items():
         if axes.name == "3d":
             continue
-        below = place + columns
-        if below < len(drawn) and of_x(drawn[below]) == of_x(axes):
+        below, beside = drawn.get((row + 1, column)), drawn.get((row, column - 1))
+        if below is not None and of_x(below) == of_x(axes):
             inner_x.append(axes)
-        if place % columns and of_y(drawn[place - 1]) == of_y(axes):
+        if beside is not None and of_y(beside) == of_y(axes):
             inner_y.append(axes)
     for axes in inner_x:
         axes.set_xlabel("")

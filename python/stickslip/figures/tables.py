@@ -35,6 +35,10 @@ _COMMANDS = {
     "frictionless_equilibria": "stickslip equilibria STUDY --out DIR",
     "trajectory": "stickslip replay RESULTS RUN_ID --out DIR",
     "touches": "stickslip replay RESULTS RUN_ID --out DIR",
+    "posterior": "stickslip identify STUDY --measured FILE --out DIR",
+    "fit": "stickslip identify STUDY --measured FILE --out DIR",
+    "positions": "stickslip identify STUDY --measured FILE --out DIR",
+    "identification": "stickslip identify STUDY --measured FILE --out DIR",
 }
 
 
@@ -62,7 +66,7 @@ class NothingToShowError(FiguresError):
 
 
 class Directory:
-    """A directory written by `stickslip run`, `equilibria` or `replay`."""
+    """A directory written by `stickslip run`, `equilibria`, `replay` or `identify`."""
 
     def __init__(self, path: Source) -> None:
         self.path = Path(path)
@@ -101,16 +105,38 @@ class Directory:
                 self.path, path.name, "the directory has no parts", f"`{_COMMANDS[name]}` writes them"
             )
         for file in files:
-            listed = self._listed
-            key = file.relative_to(self.path).as_posix()
-            if listed is None:
-                continue
-            again = f"finish or repeat `{_COMMANDS[name]}`"
-            if key not in listed:
-                raise FiguresError(self.path, key, "it is not on the directory's list of files", again)
-            if listed[key].get("sha256") not in (None, _sha256(file, file.stat().st_mtime_ns)):
-                raise FiguresError(self.path, key, "it is not the file that was written", again)
+            self._verify(file, name)
         return Table(self.path, path.name, files)
+
+    def object(self, name: str) -> dict[str, Any]:
+        """Reads a JSON file with an object, and verifies its hash."""
+        path = self.path / f"{name}.json"
+        if not path.exists():
+            raise self.error(path.name, "the file is not there", f"`{_COMMANDS[name]}` writes it")
+        self._verify(path, name)
+        try:
+            found = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise self.error(path.name, f"it cannot be read ({error})", "write the directory anew") from error
+        if not isinstance(found, dict):
+            raise self.error(path.name, "it is no object", "write the directory anew")
+        return found
+
+    def error(self, file: str, problem: str, remedy: str) -> FiguresError:
+        """Returns an error about a file of this directory."""
+        return FiguresError(self.path, file, problem, remedy)
+
+    def _verify(self, file: Path, name: str) -> None:
+        """Raises FiguresError if a file is not listed, or has changed."""
+        listed = self._listed
+        if listed is None:
+            return
+        key = file.relative_to(self.path).as_posix()
+        again = f"finish or repeat `{_COMMANDS[name]}`"
+        if key not in listed:
+            raise self.error(key, "it is not on the directory's list of files", again)
+        if listed[key].get("sha256") not in (None, _sha256(file, file.stat().st_mtime_ns)):
+            raise self.error(key, "it is not the file that was written", again)
 
 
 @lru_cache(maxsize=256)

@@ -6,12 +6,27 @@ import re
 from collections.abc import Sequence
 from typing import Union
 
-__all__ = ["axis", "coordinate", "label", "listed", "number", "parameter", "significant", "subscript"]
+__all__ = [
+    "axis",
+    "coordinate",
+    "label",
+    "listed",
+    "number",
+    "parameter",
+    "significant",
+    "subscript",
+    "superscript",
+]
 
 
 def subscript(value: int) -> str:
     """Formats a number as a subscript."""
     return str(value).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
+
+
+def superscript(value: int) -> str:
+    """Formats a number as a superscript."""
+    return str(value).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def number(value: Union[float, str]) -> str:
