@@ -9,7 +9,7 @@ use stickslip::study::{Study, json_schema};
 
 /// Problems that the program finds and the schema cannot express, each with the reason. A problem that ends with a blank
 /// is the beginning of a problem.
-const CONTENT: [(&str, &str); 40] = [
+const CONTENT: [(&str, &str); 41] = [
     ("a peak amplitude has no counterpart without balls", "two keys of a response"),
     ("no peak amplitude at constant speed without disturbances", "a response and the model"),
     ("no physical meaning: ramp_to_1_rad_s", "the sign of all speeds of a profile"),
@@ -29,6 +29,7 @@ const CONTENT: [(&str, &str); 40] = [
     ("viscous friction does not use it", "parameters depend on the friction law"),
     ("no physical meaning", "bounds of a parameter in tables, distributions, units and designs"),
     ("reversed range", "the order of two numbers"),
+    ("an empty range", "the order of two numbers"),
     ("reversed or empty range", "the order of two numbers"),
     ("not a range of fractions", "the order of two numbers"),
     ("almost nothing is left between min and max", "the order of two numbers"),
