@@ -12,7 +12,7 @@ use crate::study::file::values::{Entry, InlineTable, TableSource};
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::sampling::apart::first_overlap;
 use crate::study::sampling::initial_box::axis_names;
-use crate::study::sampling::sampling_design::{Layout, MAX_SOBOL_SAMPLES};
+use crate::study::sampling::sampling_design::{Layout, MAX_SOBOL_SAMPLES, SOBOL_DIMENSIONS};
 
 /// A validated layout, and the design in the form of a self-contained study file.
 #[derive(Clone)]
@@ -46,6 +46,13 @@ pub(crate) fn resolve_design<'a>(
                 let allowed = format!("at most {MAX_SOBOL_SAMPLES}, or another design");
                 let fault = Fault::new("too many samples", samples.0.to_string(), allowed);
                 return Err(path.key("sobol").key("samples").refuse_value(fault));
+            }
+            let dimensions = model.coordinates().len();
+            if dimensions > SOBOL_DIMENSIONS as usize {
+                let found = format!("{dimensions} coordinates");
+                let allowed = format!("at most {SOBOL_DIMENSIONS}, or another design");
+                let problem = "too many dimensions for a Sobol' sequence";
+                return Err(path.key("sobol").refuse_key(Fault::new(problem, found, allowed)));
             }
             Layout::Sobol { samples: samples.0 }
         }
