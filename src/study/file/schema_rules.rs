@@ -139,6 +139,9 @@ fn of_kind(kind: &ModelKind, parameters: &Map<String, Value>) -> Value {
         "model": { "properties": model },
         "sweep": { "items": { "properties": { "grid": names(&swept), "zip": names(&swept) } } },
         "uncertain": names(&numeric),
+        "uncertain_sampling": { "properties": { "correlations": { "items": { "properties": {
+            "parameters": { "items": { "enum": numeric } }
+        } } } } },
         "expect": { "items": { "properties": { "point": names(&swept) } } },
         "design": {
             "properties": variables,

@@ -16,6 +16,7 @@ use crate::study::file::protocol_file::ProtocolFile;
 use crate::study::file::response_file::{ResponseFile, VariableFile};
 use crate::study::file::schema_parts as schema;
 use crate::study::file::stages_file::{DisturbanceFile, ProfilePartFile};
+use crate::study::file::uncertain_sampling_file::UncertainSamplingFile;
 use crate::study::file::values::{Count, Entry, Range, TableSource};
 
 /// A stickslip study: a model, the points of a sweep, and the sampling of start states.
@@ -41,6 +42,9 @@ pub struct StudyFile {
     #[serde(default)]
     #[schemars(schema_with = "schema::uncertain")]
     pub uncertain: Option<IndexMap<String, DistributionFile>>,
+    /// How the uncertain parameters are sampled together: design and rank correlations; by default, draws are
+    /// independent.
+    pub uncertain_sampling: Option<UncertainSamplingFile>,
     /// Start states and how they are sampled.
     pub initial_conditions: InitialConditionsFile,
     /// Integration method, end time, tolerances and the endings to detect.

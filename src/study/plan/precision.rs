@@ -52,7 +52,7 @@ impl Precision {
 }
 
 impl Sampling {
-    /// Computes the number of runs of a point whose design has `first` samples.
+    /// Computes the number of runs of a point whose design has `first` samples; a precision adds runs up to `longest`.
     ///
     /// # Errors
     /// Returns an error if there is a precision and the design cannot be enlarged.
@@ -60,15 +60,16 @@ impl Sampling {
         design: &Design,
         first: u64,
         precision: Option<&Precision>,
+        longest: u64,
     ) -> Result<Sampling, Fault> {
         let Some(precision) = precision else {
             return Ok(Sampling { first, replicate: first, most: first });
         };
-        let Some((replicate, longest)) = design.enlargement(first) else {
+        let Some((replicate, own_longest)) = design.enlargement(first) else {
             let allowed = "stratified, monte_carlo or sobol, or no `precision`";
             return Err(Fault::new("a design that cannot be enlarged", design.kind(), allowed));
         };
-        let limit = precision.max_runs.min(longest);
+        let limit = precision.max_runs.min(own_longest).min(longest);
         Ok(Sampling { first, replicate, most: (limit - limit % replicate).max(first) })
     }
 }

@@ -9,6 +9,7 @@ use crate::model::MAX_BALLS;
 use crate::study::file::values::MAX_COUNT;
 use crate::study::sampling::draw::{DrawKey, RandomOrder};
 use crate::study::sampling::initial_box::{BoxAxis, InitialBox};
+use crate::study::sampling::uncertain_design::UncertainDesign;
 
 /// The largest number of samples of a Sobol' design, which is the length of the library's sequence.
 pub(crate) const MAX_SOBOL_SAMPLES: u64 = 65_536;
@@ -93,6 +94,20 @@ impl Design {
             .collect();
         let sobol_seed = DrawKey::new(seed, "sobol", "scramble").bits(0, 0) as u32;
         Design { layout, axes, sobol_seed, seed }
+    }
+
+    /// Returns the layout.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Returns dimensions of the same Sobol' sequence that no axis uses.
+    pub fn further_dimensions(&self) -> UncertainDesign {
+        let taken = self.axes.iter().map(|draws| draws.dimension + 1).max().unwrap_or(0);
+        // A further ball keeps the draws of the parameters.
+        let of_balls = if taken > 4 { 4 + 2 * MAX_BALLS as u32 } else { 0 };
+        let first_dimension = taken.max(of_balls);
+        UncertainDesign::Sobol { seed: self.sobol_seed, first_dimension }
     }
 
     /// Returns the factors whose product is the number of samples at one point.
@@ -223,10 +238,7 @@ impl Design {
                 let stratum = draws.order.as_ref().map_or(0, |order| order.at(id.replicate));
                 within(stratum, *samples, uniform())
             }
-            Layout::Sobol { .. } => {
-                let index = u32::try_from(id.replicate).unwrap_or(0);
-                f64::from(sobol_burley::sample(index, draws.dimension, self.sobol_seed))
-            }
+            Layout::Sobol { .. } => sobol_fraction(id.replicate, draws.dimension, self.sobol_seed),
             Layout::MonteCarlo { .. } | Layout::Table { .. } => uniform(),
         }
     }
@@ -249,9 +261,15 @@ impl Layout {
     }
 }
 
+/// Returns a number of a scrambled Sobol' sequence: a multiple of 2^-23 from 0 to below 1.
+pub(crate) fn sobol_fraction(sample: u64, dimension: u32, seed: u32) -> f64 {
+    let index = u32::try_from(sample).unwrap_or(0);
+    f64::from(sobol_burley::sample(index, dimension, seed))
+}
+
 /// Maps a fraction into one of several equal parts of the unit interval; rounding never leaves the
 /// part.
-fn within(part: u64, parts: u64, fraction: f64) -> f64 {
+pub(crate) fn within(part: u64, parts: u64, fraction: f64) -> f64 {
     let upper = (part + 1) as f64 / parts as f64;
     ((part as f64 + fraction) / parts as f64).min(upper.next_down())
 }
