@@ -16,6 +16,7 @@ use super::exit::{CliError, End};
 use super::output::{print, print_json};
 use super::point_keys::merged;
 use crate::check::{ExaminedDesign, Warning, warnings};
+use crate::counted::counted;
 use crate::engine::say;
 use crate::model::{Endings, Extend, Method};
 use crate::study::{Precision, Response, Study, Variable, VariedParameter, describe_number};
@@ -90,6 +91,9 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
             "most_steps": cost.most_steps,
             "most_core_seconds": cost.most_core_seconds,
         });
+        if let Some((design, correlations)) = study.uncertain_sampling() {
+            report["uncertain_sampling"] = json!({"design": design, "correlations": correlations});
+        }
         if let Some(audit) = study.audit() {
             report["audit_fraction"] = json!(audit.fraction);
         }
@@ -176,7 +180,7 @@ fn rows(
         ("study", format!("{} (hash {hash}, seed {seed})", study.name())),
         ("model", format!("{what}, {friction} friction, natural frequency {natural:.3} rad/s")),
         ("swept", names(study.swept())),
-        ("uncertain", names(study.uncertain())),
+        ("uncertain", names(study.uncertain()) + &sampled_together(study)),
     ];
     if !(study.variables().is_empty() && study.responses().is_empty()) {
         rows.push(("design", listed(study.variables().iter().map(Variable::name).collect())));
@@ -201,6 +205,16 @@ fn rows(
         rows.extend(designs.rows());
     }
     rows
+}
+
+/// Returns how the uncertain parameters are sampled together, in parentheses; empty if their draws are independent.
+fn sampled_together(study: &Study) -> String {
+    let Some((design, correlations)) = study.uncertain_sampling() else { return String::new() };
+    let correlations = match correlations {
+        0 => String::new(),
+        count => format!(", {}", counted(count as u64, "rank correlation")),
+    };
+    format!(" (design {design}{correlations})")
 }
 
 /// Returns the number of runs, and when each of them ends.

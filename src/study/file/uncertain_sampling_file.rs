@@ -30,6 +30,18 @@ pub enum UncertainDesignKind {
     Joint,
 }
 
+impl UncertainDesignKind {
+    /// Returns the word of a study file.
+    pub fn name(self) -> &'static str {
+        match self {
+            UncertainDesignKind::MonteCarlo => "monte_carlo",
+            UncertainDesignKind::LatinHypercube => "latin_hypercube",
+            UncertainDesignKind::Sobol => "sobol",
+            UncertainDesignKind::Joint => "joint",
+        }
+    }
+}
+
 /// The rank correlation of two uncertain parameters.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]

@@ -6,6 +6,14 @@ use crate::study::plan::sweep::Block;
 use crate::study::resolve::uncertain::Uncertain;
 
 impl Study {
+    /// Returns the design of the uncertain parameters and the number of their rank correlations; `None` if all draws are
+    /// independent.
+    pub fn uncertain_sampling(&self) -> Option<(&'static str, usize)> {
+        let file = self.resolved.file.uncertain_sampling.as_ref()?;
+        let correlations = file.correlations.as_ref().map_or(0, Vec::len);
+        Some((file.design.unwrap_or_default().name(), correlations))
+    }
+
     /// Returns the fraction of each uncertain parameter's distribution at which a run draws it; `sample` counts the runs
     /// of a point of the block from zero.
     pub(in crate::study) fn drawn_fractions(&self, block: &Block, sample: u64) -> Vec<f64> {

@@ -8,11 +8,10 @@ use crate::study::file::uncertain_sampling_file::{
 use crate::study::file::unit_keys::split_unit;
 use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::precision::{Precision, Sampling};
+use crate::study::resolve::sampling::check_dimensions;
 use crate::study::resolve::uncertain::Uncertain;
 use crate::study::sampling::correlation::{Contradiction, Copula, RankCorrelation};
-use crate::study::sampling::sampling_design::{
-    Design, Layout, MAX_SOBOL_SAMPLES, SOBOL_DIMENSIONS,
-};
+use crate::study::sampling::sampling_design::{Design, Layout, MAX_SOBOL_SAMPLES};
 use crate::study::sampling::uncertain_design::UncertainDesign;
 
 /// The validated key `uncertain_sampling`.
@@ -81,7 +80,7 @@ impl<'a> UncertainSampling<'a> {
         precision: Option<&Precision>,
     ) -> Result<UncertainDesign, StudyError> {
         let own = |runs| UncertainDesign::latin_hypercube(&self.names, runs, self.seed);
-        let refuse = |fault| Err(self.path.key("design").refuse_value(fault));
+        let refuse = |fault| self.path.key("design").refuse_value(fault);
         let uncertain_design = match (self.kind, design.layout()) {
             (UncertainDesignKind::MonteCarlo, _)
             | (UncertainDesignKind::Joint, Layout::MonteCarlo { .. }) => {
@@ -90,7 +89,11 @@ impl<'a> UncertainSampling<'a> {
             (UncertainDesignKind::LatinHypercube, _) if precision.is_some() => {
                 let allowed = "monte_carlo, sobol or joint, or no `precision`";
                 let problem = "a design that cannot be enlarged";
-                return refuse(Fault::new(problem, "latin_hypercube with `precision`", allowed));
+                return Err(refuse(Fault::new(
+                    problem,
+                    "latin_hypercube with `precision`",
+                    allowed,
+                )));
             }
             (UncertainDesignKind::LatinHypercube, _)
             | (UncertainDesignKind::Joint, Layout::LatinHypercube { .. }) => own(sampling.first),
@@ -99,7 +102,11 @@ impl<'a> UncertainSampling<'a> {
                 let allowed = format!(
                     "sobol for at most {MAX_SOBOL_SAMPLES} runs at each point, or latin_hypercube"
                 );
-                return refuse(Fault::new("too many runs for a Sobol' sequence", found, allowed));
+                return Err(refuse(Fault::new(
+                    "too many runs for a Sobol' sequence",
+                    found,
+                    allowed,
+                )));
             }
             (UncertainDesignKind::Sobol, _) => UncertainDesign::own_sobol(self.seed),
             (UncertainDesignKind::Joint, Layout::Sobol { .. }) => design.further_dimensions(),
@@ -108,16 +115,10 @@ impl<'a> UncertainSampling<'a> {
                 let allowed = "latin_hypercube, sobol or monte_carlo for the start states, or \
                                latin_hypercube or sobol here, over all runs of a point";
                 let problem = "a design of start states without further axes";
-                return refuse(Fault::new(problem, found, allowed));
+                return Err(refuse(Fault::new(problem, found, allowed)));
             }
         };
-        let dimensions = uncertain_design.dimensions(self.names.len());
-        if dimensions > SOBOL_DIMENSIONS as usize {
-            let found = format!("{dimensions} dimensions");
-            let allowed =
-                format!("at most {SOBOL_DIMENSIONS} dimensions, or the design latin_hypercube");
-            return refuse(Fault::new("too many dimensions for a Sobol' sequence", found, allowed));
-        }
+        check_dimensions(uncertain_design.dimensions(self.names.len())).map_err(refuse)?;
         Ok(uncertain_design)
     }
 }
