@@ -19,7 +19,7 @@ use crate::check::{ExaminedDesign, Warning, warnings};
 use crate::counted::counted;
 use crate::engine::say;
 use crate::model::{Endings, Extend, Method};
-use crate::study::{Precision, Response, Study, Variable, VariedParameter, describe_number};
+use crate::study::{Response, Study, Variable, VariedParameter, describe_number};
 use crate::text_table::text_table;
 
 const EXAMPLES: &str = "\
@@ -99,7 +99,13 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         }
         if let Some(precision) = study.precision() {
             report["least_runs"] = study.least_run_count().into();
-            report["precision"] = json!(precision.equilibrium_fraction);
+            for (name, half_width, _) in precision.half_widths() {
+                let key = match name {
+                    "equilibrium_fraction" => "precision".to_owned(),
+                    amplitude => format!("precision_{amplitude}"),
+                };
+                report[key] = json!(half_width);
+            }
         }
         report["machine"] = machine_json(&study);
         if study.has_stages() {
@@ -223,11 +229,9 @@ fn runs(study: &Study) -> String {
     let count = study.run_count();
     let runs = match study.precision() {
         None => count.to_string(),
-        Some(Precision { equilibrium_fraction, .. }) => format!(
-            "{} to {count} (until the half width of the 95 % interval is at most \
-             {equilibrium_fraction})",
-            study.least_run_count(),
-        ),
+        Some(precision) => {
+            format!("{} to {count} (until {})", study.least_run_count(), precision.in_words())
+        }
     };
     let [_, later] = simulation.end_times_s();
     let extended = match simulation.extend {

@@ -128,7 +128,7 @@ initial_conditions:
   design: {sobol: {samples: 8}}
 simulation: {end_time: 2 s, method: event, tolerance: {relative: 1.0e-7}}
 audit: {fraction: 0.5}
-precision: {equilibrium_fraction: 0.1, max_runs: 100}
+precision: {equilibrium_fraction: 0.1, amplitude_p95: 5 µm, max_runs: 100}
 expect: [{point: {normal_force: newton}, equilibrium_fraction: [0, 1], audit_flip_rate: [0, 1]}]
 design:
   imbalance_radius: {from: 30 mm, to: 40 mm}

@@ -30,6 +30,8 @@ pub(in crate::study) fn add_rules(schema: &mut Value) {
             "/$defs/BlockFile",
             json!({ "oneOf": [required(&["grid"]), required(&["zip"]), required(&["table"])] }),
         ),
+        // `max_runs` and at least one half width.
+        ("/$defs/PrecisionFile", json!({ "minProperties": 2 })),
         ("/$defs/LimitFile", json!({ "anyOf": [required(&["at_least"]), required(&["at_most"])] })),
         (
             "/$defs/OptimizeFile",

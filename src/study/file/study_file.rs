@@ -49,8 +49,8 @@ pub struct StudyFile {
     pub initial_conditions: InitialConditionsFile,
     /// Integration method, end time, tolerances and the endings to detect.
     pub simulation: Option<SimulationFile>,
-    /// Sequential sampling: adds runs at each point until the 95 % confidence interval of the
-    /// fraction of equilibria is narrow enough; by default, each point has the runs of its design.
+    /// Sequential sampling: adds runs at each point until the 95 % confidence intervals of the
+    /// fraction of equilibria or of amplitudes are narrow enough; by default, each point has the runs of its design.
     pub precision: Option<PrecisionFile>,
     /// Recomputation of a fraction of the runs by the other method; by default, none.
     pub audit: Option<AuditFile>,
@@ -253,15 +253,24 @@ pub struct ToleranceFile {
 }
 
 /// Sequential sampling: adds whole replicates of the design at each point until the 95 % confidence
-/// interval of the fraction of equilibria is narrow enough; only for `stratified`, `monte_carlo`
-/// and `sobol`.
+/// intervals of the given columns are narrow enough; only for `stratified`, `monte_carlo` and
+/// `sobol`.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PrecisionFile {
     /// Half width of the 95 % confidence interval (`ci_low` to `ci_high`) at which sampling stops;
     /// above 0, below 0.5.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 0.5))]
-    pub equilibrium_fraction: f64,
+    pub equilibrium_fraction: Option<f64>,
+    /// Half width of the 95 % confidence interval of the quantile 5 % of the amplitude, m; above 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub amplitude_p05_m: Option<f64>,
+    /// Half width of the 95 % confidence interval of the median amplitude, m; above 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub amplitude_p50_m: Option<f64>,
+    /// Half width of the 95 % confidence interval of the quantile 95 % of the amplitude, m; above 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub amplitude_p95_m: Option<f64>,
     /// Largest number of runs at each point; the runs of the design itself are always computed, and
     /// a Sobol' sequence ends after 65,536.
     pub max_runs: Count,
