@@ -130,6 +130,9 @@ fn sampled_amplitude(
     (runs, interval.map(|end| end.expect("a bound")))
 }
 
+/// The quantile of a fraction in a distribution of amplitudes.
+type Quantile<'a> = &'a dyn Fn(f64) -> f64;
+
 /// The intervals of quantiles at which sampling stops cover the quantile in at least 93 % of 2000 points each, at a level
 /// of 1e-5 for each of the twelve settings (4.3 standard deviations). The amplitudes are uniform, exponential, and of two
 /// kinds with a gap that no quantile is in.
@@ -141,7 +144,7 @@ fn intervals_of_amplitudes_keep_their_coverage_after_stopping() {
     let uniform = |u: f64| u;
     let exponential = |u: f64| -f64::ln_1p(-u);
     let two_kinds = |u: f64| if u < 0.3 { u } else { u + 5.0 };
-    let all: [(&str, &dyn Fn(f64) -> f64, [[f64; 2]; 2]); 3] = [
+    let all: [(&str, Quantile<'_>, [[f64; 2]; 2]); 3] = [
         ("uniform", &uniform, [[0.08, 0.04], [0.03, 0.015]]),
         ("exponential", &exponential, [[0.16, 0.08], [0.6, 0.4]]),
         ("two kinds", &two_kinds, [[0.08, 0.04], [0.03, 0.015]]),
