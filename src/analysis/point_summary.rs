@@ -68,6 +68,8 @@ pub struct PointSummary {
     pub escape: Option<EscapeRate>,
     /// Quantiles 5, 50 and 95 % of the amplitude over all runs that have one, m.
     pub amplitude_m: [Option<f64>; 3],
+    /// 95 % intervals of these quantiles, m; an end is `None` if the runs do not bound it.
+    pub amplitude_interval_m: [[Option<f64>; 2]; 3],
     /// The basin entropy; `None` without cells with at least two runs.
     pub basin_entropy: Option<f64>,
     /// The vibration that the balls leave; all `None` for a block.
@@ -160,6 +162,12 @@ impl PointAccumulator {
         Interval { low, high, method: IntervalMethod::Wilson }
     }
 
+    /// Returns the current 95 % interval of a quantile of the amplitude over all runs that have one, m; an end is `None`
+    /// if the runs do not bound it.
+    pub fn amplitude_interval(&self, fraction: f64) -> [Option<f64>; 2] {
+        self.amplitudes.quantile_interval(fraction)
+    }
+
     fn escape(&self) -> Option<EscapeRate> {
         let finite = self.times.groups().filter(|(time, _)| time.is_finite());
         let mut groups: Vec<Group> = finite.chain(self.cycles.groups()).collect();
@@ -181,6 +189,8 @@ impl PointAccumulator {
             escape: self.escape(),
             amplitude_m: PointSummary::AMPLITUDE_FRACTIONS
                 .map(|fraction| self.amplitudes.quantile(fraction)),
+            amplitude_interval_m: PointSummary::AMPLITUDE_FRACTIONS
+                .map(|fraction| self.amplitude_interval(fraction)),
             basin_entropy: self.basins.entropy(),
             residual: self.residual.summary(counts.of(Label::Failed)),
             audit: self.audit,

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::quantile_interval::interval_ranks;
+
 /// Counts of each value, in two kinds.
 ///
 /// Exact for at most 65,536 different values. Above that, values that agree in 11 binary digits are
@@ -47,16 +49,29 @@ impl ValueCounts {
     /// Returns the quantile of the values of both kinds, linear between order statistics (type 7 of
     /// Hyndman and Fan), or `None` if there are no values.
     pub fn quantile(&self, fraction: f64) -> Option<f64> {
-        let count = self.groups.values().flatten().sum();
-        interpolated_quantile(count, fraction, |rank| {
-            let mut up_to = 0;
-            let mut values = self.groups();
-            let at_rank = values.find(|(_, counts)| {
-                up_to += counts[0] + counts[1];
-                up_to > rank
-            });
-            at_rank.map(|(value, _)| value)
-        })
+        interpolated_quantile(self.count(), fraction, |rank| self.order_statistic(rank))
+    }
+
+    /// Returns the 95 % interval of the quantile, between two of the values; an end is `None` if the values do not bound
+    /// it.
+    pub fn quantile_interval(&self, fraction: f64) -> [Option<f64>; 2] {
+        let ranks = interval_ranks(self.count(), fraction);
+        ranks.map(|rank| rank.and_then(|rank| self.order_statistic(rank)))
+    }
+
+    fn count(&self) -> u64 {
+        self.groups.values().flatten().sum()
+    }
+
+    /// Returns the value of a rank, counted from 0.
+    fn order_statistic(&self, rank: u64) -> Option<f64> {
+        let mut up_to = 0;
+        let mut values = self.groups();
+        let at_rank = values.find(|(_, counts)| {
+            up_to += counts[0] + counts[1];
+            up_to > rank
+        });
+        at_rank.map(|(value, _)| value)
     }
 }
 

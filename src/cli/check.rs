@@ -16,9 +16,10 @@ use super::exit::{CliError, End};
 use super::output::{print, print_json};
 use super::point_keys::merged;
 use crate::check::{ExaminedDesign, Warning, warnings};
+use crate::counted::counted;
 use crate::engine::say;
 use crate::model::{Endings, Extend, Method};
-use crate::study::{Precision, Response, Study, Variable, VariedParameter, describe_number};
+use crate::study::{Response, Study, Variable, VariedParameter, describe_number};
 use crate::text_table::text_table;
 
 const EXAMPLES: &str = "\
@@ -90,12 +91,21 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
             "most_steps": cost.most_steps,
             "most_core_seconds": cost.most_core_seconds,
         });
+        if let Some((design, correlations)) = study.uncertain_sampling() {
+            report["uncertain_sampling"] = json!({"design": design, "correlations": correlations});
+        }
         if let Some(audit) = study.audit() {
             report["audit_fraction"] = json!(audit.fraction);
         }
         if let Some(precision) = study.precision() {
             report["least_runs"] = study.least_run_count().into();
-            report["precision"] = json!(precision.equilibrium_fraction);
+            for (name, half_width, _) in precision.half_widths() {
+                let key = match name {
+                    "equilibrium_fraction" => "precision".to_owned(),
+                    amplitude => format!("precision_{amplitude}"),
+                };
+                report[key] = json!(half_width);
+            }
         }
         report["machine"] = machine_json(&study);
         if study.has_stages() {
@@ -176,7 +186,7 @@ fn rows(
         ("study", format!("{} (hash {hash}, seed {seed})", study.name())),
         ("model", format!("{what}, {friction} friction, natural frequency {natural:.3} rad/s")),
         ("swept", names(study.swept())),
-        ("uncertain", names(study.uncertain())),
+        ("uncertain", names(study.uncertain()) + &sampled_together(study)),
     ];
     if !(study.variables().is_empty() && study.responses().is_empty()) {
         rows.push(("design", listed(study.variables().iter().map(Variable::name).collect())));
@@ -203,17 +213,25 @@ fn rows(
     rows
 }
 
+/// Returns how the uncertain parameters are sampled together, in parentheses; empty if their draws are independent.
+fn sampled_together(study: &Study) -> String {
+    let Some((design, correlations)) = study.uncertain_sampling() else { return String::new() };
+    let correlations = match correlations {
+        0 => String::new(),
+        count => format!(", {}", counted(count as u64, "rank correlation")),
+    };
+    format!(" (design {design}{correlations})")
+}
+
 /// Returns the number of runs, and when each of them ends.
 fn runs(study: &Study) -> String {
     let simulation = study.simulation();
     let count = study.run_count();
     let runs = match study.precision() {
         None => count.to_string(),
-        Some(Precision { equilibrium_fraction, .. }) => format!(
-            "{} to {count} (until the half width of the 95 % interval is at most \
-             {equilibrium_fraction})",
-            study.least_run_count(),
-        ),
+        Some(precision) => {
+            format!("{} to {count} (until {})", study.least_run_count(), precision.in_words())
+        }
     };
     let [_, later] = simulation.end_times_s();
     let extended = match simulation.extend {

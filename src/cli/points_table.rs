@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::point_keys::{merged, point_keys};
 use super::point_words::{InWords, point_line};
 use super::printed_columns::{PrintedColumn, printed_columns};
-use crate::analysis::{AuditCounts, is_narrow};
+use crate::analysis::AuditCounts;
 use crate::classification::Label;
 use crate::counted::counted;
 use crate::report::{Fraction, PointFacts};
@@ -76,7 +76,7 @@ impl PointsTable {
     pub fn push(&mut self, study: &Study, point: PointFacts) {
         self.points += 1;
         self.in_words.add(study, &point);
-        self.not_precise += u64::from(self.is_precise(&point) == Some(false));
+        self.not_precise += u64::from(point.precise == Some(false));
         let AuditCounts { runs, flips, rest_flips } = point.audit;
         self.flips.runs = self.flips.runs.saturating_add(runs);
         self.flips.flips = self.flips.flips.saturating_add(flips);
@@ -92,11 +92,6 @@ impl PointsTable {
         self.audit.then_some(self.flips)
     }
 
-    fn is_precise(&self, point: &PointFacts) -> Option<bool> {
-        let widest = self.precision?.equilibrium_fraction;
-        Some(is_narrow((point.equilibrium.low, point.equilibrium.high), widest))
-    }
-
     /// Returns the number of points at which the requested precision was not reached.
     pub fn not_precise(&self) -> u64 {
         self.not_precise
@@ -104,11 +99,11 @@ impl PointsTable {
 
     /// Returns a line on the precision that the study asks for; `None` if it asks for none.
     pub fn precision_line(&self) -> Option<String> {
-        let Precision { equilibrium_fraction, max_runs } = self.precision?;
+        let precision = self.precision?;
+        let (precise, max_runs) = (precision.in_words(), precision.max_runs);
         let (points, not) = (self.points, self.not_precise);
         Some(format!(
-            "the half width of the 95 % interval is at most {equilibrium_fraction} at {} of {points} \
-             points{}",
+            "{precise} at {} of {points} points{}",
             points - not,
             if not > 0 { format!(", not at {not} (max_runs {max_runs})") } else { String::new() }
         ))
@@ -215,7 +210,7 @@ impl PointsTable {
         object["ci_high"] = json!(high);
         object["ci_method"] = json!(row.ci_method);
         object["time_to_rest_p50_s"] = json!(row.time_to_rest_s[1]);
-        if let Some(precise) = self.is_precise(row) {
+        if let Some(precise) = row.precise {
             object["precision_reached"] = json!(precise);
         }
         if self.audit {

@@ -1,8 +1,8 @@
 //! Batches: sets of runs that are all computed before it is decided whether more runs are needed.
 
 use super::Shard;
-use crate::analysis::{PointAccumulator, StoppingRule};
-use crate::study::{Point, Study};
+use crate::analysis::{HalfWidths, PointAccumulator};
+use crate::study::{Point, Sampling, Study};
 
 /// Runs that are computed together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,12 +61,8 @@ impl<'a> Batches<'a> {
             return (self.begun == 1).then_some(batch);
         };
         if let (Some((point, runs)), Some(so_far)) = (&mut self.point, so_far) {
-            let rule = StoppingRule {
-                half_width: precision.equilibrium_fraction,
-                replicate: point.sampling.replicate,
-                most: point.sampling.most,
-            };
-            if let Some(more) = rule.more(*runs, so_far.equilibrium_interval().ends()) {
+            let Sampling { replicate, most, .. } = point.sampling;
+            if let Some(more) = HalfWidths::from(precision).more(replicate, most, *runs, so_far) {
                 let batch = RunBatch { which: Which::From(point.first_run + *runs), runs: more };
                 *runs += more;
                 return Some(batch);

@@ -1,15 +1,8 @@
-//! Quantiles with standard errors and distribution-free intervals between order statistics.
-//!
-//! The number of values below the quantile of a continuous distribution is binomial. The interval extends from the
-//! `l`-th to the `u`-th smallest value, with the largest `l` and the least `u` for which the quantile lies below the
-//! interval, and above it, with a probability of at most 2.5 % each (H. A. David, H. N. Nagaraja, Order Statistics,
-//! 3rd ed., Wiley 2003, section 7.1, doi:10.1002/0471722162). Stratified values vary less, so that their interval is
-//! conservative.
+//! Quantiles of samples with standard errors and the intervals of [`interval_ranks`].
 
 use statrs::function::beta::checked_beta_reg;
-use statrs::function::factorial::ln_binomial;
 
-use crate::analysis::interpolated_quantile;
+use crate::analysis::{interpolated_quantile, interval_ranks};
 
 /// Returns the quantile of ascending values (see [`interpolated_quantile`]); `None` if there are no values.
 pub(super) fn quantile(ascending: &[f64], fraction: f64) -> Option<f64> {
@@ -19,34 +12,8 @@ pub(super) fn quantile(ascending: &[f64], fraction: f64) -> Option<f64> {
 
 /// Returns the 95 % interval of the quantile; an end is `None` if the values do not bound it.
 pub(super) fn interval(ascending: &[f64], fraction: f64) -> [Option<f64>; 2] {
-    const TAIL: f64 = 0.025;
-    let n = ascending.len();
-    if n == 0 || fraction <= 0.0 || fraction >= 1.0 {
-        return [None, None];
-    }
-    let probability = |k: usize| {
-        let choices = ln_binomial(n as u64, k as u64);
-        let (k, n) = (k as f64, n as f64);
-        libm::exp(choices + k * libm::log(fraction) + (n - k) * libm::log1p(-fraction))
-    };
-    // The number of values below the quantile, up to the tail probability, from either end.
-    let (mut below, mut low) = (0.0, None);
-    for (k, value) in ascending.iter().enumerate() {
-        below += probability(k);
-        if below > TAIL {
-            break;
-        }
-        low = Some(*value);
-    }
-    let (mut above, mut high) = (0.0, None);
-    for k in (1..=n).rev() {
-        above += probability(k);
-        if above > TAIL {
-            break;
-        }
-        high = ascending.get(k - 1).copied();
-    }
-    [low, high]
+    let value = |rank| ascending.get(usize::try_from(rank).ok()?).copied();
+    interval_ranks(ascending.len() as u64, fraction).map(|rank| rank.and_then(value))
 }
 
 /// The range of the sum over order statistics, in standard deviations of a proportion. The quantile of a resample lies

@@ -4,12 +4,19 @@ use super::column::{Column, Columns};
 use super::point_key::add_point_id;
 use super::runs::add_swept;
 use crate::analysis::{
-    PointSummary, ResidualVibration, is_narrow, reference_amplitude, set_fraction,
+    HalfWidths, PointSummary, ResidualVibration, reference_amplitude, set_fraction,
     touching_set_fraction,
 };
 use crate::classification::Label;
 use crate::model::{ExistenceVerdict, Machine};
-use crate::study::{ParameterValue, Point, Study};
+use crate::study::{ParameterValue, Point, Precision, Study};
+
+impl From<Precision> for HalfWidths {
+    fn from(precision: Precision) -> HalfWidths {
+        let Precision { equilibrium_fraction, amplitude_m, .. } = precision;
+        HalfWidths { equilibrium_fraction, amplitude_m }
+    }
+}
 
 /// One point of the sweep with the results of its runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,19 +86,28 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         })
         .meaning(format!("quantile {percent} % of the amplitude over all runs except failed runs"));
     }
+    for (index, fraction) in PointSummary::AMPLITUDE_FRACTIONS.into_iter().enumerate() {
+        let percent = (100.0 * fraction).round();
+        for (end, (name, words)) in [("low", "lower"), ("high", "upper")].into_iter().enumerate() {
+            list.number(format!("amplitude_p{percent:02}_{name}_m"), "m", move |row| {
+                row.summary.amplitude_interval_m[index][end]
+            })
+            .meaning(format!(
+                "{words} end of the 95 % confidence interval of amplitude_p{percent:02}_m, between \
+                 two runs; null if too few runs bound it"
+            ));
+        }
+    }
     list.number("basin_entropy", "1", |row| row.summary.basin_entropy).meaning(
         "basin entropy (Daza and others 2016): mean over the cells of a stratified design of the \
          entropy -sum p ln p of the outcomes of the runs in the cell (Zhang's estimate); outcomes \
          are rest, each class of limit cycles, irregular and undecided; null without cells with \
          at least two runs that did not fail",
     );
-    let widest = study.precision().map(|precision| precision.equilibrium_fraction);
-    list.boolean("precision_reached", move |row| {
-        widest.map(|widest| is_narrow(row.summary.interval.ends(), widest))
-    })
-    .meaning(
-        "whether the half width of ci_low to ci_high is at most the precision of the study; null \
-         without a precision",
+    let half_widths = study.precision().map(HalfWidths::from);
+    list.boolean("precision_reached", move |row| Some(half_widths?.reached(&row.summary))).meaning(
+        "whether the half widths of the 95 % confidence intervals are at most those of the \
+             study's precision; null without a precision",
     );
     add_audit(&mut list, study);
     if study.model().kind().offers.vibration {

@@ -49,6 +49,39 @@ fn check_counts_and_computes_nothing() {
 }
 
 #[test]
+fn check_says_how_uncertain_parameters_are_sampled_together() {
+    let scratch = Scratch::new();
+    let uncertain = "uncertain:\n  ball_mass_kg: {uniform: {min: 1.0e-4, max: 2.0e-4}}\n\
+                     \x20 stiffness_n_m: {uniform: {min: 9.0e+3, max: 1.0e+4}}\n";
+    let pair = "{parameters: [ball_mass_kg, stiffness_n_m], rank_correlation: 0.5}";
+    for (sampling, words, facts) in [
+        ("{}".to_owned(), "", Value::Null),
+        (
+            "{design: sobol}".to_owned(),
+            " (design sobol)",
+            json!({"design": "sobol", "correlations": 0}),
+        ),
+        (
+            format!("{{design: joint, correlations: [{pair}]}}"),
+            " (design joint, 1 rank correlation)",
+            json!({"design": "joint", "correlations": 1}),
+        ),
+        (
+            format!("{{correlations: [{pair}]}}"),
+            " (design monte_carlo, 1 rank correlation)",
+            json!({"design": "monte_carlo", "correlations": 1}),
+        ),
+    ] {
+        let rest = format!("{uncertain}uncertain_sampling: {sampling}\n");
+        scratch.write("a.yaml", study_text("a", "{sobol: {samples: 7}}", AT_ONCE, &rest));
+        let text = scratch.well("check a.yaml");
+        assert_has(&text, &[&format!("uncertain     stiffness_n_m, ball_mass_kg{words}\n")]);
+        let report: Value = serde_json::from_str(&scratch.well("check a.yaml --json")).unwrap();
+        assert_eq!(report["uncertain_sampling"], facts);
+    }
+}
+
+#[test]
 fn check_says_where_only_rest_is_looked_for() {
     let scratch = Scratch::new();
     for (name, written, only) in [("a.yaml", "all", false), ("b.yaml", "rest", true)] {

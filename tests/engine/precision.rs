@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use serde_json::Value;
-use stickslip::analysis::{PointAccumulator, StoppingRule};
+use stickslip::analysis::{HalfWidths, PointAccumulator, StoppingRule};
 use stickslip::classification::{Evidence, Outcome, simulate};
 use stickslip::model::Case;
 use stickslip::study::Study;
@@ -87,6 +87,46 @@ fn points_stop_where_the_rule_stops() {
         println!("half width {half_width}, at most {max_runs}: {total} runs");
         assert!(total > 3 * 12);
     }
+}
+
+/// The amplitude is uniform from 0 to 1 µm: about 100 runs give its median to 0.1 µm, and the fraction needs others.
+#[test]
+fn amplitudes_and_the_fraction_decide_together() {
+    let simulated = |case: &Case| {
+        let amplitude_m = Some(1e-6 * case.start.0[2] / std::f64::consts::TAU);
+        Outcome { amplitude_m, ..by_place(case) }
+    };
+    let mut runs = Vec::new();
+    for keys in [
+        "equilibrium_fraction: 0.2",
+        "amplitude_p50_m: 1.0e-7",
+        "equilibrium_fraction: 0.2, amplitude_p50: 0.1 µm",
+    ] {
+        let study = parse(&text(0.2, 1000, AT_ONCE).replace("equilibrium_fraction: 0.2", keys));
+        let limits = HalfWidths::from(study.precision().expect("a precision"));
+        let mut kept = Kept::default();
+        run_in_memory(&study, &mut kept, &AtomicBool::new(false), simulated).unwrap();
+        for row in &kept.points {
+            let point = study.point(row.point_id);
+            let (replicate, most) = (point.sampling.replicate, point.sampling.most);
+            let ends: Vec<_> =
+                kept.runs.iter().filter(|run| run.planned.point_id == row.point_id).collect();
+            let so_far = |runs: u64| {
+                let mut so_far = PointAccumulator::new(point.cells);
+                ends[..runs as usize].iter().for_each(|run| so_far.add(run.observed()));
+                so_far
+            };
+            let mut expected = point.sampling.first;
+            while let Some(more) = limits.more(replicate, most, expected, &so_far(expected)) {
+                expected += more;
+            }
+            assert_eq!(ends.len() as u64, expected);
+            assert!(limits.reached(&row.summary), "{keys}");
+        }
+        runs.push(kept.runs.len());
+    }
+    println!("runs: {runs:?}");
+    assert!(runs[0] < runs[1] && runs[2] >= runs[1], "{runs:?}");
 }
 
 /// More runs and a narrower interval append runs to the existing ones, at every point.

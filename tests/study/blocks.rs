@@ -70,7 +70,14 @@ fn studies() -> Vec<Value> {
         ),
     ];
     let shipped = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-    for name in ["design", "cd-rom", "model-form", "block-on-belt"] {
+    for name in [
+        "design",
+        "cd-rom",
+        "model-form",
+        "block-on-belt",
+        "correlated-tolerances",
+        "identify-friction",
+    ] {
         let text = std::fs::read_to_string(shipped.join(format!("{name}.yaml"))).unwrap();
         studies.push(serde_saphyr::from_str(&text).unwrap());
     }

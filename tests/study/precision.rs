@@ -92,6 +92,24 @@ fn the_precision_is_part_of_the_resolved_study_and_of_its_hash() {
     assert!(json_schema()["properties"].get("precision").is_some());
 }
 
+#[test]
+fn amplitudes_have_half_widths_with_units() {
+    let text = text_with_design("{sobol: {samples: 4}}");
+    let with = |keys: &str| study(&format!("{text}precision: {{{keys}, max_runs: 64}}\n"));
+    let metres = with("amplitude_p50_m: 1.0e-6, amplitude_p95_m: 5.0e-6");
+    let precision = metres.precision().expect("a precision");
+    assert_eq!(precision.equilibrium_fraction, None);
+    assert_eq!(precision.amplitude_m, [None, Some(1.0e-6), Some(5.0e-6)]);
+    assert_eq!(with("amplitude_p95: 5 µm, amplitude_p50: 1 um").hash(), metres.hash());
+    let all = with("equilibrium_fraction: 0.1, amplitude_p05_m: 2.0e-6, amplitude_p95_m: 5.0e-6");
+    assert_ne!(all.hash(), metres.hash());
+    assert_eq!(study(&all.resolved_yaml()).precision(), all.precision());
+    assert!(metres.resolved_yaml().contains("amplitude_p50_m: 1.0e-6"));
+    let words = "the half width of the 95 % interval of equilibrium_fraction is at most 0.1, and that of \
+                 amplitude_p05_m is at most 2e-6 m, and that of amplitude_p95_m is at most 5e-6 m";
+    assert_eq!(all.precision().map(|own| own.in_words()).as_deref(), Some(words));
+}
+
 #[track_caller]
 fn refused(text: &str, line: usize, key: &str, found: &str, allowed: &str) {
     let error = parse(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
@@ -138,8 +156,20 @@ fn invalid_values_are_refused() {
         );
     }
     refused(&text("0.1", "0", ""), 7, "precision.max_runs", "0", "a whole number from 1 to 1e15");
-    let text_without = text_with_design("{sobol: {samples: 4}}") + "precision: {max_runs: 10}\n";
-    refused(&text_without, 7, "precision.equilibrium_fraction", "", "a value for");
+    let with =
+        |keys: &str| text_with_design("{sobol: {samples: 4}}") + "precision: {" + keys + "}\n";
+    let allowed = "equilibrium_fraction: 0.02 or amplitude_p95_m: 1.0e-6";
+    refused(&with("max_runs: 10"), 7, "precision", "only max_runs", allowed);
+    refused(&with("amplitude_p95_m: 1e-6"), 7, "precision.max_runs", "", "a value for");
+    for (key, half_width) in [("p05_m", "0"), ("p50_m", "-1e-6"), ("p95_m", "0.0")] {
+        let keys = format!("amplitude_{key}: {half_width}, max_runs: 10");
+        let key = format!("precision.amplitude_{key}");
+        refused(&with(&keys), 7, &key, "", "above 0, such as 1.0e-6");
+    }
+    let keys = "amplitude_p95: 5e-6, max_runs: 10";
+    refused(&with(keys), 7, "precision.amplitude_p95", "5e-6", "amplitude_p95_m");
+    let keys = "amplitude_p99_m: 5e-6, max_runs: 10";
+    refused(&with(keys), 7, "precision.amplitude_p99_m", "p99", "amplitude_p95_m (did you mean");
     let many = "sweep: [{grid: {speed_rad_s: [1, 2]}}]\n";
     let found = "2e15 runs (points: 2, samples at each: 1e15)";
     let key = "initial_conditions.design";

@@ -9,7 +9,7 @@ use stickslip::study::{Study, json_schema};
 
 /// Problems that the program finds and the schema cannot express, each with the reason. A problem that ends with a blank
 /// is the beginning of a problem.
-const CONTENT: [(&str, &str); 40] = [
+const CONTENT: [(&str, &str); 42] = [
     ("a peak amplitude has no counterpart without balls", "two keys of a response"),
     ("no peak amplitude at constant speed without disturbances", "a response and the model"),
     ("no physical meaning: ramp_to_1_rad_s", "the sign of all speeds of a profile"),
@@ -29,6 +29,7 @@ const CONTENT: [(&str, &str); 40] = [
     ("viscous friction does not use it", "parameters depend on the friction law"),
     ("no physical meaning", "bounds of a parameter in tables, distributions, units and designs"),
     ("reversed range", "the order of two numbers"),
+    ("an empty range", "the order of two numbers"),
     ("reversed or empty range", "the order of two numbers"),
     ("not a range of fractions", "the order of two numbers"),
     ("almost nothing is left between min and max", "the order of two numbers"),
@@ -40,6 +41,7 @@ const CONTENT: [(&str, &str); 40] = [
     ("not positive", "the sum of weights"),
     ("not a swept parameter", "names at another place of the file"),
     ("no point of the sweep has these values", "values at another place of the file"),
+    ("not an uncertain parameter", "names at another place of the file"),
     ("both uncertain and swept", "names at another place of the file"),
     ("varied twice", "names at another place of the file"),
     ("two variables set the same parameter", "names at another place of the file"),
@@ -118,12 +120,15 @@ sweep:
 uncertain:
   ring_radius: {uniform: {min: 11 mm, max: 12 mm}}
   stiffness: {times: {triangular: {min: 0.9, mode: 1, max: 1.1}}}
+uncertain_sampling:
+  design: joint
+  correlations: [{parameters: [ring_radius, stiffness_n_m], rank_correlation: -0.5}]
 initial_conditions:
   box: {beta: [0, 1], x: [0, 0.01]}
   design: {sobol: {samples: 8}}
 simulation: {end_time: 2 s, method: event, tolerance: {relative: 1.0e-7}}
 audit: {fraction: 0.5}
-precision: {equilibrium_fraction: 0.1, max_runs: 100}
+precision: {equilibrium_fraction: 0.1, amplitude_p95: 5 µm, max_runs: 100}
 expect: [{point: {normal_force: newton}, equilibrium_fraction: [0, 1], audit_flip_rate: [0, 1]}]
 design:
   imbalance_radius: {from: 30 mm, to: 40 mm}

@@ -1,6 +1,6 @@
 //! The values of a point, from its finished runs or from a row of `points.parquet`.
 
-use crate::analysis::{AuditCounts, ResidualVibration};
+use crate::analysis::{AuditCounts, HalfWidths, ResidualVibration};
 use crate::classification::Label;
 use crate::report::data::heading;
 use crate::study::{ParameterValue, Study};
@@ -37,6 +37,8 @@ pub struct PointFacts {
     pub labels: [Fraction; 5],
     /// Fraction of equilibria with the interval that the study asks for, which includes failures.
     pub equilibrium: Fraction,
+    /// Whether the intervals are as narrow as the study's precision requires; `None` without a precision.
+    pub precise: Option<bool>,
     /// Method of that interval.
     pub ci_method: String,
     /// Quartiles and 95 % quantile of time to rest, s.
@@ -61,6 +63,7 @@ const AMPLITUDES: [&str; 3] = ["amplitude_p05_m", "amplitude_p50_m", "amplitude_
 const FLIPS: [&str; 3] = ["audit_flip_rate", "audit_flip_low", "audit_flip_high"];
 const COUNTS: [&str; 5] = ["point_id", "runs", "audited_runs", "audit_flips", "audit_rest_flips"];
 const METHOD: &str = "ci_method";
+const PRECISE: &str = "precision_reached";
 const FRACTION: [&str; 3] = ["equilibrium_fraction", "ci_low", "ci_high"];
 const BALANCER: [&str; 2] = ["amplitude_without_balls_m", "set_fraction"];
 const WORSE: [&str; 3] = [
@@ -108,6 +111,7 @@ impl PointFacts {
             runs,
             labels,
             equilibrium: Fraction { fraction, low, high, ..labels[0] },
+            precise: study.precision().map(|own| HalfWidths::from(own).reached(summary)),
             ci_method: summary.interval.method.name().to_owned(),
             time_to_rest_s: summary.time_to_rest_s,
             amplitude_m: summary.amplitude_m,
@@ -139,7 +143,7 @@ impl PointFacts {
         let numbers = numbers.chain(low.iter().chain(&high).map(String::as_str));
         let mut columns: Vec<(&str, Kind)> = counts.map(|name| (name, Kind::Count)).collect();
         columns.extend(numbers.map(|name| (name, Kind::Number)));
-        columns.push((METHOD, Kind::Text));
+        columns.extend([(METHOD, Kind::Text), (PRECISE, Kind::Boolean)]);
         for batch in table.read(&columns)? {
             let batch = batch?;
             for row in 0..batch.rows {
@@ -186,6 +190,7 @@ impl PointFacts {
             runs,
             labels,
             equilibrium: Fraction { fraction: fraction?, low: low?, high: high?, ..labels[0] },
+            precise: batch.truth(PRECISE, row)?,
             ci_method: batch.text(METHOD, row)?.unwrap_or_default(),
             time_to_rest_s: [p25?, p50?, p75?, p95?],
             amplitude_m: [p05?, median?, p95_m?],

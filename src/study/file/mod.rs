@@ -24,6 +24,7 @@ pub mod stages_file;
 pub mod study_file;
 pub(in crate::study) mod table_folders;
 pub(in crate::study) mod table_input;
+pub mod uncertain_sampling_file;
 pub(in crate::study) mod unit_keys;
 pub mod values;
 pub(in crate::study) mod yaml_fault;

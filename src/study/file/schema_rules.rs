@@ -30,6 +30,8 @@ pub(in crate::study) fn add_rules(schema: &mut Value) {
             "/$defs/BlockFile",
             json!({ "oneOf": [required(&["grid"]), required(&["zip"]), required(&["table"])] }),
         ),
+        // `max_runs` and at least one half width.
+        ("/$defs/PrecisionFile", json!({ "minProperties": 2 })),
         ("/$defs/LimitFile", json!({ "anyOf": [required(&["at_least"]), required(&["at_most"])] })),
         (
             "/$defs/OptimizeFile",
@@ -139,6 +141,9 @@ fn of_kind(kind: &ModelKind, parameters: &Map<String, Value>) -> Value {
         "model": { "properties": model },
         "sweep": { "items": { "properties": { "grid": names(&swept), "zip": names(&swept) } } },
         "uncertain": names(&numeric),
+        "uncertain_sampling": { "properties": { "correlations": { "items": { "properties": {
+            "parameters": { "items": { "enum": numeric } }
+        } } } } },
         "expect": { "items": { "properties": { "point": names(&swept) } } },
         "design": {
             "properties": variables,

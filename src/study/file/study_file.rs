@@ -16,6 +16,7 @@ use crate::study::file::protocol_file::ProtocolFile;
 use crate::study::file::response_file::{ResponseFile, VariableFile};
 use crate::study::file::schema_parts as schema;
 use crate::study::file::stages_file::{DisturbanceFile, ProfilePartFile};
+use crate::study::file::uncertain_sampling_file::UncertainSamplingFile;
 use crate::study::file::values::{Count, Entry, Range, TableSource};
 
 /// A stickslip study: a model, the points of a sweep, and the sampling of start states.
@@ -41,12 +42,15 @@ pub struct StudyFile {
     #[serde(default)]
     #[schemars(schema_with = "schema::uncertain")]
     pub uncertain: Option<IndexMap<String, DistributionFile>>,
+    /// How the uncertain parameters are sampled together: design and rank correlations; by default, draws are
+    /// independent.
+    pub uncertain_sampling: Option<UncertainSamplingFile>,
     /// Start states and how they are sampled.
     pub initial_conditions: InitialConditionsFile,
     /// Integration method, end time, tolerances and the endings to detect.
     pub simulation: Option<SimulationFile>,
-    /// Sequential sampling: adds runs at each point until the 95 % confidence interval of the
-    /// fraction of equilibria is narrow enough; by default, each point has the runs of its design.
+    /// Sequential sampling: adds runs at each point until the 95 % confidence intervals of the
+    /// fraction of equilibria or of amplitudes are narrow enough; by default, each point has the runs of its design.
     pub precision: Option<PrecisionFile>,
     /// Recomputation of a fraction of the runs by the other method; by default, none.
     pub audit: Option<AuditFile>,
@@ -249,15 +253,24 @@ pub struct ToleranceFile {
 }
 
 /// Sequential sampling: adds whole replicates of the design at each point until the 95 % confidence
-/// interval of the fraction of equilibria is narrow enough; only for `stratified`, `monte_carlo`
-/// and `sobol`.
+/// intervals of the given columns are narrow enough; only for `stratified`, `monte_carlo` and
+/// `sobol`.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PrecisionFile {
     /// Half width of the 95 % confidence interval (`ci_low` to `ci_high`) at which sampling stops;
     /// above 0, below 0.5.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 0.5))]
-    pub equilibrium_fraction: f64,
+    pub equilibrium_fraction: Option<f64>,
+    /// Half width of the 95 % confidence interval of the quantile 5 % of the amplitude, m; above 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub amplitude_p05_m: Option<f64>,
+    /// Half width of the 95 % confidence interval of the median amplitude, m; above 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub amplitude_p50_m: Option<f64>,
+    /// Half width of the 95 % confidence interval of the quantile 95 % of the amplitude, m; above 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub amplitude_p95_m: Option<f64>,
     /// Largest number of runs at each point; the runs of the design itself are always computed, and
     /// a Sobol' sequence ends after 65,536.
     pub max_runs: Count,

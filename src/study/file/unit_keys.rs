@@ -23,7 +23,7 @@ const ENDINGS: [(&str, &str); 8] = [
 const COORDINATES: &[&str] = &["*"];
 
 /// The places of keys with units, where `*` is any key or item, with the SI keys; none means the model's parameters, and [`COORDINATES`] its coordinates.
-const PLACES: [(&str, &[&str]); 20] = [
+const PLACES: [(&str, &[&str]); 21] = [
     ("model.parameters", &[]),
     ("model.parameters.balls.*", &["mass_kg", "diameter_m"]),
     ("model.friction.*", &[]),
@@ -38,6 +38,7 @@ const PLACES: [(&str, &[&str]); 20] = [
     ("uncertain", &[]),
     ("initial_conditions.box", COORDINATES),
     ("simulation", &["end_time_s"]),
+    ("precision", &["amplitude_p05_m", "amplitude_p50_m", "amplitude_p95_m"]),
     ("expect.*.point", &[]),
     ("responses.*", &["at_rest_by_s"]),
     ("design", &[]),

@@ -15,6 +15,7 @@ pub(in crate::study) mod resolved_study;
 pub(in crate::study) mod response;
 pub(in crate::study) mod shown_values;
 pub(in crate::study) mod sweep;
+pub(in crate::study) mod uncertain_draws;
 pub(in crate::study) mod variable;
 pub(in crate::study) mod with_design;
 pub(in crate::study) mod written;

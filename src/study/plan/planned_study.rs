@@ -18,6 +18,7 @@ use crate::study::plan::written::Written;
 use crate::study::resolve::model::Base;
 use crate::study::resolve::uncertain::Uncertain;
 use crate::study::sampling::apart::start_apart;
+use crate::study::sampling::correlation::Copula;
 use crate::study::sampling::draw::DrawKey;
 
 /// A validated study with every default filled in; it is immutable.
@@ -39,6 +40,8 @@ pub struct Study {
     pub(in crate::study) shown_digits: OnceLock<Vec<usize>>,
     pub(in crate::study) uncertain_parameters: Vec<Uncertain>,
     pub(in crate::study) uncertain: Vec<VariedParameter>,
+    /// The correlations of the uncertain parameters, if there are any.
+    pub(in crate::study) copula: Option<Copula>,
     pub(in crate::study) expectations: Vec<Expectation>,
     pub(in crate::study) variables: Vec<Variable>,
     pub(in crate::study) responses: Vec<Response>,
@@ -253,9 +256,10 @@ impl Study {
         let local = run_id - block.first_run;
         let local_point = local / block.sampling.most;
         let point = self.point(block.first_point + local_point);
-        let id = block.design.identify(local % block.sampling.most);
+        let sample = local % block.sampling.most;
+        let id = block.design.identify(sample);
         let mut values = block.values(local_point);
-        let uncertain = self.drawn(&values, |one| one.key.uniform(id.cell, id.replicate));
+        let uncertain = self.drawn(&values, &self.drawn_fractions(block, sample));
         let audited = self.audit.is_some_and(|audit| audit.chooses(self.seed, &values, id));
         let model = if uncertain.is_empty() {
             point.model
@@ -290,31 +294,6 @@ impl Study {
             case,
             audited,
         }
-    }
-
-    /// Returns the value of each uncertain parameter at the quantile of a fraction, at a point with the swept values
-    /// `set`.
-    pub(in crate::study) fn drawn(
-        &self,
-        set: &[(Parameter, ParameterValue)],
-        fraction: impl Fn(&Uncertain) -> f64,
-    ) -> Vec<f64> {
-        let draw = |one: &Uncertain| {
-            let drawn = one.distribution.quantile(fraction(one));
-            if !one.factor {
-                return drawn;
-            }
-            let own = set.iter().find(|(parameter, _)| *parameter == one.parameter);
-            let own = own.map_or_else(
-                || one.parameter.get(&self.base.model, &self.base.general),
-                |(_, value)| *value,
-            );
-            match own {
-                ParameterValue::Number(own) => own * drawn,
-                ParameterValue::Text(_) => drawn,
-            }
-        };
-        self.uncertain_parameters.iter().map(draw).collect()
     }
 
     /// Returns the base model with these values. Values of all balls are set before those of one

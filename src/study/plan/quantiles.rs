@@ -21,7 +21,8 @@ impl Study {
         assert!(point_id < self.point_count(), "there is no point {point_id}");
         let block = &self.blocks[self.block_of(point_id)];
         let mut values = block.values(point_id - block.first_point);
-        let drawn = self.drawn(&values, |one| fraction(&one.parameter.name()));
+        let each = self.uncertain_parameters.iter().map(|one| fraction(&one.parameter.name()));
+        let drawn = self.drawn(&values, &each.collect::<Vec<f64>>());
         let parameters = self.uncertain_parameters.iter().map(|one| one.parameter);
         values.extend(parameters.zip(drawn.into_iter().map(ParameterValue::Number)));
         let model = self.model_with(&values);

@@ -3,6 +3,7 @@
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::plan::precision::Sampling;
 use crate::study::sampling::sampling_design::Design;
+use crate::study::sampling::uncertain_design::UncertainDesign;
 
 /// How a block lists its points.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +23,8 @@ pub(crate) struct Block {
     pub columns: Vec<(Parameter, Vec<ParameterValue>)>,
     /// Sampling of start states at each point.
     pub design: Design,
+    /// Sampling of the uncertain parameters over the runs of each point.
+    pub uncertain_design: UncertainDesign,
     /// Number of the block's first point.
     pub first_point: u64,
     /// Number of points.

@@ -18,5 +18,6 @@ pub(in crate::study) mod simulation;
 pub(in crate::study) mod stages;
 pub(in crate::study) mod sweep;
 pub(in crate::study) mod uncertain;
+pub(in crate::study) mod uncertain_sampling;
 pub(in crate::study) mod variables;
 pub(in crate::study) mod whole_study;

@@ -7,20 +7,22 @@ use crate::study::plan::precision::{Precision, Sampling};
 use crate::study::plan::sweep::{Block, product};
 use crate::study::resolve::sampling::ResolvedDesign;
 use crate::study::resolve::sweep::ResolvedBlock;
+use crate::study::resolve::uncertain_sampling::UncertainSampling;
 use crate::study::sampling::initial_box::InitialBox;
 use crate::study::sampling::sampling_design::Design;
 
 /// Numbers the points and runs of all blocks.
 ///
 /// # Errors
-/// Returns an error if there are too many runs, or if a precision requires a design that cannot be
-/// enlarged.
+/// Returns an error if there are too many runs, if a precision requires a design that cannot be
+/// enlarged, or if the design of the uncertain parameters is impossible.
 pub(in crate::study) fn number_runs(
     resolved: Vec<ResolvedBlock>,
     designs: &[ResolvedDesign<'_>],
     start_box: &InitialBox,
     seed: u64,
     precision: Option<&Precision>,
+    uncertain: &UncertainSampling<'_>,
 ) -> Result<Vec<Block>, StudyError> {
     let mut blocks = Vec::with_capacity(resolved.len());
     let (mut first_point, mut first_run) = (0_u64, 0_u64);
@@ -29,7 +31,7 @@ pub(in crate::study) fn number_runs(
         let points = product(&block.listing.factors(&block.columns), MAX_COUNT);
         let sampling = match product(&design.factors(), MAX_COUNT) {
             Err(large) => Err(large),
-            Ok(samples) => Ok(Sampling::new(&design, samples, precision)
+            Ok(samples) => Ok(Sampling::new(&design, samples, precision, uncertain.longest())
                 .map_err(|fault| written.path.key(design.kind()).refuse_key(fault))?),
         };
         let runs = sampling.map(|sampling| sampling.most);
@@ -51,10 +53,12 @@ pub(in crate::study) fn number_runs(
             let fault = Fault::new("too many runs", found, "at most 1e15 runs");
             return Err(written.path.refuse_value(fault));
         };
+        let uncertain_design = uncertain.of_block(&design, sampling, precision)?;
         blocks.push(Block {
             listing: block.listing,
             columns: block.columns,
             design,
+            uncertain_design,
             first_point,
             points,
             first_run,

@@ -12,7 +12,7 @@ use crate::study::file::values::{Entry, InlineTable, TableSource};
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::sampling::apart::first_overlap;
 use crate::study::sampling::initial_box::axis_names;
-use crate::study::sampling::sampling_design::{Layout, MAX_SOBOL_SAMPLES};
+use crate::study::sampling::sampling_design::{Layout, MAX_SOBOL_SAMPLES, SOBOL_DIMENSIONS};
 
 /// A validated layout, and the design in the form of a self-contained study file.
 #[derive(Clone)]
@@ -47,6 +47,8 @@ pub(crate) fn resolve_design<'a>(
                 let fault = Fault::new("too many samples", samples.0.to_string(), allowed);
                 return Err(path.key("sobol").key("samples").refuse_value(fault));
             }
+            check_dimensions(model.coordinates().len())
+                .map_err(|fault| path.key("sobol").refuse_key(fault))?;
             Layout::Sobol { samples: samples.0 }
         }
         DesignFile::MonteCarlo { samples } => Layout::MonteCarlo { samples: samples.0 },
@@ -56,6 +58,19 @@ pub(crate) fn resolve_design<'a>(
         }
     };
     Ok(ResolvedDesign { layout, file: written.clone(), path: path.clone() })
+}
+
+/// Checks the number of dimensions of a Sobol' sequence.
+///
+/// # Errors
+/// Returns a fault if the library's sequence has fewer dimensions.
+pub(crate) fn check_dimensions(dimensions: usize) -> Result<(), Fault> {
+    if dimensions <= SOBOL_DIMENSIONS as usize {
+        return Ok(());
+    }
+    let found = format!("{dimensions} dimensions");
+    let allowed = format!("at most {SOBOL_DIMENSIONS}, or the design latin_hypercube");
+    Err(Fault::new("too many dimensions for a Sobol' sequence", found, allowed))
 }
 
 fn resolve_starts<'a>(
@@ -125,5 +140,20 @@ impl DesignFile {
             DesignFile::Table(TableSource::Inline(table)) => table.columns.len() * table.rows.len(),
             _ => 0,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::check_dimensions;
+
+    /// More dimensions than the library has would end the program with a panic.
+    #[test]
+    fn a_sequence_has_256_dimensions() {
+        assert_eq!(check_dimensions(256), Ok(()));
+        let fault = check_dimensions(257).expect_err("too many");
+        assert_eq!(fault.found.as_deref(), Some("257 dimensions"));
+        assert_eq!(fault.allowed.as_deref(), Some("at most 256, or the design latin_hypercube"));
+        assert!(sobol_burley::sample(0, 255, 1) < 1.0);
     }
 }

@@ -39,6 +39,7 @@ use crate::study::resolve::simulation::{resolve_simulation, simulation_to_file};
 use crate::study::resolve::stages::check_kicks;
 use crate::study::resolve::sweep::{ResolvedBlock, resolve_block};
 use crate::study::resolve::uncertain::resolve_uncertain;
+use crate::study::resolve::uncertain_sampling::UncertainSampling;
 use crate::study::resolve::variables::resolve_variables;
 use crate::study::sampling::initial_box::InitialBox;
 
@@ -147,6 +148,12 @@ fn resolve(
         &swept_parameters,
         written.seed,
     )?;
+    let sampling = UncertainSampling::resolve(
+        source,
+        written.uncertain_sampling.as_ref(),
+        &uncertain_parameters,
+        written.seed,
+    )?;
     let column = |parameter: &Parameter| parameter.column();
     let uncertain: Vec<VariedParameter> =
         uncertain_parameters.iter().map(|one| one.parameter.column()).collect();
@@ -160,6 +167,7 @@ fn resolve(
             .is_some()
             .then(|| blocks.iter().map(|block| block.file.clone()).collect()),
         uncertain: uncertain_to_file(written, &uncertain),
+        uncertain_sampling: sampling.file.clone(),
         initial_conditions: InitialConditionsFile {
             start_box: Some(box_to_file(&start_box, written)),
             design: common.map(|design| design.file),
@@ -180,12 +188,20 @@ fn resolve(
         simulation,
         audit,
         precision,
-        blocks: number_runs(blocks, &designs, &start_box, written.seed, precision.as_ref())?,
+        blocks: number_runs(
+            blocks,
+            &designs,
+            &start_box,
+            written.seed,
+            precision.as_ref(),
+            &sampling,
+        )?,
         swept: swept_parameters.iter().map(column).collect(),
         swept_parameters,
         shown_digits: OnceLock::new(),
         uncertain,
         uncertain_parameters,
+        copula: sampling.copula,
         expectations: Vec::new(),
         variables: Vec::new(),
         responses: Vec::new(),

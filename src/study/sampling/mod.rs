@@ -5,7 +5,9 @@
 //! need the quantile, and common random numbers and enlarged samples need the keys.
 
 pub(in crate::study) mod apart;
+pub(in crate::study) mod correlation;
 pub(in crate::study) mod distribution;
 pub(in crate::study) mod draw;
 pub(in crate::study) mod initial_box;
 pub(in crate::study) mod sampling_design;
+pub(in crate::study) mod uncertain_design;

@@ -1,15 +1,21 @@
 //! Sampling designs: the start state of a sample, computed from its index alone.
 
+use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::model::MAX_BALLS;
 use crate::study::file::values::MAX_COUNT;
 use crate::study::sampling::draw::{DrawKey, RandomOrder};
 use crate::study::sampling::initial_box::{BoxAxis, InitialBox};
+use crate::study::sampling::uncertain_design::UncertainDesign;
 
 /// The largest number of samples of a Sobol' design, which is the length of the library's sequence.
 pub(crate) const MAX_SOBOL_SAMPLES: u64 = 65_536;
+
+/// The number of dimensions of the library's Sobol' sequence.
+pub(crate) const SOBOL_DIMENSIONS: u32 = sobol_burley::NUM_DIMENSIONS;
 
 /// How the samples of a point are laid out.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,7 +75,8 @@ impl Design {
         let axes = start_box
             .axes
             .iter()
-            .map(|axis| {
+            .zip(sobol_dimensions(&start_box.axes))
+            .map(|(axis, dimension)| {
                 let order = match layout {
                     Layout::LatinHypercube { samples } => {
                         let key = DrawKey::new(seed, "latin_hypercube order", &axis.name);
@@ -81,12 +88,26 @@ impl Design {
                     axis: axis.clone(),
                     key: DrawKey::new(seed, layout.kind(), &axis.name),
                     order,
-                    dimension: sobol_dimension(&axis.name),
+                    dimension,
                 }
             })
             .collect();
         let sobol_seed = DrawKey::new(seed, "sobol", "scramble").bits(0, 0) as u32;
         Design { layout, axes, sobol_seed, seed }
+    }
+
+    /// Returns the layout.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Returns dimensions of the same Sobol' sequence that no axis uses.
+    pub fn further_dimensions(&self) -> UncertainDesign {
+        let taken = self.axes.iter().map(|draws| draws.dimension + 1).max().unwrap_or(0);
+        // A further ball keeps the draws of the parameters.
+        let of_balls = if taken > 4 { 4 + 2 * MAX_BALLS as u32 } else { 0 };
+        let first_dimension = taken.max(of_balls);
+        UncertainDesign::Sobol { seed: self.sobol_seed, first_dimension }
     }
 
     /// Returns the factors whose product is the number of samples at one point.
@@ -217,10 +238,7 @@ impl Design {
                 let stratum = draws.order.as_ref().map_or(0, |order| order.at(id.replicate));
                 within(stratum, *samples, uniform())
             }
-            Layout::Sobol { .. } => {
-                let index = u32::try_from(id.replicate).unwrap_or(0);
-                f64::from(sobol_burley::sample(index, draws.dimension, self.sobol_seed))
-            }
+            Layout::Sobol { .. } => sobol_fraction(id.replicate, draws.dimension, self.sobol_seed),
             Layout::MonteCarlo { .. } | Layout::Table { .. } => uniform(),
         }
     }
@@ -243,28 +261,63 @@ impl Layout {
     }
 }
 
+/// Returns a number of a scrambled Sobol' sequence: a multiple of 2^-23 from 0 to below 1.
+pub(crate) fn sobol_fraction(sample: u64, dimension: u32, seed: u32) -> f64 {
+    let index = u32::try_from(sample).unwrap_or(0);
+    f64::from(sobol_burley::sample(index, dimension, seed))
+}
+
 /// Maps a fraction into one of several equal parts of the unit interval; rounding never leaves the
 /// part.
-fn within(part: u64, parts: u64, fraction: f64) -> f64 {
+pub(crate) fn within(part: u64, parts: u64, fraction: f64) -> f64 {
     let upper = (part + 1) as f64 / parts as f64;
     ((part as f64 + fraction) / parts as f64).min(upper.next_down())
 }
 
-/// Returns the dimension of the Sobol' sequence for an axis. It does not depend on the number of
-/// balls, and no two axes of a model share a dimension.
-fn sobol_dimension(axis: &str) -> u32 {
+/// Returns the dimension of the Sobol' sequence for each axis; no two axes share one. Axes of the crate's own models have
+/// dimensions by their names, which do not depend on the number of balls. Those of other models have their places.
+fn sobol_dimensions(axes: &[BoxAxis]) -> Vec<u32> {
+    let known: Option<Vec<u32>> = axes.iter().map(|axis| known_dimension(&axis.name)).collect();
+    let distinct = |known: &Vec<u32>| known.iter().collect::<HashSet<_>>().len() == known.len();
+    known.filter(distinct).unwrap_or_else(|| (0..).take(axes.len()).collect())
+}
+
+fn known_dimension(axis: &str) -> Option<u32> {
     let of_ball = |ball: &str, offset: u32| {
-        let ball: u32 = ball.parse().unwrap_or(1);
-        2 + 2 * ball + offset
+        let ball = ball.parse().ok().filter(|ball| (1..=MAX_BALLS as u32).contains(ball))?;
+        Some(2 + 2 * ball + offset)
     };
     match axis {
-        "x" | "position_m" => 0,
-        "y" | "velocity_m_s" => 1,
-        "x_dot" => 2,
-        "y_dot" => 3,
+        "x" | "position_m" => Some(0),
+        "y" | "velocity_m_s" => Some(1),
+        "x_dot" => Some(2),
+        "y_dot" => Some(3),
         _ => match axis.strip_prefix("beta_dot_") {
             Some(ball) => of_ball(ball, 1),
-            None => of_ball(axis.strip_prefix("beta_").unwrap_or("1"), 0),
+            None => of_ball(axis.strip_prefix("beta_")?, 0),
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BoxAxis, sobol_dimensions};
+
+    fn dimensions(names: &[&str]) -> Vec<u32> {
+        let axis = |name: &&str| BoxAxis { name: (*name).to_owned(), low: 0.0, high: 1.0 };
+        sobol_dimensions(&names.iter().map(axis).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn every_axis_has_a_dimension_of_its_own() {
+        assert_eq!(dimensions(&["position_m", "velocity_m_s"]), [0, 1]);
+        let two = ["x", "y", "beta_1", "beta_2", "x_dot", "y_dot", "beta_dot_1", "beta_dot_2"];
+        assert_eq!(dimensions(&two), [0, 1, 4, 6, 2, 3, 5, 7]);
+        // Axes of models outside of the crate.
+        let own = ["position_1_m", "position_2_m", "velocity_1_m_s", "velocity_2_m_s"];
+        assert_eq!(dimensions(&own), [0, 1, 2, 3]);
+        assert_eq!(dimensions(&["angle_rad", "x"]), [0, 1]);
+        assert_eq!(dimensions(&["x", "position_m"]), [0, 1]);
+        assert_eq!(dimensions(&["beta_9", "beta_1"]), [0, 1]);
     }
 }

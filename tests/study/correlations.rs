@@ -1,0 +1,285 @@
+//! Correlated uncertain parameters: marginals, rank correlations, stability against edits, and faults.
+
+use statrs::distribution::{ContinuousCDF, LogNormal, Normal};
+use stickslip::study::Study;
+
+use super::{assert_follows, parse, study, text_with_design};
+
+const ALPHA: f64 = 1.0e-3;
+
+const UNCERTAIN: &str = "uncertain:
+  table_mass_kg: {uniform: {min: 0, max: 1}}
+  stiffness_n_m: {normal: {mean: 1.0e4, std_dev: 100}}
+  damping_n_s_m: {lognormal: {mean: 2, std_dev: 1}}
+  ring_radius_m: {triangular: {min: 0, mode: 0, max: 1}}
+  speed_rad_s: {times: {uniform: {min: 0.5, max: 2}}}
+";
+
+/// The rank correlations of [`CORRELATED`] by the places of two parameters.
+const REQUESTED: [(usize, usize, f64); 4] = [(0, 1, 0.8), (0, 2, -0.5), (1, 2, -0.25), (2, 4, 0.3)];
+
+const CORRELATED: &str = "correlations:
+    - {parameters: [table_mass_kg, stiffness_n_m], rank_correlation: 0.8}
+    - {parameters: [damping_n_s_m, table_mass_kg], rank_correlation: -0.5}
+    - {parameters: [stiffness_n_m, damping_n_s_m], rank_correlation: -0.25}
+    - {parameters: [speed_rad_s, damping_n_s_m], rank_correlation: 0.3}
+";
+
+const RUNS: usize = 8192;
+
+fn correlated(starts: &str, design: &str) -> Study {
+    let text = text_with_design(starts);
+    study(&format!("{text}{UNCERTAIN}uncertain_sampling:\n  design: {design}\n  {CORRELATED}"))
+}
+
+fn designs() -> Vec<Study> {
+    let (one, sequence) = ("{monte_carlo: {samples: 8192}}", "{sobol: {samples: 8192}}");
+    let all = [(one, "monte_carlo"), (one, "latin_hypercube"), (one, "sobol"), (sequence, "joint")];
+    all.map(|(starts, design)| correlated(starts, design)).into()
+}
+
+/// Returns the draws by parameter.
+fn columns(study: &Study) -> Vec<Vec<f64>> {
+    let runs: Vec<Vec<f64>> =
+        (0..study.run_count()).map(|run| study.planned_run(run).uncertain).collect();
+    (0..runs[0].len()).map(|place| runs.iter().map(|run| run[place]).collect()).collect()
+}
+
+/// Returns the ranks from 0, without ties.
+fn ranks(values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|one, other| values[*one].total_cmp(&values[*other]));
+    let mut ranks = vec![0.0; values.len()];
+    for (rank, index) in order.into_iter().enumerate() {
+        ranks[index] = rank as f64;
+    }
+    ranks
+}
+
+/// Returns Spearman's rank correlation.
+fn spearman(one: &[f64], other: &[f64]) -> f64 {
+    let count = one.len() as f64;
+    let middle = 0.5 * (count - 1.0);
+    let products = ranks(one).into_iter().zip(ranks(other));
+    let sum: f64 = products.map(|(left, right)| (left - middle) * (right - middle)).sum();
+    12.0 * sum / (count * (count * count - 1.0))
+}
+
+#[test]
+fn marginals_follow_their_distributions() {
+    let normal = Normal::new(1.0e4, 100.0).unwrap();
+    let variance = 1.25_f64.ln();
+    let lognormal = LogNormal::new(2.0_f64.ln() - variance / 2.0, variance.sqrt()).unwrap();
+    let nominal = -216.3772;
+    for study in designs() {
+        let columns = columns(&study);
+        let cdfs: [&dyn Fn(f64) -> f64; 5] = [
+            &|x| x,
+            &|x| normal.cdf(x),
+            &|x| lognormal.cdf(x),
+            &|x| 1.0 - (1.0 - x).powi(2),
+            &|x| 1.0 - (x / nominal - 0.5) / 1.5,
+        ];
+        for (column, cdf) in columns.into_iter().zip(cdfs) {
+            assert_follows(column, cdf, ALPHA);
+        }
+    }
+}
+
+/// The standard error of a rank correlation of n pairs is at most 1/sqrt(n); four of them are the tolerance.
+#[test]
+fn rank_correlations_are_those_requested() {
+    let tolerance = 4.0 / (RUNS as f64).sqrt();
+    for study in designs() {
+        let columns = columns(&study);
+        for one in 0..5 {
+            for other in one + 1..5 {
+                let requested = REQUESTED.iter().find(|pair| (pair.0, pair.1) == (one, other));
+                // The nominal speed is negative, and the correlation is that of its factor.
+                let sign = if other == 4 { -1.0 } else { 1.0 };
+                let requested = requested.map_or(0.0, |pair| sign * pair.2);
+                let found = spearman(&columns[one], &columns[other]);
+                println!("{one} {other}: requested {requested}, found {found:.4}");
+                assert!((found - requested).abs() < tolerance, "{one}, {other}: {found}");
+            }
+        }
+    }
+}
+
+/// Parameters that do not depend on earlier ones keep the draws without correlations, to the last bit.
+#[test]
+fn the_first_parameter_of_a_pair_and_all_others_keep_their_draws() {
+    let starts = "{monte_carlo: {samples: 200}}";
+    for design in ["monte_carlo", "latin_hypercube", "sobol"] {
+        let plain = study(&format!(
+            "{}{UNCERTAIN}uncertain_sampling: {{design: {design}}}\n",
+            text_with_design(starts)
+        ));
+        let (with, without) = (columns(&correlated(starts, design)), columns(&plain));
+        let same: Vec<bool> = (0..5).map(|place| with[place] == without[place]).collect();
+        assert_eq!(same, [true, false, false, true, false]);
+    }
+}
+
+fn small(uncertain: &str, correlations: &str) -> Study {
+    let text = text_with_design("{monte_carlo: {samples: 50}}");
+    study(&format!(
+        "{text}uncertain:\n{uncertain}uncertain_sampling: {{correlations: [{correlations}]}}\n"
+    ))
+}
+
+#[test]
+fn further_parameters_keep_the_draws_of_the_others() {
+    let line = |name: &str| format!("  {name}: {{normal: {{mean: 10, std_dev: 1}}}}\n");
+    let [first, middle, second, last] =
+        ["table_mass_kg", "stiffness_n_m", "ring_radius_m", "speed_rad_s"].map(line);
+    let pair = "{parameters: [table_mass_kg, ring_radius_m], rank_correlation: 0.6}";
+    let old = columns(&small(&format!("{first}{second}"), pair));
+    // An uncorrelated parameter between the others.
+    let new = columns(&small(&format!("{first}{middle}{second}"), pair));
+    assert_eq!([&new[0], &new[2]], [&old[0], &old[1]]);
+    // A correlated parameter after the others.
+    let more = "{parameters: [speed_rad_s, ring_radius_m], rank_correlation: -0.4}";
+    let new = columns(&small(&format!("{first}{second}{last}"), &format!("{more}, {pair}")));
+    assert_eq!(new[..2], old);
+    // A correlated parameter before one of the others changes the draws of that one.
+    let more = "{parameters: [stiffness_n_m, ring_radius_m], rank_correlation: -0.4}";
+    let new = columns(&small(&format!("{first}{middle}{second}"), &format!("{more}, {pair}")));
+    assert!(new[0] == old[0] && new[2] != old[1]);
+}
+
+#[test]
+fn the_order_of_the_file_and_units_do_not_matter() {
+    let uncertain = "  table_mass: {normal: {mean: 300 g, std_dev: 1 g}}
+  stiffness_n_m: {normal: {mean: 1.0e4, std_dev: 100}}
+  damping_n_s_m: {uniform: {min: 1, max: 2}}
+";
+    let one = "{parameters: [table_mass, stiffness], rank_correlation: 0.5}";
+    let turned = "{rank_correlation: 0.5, parameters: [stiffness_n_m, table_mass_kg]}";
+    let other = "{parameters: [damping_n_s_m, stiffness_n_m], rank_correlation: -0.5}";
+    let first = small(uncertain, &format!("{one}, {other}"));
+    let second = small(uncertain, &format!("{other}, {turned}"));
+    assert_eq!((second.hash(), columns(&second)), (first.hash(), columns(&first)));
+    let resolved = "uncertain_sampling:
+  design: monte_carlo
+  correlations:
+    - parameters: [table_mass_kg, stiffness_n_m]
+      rank_correlation: 0.5
+    - parameters: [stiffness_n_m, damping_n_s_m]
+      rank_correlation: -0.5
+";
+    assert!(first.resolved_yaml().contains(resolved), "{}", first.resolved_yaml());
+    let again = study(&first.resolved_yaml());
+    assert_eq!((again.hash(), columns(&again)), (first.hash(), columns(&first)));
+    let weaker = small(uncertain, &format!("{other}, {}", turned.replace("0.5", "0.4")));
+    assert_ne!(weaker.hash(), first.hash());
+}
+
+/// Pinned draws of run 17. A change here breaks reproducibility and must be announced in the changelog.
+#[test]
+fn correlated_draws_keep_their_values() {
+    let found = correlated("{monte_carlo: {samples: 100}}", "latin_hypercube").planned_run(17);
+    let expected = [
+        0.9846250356568068,
+        10199.237514459966,
+        1.4372129760814782,
+        0.2798591303785565,
+        -348.50874242185824,
+    ];
+    for (found, expected) in found.uncertain.iter().zip(expected) {
+        // Normal distribution functions may differ in the last digits between platforms.
+        assert!((found - expected).abs() <= 1.0e-12 * f64::abs(expected), "{found:?} {expected:?}");
+    }
+}
+
+/// Strong correlations are possible, up to those that leave nothing to a parameter.
+#[test]
+fn strong_correlations_are_accepted() {
+    let uncertain = "  table_mass_kg: {uniform: {min: 0, max: 1}}
+  stiffness_n_m: {uniform: {min: 0, max: 1}}
+";
+    for value in [0.9999, -0.9999] {
+        let pair =
+            format!("{{parameters: [table_mass_kg, stiffness_n_m], rank_correlation: {value}}}");
+        let columns = columns(&small(uncertain, &pair));
+        for (one, other) in columns[0].iter().zip(&columns[1]) {
+            let expected = if value > 0.0 { *one } else { 1.0 - one };
+            assert!((other - expected).abs() < 0.03, "{one} {other}");
+        }
+    }
+}
+
+#[track_caller]
+fn refused(correlations: &str, line: usize, key: &str, found: &str, allowed: &str) {
+    let text = text_with_design("{sobol: {samples: 4}}");
+    let text = format!("{text}{UNCERTAIN}uncertain_sampling:\n  correlations:{correlations}\n");
+    let error = parse(&text).err().unwrap_or_else(|| panic!("accepted: {text}"));
+    let key = format!("uncertain_sampling.correlations{key}");
+    assert_eq!((error.line(), error.key()), (Some(line), key.as_str()), "{error}");
+    assert!(error.found().unwrap_or_default().contains(found), "{error}");
+    assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
+}
+
+#[test]
+fn faulty_pairs_are_refused() {
+    let item = |parameters: &str, value: &str| {
+        format!("\n    - {{parameters: {parameters}, rank_correlation: {value}}}")
+    };
+    let pair = "[table_mass_kg, stiffness_n_m]";
+    let good = item(pair, "0.5");
+    refused(" []", 14, "", "an empty list", "at least one pair, or no `correlations`");
+    let key = "[0].parameters";
+    refused(&item("[table_mass_kg]", "0.5"), 15, key, "a list of 1", "two different");
+    let three = "[table_mass_kg, stiffness_n_m, speed_rad_s]";
+    refused(&item(three, "0.5"), 15, key, "a list of 3", "two different");
+    refused(&item("[stiffness, stiffness_n_m]", "0.5"), 15, key, "twice", "two different");
+    let both = format!("{good}{}", item("[stiffness_n_m, table_mass]", "0.5"));
+    refused(&both, 16, "[1].parameters", "here and in item 0", "each pair once");
+    let near = "table_mass_kg (did you mean this?), stiffness_n_m";
+    refused(&item("[table_mas_kg, speed_rad_s]", "0.5"), 15, "[0].parameters[0]", "mas_kg", near);
+    // A parameter that is not uncertain.
+    let known = item("[speed_rad_s, ball_mass_kg]", "0.5");
+    refused(&known, 15, "[0].parameters[1]", "ball_mass_kg", "table_mass_kg");
+    for value in ["1", "-1", "1.5", "2"] {
+        let key = "[0].rank_correlation";
+        refused(&item(pair, value), 15, key, value, "above -1 and below 1");
+    }
+    refused(&item(pair, "strong"), 15, "[0].rank_correlation", "strong", "a number");
+    refused(&item(pair, ".nan"), 15, "[0].rank_correlation", ".nan", "a finite number");
+    let unknown = "\n    - {parameters: [table_mass_kg, stiffness_n_m], correlation: 0.5}";
+    refused(unknown, 15, "[0].correlation", "correlation", "rank_correlation (did you mean this?)");
+    let missing = format!("\n    - {{parameters: {pair}}}");
+    refused(&missing, 15, "[0].rank_correlation", "", "rank_correlation");
+}
+
+/// The message names a pair of the parameter at which the correlations become impossible, and the values that are
+/// possible; these are indeed accepted, and those beyond them are not.
+#[test]
+fn contradictions_are_refused_with_a_remedy() {
+    let items = |last: f64| {
+        format!(
+            "
+    - {{parameters: [table_mass_kg, stiffness_n_m], rank_correlation: 0.9}}
+    - {{parameters: [table_mass_kg, damping_n_s_m], rank_correlation: 0.8}}
+    - {{parameters: [stiffness_n_m, damping_n_s_m], rank_correlation: {last}}}"
+        )
+    };
+    let found =
+        "-0.3 for stiffness_n_m and damping_n_s_m, with those of the other pairs of damping";
+    let allowed = "0.478 to 0.98 for this pair, which the other pairs leave possible, or weaker";
+    refused(&items(-0.3), 17, "[2].rank_correlation", found, allowed);
+    let text = |last| {
+        let text = text_with_design("{sobol: {samples: 4}}");
+        format!("{text}{UNCERTAIN}uncertain_sampling:\n  correlations:{}\n", items(last))
+    };
+    for (value, possible) in [(0.478, true), (0.98, true), (0.476, false), (0.982, false)] {
+        assert_eq!(parse(&text(value)).is_ok(), possible, "{value}");
+    }
+    // The same with the pairs in another order: the message is at the last pair of the parameter.
+    let turned = "
+    - {parameters: [stiffness_n_m, damping_n_s_m], rank_correlation: -0.3}
+    - {parameters: [table_mass_kg, damping_n_s_m], rank_correlation: 0.8}
+    - {parameters: [table_mass_kg, stiffness_n_m], rank_correlation: 0.9}";
+    let found = "0.8 for table_mass_kg and damping_n_s_m";
+    refused(turned, 16, "[1].rank_correlation", found, "weaker correlations of damping_n_s_m");
+}
