@@ -1,17 +1,19 @@
 //! Bandwidths of kernels on the torus, and widths of the regression over parameters: those that predict the rests of left-out
 //! parameter sets best.
 //!
-//! Parameter sets near the maximum of the likelihood are left out in turn. Some of their rests, measured with the error of the
+//! Parameter sets near the maximum of the likelihood are left out in turn. Some of their runs, measured with the error of the
 //! measurements, are predicted from the other sets, and the values with the largest sum of logarithms of densities are chosen
 //! (likelihood cross-validation; B. W. Silverman, *Density Estimation for Statistics and Data Analysis*, 1986, section 3.4.4).
 
 use rayon::prelude::*;
 
 use super::density::Rests;
+use super::likelihood::log_densities;
+use super::references::References;
 use super::sampler::{generator, normal};
 use super::set_densities::{RunWeights, SetDensities};
 use super::site::{Measured, Site};
-use super::smoother::{SetWeight, Smoother, smoothed};
+use super::smoother::{SetWeight, Smoother};
 use crate::study::Study;
 
 /// The bandwidths of a site, rad.
@@ -82,14 +84,15 @@ impl<'a> CrossValidation<'a> {
             let site = &sites[index];
             let deviations: Vec<f64> = site.rests.iter().map(|one| one.std_dev_rad).collect();
             let own = &rests[set][index];
-            let every = own.at_rest().len().div_ceil(PREDICTED).max(1);
+            let every = own.runs().div_ceil(PREDICTED).max(1);
             let positions = own.positions().step_by(every).enumerate();
             let measured = positions.filter(|_| !deviations.is_empty()).map(|(place, angles)| {
                 let std_dev_rad = deviations[place % deviations.len()];
                 let blurred = angles.iter().map(|angle| angle + std_dev_rad * normal(&mut random));
                 Measured { angles: blurred.collect(), std_dev_rad }
             });
-            Site { rests: measured.collect(), moving: 0, ..site.clone() }
+            let moving = own.moving().len().div_ceil(every) as u64;
+            Site { rests: measured.collect(), moving, ..site.clone() }
         };
         let of_set = |set: usize| {
             (set, (0..sites.len()).map(|index| predicted(set, index)).collect::<Vec<Site>>())
@@ -112,7 +115,7 @@ impl<'a> CrossValidation<'a> {
     fn at_site(&self, index: usize, weights: &[Vec<SetWeight>]) -> Bandwidths {
         let thinned = |(_, sites): &(usize, Vec<Site>)| {
             let rests = sites[index].rests.iter().step_by(THINNED).cloned().collect();
-            Site { rests, ..sites[index].clone() }
+            Site { rests, moving: 0, ..sites[index].clone() }
         };
         let left_out: Vec<Site> = self.left_out.iter().map(thinned).collect();
         let score = |bandwidths: Bandwidths| -> f64 {
@@ -120,7 +123,7 @@ impl<'a> CrossValidation<'a> {
                 let densities =
                     |one: &SetWeight| (*one, self.densities(one.set, index, site, bandwidths));
                 let each: Vec<(SetWeight, SetDensities)> = weights.iter().map(densities).collect();
-                self.log_density(index, each.iter().map(|(weight, one)| (*weight, one)))
+                self.log_density(index, site, each.iter().map(|(weight, one)| (*weight, one)), None)
             };
             left_out.iter().zip(weights).map(of_set).sum()
         };
@@ -137,8 +140,13 @@ impl<'a> CrossValidation<'a> {
         best(&|touching| Bandwidths { touching, ..single })
     }
 
-    /// Returns the best widths of the regression.
-    pub fn widths(&self, bandwidths: &[Bandwidths]) -> Vec<f64> {
+    /// Returns the best widths of the regression. `references` are the densities of all positions at the sites, one entry per
+    /// parameter set and site, and the references among them.
+    pub fn widths(
+        &self,
+        bandwidths: &[Bandwidths],
+        (of_references, references): (&[Vec<SetDensities>], &[References]),
+    ) -> Vec<f64> {
         // The densities of the predicted rests for all parameter sets, per left-out set and site.
         let densities: Vec<Vec<Vec<SetDensities>>> = self
             .left_out
@@ -153,13 +161,18 @@ impl<'a> CrossValidation<'a> {
             .collect();
         let score = |widths: &[f64]| -> f64 {
             let smoother = Smoother::new(self.places.to_vec(), widths.to_vec());
-            let of_set = |((set, _), of_sites): (&(usize, Vec<Site>), &Vec<Vec<SetDensities>>)| {
-                let weights = smoother.weights(&self.places[*set], Some(*set));
-                let at = |(index, all): (usize, &Vec<SetDensities>)| {
-                    self.log_density(index, weights.iter().map(|one| (*one, &all[one.set])))
+            let of_set =
+                |((set, predicted), of_sites): (&(usize, Vec<Site>), &Vec<Vec<SetDensities>>)| {
+                    let weights = smoother.weights(&self.places[*set], Some(*set));
+                    let at = |(index, all): (usize, &Vec<SetDensities>)| {
+                        let (site, masses) = (&predicted[index], &references[index]);
+                        let each = weights.iter().map(|one| (*one, &of_references[one.set][index]));
+                        let mass = masses.mass(each, 0);
+                        let each = weights.iter().map(|one| (*one, &all[one.set]));
+                        self.log_density(index, site, each, mass)
+                    };
+                    of_sites.iter().enumerate().map(at).sum::<f64>()
                 };
-                of_sites.iter().enumerate().map(at).sum::<f64>()
-            };
             self.left_out.iter().zip(&densities).map(of_set).sum()
         };
         let mut widths = first_widths(self.dimensions());
@@ -192,19 +205,19 @@ impl<'a> CrossValidation<'a> {
         SetDensities::at_site(site, &self.rests[set][index], bandwidths, &RunWeights::equal())
     }
 
-    /// Returns the sum of the logarithms of the densities of predicted rests.
+    /// Returns the sum of the logarithms of the densities of predicted rests, and of the probabilities of predicted motions. The
+    /// mass of the density is corrected if it is known.
     fn log_density<'d>(
         &self,
         index: usize,
+        site: &Site,
         each: impl Iterator<Item = (SetWeight, &'d SetDensities)> + Clone,
+        mass: Option<f64>,
     ) -> f64 {
-        let rows = each.clone().next().map_or(0, |(_, one)| one.rests.len());
-        let runs = each.clone().map(|(_, one)| one.runs).min().unwrap_or(0) as f64;
+        let runs = each.clone().map(|(_, one)| one.runs).min().unwrap_or(0);
         let uniform = self.rests.first().map_or(1.0, |of_set| of_set[index].uniform());
-        let density = |row: usize| -> f64 {
-            let parts = each.clone().map(|(weight, one)| (weight, one.rests[row][0]));
-            libm::log(smoothed(parts).max(uniform / (runs + 1.0)))
-        };
-        (0..rows).map(density).sum()
+        let references = References::known(site.rests.len(), mass);
+        let (rests, moving) = log_densities((runs, uniform), &references, each, 0);
+        rests + site.moving as f64 * moving
     }
 }

@@ -12,6 +12,7 @@ use super::likelihood::Likelihood;
 use super::next_sets::next_places;
 use super::parameter_set::ParameterSet;
 use super::posterior::{Posterior, posterior};
+use super::references::{References, with_references};
 use super::set_densities::{RunWeights, SetDensities};
 use super::site::Site;
 use super::smoother::Smoother;
@@ -177,6 +178,9 @@ struct Evaluated<'a> {
     densities: Vec<Vec<SetDensities>>,
     weights: Vec<RunWeights>,
     uniform: Vec<f64>,
+    /// The sites with positions of reference after the measured ones, once there are some.
+    sites: Vec<Site>,
+    references: Vec<References>,
     bandwidths: Vec<Bandwidths>,
     widths: Vec<f64>,
     smoother: Smoother,
@@ -197,6 +201,11 @@ impl<'a> Evaluated<'a> {
             rests: Vec::new(),
             densities: Vec::new(),
             weights: sites.iter().enumerate().map(weights).collect(),
+            references: sites
+                .iter()
+                .map(|site| References::known(site.rests.len(), None))
+                .collect(),
+            sites: sites.to_vec(),
             uniform: vec![Rests::new(study.model().balls(), []).uniform(); sites.len()],
             bandwidths: vec![Bandwidths::default(); sites.len()],
             smoother: Smoother::new(Vec::new(), widths.clone()),
@@ -237,8 +246,7 @@ impl<'a> Evaluated<'a> {
     }
 
     fn densities_of(&self, rests: &[Rests]) -> Vec<SetDensities> {
-        let sites = self.inference.sites;
-        let each = sites.iter().zip(rests).zip(&self.bandwidths).zip(&self.weights);
+        let each = self.sites.iter().zip(rests).zip(&self.bandwidths).zip(&self.weights);
         each.map(|(((site, rests), bandwidths), weights)| {
             SetDensities::at_site(site, rests, *bandwidths, weights)
         })
@@ -246,8 +254,8 @@ impl<'a> Evaluated<'a> {
     }
 
     fn likelihood(&self) -> Likelihood<'_> {
-        let Evaluated { densities, smoother, uniform, .. } = self;
-        Likelihood { sites: self.inference.sites, densities, smoother, uniform }
+        let Evaluated { sites, references, densities, smoother, uniform, .. } = self;
+        Likelihood { sites, references, densities, smoother, uniform }
     }
 
     /// Chooses bandwidths and widths, and computes all densities with them.
@@ -258,10 +266,19 @@ impl<'a> Evaluated<'a> {
         let likelihoods: Vec<f64> =
             places.par_iter().map(|place| likelihood.at(place, 0)).collect();
         let validation = CrossValidation::new(study, sites, &self.rests, &places, &likelihoods);
-        let bandwidths = validation.bandwidths();
-        self.widths = validation.widths(&bandwidths);
-        self.bandwidths = bandwidths;
+        self.bandwidths = validation.bandwidths();
+        let at =
+            |index: usize| -> Vec<&Rests> { self.rests.iter().map(|set| &set[index]).collect() };
+        let with_references =
+            |(index, site): (usize, &Site)| with_references(study, index, site, &at(index));
+        self.sites = sites.iter().enumerate().map(with_references).collect();
         self.densities = self.rests.par_iter().map(|rests| self.densities_of(rests)).collect();
+        let references = |(index, site): (usize, &Site)| {
+            let each: Vec<&SetDensities> = self.densities.iter().map(|set| &set[index]).collect();
+            References::new(site.rests.len(), &each)
+        };
+        self.references = sites.iter().enumerate().map(references).collect();
+        self.widths = validation.widths(&self.bandwidths, (&self.densities, &self.references));
         self.smoother = Smoother::new(places, self.widths.clone());
     }
 

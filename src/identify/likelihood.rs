@@ -3,14 +3,17 @@
 //! The density of each measured run is smoothed over the parameter sets, and the log-likelihood is the sum of the logarithms. A
 //! density is at least that of one further run that rests anywhere, so that no measurement is impossible.
 
+use super::references::References;
 use super::set_densities::{REPLICATES, SetDensities};
 use super::site::Site;
 use super::smoother::{SetWeight, Smoother, smoothed};
 
 /// The log-likelihood as a function of the place.
 pub struct Likelihood<'a> {
-    /// The sites with the measured runs.
+    /// The sites with the measured runs; positions of reference follow the measured ones.
     pub sites: &'a [Site],
+    /// The references at each site, which give the mass of the density.
+    pub references: &'a [References],
     /// The densities for each parameter set, one entry per site.
     pub densities: &'a [Vec<SetDensities>],
     /// The regression over the parameter sets.
@@ -45,18 +48,31 @@ impl Likelihood<'_> {
             // Nothing is known here: all runs around it failed.
             return site.runs() as f64 * libm::log(SMALLEST);
         };
-        let least = 1.0 / (runs as f64 + 1.0);
-        let rests = (0..site.rests.len()).map(|row| {
-            let each = known.iter().map(|(weight, one)| (*weight, one.rests[row][replicate]));
-            libm::log(smoothed(each).max(uniform * least))
-        });
-        let rests: f64 = rests.sum();
-        if site.moving == 0 {
-            return rests;
-        }
-        let moving = smoothed(known.iter().map(|(weight, one)| (*weight, one.moving[replicate])));
-        rests + site.moving as f64 * libm::log(moving.clamp(0.5 * least, 1.0))
+        let references = &self.references[index];
+        let each = known.iter().map(|(weight, one)| (*weight, *one));
+        let (rests, moving) = log_densities((runs, uniform), references, each, replicate);
+        rests + site.moving as f64 * moving
     }
+}
+
+/// Returns the sum of the logarithms of the densities of measured positions, and the logarithm of the probability of motion.
+/// `runs` is the number of simulated runs, and `uniform` the density of one run that rests anywhere.
+pub(super) fn log_densities<'d>(
+    (runs, uniform): (usize, f64),
+    references: &References,
+    each: impl Iterator<Item = (SetWeight, &'d SetDensities)> + Clone,
+    replicate: usize,
+) -> (f64, f64) {
+    let least = 1.0 / (runs as f64 + 1.0);
+    let parts = each.clone().map(|(weight, one)| (weight, one.moving[replicate]));
+    let moving = smoothed(parts).clamp(0.5 * least, 1.0 - 0.5 * least);
+    // The mass of the density is the probability of rest.
+    let factor = references.mass(each.clone(), replicate).map_or(1.0, |mass| (1.0 - moving) / mass);
+    let density = |row: usize| {
+        let parts = each.clone().map(|(weight, one)| (weight, one.rests[row][replicate]));
+        libm::log((factor * smoothed(parts)).max(uniform * least))
+    };
+    ((0..references.measured()).map(density).sum(), libm::log(moving))
 }
 
 /// The density where nothing is known.

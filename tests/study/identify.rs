@@ -80,7 +80,13 @@ fn wrong_keys() {
         "from 0",
         "spacing: linear",
     );
-    refused("ring_radius:", "ring_size:", &format!("{own}.ring_size"), "ring_size", "ring_radius");
+    refused(
+        "ring_radius: {from: 11 mm, to: 12 mm}",
+        "ring_size: {from: 0.011, to: 0.012}",
+        &format!("{own}.ring_size"),
+        "ring_size",
+        "ring_radius",
+    );
     refused(
         "ring_radius: {from: 11 mm, to: 12 mm}",
         "balls: {from: 1, to: 2}",

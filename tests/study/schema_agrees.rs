@@ -9,7 +9,7 @@ use stickslip::study::{Study, json_schema};
 
 /// Problems that the program finds and the schema cannot express, each with the reason. A problem that ends with a blank
 /// is the beginning of a problem.
-const CONTENT: [(&str, &str); 42] = [
+const CONTENT: [(&str, &str); 43] = [
     ("a peak amplitude has no counterpart without balls", "two keys of a response"),
     ("no peak amplitude at constant speed without disturbances", "a response and the model"),
     ("no physical meaning: ramp_to_1_rad_s", "the sign of all speeds of a profile"),
@@ -50,6 +50,7 @@ const CONTENT: [(&str, &str); 42] = [
     ("not a variable", "names at another place of the file"),
     ("no objective, or too many", "the number of objectives at two places together"),
     ("the study has no audit", "a key at another place of the file"),
+    ("a logarithmic range that is not positive", "the spacing of the range"),
     ("the table cannot be read: ", "files"),
     ("with ", "the study with every number of balls of its designs"),
 ];

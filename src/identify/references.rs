@@ -1,0 +1,94 @@
+//! The mass of a smoothed density, by importance sampling.
+//!
+//! A polynomial of densities may be negative somewhere, and where a part of the mean takes its place, the mass of the density is no
+//! longer the probability of rest. It is estimated at reference positions: rests of all parameter sets, measured with the error of
+//! the measurements. Their own density, the proposal, is the mean of the densities of the parameter sets at rest.
+
+use super::density::Rests;
+use super::sampler::{generator, normal};
+use super::set_densities::SetDensities;
+use super::site::{Measured, Site};
+use super::smoother::{SetWeight, smoothed};
+use crate::study::Study;
+
+/// The number of reference positions at a site.
+const REFERENCES: usize = 256;
+
+/// The reference positions at a site.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct References {
+    /// The number of measured positions, which come before the reference positions.
+    measured: usize,
+    /// The density of each reference position in the proposal.
+    proposal: Vec<f64>,
+    /// The mass, if it is known from other references.
+    known: Option<f64>,
+}
+
+/// Returns a site with reference positions after the measured ones; `rests` are the simulated ends of the parameter sets there.
+pub fn with_references(study: &Study, index: usize, site: &Site, rests: &[&Rests]) -> Site {
+    let deviations: Vec<f64> = site.rests.iter().map(|one| one.std_dev_rad).collect();
+    let known: Vec<&&Rests> = rests.iter().filter(|one| !one.at_rest().is_empty()).collect();
+    let mut site = site.clone();
+    if known.is_empty() || deviations.is_empty() {
+        return site;
+    }
+    let mut random = generator(study, "identify references", index as u64);
+    for number in 0..REFERENCES {
+        let own = known[number % known.len()];
+        let positions = own.at_rest().len();
+        // A step that has no common factor with most numbers of runs spreads the references over them.
+        let Some(angles) = own.run((number * 7919 / known.len()) % positions) else { continue };
+        let std_dev_rad = deviations[number % deviations.len()];
+        let blurred = angles.iter().map(|angle| angle + std_dev_rad * normal(&mut random));
+        site.rests.push(Measured { angles: blurred.collect(), std_dev_rad });
+    }
+    site
+}
+
+impl References {
+    /// Returns the references of a site with `measured` measured positions, from the densities of all its positions for all
+    /// parameter sets.
+    pub fn new(measured: usize, densities: &[&SetDensities]) -> Self {
+        let at_rest: Vec<(&&SetDensities, f64)> = densities
+            .iter()
+            .map(|one| (one, 1.0 - one.moving[0]))
+            .filter(|(one, rest)| one.runs > 0 && *rest > 0.0)
+            .collect();
+        let rows = densities.first().map_or(0, |one| one.rests.len());
+        let density = |row: usize| -> f64 {
+            let sum: f64 = at_rest.iter().map(|(one, rest)| one.rests[row][0] / rest).sum();
+            sum / at_rest.len() as f64
+        };
+        let proposal = (measured..rows).map(density).collect();
+        References { measured, proposal, known: None }
+    }
+
+    /// Returns no references for this many measured positions, but the mass if it is known.
+    pub fn known(measured: usize, mass: Option<f64>) -> Self {
+        References { measured, proposal: Vec::new(), known: mass }
+    }
+
+    /// Returns the number of measured positions among those of a site.
+    pub fn measured(&self) -> usize {
+        self.measured
+    }
+
+    /// Returns the mass of the smoothed density of a replicate; `None` if it is not known.
+    pub fn mass<'d>(
+        &self,
+        each: impl Iterator<Item = (SetWeight, &'d SetDensities)> + Clone,
+        replicate: usize,
+    ) -> Option<f64> {
+        let ratio = |(row, proposal): (usize, &f64)| {
+            let parts = each.clone().map(|(weight, one)| (weight, one.rests[row][replicate]));
+            smoothed(parts) / proposal
+        };
+        if self.proposal.is_empty() {
+            return self.known;
+        }
+        let rows = (self.measured..).zip(&self.proposal);
+        let sum: f64 = rows.map(ratio).sum();
+        (sum > 0.0).then(|| sum / self.proposal.len() as f64)
+    }
+}
