@@ -19,7 +19,7 @@ fn record() -> Value {
     let text = fs::read_to_string(root.join("docs/records/identify.json")).expect("a record");
     let record: Value = serde_json::from_str(&text).expect("JSON");
     let of = record["of"].as_array().expect("a list");
-    assert_eq!(of.len(), 3);
+    assert!(!of.is_empty());
     for one in of {
         let due = about(one["study"].as_str().expect("a study"));
         let stale = "`scripts/identify-synthetic` computes the record anew";
@@ -73,30 +73,38 @@ fn the_example() {
     compare_or_write_part(PAGE, "identify", &format!("\n```text\n{text}```\n"));
 }
 
+/// The least number of repetitions of a family in the record.
+const REPETITIONS: usize = 40;
+
 /// Ranks of the truth are uniform, the test of the fit rejects true models rarely, and the model without contact nearly always.
 #[test]
 fn synthetic_measurements() {
     let record = record();
-    let families = &record["families"];
-    let mut table = "\n| truth | inferred | ranks uniform, p | truth in the 95 % interval | std. dev. / mean | \
-        width/prior | fit rejected |\n|---|---|---|---|---|---|---|\n"
+    let families = record["families"].as_object().expect("families");
+    assert!(families.contains_key("friction"), "the first family");
+    let mut table = "\n| truth | inferred | repetitions | ranks uniform, p | truth in the 95 % interval | std. dev. / mean | \
+        width/prior | fit rejected |\n|---|---|---|---|---|---|---|---|\n"
         .to_owned();
-    for (family, title) in [
-        ("friction", "balls pass through each other"),
-        ("contact", "balls touch"),
-        ("runout", "the ring has runout"),
-        ("ghosts", "balls touch, inferred without contact"),
-    ] {
-        let outcomes = families[family].as_array().expect("a list");
-        assert_eq!(outcomes.len(), 100, "{family}");
+    for (family, outcomes) in families {
+        let title = match family.as_str() {
+            "friction" => "balls pass through each other",
+            "contact" => "balls touch",
+            "runout" => "the ring has runout",
+            "ghosts" => "balls touch, inferred without contact",
+            other => panic!("unknown family {other}"),
+        };
+        let outcomes = outcomes.as_array().expect("a list");
+        let count = outcomes.len();
+        assert!(count >= REPETITIONS, "{family}: {count}");
         let rejected = outcomes.iter().filter(|one| one["fit"]["rejected"] == true).count();
         if family == "ghosts" {
-            assert!(rejected >= 95, "{family}: {rejected}");
-            table.push_str(&format!("| {title} | | | | | | {rejected} of 100 |\n"));
+            assert!(20 * rejected >= 19 * count, "{family}: {rejected} of {count}");
+            table.push_str(&format!("| {title} | | {count} | | | | | {rejected} |\n"));
             continue;
         }
-        // With a level of 0.05, more than 12 of 100 have a probability of 0.002.
-        assert!(rejected <= 12, "{family}: {rejected}");
+        // Three standard deviations above a level of 0.05: a probability of about 0.002.
+        let level = 0.05 * count as f64;
+        assert!(rejected as f64 <= level + 3.0 * (0.95 * level).sqrt(), "{family}: {rejected}");
         let first = outcomes[0]["parameters"].as_object().expect("parameters");
         for parameter in first.keys() {
             let of = |key: &str| -> Vec<f64> {
@@ -111,7 +119,7 @@ fn synthetic_measurements() {
             let covered = ends.filter(|((low, high), truth)| low <= truth && truth <= high).count();
             let relative = of("std_dev").into_iter().zip(of("mean")).map(|(dev, mean)| dev / mean);
             table.push_str(&format!(
-                "| {title} | `{parameter}` | {uniform:.2} | {covered} of 100 | {:.1} % | {:.2} | {rejected} of 100 |\n",
+                "| {title} | `{parameter}` | {count} | {uniform:.2} | {covered} | {:.1} % | {:.2} | {rejected} |\n",
                 100.0 * mean(relative.collect()),
                 mean(of("width_over_prior")),
             ));
