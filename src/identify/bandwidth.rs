@@ -25,8 +25,9 @@ pub struct Bandwidths {
     pub touching: f64,
 }
 
-/// The bandwidths that are compared, rad.
-const BANDWIDTHS: [f64; 4] = [0.01, 0.03, 0.05, 0.08];
+/// The bandwidths that are compared, over the standard deviation of a measured angle: small enough that they hardly blur the
+/// density of measurements.
+const BANDWIDTHS: [f64; 3] = [0.1, 0.2, 0.3];
 /// The bandwidth with which the comparison begins.
 const FIRST_BANDWIDTH: f64 = 0.03;
 /// The widths that are compared, over the width of the prior.
@@ -113,6 +114,11 @@ impl<'a> CrossValidation<'a> {
     }
 
     fn at_site(&self, index: usize, weights: &[Vec<SetWeight>]) -> Bandwidths {
+        let deviations = self.sites[index].rests.iter().map(|one| one.std_dev_rad);
+        let std_dev_rad = deviations.fold(f64::INFINITY, f64::min);
+        if !std_dev_rad.is_finite() {
+            return Bandwidths::default();
+        }
         let thinned = |(_, sites): &(usize, Vec<Site>)| {
             let rests = sites[index].rests.iter().step_by(THINNED).cloned().collect();
             Site { rests, moving: 0, ..sites[index].clone() }
@@ -128,10 +134,10 @@ impl<'a> CrossValidation<'a> {
             left_out.iter().zip(weights).map(of_set).sum()
         };
         let best = |with: &dyn Fn(f64) -> Bandwidths| {
-            let scores = BANDWIDTHS.map(|candidate| score(with(candidate)));
+            let scores = BANDWIDTHS.map(|candidate| score(with(candidate * std_dev_rad)));
             let largest = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let close = scores.iter().position(|score| *score >= largest - CLOSE);
-            close.map_or_else(Bandwidths::default, |close| with(BANDWIDTHS[close]))
+            close.map_or_else(Bandwidths::default, |close| with(BANDWIDTHS[close] * std_dev_rad))
         };
         let single = best(&|single| Bandwidths { single, ..Bandwidths::default() });
         if !self.rests.iter().any(|of_set| of_set[index].touches()) {
