@@ -227,7 +227,7 @@ INFERRED = {
 def identification(folder, parameters=2, balls=2, stages=1):
     """An inference: samples that fill the intervals evenly, and two points; the second has two moving runs.
 
-    At both points, two runs were measured at rest, and four are predicted, of which one moves.
+    At both points, two runs were measured at rest. Four runs are predicted, and one of these moves.
     """
     names = list(INFERRED)[:parameters]
     shares = np.arange(1000) / 999

@@ -23,9 +23,9 @@ use crate::table::provenance_with;
 
 const EXAMPLES: &str = "\
 Examples:
-  stickslip identify studies/identify.yaml --measured studies/rests.csv
-  stickslip identify studies/identify.yaml --measured rests.csv --out results/friction --json
-  stickslip identify studies/identify.yaml --measured later.csv --simulations results/friction/simulations
+  stickslip identify studies/identify-contact.yaml --measured studies/rests.csv
+  stickslip identify studies/identify-contact.yaml --measured rests.csv --out results/friction --json
+  stickslip identify studies/identify-contact.yaml --measured later.csv --simulations results/friction/simulations
 
 Infers the parameters that the study lists under `identify`, each with the range of its prior. FILE has a row per \
 measured run: columns of the swept parameters, such as speed_rad_s, which select the point of the sweep; beta_1_rad, \

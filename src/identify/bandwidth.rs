@@ -56,7 +56,7 @@ pub fn first_widths(dimensions: usize) -> Vec<f64> {
     vec![FIRST_WIDTH; dimensions]
 }
 
-/// Parameter sets with their simulated ends, of which some are predicted from the others.
+/// Parameter sets with their simulated ends. The ends of some sets are predicted from those of the other sets.
 pub struct CrossValidation<'a> {
     /// The sites.
     pub sites: &'a [Site],

@@ -35,7 +35,8 @@ pub struct SiteFit {
     pub predicted_rest_fraction: f64,
     /// Probability of a distance of positions at least as large as that of the measured runs.
     pub p_positions: f64,
-    /// The same for the angles between neighbouring balls; `None` for one ball.
+    /// Probability of a distance of the angles between neighbouring balls at least as large as that of the measured runs; `None`
+    /// for one ball.
     pub p_neighbours: Option<f64>,
     /// The runs of the predictive distribution, with the error of the measurements.
     pub predicted: Vec<Seen>,

@@ -105,7 +105,8 @@ fn amplitudes_and_the_fraction_decide_together() {
         let study = parse(&text(0.2, 1000, AT_ONCE).replace("equilibrium_fraction: 0.2", keys));
         let limits = HalfWidths::from(study.precision().expect("a precision"));
         let mut kept = Kept::default();
-        run_in_memory(&study, &mut kept, &AtomicBool::new(false), simulated).unwrap();
+        run_in_memory(&study, &mut kept, &AtomicBool::new(false), simulated)
+            .expect("results in memory");
         for row in &kept.points {
             let point = study.point(row.point_id);
             let (replicate, most) = (point.sampling.replicate, point.sampling.most);
@@ -293,7 +294,7 @@ fn check_and_expand_say_how_many_there_may_be() {
             "runs          42 to 138 (until the half width of the 95 % interval is at most 0.1), each to",
         ],
     );
-    let report: Value = serde_json::from_str(&scratch.well("check a.yaml --json")).unwrap();
+    let report: Value = serde_json::from_str(&scratch.well("check a.yaml --json")).expect("JSON");
     assert_eq!((&report["runs"], &report["least_runs"]), (&138.into(), &42.into()));
     scratch.well("expand a.yaml --out all.parquet");
     let all = scratch.table(".", "all");

@@ -67,9 +67,10 @@ fn spearman(one: &[f64], other: &[f64]) -> f64 {
 
 #[test]
 fn marginals_follow_their_distributions() {
-    let normal = Normal::new(1.0e4, 100.0).unwrap();
+    let normal = Normal::new(1.0e4, 100.0).expect("a positive deviation");
     let variance = 1.25_f64.ln();
-    let lognormal = LogNormal::new(2.0_f64.ln() - variance / 2.0, variance.sqrt()).unwrap();
+    let lognormal = LogNormal::new(2.0_f64.ln() - variance / 2.0, variance.sqrt())
+        .expect("a positive deviation");
     let nominal = -216.3772;
     for study in designs() {
         let columns = columns(&study);

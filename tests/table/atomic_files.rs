@@ -57,7 +57,7 @@ fn temporary_names_are_unique_and_recognised() {
     for name in found {
         assert!(name.starts_with("r.parquet.") && name.ends_with(".stickslip-partial"), "{name}");
     }
-    clear_temporaries(scratch.path(), |name| name == "r.parquet").unwrap();
+    clear_temporaries(scratch.path(), |name| name == "r.parquet").expect("removed");
     assert!(names(scratch.path()).is_empty());
 }
 
@@ -78,7 +78,8 @@ fn only_temporaries_of_these_files_are_cleared_away() {
     let gone = ["a.parquet.abcdef.stickslip-partial", "b.json.012345.stickslip-partial"];
     fs::create_dir_all(scratch.path().join(gone[0]).join("table")).unwrap();
     fs::write(scratch.path().join(gone[1]), "half").unwrap();
-    clear_temporaries(scratch.path(), |name| ["a.parquet", "b.json"].contains(&name)).unwrap();
+    clear_temporaries(scratch.path(), |name| ["a.parquet", "b.json"].contains(&name))
+        .expect("removed");
     kept.sort_unstable();
     assert_eq!(names(scratch.path()), kept);
 }

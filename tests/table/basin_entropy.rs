@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::cli::support::{Scratch, counts, numbers, study_text, words};
 
-/// Blocks on a belt, of which some come into the limit cycle and others keep sliding; some draws of the mass are negative.
+/// Blocks on a belt: some come into the limit cycle, and others keep sliding. Some draws of the mass are negative.
 fn results(design: &str) -> Scratch {
     let rest = "model: {kind: block_on_belt, parameters: {mass_kg: 1, stiffness_n_m: 100, normal_force_n: 10, \
                 friction_coefficient: 0.1}, friction: {stribeck: {static_friction_coefficient: 0.2, \
