@@ -5,11 +5,9 @@
 //! displaced as a whole by the bandwidth, and each ball by the measurement. Balls are not told apart in measurements: the
 //! kernels are summed over all assignments of measured angles to balls.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
-use super::bandwidth::Bandwidths;
 use super::end::End;
-use crate::model::wrap_to_pi;
 
 /// The largest number of balls: the number of their permutations is the cost of a kernel.
 pub const MOST_BALLS: usize = 5;
@@ -23,11 +21,14 @@ pub struct Rests {
     balls: usize,
     /// All different groupings of the balls: for each group the balls in it.
     groupings: Vec<Vec<Vec<usize>>>,
-    /// The positions: the grouping and the angles.
-    positions: Vec<(usize, Vec<f64>)>,
+    /// The grouping of each position.
+    grouping: Vec<usize>,
+    /// The angles of the balls in each position, one position after another, in [0, 2π).
+    angles: Vec<f64>,
     /// The number of each run at rest, and of each moving run, among all runs of the site.
     at_rest: Vec<usize>,
     moving: Vec<usize>,
+    ends: usize,
 }
 
 impl Rests {
@@ -35,6 +36,7 @@ impl Rests {
     pub fn new<'a>(balls: usize, ends: impl IntoIterator<Item = &'a End>) -> Self {
         let mut all = Rests { balls, ..Rests::default() };
         for (number, end) in ends.into_iter().enumerate() {
+            all.ends = number + 1;
             match end {
                 End::Rest { angles, groups } => {
                     let grouping = grouping(groups);
@@ -43,7 +45,8 @@ impl Rests {
                         all.groupings.push(grouping);
                         all.groupings.len() - 1
                     });
-                    all.positions.push((index, angles.clone()));
+                    all.grouping.push(index);
+                    all.angles.extend(angles.iter().map(|angle| angle.rem_euclid(TAU)));
                     all.at_rest.push(number);
                 }
                 End::Moving => all.moving.push(number),
@@ -55,7 +58,12 @@ impl Rests {
 
     /// Returns the number of runs whose end is known.
     pub fn runs(&self) -> usize {
-        self.positions.len() + self.moving.len()
+        self.at_rest.len() + self.moving.len()
+    }
+
+    /// Returns the number of runs, including those whose end is unknown.
+    pub fn ends(&self) -> usize {
+        self.ends
     }
 
     /// Returns the numbers of the runs at rest, in the order of their positions.
@@ -70,12 +78,12 @@ impl Rests {
 
     /// Returns the angles of the balls in each run at rest.
     pub fn positions(&self) -> impl Iterator<Item = &[f64]> {
-        self.positions.iter().map(|(_, angles)| angles.as_slice())
+        self.angles.chunks_exact(self.balls.max(1))
     }
 
     /// Returns the angles of the balls in a run, or `None` if it moves; runs at rest come first.
     pub fn run(&self, index: usize) -> Option<&[f64]> {
-        self.positions.get(index).map(|(_, angles)| angles.as_slice())
+        self.positions().nth(index)
     }
 
     /// Returns whether any balls rest in touch.
@@ -90,26 +98,35 @@ impl Rests {
     }
 
     /// Returns the kernel of each position at rest for measured angles.
-    pub fn kernels(&self, measured: &[f64], std_dev_rad: f64, bandwidths: Bandwidths) -> Vec<f64> {
+    pub fn kernels(&self, measured: &[f64], std_dev_rad: f64, bandwidth_rad: f64) -> Vec<f64> {
         let variance = std_dev_rad.powi(2);
         let shapes: Vec<Vec<GroupKernel>> = self
             .groupings
             .iter()
             .map(|groups| {
                 let groups = groups.iter();
-                groups.map(|balls| GroupKernel::new(balls, variance, bandwidths)).collect()
+                groups.map(|balls| GroupKernel::new(balls, variance, bandwidth_rad)).collect()
             })
             .collect();
         let norms: Vec<f64> = shapes
             .iter()
             .map(|groups| libm::exp(groups.iter().map(|group| group.log_norm).sum::<f64>()))
             .collect();
+        let reach = reach(variance, bandwidth_rad);
         let permutations = permutations(self.balls);
+        let measured: Vec<f64> = measured.iter().map(|angle| angle.rem_euclid(TAU)).collect();
         let mut distances = vec![0.0; self.balls * self.balls];
-        let kernel = |(grouping, angles): &(usize, Vec<f64>)| {
-            for (ball, angle) in angles.iter().enumerate() {
-                for (which, measured) in measured.iter().enumerate() {
-                    distances[ball * self.balls + which] = wrap_to_pi(measured - angle);
+        let kernel = |(grouping, angles): (&usize, &[f64])| {
+            for (which, measured) in measured.iter().enumerate() {
+                let mut is_near = false;
+                for (ball, angle) in angles.iter().enumerate() {
+                    let distance = on_circle(measured - angle);
+                    is_near |= distance.abs() < reach;
+                    distances[ball * self.balls + which] = distance;
+                }
+                // No ball can have been measured here.
+                if !is_near {
+                    return 0.0;
                 }
             }
             let of = |order: &Vec<usize>| {
@@ -120,7 +137,24 @@ impl Rests {
             };
             norms[*grouping] * permutations.iter().map(of).sum::<f64>()
         };
-        self.positions.iter().map(kernel).collect()
+        self.grouping.iter().zip(self.positions()).map(kernel).collect()
+    }
+}
+
+/// Returns the distance between a ball and a measured angle above which the kernel is zero: its exponent is at most that of
+/// the marginal distribution of one angle.
+fn reach(variance: f64, bandwidth_rad: f64) -> f64 {
+    (-2.0 * SMALLEST_EXPONENT * (variance + bandwidth_rad.powi(2))).sqrt()
+}
+
+/// Returns a difference of two angles in [0, 2π) as a distance in [-π, π].
+fn on_circle(difference: f64) -> f64 {
+    if difference > PI {
+        difference - TAU
+    } else if difference < -PI {
+        difference + TAU
+    } else {
+        difference
     }
 }
 
@@ -135,17 +169,16 @@ struct GroupKernel<'a> {
 }
 
 impl<'a> GroupKernel<'a> {
-    fn new(balls: &'a [usize], variance: f64, bandwidths: Bandwidths) -> Self {
+    fn new(balls: &'a [usize], variance: f64, bandwidth_rad: f64) -> Self {
         let count = balls.len() as f64;
-        let own = if balls.len() > 1 { bandwidths.touching } else { bandwidths.single };
-        let along = variance + count * own.powi(2);
+        let along = variance + count * bandwidth_rad.powi(2);
         let log_norm =
             count * libm::log(TAU) + (count - 1.0) * libm::log(variance) + libm::log(along);
         GroupKernel {
             balls,
             log_norm: -0.5 * log_norm,
             squares: -0.5 / variance,
-            square_of_sum: 0.5 * own.powi(2) / (variance * along),
+            square_of_sum: 0.5 * bandwidth_rad.powi(2) / (variance * along),
         }
     }
 
@@ -192,9 +225,9 @@ pub(super) fn permutations(balls: usize) -> Vec<Vec<usize>> {
 #[cfg(test)]
 mod tests {
     use super::{Rests, permutations};
-    use crate::identify::{Bandwidths, End};
+    use crate::identify::End;
 
-    const BANDWIDTHS: Bandwidths = Bandwidths { single: 0.1, touching: 0.2 };
+    const BANDWIDTH_RAD: f64 = 0.1;
 
     fn rest(angles: &[f64], groups: &[u8]) -> End {
         End::Rest { angles: angles.to_vec(), groups: groups.to_vec() }
@@ -219,7 +252,7 @@ mod tests {
             for one in 0..cells {
                 for other in 0..cells {
                     let angles = [one, other].map(|cell| width * f64::from(cell));
-                    sum += rests.kernels(&angles, 0.1, BANDWIDTHS).iter().sum::<f64>();
+                    sum += rests.kernels(&angles, 0.1, BANDWIDTH_RAD).iter().sum::<f64>();
                 }
             }
             let integral = 0.5 * sum * width * width / 2.0;
@@ -231,7 +264,7 @@ mod tests {
     #[test]
     fn kernels_of_one_ball_and_of_exchanged_balls() {
         let rests = Rests::new(1, &[rest(&[6.2], &[0])]);
-        let density = rests.kernels(&[0.1], 0.05, BANDWIDTHS)[0];
+        let density = rests.kernels(&[0.1], 0.05, BANDWIDTH_RAD)[0];
         let (distance, variance) =
             (0.1 - 6.2 + std::f64::consts::TAU, 0.05_f64.powi(2) + 0.1_f64.powi(2));
         let expected = (-0.5 * distance * distance / variance).exp()
@@ -239,7 +272,7 @@ mod tests {
         assert!((density - expected).abs() < 1e-13, "{density} {expected}");
         let rests = Rests::new(3, &[rest(&[1.0, 1.26, 4.0], &[0, 0, 2])]);
         let [one, other] = [[1.1, 1.3, 4.1], [4.1, 1.1, 1.3]]
-            .map(|angles| rests.kernels(&angles, 0.1, BANDWIDTHS)[0]);
+            .map(|angles| rests.kernels(&angles, 0.1, BANDWIDTH_RAD)[0]);
         assert!((one - other).abs() < 1e-13 * one, "{one} {other}");
     }
 
@@ -249,7 +282,7 @@ mod tests {
         let apart = |groups: &[u8]| {
             let rests = Rests::new(2, &[rest(&[1.0, 1.26], groups)]);
             let [near, far] = [[1.1, 1.36], [1.1, 1.56]]
-                .map(|angles| rests.kernels(&angles, 0.02, BANDWIDTHS)[0]);
+                .map(|angles| rests.kernels(&angles, 0.02, BANDWIDTH_RAD)[0]);
             near / far
         };
         assert!(

@@ -19,7 +19,7 @@ const INACCURATE: f64 = 0.5;
 
 /// Returns the contents of `identification.json`; `measured` is the hash of the measured runs.
 pub fn identification_json(inference: &Inference, inferred: &Inferred, measured: &str) -> Value {
-    let Inference { study, sites, .. } = *inference;
+    let study = inference.study;
     let Posterior { marginals, correlations, .. } = &inferred.posterior;
     let marginal = |(one, width): (&Marginal, &f64)| {
         json!({
@@ -49,14 +49,6 @@ pub fn identification_json(inference: &Inference, inferred: &Inferred, measured:
             "p_value": one.p_value(),
         })
     };
-    let bandwidths = sites.iter().zip(&inferred.bandwidths).map(|(site, one)| {
-        json!({
-            "point_id": site.point_id,
-            "stage": site.stage,
-            "single_rad": one.single,
-            "touching_rad": one.touching,
-        })
-    });
     json!({
         "study": study.name(),
         "study_hash": study.hash(),
@@ -71,7 +63,6 @@ pub fn identification_json(inference: &Inference, inferred: &Inferred, measured:
             "p_value": p_value(&inferred.fits),
             "rejected": p_value(&inferred.fits) < LEVEL,
         },
-        "bandwidths": bandwidths.collect::<Vec<_>>(),
     })
 }
 
@@ -120,7 +111,7 @@ pub fn result_in_words(inference: &Inference, inferred: &Inferred) -> String {
         if one.simulation_error > INACCURATE {
             line(format!(
                 "the number of simulated runs gives {} an error of {:.1} standard deviations, which its interval \
-                 includes; more samples in initial_conditions.design make it smaller",
+                 includes; more parameter sets (identify.start_designs, identify.designs) make it smaller",
                 one.name, one.simulation_error
             ));
         }

@@ -4,15 +4,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::bandwidth::{Bandwidths, CrossValidation, first_widths};
 use super::density::{MOST_BALLS, Rests};
 use super::end::{End, SimulatedEnd};
 use super::fit_test::{SiteFit, fit_tests};
 use super::likelihood::Likelihood;
 use super::next_sets::next_places;
-use super::parameter_set::ParameterSet;
+use super::parameter_set::{ParameterSet, set_seed};
 use super::posterior::{Posterior, posterior};
 use super::references::{References, with_references};
+use super::regression_width::{CrossValidation, first_widths};
 use super::set_densities::{RunWeights, SetDensities};
 use super::site::Site;
 use super::smoother::Smoother;
@@ -70,8 +70,6 @@ pub struct Inferred {
     pub sets: Vec<(Vec<DesignValue>, [f64; 2])>,
     /// The number of runs of all parameter sets, and how many of them failed.
     pub runs: [u64; 2],
-    /// The bandwidths at each site.
-    pub bandwidths: Vec<Bandwidths>,
     /// The width of the regression over each parameter, over that of the prior.
     pub widths: Vec<f64>,
     /// The posterior.
@@ -155,9 +153,9 @@ fn simulated<E>(
         return Ok(Some(set));
     }
     // Values that are impossible together give a set without known ends.
-    let ends = match study.set(&values) {
-        Err(_) => Vec::new(),
-        Ok(own) => {
+    let ends = match study_of_set(study, &values) {
+        None => Vec::new(),
+        Some(own) => {
             let points: Vec<(&Study, u64)> =
                 (0..own.point_count()).map(|point_id| (&own, point_id)).collect();
             let Some(runs) = workers.sample(&points, stop, finished) else { return Ok(None) };
@@ -169,6 +167,13 @@ fn simulated<E>(
     Ok(Some(set))
 }
 
+/// Returns the study of a parameter set. Its start states and draws are its own: the errors of the densities of different
+/// sets are then independent, and a regression over the sets makes them smaller. Returns `None` if the values are impossible.
+fn study_of_set(study: &Study, values: &[DesignValue]) -> Option<Study> {
+    let own = study.with_seed(set_seed(study, values)).ok()?;
+    own.for_identification()?.0.set(values).ok()
+}
+
 /// The parameter sets so far.
 struct Evaluated<'a> {
     inference: &'a Inference<'a>,
@@ -176,12 +181,10 @@ struct Evaluated<'a> {
     /// The simulated ends of each set at each site.
     rests: Vec<Vec<Rests>>,
     densities: Vec<Vec<SetDensities>>,
-    weights: Vec<RunWeights>,
     uniform: Vec<f64>,
     /// The sites with positions of reference after the measured ones, once there are some.
     sites: Vec<Site>,
     references: Vec<References>,
-    bandwidths: Vec<Bandwidths>,
     widths: Vec<f64>,
     smoother: Smoother,
     runs: [u64; 2],
@@ -190,24 +193,18 @@ struct Evaluated<'a> {
 impl<'a> Evaluated<'a> {
     fn new(inference: &'a Inference<'a>) -> Self {
         let Inference { study, sites, identification, .. } = *inference;
-        let weights = |(index, site): (usize, &Site)| {
-            let runs = study.point(site.point_id).sampling.first;
-            RunWeights::new(study, index, usize::try_from(runs).unwrap_or(usize::MAX))
-        };
         let widths = first_widths(identification.parameters.len());
         Evaluated {
             inference,
             values: Vec::new(),
             rests: Vec::new(),
             densities: Vec::new(),
-            weights: sites.iter().enumerate().map(weights).collect(),
             references: sites
                 .iter()
                 .map(|site| References::known(site.rests.len(), None))
                 .collect(),
             sites: sites.to_vec(),
             uniform: vec![Rests::new(study.model().balls(), []).uniform(); sites.len()],
-            bandwidths: vec![Bandwidths::default(); sites.len()],
             smoother: Smoother::new(Vec::new(), widths.clone()),
             widths,
             runs: [0; 2],
@@ -240,15 +237,16 @@ impl<'a> Evaluated<'a> {
         let mut places = self.smoother.places().to_vec();
         places.push(identification.place_of(&numbers));
         self.smoother = Smoother::new(places, self.widths.clone());
-        self.densities.push(self.densities_of(&rests));
+        self.densities.push(self.densities_of(self.values.len(), &rests));
         self.rests.push(rests);
         self.values.push(set.values);
     }
 
-    fn densities_of(&self, rests: &[Rests]) -> Vec<SetDensities> {
-        let each = self.sites.iter().zip(rests).zip(&self.bandwidths).zip(&self.weights);
-        each.map(|(((site, rests), bandwidths), weights)| {
-            SetDensities::at_site(site, rests, *bandwidths, weights)
+    fn densities_of(&self, set: usize, rests: &[Rests]) -> Vec<SetDensities> {
+        let each = self.sites.iter().zip(rests).enumerate();
+        each.map(|(index, (site, rests))| {
+            let weights = RunWeights::new(self.inference.study, set, index, rests.ends());
+            SetDensities::at_site(site, rests, &weights)
         })
         .collect()
     }
@@ -258,7 +256,7 @@ impl<'a> Evaluated<'a> {
         Likelihood { sites, references, densities, smoother, uniform }
     }
 
-    /// Chooses bandwidths and widths, and computes all densities with them.
+    /// Adds reference positions, and chooses the widths of the regression.
     fn choose_smoothing(&mut self) {
         let Inference { study, sites, .. } = *self.inference;
         let places = self.smoother.places().to_vec();
@@ -266,19 +264,19 @@ impl<'a> Evaluated<'a> {
         let likelihoods: Vec<f64> =
             places.par_iter().map(|place| likelihood.at(place, 0)).collect();
         let validation = CrossValidation::new(study, sites, &self.rests, &places, &likelihoods);
-        self.bandwidths = validation.bandwidths();
         let at =
             |index: usize| -> Vec<&Rests> { self.rests.iter().map(|set| &set[index]).collect() };
         let with_references =
             |(index, site): (usize, &Site)| with_references(study, index, site, &at(index));
         self.sites = sites.iter().enumerate().map(with_references).collect();
-        self.densities = self.rests.par_iter().map(|rests| self.densities_of(rests)).collect();
+        let each = self.rests.par_iter().enumerate();
+        self.densities = each.map(|(set, rests)| self.densities_of(set, rests)).collect();
         let references = |(index, site): (usize, &Site)| {
             let each: Vec<&SetDensities> = self.densities.iter().map(|set| &set[index]).collect();
             References::new(site.rests.len(), &each)
         };
         self.references = sites.iter().enumerate().map(references).collect();
-        self.widths = validation.widths(&self.bandwidths, (&self.densities, &self.references));
+        self.widths = validation.widths(&self.densities, &self.references);
         self.smoother = Smoother::new(places, self.widths.clone());
     }
 
@@ -296,7 +294,6 @@ impl<'a> Evaluated<'a> {
             runs: self.runs,
             posterior,
             fits,
-            bandwidths: self.bandwidths,
             widths: self.widths,
         }
     }

@@ -4,7 +4,7 @@
 //! density is at least that of one further run that rests anywhere, so that no measurement is impossible.
 
 use super::references::References;
-use super::set_densities::{REPLICATES, SetDensities};
+use super::set_densities::{REPLICATES, SetDensities, smoothed_rests};
 use super::site::Site;
 use super::smoother::{SetWeight, Smoother, smoothed};
 
@@ -67,12 +67,10 @@ pub(super) fn log_densities<'d>(
     let parts = each.clone().map(|(weight, one)| (weight, one.moving[replicate]));
     let moving = smoothed(parts).clamp(0.5 * least, 1.0 - 0.5 * least);
     // The mass of the density is the probability of rest.
-    let factor = references.mass(each.clone(), replicate).map_or(1.0, |mass| (1.0 - moving) / mass);
-    let density = |row: usize| {
-        let parts = each.clone().map(|(weight, one)| (weight, one.rests[row][replicate]));
-        libm::log((factor * smoothed(parts)).max(uniform * least))
-    };
-    ((0..references.measured()).map(density).sum(), libm::log(moving))
+    let rests = smoothed_rests(each, replicate);
+    let factor = references.mass(&rests).map_or(1.0, |mass| (1.0 - moving) / mass);
+    let log = |density: &f64| libm::log((factor * density).max(uniform * least));
+    (rests.iter().take(references.measured()).map(log).sum(), libm::log(moving))
 }
 
 /// The density where nothing is known.

@@ -8,7 +8,6 @@
 //!
 //! All results are functions of the study and of the measurements.
 
-mod bandwidth;
 mod density;
 mod end;
 mod fit_test;
@@ -19,13 +18,13 @@ mod next_sets;
 mod parameter_set;
 mod posterior;
 mod references;
+mod regression_width;
 mod sampler;
 mod set_densities;
 mod site;
 mod smoother;
 mod tables;
 
-pub use bandwidth::Bandwidths;
 pub use density::Rests;
 pub use end::{End, SimulatedEnd};
 pub use fit_test::{Seen, SiteFit, fit_tests};
@@ -35,9 +34,9 @@ pub use likelihood::Likelihood;
 pub use parameter_set::{ParameterSet, read_parameter_set, set_columns, set_facts, set_name};
 pub use posterior::{Marginal, Posterior, posterior};
 pub use references::{References, with_references};
-pub use set_densities::{REPLICATES, Replicated, RunWeights, SetDensities};
+pub use set_densities::{REPLICATES, Replicated, RunWeights, SetDensities, smoothed_rests};
 pub use site::{Measured, Site, sites};
-pub use smoother::{SetWeight, Smoother, smoothed};
+pub use smoother::{SetWeight, Smoother, positive, smoothed};
 pub use tables::{
     PositionRow, evaluated_set_columns, fit_columns, position_columns, position_rows,
     posterior_columns,

@@ -31,6 +31,17 @@ pub fn set_name(study: &Study, values: &[DesignValue]) -> String {
 
 /// Returns what determines the runs of a parameter set besides the study's hash.
 pub fn set_facts(study: &Study, values: &[DesignValue]) -> Value {
+    json!({ "parameters": set_parameters(study, values), "seed": set_seed(study, values) })
+}
+
+/// Returns the master seed of the runs of a parameter set, which depends on its values.
+pub fn set_seed(study: &Study, values: &[DesignValue]) -> u64 {
+    let digest = Sha256::digest(set_parameters(study, values).to_string());
+    let number = digest.iter().take(8).fold(0, |number, byte| (number << 8) | u64::from(*byte));
+    study.derived_seed("identify set", number)
+}
+
+fn set_parameters(study: &Study, values: &[DesignValue]) -> Value {
     let value = |(parameter, value): (&Variable, &DesignValue)| {
         let number = match value {
             DesignValue::Number(number) => json!(number),
@@ -40,7 +51,7 @@ pub fn set_facts(study: &Study, values: &[DesignValue]) -> Value {
     };
     let values: serde_json::Map<String, Value> =
         study.variables().iter().zip(values).map(value).collect();
-    json!({ "parameters": values })
+    values.into()
 }
 
 /// Returns the columns of the table of a parameter set: one row per run and stage.

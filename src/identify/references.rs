@@ -8,7 +8,6 @@ use super::density::Rests;
 use super::sampler::{generator, normal};
 use super::set_densities::SetDensities;
 use super::site::{Measured, Site};
-use super::smoother::{SetWeight, smoothed};
 use crate::study::Study;
 
 /// The number of reference positions at a site.
@@ -55,9 +54,9 @@ impl References {
             .map(|one| (one, 1.0 - one.moving[0]))
             .filter(|(one, rest)| one.runs > 0 && *rest > 0.0)
             .collect();
-        let rows = densities.first().map_or(0, |one| one.rests.len());
+        let rows = densities.first().map_or(0, |one| one.rests[0].len());
         let density = |row: usize| -> f64 {
-            let sum: f64 = at_rest.iter().map(|(one, rest)| one.rests[row][0] / rest).sum();
+            let sum: f64 = at_rest.iter().map(|(one, rest)| one.rests[0][row] / rest).sum();
             sum / at_rest.len() as f64
         };
         let proposal = (measured..rows).map(density).collect();
@@ -74,21 +73,14 @@ impl References {
         self.measured
     }
 
-    /// Returns the mass of the smoothed density of a replicate; `None` if it is not known.
-    pub fn mass<'d>(
-        &self,
-        each: impl Iterator<Item = (SetWeight, &'d SetDensities)> + Clone,
-        replicate: usize,
-    ) -> Option<f64> {
-        let ratio = |(row, proposal): (usize, &f64)| {
-            let parts = each.clone().map(|(weight, one)| (weight, one.rests[row][replicate]));
-            smoothed(parts) / proposal
-        };
+    /// Returns the mass of a smoothed density from its values at all positions; `None` if it is not known.
+    pub fn mass(&self, smoothed: &[f64]) -> Option<f64> {
         if self.proposal.is_empty() {
             return self.known;
         }
-        let rows = (self.measured..).zip(&self.proposal);
-        let sum: f64 = rows.map(ratio).sum();
+        let references = smoothed.get(self.measured..).unwrap_or_default();
+        let ratios = references.iter().zip(&self.proposal).map(|(one, proposal)| one / proposal);
+        let sum: f64 = ratios.sum();
         (sum > 0.0).then(|| sum / self.proposal.len() as f64)
     }
 }

@@ -1,31 +1,35 @@
 //! The densities of all measured runs for one parameter set, with replicates for the error of a finite number of runs.
 //!
 //! A replicate gives each simulated run an exponentially distributed weight instead of an equal one (the Bayesian bootstrap,
-//! D. B. Rubin 1981, doi:10.1214/aos/1176345338). A run has the same weights in all parameter sets, because it has the same
-//! start state and draws.
+//! D. B. Rubin 1981, doi:10.1214/aos/1176345338). Weights of different parameter sets are independent, as their runs are.
 
 use rand::RngExt;
 use rand_distr::Exp1;
 
-use super::bandwidth::Bandwidths;
 use super::density::Rests;
 use super::sampler::generator;
 use super::site::{Measured, Site};
+use super::smoother::{SetWeight, positive};
 use crate::study::Study;
 
 /// The number of replicates.
 pub const REPLICATES: usize = 8;
 
+/// The bandwidth of the kernels over the standard deviation of a measured angle: it adds 4 % to the variance.
+const BANDWIDTH: f64 = 0.2;
+
 /// A value with equal weights, and with the weights of each replicate.
 pub type Replicated = [f64; REPLICATES + 1];
 
-/// The weights of all runs at a site.
+/// The weights of all runs of a parameter set at a site.
 pub struct RunWeights(Vec<Replicated>);
 
 impl RunWeights {
-    /// Returns the weights of this many runs at a site.
-    pub fn new(study: &Study, site: usize, runs: usize) -> Self {
-        let mut random = generator(study, "identify weights", site as u64);
+    /// Returns the weights of this many runs of a parameter set at a site.
+    pub fn new(study: &Study, set: usize, site: usize, runs: usize) -> Self {
+        // The numbers of sets and sites are far below 2^32.
+        let number = ((set as u64) << 32) | site as u64;
+        let mut random = generator(study, "identify weights", number);
         let weights = |_| {
             std::array::from_fn(|replicate| if replicate == 0 { 1.0 } else { random.sample(Exp1) })
         };
@@ -52,36 +56,51 @@ impl RunWeights {
 pub struct SetDensities {
     /// The number of simulated runs.
     pub runs: usize,
-    /// The probability density of each measured position of rest.
-    pub rests: Vec<Replicated>,
+    /// For each replicate, the probability density of each measured position of rest.
+    pub rests: [Vec<f64>; REPLICATES + 1],
     /// The probability of motion.
     pub moving: Replicated,
 }
 
 impl SetDensities {
     /// Returns the densities of the measured runs at a site.
-    pub fn at_site(
-        site: &Site,
-        rests: &Rests,
-        bandwidths: Bandwidths,
-        weights: &RunWeights,
-    ) -> Self {
+    pub fn at_site(site: &Site, rests: &Rests, weights: &RunWeights) -> Self {
         let moving = weights.sum(rests.moving());
         let all = added(weights.sum(rests.at_rest()), moving, 1.0);
         let of_run = |measured: &Measured| {
-            let kernels = rests.kernels(&measured.angles, measured.std_dev_rad, bandwidths);
+            let std_dev_rad = measured.std_dev_rad;
+            let kernels = rests.kernels(&measured.angles, std_dev_rad, BANDWIDTH * std_dev_rad);
             let each = rests.at_rest().iter().zip(&kernels).filter(|(_, kernel)| **kernel > 0.0);
             let sum = each.fold([0.0; REPLICATES + 1], |sum, (run, kernel)| {
                 added(sum, weights.of(*run), *kernel)
             });
             over(sum, all)
         };
+        let rows: Vec<Replicated> = site.rests.iter().map(of_run).collect();
+        let of_replicate = |replicate: usize| rows.iter().map(|row| row[replicate]).collect();
         SetDensities {
             runs: rests.runs(),
-            rests: site.rests.iter().map(of_run).collect(),
+            rests: std::array::from_fn(of_replicate),
             moving: over(moving, all),
         }
     }
+}
+
+/// Returns the smoothed density of each measured position for a replicate.
+pub fn smoothed_rests<'d>(
+    sets: impl Iterator<Item = (SetWeight, &'d SetDensities)>,
+    replicate: usize,
+) -> Vec<f64> {
+    let mut sums: Vec<[f64; 2]> = Vec::new();
+    for (weight, densities) in sets {
+        let rows = &densities.rests[replicate];
+        sums.resize(rows.len(), [0.0; 2]);
+        for ([regression, mean], density) in sums.iter_mut().zip(rows) {
+            *regression += weight.regression * density;
+            *mean += weight.mean * density;
+        }
+    }
+    sums.into_iter().map(positive).collect()
 }
 
 fn added(sum: Replicated, terms: Replicated, factor: f64) -> Replicated {

@@ -121,13 +121,18 @@ impl Smoother {
     }
 }
 
-/// Returns a smoothed density: that of the regression, but at least this part of the mean, because a polynomial may be negative.
+/// Returns a smoothed density from its values for the parameter sets.
 pub fn smoothed(parts: impl Iterator<Item = (SetWeight, f64)>) -> f64 {
     let (mut regression, mut mean) = (0.0, 0.0);
     for (weight, value) in parts {
         regression += weight.regression * value;
         mean += weight.mean * value;
     }
+    positive([regression, mean])
+}
+
+/// Returns the density of the regression, but at least a part of the mean, because a polynomial may be negative.
+pub fn positive([regression, mean]: [f64; 2]) -> f64 {
     regression.max(LEAST_OF_MEAN * mean)
 }
 

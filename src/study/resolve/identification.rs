@@ -11,14 +11,14 @@ use crate::study::plan::planned_study::Study;
 use crate::study::resolve::counts::count_within;
 use crate::study::resolve::variables::resolve_variables;
 
-/// The range of the numbers of parameter sets; a surrogate of more takes too long.
-const DESIGNS: std::ops::RangeInclusive<u64> = 8..=300;
+/// The range of the numbers of parameter sets; the densities of more take too much memory.
+const DESIGNS: std::ops::RangeInclusive<u64> = 8..=1000;
 /// The range of the number of samples of the posterior.
 const POSTERIOR_SAMPLES: std::ops::RangeInclusive<u64> = 100..=100_000;
 /// The default number of samples of the posterior.
 const USUAL_SAMPLES: u64 = 4000;
 /// The default number of initial parameter sets per parameter, and the largest default.
-const USUAL_START: [u64; 2] = [32, 256];
+const USUAL_START: [u64; 2] = [128, 512];
 /// The largest number of parameters.
 const MOST_PARAMETERS: usize = 8;
 

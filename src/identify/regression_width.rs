@@ -1,5 +1,4 @@
-//! Bandwidths of kernels on the torus, and widths of the regression over parameters: those that predict the rests of left-out
-//! parameter sets best.
+//! The widths of the regression over parameters: those that predict the rests of left-out parameter sets best.
 //!
 //! Parameter sets near the maximum of the likelihood are left out in turn. Some of their runs, measured with the error of the
 //! measurements, are predicted from the other sets, and the values with the largest sum of logarithms of densities are chosen
@@ -11,45 +10,23 @@ use super::density::Rests;
 use super::likelihood::log_densities;
 use super::references::References;
 use super::sampler::{generator, normal};
-use super::set_densities::{RunWeights, SetDensities};
+use super::set_densities::{RunWeights, SetDensities, smoothed_rests};
 use super::site::{Measured, Site};
 use super::smoother::{SetWeight, Smoother};
 use crate::study::Study;
 
-/// The bandwidths of a site, rad.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bandwidths {
-    /// Of a ball that touches no other.
-    pub single: f64,
-    /// Of a group of balls in touch, which moves as a whole.
-    pub touching: f64,
-}
-
-/// The bandwidths that are compared, over the standard deviation of a measured angle: small enough that they hardly blur the
-/// density of measurements.
-const BANDWIDTHS: [f64; 3] = [0.1, 0.2, 0.3];
-/// The bandwidth with which the comparison begins.
-const FIRST_BANDWIDTH: f64 = 0.03;
 /// The widths that are compared, over the width of the prior.
 const WIDTHS: [f64; 6] = [0.05, 0.08, 0.12, 0.18, 0.27, 0.4];
 /// Sums of logarithms this close to the largest one are as good. Of such widths the largest one is chosen, with which
-/// likelihoods of neighbouring parameters differ with the least noise; of such bandwidths the smallest one, which blurs least.
+/// likelihoods of neighbouring parameters differ with the least noise.
 const CLOSE: f64 = 1.0;
 /// The width with which the comparison begins.
 const FIRST_WIDTH: f64 = 0.12;
 /// The number of parameter sets that are left out.
-const LEFT_OUT: usize = 8;
+const LEFT_OUT: usize = 24;
 /// The number of rests of a left-out parameter set that are predicted at each site: many more than there are measurements, so
 /// that the choice is better than these could see.
-const PREDICTED: usize = 64;
-/// Every so many of these rests choose the bandwidths.
-const THINNED: usize = 4;
-
-impl Default for Bandwidths {
-    fn default() -> Self {
-        Bandwidths { single: FIRST_BANDWIDTH, touching: FIRST_BANDWIDTH }
-    }
-}
+const PREDICTED: usize = 24;
 
 /// Returns the widths with which the regression begins.
 pub fn first_widths(dimensions: usize) -> Vec<f64> {
@@ -102,56 +79,12 @@ impl<'a> CrossValidation<'a> {
         CrossValidation { sites, rests, places, left_out }
     }
 
-    /// Returns the best bandwidths at each site.
-    pub fn bandwidths(&self) -> Vec<Bandwidths> {
-        let smoother = Smoother::new(self.places.to_vec(), first_widths(self.dimensions()));
-        let weights: Vec<Vec<SetWeight>> = self
-            .left_out
-            .iter()
-            .map(|(set, _)| smoother.weights(&self.places[*set], Some(*set)))
-            .collect();
-        (0..self.sites.len()).into_par_iter().map(|index| self.at_site(index, &weights)).collect()
-    }
-
-    fn at_site(&self, index: usize, weights: &[Vec<SetWeight>]) -> Bandwidths {
-        let deviations = self.sites[index].rests.iter().map(|one| one.std_dev_rad);
-        let std_dev_rad = deviations.fold(f64::INFINITY, f64::min);
-        if !std_dev_rad.is_finite() {
-            return Bandwidths::default();
-        }
-        let thinned = |(_, sites): &(usize, Vec<Site>)| {
-            let rests = sites[index].rests.iter().step_by(THINNED).cloned().collect();
-            Site { rests, moving: 0, ..sites[index].clone() }
-        };
-        let left_out: Vec<Site> = self.left_out.iter().map(thinned).collect();
-        let score = |bandwidths: Bandwidths| -> f64 {
-            let of_set = |(site, weights): (&Site, &Vec<SetWeight>)| {
-                let densities =
-                    |one: &SetWeight| (*one, self.densities(one.set, index, site, bandwidths));
-                let each: Vec<(SetWeight, SetDensities)> = weights.iter().map(densities).collect();
-                self.log_density(index, site, each.iter().map(|(weight, one)| (*weight, one)), None)
-            };
-            left_out.iter().zip(weights).map(of_set).sum()
-        };
-        let best = |with: &dyn Fn(f64) -> Bandwidths| {
-            let scores = BANDWIDTHS.map(|candidate| score(with(candidate * std_dev_rad)));
-            let largest = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let close = scores.iter().position(|score| *score >= largest - CLOSE);
-            close.map_or_else(Bandwidths::default, |close| with(BANDWIDTHS[close] * std_dev_rad))
-        };
-        let single = best(&|single| Bandwidths { single, ..Bandwidths::default() });
-        if !self.rests.iter().any(|of_set| of_set[index].touches()) {
-            return single;
-        }
-        best(&|touching| Bandwidths { touching, ..single })
-    }
-
     /// Returns the best widths of the regression. `references` are the densities of all positions at the sites, one entry per
     /// parameter set and site, and the references among them.
     pub fn widths(
         &self,
-        bandwidths: &[Bandwidths],
-        (of_references, references): (&[Vec<SetDensities>], &[References]),
+        of_references: &[Vec<SetDensities>],
+        references: &[References],
     ) -> Vec<f64> {
         // The densities of the predicted rests for all parameter sets, per left-out set and site.
         let densities: Vec<Vec<Vec<SetDensities>>> = self
@@ -159,7 +92,7 @@ impl<'a> CrossValidation<'a> {
             .par_iter()
             .map(|(_, sites)| {
                 let at = |index: usize| -> Vec<SetDensities> {
-                    let of = |set| self.densities(set, index, &sites[index], bandwidths[index]);
+                    let of = |set| self.densities(set, index, &sites[index]);
                     (0..self.places.len()).map(of).collect()
                 };
                 (0..self.sites.len()).map(at).collect()
@@ -173,7 +106,7 @@ impl<'a> CrossValidation<'a> {
                     let at = |(index, all): (usize, &Vec<SetDensities>)| {
                         let (site, masses) = (&predicted[index], &references[index]);
                         let each = weights.iter().map(|one| (*one, &of_references[one.set][index]));
-                        let mass = masses.mass(each, 0);
+                        let mass = masses.mass(&smoothed_rests(each, 0));
                         let each = weights.iter().map(|one| (*one, &all[one.set]));
                         self.log_density(index, site, each, mass)
                     };
@@ -201,14 +134,8 @@ impl<'a> CrossValidation<'a> {
         self.places.first().map_or(0, Vec::len)
     }
 
-    fn densities(
-        &self,
-        set: usize,
-        index: usize,
-        site: &Site,
-        bandwidths: Bandwidths,
-    ) -> SetDensities {
-        SetDensities::at_site(site, &self.rests[set][index], bandwidths, &RunWeights::equal())
+    fn densities(&self, set: usize, index: usize, site: &Site) -> SetDensities {
+        SetDensities::at_site(site, &self.rests[set][index], &RunWeights::equal())
     }
 
     /// Returns the sum of the logarithms of the densities of predicted rests, and of the probabilities of predicted motions. The
