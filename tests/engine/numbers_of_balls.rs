@@ -156,3 +156,48 @@ fn commands_serve_a_sweep_over_the_number_of_balls() {
     }
     scratch.refused("equilibria a.yaml --grid 64 --samples 7 --out no", &["a power of two"]);
 }
+
+/// The cost of a sweep is the sum of the costs of separate studies, whose runs differ in number and length.
+#[test]
+fn a_sweep_costs_as_much_as_separate_studies() {
+    let scratch = Scratch::new();
+    let design = "{stratified: {parts_per_axis: 2, samples_per_cell: 1}}";
+    let cost = |text: &str| {
+        scratch.write("a.yaml", text);
+        let check: serde_json::Value =
+            serde_json::from_str(&scratch.well("check a.yaml --json")).unwrap();
+        ["runs", "steps", "core_seconds", "most_steps", "most_core_seconds"]
+            .map(|key| check[key].as_f64().unwrap())
+    };
+    let sweep = cost(&study_text("a", design, 2.0, "sweep: [{grid: {balls: [3, 1]}}]\n"));
+    let [one, three] = [1, 3].map(|balls| {
+        let model = format!("model: {{kind: ball_balancer, parameters: {{balls: {balls}}}}}\n");
+        cost(&study_text("a", design, 2.0, &model))
+    });
+    for ((sweep, one), three) in sweep.into_iter().zip(one).zip(three) {
+        assert!((sweep - (one + three)).abs() <= 1e-12 * sweep, "{sweep} {one} {three}");
+    }
+}
+
+/// Each point of a design has its own row, with the response of the study with its number of balls.
+#[test]
+fn designs_have_a_response_for_each_number_of_balls() {
+    let scratch = Scratch::new();
+    let rest = "design: {friction_coefficient: {from: 1.0e-3, to: 4.0e-3}}\n\
+                responses: {vibration: {amplitude_mean: {relative: true}}}\n";
+    let design = "{sobol: {samples: 8}}";
+    scratch.write("designs.csv", "friction_coefficient\n0.002\n0.003\n");
+    let answers = |name: &str, more: &str| {
+        scratch.write("a.yaml", study_text("a", design, 2.0, &format!("{more}{rest}")));
+        scratch.well(&format!("evaluate a.yaml --designs designs.csv --out {name}.parquet"));
+        let table = crate::cli::support::table(&scratch.path(&format!("{name}.parquet")));
+        numbers(&table, "vibration")
+    };
+    let sweep = answers("sweep", "sweep: [{grid: {balls: [1, 3]}}]\n");
+    let [one, three] = [1, 3].map(|balls| {
+        let model = format!("model: {{kind: ball_balancer, parameters: {{balls: {balls}}}}}\n");
+        answers(&format!("balls-{balls}"), &model)
+    });
+    assert_eq!(sweep, [one[0], three[0], one[1], three[1]]);
+    assert!(sweep.iter().all(Option::is_some));
+}
