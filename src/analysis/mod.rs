@@ -63,7 +63,7 @@ pub(crate) use quantile_interval::interval_ranks;
 pub use rank_correlation::{RankCorrelation, rank_correlation};
 pub use reference_amplitude::reference_amplitude;
 pub use residual_vibration::ResidualVibration;
-pub use resolution::{FEWEST_GRID_POINTS, MOST_BALL_DAMPING, SAMPLE_COUNTS};
+pub use resolution::{FEWEST_GRID_POINTS, MOST_BALL_DAMPING, Resolutions, SAMPLE_COUNTS};
 pub use rest_curve::{RestStep, rest_curve};
 pub use rest_form::{AtRest, RestForm};
 pub use run_up::{RunUp, run_ups};

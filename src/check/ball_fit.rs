@@ -30,26 +30,33 @@ const SAMPLES: u32 = 256;
 /// The fewest positions of rest from which a fraction is estimated.
 const FEWEST: u32 = 100;
 
-/// Quasi-random positions of a number of balls, for many machines.
-pub struct BallPositions(Vec<Vec<f64>>);
+/// Quasi-random positions of balls, for many machines: for each number of balls one list.
+pub struct BallPositions(Vec<Vec<Vec<f64>>>);
 
 impl BallPositions {
-    /// Returns 4096 positions of this number of balls.
-    pub fn new(balls: usize) -> Self {
+    /// Returns 4096 positions of each of these numbers of balls.
+    pub fn new(balls: impl IntoIterator<Item = usize>) -> Self {
         let all =
             (0..REPLICATES).flat_map(|scramble| (0..SAMPLES).map(move |index| (scramble, index)));
-        BallPositions(all.map(|(scramble, index)| sample(balls, scramble, index)).collect())
+        let of =
+            |balls| all.clone().map(|(scramble, index)| sample(balls, scramble, index)).collect();
+        BallPositions(balls.into_iter().map(of).collect())
+    }
+
+    /// Returns the positions of a machine's number of balls, if they are known.
+    fn of(&self, machine: &Machine) -> Option<&[Vec<f64>]> {
+        let is_of = |list: &&Vec<Vec<f64>>| {
+            list.first().is_some_and(|first| first.len() == machine.balls.len())
+        };
+        self.0.iter().find(is_of).map(Vec::as_slice)
     }
 
     /// Returns the friction coefficients, equal for all balls, that hold them in half of the positions and in all of
-    /// them. `None` for another number of balls than that of the positions, or if no coefficient holds them in half of
+    /// them. `None` for another number of balls than those of the positions, or if no coefficient holds them in half of
     /// the positions.
     pub fn required_friction(&self, machine: &Machine) -> Option<[f64; 2]> {
         let form = RestForm::new(machine)?;
-        if self.0.first()?.len() != machine.balls.len() {
-            return None;
-        }
-        let required = self.0.iter().map(|beta| form.at_rest(beta).required_friction);
+        let required = self.of(machine)?.iter().map(|beta| form.at_rest(beta).required_friction);
         let mut required: Vec<f64> = required.collect();
         required.sort_by(f64::total_cmp);
         let half = required.get(required.len() / 2).copied().filter(|half| half.is_finite())?;
@@ -58,11 +65,12 @@ impl BallPositions {
     }
 
     /// Returns the fraction of the positions of rest in which at least two balls overlap. `None` for one ball, for balls
-    /// with contact, for another number of balls than that of the positions, or if fewer than 100 positions are positions of rest.
+    /// with contact, for another number of balls than those of the positions, or if fewer than 100 positions are positions of rest.
     pub fn overlapping_fraction(&self, machine: &Machine) -> Option<f64> {
         let form = RestForm::new(machine)?;
         let balls = &machine.balls;
-        if machine.contact.is_some() || balls.len() < 2 || self.0.first()?.len() != balls.len() {
+        let positions = self.of(machine)?;
+        if machine.contact.is_some() || balls.len() < 2 {
             return None;
         }
         let pairs: Vec<(usize, usize, f64)> = (0..balls.len())
@@ -70,7 +78,7 @@ impl BallPositions {
             .map(|(i, j)| (i, j, machine.contact_angle_rad(&balls[i], &balls[j])))
             .collect();
         let (mut rests, mut overlapping) = (0, 0);
-        for beta in self.0.iter().filter(|beta| form.at_rest(beta).in_set()) {
+        for beta in positions.iter().filter(|beta| form.at_rest(beta).in_set()) {
             let overlap = |&(i, j, touching): &(usize, usize, f64)| {
                 wrap_to_pi(beta[i] - beta[j]).abs() < touching
             };

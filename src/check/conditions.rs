@@ -100,7 +100,7 @@ pub(super) fn held_everywhere(study: &Study, design: Option<&ExaminedDesign>) ->
     if design.is_some() && others.any(|other| machines_held_everywhere(&other).is_none()) {
         return None;
     }
-    let positions = BallPositions::new(examined.model().balls());
+    let positions = BallPositions::new(examined.numbers_of_balls());
     let required: Vec<[f64; 2]> =
         held.iter().filter_map(|machine| positions.required_friction(machine)).collect();
     let largest = |index: usize| required.iter().map(|one| one[index]).fold(0.0, f64::max);

@@ -40,7 +40,7 @@ fn of_points(study: &Study, design: Option<&ExaminedDesign>) -> Vec<Finding> {
     let models = models(study);
     let positions = match study.model().balls() {
         0 | 1 => None,
-        balls => Some(BallPositions::new(balls)),
+        _ => Some(BallPositions::new(study.numbers_of_balls())),
     };
     let mut all: Vec<(Finding, usize)> = Vec::new();
     for (point_id, model) in &models {

@@ -177,14 +177,22 @@ fn rows(
     let kind = model.kind();
     let what = match (model.block(), model.contacts()) {
         (Some(_), _) => kind.name.to_owned(),
+        (None, most) if described.sweeps_balls() => {
+            let fewest = described.numbers_of_balls().start().to_owned();
+            format!("{} with {fewest} to {most} {}s", kind.name, kind.body)
+        }
         (None, 1) => format!("{} with 1 {}", kind.name, kind.body),
         (None, contacts) => format!("{} with {contacts} {}s", kind.name, kind.body),
     };
     let (friction, natural) = (model.friction().name(), model.natural_frequency_rad_s());
+    let at_most = if described.sweeps_balls() { " with the most balls" } else { "" };
     let (hash, seed) = (&study.hash()[..12], study.seed());
     let mut rows = vec![
         ("study", format!("{} (hash {hash}, seed {seed})", study.name())),
-        ("model", format!("{what}, {friction} friction, natural frequency {natural:.3} rad/s")),
+        (
+            "model",
+            format!("{what}, {friction} friction, natural frequency {natural:.3} rad/s{at_most}"),
+        ),
         ("swept", names(study.swept())),
         ("uncertain", names(study.uncertain()) + &sampled_together(study)),
     ];

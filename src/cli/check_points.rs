@@ -46,7 +46,7 @@ impl ClosedForms {
     /// Of a study with variables, the machine is that of `design`.
     pub(super) fn of(study: &Study, design: Option<&ExaminedDesign>, most: u64) -> Self {
         let study = design.map_or(study, |design| &design.study);
-        let positions = BallPositions::new(study.model().balls());
+        let positions = BallPositions::new(study.numbers_of_balls());
         let facts = |point_id: u64| {
             let model = study.median_model(point_id).ok()?;
             let facts = if let Some(machine) = model.ball_balancer() {

@@ -16,7 +16,7 @@ use super::output::{print, print_json};
 use super::range::Speeds;
 use crate::analysis::{
     EquilibriumSet, FEWEST_GRID_POINTS, FrictionlessEquilibrium, MOST_BALL_DAMPING, REPLICATES,
-    Resolution, RestForm, SAMPLE_COUNTS, frictionless_equilibria,
+    Resolution, Resolutions, RestForm, SAMPLE_COUNTS, frictionless_equilibria,
 };
 use crate::counted::counted;
 use crate::engine::say;
@@ -125,7 +125,7 @@ fn ball_damping(text: &str) -> Result<f64, String> {
 pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
     check_model(&study)?;
-    let resolution = resolution(arguments, &study)?;
+    let resolutions = resolutions(arguments, &study)?;
     let directory = arguments
         .out
         .clone()
@@ -133,13 +133,13 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
     let files = EquilibriumFiles {
         positions: !arguments.no_set,
         own_speeds: arguments.speeds.is_some(),
-        options: options(arguments, resolution),
+        options: options(arguments, resolutions),
     };
     let pool = arguments.threads.start()?;
     let started = Instant::now();
     let mut place = ExclusiveDirectory::open(&directory, &files.names())?;
     let mut tables = files.create(&directory, &study)?;
-    let report = pool.install(|| compute(arguments, &study, resolution, &mut tables))?;
+    let report = pool.install(|| compute(arguments, &study, resolutions, &mut tables))?;
     tables.finish(&mut place.list)?;
     place.finish()?;
     if arguments.json {
@@ -175,12 +175,14 @@ fn check_model(study: &Study) -> Result<(), CliError> {
     Err(CliError::refusal("this command serves the ball balancer", found, allowed))
 }
 
-/// Returns the resolution of the sets, or an error if it does not fit the study.
-fn resolution(arguments: &EquilibriaArguments, study: &Study) -> Result<Resolution, CliError> {
-    let balls = study.model().balls();
-    let resolution =
-        Resolution::choose(balls, arguments.grid, arguments.samples).map_err(CliError::Usage)?;
-    let positions = resolution.positions(balls);
+/// Returns the resolutions of the sets, or an error if they do not fit the study.
+fn resolutions(arguments: &EquilibriaArguments, study: &Study) -> Result<Resolutions, CliError> {
+    let resolutions =
+        Resolutions::choose(study.numbers_of_balls(), arguments.grid, arguments.samples)
+            .map_err(CliError::Usage)?;
+    let positions = study.numbers_of_balls().map(|balls| resolutions.of(balls).positions(balls));
+    // `None` is an overflow.
+    let positions = positions.reduce(|one, other| Some(one?.max(other?))).flatten();
     let rows = positions.and_then(|positions| positions.checked_mul(study.point_count()));
     if !arguments.no_set && rows.is_none_or(|rows| rows > MOST_ROWS) {
         let found = format!(
@@ -195,15 +197,20 @@ fn resolution(arguments: &EquilibriaArguments, study: &Study) -> Result<Resoluti
         let what = "equilibrium_positions.parquet would be too large";
         return Err(CliError::refusal(what, found, allowed));
     }
-    Ok(resolution)
+    Ok(resolutions)
 }
 
 /// Returns the options that determine the tables besides the study.
-fn options(arguments: &EquilibriaArguments, resolution: Resolution) -> serde_json::Value {
-    let (grid, samples) = match resolution {
-        Resolution::Grid(points) => (Some(points), None),
-        Resolution::Samples(samples) => (None, Some(u64::from(samples) * u64::from(REPLICATES))),
-    };
+fn options(arguments: &EquilibriaArguments, resolutions: Resolutions) -> serde_json::Value {
+    let both = [resolutions.few, resolutions.more];
+    let grid = both.iter().find_map(|one| match one {
+        Resolution::Grid(points) => Some(*points),
+        Resolution::Samples(_) => None,
+    });
+    let samples = both.iter().find_map(|one| match one {
+        Resolution::Grid(_) => None,
+        Resolution::Samples(samples) => Some(u64::from(*samples) * u64::from(REPLICATES)),
+    });
     let speeds = arguments.speeds.map(|speeds| {
         let ends = [speeds.values().next(), speeds.values().last()];
         json!({"from_rad_s": ends[0], "to_rad_s": ends[1], "count": speeds.count()})
@@ -220,7 +227,7 @@ fn options(arguments: &EquilibriaArguments, resolution: Resolution) -> serde_jso
 fn compute(
     arguments: &EquilibriaArguments,
     study: &Study,
-    resolution: Resolution,
+    resolutions: Resolutions,
     tables: &mut EquilibriumTables,
 ) -> Result<Report, CliError> {
     let unknown = || CliError::Usage(format!("no model for {} balls", study.model().balls()));
@@ -230,6 +237,7 @@ fn compute(
         let point = study.point(point_id);
         let machine = point.model().ball_balancer().ok_or_else(unknown)?;
         let key = Arc::new(PointKey::of(&point));
+        let resolution = resolutions.of(machine.balls.len());
         let set = EquilibriumSet::of(machine, resolution).ok_or_else(unknown)?;
         let row = SetSummaryRow { point: Arc::clone(&key), set };
         let frictionless = if arguments.speeds.is_some() {

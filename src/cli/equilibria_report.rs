@@ -95,9 +95,13 @@ impl Report {
         if touching {
             header.push("touching".to_owned());
         }
-        let more: &[&str] =
-            if sampled { &["95 % interval"] } else { &["components", "modulo exchange"] };
-        header.extend(more.iter().map(|name| (*name).to_owned()));
+        let counts = self.points.iter().any(|(row, _)| row.set.fraction_interval.is_none());
+        if sampled {
+            header.push("95 % interval".to_owned());
+        }
+        if counts || !sampled {
+            header.extend(["components", "modulo exchange"].map(String::from));
+        }
         header.extend(["amplitude [m]", "balance"].map(String::from));
         if !self.own_speeds {
             header.push("stable without friction".to_owned());
@@ -111,9 +115,14 @@ impl Report {
                 let fraction = set.touching_fraction;
                 cells.push(fraction.map_or_else(String::new, |one| format!("{one:.4}")));
             }
-            match set.fraction_interval {
-                Some((low, high)) => cells.push(format!("{low:.4} .. {high:.4}")),
-                None => cells.extend([set.components, set.components_modulo_exchange].map(count)),
+            if sampled {
+                cells.push(
+                    set.fraction_interval
+                        .map_or_else(String::new, |(low, high)| format!("{low:.4} .. {high:.4}")),
+                );
+            }
+            if counts {
+                cells.extend([set.components, set.components_modulo_exchange].map(count));
             }
             cells.push(set.amplitude_m.map_or_else(
                 || "none".to_owned(),

@@ -51,5 +51,5 @@ pub fn finished_run(
 ) -> Result<Option<RunRecord>, StoreError> {
     let mut store = Store::open_shared(directory, study)?;
     let found = store.chunk_index.window(run_id, run_id).remove(&run_id);
-    Ok(found.and_then(|found| found.of_run(study, study.planned_run(run_id))))
+    Ok(found.and_then(|found| found.of_run(study.planned_run(run_id))))
 }

@@ -72,20 +72,14 @@ impl<'a> Worker<'a> {
     }
 
     /// Takes a run from disk if it is stored with everything that its plan requires; otherwise returns the plan.
-    fn take_stored(
-        &mut self,
-        place: u64,
-        study: &Study,
-        planned: PlannedRun,
-    ) -> Option<PlannedRun> {
+    fn take_stored(&mut self, place: u64, planned: PlannedRun) -> Option<PlannedRun> {
         let Some(disk) = &self.disk else { return Some(planned) };
         let key = CaseKey::of(&planned);
         let found = disk.found.get(&planned.run_id).filter(|found| found.key == key);
         let own = found.is_some_and(|found| found.own);
         let content =
             found.map(|found| found.content.clone()).or_else(|| disk.result_cache.find(key));
-        let contacts = study.model().contacts();
-        let finished = content.and_then(|content| StoredOutcome::decode(&content, contacts));
+        let finished = content.and_then(|content| StoredOutcome::decode(&content, &planned));
         let usable = finished.filter(|finished| {
             let retry = disk.retry_failed && finished.outcome.label() == Label::Failed;
             !retry && (!planned.audited || finished.audit.is_some())
@@ -145,7 +139,7 @@ impl Runs for Worker<'_> {
             let (study, run_id) = *self.batch.runs.get(usize::try_from(place).ok()?)?;
             let mut planned = study.planned_run(run_id);
             planned.audited &= self.batch.audits;
-            let Some(planned) = self.take_stored(place, study, planned) else { continue };
+            let Some(planned) = self.take_stored(place, planned) else { continue };
             if self.batch.stop_condition.begins_no_run() {
                 continue;
             }

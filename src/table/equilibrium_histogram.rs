@@ -10,14 +10,15 @@ use crate::study::Study;
 pub type HistogramRow = OfPoint<HistogramBin>;
 
 /// Returns the columns of `equilibrium_histogram.parquet`. For one or two balls, a bin has the
-/// angles of all balls; for more balls, it has the angle of one ball.
+/// angles of all balls; for more balls, it has the angle of one ball. A sweep over the number of
+/// balls has the columns of all its numbers.
 pub fn histogram_columns(study: &Study) -> Vec<Column<HistogramRow>> {
-    let balls = study.model().balls();
-    let angles = if balls > 2 { 1 } else { balls };
+    let (fewest, most) = study.numbers_of_balls().into_inner();
+    let angles = if fewest > 2 { 1 } else { most.min(2) };
     let mut list = Columns::new();
     add_point(&mut list, study, |row: &HistogramRow| &row.point);
-    if balls > 2 {
-        list.count("ball", |row| row.value.ball as u64 + 1).meaning(
+    if most > 2 {
+        list.count("ball", |row| (row.value.bins.len() == 1).then_some(row.value.ball as u64 + 1)).meaning(
             "first ball of the group of identical balls, from 1; the row counts the angle of each \
              ball of the group separately",
         );

@@ -13,6 +13,7 @@ use crate::study::Study;
 #[derive(Clone, Debug, PartialEq)]
 pub struct SetRow {
     point: Arc<PointKey>,
+    /// The angle of each ball; not a number for balls that the point does not have.
     beta_rad: [f64; MAX_BALLS],
     rest: AtRest,
 }
@@ -20,7 +21,7 @@ pub struct SetRow {
 impl SetRow {
     /// Creates the row of a position, which has one angle per ball.
     pub fn new(point: &Arc<PointKey>, beta_rad: &[f64], rest: AtRest) -> Self {
-        let mut angles = [0.0; MAX_BALLS];
+        let mut angles = [f64::NAN; MAX_BALLS];
         for (angle, beta) in angles.iter_mut().zip(beta_rad) {
             *angle = *beta;
         }

@@ -23,14 +23,30 @@ pub fn planned_columns<R: 'static>(
         .meaning("number of the sample in its cell, from 0");
     add_nominal(&mut list, study, move |row| &planned(row).swept);
     add_drawn(&mut list, study, move |row| &planned(row).uncertain);
-    for (index, coordinate) in study.model().coordinates().into_iter().enumerate() {
+    let coordinates = study.model().coordinates();
+    let all = coordinates.len();
+    for (index, coordinate) in coordinates.into_iter().enumerate() {
         let name = format!("initial_{}", coordinate.name);
         list.number(name, coordinate.unit.unwrap_or(NON_DIMENSIONAL), move |row| {
-            planned(row).start.0.get(index).copied()
+            let start = &planned(row).start.0;
+            start.get(place_in_start(index, all, start.len())?).copied()
         })
         .meaning(coordinate.meaning);
     }
     list.finish()
+}
+
+/// Returns the place of a coordinate of the model with the most balls, which has `all` coordinates, in a start state with
+/// `own` coordinates; `None` if that is a coordinate of a ball that the run does not have. Positions come first, and then
+/// the velocities in the same order, with the balls at the end.
+fn place_in_start(index: usize, all: usize, own: usize) -> Option<usize> {
+    if all == own {
+        return Some(index);
+    }
+    let (half, half_of_own) = (all / 2, own / 2);
+    let (is_velocity, place) = (index >= half, index % half.max(1));
+    let before = if is_velocity { half_of_own } else { 0 };
+    (place < half_of_own).then_some(before + place)
 }
 
 /// Adds one column for each swept parameter to a table with one row per point; `values` gets the

@@ -48,7 +48,7 @@ fn overlaps_are_as_frequent_as_among_random_points() {
     for balls in 2..=5_usize {
         let mut machine = machine(balls, 0.002);
         machine.balls.iter_mut().for_each(|ball| ball.friction_coefficient = 0.5);
-        let found = BallPositions::new(balls).overlapping_fraction(&machine).unwrap();
+        let found = BallPositions::new([balls]).overlapping_fraction(&machine).unwrap();
         let contact = machine.contact_angle_rad(&machine.balls[0], &machine.balls[0]);
         let apart = (1.0 - balls as f64 * contact / TAU).powi(balls as i32 - 1);
         assert!((found - (1.0 - apart)).abs() < 0.02, "{balls} balls: {found}, {}", 1.0 - apart);
@@ -57,9 +57,9 @@ fn overlaps_are_as_frequent_as_among_random_points() {
 
 #[test]
 fn one_ball_and_small_sets_have_no_overlapping_fraction() {
-    assert_eq!(BallPositions::new(1).overlapping_fraction(&machine(1, 0.003)), None);
-    assert_eq!(BallPositions::new(3).overlapping_fraction(&machine(2, 0.003)), None);
+    assert_eq!(BallPositions::new([1]).overlapping_fraction(&machine(1, 0.003)), None);
+    assert_eq!(BallPositions::new([3]).overlapping_fraction(&machine(2, 0.003)), None);
     let mut smooth = machine(2, 0.003);
     smooth.balls.iter_mut().for_each(|ball| ball.friction_coefficient = 1e-6);
-    assert_eq!(BallPositions::new(2).overlapping_fraction(&smooth), None);
+    assert_eq!(BallPositions::new([2]).overlapping_fraction(&smooth), None);
 }

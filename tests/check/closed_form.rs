@@ -5,7 +5,7 @@ use stickslip::check::{BalancerFacts, BallPositions, BlockFacts};
 use stickslip::model::{Ball, Block, FrictionLaw, Machine};
 
 fn facts(machine: &Machine) -> BalancerFacts {
-    BalancerFacts::of(machine, &BallPositions::new(machine.balls.len())).unwrap()
+    BalancerFacts::of(machine, &BallPositions::new([machine.balls.len()])).unwrap()
 }
 
 #[test]

@@ -67,7 +67,7 @@ fn wrong_shapes_are_refused() {
     );
     refused("speed\n1\n", Some(1), "column speed", "speed", "speed_rad_s (did you mean this?)");
     refused("speed_rad_s,speed_rad_s\n1,2\n", Some(1), "column speed_rad_s", "", "once");
-    refused("balls\n1\n", Some(1), "column balls", "balls", "ball_mass_kg");
+    refused("ball\n1\n", Some(1), "column ball", "ball", "balls (did you mean this?)");
 }
 
 #[test]

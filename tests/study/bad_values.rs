@@ -292,11 +292,11 @@ fn sweeps() {
     refused("[1.0, 2.0]", "[]", 21, key, "an empty list", "at least one value");
     refused(
         second,
-        "      balls: [1, 2]\n",
+        "      balls: [1, 9]\n",
         21,
-        "sweep[1].zip.balls",
-        "balls",
-        "one study per number",
+        "sweep[1].zip.balls[1]",
+        "9",
+        "a whole number from 1 to 8",
     );
     refused(second, "      colour: [1, 2]\n", 21, "sweep[1].zip.colour", "colour", "normal_force");
     refused(

@@ -19,6 +19,7 @@ mod distributions;
 mod endings;
 mod identify;
 mod models;
+mod numbers_of_balls;
 mod parquet_tables;
 mod plan;
 mod precision;

@@ -9,7 +9,7 @@ use stickslip::study::{Study, json_schema};
 
 /// Problems that the program finds and the schema cannot express, each with the reason. A problem that ends with a blank
 /// is the beginning of a problem.
-const CONTENT: [(&str, &str); 43] = [
+const CONTENT: [(&str, &str); 44] = [
     ("a peak amplitude has no counterpart without balls", "two keys of a response"),
     ("no peak amplitude at constant speed without disturbances", "a response and the model"),
     ("no physical meaning: ramp_to_1_rad_s", "the sign of all speeds of a profile"),
@@ -24,6 +24,7 @@ const CONTENT: [(&str, &str); 43] = [
     ("a column given twice", "equal items at different places"),
     ("not a parameter of ", "parameters depend on the friction law and the number of balls"),
     ("some designs do not have this ball", "a variable and the list of balls"),
+    ("some points do not have this ball", "a swept parameter and the numbers of balls"),
     ("a ball has its own value", "a swept parameter and the list of balls"),
     ("balls have their own values", "a variable and the list of balls"),
     ("viscous friction does not use it", "parameters depend on the friction law"),

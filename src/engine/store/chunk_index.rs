@@ -6,7 +6,7 @@ use super::chunk::Chunk;
 use super::folder::{Folder, Listed, what_follows};
 use super::record::{CaseKey, StoredOutcome};
 use crate::engine::say;
-use crate::study::{PlannedRun, Study};
+use crate::study::PlannedRun;
 use crate::table::RunRecord;
 
 /// The largest size of chunks that stay in memory between windows, in bytes.
@@ -25,8 +25,8 @@ pub(in crate::engine) struct StoredResult {
 
 impl StoredResult {
     /// Returns the row of a run if this is the complete result of its case.
-    pub fn of_run(&self, study: &Study, planned: PlannedRun) -> Option<RunRecord> {
-        let finished = StoredOutcome::decode(&self.content, study.model().contacts())?;
+    pub fn of_run(&self, planned: PlannedRun) -> Option<RunRecord> {
+        let finished = StoredOutcome::decode(&self.content, &planned)?;
         let StoredOutcome { outcome, audit } = finished;
         let is_complete =
             self.key == CaseKey::of(&planned) && (!planned.audited || audit.is_some());

@@ -44,8 +44,10 @@ impl StoredOutcome {
     }
 
     /// Deserializes the output of [`StoredOutcome::encode`]. Returns `None` if the bytes are anything else, or of a
-    /// system with another number of contacts.
-    pub fn decode(bytes: &[u8], contacts: usize) -> Option<Self> {
+    /// system with another number of contacts than that of the planned run.
+    pub fn decode(bytes: &[u8], planned: &PlannedRun) -> Option<Self> {
+        // A run without a case has no values of contacts.
+        let contacts = planned.case.as_ref().map_or(0, |case| case.model.contacts());
         let (finished, rest): (StoredOutcome, _) = postcard::take_from_bytes(bytes).ok()?;
         (rest.is_empty() && finished.outcome.is_of(contacts)).then_some(finished)
     }

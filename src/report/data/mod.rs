@@ -206,6 +206,15 @@ impl<'a> ReportData<'a> {
         self.detailed.iter().filter_map(|&place| self.points.get(place))
     }
 
+    /// Returns the number of balls of a point; zero for a model without balls.
+    pub fn balls_of(&self, point: &PointFacts) -> usize {
+        let known = point.point_id < self.study.point_count();
+        match known {
+            true => self.study.point(point.point_id).model().balls(),
+            false => self.study.model().balls(),
+        }
+    }
+
     /// Returns the number of rests of a point at which balls touch; `None` without contact between balls.
     pub fn touching_rests(&self, point: &PointFacts) -> Option<u64> {
         self.runs.touching_rests.get(&point.point_id).copied()

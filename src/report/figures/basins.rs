@@ -30,7 +30,9 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         data.runs.run_id.get(place).is_some_and(|run| scattered(mixed(*run), every as u64))
     };
     let mut panels = Vec::new();
+    let mut drawn = 0;
     for (point, runs) in &of_points {
+        let first_panel = panels.len();
         let runs: Vec<usize> = runs.iter().copied().filter(|run| is_shown(*run)).collect();
         for &[first, second] in &pairs {
             let column = |index: usize| data.runs.start.get(index);
@@ -38,6 +40,11 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             let (Some(of_x), Some(of_y)) = (coordinates.get(first), coordinates.get(second)) else {
                 continue;
             };
+            // A point with fewer balls than others has no such coordinate.
+            let is_known = |run: &usize| [x, y].iter().all(|column| column[*run].is_finite());
+            if !runs.is_empty() && !runs.iter().any(is_known) {
+                continue;
+            }
             let layers: Vec<Layer> = Label::ALL
                 .into_iter()
                 .enumerate()
@@ -59,9 +66,9 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
                 ..Panel::new(start_axis(of_x, x), start_axis(of_y, y), layers)
             });
         }
+        let shown = panels.get(first_panel);
+        drawn += shown.map_or(0, |panel| panel.layers.iter().map(dots_of).sum::<usize>());
     }
-    let drawn: usize =
-        panels.iter().step_by(pairs.len()).flat_map(|panel| &panel.layers).map(dots_of).sum();
     let sampled = if every > 1 || data.runs.one_in > 1 {
         format!(" Subsample: {drawn} of the {} runs of these points are shown.", data.runs.of)
     } else {
@@ -133,7 +140,8 @@ fn words(coordinate: &Coordinate) -> String {
 /// Returns the axis of a coordinate; the axis of an angle is one turn if the start states cover it.
 fn start_axis(coordinate: &Coordinate, values: &[f64]) -> Axis {
     let round = 0.0..=std::f64::consts::TAU;
-    let angle = coordinate.unit == Some("rad") && values.iter().all(|value| round.contains(value));
+    let angle = coordinate.unit == Some("rad")
+        && values.iter().all(|value| value.is_nan() || round.contains(value));
     Axis {
         name: format!("{} at the start", words(coordinate)),
         unit: coordinate.unit.unwrap_or("").to_owned(),

@@ -90,9 +90,12 @@ pub fn sentences(data: &ReportData<'_>) -> String {
     }
     let [from, to] = [low, high].map(|angle| format!("{angle:.1}°"));
     let angle = if from == to { from } else { format!("{from} to {to}") };
-    let of_two = match study.model().balls() {
-        2 => {
+    let of_two = match study.numbers_of_balls().into_inner() {
+        (2, 2) => {
             " On its edges they touch, and the force between them adds the equilibria drawn there."
+        }
+        (fewest, most) if fewest <= 2 && most >= 2 => {
+            " On its edges they touch, and the force between two balls without a third adds the equilibria drawn there."
         }
         _ => " On its edges they touch.",
     };

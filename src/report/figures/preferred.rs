@@ -1,5 +1,7 @@
 //! Figure: the preferred equilibria, where balls come to rest, over the equilibrium set.
 
+use std::collections::BTreeSet;
+
 use super::equilibrium_set::{SetLayers, angle_axis, set_layers};
 use super::layers::{axis, label_colour, label_words, places, run_dots, run_tooltips, subscript};
 use super::overlap;
@@ -14,12 +16,11 @@ const MOST_PANELS: usize = 240;
 
 /// Plots a panel for each point; with three or more balls, for each point and pair of balls.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
-    let balls = data.study.model().balls();
-    let all = balls * balls.saturating_sub(1) / 2;
+    let numbers: BTreeSet<usize> = data.details().map(|point| data.balls_of(point)).collect();
     let most = (MOST_PANELS / data.detailed.len().max(1)).clamp(1, MOST_PAIRS);
     let panels: Vec<Panel> = data
         .details()
-        .flat_map(|point| match balls {
+        .flat_map(|point| match data.balls_of(point) {
             0 if data.study.model().contacts() > 1 => Vec::new(),
             0 | 1 => vec![one_contact(data, point)],
             2 => vec![pair(data, point, [1, 2])],
@@ -31,7 +32,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         })
         .collect();
     let none_at_rest = data.points.iter().all(|point| point.equilibrium.runs == 0);
-    if panels.is_empty() || (none_at_rest && balls != 2) {
+    if panels.is_empty() || (none_at_rest && !numbers.contains(&2)) {
         return None;
     }
     let counts = data.details().map(|point| {
@@ -46,40 +47,52 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     });
     let alternative = counts.collect::<Vec<_>>().join("; ");
     let overlap = overlap::sentences(data);
-    let set = match (balls, overlap.is_empty()) {
-        (2, true) => data.without_draws("Set, colours, stars and circles are those"),
-        (2, false) => data.without_draws("Set, colours, stars, circles and band are those"),
-        (_, true) => String::new(),
-        (_, false) => data.without_draws("The band is that"),
+    let set = match (numbers.contains(&2), overlap.is_empty()) {
+        (true, true) => data.without_draws("Set, colours, stars and circles are those"),
+        (true, false) => data.without_draws("Set, colours, stars, circles and band are those"),
+        (false, true) => String::new(),
+        (false, false) => data.without_draws("The band is that"),
     };
-    let pairs = match most.min(all) {
-        shown if balls > 2 && shown < all => format!(" {shown} of {all} pairs of balls are shown."),
-        _ => String::new(),
-    };
+    let pairs = numbers.iter().filter(|balls| **balls > 2).filter_map(|balls| {
+        let all = balls * (balls - 1) / 2;
+        (most < all).then(|| format!(" {most} of {all} pairs of balls are shown."))
+    });
+    let pairs: String = pairs.collect();
     let left_out = format!("{overlap}{set}{pairs}{}{}", data.left_out(), data.runs.left_out());
-    let (title, caption) = match balls {
-        0 => ("Where the block comes to rest", "Position and time of rest of each run.".to_owned()),
-        1 => ("Preferred equilibria", "Angle at rest and amplitude of each run.".to_owned()),
-        2 => (
-            "Preferred equilibria",
-            "Each dot is a run at the angles where its balls came to rest. Colour: amplitude of the table if \
-             the balls rest there; open: no equilibrium, friction does not hold the balls. Stars and circles: \
-             stable and unstable equilibria without friction."
-                .to_owned(),
-        ),
-        _ => (
-            "Preferred equilibria",
-            "Each dot is a run at the angles where two of its balls came to rest.".to_owned(),
-        ),
+    let title = match numbers.contains(&0) {
+        true => "Where the block comes to rest",
+        false => "Preferred equilibria",
     };
     Some(Figure {
         id: "preferred-equilibria".to_owned(),
         title: title.to_owned(),
-        caption: caption + &left_out,
+        caption: caption(&numbers) + &left_out,
         alternative,
         one_at_a_time: panels.len() > 1,
         panels,
     })
+}
+
+/// Returns what the panels of these numbers of balls show.
+fn caption(numbers: &BTreeSet<usize>) -> String {
+    const SET: &str = "olour: amplitude of the table if the balls rest there; open: no equilibrium, friction does \
+                       not hold the balls. Stars and circles: stable and unstable equilibria without friction.";
+    let (one, two) = (numbers.contains(&1), numbers.contains(&2));
+    match (numbers.first(), numbers.last()) {
+        (Some(0), _) | (_, None) => "Position and time of rest of each run.".to_owned(),
+        (_, Some(1)) => "Angle at rest and amplitude of each run.".to_owned(),
+        (Some(2), Some(2)) => {
+            format!("Each dot is a run at the angles where its balls came to rest. C{SET}")
+        }
+        _ => {
+            let of_one =
+                if one { " One ball: its angle and the amplitude of the table." } else { "" };
+            let of_two = if two { format!(" Two balls: c{SET}") } else { String::new() };
+            format!(
+                "Each dot is a run at the angles where two of its balls came to rest.{of_one}{of_two}"
+            )
+        }
+    }
 }
 
 fn counted(data: &ReportData<'_>, point: &PointFacts) -> String {
@@ -97,7 +110,7 @@ fn dots(data: &ReportData<'_>, point: &PointFacts, x: &[f64], y: &[f64]) -> Laye
 
 fn pair(data: &ReportData<'_>, point: &PointFacts, [first, second]: [usize; 2]) -> Panel {
     let column = |ball: usize| data.runs.position.get(ball - 1).map_or(&[][..], Vec::as_slice);
-    let part = match data.study.model().balls() {
+    let part = match data.balls_of(point) {
         2 => String::new(),
         _ => format!("β{} and β{}", subscript(first), subscript(second)),
     };

@@ -90,7 +90,8 @@ fn panels_of(study: &Study, point_id: u64, runs: &[SampledRun]) -> Vec<Panel> {
         let name = "speed of the disc over time";
         panels.push(part(name, time(), axis("speed of the disc", "rad/s"), layers));
     }
-    for ball in 0..study.model().balls() {
+    let balls = runs.iter().map(|run| run.motion.ball_speed_rad_s.len()).max().unwrap_or(0);
+    for ball in 0..balls {
         let speed = |motion: &Motion, place: usize| {
             motion.ball_speed_rad_s.get(ball).map_or(f64::NAN, |speeds| speeds[place])
         };

@@ -32,7 +32,7 @@ pub(in crate::study) fn swept(generator: &mut SchemaGenerator) -> Schema {
             false => list,
         }
     };
-    let mut schema = per_parameter(values, &all_parameters());
+    let mut schema = per_parameter(values, &all_swept());
     schema.insert("minProperties".to_owned(), 1.into());
     schema
 }
@@ -40,7 +40,7 @@ pub(in crate::study) fn swept(generator: &mut SchemaGenerator) -> Schema {
 /// Returns the schema of one value by parameter.
 pub(in crate::study) fn selector(_: &mut SchemaGenerator) -> Schema {
     let models = all_models();
-    per_parameter(|parameter| value(*parameter, &models), &all_parameters())
+    per_parameter(|parameter| value(*parameter, &models), &all_swept())
 }
 
 /// Returns the schema of one number by numeric parameter, for each name of a choice.
@@ -102,6 +102,9 @@ fn number_range() -> Value {
 fn value(parameter: Parameter, models: &[Model]) -> Value {
     if !parameter.is_number() {
         return json!({ "enum": NormalForce::ALL.map(|(name, _)| name) });
+    }
+    if parameter == Parameter::BALLS {
+        return json!({ "type": "integer", "minimum": 1, "maximum": MAX_BALLS });
     }
     let model = models.iter().find(|model| Parameter::all(model).contains(&parameter));
     let allows = |number| model.is_none_or(|model| parameter.check(number, model).is_ok());
@@ -291,6 +294,11 @@ pub(in crate::study) fn numeric_parameters_of(kind: &str) -> Vec<String> {
 /// Returns every numeric parameter of any model, without repeated names.
 fn numeric() -> Vec<Parameter> {
     all_parameters().into_iter().filter(|parameter| parameter.is_number()).collect()
+}
+
+/// Returns everything that a sweep may set.
+fn all_swept() -> Vec<Parameter> {
+    all_parameters().into_iter().chain([Parameter::BALLS]).collect()
 }
 
 /// Returns every parameter of any model, without repeated names.

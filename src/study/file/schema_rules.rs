@@ -105,7 +105,8 @@ fn without_balls() -> Value {
 fn of_kind(kind: &ModelKind, parameters: &Map<String, Value>) -> Value {
     let has_balls = kind.parameters.iter().any(ParameterDescriptor::is_of_each_ball);
     let name = kind.name;
-    let [swept, numeric] = [parameters_of(name), numeric_parameters_of(name)].map(with_short);
+    let [mut swept, numeric] = [parameters_of(name), numeric_parameters_of(name)].map(with_short);
+    swept.extend(has_balls.then(|| BALLS.to_owned()));
     let is_count = |name: &str| {
         kind.parameters.iter().any(|one| one.name == name && one.largest_count().is_some())
     };

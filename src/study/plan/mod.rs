@@ -13,6 +13,7 @@ pub(in crate::study) mod quantiles;
 pub(in crate::study) mod repeated_points;
 pub(in crate::study) mod resolved_study;
 pub(in crate::study) mod response;
+pub(in crate::study) mod run_numbers;
 pub(in crate::study) mod shown_values;
 pub(in crate::study) mod sweep;
 pub(in crate::study) mod uncertain_draws;

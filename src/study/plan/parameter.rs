@@ -5,10 +5,11 @@ use std::fmt;
 use std::hash::{Hash, Hasher};
 
 use crate::model::{
-    Ball, FRICTION_COEFFICIENT, Field, LawParameter, Lowest, Model, NormalForce,
+    Ball, FRICTION_COEFFICIENT, Field, LawParameter, Lowest, MAX_BALLS, Model, NormalForce,
     ParameterDescriptor, SlidingSpeed,
 };
 use crate::study::error::Fault;
+use crate::study::file::parameters_file::BALLS;
 use crate::study::file::yaml_tree::describe_number;
 
 /// The value of a parameter at a point.
@@ -61,6 +62,8 @@ enum Definition {
     Model(&'static ParameterDescriptor),
     /// In the friction law of a model with sliding speeds in this unit.
     Law(&'static LawParameter, SlidingSpeed),
+    /// The number of balls.
+    Balls,
 }
 
 /// A parameter of a model, of all its balls or other members, or of one of them.
@@ -74,6 +77,10 @@ pub(crate) struct Parameter {
 }
 
 impl Parameter {
+    /// The number of balls, which only a sweep sets for some points. [`Parameter::all`] does not contain it.
+    pub const BALLS: Parameter =
+        Parameter { definition: Definition::Balls, order: 0, member: None };
+
     /// Returns all parameters of a model, those of the friction law after the friction coefficient.
     pub fn all(model: &Model) -> Vec<Parameter> {
         let kind = model.kind();
@@ -111,6 +118,7 @@ impl Parameter {
         match self.definition {
             Definition::Model(own) => own.name,
             Definition::Law(law, speed) => law.name(speed),
+            Definition::Balls => BALLS,
         }
     }
 
@@ -128,6 +136,7 @@ impl Parameter {
         match self.definition {
             Definition::Model(own) => own.unit,
             Definition::Law(law, speed) => law.unit(speed),
+            Definition::Balls => "1",
         }
     }
 
@@ -136,6 +145,7 @@ impl Parameter {
         let meaning = match self.definition {
             Definition::Model(own) => own.meaning,
             Definition::Law(law, _) => law.meaning,
+            Definition::Balls => "number of balls",
         };
         let (Definition::Model(own), member) = (self.definition, self.member) else {
             return meaning.to_owned();
@@ -151,7 +161,7 @@ impl Parameter {
     pub fn is_number(self) -> bool {
         match self.definition {
             Definition::Model(own) => own.is_number(),
-            Definition::Law(..) => true,
+            Definition::Law(..) | Definition::Balls => true,
         }
     }
 
@@ -163,6 +173,11 @@ impl Parameter {
     /// Returns whether each ball may have its own value.
     pub fn is_of_balls(self) -> bool {
         matches!(self.definition, Definition::Model(own) if own.is_of_each_ball())
+    }
+
+    /// Returns the number of the ball, from 1, if this is the parameter of one ball.
+    pub fn ball(self) -> Option<usize> {
+        self.member.filter(|_| self.is_of_balls())
     }
 
     fn is_of_members(self) -> bool {
@@ -208,9 +223,14 @@ impl Parameter {
         VariedParameter { name: self.name(), unit: self.unit(), meaning: self.meaning(), kind }
     }
 
-    /// Sets the value in a model; a value of the wrong kind changes nothing.
+    /// Sets the value in a model; a value of the wrong kind changes nothing. A number of balls removes the last balls.
     pub fn set(self, model: &mut Model, value: ParameterValue) {
         match value {
+            ParameterValue::Number(number) if self == Parameter::BALLS => {
+                if let Some(machine) = model.ball_balancer_mut() {
+                    machine.balls.truncate(number as usize);
+                }
+            }
             ParameterValue::Number(number) => {
                 self.fields(model).into_iter().for_each(|field| *field = number);
             }
@@ -233,6 +253,7 @@ impl Parameter {
             Definition::Law(law, _) => {
                 model.friction_mut().value_mut(law.name).into_iter().collect()
             }
+            Definition::Balls => Vec::new(),
         }
     }
 
@@ -247,6 +268,9 @@ impl Parameter {
     pub fn get(self, model: &Model, general: &Ball) -> ParameterValue {
         if let Some(number) = self.of_all_balls(&mut general.clone()) {
             return ParameterValue::Number(*number);
+        }
+        if self == Parameter::BALLS {
+            return ParameterValue::Number(model.balls() as f64);
         }
         // A parameter of all balls has returned its general value above.
         if let Some(number) = self.fields(&mut model.clone()).first() {
@@ -274,6 +298,9 @@ impl Parameter {
     /// # Errors
     /// Returns a fault if the value is impossible.
     pub fn check(self, number: f64, form: &Model) -> Result<(), Fault> {
+        if self == Parameter::BALLS {
+            return check_number_of_balls(number);
+        }
         let mut model = form.clone();
         self.set(&mut model, ParameterValue::Number(number));
         if let Definition::Law(LawParameter { lowest: Lowest::FrictionCoefficient, .. }, _) =
@@ -296,6 +323,18 @@ impl Parameter {
     fn validated_name(self) -> String {
         if self.is_general() { self.of_one_member(1).name() } else { self.name() }
     }
+}
+
+/// Checks a number of balls.
+///
+/// # Errors
+/// Returns a fault if it is not a whole number or too small or large.
+pub(in crate::study) fn check_number_of_balls(number: f64) -> Result<(), Fault> {
+    if number.fract() == 0.0 && (1.0..=MAX_BALLS as f64).contains(&number) {
+        return Ok(());
+    }
+    let allowed = format!("a whole number from 1 to {MAX_BALLS}");
+    Err(Fault::new("not a number of balls", describe_number(number), allowed))
 }
 
 /// Parameters are ordered as in the documentation, and those of single balls after that of all balls.

@@ -133,9 +133,9 @@ impl Study {
         ListedParameter {
             name: "balls".to_owned(),
             unit: "1",
-            value: ParameterValue::Number(self.base.model.balls() as f64),
+            value: self.base.value(Parameter::BALLS),
             is_default: !self.gives("balls"),
-            swept: None,
+            swept: self.swept_values(Parameter::BALLS),
             uncertain: None,
             design: numbers.map(|numbers| [*numbers.start() as f64, *numbers.end() as f64]),
         }
@@ -181,7 +181,7 @@ impl Study {
             return None;
         }
         // A block that does not sweep the parameter has its base value.
-        let own = parameter.get(&self.base.model, &self.base.general);
+        let own = self.base.value(parameter);
         let of_block =
             |block: &Block| block.list(parameter).map_or_else(|| vec![own], <[_]>::to_vec);
         let (mut numbers, mut texts) = (Vec::new(), Vec::new());

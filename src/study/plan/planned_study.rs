@@ -1,6 +1,6 @@
 //! A resolved study and its plan: every point and every run is a function of its number.
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 use std::sync::{Arc, OnceLock};
 
 use crate::model::{Case, InvalidParameter, Model, Simulation, Start};
@@ -12,7 +12,7 @@ use crate::study::plan::optimization::Optimization;
 use crate::study::plan::parameter::{Parameter, ParameterValue, VariedParameter};
 use crate::study::plan::precision::{Precision, Sampling};
 use crate::study::plan::response::Response;
-use crate::study::plan::sweep::{Block, Listing};
+use crate::study::plan::sweep::{Block, Listing, PointSampling};
 use crate::study::plan::variable::Variable;
 use crate::study::plan::written::Written;
 use crate::study::resolve::model::Base;
@@ -124,7 +124,7 @@ impl Study {
     /// Returns whether another master seed gives other runs. It does not if all start states are
     /// given and no parameter is uncertain.
     pub fn is_random(&self) -> bool {
-        !self.uncertain.is_empty() || self.blocks.iter().any(|block| block.design.is_random())
+        !self.uncertain.is_empty() || self.samplings().any(|one| one.design.is_random())
     }
 
     /// Returns the largest number of runs of a design, over all points together.
@@ -139,10 +139,25 @@ impl Study {
         if self.by_balls.is_empty() { std::slice::from_ref(self) } else { &self.by_balls }
     }
 
-    /// Returns the model before any parameter is swept or drawn. All cases share its kind and its
-    /// number of balls.
+    /// Returns the model before any parameter is swept or drawn. All cases share its kind. It has the
+    /// largest number of balls of all points.
     pub fn model(&self) -> &Model {
         &self.base.model
+    }
+
+    /// Returns whether the sweep sets the number of balls.
+    pub fn sweeps_balls(&self) -> bool {
+        self.swept_parameters.contains(&Parameter::BALLS)
+    }
+
+    /// Returns the numbers of balls from the smallest to the largest of all points; zero for a model without balls.
+    pub fn numbers_of_balls(&self) -> RangeInclusive<usize> {
+        self.base.fewest_balls..=self.base.model.balls()
+    }
+
+    /// Returns the sampling of the points, once for each kind of points.
+    pub(in crate::study) fn samplings(&self) -> impl Iterator<Item = &PointSampling> {
+        self.blocks.iter().flat_map(|block| &block.samplings)
     }
 
     /// Returns whether the runs have stages: the disc changes its speed, or the table is kicked.
@@ -169,25 +184,29 @@ impl Study {
     /// Returns the number of planned runs. With a precision, this is the largest number, for which
     /// run numbers are reserved.
     pub fn run_count(&self) -> u64 {
-        self.blocks.last().map_or(0, |block| block.first_run + block.points * block.sampling.most)
+        self.blocks.last().map_or(0, Block::end_run)
     }
 
     /// Returns the number of runs before the first decision at each point. Without a precision,
     /// this is the number of all runs.
     pub fn least_run_count(&self) -> u64 {
-        self.blocks.iter().map(|block| block.points * block.sampling.first).sum()
+        self.blocks.iter().map(Block::least_runs).sum()
     }
 
     /// Returns ranges of points with equally many runs: the point numbers, and the largest number
     /// of runs per point.
     pub fn point_ranges(&self) -> impl Iterator<Item = (Range<u64>, u64)> {
-        let points = |block: &Block| block.first_point..block.first_point + block.points;
-        self.blocks.iter().map(move |block| (points(block), block.sampling.most))
+        let of_block = |block: &Block, points: Range<u64>| {
+            block.first_point + points.start..block.first_point + points.end
+        };
+        self.blocks.iter().flat_map(move |block| {
+            block.numbers.ranges().map(move |(points, runs)| (of_block(block, points), runs))
+        })
     }
 
     /// Returns the number of points of the sweep, which is one without a sweep.
     pub fn point_count(&self) -> u64 {
-        self.blocks.last().map_or(0, |block| block.first_point + block.points)
+        self.blocks.last().map_or(0, Block::end_point)
     }
 
     /// Returns the columns of the swept parameters of all blocks, in order of first appearance.
@@ -230,6 +249,7 @@ impl Study {
         let block = &self.blocks[index - 1];
         let local = point_id - block.first_point;
         let values = block.values(local);
+        let (PointSampling { design, sampling, .. }, first_run) = block.sampling_of(local);
         let model = self.model_with(&values);
         let column = |parameter: &Parameter| {
             let swept = values.iter().find(|(other, _)| other == parameter);
@@ -238,9 +258,9 @@ impl Study {
         Point {
             point_id,
             swept: self.swept_parameters.iter().map(column).collect(),
-            first_run: block.first_run + local * block.sampling.most,
-            sampling: block.sampling,
-            cells: block.design.cells(),
+            first_run,
+            sampling: *sampling,
+            cells: design.cells(),
             model,
         }
     }
@@ -253,13 +273,13 @@ impl Study {
         assert!(run_id < self.run_count(), "there is no run {run_id}");
         let index = self.blocks.partition_point(|block| block.first_run <= run_id);
         let block = &self.blocks[index - 1];
-        let local = run_id - block.first_run;
-        let local_point = local / block.sampling.most;
+        let local_point = block.numbers.point_of(run_id - block.first_run);
         let point = self.point(block.first_point + local_point);
-        let sample = local % block.sampling.most;
-        let id = block.design.identify(sample);
+        let (of_point, first_run) = block.sampling_of(local_point);
+        let (design, sample) = (&of_point.design, run_id - first_run);
+        let id = design.identify(sample);
         let mut values = block.values(local_point);
-        let uncertain = self.drawn(&values, &self.drawn_fractions(block, sample));
+        let uncertain = self.drawn(&values, &self.drawn_fractions(of_point, sample));
         let audited = self.audit.is_some_and(|audit| audit.chooses(self.seed, &values, id));
         let model = if uncertain.is_empty() {
             point.model
@@ -271,12 +291,10 @@ impl Study {
         };
         let touching = model.ball_balancer().filter(|machine| machine.contact.is_some());
         let start = match touching {
-            None => Ok(block.design.coordinates(id)),
-            Some(machine) => {
-                machine.validate().and_then(|()| start_apart(&block.design, id, machine))
-            }
+            None => Ok(design.coordinates(id)),
+            Some(machine) => machine.validate().and_then(|()| start_apart(design, id, machine)),
         };
-        let drawn = || block.design.coordinates(id);
+        let drawn = || design.coordinates(id);
         let end_time_s = model.end_time_s().unwrap_or(self.simulation.end_time_s);
         let simulation = Simulation { end_time_s, ..self.simulation };
         let sound = model.validate().and(start.clone().map(|_| ()));
@@ -296,10 +314,13 @@ impl Study {
         }
     }
 
-    /// Returns the base model with these values. Values of all balls are set before those of one
-    /// ball.
+    /// Returns the base model with these values and, unless they set the number of balls, with that of the study file.
+    /// Values of all balls are set before those of one ball.
     pub(in crate::study) fn model_with(&self, values: &[(Parameter, ParameterValue)]) -> Model {
         let mut model = self.base.model.clone();
+        if values.iter().all(|(parameter, _)| *parameter != Parameter::BALLS) {
+            Parameter::BALLS.set(&mut model, self.base.value(Parameter::BALLS));
+        }
         for of_one_ball in [false, true] {
             for (parameter, value) in values {
                 if parameter.general().is_some() == of_one_ball {
@@ -314,7 +335,7 @@ impl Study {
     /// grid.
     pub(in crate::study) fn has_point(&self, expectation: &Expectation) -> bool {
         self.blocks.iter().any(|block| match block.listing {
-            Listing::Rows => (block.first_point..block.first_point + block.points)
+            Listing::Rows => (block.first_point..block.end_point())
                 .any(|point| expectation.selects(&self.swept, &self.point(point).swept)),
             Listing::Grid => {
                 let first = self.point(block.first_point);

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use crate::study::plan::parameter::ParameterValue;
 use crate::study::plan::planned_study::Study;
+use crate::study::sampling::sampling_design::Design;
 
 /// The largest number of points that are compared.
 const MOST_POINTS: u64 = 20_000;
@@ -27,15 +28,19 @@ impl Study {
         for point_id in 0..self.point_count().min(MOST_POINTS) {
             let values = self.point(point_id).swept.iter().map(Value::of).collect();
             let earlier = *seen.entry(values).or_insert(point_id);
-            let [block, other] = [point_id, earlier].map(|point| self.block_of(point));
-            if earlier == point_id || self.blocks[block].design != self.blocks[other].design {
+            if earlier == point_id || self.design_at(point_id) != self.design_at(earlier) {
                 continue;
             }
-            let key = format!("sweep[{block}]");
+            let key = format!("sweep[{}]", self.block_of(point_id));
             let first = [point_id, earlier];
             found.get_or_insert(RepeatedPoints { count: 0, first, key }).count += 1;
         }
         found
+    }
+
+    fn design_at(&self, point_id: u64) -> &Design {
+        let block = &self.blocks[self.block_of(point_id)];
+        &block.sampling_of(point_id - block.first_point).0.design
     }
 }
 

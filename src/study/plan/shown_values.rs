@@ -35,7 +35,7 @@ impl Study {
     fn digits_of(&self, parameter: Parameter) -> usize {
         let lists = self.blocks.iter().filter_map(|block| block.list(parameter));
         // A block that does not sweep the parameter has its base value.
-        let own = parameter.get(&self.base.model, &self.base.general);
+        let own = self.base.value(parameter);
         let numbers = lists.flatten().chain([&own]).filter_map(|value| match value {
             ParameterValue::Number(number) => Some(*number),
             ParameterValue::Text(_) => None,

@@ -2,6 +2,7 @@
 
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::plan::precision::Sampling;
+use crate::study::plan::run_numbers::RunNumbers;
 use crate::study::sampling::sampling_design::Design;
 use crate::study::sampling::uncertain_design::UncertainDesign;
 
@@ -14,25 +15,32 @@ pub(crate) enum Listing {
     Rows,
 }
 
-/// A block of points that share swept parameters and a sampling design.
+/// The sampling of the runs of a point.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PointSampling {
+    /// Sampling of start states.
+    pub design: Design,
+    /// Sampling of the uncertain parameters.
+    pub uncertain_design: UncertainDesign,
+    /// Number of runs.
+    pub sampling: Sampling,
+}
+
+/// A block of points that share swept parameters and, for each number of balls, a sampling design.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Block {
     /// How the points are listed.
     pub listing: Listing,
     /// Swept parameters with their values.
     pub columns: Vec<(Parameter, Vec<ParameterValue>)>,
-    /// Sampling of start states at each point.
-    pub design: Design,
-    /// Sampling of the uncertain parameters over the runs of each point.
-    pub uncertain_design: UncertainDesign,
+    /// The kinds of sampling of its points, one for each number of balls.
+    pub samplings: Vec<PointSampling>,
+    /// The points and runs with their kind of sampling.
+    pub numbers: RunNumbers,
     /// Number of the block's first point.
     pub first_point: u64,
-    /// Number of points.
-    pub points: u64,
     /// Number of the block's first run.
     pub first_run: u64,
-    /// Runs at each point.
-    pub sampling: Sampling,
 }
 
 impl Listing {
@@ -47,6 +55,29 @@ impl Listing {
 }
 
 impl Block {
+    /// Returns the number of the point after the last one.
+    pub fn end_point(&self) -> u64 {
+        self.first_point + self.numbers.point_count()
+    }
+
+    /// Returns the number of the run after the last one.
+    pub fn end_run(&self) -> u64 {
+        self.first_run + self.numbers.run_count()
+    }
+
+    /// Returns the sampling of a point, counted from the block's first point, and the number of its first run in the
+    /// study.
+    pub fn sampling_of(&self, point: u64) -> (&PointSampling, u64) {
+        let place = self.numbers.of_point(point);
+        (&self.samplings[place.kind], self.first_run + place.first_run)
+    }
+
+    /// Returns the smallest number of runs: those before the first decision at each point.
+    pub fn least_runs(&self) -> u64 {
+        let points = self.numbers.points_by_kind(self.samplings.len());
+        points.iter().zip(&self.samplings).map(|(points, one)| points * one.sampling.first).sum()
+    }
+
     /// Returns the values of a parameter if the block sweeps it.
     pub fn list(&self, parameter: Parameter) -> Option<&[ParameterValue]> {
         let column = self.columns.iter().find(|(other, _)| *other == parameter);

@@ -2,7 +2,7 @@
 
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::plan::planned_study::Study;
-use crate::study::plan::sweep::Block;
+use crate::study::plan::sweep::PointSampling;
 use crate::study::resolve::uncertain::Uncertain;
 
 impl Study {
@@ -15,12 +15,12 @@ impl Study {
     }
 
     /// Returns the fraction of each uncertain parameter's distribution at which a run draws it; `sample` counts the runs
-    /// of a point of the block from zero.
-    pub(in crate::study) fn drawn_fractions(&self, block: &Block, sample: u64) -> Vec<f64> {
-        let id = block.design.identify(sample);
+    /// of the point from zero.
+    pub(in crate::study) fn drawn_fractions(&self, point: &PointSampling, sample: u64) -> Vec<f64> {
+        let id = point.design.identify(sample);
         let each = self.uncertain_parameters.iter().enumerate();
         let fractions: Vec<f64> = each
-            .map(|(place, one)| block.uncertain_design.fraction(place, &one.key, id, sample))
+            .map(|(place, one)| point.uncertain_design.fraction(place, &one.key, id, sample))
             .collect();
         match &self.copula {
             Some(copula) => copula.correlate(&fractions),

@@ -33,6 +33,12 @@ pub(crate) fn resolve_identification(
 ) -> Result<Option<Identification>, StudyError> {
     let Some(file) = written else { return Ok(None) };
     let path = source.path("identify");
+    if study.sweeps_balls() {
+        let allowed =
+            "a sweep without `balls`; compare the fit of two studies for numbers of balls";
+        let fault = Fault::new("a sweep over the number of balls", "`balls` in `sweep`", allowed);
+        return Err(path.refuse_key(fault));
+    }
     let own = path.key("parameters");
     if file.parameters.is_empty() || file.parameters.len() > MOST_PARAMETERS {
         let found = format!("{} parameters", file.parameters.len());

@@ -8,6 +8,7 @@ pub(in crate::study) mod friction;
 pub(in crate::study) mod identification;
 pub(in crate::study) mod model;
 pub(in crate::study) mod names;
+pub(in crate::study) mod numbers_of_balls;
 pub(in crate::study) mod optimization;
 pub(in crate::study) mod points;
 pub(in crate::study) mod protocol;

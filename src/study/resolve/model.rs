@@ -23,8 +23,10 @@ pub(crate) struct Base {
     pub model: Model,
     /// Default values of the balls.
     pub general: Ball,
-    /// The own values of each ball.
+    /// The own values of each ball; the study file has this number of balls.
     own: Vec<BallFile>,
+    /// The smallest number of balls of a point; the model has the largest.
+    pub fewest_balls: usize,
     /// The kicks whose direction is drawn, counted from 1.
     pub random_kicks: Vec<usize>,
 }
@@ -103,12 +105,47 @@ impl Base {
         }
         check_friction(source, &model)?;
         check_contact(source, &model)?;
-        Ok(Base { model, general, own, random_kicks })
+        let fewest_balls = own.len();
+        Ok(Base { model, general, own, fewest_balls, random_kicks })
+    }
+
+    /// Returns the base for a sweep over numbers of balls, of which these are the smallest and the largest.
+    pub fn with_balls(&self, [fewest, most]: [usize; 2]) -> Base {
+        let mut base = Base { fewest_balls: fewest, ..self.clone() };
+        if let Some(machine) = base.model.ball_balancer_mut() {
+            machine.balls.resize(most, self.general);
+        }
+        base
+    }
+
+    /// Returns the number of balls in the study file; 0 for a model without balls.
+    pub fn balls(&self) -> usize {
+        self.own.len()
+    }
+
+    /// Returns the value of a parameter before it is swept or drawn.
+    pub fn value(&self, parameter: Parameter) -> ParameterValue {
+        if parameter == Parameter::BALLS {
+            return ParameterValue::Number(self.balls() as f64);
+        }
+        parameter.get(&self.model, &self.general)
+    }
+
+    /// Checks whether the number of balls may vary.
+    ///
+    /// # Errors
+    /// Returns a fault if balls have their own values.
+    pub fn check_number_varies(&self) -> Result<(), Fault> {
+        if !self.has_own() {
+            return Ok(());
+        }
+        let allowed = "a number under `model.parameters.balls`";
+        Err(Fault::new("balls have their own values", "a list of balls", allowed))
     }
 
     /// Checks whether a parameter may vary. A value of all balls may not vary if one ball has its
     /// own value, which would be ambiguous. A parameter that the friction law does not use may not
-    /// vary either.
+    /// vary either, nor a value of a ball that some points do not have.
     ///
     /// # Errors
     /// Returns a fault that names the parameters to vary instead.
@@ -121,6 +158,14 @@ impl Base {
             let allowed = format!("{}or another friction law", own.concat());
             let problem = format!("{} friction does not use it", law.name());
             return Err(Fault::new(problem, parameter.name(), allowed));
+        }
+        if let Some(ball) = parameter.ball().filter(|ball| *ball > self.fewest_balls) {
+            let found = format!("{}, while some points have no ball {ball}", parameter.name());
+            let allowed = match self.fewest_balls {
+                1 => "a parameter of ball 1, which every point has".to_owned(),
+                fewest => format!("a parameter of a ball that every point has, 1 to {fewest}"),
+            };
+            return Err(Fault::new("some points do not have this ball", found, allowed));
         }
         if !(parameter.is_general() && parameter.is_of_balls()) {
             return Ok(());

@@ -4,12 +4,28 @@ use crate::study::error::{Fault, StudyError};
 use crate::study::file::values::MAX_COUNT;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::precision::{Precision, Sampling};
-use crate::study::plan::sweep::{Block, product};
+use crate::study::plan::run_numbers::RunNumbers;
+use crate::study::plan::sweep::{Block, PointSampling, product};
+use crate::study::resolve::model::Base;
 use crate::study::resolve::sampling::ResolvedDesign;
 use crate::study::resolve::sweep::ResolvedBlock;
 use crate::study::resolve::uncertain_sampling::UncertainSampling;
 use crate::study::sampling::initial_box::InitialBox;
 use crate::study::sampling::sampling_design::Design;
+
+/// What determines the sampling of a point besides its design.
+pub(in crate::study) struct Setting<'a> {
+    /// The model.
+    pub base: &'a Base,
+    /// The ranges of all coordinates.
+    pub start_box: &'a InitialBox,
+    /// The seed of the study.
+    pub seed: u64,
+    /// The requested precision.
+    pub precision: Option<&'a Precision>,
+    /// The sampling of the uncertain parameters.
+    pub uncertain: &'a UncertainSampling<'a>,
+}
 
 /// Numbers the points and runs of all blocks.
 ///
@@ -19,55 +35,72 @@ use crate::study::sampling::sampling_design::Design;
 pub(in crate::study) fn number_runs(
     resolved: Vec<ResolvedBlock>,
     designs: &[ResolvedDesign<'_>],
-    start_box: &InitialBox,
-    seed: u64,
-    precision: Option<&Precision>,
-    uncertain: &UncertainSampling<'_>,
+    setting: &Setting<'_>,
 ) -> Result<Vec<Block>, StudyError> {
     let mut blocks = Vec::with_capacity(resolved.len());
     let (mut first_point, mut first_run) = (0_u64, 0_u64);
     for (block, written) in resolved.into_iter().zip(designs) {
-        let design = Design::new(written.layout.clone(), start_box, seed);
         let points = product(&block.listing.factors(&block.columns), MAX_COUNT);
-        let sampling = match product(&design.factors(), MAX_COUNT) {
-            Err(large) => Err(large),
-            Ok(samples) => Ok(Sampling::new(&design, samples, precision, uncertain.longest())
-                .map_err(|fault| written.path.key(design.kind()).refuse_key(fault))?),
+        let (pattern, repeats) = block.numbers_of_balls(points.unwrap_or(1), setting.base.balls());
+        let mut balls: Vec<usize> = pattern.iter().map(|(_, balls)| *balls).collect();
+        balls.sort_unstable();
+        balls.dedup();
+        let mut samplings = Vec::with_capacity(balls.len());
+        let mut too_many = None;
+        for number in &balls {
+            match setting.sampling(written, *number)? {
+                Ok(sampling) => samplings.push(sampling),
+                Err(large) => too_many = Some(f64::max(large, too_many.unwrap_or(0.0))),
+            }
+        }
+        let runs_of: Vec<u64> = samplings.iter().map(|one| one.sampling.most).collect();
+        let most = too_many.unwrap_or(runs_of.iter().copied().max().unwrap_or(0) as f64);
+        let kind = |balls_of_point: usize| balls.partition_point(|other| *other < balls_of_point);
+        let pattern: Vec<(u64, usize)> =
+            pattern.into_iter().map(|(points, balls)| (points, kind(balls))).collect();
+        let numbers = match (points, too_many) {
+            (Ok(_), None) => RunNumbers::new(&pattern, repeats, &runs_of, MAX_COUNT - first_run),
+            _ => Err(to_float(points) * most),
         };
-        let runs = sampling.map(|sampling| sampling.most);
-        let total = match (points, runs) {
-            (Ok(points), Ok(runs)) => product(&[points, runs], MAX_COUNT),
-            _ => Err(to_float(points) * to_float(runs)),
-        };
-        let total = total.and_then(|more| match first_run + more {
-            total if total <= MAX_COUNT => Ok(total),
-            total => Err(total as f64),
-        });
-        let (Ok(points), Ok(sampling), Ok(total)) = (points, sampling, total) else {
+        let numbers = numbers.map_err(|all| {
+            let samples = if balls.len() > 1 { "at most " } else { "" };
             let found = format!(
-                "{:e} runs (points: {}, samples at each: {})",
-                to_float(total),
+                "{:e} runs (points: {}, samples at each: {samples}{})",
+                first_run as f64 + all,
                 describe_number(to_float(points)),
-                describe_number(to_float(runs)),
+                describe_number(most),
             );
             let fault = Fault::new("too many runs", found, "at most 1e15 runs");
-            return Err(written.path.refuse_value(fault));
-        };
-        let uncertain_design = uncertain.of_block(&design, sampling, precision)?;
-        blocks.push(Block {
-            listing: block.listing,
-            columns: block.columns,
-            design,
-            uncertain_design,
-            first_point,
-            points,
-            first_run,
-            sampling,
-        });
-        first_point += points;
-        first_run = total;
+            written.path.refuse_value(fault)
+        })?;
+        let ResolvedBlock { listing, columns, .. } = block;
+        let block = Block { listing, columns, samplings, numbers, first_point, first_run };
+        (first_point, first_run) = (block.end_point(), block.end_run());
+        blocks.push(block);
     }
     Ok(blocks)
+}
+
+impl Setting<'_> {
+    /// Returns the sampling of a point with this number of balls, or the approximate number of samples if there are too
+    /// many.
+    fn sampling(
+        &self,
+        written: &ResolvedDesign<'_>,
+        balls: usize,
+    ) -> Result<Result<PointSampling, f64>, StudyError> {
+        let start_box = self.start_box.of(&self.base.with_balls([balls; 2]).model);
+        let layout = written.layout_of(&start_box.axes);
+        let design = Design::new(layout, &start_box, self.seed);
+        let samples = match product(&design.factors(), MAX_COUNT) {
+            Ok(samples) => samples,
+            Err(large) => return Ok(Err(large)),
+        };
+        let sampling = Sampling::new(&design, samples, self.precision, self.uncertain.longest())
+            .map_err(|fault| written.path.key(design.kind()).refuse_key(fault))?;
+        let uncertain_design = self.uncertain.of_block(&design, sampling, self.precision)?;
+        Ok(Ok(PointSampling { design, uncertain_design, sampling }))
+    }
 }
 
 fn to_float(count: Result<u64, f64>) -> f64 {

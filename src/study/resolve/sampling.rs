@@ -11,7 +11,7 @@ use crate::study::file::table_input::Rows;
 use crate::study::file::values::{Entry, InlineTable, TableSource};
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::sampling::apart::first_overlap;
-use crate::study::sampling::initial_box::axis_names;
+use crate::study::sampling::initial_box::{BoxAxis, axis_names};
 use crate::study::sampling::sampling_design::{Layout, MAX_SOBOL_SAMPLES, SOBOL_DIMENSIONS};
 
 /// A validated layout, and the design in the form of a self-contained study file.
@@ -23,9 +23,28 @@ pub(crate) struct ResolvedDesign<'a> {
     pub file: DesignFile,
     /// Key path of the design.
     pub path: SourcePath<'a>,
+    /// The coordinates of given start states, in their order.
+    given: Vec<String>,
 }
 
-/// Validates a sampling design.
+impl ResolvedDesign<'_> {
+    /// Returns the layout for start states with these coordinates. Given start states may have further coordinates,
+    /// which belong to balls that other points have.
+    pub fn layout_of(&self, axes: &[BoxAxis]) -> Layout {
+        let Layout::Table { rows } = &self.layout else { return self.layout.clone() };
+        if self.given.len() == axes.len() {
+            return self.layout.clone();
+        }
+        let has_axis = |name: &String| axes.iter().any(|axis| axis.name == *name);
+        let row = |row: &Vec<f64>| {
+            let named = self.given.iter().zip(row).filter(|(name, _)| has_axis(name));
+            named.map(|(_, number)| *number).collect()
+        };
+        Layout::Table { rows: Arc::new(rows.iter().map(row).collect()) }
+    }
+}
+
+/// Validates a sampling design for points with at most as many balls as this model.
 ///
 /// # Errors
 /// Returns an error if a Sobol' sequence has too many samples, or if a table of start states is
@@ -57,7 +76,7 @@ pub(crate) fn resolve_design<'a>(
             return resolve_starts(folders, path, table, model);
         }
     };
-    Ok(ResolvedDesign { layout, file: written.clone(), path: path.clone() })
+    Ok(ResolvedDesign { layout, file: written.clone(), path: path.clone(), given: Vec::new() })
 }
 
 /// Checks the number of dimensions of a Sobol' sequence.
@@ -120,7 +139,7 @@ fn resolve_starts<'a>(
         }
     }
     let inline = InlineTable {
-        columns: names,
+        columns: names.clone(),
         rows: rows
             .iter()
             .map(|row| row.iter().map(|number| Entry::Number(*number)).collect())
@@ -130,6 +149,7 @@ fn resolve_starts<'a>(
         layout: Layout::Table { rows: Arc::new(rows) },
         file: DesignFile::Table(TableSource::Inline(inline)),
         path: path.clone(),
+        given: names,
     })
 }
 

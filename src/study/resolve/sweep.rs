@@ -2,8 +2,9 @@
 
 use indexmap::IndexMap;
 
-use crate::model::{Model, NormalForce};
+use crate::model::{MAX_BALLS, Model, NormalForce};
 use crate::study::error::{Fault, StudyError, list_keys, list_names, shorten};
+use crate::study::file::parameters_file::BALLS;
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::BlockFile;
 use crate::study::file::table_folders::TableFolders;
@@ -13,6 +14,7 @@ use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::plan::sweep::Listing;
 use crate::study::resolve::model::{Base, find_count};
+use crate::study::resolve::numbers_of_balls::with_listed_balls;
 
 /// The swept parameters and values of a block, and the block in the form of a self-contained study
 /// file.
@@ -73,6 +75,7 @@ fn resolve_lists(
         return Err(path.refuse_value(fault));
     }
     let mut columns = Vec::with_capacity(lists.len());
+    let base = &with_listed_balls(base, lists.get(BALLS).into_iter().flatten());
     for (name, list) in lists {
         let path = path.key(name);
         let parameter = find_swept(name, base).map_err(|fault| path.refuse_key(fault))?;
@@ -116,8 +119,10 @@ fn resolve_table(
     table: &TableSource,
     base: &Base,
 ) -> Result<ResolvedBlock, StudyError> {
-    let names: Vec<String> = Parameter::all(&base.model).into_iter().map(Parameter::name).collect();
-    let read = Rows::read(folders, path, table, &names)?;
+    let read = Rows::read(folders, path, table, &names_of_columns(base))?;
+    let place = read.columns.iter().position(|name| name == BALLS);
+    let listed = read.rows.iter().filter_map(|row| row.get(place?));
+    let base = &with_listed_balls(base, listed);
     let mut columns = Vec::with_capacity(read.columns.len());
     for (column, name) in read.columns.iter().enumerate() {
         let parameter =
@@ -137,35 +142,46 @@ fn resolve_table(
     Ok(ResolvedBlock { listing: Listing::Rows, columns, file })
 }
 
+/// Returns the names that the columns of a table may have.
+fn names_of_columns(base: &Base) -> Vec<String> {
+    let has_balls = base.model.ball_balancer().is_some();
+    // A table that sweeps the number of balls may have values of more balls than the study file.
+    let widest = base.with_balls([MAX_BALLS; 2]);
+    let mut names: Vec<String> =
+        Parameter::all(&widest.model).into_iter().map(Parameter::name).collect();
+    names.extend(has_balls.then(|| BALLS.to_owned()));
+    names
+}
+
 /// Returns the parameter of this name, if it may be swept.
 fn find_swept(name: &str, base: &Base) -> Result<Parameter, Fault> {
-    if name == "balls" {
-        return Err(Fault::new(
-            "the number of balls cannot be swept",
-            name,
-            "one study per number of balls (start box and columns depend on the number)",
-        ));
+    let has_balls = base.model.ball_balancer().is_some();
+    if name == BALLS && has_balls {
+        return base.check_number_varies().map(|()| Parameter::BALLS);
     }
-    let parameter = find_parameter(name, &base.model)?;
+    let further = if has_balls { &[BALLS][..] } else { &[] };
+    let parameter = Parameter::find(name, &base.model)
+        .ok_or_else(|| unknown_parameter(name, &base.model, further))?;
     base.check_varied(parameter)?;
     Ok(parameter)
 }
 
 /// Returns the parameter of this name.
 pub(crate) fn find_parameter(name: &str, model: &Model) -> Result<Parameter, Fault> {
-    Parameter::find(name, model).ok_or_else(|| {
-        if find_count(model.kind(), name).is_some() {
-            let allowed = "one study per number (start box and columns depend on the number)";
-            return Fault::new("the same for all runs of a study", name, allowed);
-        }
-        let names: Vec<String> = Parameter::all(model).into_iter().map(Parameter::name).collect();
-        let problem = format!(
-            "not a parameter of {} with {} friction",
-            model.kind().name,
-            model.friction().name()
-        );
-        Fault::new(problem, shorten(name), list_keys(name, &names))
-    })
+    Parameter::find(name, model).ok_or_else(|| unknown_parameter(name, model, &[]))
+}
+
+/// Returns the fault of a name that is neither that of a parameter of the model nor one of `further`.
+fn unknown_parameter(name: &str, model: &Model, further: &[&str]) -> Fault {
+    if find_count(model.kind(), name).is_some() {
+        let allowed = "one study per number (start box and columns depend on the number)";
+        return Fault::new("the same for all runs of a study", name, allowed);
+    }
+    let mut names: Vec<String> = Parameter::all(model).into_iter().map(Parameter::name).collect();
+    names.extend(further.iter().map(|name| (*name).to_owned()));
+    let kind = model.kind().name;
+    let problem = format!("not a parameter of {kind} with {} friction", model.friction().name());
+    Fault::new(problem, shorten(name), list_keys(name, &names))
 }
 
 /// Returns the validated value of a parameter.

@@ -7,7 +7,7 @@ use crate::study::error::{Fault, StudyError};
 use crate::study::file::response_file::VariableFile;
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::yaml_tree::describe_number;
-use crate::study::plan::parameter::Parameter;
+use crate::study::plan::parameter::{Parameter, check_number_of_balls};
 use crate::study::plan::planned_study::Study;
 use crate::study::plan::response::{RESERVED_COLUMNS, SUFFIXES};
 use crate::study::plan::variable::{Domain, Variable};
@@ -27,7 +27,7 @@ pub(crate) fn resolve_variables(
     let min_balls = written
         .and_then(|named| named.get("balls"))
         .and_then(|balls| balls.from)
-        .map_or(study.model().balls(), |from| from.max(0.0) as usize);
+        .map_or(study.base.fewest_balls, |from| from.max(0.0) as usize);
     let setting = Setting { study, min_balls };
     let mut variables: Vec<Variable> = Vec::new();
     let mut set: Vec<Parameter> = Vec::new();
@@ -135,18 +135,12 @@ impl Setting<'_> {
             let fault = Fault::new("only for a ball balancer", found, "kind: ball_balancer");
             return Err(path.refuse_key(fault));
         }
-        if self.study.base.has_own() {
-            let problem = "balls have their own values";
-            let fault =
-                Fault::new(problem, "a list of balls", "a number under `model.parameters.balls`");
-            return Err(path.refuse_key(fault));
+        self.study.base.check_number_varies().map_err(|fault| path.refuse_key(fault))?;
+        if self.study.sweeps_balls() {
+            return Err(path.refuse_key(varied_twice("balls", "balls", "sweep")));
         }
         for (key, end) in [("from", from), ("to", to)] {
-            if end.fract() != 0.0 || !(1.0..=MAX_BALLS as f64).contains(&end) {
-                let allowed = format!("a whole number from 1 to {MAX_BALLS}");
-                let fault = Fault::new("not a number of balls", describe_number(end), allowed);
-                return Err(path.key(key).refuse_value(fault));
-            }
+            check_number_of_balls(end).map_err(|fault| path.key(key).refuse_value(fault))?;
         }
         Ok(Domain::Balls { from: from as u64, to: to as u64 })
     }
@@ -177,9 +171,7 @@ impl Setting<'_> {
                     || parameter.general() == Some(*other)
             });
             if let Some(other) = others.first() {
-                let found = format!("{name} here and {} in `{place}`", other.name());
-                let allowed = format!("a parameter in `design` or in `{place}`");
-                return Err(Fault::new("varied twice", found, allowed));
+                return Err(varied_twice(name, &other.name(), place));
             }
         }
         Ok(parameter)
@@ -233,6 +225,11 @@ impl Setting<'_> {
         }
         Ok(Domain::Choices(all))
     }
+}
+
+fn varied_twice(name: &str, other: &str, place: &str) -> Fault {
+    let found = format!("{name} here and {other} in `{place}`");
+    Fault::new("varied twice", found, format!("a parameter in `design` or in `{place}`"))
 }
 
 /// Checks the name of a choice, which must also differ from a number in a CSV file.

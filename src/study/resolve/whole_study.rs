@@ -30,10 +30,11 @@ use crate::study::resolve::expectations::resolve_expectations;
 use crate::study::resolve::identification::resolve_identification;
 use crate::study::resolve::model::{Base, check_parameter_names};
 use crate::study::resolve::names::check_study_name;
+use crate::study::resolve::numbers_of_balls::{base_of_all_points, model_of_common_design};
 use crate::study::resolve::optimization::resolve_optimization;
 use crate::study::resolve::points::check_points;
 use crate::study::resolve::responses::resolve_responses;
-use crate::study::resolve::runs::number_runs;
+use crate::study::resolve::runs::{Setting, number_runs};
 use crate::study::resolve::sampling::{ResolvedDesign, resolve_design};
 use crate::study::resolve::simulation::{resolve_simulation, simulation_to_file};
 use crate::study::resolve::stages::check_kicks;
@@ -122,6 +123,8 @@ fn resolve(
     check_kicks(source, &base.model, &simulation)?;
     let audit = Audit::resolve(source, written.audit.as_ref())?;
     let precision = Precision::resolve(source, written.precision.as_ref())?;
+    let mut blocks = resolve_blocks(source, written, folders, &base)?;
+    let base = base_of_all_points(source, &blocks, base)?;
     let conditions = source.path("initial_conditions");
     let start_box = InitialBox::resolve(
         &conditions.key("box"),
@@ -132,10 +135,10 @@ fn resolve(
         None => None,
         Some(design) => {
             let path = conditions.key("design");
-            Some(resolve_design(folders, &path, design, &base.model)?)
+            let model = model_of_common_design(written, &blocks, &base);
+            Some(resolve_design(folders, &path, design, &model)?)
         }
     };
-    let mut blocks = resolve_blocks(source, written, folders, &base)?;
     let designs = designs(source, written, folders, &base, &mut blocks, common.as_ref())?;
     check_values(source, &blocks, common.as_ref())?;
     let columns = blocks.iter().flat_map(|block| &block.columns);
@@ -181,6 +184,14 @@ fn resolve(
         optimize: written.optimize.clone(),
         identify: written.identify.clone(),
     };
+    let setting = Setting {
+        base: &base,
+        start_box: &start_box,
+        seed: written.seed,
+        precision: precision.as_ref(),
+        uncertain: &sampling,
+    };
+    let blocks = number_runs(blocks, &designs, &setting)?;
     let mut study = Study {
         name: written.name.clone(),
         seed: written.seed,
@@ -188,14 +199,7 @@ fn resolve(
         simulation,
         audit,
         precision,
-        blocks: number_runs(
-            blocks,
-            &designs,
-            &start_box,
-            written.seed,
-            precision.as_ref(),
-            &sampling,
-        )?,
+        blocks,
         swept: swept_parameters.iter().map(column).collect(),
         swept_parameters,
         shown_digits: OnceLock::new(),
@@ -334,7 +338,8 @@ fn designs<'a>(
     let resolve = |(index, block): (usize, &mut ResolvedBlock)| {
         if let Some(design) = own.get(index).and_then(|block| block.design.as_ref()) {
             let path = source.path("sweep").item(index).key("design");
-            let design = resolve_design(folders, &path, design, &base.model)?;
+            let model = base.with_balls(block.range_of_balls(base.balls())).model;
+            let design = resolve_design(folders, &path, design, &model)?;
             block.file.design = Some(design.file.clone());
             return Ok(design);
         }

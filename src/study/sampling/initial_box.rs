@@ -125,6 +125,13 @@ impl InitialBox {
         Ok(InitialBox { axes })
     }
 
+    /// Returns the ranges of the coordinates of a model, all of which the box has.
+    pub fn of(&self, model: &Model) -> InitialBox {
+        let names = axis_names(model);
+        let axes = self.axes.iter().filter(|axis| names.contains(&axis.name));
+        InitialBox { axes: axes.cloned().collect() }
+    }
+
     /// Returns the box in the form of a study file.
     pub fn to_file(&self) -> IndexMap<String, Range> {
         let ranges = self.axes.iter().map(|axis| (axis.name.clone(), Range([axis.low, axis.high])));

@@ -1,0 +1,319 @@
+//! A sweep over the number of balls: each point has the runs of a study with its number of balls.
+
+use stickslip::model::Model;
+use stickslip::study::{ParameterValue, PlannedRun, Study};
+
+use super::{parse, study, text_with_design};
+
+/// A study of this design with a number of balls in the study file, and further lines.
+fn text(design: &str, balls: &str, rest: &str) -> String {
+    let kind = "model: {kind: ball_balancer}";
+    let model = format!("model: {{kind: ball_balancer, parameters: {{balls: {balls}}}}}");
+    format!("{}{rest}", text_with_design(design)).replace(kind, &model)
+}
+
+fn balls(model: &Model) -> usize {
+    model.balls()
+}
+
+/// Returns a run without the numbers that depend on the other points of its study.
+fn own(run: PlannedRun) -> PlannedRun {
+    PlannedRun { run_id: 0, point_id: 0, swept: Vec::new(), ..run }
+}
+
+/// Checks that run numbers are consecutive and that every point has the runs of the study with its number of balls and
+/// the other lines of `rest`. `number_at` has the number of balls of each point.
+#[track_caller]
+fn has_runs_of_separate_studies(sweep: &str, design: &str, rest: &str, number_at: &[usize]) {
+    let swept = study(&text(design, "2", &format!("{sweep}{rest}")));
+    let found: Vec<usize> =
+        (0..swept.point_count()).map(|point| balls(swept.point(point).model())).collect();
+    assert_eq!(found, number_at, "{sweep}");
+    let mut next = 0;
+    for (id, number) in (0..).zip(number_at) {
+        let point = swept.point(id);
+        let separate = study(&text(design, &number.to_string(), rest));
+        assert_eq!(point.first_run, next);
+        assert_eq!(point.sampling, separate.point(0).sampling, "{design}");
+        assert_eq!(point.cells, separate.point(0).cells);
+        for sample in 0..point.sampling.most {
+            let run = swept.planned_run(next);
+            assert_eq!((run.run_id, run.point_id), (next, id));
+            assert_eq!(run.swept, point.swept);
+            assert_eq!(own(run), own(separate.planned_run(sample)), "{design}: {sample}");
+            next += 1;
+        }
+    }
+    assert_eq!(swept.run_count(), next);
+    assert_eq!(study(&swept.resolved_yaml()).hash(), swept.hash());
+}
+
+const SWEEP: &str = "sweep: [{grid: {balls: [3, 1, 2]}}]\n";
+const UNCERTAIN: &str = "uncertain:
+  ball_mass_kg: {normal: {mean: 1.4e-4, std_dev: 2.0e-5}}
+  friction_coefficient_1: {times: {uniform: {min: 0.5, max: 2}}}
+";
+
+#[test]
+fn each_point_has_the_runs_of_a_study_with_its_number_of_balls() {
+    let designs = [
+        "{stratified: {parts_per_axis: 2, samples_per_cell: 2}}",
+        "{grid: {points_per_axis: 2}}",
+        "{latin_hypercube: {samples: 7}}",
+        "{sobol: {samples: 8}}",
+        "{monte_carlo: {samples: 5}}",
+    ];
+    for design in designs {
+        has_runs_of_separate_studies(SWEEP, design, "", &[3, 1, 2]);
+        has_runs_of_separate_studies(SWEEP, design, UNCERTAIN, &[3, 1, 2]);
+    }
+}
+
+#[test]
+fn uncertain_parameters_are_sampled_as_in_a_separate_study() {
+    for (design, sampling) in [
+        ("{sobol: {samples: 8}}", "joint"),
+        ("{latin_hypercube: {samples: 7}}", "joint"),
+        ("{stratified: {parts_per_axis: 2, samples_per_cell: 1}}", "latin_hypercube"),
+        ("{stratified: {parts_per_axis: 2, samples_per_cell: 1}}", "sobol"),
+    ] {
+        let rest = format!("{UNCERTAIN}uncertain_sampling: {{design: {sampling}}}\n");
+        has_runs_of_separate_studies(SWEEP, design, &rest, &[3, 1, 2]);
+    }
+}
+
+/// Precision reserves different numbers of runs; contact maps the start angles.
+#[test]
+fn with_precision_contact_and_a_speed_profile() {
+    let design = "{stratified: {parts_per_axis: 2, samples_per_cell: 1}}";
+    let precision = "precision: {equilibrium_fraction: 0.1, max_runs: 1000}\n";
+    has_runs_of_separate_studies(SWEEP, design, precision, &[3, 1, 2]);
+    for rest in [
+        "contact: {restitution: 0.36, friction_coefficient: 0.1}",
+        "protocol: {startup_and_hammer: {hits: 2}}",
+    ] {
+        let with = |numbers: &str, sweep: &str| {
+            let text = text(design, numbers, sweep);
+            study(&text.replace("kind: ball_balancer", &format!("kind: ball_balancer, {rest}")))
+        };
+        let swept = with("2", SWEEP);
+        for (id, number) in [3, 1, 2].into_iter().enumerate() {
+            let point = swept.point(id as u64);
+            let separate = with(&number.to_string(), "");
+            assert_eq!(*point.model(), *separate.model());
+            for sample in 0..point.sampling.most {
+                let run = swept.planned_run(point.first_run + sample);
+                assert_eq!(own(run), own(separate.planned_run(sample)), "{rest}");
+            }
+        }
+    }
+}
+
+#[test]
+fn given_start_states_have_the_coordinates_of_their_balls() {
+    let three = "{table: {columns: [beta_3, x, y, beta_1, beta_2, x_dot, y_dot, beta_dot_1, beta_dot_3, beta_dot_2], \
+                 rows: [[3, 0.01, 0.02, 1, 2, 0.03, 0.04, 0.1, 0.3, 0.2], [6, 0, 0, 4, 5, 0, 0, 0, 0, 0]]}}";
+    let swept = study(&text(three, "2", SWEEP));
+    assert_eq!(swept.run_count(), 6);
+    let start = |run| swept.planned_run(run).start.0;
+    assert_eq!(start(0), [0.01, 0.02, 1.0, 2.0, 3.0, 0.03, 0.04, 0.1, 0.2, 0.3]);
+    assert_eq!(start(2), [0.01, 0.02, 1.0, 0.03, 0.04, 0.1]);
+    assert_eq!(start(4), [0.01, 0.02, 1.0, 2.0, 0.03, 0.04, 0.1, 0.2]);
+    // A block with a design of its own needs only the coordinates of its own balls.
+    let one =
+        "{table: {columns: [x, y, beta_1, x_dot, y_dot, beta_dot_1], rows: [[0, 0, 5, 0, 0, 0]]}}";
+    let blocks = format!(
+        "sweep:\n  - {{zip: {{balls: [1]}}, design: {one}}}\n  - {{zip: {{balls: [3]}}}}\n"
+    );
+    let swept = study(&text(three, "2", &blocks));
+    let runs: Vec<usize> = (0..3).map(|run| swept.planned_run(run).start.0.len()).collect();
+    assert_eq!(runs, [6, 10, 10]);
+}
+
+fn swept_numbers(study: &Study, point: u64) -> Vec<f64> {
+    let number = |value: &ParameterValue| match value {
+        ParameterValue::Number(number) => *number,
+        ParameterValue::Text(text) => panic!("{text}"),
+    };
+    study.point(point).swept.iter().map(number).collect()
+}
+
+/// Grids in any order of their keys, zips and tables; a block that does not sweep the number has that of the file.
+#[test]
+fn the_number_of_balls_is_swept_like_any_parameter() {
+    let design = "{stratified: {parts_per_axis: 2, samples_per_cell: 1}}";
+    let sweep = "sweep:
+  - grid: {speed_rad_s: [-100, -200], balls: [1, 4, 4], damping_n_s_m: [1, 2]}
+  - zip: {balls: [3, 3, 1], stiffness_n_m: [100, 200, 300]}
+  - table: {columns: [friction_coefficient, balls], rows: [[0.1, 2], [0.2, 1]]}
+  - grid: {speed_rad_s: [-300, -400]}
+";
+    let swept = study(&text(design, "2", sweep));
+    let names: Vec<&str> = swept.swept().iter().map(|column| column.name.as_str()).collect();
+    let columns =
+        ["speed_rad_s", "balls", "damping_n_s_m", "stiffness_n_m", "friction_coefficient"];
+    assert_eq!(names, columns);
+    let unit = &swept.swept()[1];
+    assert_eq!((unit.unit, unit.meaning.as_str()), ("1", "number of balls"));
+    let of_grid = [1, 1, 4, 4, 4, 4].repeat(2);
+    let expected: Vec<usize> =
+        of_grid.into_iter().chain([3, 3, 1]).chain([2, 1]).chain([2, 2]).collect();
+    let mut next = 0;
+    for (id, number) in (0..).zip(&expected) {
+        let point = swept.point(id);
+        assert_eq!((balls(point.model()), point.first_run), (*number, next), "point {id}");
+        assert_eq!(swept_numbers(&swept, id)[1], *number as f64);
+        let runs = 1_u64 << (4 + 2 * number);
+        assert_eq!((point.sampling.most, point.cells), (runs, Some(runs)));
+        for run in [next, next + runs - 1] {
+            assert_eq!(swept.planned_run(run).point_id, id);
+        }
+        next += runs;
+    }
+    assert_eq!((swept.point_count(), swept.run_count()), (expected.len() as u64, next));
+    assert_eq!(swept_numbers(&swept, 3), [-100.0, 4.0, 2.0, 1.07e4, 2.75e-3]);
+    assert_eq!(swept_numbers(&swept, 14), [-216.3772, 1.0, 1.28, 300.0, 2.75e-3]);
+    assert_eq!(swept_numbers(&swept, 17), [-300.0, 2.0, 1.28, 1.07e4, 2.75e-3]);
+    assert_eq!((balls(swept.model()), swept.numbers_of_balls()), (4, 1..=4));
+    let ranges: Vec<u64> =
+        swept.point_ranges().flat_map(|(points, runs)| points.map(move |_| runs)).collect();
+    let runs_of: Vec<u64> = expected.iter().map(|number| 1_u64 << (4 + 2 * number)).collect();
+    assert_eq!(ranges, runs_of);
+}
+
+#[test]
+fn a_range_lists_numbers_of_balls() {
+    let sweep = "sweep: [{grid: {balls: {from: 1, to: 4, step: 1}}}]\n";
+    let swept = study(&text("{monte_carlo: {samples: 2}}", "2", sweep));
+    let numbers: Vec<usize> = (0..4).map(|point| balls(swept.point(point).model())).collect();
+    assert_eq!(numbers, [1, 2, 3, 4]);
+}
+
+/// The file's number of balls is not that of any point, so that no point has ball 2.
+#[test]
+fn expectations_select_numbers_of_balls() {
+    let rest = "sweep: [{grid: {balls: [1, 3]}}]
+expect: [{point: {balls: 3}, equilibrium_fraction: [0, 1]}]
+";
+    let swept = study(&text("{monte_carlo: {samples: 2}}", "2", rest));
+    let expectation = &swept.expectations()[0];
+    let selected = (0..2).filter(|id| expectation.selects(swept.swept(), &swept.point(*id).swept));
+    assert_eq!(selected.collect::<Vec<u64>>(), [1]);
+}
+
+#[test]
+fn a_design_sets_other_parameters_at_all_numbers_of_balls() {
+    let rest = "sweep: [{grid: {balls: [1, 3]}}]
+design: {ball_mass_kg: {from: 1.0e-4, to: 2.0e-4}}
+";
+    let swept = study(&text("{monte_carlo: {samples: 2}}", "2", rest));
+    let value = stickslip::study::DesignValue::Number(1.5e-4);
+    let design = swept.set(&[value]).expect("possible values");
+    for (point, number) in [(0, 1), (1, 3)] {
+        let machine = super::machine_at(&design, point);
+        assert_eq!(machine.balls.len(), number);
+        assert!(machine.balls.iter().all(|ball| ball.mass_kg == 1.5e-4));
+    }
+}
+
+/// Checks the message about a study with these balls and further lines.
+#[track_caller]
+fn refused(balls: &str, rest: &str, key: &str, parts: [&str; 3]) {
+    let text = text("{monte_carlo: {samples: 2}}", balls, rest);
+    let error = parse(&text).err().unwrap_or_else(|| panic!("accepted: {rest}"));
+    let found = [Some(error.problem()), error.found(), error.allowed()];
+    for (found, part) in found.into_iter().zip(parts) {
+        assert!(found.unwrap_or_default().contains(part), "{error}");
+    }
+    assert_eq!((error.key(), error.line().is_some()), (key, true), "{error}");
+}
+
+#[test]
+fn impossible_numbers_of_balls_are_refused() {
+    let whole = "a whole number from 1 to 8";
+    for number in ["0", "9", "2.5", "-1"] {
+        let sweep = format!("sweep: [{{grid: {{balls: [1, {number}]}}}}]\n");
+        refused("2", &sweep, "sweep[0].grid.balls[1]", ["not a number of balls", number, whole]);
+        let sweep = format!("sweep: [{{zip: {{balls: [1, {number}]}}}}]\n");
+        refused("2", &sweep, "sweep[0].zip.balls[1]", ["not a number of balls", number, whole]);
+        let sweep = format!("sweep: [{{table: {{columns: [balls], rows: [[1], [{number}]]}}}}]\n");
+        let key = "sweep[0].table.rows[1][0]";
+        refused("2", &sweep, key, ["not a number of balls", number, whole]);
+    }
+    let words = ["not a number", "text \"two\"", "a number"];
+    refused("2", "sweep: [{grid: {balls: [two]}}]\n", "sweep[0].grid.balls[0]", words);
+}
+
+#[test]
+fn a_list_of_balls_does_not_go_with_a_sweep_over_their_number() {
+    let list = "[{mass_kg: 1.4e-4}, {mass_kg: 2.0e-4}]";
+    let parts = ["balls have their own values", "a list of balls", "model.parameters.balls"];
+    refused(list, "sweep: [{grid: {balls: [1, 2]}}]\n", "sweep[0].grid.balls", parts);
+}
+
+#[test]
+fn parameters_and_ranges_of_balls_that_points_lack_are_refused() {
+    let sweep = "sweep: [{grid: {balls: [2, 4]}}]\n";
+    let some = ["some points do not have this ball", "no ball 3", "every point has, 1 to 2"];
+    let rest = format!(
+        "{sweep}uncertain: {{ball_mass_3_kg: {{uniform: {{min: 1.0e-4, max: 2.0e-4}}}}}}\n"
+    );
+    refused("2", &rest, "uncertain.ball_mass_3_kg", some);
+    let rest = format!("{sweep}design: {{ball_mass_3_kg: {{from: 1.0e-4, to: 2.0e-4}}}}\n");
+    refused("2", &rest, "design.ball_mass_3_kg", some);
+    let rest = "sweep: [{grid: {balls: [2, 4], ball_mass_3_kg: [1.0e-4]}}]\n";
+    refused("2", rest, "sweep[0].grid.ball_mass_3_kg", some);
+    // The second block has two balls.
+    let rest =
+        "sweep: [{grid: {balls: [4], ball_mass_3_kg: [1.0e-4]}}, {grid: {speed_rad_s: [-160]}}]\n";
+    refused("2", rest, "sweep[0].grid.ball_mass_3_kg", some);
+    let text = text("{monte_carlo: {samples: 2}}", "3", "sweep: [{grid: {balls: [1, 2]}}]\n");
+    let text =
+        text.replace("initial_conditions:\n", "initial_conditions:\n  box: {beta_3: [0, 1]}\n");
+    let error = parse(&text).expect_err("no point has three balls");
+    assert_eq!((error.key(), error.line()), ("initial_conditions.box.beta_3", Some(6)), "{error}");
+    // All points have balls 1 and 2; some points have ball 3.
+    let text = text.replace("balls: [1, 2]", "balls: [2, 3]");
+    let swept = study(&text);
+    assert!(swept.planned_run(2).start.0[4] <= 1.0 && swept.planned_run(0).start.0.len() == 8);
+}
+
+#[test]
+fn the_number_of_balls_has_one_origin() {
+    let sweep = "sweep: [{grid: {balls: [1, 2]}}]\n";
+    let rest = format!("{sweep}design: {{balls: {{from: 1, to: 3}}}}\n");
+    let parts = ["varied twice", "balls here and balls in `sweep`", "`design` or in `sweep`"];
+    refused("2", &rest, "design.balls", parts);
+    let rest = format!(
+        "{sweep}identify: {{parameters: {{friction_coefficient: {{from: 1.0e-4, to: 1.0e-2}}}}}}\n"
+    );
+    let parts = ["a sweep over the number of balls", "`sweep`", "a sweep without `balls`"];
+    refused("2", &rest, "identify", parts);
+    let block = "schema: 1\nname: a\nseed: 5\nmodel: {kind: block_on_spring}\n\
+                 initial_conditions: {design: {monte_carlo: {samples: 2}}}\n\
+                 sweep: [{grid: {balls: [1]}}]\n";
+    let error = parse(block).expect_err("a block has no balls");
+    assert!(error.problem().contains("not a parameter of block_on_spring"), "{error}");
+}
+
+/// Numbers that overflow, and many points of different numbers of balls, are found at once.
+#[test]
+fn many_points_have_numbers_at_once() {
+    let design = "{stratified: {parts_per_axis: 2, samples_per_cell: 1}}";
+    let sweep = "sweep: [{grid: {speed_rad_s: {from: -1000, to: -1, count: 100000}, balls: [1, 2], \
+                 damping_n_s_m: {from: 1, to: 2, count: 1000}}}]\n";
+    let swept = study(&text(design, "2", sweep));
+    let (points, pair) = (200_000_000, 1000 * (64 + 256));
+    assert_eq!((swept.point_count(), swept.run_count()), (points, 100_000 * pair));
+    let last = swept.planned_run(swept.run_count() - 1);
+    assert_eq!((last.point_id, last.cell), (points - 1, 255));
+    let first_of_two = swept.planned_run(77 * pair + 1000 * 64);
+    assert_eq!((first_of_two.point_id, first_of_two.cell), (77 * 2000 + 1000, 0));
+    let text = text("{stratified: {parts_per_axis: 10, samples_per_cell: 1}}", "2", sweep);
+    let error = parse(&text).expect_err("10^8 runs at 10^8 points");
+    assert!(error.problem().contains("too many runs"), "{error}");
+    assert!(
+        error.found().unwrap_or_default().contains("samples at each: at most 100000000"),
+        "{error}"
+    );
+}
