@@ -23,8 +23,12 @@ pub struct Rests {
     groupings: Vec<Vec<Vec<usize>>>,
     /// The grouping of each position.
     grouping: Vec<usize>,
-    /// The angles of the balls in each position, one position after another, in [0, 2π).
+    /// The angles of the balls in each position, one position after another, in [0, 2π].
     angles: Vec<f64>,
+    /// For each ball its angles in ascending order, with the numbers of their positions.
+    by_angle: Vec<Vec<(f64, usize)>>,
+    /// For each ball all assignments in which it has the first measured angle: the measured angle of each ball.
+    orders: Vec<Vec<Vec<usize>>>,
     /// The number of each run at rest, and of each moving run, among all runs of the site.
     at_rest: Vec<usize>,
     moving: Vec<usize>,
@@ -53,6 +57,16 @@ impl Rests {
                 End::Unknown => {}
             }
         }
+        let of_ball = |ball: usize| -> Vec<(f64, usize)> {
+            let own = all.positions().map(|angles| angles[ball]);
+            let mut sorted: Vec<(f64, usize)> = own.zip(0..).collect();
+            sorted.sort_by(|one, other| one.0.total_cmp(&other.0));
+            sorted
+        };
+        all.by_angle = (0..balls).map(of_ball).collect();
+        let orders = permutations(balls);
+        let with_first = |ball: usize| orders.iter().filter(move |order| order[ball] == 0);
+        all.orders = (0..balls).map(|ball| with_first(ball).cloned().collect()).collect();
         all
     }
 
@@ -113,31 +127,40 @@ impl Rests {
             .map(|groups| libm::exp(groups.iter().map(|group| group.log_norm).sum::<f64>()))
             .collect();
         let reach = reach(variance, bandwidth_rad);
-        let permutations = permutations(self.balls);
         let measured: Vec<f64> = measured.iter().map(|angle| angle.rem_euclid(TAU)).collect();
-        let mut distances = vec![0.0; self.balls * self.balls];
-        let kernel = |(grouping, angles): (&usize, &[f64])| {
-            for (which, measured) in measured.iter().enumerate() {
-                let mut is_near = false;
-                for (ball, angle) in angles.iter().enumerate() {
-                    let distance = on_circle(measured - angle);
-                    is_near |= distance.abs() < reach;
-                    distances[ball * self.balls + which] = distance;
-                }
-                // No ball can have been measured here.
-                if !is_near {
-                    return 0.0;
+        let mut kernels = vec![0.0; self.grouping.len()];
+        // The first measured angle is that of each ball in turn, in the positions where this ball is near enough.
+        for (sorted, orders) in self.by_angle.iter().zip(&self.orders) {
+            for (_, position) in near(sorted, measured[0], reach).into_iter().flatten() {
+                let angles = &self.angles[position * self.balls..];
+                let grouping = self.grouping[*position];
+                for order in orders {
+                    let distance = |ball: usize| on_circle(measured[order[ball]] - angles[ball]);
+                    let exponent: f64 =
+                        shapes[grouping].iter().map(|group| group.exponent(distance)).sum();
+                    if exponent > SMALLEST_EXPONENT {
+                        kernels[*position] += norms[grouping] * libm::exp(exponent);
+                    }
                 }
             }
-            let of = |order: &Vec<usize>| {
-                let distance = |ball: usize| distances[ball * self.balls + order[ball]];
-                let groups = shapes[*grouping].iter();
-                let exponent: f64 = groups.map(|group| group.exponent(distance)).sum();
-                if exponent < SMALLEST_EXPONENT { 0.0 } else { libm::exp(exponent) }
-            };
-            norms[*grouping] * permutations.iter().map(of).sum::<f64>()
-        };
-        self.grouping.iter().zip(self.positions()).map(kernel).collect()
+        }
+        kernels
+    }
+}
+
+/// Returns the sorted angles in [0, 2π] that are within `reach` of an angle, in two parts.
+fn near(sorted: &[(f64, usize)], angle: f64, reach: f64) -> [&[(f64, usize)]; 2] {
+    if reach >= PI {
+        return [sorted, &[]];
+    }
+    let below = |angle: f64| sorted.partition_point(|one| one.0 < angle);
+    let (low, high) = (angle - reach, angle + reach);
+    if low < 0.0 {
+        [&sorted[..below(high)], &sorted[below(low + TAU)..]]
+    } else if high > TAU {
+        [&sorted[..below(high - TAU)], &sorted[below(low)..]]
+    } else {
+        [&sorted[below(low)..below(high)], &[]]
     }
 }
 
@@ -147,7 +170,7 @@ fn reach(variance: f64, bandwidth_rad: f64) -> f64 {
     (-2.0 * SMALLEST_EXPONENT * (variance + bandwidth_rad.powi(2))).sqrt()
 }
 
-/// Returns a difference of two angles in [0, 2π) as a distance in [-π, π].
+/// Returns a difference of two angles in [0, 2π] as a distance in [-π, π].
 fn on_circle(difference: f64) -> f64 {
     if difference > PI {
         difference - TAU
@@ -274,6 +297,36 @@ mod tests {
         let [one, other] = [[1.1, 1.3, 4.1], [4.1, 1.1, 1.3]]
             .map(|angles| rests.kernels(&angles, 0.1, BANDWIDTH_RAD)[0]);
         assert!((one - other).abs() < 1e-13 * one, "{one} {other}");
+    }
+
+    /// Positions around the whole circle: the kernel of each one is the sum over all assignments, also next to the angle 0.
+    #[test]
+    fn kernels_of_positions_around_the_circle() {
+        let ends: Vec<End> = (0..200)
+            .map(|one| {
+                let angle = 0.0314 * f64::from(one);
+                rest(&[angle, 2.0 * angle, 0.3], &[0, 1, 2])
+            })
+            .collect();
+        let rests = Rests::new(3, &ends);
+        for measured in [[0.05, 0.1, 0.3], [6.2, 6.1, 0.2], [3.0, 0.3, 6.0]] {
+            for std_dev_rad in [0.1, 0.5] {
+                let kernels = rests.kernels(&measured, std_dev_rad, BANDWIDTH_RAD);
+                let variance = std_dev_rad * std_dev_rad + BANDWIDTH_RAD * BANDWIDTH_RAD;
+                let normal = |distance: f64| {
+                    let distance = crate::model::wrap_to_pi(distance);
+                    (-0.5 * distance * distance / variance).exp()
+                        / (std::f64::consts::TAU * variance).sqrt()
+                };
+                for (kernel, angles) in kernels.iter().zip(rests.positions()) {
+                    let product = |order: &Vec<usize>| -> f64 {
+                        (0..3).map(|ball| normal(measured[order[ball]] - angles[ball])).product()
+                    };
+                    let expected: f64 = permutations(3).iter().map(product).sum();
+                    assert!((kernel - expected).abs() < 1e-9, "{angles:?}: {kernel} {expected}");
+                }
+            }
+        }
     }
 
     /// Balls in touch keep their distance: only the measurement blurs it.
