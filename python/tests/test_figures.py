@@ -746,3 +746,33 @@ def test_every_figure_says_what_it_shows():
     for name, (draw, _) in command.FIGURES.items():
         assert draw.__name__ == name.replace("-", "_")
         assert "FiguresError" in draw.__doc__ and "width" in draw.__doc__ and "[" in draw.__doc__, name
+
+
+NUMBERS_OF_BALLS = """
+schema: 1
+name: numbers
+seed: 5
+model: {kind: ball_balancer}
+sweep: [{grid: {balls: [1, 2, 3], speed_rad_s: [-140, -160.8103]}}]
+initial_conditions: {design: {monte_carlo: {samples: 4}}}
+simulation: {endings: rest}
+"""
+
+
+def test_points_with_different_numbers_of_balls(tmp_path, program):
+    """Positions and start states of points with two balls are shown unless other points are chosen."""
+    (tmp_path / "numbers.yaml").write_text(NUMBERS_OF_BALLS)
+    program("run", tmp_path / "numbers.yaml", "--out", tmp_path / "out", "--quiet")
+    figure = figures.preferred_equilibria(tmp_path / "out")
+    speeds = ["−140", "−160.8103"]
+    assert titles(figure) == [
+        f"({letter}) balls 2, speed {speed} rad/s: 4 of 4 at rest" for letter, speed in zip("ab", speeds)
+    ]
+    assert len(panels(figures.preferred_equilibria(tmp_path / "out", points=[4]))) == 3
+    one = figures.preferred_equilibria(tmp_path / "out", points=[0, 1])
+    assert "Ball angle and amplitude of each run at rest." in one.caption
+    places = [axes.get_xlabel() for axes in panels(figures.basins(tmp_path / "out", points=[1]))]
+    assert any("ball 1" in place or "β" in place for place in places) and not any("₂" in place for place in places)
+    for draw in (figures.preferred_equilibria, figures.basins):
+        with pytest.raises(figures.FiguresError, match="the points have 1 to 2 balls.*one number of balls"):
+            draw(tmp_path / "out", points=[1, 2])

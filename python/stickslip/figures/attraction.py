@@ -37,6 +37,8 @@ def basins(
     [rad] and the block's coordinates in [m] and [m/s]; the others are dimensionless as in the study. `diagnostics`
     shows the labels in doubt.
 
+    If the sweep sets the number of balls, all points shown must have the same number, as in `preferred_equilibria`.
+
     ``width``: "single" (90 mm) or "double" (180 mm); ``points``: numbers of the points to show; ``sheet``:
     which sheet of twelve panels, from 1. Above 48,000 dots it plots a labelled subsample. Raises FiguresError if
     the directory has no `runs.parquet` or its start states have fewer than two coordinates.
@@ -45,12 +47,12 @@ def basins(
     sweep = Sweep(results)
     table = results.table("runs")
     starts = [name for name in table.columns if name.startswith("initial_")]
-    pairs = _pairs(starts, runs.balls_of(results))
+    balls, rows = runs.points_of_one_number(results, sweep, points)
+    pairs = _pairs(starts, balls)
     if not pairs:
         raise FiguresError(
             results.path, table.name, "it has fewer than two columns of start states", "`stickslip run` writes them"
         )
-    rows = sweep.details(points)
     columns = sorted({name for pair in pairs for name in pair})
     sample = runs.read(results, sweep, rows, ["label", *columns], max(1, _MOST_DOTS // len(pairs)))
     rasterized = len(sample) * len(pairs) > runs.MOST_VECTOR_DOTS
@@ -118,7 +120,8 @@ def _pairs(starts: Sequence[str], balls: int) -> list[tuple[str, str]]:
     """Returns the pairs of start coordinates that share a panel."""
     if balls == 0:
         return [(starts[0], other) for other in starts[1:4]]
-    names = [("beta_1", "beta_2"), ("beta_dot_1", "beta_dot_2"), ("x", "y"), ("x_dot", "y_dot")]
+    names = [("beta_1", "beta_2"), ("beta_dot_1", "beta_dot_2")] if balls > 1 else []
+    names += [("x", "y"), ("x_dot", "y_dot")]
     names += [(f"beta_{ball}", f"beta_dot_{ball}") for ball in range(1, balls + 1)]
     pairs = [(f"initial_{first}", f"initial_{second}") for first, second in names]
     return [pair for pair in pairs if set(pair) <= set(starts)]

@@ -45,6 +45,9 @@ def preferred_equilibria(
     amplitude [µm]; for a block, the position [m] and the time to rest [s]. `equilibrium_histogram.parquet` contains
     the confidence intervals of the bins. See figures 5.7 to 5.9 of the thesis.
 
+    If the sweep sets the number of balls, all points shown must have the same number; without ``points``, these are the
+    points with two balls, or with the largest number.
+
     ``background``: "set", "histogram" or "none" instead of the default; ``width``: "single" (90 mm) or
     "double" (180 mm); ``points``: numbers of the points to show; ``sheet``: which sheet of twelve panels, from 1.
     Above 100,000 runs it plots a labelled subsample. Raises FiguresError if no run came to rest
@@ -52,8 +55,7 @@ def preferred_equilibria(
     """
     results = Directory(directory)
     sweep = Sweep(results)
-    balls = runs.balls_of(results)
-    rows = sweep.details(points)
+    balls, rows = runs.points_of_one_number(results, sweep, points)
     if background not in (None, "set", "histogram", "none"):
         raise ValueError(f"background={background!r}: allowed are 'set', 'histogram', 'none'")
     if background == "set" and equilibria is None:

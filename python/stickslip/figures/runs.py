@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Optional
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .sweep import Sweep
+from .sweep import MOST_DETAILS, Sweep, evenly
 from .tables import Directory
 
-__all__ = ["MOST_DOTS", "Sample", "balls_of", "read", "scattered"]
+__all__ = ["MOST_DOTS", "Sample", "balls_at", "balls_of", "points_of_one_number", "read", "scattered"]
 
 #: Approximate largest number of runs drawn as dots.
 MOST_DOTS = 100_000
@@ -68,9 +68,33 @@ class Sample:
 
 
 def balls_of(directory: Directory) -> int:
-    """Returns the number of balls; 0 for the block."""
+    """Returns the number of balls, which is the largest one if the sweep sets it; 0 for the block."""
     columns = directory.table("runs").columns
     return sum(1 for name in columns if name.startswith("beta_") and name.endswith("_rad"))
+
+
+def balls_at(directory: Directory, sweep: Sweep, row: int) -> int:
+    """Returns the number of balls at a point; 0 for the block."""
+    swept = sweep.values.get("balls")
+    return balls_of(directory) if swept is None else int(swept[row])
+
+
+def points_of_one_number(
+    directory: Directory, sweep: Sweep, points: Optional[Sequence[int]]
+) -> tuple[int, list[int]]:
+    """Returns a number of balls, and the rows of the points shown, which have this number."""
+    numbers = [balls_at(directory, sweep, row) for row in range(len(sweep))]
+    if points is None and len(set(numbers)) > 1:
+        balls = 2 if 2 in numbers else max(numbers)
+        points = [int(sweep.ids[row]) for row, number in enumerate(numbers) if number == balls]
+        points = [points[place] for place in evenly(len(points), MOST_DETAILS)]
+    rows = sweep.details(points)
+    shown = sorted({numbers[row] for row in rows})
+    if len(shown) > 1:
+        raise sweep.table.error(
+            f"the points have {shown[0]} to {shown[-1]} balls", "choose points with one number of balls"
+        )
+    return (shown[0] if shown else 0), rows
 
 
 def read(
