@@ -4,9 +4,9 @@
 //! density is at least that of one further run that rests anywhere, so that no measurement is impossible.
 
 use super::references::References;
-use super::set_densities::{REPLICATES, SetDensities, smoothed_rests};
+use super::set_densities::{REPLICATES, SetDensities, sums_of_rests};
 use super::site::Site;
-use super::smoother::{SetWeight, Smoother, smoothed};
+use super::smoother::{SetWeight, Smoother, positive, sums};
 
 /// The log-likelihood as a function of the place.
 pub struct Likelihood<'a> {
@@ -64,12 +64,13 @@ pub(super) fn log_densities<'d>(
     replicate: usize,
 ) -> (f64, f64) {
     let least = 1.0 / (runs as f64 + 1.0);
-    let parts = each.clone().map(|(weight, one)| (weight, one.moving[replicate]));
-    let moving = smoothed(parts).clamp(0.5 * least, 1.0 - 0.5 * least);
+    let of_moving = sums(each.clone().map(|(weight, one)| (weight, one.moving[replicate])));
+    let moving = positive(of_moving).clamp(0.5 * least, 1.0 - 0.5 * least);
+    let rests = sums_of_rests(each, replicate);
     // The mass of the density is the probability of rest.
-    let rests = smoothed_rests(each, replicate);
-    let factor = references.mass(&rests).map_or(1.0, |mass| (1.0 - moving) / mass);
-    let log = |density: &f64| libm::log((factor * density).max(uniform * least));
+    let mass = references.excess(&rests).map(|excess| 1.0 - of_moving[0] + excess);
+    let factor = mass.filter(|mass| *mass > 0.0).map_or(1.0, |mass| (1.0 - moving) / mass);
+    let log = |sums: &[f64; 2]| libm::log((factor * positive(*sums)).max(uniform * least));
     (rests.iter().take(references.measured()).map(log).sum(), libm::log(moving))
 }
 

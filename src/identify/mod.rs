@@ -34,9 +34,9 @@ pub use likelihood::Likelihood;
 pub use parameter_set::{ParameterSet, read_parameter_set, set_columns, set_facts, set_name};
 pub use posterior::{Marginal, Posterior, posterior};
 pub use references::{References, with_references};
-pub use set_densities::{REPLICATES, Replicated, RunWeights, SetDensities, smoothed_rests};
+pub use set_densities::{REPLICATES, Replicated, RunWeights, SetDensities, sums_of_rests};
 pub use site::{Measured, Site, sites};
-pub use smoother::{SetWeight, Smoother, positive, smoothed};
+pub use smoother::{SetWeight, Smoother, positive, sums};
 pub use tables::{
     PositionRow, evaluated_set_columns, fit_columns, position_columns, position_rows,
     posterior_columns,

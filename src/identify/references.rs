@@ -1,17 +1,19 @@
-//! The mass of a smoothed density, by importance sampling.
+//! The excess of mass of a smoothed density, by importance sampling.
 //!
-//! A polynomial of densities may be negative somewhere, and where a part of the mean takes its place, the mass of the density is no
-//! longer the probability of rest. It is estimated at reference positions: rests of all parameter sets, measured with the error of
-//! the measurements. Their own density, the proposal, is the mean of the densities of the parameter sets at rest.
+//! A polynomial of densities has the mass of the polynomial of the probabilities of rest. It may be negative somewhere, and where
+//! a part of the mean takes its place, the density has an excess of mass. The excess is estimated at reference positions: rests of
+//! all parameter sets, measured with the error of the measurements. Their own density, the proposal, is the mean of the densities
+//! of the parameter sets at rest. The whole mass is not estimated in this way: its error would shift all posteriors alike.
 
 use super::density::Rests;
 use super::sampler::{generator, normal};
 use super::set_densities::SetDensities;
 use super::site::{Measured, Site};
+use super::smoother::positive;
 use crate::study::Study;
 
 /// The number of reference positions at a site.
-const REFERENCES: usize = 256;
+const REFERENCES: usize = 128;
 
 /// The reference positions at a site.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,7 +22,7 @@ pub struct References {
     measured: usize,
     /// The density of each reference position in the proposal.
     proposal: Vec<f64>,
-    /// The mass, if it is known from other references.
+    /// The excess of mass, if it is known from other references.
     known: Option<f64>,
 }
 
@@ -63,9 +65,9 @@ impl References {
         References { measured, proposal, known: None }
     }
 
-    /// Returns no references for this many measured positions, but the mass if it is known.
-    pub fn known(measured: usize, mass: Option<f64>) -> Self {
-        References { measured, proposal: Vec::new(), known: mass }
+    /// Returns no references for this many measured positions, but the excess of mass if it is known.
+    pub fn known(measured: usize, excess: Option<f64>) -> Self {
+        References { measured, proposal: Vec::new(), known: excess }
     }
 
     /// Returns the number of measured positions among those of a site.
@@ -73,14 +75,15 @@ impl References {
         self.measured
     }
 
-    /// Returns the mass of a smoothed density from its values at all positions; `None` if it is not known.
-    pub fn mass(&self, smoothed: &[f64]) -> Option<f64> {
+    /// Returns the excess of mass of a smoothed density over that of the regression, from the sums of regression and mean at all
+    /// positions; `None` if it is not known.
+    pub fn excess(&self, sums: &[[f64; 2]]) -> Option<f64> {
         if self.proposal.is_empty() {
             return self.known;
         }
-        let references = smoothed.get(self.measured..).unwrap_or_default();
-        let ratios = references.iter().zip(&self.proposal).map(|(one, proposal)| one / proposal);
-        let sum: f64 = ratios.sum();
-        (sum > 0.0).then(|| sum / self.proposal.len() as f64)
+        let references = sums.get(self.measured..).unwrap_or_default();
+        let each = references.iter().zip(&self.proposal);
+        let excess = each.map(|(sums, proposal)| (positive(*sums) - sums[0]) / proposal);
+        Some(excess.sum::<f64>() / self.proposal.len() as f64)
     }
 }

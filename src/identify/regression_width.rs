@@ -10,7 +10,7 @@ use super::density::Rests;
 use super::likelihood::log_densities;
 use super::references::References;
 use super::sampler::{generator, normal};
-use super::set_densities::{RunWeights, SetDensities, smoothed_rests};
+use super::set_densities::{RunWeights, SetDensities, sums_of_rests};
 use super::site::{Measured, Site};
 use super::smoother::{SetWeight, Smoother};
 use crate::study::Study;
@@ -104,11 +104,11 @@ impl<'a> CrossValidation<'a> {
                 |((set, predicted), of_sites): (&(usize, Vec<Site>), &Vec<Vec<SetDensities>>)| {
                     let weights = smoother.weights(&self.places[*set], Some(*set));
                     let at = |(index, all): (usize, &Vec<SetDensities>)| {
-                        let (site, masses) = (&predicted[index], &references[index]);
+                        let (site, references) = (&predicted[index], &references[index]);
                         let each = weights.iter().map(|one| (*one, &of_references[one.set][index]));
-                        let mass = masses.mass(&smoothed_rests(each, 0));
+                        let excess = references.excess(&sums_of_rests(each, 0));
                         let each = weights.iter().map(|one| (*one, &all[one.set]));
-                        self.log_density(index, site, each, mass)
+                        self.log_density(index, site, each, excess)
                     };
                     of_sites.iter().enumerate().map(at).sum::<f64>()
                 };
@@ -139,17 +139,17 @@ impl<'a> CrossValidation<'a> {
     }
 
     /// Returns the sum of the logarithms of the densities of predicted rests, and of the probabilities of predicted motions. The
-    /// mass of the density is corrected if it is known.
+    /// mass of the density is corrected if its excess is known.
     fn log_density<'d>(
         &self,
         index: usize,
         site: &Site,
         each: impl Iterator<Item = (SetWeight, &'d SetDensities)> + Clone,
-        mass: Option<f64>,
+        excess: Option<f64>,
     ) -> f64 {
         let runs = each.clone().map(|(_, one)| one.runs).min().unwrap_or(0);
         let uniform = self.rests.first().map_or(1.0, |of_set| of_set[index].uniform());
-        let references = References::known(site.rests.len(), mass);
+        let references = References::known(site.rests.len(), excess);
         let (rests, moving) = log_densities((runs, uniform), &references, each, 0);
         rests + site.moving as f64 * moving
     }

@@ -9,7 +9,7 @@ use rand_distr::Exp1;
 use super::density::Rests;
 use super::sampler::generator;
 use super::site::{Measured, Site};
-use super::smoother::{SetWeight, positive};
+use super::smoother::SetWeight;
 use crate::study::Study;
 
 /// The number of replicates.
@@ -86,11 +86,11 @@ impl SetDensities {
     }
 }
 
-/// Returns the smoothed density of each measured position for a replicate.
-pub fn smoothed_rests<'d>(
+/// Returns the sums of the regression and of the plain mean over parameter sets, for each measured position and a replicate.
+pub fn sums_of_rests<'d>(
     sets: impl Iterator<Item = (SetWeight, &'d SetDensities)>,
     replicate: usize,
-) -> Vec<f64> {
+) -> Vec<[f64; 2]> {
     let mut sums: Vec<[f64; 2]> = Vec::new();
     for (weight, densities) in sets {
         let rows = &densities.rests[replicate];
@@ -100,7 +100,7 @@ pub fn smoothed_rests<'d>(
             *mean += weight.mean * density;
         }
     }
-    sums.into_iter().map(positive).collect()
+    sums
 }
 
 fn added(sum: Replicated, terms: Replicated, factor: f64) -> Replicated {

@@ -121,24 +121,21 @@ impl Smoother {
     }
 }
 
-/// Returns a smoothed density from its values for the parameter sets.
-pub fn smoothed(parts: impl Iterator<Item = (SetWeight, f64)>) -> f64 {
-    let (mut regression, mut mean) = (0.0, 0.0);
-    for (weight, value) in parts {
-        regression += weight.regression * value;
-        mean += weight.mean * value;
-    }
-    positive([regression, mean])
+/// Returns the sums of the regression and of the plain mean over the parameter sets.
+pub fn sums(parts: impl Iterator<Item = (SetWeight, f64)>) -> [f64; 2] {
+    parts.fold([0.0; 2], |[regression, mean], (weight, value)| {
+        [regression + weight.regression * value, mean + weight.mean * value]
+    })
 }
 
-/// Returns the density of the regression, but at least a part of the mean, because a polynomial may be negative.
+/// Returns a smoothed density: that of the regression, but at least a part of the mean, because a polynomial may be negative.
 pub fn positive([regression, mean]: [f64; 2]) -> f64 {
     regression.max(LEAST_OF_MEAN * mean)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{SetWeight, Smoother, smoothed};
+    use super::{SetWeight, Smoother, positive, sums};
 
     fn scattered(count: u32) -> Vec<Vec<f64>> {
         let at = |index, dimension| f64::from(sobol_burley::sample(index, dimension, 3));
@@ -189,7 +186,7 @@ mod tests {
         let step = |one: SetWeight| if one.set < 4 { 0.0 } else { 1.0 };
         for place in [0.2, 0.3, 0.4, 0.5] {
             let weights = smoother.weights(&[place], None);
-            let value = smoothed(weights.into_iter().map(|one| (one, step(one))));
+            let value = positive(sums(weights.into_iter().map(|one| (one, step(one)))));
             assert!(value > 0.0 && value < 1.5, "{place}: {value}");
         }
     }
