@@ -38,9 +38,11 @@ impl Bars {
     /// # Errors
     /// Returns the exception of tqdm or of a signal handler.
     pub fn draw(&self, py: Python<'_>) -> PyResult<()> {
-        let (Some(bars), Some(seen)) = (&self.bars, self.watch.look()) else { return Ok(()) };
-        let Seen { part, study, runs, most_runs, at_most: _, equilibria, failed } = seen;
-        bars.call_method1(py, "draw", (part, study, runs, most_runs, equilibria, failed))?;
+        let Some(bars) = &self.bars else { return Ok(()) };
+        for seen in self.watch.look() {
+            let Seen { part, study, runs, most_runs, at_most: _, equilibria, failed } = seen;
+            bars.call_method1(py, "draw", (part, study, runs, most_runs, equilibria, failed))?;
+        }
         Ok(())
     }
 

@@ -4,13 +4,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::progress_counts::Counts;
 
-/// The counters of the computation in progress. A search has several parts, one after another, each with its own counters.
+/// The counters of a computation. A search has several parts, one after another, each with its own counters.
 #[derive(Clone, Default)]
-pub struct Watch(Arc<Mutex<Option<Part>>>);
+pub struct Watch(Arc<Mutex<Vec<Part>>>);
 
-/// The part of a computation that is in progress.
+/// A part of a computation: the last one is in progress, the others have ended.
 struct Part {
-    number: u64,
     study: String,
     counts: Arc<Counts>,
 }
@@ -35,13 +34,14 @@ pub struct Seen {
 }
 
 impl Watch {
-    /// Returns what the counters say; `None` before the computation begins.
-    pub fn look(&self) -> Option<Seen> {
-        let part = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        part.as_ref().map(|Part { number, study, counts }| {
+    /// Returns what the counters of all parts say, in order; nothing before the computation begins.
+    pub fn look(&self) -> Vec<Seen> {
+        // A counter is valid whatever happened to the thread that held the lock.
+        let parts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let seen = |(part, Part { study, counts }): (u64, &Part)| {
             let counts = counts.snapshot();
             Seen {
-                part: *number,
+                part,
                 study: study.clone(),
                 runs: counts.runs,
                 most_runs: counts.most_runs,
@@ -49,15 +49,14 @@ impl Watch {
                 equilibria: counts.equilibria,
                 failed: counts.failed,
             }
-        })
+        };
+        (1..).zip(parts.iter()).map(seen).collect()
     }
 
     /// Shows the counters of a part that begins.
     pub(super) fn begin(&self, study: &str, counts: &Arc<Counts>) {
-        // A counter is valid whatever happened to the thread that held the lock.
-        let mut part = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let number = part.as_ref().map_or(1, |part| part.number + 1);
-        *part = Some(Part { number, study: study.to_owned(), counts: Arc::clone(counts) });
+        let mut parts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        parts.push(Part { study: study.to_owned(), counts: Arc::clone(counts) });
     }
 }
 
@@ -76,7 +75,7 @@ mod tests {
     #[test]
     fn each_part_of_a_computation_has_its_own_counters() {
         let watch = Watch::default();
-        assert_eq!(watch.look(), None);
+        assert_eq!(watch.look(), []);
         let begin = |runs| {
             let planned = Planned { study: "night", runs, at_most: true, parts: Parts::Designs(1) };
             Progress::begin(planned, Show::Watched(watch.clone()))
@@ -84,14 +83,16 @@ mod tests {
         let progress = begin(3);
         progress.finished(Label::Equilibrium);
         progress.finished(Label::Failed);
-        let seen = watch.look().unwrap();
+        let first = || watch.look().into_iter().next().unwrap();
+        let seen = first();
         assert_eq!((seen.part, seen.study.as_str()), (1, "night"));
         assert_eq!((seen.runs, seen.most_runs, seen.at_most), (2, 3, true));
         assert_eq!((seen.equilibria, seen.failed), (1, 1));
         progress.limit(2);
-        assert_eq!(watch.look().map(|seen| seen.most_runs), Some(2));
+        assert_eq!(first().most_runs, 2);
         begin(7);
-        let seen = watch.look().unwrap();
-        assert_eq!((seen.part, seen.runs, seen.most_runs), (2, 0, 7));
+        let all = watch.look();
+        assert_eq!(all[0], first());
+        assert_eq!((all.len(), all[1].part, all[1].runs, all[1].most_runs), (2, 2, 0, 7));
     }
 }
