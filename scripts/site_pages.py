@@ -2,7 +2,7 @@
 
 Links in Markdown lead to files of the repository. On the site, docs/NAME is NAME, README.md is index.md, and every other
 file keeps its path; links are rewritten accordingly. A page is added if it is in the navigation, a file if a page links to
-it.
+it. A notebook docs/NAME.ipynb with its outputs is the page NAME.md.
 """
 
 import os
@@ -10,6 +10,7 @@ import posixpath
 import re
 
 from mkdocs.structure.files import File
+from nbconvert import MarkdownExporter
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 LINK = re.compile(r"\[([^\[\]]*)\]\(([^)\s]+)\)")
@@ -19,12 +20,30 @@ def repository_path(place):
     """Returns the path in the repository of a path on the site."""
     if place == "index.md":
         return "README.md"
+    notebook = f"docs/{place.removesuffix('.md')}.ipynb"
+    if os.path.exists(os.path.join(ROOT, notebook)):
+        return notebook
     return place if os.path.exists(os.path.join(ROOT, place)) else f"docs/{place}"
 
 
 def site_path(path):
     """Returns the path on the site of a path in the repository."""
+    if path.endswith(".ipynb"):
+        path = path.removesuffix(".ipynb") + ".md"
     return "index.md" if path == "README.md" else path.removeprefix("docs/")
+
+
+def notebook_files(config, path):
+    """Returns the page of a notebook with its outputs, and the pictures of the page."""
+    exporter = MarkdownExporter()
+    pictures = posixpath.basename(path).removesuffix(".ipynb")
+    markdown, resources = exporter.from_filename(
+        os.path.join(ROOT, path), resources={"output_files_dir": pictures, "unique_key": "output"}
+    )
+    page = site_path(path)
+    yield File.generated(config, page, content=markdown)
+    for name, content in resources["outputs"].items():
+        yield File.generated(config, posixpath.join(posixpath.dirname(page), name), content=content)
 
 
 def target(page, link):
@@ -48,7 +67,10 @@ def pages_of(nav):
 def on_files(files, config):
     def add(path):
         place = site_path(path)
-        if place not in files.src_uris:
+        if path.endswith(".ipynb") and place not in files.src_uris:
+            for file in notebook_files(config, path):
+                files.append(file)
+        elif place not in files.src_uris:
             files.append(File.generated(config, place, abs_src_path=os.path.join(ROOT, path)))
 
     pages = [repository_path(place) for place in pages_of(config.nav)]

@@ -16,7 +16,7 @@
 //! - [`analysis`]: confidence intervals, times to rest, summaries of points, equilibrium sets.
 //! - `tabular`: tables in CSV, Parquet and Arrow, read within bounds, for studies and results.
 //! - [`table`]: the result tables with units and provenance; this room alone writes Parquet.
-//! - [`report`]: the HTML page of results and the animation of a run.
+//! - [`report`]: the HTML page of results, and a run that is computed again with its motion.
 //! - [`responses`]: the responses of a design, for optimisers.
 //! - [`optimize`]: the search for the best design, and sensitivity indices.
 //! - [`identify`]: the inference of parameters from measured positions of rest.
@@ -46,6 +46,7 @@ pub mod analysis;
 pub mod check;
 pub mod classification;
 pub mod cli;
+mod command_error;
 mod counted;
 pub mod engine;
 pub mod identify;
@@ -59,3 +60,5 @@ pub mod study;
 pub mod table;
 mod tabular;
 mod text_table;
+
+pub use command_error::CommandError;

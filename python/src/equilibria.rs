@@ -18,8 +18,12 @@ use stickslip::table::{
 
 use crate::error::{Trouble, no_threads};
 use crate::machine::Machine;
+use crate::plotting::draw;
 use crate::table::Table;
 use crate::waiting::wait;
+
+/// The figures of `stickslip.figures` that show an equilibrium set.
+const FIGURES: [&str; 2] = ["equilibrium_set", "equilibrium_surface"];
 
 /// The positions at which the balls of a machine can rest.
 #[pyclass(frozen, module = "stickslip")]
@@ -64,6 +68,33 @@ impl EquilibriumSet {
     #[getter]
     fn frictionless(&self) -> Table {
         Table(self.frictionless.clone())
+    }
+
+    /// Draws a figure of ``stickslip.figures`` and returns it, a figure of matplotlib.
+    ///
+    /// figure: equilibrium_set or equilibrium_surface.
+    /// options: options of the figure, such as ``width="single"``.
+    ///
+    /// Raises StudyError if there is no such figure, FiguresError, a ValueError, if a table is missing, and
+    /// ModuleNotFoundError without matplotlib, numpy and pyarrow.
+    #[pyo3(signature = (figure = "equilibrium_set", **options))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        figure: &str,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        draw(slf.as_any(), figure, &FIGURES, options)
+    }
+
+    /// The tables from which figures are drawn, by name.
+    fn _source<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let tables = PyDict::new(py);
+        tables.set_item("equilibrium_set_summary", self.summary())?;
+        tables.set_item("frictionless_equilibria", self.frictionless())?;
+        if let Some(positions) = self.positions() {
+            tables.set_item("equilibrium_positions", positions)?;
+        }
+        Ok(tables)
     }
 
     fn __repr__(&self) -> String {

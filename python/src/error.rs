@@ -1,8 +1,11 @@
 //! Python exceptions with the messages of the command line.
 
 use pyo3::create_exception;
-use pyo3::exceptions::{PyFileExistsError, PyOSError, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{
+    PyFileExistsError, PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyValueError,
+};
 use pyo3::prelude::*;
+use stickslip::CommandError;
 use stickslip::engine::{EngineError, OutputDirError, StoreError};
 use stickslip::study;
 use stickslip::table::{ResultsError, TableError};
@@ -36,6 +39,8 @@ pub enum Trouble {
     Occupied(String),
     /// An error of the operating system.
     System(String),
+    /// The computation was stopped; the exception of the signal handler replaces this one.
+    Interrupted,
     /// A bug of the program.
     Defect(String),
 }
@@ -78,6 +83,21 @@ impl From<OutputDirError> for Trouble {
     }
 }
 
+impl From<CommandError> for Trouble {
+    fn from(error: CommandError) -> Self {
+        match error {
+            CommandError::Study(error) => error.into(),
+            CommandError::Usage(text) => Trouble::Usage(text),
+            CommandError::Results(error) => error.into(),
+            CommandError::Table(error) => error.into(),
+            CommandError::Store(error) => error.into(),
+            CommandError::Write(_) | CommandError::Threads(_) | CommandError::Output(_) => {
+                Trouble::System(error.to_string())
+            }
+        }
+    }
+}
+
 impl From<arrow_schema::ArrowError> for Trouble {
     fn from(error: arrow_schema::ArrowError) -> Self {
         Trouble::Defect(format!("a defect of stickslip: {error}"))
@@ -108,6 +128,7 @@ impl From<Trouble> for PyErr {
             Trouble::Usage(text) => StudyError::new_err(text),
             Trouble::Occupied(text) => PyFileExistsError::new_err(text),
             Trouble::System(text) => PyOSError::new_err(text),
+            Trouble::Interrupted => PyKeyboardInterrupt::new_err(()),
             Trouble::Defect(text) => PyRuntimeError::new_err(text),
         }
     }

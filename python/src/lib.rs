@@ -4,11 +4,19 @@
 //! tables without a copy (`table`), and exceptions have the messages of the command line (`error`).
 #![deny(missing_docs)]
 
-mod designs;
+mod command;
+mod directory;
 mod equilibria;
 mod error;
+mod given;
+mod identification;
+mod json;
 mod machine;
+mod optimum;
+mod plotting;
+mod progress;
 mod results;
+mod run;
 mod simulation;
 mod study;
 mod table;
@@ -26,10 +34,14 @@ fn _stickslip(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<results::Results>()?;
     module.add_class::<table::Table>()?;
     module.add_class::<equilibria::EquilibriumSet>()?;
+    module.add_class::<identification::Identification>()?;
+    module.add_class::<optimum::Optimum>()?;
     module.add_class::<simulation::Simulation>()?;
+    module.add_function(wrap_pyfunction!(command::_command, module)?)?;
     module.add_function(wrap_pyfunction!(study::_unpickle, module)?)?;
     for function in [
         wrap_pyfunction!(equilibria::equilibrium_set, module)?,
+        wrap_pyfunction!(results::open, module)?,
         wrap_pyfunction!(simulation::simulate, module)?,
     ] {
         // Names the public module instead of the compiled module.

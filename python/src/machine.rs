@@ -47,33 +47,12 @@ impl Machine {
     /// # Errors
     /// Returns the first fault of the study.
     pub fn study(&self, design: Value) -> Result<Study, Trouble> {
-        let mut text = format!("schema: 1\nname: {}\nseed: 0\nmodel:\n", self.name);
-        for (key, value) in &self.model {
-            match value {
-                // One line per parameter, which a message can quote.
-                Value::Object(parameters) if key == "parameters" && !parameters.is_empty() => {
-                    text.push_str("  parameters:\n");
-                    for (key, value) in parameters {
-                        text.push_str(&format!("    {}: {value}\n", key_text(key)));
-                    }
-                }
-                _ => text.push_str(&format!("  {key}: {value}\n")),
-            }
-        }
+        let mut study = json!({"schema": 1, "name": self.name, "seed": 0, "model": self.model});
         for (key, value) in &self.parts {
-            text.push_str(&format!("{key}: {value}\n"));
+            study[*key] = value.clone();
         }
-        text.push_str(&format!("initial_conditions: {}\n", json!({ "design": design })));
-        Ok(Study::parse(self.name.as_ref(), text)?)
-    }
-}
-
-/// Returns a key in its usual notation: unquoted if it is a name.
-fn key_text(key: &str) -> String {
-    let name = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
-    match key.starts_with(|first: char| first.is_ascii_alphabetic()) && key.chars().all(name) {
-        true => key.to_owned(),
-        false => Value::from(key).to_string(),
+        study["initial_conditions"] = json!({"design": design});
+        Ok(Study::from_value(self.name.as_ref(), &study, &[])?)
     }
 }
 
@@ -90,14 +69,22 @@ pub fn to_value(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if is_text(value) {
         return Ok(Value::String(value.extract()?));
     }
+    if value.hasattr("__fspath__")? {
+        return Ok(Value::String(value.call_method0("__fspath__")?.extract()?));
+    }
     if value.is_instance_of::<PyBool>() {
         return Ok(Value::Bool(value.extract()?));
     }
-    if let Some(number) = number(value)? {
-        // An integer is written as such if a float represents it exactly.
-        if number.abs() < 2.0_f64.powi(53) && value.hasattr("__index__")? {
-            return Ok((number as i64).into());
+    if value.hasattr("__index__")? {
+        // An integer is written as such. One without 64 bits becomes a float, which is refused where it has no meaning.
+        if let Ok(whole) = value.extract::<i64>() {
+            return Ok(whole.into());
         }
+        if let Ok(whole) = value.extract::<u64>() {
+            return Ok(whole.into());
+        }
+    }
+    if let Some(number) = number(value)? {
         let Some(finite) = Number::from_f64(number) else {
             let found = format!("{key}: not a finite number\n  found:   {number}");
             return Err(Trouble::Usage(format!("{found}\n  allowed: a finite number")).into());
@@ -107,7 +94,8 @@ pub fn to_value(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if let Some(names) = keys(value)? {
         let mut map = Map::new();
         for name in names {
-            let inner = to_value(&format!("{key}.{name}"), &value.get_item(&name)?)?;
+            let below = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };
+            let inner = to_value(&below, &value.get_item(&name)?)?;
             map.insert(name, inner);
         }
         return Ok(Value::Object(map));

@@ -1,39 +1,75 @@
-//! A finished study: its tables, in memory or in a directory.
+//! The results of a study: its tables, in memory or in a directory.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
-use arrow_schema::ArrowError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::analysis::PointDetail;
 use stickslip::classification::Label;
-use stickslip::engine::{
-    EngineOptions, OutputDir, Parts, Planned, Progress, Ready, Show, Sink, run_study,
-};
+use stickslip::engine::{Readable, readable_results, results_study};
+use stickslip::report::{Replay, write_report};
 use stickslip::study::Study;
-use stickslip::table::{
-    self, Circumstances, Manifest, MemoryResults, MemoryTable, MemoryTables, PointRow,
-    ResultsError, RunRecord, STAGES_TABLE, TABLES,
-};
+use stickslip::table::{self, MemoryTable, STAGES_TABLE, TABLES};
 
 use crate::error::Trouble;
+use crate::plotting::draw;
+use crate::simulation::{Simulation, times};
+use crate::study::PyStudy;
 use crate::table::Table;
 use crate::waiting::wait;
 
-/// The tables of a finished study, and the number of runs per label.
+/// The figures of `stickslip.figures` that show the tables of a study.
+const FIGURES: [&str; 8] = [
+    "amplitudes",
+    "basins",
+    "diagnostics",
+    "ending_fractions",
+    "label_map",
+    "limit_cycle_branches",
+    "preferred_equilibria",
+    "time_to_rest",
+];
+
+/// Opens a directory of results, finished or not, such as ``stickslip run`` writes.
+///
+/// directory: the directory. While the study is running, and after it was killed, its finished runs are the results.
+///
+/// Changes nothing in the directory. Raises StudyError if the directory or its study.yaml holds no results of this
+/// version, FileExistsError if it holds something else, and OSError if a file is damaged.
+#[pyfunction]
+#[pyo3(signature = (directory))]
+pub fn open(py: Python<'_>, directory: PathBuf) -> PyResult<Results> {
+    let open = move |_: &AtomicBool| {
+        let found = readable_results(&directory)?;
+        Ok::<_, Trouble>(Results::of_directory(directory, found))
+    };
+    Ok(wait(py, open)??)
+}
+
+/// The tables of a study, and the number of runs per label.
 ///
 /// If the study ran into a directory, each table is read on first access. A table that exceeds the
 /// memory can be read in part: ``polars.scan_parquet(f"{results.directory}/runs.parquet")``.
 #[pyclass(frozen, module = "stickslip")]
 pub struct Results {
+    study: Arc<Study>,
+    file: PathBuf,
     labels: Vec<(String, u64)>,
-    directory: Option<PathBuf>,
-    manifest: Option<Arc<Manifest>>,
+    /// Whether all planned runs are finished.
+    complete: bool,
+    place: Option<Place>,
     tables: [OnceLock<MemoryTable>; 6],
     /// Of a study whose runs have stages.
     stages: Option<OnceLock<MemoryTable>>,
+}
+
+/// Where results are on disk.
+#[derive(Clone)]
+struct Place {
+    directory: PathBuf,
+    /// The tables, in the directory or in a temporary one.
+    readable: Arc<Readable>,
 }
 
 #[pymethods]
@@ -93,20 +129,175 @@ impl Results {
         Ok(labels)
     }
 
-    /// The directory of the tables; None if they are only in memory.
+    /// The directory of the results; None if they are only in memory.
     #[getter]
     fn directory(&self) -> Option<&Path> {
-        self.directory.as_deref()
+        self.place.as_ref().map(|place| place.directory.as_path())
+    }
+
+    /// Whether all planned runs are finished.
+    #[getter]
+    fn complete(&self) -> bool {
+        self.complete
+    }
+
+    /// The study.
+    #[getter]
+    fn study(&self) -> PyStudy {
+        PyStudy { study: Arc::clone(&self.study), file: self.file.clone() }
+    }
+
+    /// Computes one run again with its motion, as ``stickslip replay`` does, and compares it with its stored row.
+    ///
+    /// run_id: the number of the run, column ``run_id`` of ``runs``.
+    /// times_s: times of the motion, s, in ascending order; by default, the end of every integration step, and the
+    ///     instants just before and after each switch. ``left_out_times_s`` of the result names the times without motion.
+    /// out: a new directory for the tables of the motion and its animation; without it, they are only in memory.
+    ///
+    /// The attribute ``differences`` of the result lists the columns in which the run differs from its stored row. It is
+    /// None for results that are only in memory, and for a run that is not finished yet. Raises StudyError if there is no
+    /// such run.
+    #[pyo3(signature = (run_id, *, times_s = None, out = None))]
+    fn replay(
+        &self,
+        py: Python<'_>,
+        run_id: u64,
+        times_s: Option<&Bound<'_, PyAny>>,
+        out: Option<PathBuf>,
+    ) -> PyResult<Simulation> {
+        let times_s = times_s.map(times).transpose()?;
+        let (study, place) = (Arc::clone(&self.study), self.place.clone());
+        Ok(wait(py, move |_| {
+            out.iter().try_for_each(|out| Replay::inspect(out))?;
+            let replay = match &place {
+                Some(Place { directory, .. }) => {
+                    let (study, manifest) = results_study(directory)?;
+                    Replay::of_directory(directory, (&study, &manifest), run_id, times_s)?
+                }
+                None => Replay::of_study(&study, known(&study, run_id)?, times_s)?,
+            };
+            if let Some(out) = out {
+                replay.write(&study, &out)?;
+            }
+            Simulation::new(&study, replay)
+        })??)
+    }
+
+    /// Writes the HTML page of ``stickslip report`` and returns its path.
+    ///
+    /// out: the page; by default, the name of the directory with ``-report.html``. Only an unchanged earlier page is
+    ///     overwritten.
+    ///
+    /// Raises StudyError for results that are only in memory, FileExistsError if another file has this name, and
+    /// OSError if it cannot be written.
+    #[pyo3(signature = (out = None))]
+    fn report(&self, py: Python<'_>, out: Option<PathBuf>) -> PyResult<PathBuf> {
+        let Some(Place { directory, .. }) = self.place.clone() else {
+            let text = "report: these results have no directory\n  found:   results in memory\n  allowed: results of \
+                        study.run(directory) or stickslip.open(directory)";
+            return Err(Trouble::Usage(text.to_owned()).into());
+        };
+        let write = move |_: &_| Ok::<_, Trouble>(write_report(&directory, out.as_deref())?);
+        Ok(wait(py, write)??)
+    }
+
+    /// Draws a figure of ``stickslip.figures`` and returns it, a figure of matplotlib.
+    ///
+    /// figure: amplitudes, basins, diagnostics, ending_fractions, label_map, limit_cycle_branches,
+    ///     preferred_equilibria or time_to_rest.
+    /// options: options of the figure, such as ``width="single"`` and ``points=[0, 3]``.
+    ///
+    /// Raises StudyError if there is no such figure, FiguresError, a ValueError, if the tables have nothing that it
+    /// shows, and ModuleNotFoundError without matplotlib, numpy and pyarrow.
+    #[pyo3(signature = (figure = "time_to_rest", **options))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        figure: &str,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        draw(slf.as_any(), figure, &FIGURES, options)
+    }
+
+    /// The tables from which figures are drawn, by name.
+    fn _source<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let tables = PyDict::new(py);
+        for (index, name) in TABLES.iter().enumerate() {
+            tables.set_item(name, self.table(py, index)?)?;
+        }
+        if let Some(stages) = self.stages(py)? {
+            tables.set_item(STAGES_TABLE, stages)?;
+        }
+        Ok(tables)
     }
 
     fn __repr__(&self) -> String {
         let labels = self.labels.iter().filter(|(_, runs)| *runs > 0);
         let labels: Vec<String> = labels.map(|(label, runs)| format!("{runs} {label}")).collect();
-        format!("<stickslip.Results: {}>", labels.join(", "))
+        let finished: u64 = self.labels.iter().map(|(_, runs)| runs).sum();
+        let (name, points) = (self.study.name(), self.study.point_count());
+        let missing = match self.complete {
+            true => String::new(),
+            false => format!(" of at most {}, not complete", self.study.run_count()),
+        };
+        let place = match &self.place {
+            Some(place) => format!("in {}", place.directory.display()),
+            None => "in memory".to_owned(),
+        };
+        let labels = labels.join(", ");
+        format!(
+            "<stickslip.Results of {name}, {place}: {finished} runs{missing}, {points} points; {labels}>"
+        )
     }
 }
 
+/// Returns the number of a run if the study has it.
+fn known(study: &Study, run_id: u64) -> Result<u64, Trouble> {
+    let runs = study.run_count();
+    if run_id < runs {
+        return Ok(run_id);
+    }
+    let found = format!("run {run_id} of a study with {runs} runs");
+    Err(Trouble::Usage(format!(
+        "there is no such run\n  found:   {found}\n  allowed: run numbers below {runs}"
+    )))
+}
+
 impl Results {
+    /// Holds tables in memory.
+    pub fn in_memory(
+        (study, file): (Arc<Study>, PathBuf),
+        runs_of: impl Fn(Label) -> u64,
+        tables: [MemoryTable; 6],
+        stages: Option<MemoryTable>,
+    ) -> Self {
+        Results {
+            study,
+            file,
+            labels: Label::ALL.map(|label| (label.name().to_owned(), runs_of(label))).to_vec(),
+            complete: true,
+            place: None,
+            tables: tables.map(OnceLock::from),
+            stages: stages.map(OnceLock::from),
+        }
+    }
+
+    /// Refers to the tables of a directory.
+    pub fn of_directory(directory: PathBuf, readable: Readable) -> Self {
+        let manifest = &readable.manifest;
+        let of = |label: &Label| manifest.labels.get(label.name()).copied().unwrap_or(0);
+        let labels = Label::ALL.iter().map(|label| (label.name().to_owned(), of(label))).collect();
+        let study = Arc::new(readable.study.clone());
+        Results {
+            file: directory.join("study.yaml"),
+            labels,
+            complete: manifest.complete,
+            tables: Default::default(),
+            stages: study.has_stages().then(OnceLock::new),
+            study,
+            place: Some(Place { directory, readable: Arc::new(readable) }),
+        }
+    }
+
     fn table(&self, py: Python<'_>, index: usize) -> PyResult<Table> {
         self.in_slot(py, &self.tables[index], TABLES[index])
     }
@@ -121,141 +312,14 @@ impl Results {
         if let Some(table) = slot.get() {
             return Ok(Table(table.clone()));
         }
-        let (Some(directory), Some(manifest)) = (self.directory.clone(), self.manifest.clone())
-        else {
+        let Some(Place { readable, .. }) = self.place.clone() else {
             return Err(Trouble::Defect("a defect of stickslip: no table".to_owned()).into());
         };
         let read = move |_: &AtomicBool| {
-            Ok::<_, Trouble>(table::Table::open(&directory, &manifest, name)?.in_memory()?)
+            let Readable { tables, manifest, .. } = &*readable;
+            Ok::<_, Trouble>(table::Table::open(tables, manifest, name)?.in_memory()?)
         };
         let table = wait(py, read)??;
         Ok(Table(slot.get_or_init(|| table).clone()))
-    }
-}
-
-/// How a study is to be run.
-pub struct Run {
-    /// Number of worker threads.
-    pub threads: usize,
-    /// How progress is shown.
-    pub show: Show,
-    /// Whether a study may replace results without a reusable run.
-    pub recompute: bool,
-}
-
-impl Run {
-    /// Runs a study and keeps its tables in memory.
-    ///
-    /// # Errors
-    /// Returns an error if the threads cannot be started.
-    pub fn in_memory(self, study: &Study, stop: &AtomicBool) -> Result<Results, Trouble> {
-        let mut tables = MemoryResults::new(study);
-        let progress = Progress::begin(self.planned(study), self.show);
-        let mut sink = InMemory(&mut tables);
-        let ended = run_study(study, self.options(), stop, &progress, None, &mut sink);
-        progress.close();
-        let totals = ended?;
-        let labels = Label::ALL.map(|label| (label.name().to_owned(), totals.counts.of(label)));
-        let MemoryTables { tables, stages } = tables.finish()?;
-        Ok(Results {
-            labels: labels.to_vec(),
-            directory: None,
-            manifest: None,
-            tables: tables.map(OnceLock::from),
-            stages: stages.map(OnceLock::from),
-        })
-    }
-
-    /// Runs a study into a directory, like the command line.
-    ///
-    /// # Errors
-    /// Returns an error if the directory contains something else, or cannot be used.
-    pub fn into_directory(
-        self,
-        study: &Study,
-        directory: PathBuf,
-        stop: &AtomicBool,
-    ) -> Result<Results, Trouble> {
-        let options = self.options();
-        let output_dir = OutputDir {
-            directory: &directory,
-            shard: options.shard,
-            retry_failed: options.retry_failed,
-            recompute: self.recompute,
-            shards: &[],
-            quiet: self.show == Show::Nothing,
-        };
-        let manifest = match output_dir.prepare(study)? {
-            Ready::Complete(manifest) => *manifest,
-            Ready::Open(mut store, mut results) => {
-                let begun =
-                    Circumstances::begin(options.shard.to_string(), options.shard.most_runs(study));
-                let progress = Progress::begin(self.planned(study), self.show);
-                let mut sink = InFiles(&mut results);
-                let ended =
-                    run_study(study, options, stop, &progress, Some(&mut *store), &mut sink);
-                let wall_s = progress.close().as_secs_f64();
-                let totals = ended?;
-                store.check()?;
-                let (runs_kept, threads) = (totals.reused, options.threads);
-                let complete = !totals.interrupted();
-                results.finish(
-                    study,
-                    Circumstances { runs_kept, complete, wall_s, threads, ..begun },
-                )?
-            }
-        };
-        let of = |label: &Label| manifest.labels.get(label.name()).copied().unwrap_or(0);
-        let labels = Label::ALL.iter().map(|label| (label.name().to_owned(), of(label))).collect();
-        Ok(Results {
-            labels,
-            directory: Some(directory),
-            manifest: Some(Arc::new(manifest)),
-            tables: Default::default(),
-            stages: study.has_stages().then(OnceLock::new),
-        })
-    }
-
-    fn options(&self) -> EngineOptions {
-        EngineOptions { threads: self.threads, ..EngineOptions::default() }
-    }
-
-    fn planned<'a>(&self, study: &'a Study) -> Planned<'a> {
-        Planned {
-            study: study.name(),
-            runs: self.options().shard.most_runs(study),
-            at_most: study.precision().is_some(),
-            parts: Parts::Points(study.point_count()),
-        }
-    }
-}
-
-/// Collects runs and points in memory.
-struct InMemory<'a>(&'a mut MemoryResults);
-
-impl Sink for InMemory<'_> {
-    type Error = ArrowError;
-
-    fn run(&mut self, record: RunRecord) -> Result<(), ArrowError> {
-        self.0.push_run(record)
-    }
-
-    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ArrowError> {
-        self.0.push_point(point, detail)
-    }
-}
-
-/// Writes runs and points to files.
-struct InFiles<'a>(&'a mut table::Results);
-
-impl Sink for InFiles<'_> {
-    type Error = ResultsError;
-
-    fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
-        self.0.push_run(record)
-    }
-
-    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
-        self.0.push_point(point, detail)
     }
 }

@@ -3,20 +3,20 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
-use stickslip::engine::record;
+use stickslip::report::{MOST_INSTANTS, Replay};
+use stickslip::study::Study;
 use stickslip::table::{
-    MemoryTable, in_memory, provenance, run_columns, switch_columns, touch_columns,
-    trajectory_columns,
+    Difference, MemoryTable, in_memory, provenance, provenance_with, run_columns, switch_columns,
+    touch_columns, trajectory_columns,
 };
 
 use crate::error::Trouble;
 use crate::machine::{Machine, to_value};
+use crate::plotting::draw;
 use crate::table::Table;
 use crate::values::{items, kind, number};
 use crate::waiting::wait;
 
-/// The largest number of instants, of switches and of impacts of a motion.
-const MOST: usize = 1_000_000;
 /// The latest time that may be requested, s.
 const LATEST_S: f64 = 1e12;
 
@@ -25,6 +25,9 @@ const LATEST_S: f64 = 1e12;
 pub struct Simulation {
     label: &'static str,
     evidence: &'static str,
+    end_time_s: Option<f64>,
+    left_out_times_s: Vec<f64>,
+    differences: Option<Vec<Difference>>,
     run: MemoryTable,
     trajectory: MemoryTable,
     switches: MemoryTable,
@@ -43,6 +46,33 @@ impl Simulation {
     #[getter]
     fn evidence(&self) -> &str {
         self.evidence
+    }
+
+    /// The end of the run, s: the time at which its ending is known, or the end of the simulation. None if it did not
+    /// start.
+    #[getter]
+    fn end_time_s(&self) -> Option<f64> {
+        self.end_time_s
+    }
+
+    /// The requested times, s, that ``trajectory`` leaves out because they are after the end of the run.
+    #[getter]
+    fn left_out_times_s(&self) -> Vec<f64> {
+        self.left_out_times_s.clone()
+    }
+
+    /// The columns in which a replay differs from its stored row, each with the keys ``column``, ``row`` and ``replay``;
+    /// empty if the run is the same to the last bit, and None if there is no stored row to compare.
+    #[getter]
+    fn differences<'py>(&self, py: Python<'py>) -> PyResult<Option<Vec<Bound<'py, PyDict>>>> {
+        let dict = |one: &Difference| {
+            let dict = PyDict::new(py);
+            dict.set_item("column", &one.column)?;
+            dict.set_item("row", &one.stored)?;
+            dict.set_item("replay", &one.replayed)?;
+            Ok(dict)
+        };
+        self.differences.as_ref().map(|all| all.iter().map(dict).collect()).transpose()
     }
 
     /// One row with the columns of ``runs.parquet``.
@@ -70,9 +100,74 @@ impl Simulation {
         self.touches.clone().map(Table)
     }
 
+    /// Draws the figure ``stickslip.figures.motion`` with its options, such as ``width="single"``.
+    ///
+    /// Raises ModuleNotFoundError without matplotlib, numpy and pyarrow.
+    #[pyo3(signature = (**options))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        draw(slf.as_any(), "motion", &["motion"], options)
+    }
+
+    /// The tables from which figures are drawn, by name.
+    fn _source<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let tables = PyDict::new(py);
+        tables.set_item("trajectory", self.trajectory())?;
+        tables.set_item("switches", self.switches())?;
+        if let Some(touches) = self.touches() {
+            tables.set_item("touches", touches)?;
+        }
+        Ok(tables)
+    }
+
     fn __repr__(&self) -> String {
-        let instants = self.trajectory.rows();
-        format!("<stickslip.Simulation: {} ({}), {instants} instants>", self.label, self.evidence)
+        let Simulation { label, evidence, .. } = self;
+        let (instants, left_out) = (self.trajectory.rows(), self.left_out_times_s.len());
+        let end = self.end_time_s.map_or_else(String::new, |end| format!(" at {end:.6} s"));
+        let left_out = match left_out {
+            0 => String::new(),
+            1 => "; 1 time after the end is left out".to_owned(),
+            more => format!("; {more} times after the end are left out"),
+        };
+        format!("<stickslip.Simulation: {label} ({evidence}){end}, {instants} instants{left_out}>")
+    }
+}
+
+impl Simulation {
+    /// Holds a run that has been computed with its motion.
+    ///
+    /// # Errors
+    /// Returns an error only for a defect.
+    pub fn new(study: &Study, replay: Replay) -> Result<Self, Trouble> {
+        let left_out_times_s = replay.times_after_end_s().to_vec();
+        let options = replay.options();
+        let Replay { record, recording, differences, .. } = replay;
+        // Impossible parameters have no units; the motion is empty then.
+        let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
+        let gaps = model.gaps(&record.planned.start);
+        let touches = gaps.is_some().then_some(recording.touches);
+        let about = |table| provenance_with(study, table, &options);
+        let trajectory = in_memory(
+            trajectory_columns(model, gaps.as_deref().unwrap_or_default()),
+            about("trajectory"),
+            recording.samples,
+        )?;
+        let switches = in_memory(switch_columns(model), about("switches"), recording.switches)?;
+        let in_table = |touches| in_memory(touch_columns(model), about("touches"), touches);
+        let touches = touches.map(in_table).transpose()?;
+        Ok(Simulation {
+            label: record.outcome.label().name(),
+            evidence: record.outcome.evidence.name(),
+            end_time_s: record.outcome.end_time_s,
+            left_out_times_s,
+            differences,
+            trajectory,
+            switches,
+            touches,
+            run: in_memory(run_columns(study), provenance(study, "runs"), [record])?,
+        })
     }
 }
 
@@ -82,7 +177,8 @@ impl Simulation {
 ///     ``x``, ``y``, ``beta_1``, ..., ``x_dot``, ``y_dot``, ``beta_dot_1``, ..., non-dimensional;
 ///     for a block ``position_m`` and ``velocity_m_s``. The defaults are 0.
 /// times_s: times of the motion, s, in ascending order; by default, the end of every integration
-///     step, and the instants just before and after each switch.
+///     step, and the instants just before and after each switch. A run ends when its ending is known; there is no motion
+///     after it, and ``left_out_times_s`` of the result has these times. Switches and impacts are complete in any case.
 /// model: ball_balancer, block_on_spring or block_on_belt.
 /// simulation: settings of the simulation with the keys of a study file, such as ``{"end_time_s":
 ///     33}``.
@@ -126,41 +222,14 @@ pub fn simulate(
         }
     }
     let study = machine.study(json!({"table": {"columns": columns, "rows": [row]}}))?;
-    let simulated = wait(py, move |_| {
-        let (record, recording) = record(&study, 0, times_s.as_deref(), MOST);
-        if recording.cut_off {
-            return Err(Trouble::Usage(format!(
-                "the motion is too long\n  found:   more than {MOST} steps, switches or impacts\n  \
-                 allowed: fewer; select a part with `times_s`"
-            )));
-        }
-        // Impossible parameters have no units; the motion is empty then.
-        let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
-        let gaps = model.gaps(&record.planned.start);
-        let touches = gaps.is_some().then_some(recording.touches);
-        let about = |table| provenance(&study, table);
-        let trajectory = in_memory(
-            trajectory_columns(model, gaps.as_deref().unwrap_or_default()),
-            about("trajectory"),
-            recording.samples,
-        )?;
-        let switches = in_memory(switch_columns(model), about("switches"), recording.switches)?;
-        let in_table = |touches| in_memory(touch_columns(model), about("touches"), touches);
-        let touches = touches.map(in_table).transpose()?;
-        Ok::<_, Trouble>(Simulation {
-            label: record.outcome.label().name(),
-            evidence: record.outcome.evidence.name(),
-            trajectory,
-            switches,
-            touches,
-            run: in_memory(run_columns(&study), about("runs"), [record])?,
-        })
-    })??;
-    Ok(simulated)
+    Ok(wait(py, move |_| Simulation::new(&study, Replay::of_study(&study, 0, times_s)?))??)
 }
 
 /// Converts times, which must ascend.
-fn times(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+///
+/// # Errors
+/// Returns a `StudyError` for values that are not ascending times.
+pub fn times(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     let refused = |found: String, allowed: &str| {
         let text = format!("times_s: not times\n  found:   {found}\n  allowed: {allowed}");
         PyErr::from(Trouble::Usage(text))
@@ -176,7 +245,7 @@ fn times(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
         if let Some(last) = times.last().filter(|last| **last >= time) {
             return Err(refused(format!("{time} after {last}"), "times that ascend"));
         }
-        if times.len() == MOST {
+        if times.len() == MOST_INSTANTS {
             return Err(refused("more".to_owned(), "at most 1000000 times"));
         }
         times.push(time);

@@ -3,26 +3,46 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use stickslip::engine::{Parts, Planned, Progress, Show, WorkerPool};
+use stickslip::cli::check_json;
+use stickslip::engine::{Parts, Planned, Progress, WorkerPool};
 use stickslip::responses::{check_answerable, respond_to_all, response_columns, run_count};
 use stickslip::study::Study;
 use stickslip::table::{in_memory, provenance};
 
+use crate::directory::check_path;
 use crate::error::{Trouble, no_threads};
-use crate::results::{Results, Run};
+use crate::given::{Given, Words};
+use crate::identification::{Identification, Options};
+use crate::json::to_python;
+use crate::machine::to_value;
+use crate::optimum::Optimum;
+use crate::progress::Bars;
+use crate::results::Results;
+use crate::run::Run;
 use crate::table::Table;
-use crate::waiting::wait;
+use crate::values::kind;
+use crate::waiting::{wait, wait_with};
+
+/// What designs are called in messages.
+const DESIGNS: Words = Words {
+    name: "designs",
+    allowed: "a list of dicts, a dict of columns, one design as a dict of values, or an Arrow table or dataframe",
+};
 
 /// A study: a model, a sweep, uncertain parameters, start states, and the variables and responses
 /// of designs.
 ///
-/// A study is immutable. Create one with ``Study.from_yaml(path)`` or ``Study.from_text(text)``.
+/// A study is immutable. Create one with ``Study.from_yaml(path)``, ``Study.from_text(text)`` or
+/// ``Study.from_dict(keys)``.
 /// Studies can be pickled and sent to other processes.
 #[pyclass(frozen, name = "Study", module = "stickslip")]
 pub struct PyStudy {
-    study: Arc<Study>,
-    file: PathBuf,
+    /// The study.
+    pub study: Arc<Study>,
+    /// Its file, for messages.
+    pub file: PathBuf,
 }
 
 #[pymethods]
@@ -62,6 +82,38 @@ impl PyStudy {
         let file = folder.unwrap_or_default().join("<text>");
         let read = move || {
             let study = Study::parse_with_tables(&file, text, &tables)?;
+            Ok::<_, Trouble>(PyStudy { study: Arc::new(study), file })
+        };
+        Ok(wait(py, |_| read())??)
+    }
+
+    /// Creates and validates a study from a dict with the keys of a study file.
+    ///
+    /// keys: the study: dicts, lists, numbers, text, booleans and None, and paths of tables.
+    /// folder: the directory to which paths of tables are relative; the current directory by default.
+    /// tables: further directories in which tables of the study may be.
+    ///
+    /// Raises StudyError for the first fault, whose ``key`` is the path of the key, such as
+    /// ``model.parameters.speed_rad_s``, and TypeError for a value that a study file cannot contain.
+    #[staticmethod]
+    #[pyo3(signature = (keys, *, folder = None, tables = Vec::new()))]
+    fn from_dict(
+        py: Python<'_>,
+        keys: &Bound<'_, PyAny>,
+        folder: Option<PathBuf>,
+        tables: Vec<PathBuf>,
+    ) -> PyResult<Self> {
+        let value = to_value("", keys)?;
+        if !value.is_object() {
+            let found = kind(keys);
+            let text = format!(
+                "keys: wrong type\n  found:   a value of type {found}\n  allowed: a dict with the keys of a study file"
+            );
+            return Err(PyTypeError::new_err(text));
+        }
+        let file = folder.unwrap_or_default().join("<dict>");
+        let read = move || {
+            let study = Study::from_value(&file, &value, &tables)?;
             Ok::<_, Trouble>(PyStudy { study: Arc::new(study), file })
         };
         Ok(wait(py, |_| read())??)
@@ -122,7 +174,7 @@ impl PyStudy {
     ///     lost.
     /// threads: number of worker threads, 1 to 1024; one per core by default. Does not change any
     ///     result.
-    /// progress: whether to show progress on standard error.
+    /// progress: whether to show a progress bar; needs tqdm.
     /// recompute: with ``out``, also run if the directory contains results without a reusable
     ///     run; these results are moved to ``earlier/``.
     ///
@@ -139,18 +191,79 @@ impl PyStudy {
         progress: bool,
         recompute: bool,
     ) -> PyResult<Results> {
-        if out.as_ref().is_some_and(|out| out.as_os_str().is_empty()) {
-            let problem = "out: an empty path\n  found:   \"\"\n  allowed: a directory, \".\" for the current one; None \
-                           for tables in memory";
-            return Err(Trouble::Usage(problem.to_owned()).into());
-        }
+        out.iter().try_for_each(|out| check_path(out))?;
         let study = Arc::clone(&self.study);
-        let run =
-            Run { threads: crate::threads::threads(threads)?, show: show(progress), recompute };
-        Ok(wait(py, move |stop| match out {
+        let threads = crate::threads::threads(threads)?;
+        let bars = Bars::new(py, progress)?;
+        let run = Run { file: self.file.clone(), threads, show: bars.show(), recompute };
+        Ok(wait_with(py, &bars, move |stop| match out {
             None => run.in_memory(&study, stop),
             Some(directory) => run.into_directory(&study, directory, stop),
         })??)
+    }
+
+    /// Checks the study without computing a run, as ``stickslip check --json`` does.
+    ///
+    /// existence: whether to add at which points of the sweep stick and slip always have exactly one solution.
+    ///
+    /// Returns a dict: size, cost, machine with all defaults, closed forms at each point, and ``warnings`` about values
+    /// that are probably slips.
+    #[pyo3(signature = (*, existence = false))]
+    fn check<'py>(&self, py: Python<'py>, existence: bool) -> PyResult<Bound<'py, PyAny>> {
+        let study = Arc::clone(&self.study);
+        let checked = wait(py, move |_| check_json(&study, existence))?;
+        to_python(py, &checked)
+    }
+
+    /// Searches for the best design of the study's ``design`` with its ``optimize``, as ``stickslip optimize`` does.
+    ///
+    /// out: a directory for the files of ``stickslip optimize --out``; without it, the tables are only in memory. The
+    ///     same call with the same directory continues a search, also with a larger number of designs.
+    /// threads: number of worker threads, 1 to 1024; one per core by default. Does not change any
+    ///     result.
+    /// progress: whether to show progress bars; needs tqdm.
+    ///
+    /// Raises StudyError for a study without ``optimize`` and for an objective that does not depend on the design,
+    /// FileExistsError if the directory contains something else, OSError if it cannot be used, and KeyboardInterrupt
+    /// within a second of Ctrl-C.
+    #[pyo3(signature = (out = None, *, threads = None, progress = false))]
+    fn optimize(
+        &self,
+        py: Python<'_>,
+        out: Option<PathBuf>,
+        threads: Option<i64>,
+        progress: bool,
+    ) -> PyResult<Optimum> {
+        let study = (Arc::clone(&self.study), self.file.clone());
+        Optimum::search(py, study, out, threads, progress)
+    }
+
+    /// Infers the parameters under the study's ``identify`` from measured positions of rest, as ``stickslip identify``
+    /// does.
+    ///
+    /// measured: the measured runs: a CSV or Parquet file, a list of dicts, a dict of columns, or any Arrow table or
+    ///     dataframe, with the columns of ``stickslip identify --measured``.
+    /// out: a directory for the files of ``stickslip identify --out``; without it, the tables are only in memory. The
+    ///     same call with the same directory continues an inference.
+    /// simulations: a directory for the ends of simulated runs, which all measurements of one study can share.
+    /// threads: number of worker threads, 1 to 1024; one per core by default. Does not change any
+    ///     result.
+    /// progress: whether to show a progress bar; needs tqdm.
+    ///
+    /// Raises StudyError for a study without ``identify`` and for invalid measurements, FileExistsError if a directory
+    /// contains something else, OSError if it cannot be used, and KeyboardInterrupt within a second of Ctrl-C.
+    #[pyo3(signature = (measured, out = None, *, simulations = None, threads = None, progress = false))]
+    fn identify(
+        &self,
+        py: Python<'_>,
+        measured: &Bound<'_, PyAny>,
+        out: Option<PathBuf>,
+        simulations: Option<PathBuf>,
+        threads: Option<i64>,
+        progress: bool,
+    ) -> PyResult<Identification> {
+        let study = (Arc::clone(&self.study), self.file.clone());
+        Identification::infer(py, study, measured, Options { out, simulations, threads, progress })
     }
 
     /// Estimates the study's ``responses`` for designs, each with standard error, confidence
@@ -161,7 +274,7 @@ impl PyStudy {
     ///     study's ``design``: numbers in the units of the parameters, or names of choices.
     /// threads: number of worker threads, 1 to 1024; one per core by default. Does not change any
     ///     result.
-    /// progress: whether to show progress on standard error.
+    /// progress: whether to show a progress bar; needs tqdm.
     ///
     /// Returns the table of ``stickslip evaluate``: one row per design and point of the sweep, in
     /// order. Raises StudyError for a study without variables or responses and for invalid designs,
@@ -177,14 +290,20 @@ impl PyStudy {
     ) -> PyResult<Table> {
         check_answerable(&self.study, &self.file).map_err(Trouble::Usage)?;
         let threads = crate::threads::threads(threads)?;
-        let designs = crate::designs::designs(&self.study, designs)?;
+        let designs = match DESIGNS.given(designs)? {
+            Given::Arrow(reader) => self.study.designs_in_arrow(DESIGNS.name, reader),
+            Given::Rows(columns, rows) => self.study.designs_in_memory(DESIGNS.name, columns, rows),
+        };
+        let designs = designs.map_err(Trouble::from)?;
         let study = Arc::clone(&self.study);
-        let table = wait(py, move |stop| {
+        let bars = Bars::new(py, progress)?;
+        let show = bars.show();
+        let table = wait_with(py, &bars, move |stop| {
             let workers = WorkerPool::new(threads).map_err(no_threads)?;
             let runs = run_count(&study, &designs).map_err(Trouble::Usage)?;
             let parts = Parts::Designs(designs.len() as u64);
             let planned = Planned { study: study.name(), runs, at_most: false, parts };
-            let progress = Progress::begin(planned, show(progress));
+            let progress = Progress::begin(planned, show);
             let finished = |label| progress.finished(label);
             let answers = respond_to_all(&workers, &study, &designs, stop, &finished);
             progress.close();
@@ -213,9 +332,4 @@ pub fn _unpickle(text: String) -> PyResult<PyStudy> {
     let file = PathBuf::from("<pickled>");
     let study = Study::parse(Path::new(&file), text).map_err(Trouble::from)?;
     Ok(PyStudy { study: Arc::new(study), file })
-}
-
-/// Converts the option to a way to show progress.
-fn show(progress: bool) -> Show {
-    if progress { Show::auto() } else { Show::Nothing }
 }

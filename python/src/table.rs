@@ -124,9 +124,38 @@ impl Table {
         Table::to_pyarrow(slf)?.call_method0("to_pandas")
     }
 
-    fn __repr__(&self) -> String {
-        let names = self.column_names().join(", ");
-        format!("<stickslip.Table of {} rows: {names}>", self.0.rows())
+    /// Returns the values of some rows, by column, for the display.
+    fn _rows<'py>(
+        &self,
+        py: Python<'py>,
+        first: usize,
+        count: usize,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let columns = PyDict::new(py);
+        for (index, name) in self.column_names().into_iter().enumerate() {
+            let list = PyList::empty(py);
+            let mut before = 0;
+            for batch in self.0.batches() {
+                let rows = batch.num_rows();
+                let from = first.saturating_sub(before).min(rows);
+                let to = first.saturating_add(count).saturating_sub(before).min(rows);
+                if from < to {
+                    append(&list, &batch.column(index).slice(from, to - from))?;
+                }
+                before += rows;
+            }
+            columns.set_item(name, list)?;
+        }
+        Ok(columns)
+    }
+
+    fn __repr__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("stickslip._display")?.call_method1("text", (slf,))
+    }
+
+    /// Shows the first and the last rows as an HTML table, for notebooks.
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("stickslip._display")?.call_method1("html", (slf,))
     }
 }
 

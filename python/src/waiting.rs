@@ -10,6 +10,8 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
+use crate::progress::Bars;
+
 /// The interval at which signals are checked.
 const LOOK: Duration = Duration::from_millis(20);
 /// The time to wait for an interrupted computation. It continues in its thread until the current
@@ -25,6 +27,18 @@ pub fn wait<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> T + Send + 'static,
 ) -> PyResult<T> {
+    wait_with(py, &Bars::none(), work)
+}
+
+/// Runs a computation like [`wait`], and draws its progress.
+///
+/// # Errors
+/// Returns the errors of [`wait`] and the exceptions of the bars.
+pub fn wait_with<T: Send + 'static>(
+    py: Python<'_>,
+    bars: &Bars,
+    work: impl FnOnce(&AtomicBool) -> T + Send + 'static,
+) -> PyResult<T> {
     let stop = Arc::new(AtomicBool::new(false));
     let (sender, mut receiver) = sync_channel(1);
     let flag = Arc::clone(&stop);
@@ -36,14 +50,18 @@ pub fn wait<T: Send + 'static>(
     })?;
     loop {
         match py.detach(|| receive(&mut receiver, LOOK)) {
-            Ok(Ok(done)) => return Ok(done),
+            Ok(Ok(done)) => {
+                bars.close(py)?;
+                return Ok(done);
+            }
             Ok(Err(_)) | Err(RecvTimeoutError::Disconnected) => {
                 let text = "the program failed: a defect of stickslip; standard error says where";
                 return Err(PyRuntimeError::new_err(text));
             }
             Err(RecvTimeoutError::Timeout) => {}
         }
-        if let Err(interrupt) = py.check_signals() {
+        // A signal handler may also run in the Python code that draws.
+        if let Err(interrupt) = bars.draw(py).and_then(|()| py.check_signals()) {
             stop.store(true, Ordering::Relaxed);
             // The result is no longer wanted.
             let _ = py.detach(|| receive(&mut receiver, PATIENCE));

@@ -1,8 +1,9 @@
 """Parallel parameter studies and Monte Carlo for mechanical systems with dry friction.
 
-``Study.from_yaml("study.yaml")`` reads a study, ``study.run()`` returns its result tables, and
-``study.evaluate(designs)`` estimates its responses for designs. ``simulate`` and ``equilibrium_set`` compute one
-machine without a study. All tables are Arrow tables in memory, which pyarrow, Polars, pandas and DuckDB read
+``Study.from_yaml("study.yaml")`` reads a study, and ``Study.from_dict(keys)`` creates one. ``study.run()`` returns its
+result tables, ``study.evaluate(designs)`` estimates its responses for designs, ``study.optimize()`` searches for the best
+design, and ``study.identify(measured)`` infers parameters. ``open(directory)`` reads results on disk. ``simulate`` and
+``equilibrium_set`` compute one machine without a study. All tables are Arrow tables in memory, which pyarrow, Polars, pandas and DuckDB read
 directly. ``stickslip.figures`` draws figures for papers from table files; it works without the compiled part of the
 package.
 """
@@ -11,6 +12,8 @@ from importlib import import_module as _import_module
 
 __all__ = [
     "EquilibriumSet",
+    "Identification",
+    "Optimum",
     "Results",
     "Simulation",
     "Study",
@@ -18,6 +21,7 @@ __all__ = [
     "Table",
     "__version__",
     "equilibrium_set",
+    "open",
     "simulate",
 ]
 

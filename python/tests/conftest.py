@@ -41,6 +41,8 @@ model: {kind: ball_balancer}
 initial_conditions: {design: {monte_carlo: {samples: 1000000000}}}
 design: {speed_rad_s: {from: -260, to: -140}}
 responses: {vibration: {amplitude_mean: {relative: true}}}
+optimize: {minimize: vibration}
+identify: {parameters: {friction_coefficient: {from: 1.0e-3, to: 6.0e-3}}}
 """
 
 

@@ -20,6 +20,8 @@ CALLS = {
     "run": "study.run(threads=2)",
     "run into a directory": "study.run(sys.argv[1], threads=2)",
     "evaluate": "study.evaluate([{'speed_rad_s': -200}])",
+    "optimize": "study.optimize(threads=2)",
+    "identify": "study.identify([{'beta_1_rad': 1, 'beta_2_rad': 3, 'std_dev_rad': 0.1}])",
     # Of which nothing can be left out.
     "one long run": "stickslip.simulate({'position_m': 1}, times_s=[0], model='block_on_belt', "
     "friction_coefficient=0, simulation={'end_time_s': 2e6})",

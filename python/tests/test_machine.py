@@ -79,6 +79,21 @@ def test_the_motion_is_that_of_a_replay(program, tmp_path):
             assert found.trajectory["time_s"] == pytest.approx(times)
 
 
+def test_times_after_the_end_are_named():
+    start = {"position_m": 0.35}
+    block = {"mass_kg": 1, "stiffness_n_m": 100, "normal_force_n": 10, "friction_coefficient": 1.0}
+    found = stickslip.simulate(start, times_s=[0, 0.1, 50, 60], model="block_on_spring", **block)
+    assert found.trajectory["time_s"] == pytest.approx([0, 0.1])
+    assert found.left_out_times_s == [50, 60] and 0.1 < found.end_time_s < 50
+    assert repr(found).endswith("2 instants; 2 times after the end are left out>")
+    assert "times after the end" not in repr(stickslip.simulate(start, times_s=[0], model="block_on_spring", **block))
+    every = stickslip.simulate(start, model="block_on_spring", **block)
+    assert every.left_out_times_s == [] and every.end_time_s == found.end_time_s
+    # The table of switches is that of the whole run, whatever the times are.
+    assert every.switches.to_dict() == found.switches.to_dict() != {}
+    assert found.differences is None
+
+
 def test_contact_of_a_simulation():
     start = {"beta_1": 1.0, "beta_2": 2.0, "beta_dot_1": 0.8}
     machine = {"speed_rad_s": -173.1803, "simulation": {"end_time_s": 2}}

@@ -53,9 +53,3 @@ def test_numbers_of_threads(small):
             small.evaluate({"friction_coefficient": 2e-3}, threads=threads)
     with pytest.raises(TypeError):
         small.run(threads="all")
-
-
-def test_progress_is_on_standard_error(small, capfd):
-    small.run(progress=True)
-    small.run()
-    assert capfd.readouterr().out == ""

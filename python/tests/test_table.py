@@ -62,7 +62,7 @@ def test_every_kind_of_column(small):
     for name in ("runs", "points", "time_to_rest", "cycles", "equilibria", "equilibrium_histogram"):
         table = getattr(results, name)
         assert table.to_dict() == table.to_pyarrow().to_pydict()
-        assert repr(table).startswith(f"<stickslip.Table of {len(table)} rows: ")
+        assert repr(table).startswith(f"<stickslip.Table of {len(table)} row")
     assert bits(pyarrow.table(results.points)).num_rows == 4
 
 

@@ -20,8 +20,10 @@ def test_stubs_are_those_of_the_module(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_figures_have_their_types(tmp_path):
-    command = [sys.executable, "-m", "mypy", "--strict", "--package", "stickslip.figures"]
+def test_python_code_has_its_types(tmp_path):
+    modules = ["stickslip._display", "stickslip._progress", "stickslip.command"]
+    options = [part for module in modules for part in ("--module", module)]
+    command = [sys.executable, "-m", "mypy", "--strict", "--package", "stickslip.figures", *options]
     environment = {**os.environ, "MYPYPATH": str(ROOT / "python")}
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -47,7 +49,7 @@ def test_version():
 def test_examples_of_the_pages(tmp_path, monkeypatch, capsys):
     page = (ROOT / "docs/python.md").read_text() + (ROOT / "README.md").read_text()
     examples = re.findall(r"<!-- tested: python -->\n```python\n(.*?)```", page, re.DOTALL)
-    assert len(examples) == len(re.findall("^(?:import|from) stickslip", page, re.MULTILINE)) == 5
+    assert len(examples) == len(re.findall("^(?:import|from) stickslip", page, re.MULTILINE)) == 8
     monkeypatch.chdir(tmp_path)
     (tmp_path / "studies").symlink_to(ROOT / "studies")
     for number, example in enumerate(examples):

@@ -53,7 +53,7 @@ class TestDocs(Clients):
                 given = ["study.yaml", "--response" if client == "salib" else "--minimise", "a"]
                 done = subprocess.run([*command, *given], capture_output=True, text=True)
                 self.assertEqual(done.returncode, 1, done.stderr)
-                self.assertIn("allowed: a Python with the packages of", done.stderr)
+                self.assertIn("allowed: pip install -r scripts/clients/requirements.txt", done.stderr)
 
     def test_python(self):
         (text,) = (text for kind, text in self.blocks if kind == "python")

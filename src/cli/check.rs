@@ -59,71 +59,17 @@ pub struct CheckArguments {
 /// Returns an error if the study or one of its tables is invalid.
 pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
-    let names = |columns: &[VariedParameter]| -> Vec<String> {
-        columns.iter().map(|column| column.name.clone()).collect()
-    };
-    let (swept, uncertain) = (names(study.swept()), names(study.uncertain()));
-    let method = method_name(study.simulation().method);
-    let cost = Cost::of(&study);
-    let designs = DesignCost::of(&study);
-    let existence = arguments.existence.then(|| Existence::of(&study));
     let warnings = warnings(&study);
-    let design = ExaminedDesign::of(&study);
     let end = if arguments.strict && !warnings.is_empty() { End::Warned } else { End::Well };
     if arguments.json {
-        let mut report = json!({
-            "study": study.name(),
-            "hash": study.hash(),
-            "seed": study.seed(),
-            "points": study.point_count(),
-            "runs": study.run_count(),
-            "model": study.model().kind().name,
-            "method": method,
-            "endings": endings_name(study.simulation().endings),
-            "balls": study.model().balls(),
-            "swept": swept,
-            "uncertain": uncertain,
-            "design": study.variables().iter().map(variable).collect::<Vec<Value>>(),
-            "responses": study.responses().iter().map(response).collect::<Vec<Value>>(),
-            "expectations": study.expectations().len(),
-            "steps": cost.steps,
-            "core_seconds": cost.core_seconds,
-            "most_steps": cost.most_steps,
-            "most_core_seconds": cost.most_core_seconds,
-        });
-        if let Some((design, correlations)) = study.uncertain_sampling() {
-            report["uncertain_sampling"] = json!({"design": design, "correlations": correlations});
-        }
-        if let Some(audit) = study.audit() {
-            report["audit_fraction"] = json!(audit.fraction);
-        }
-        if let Some(precision) = study.precision() {
-            report["least_runs"] = study.least_run_count().into();
-            for (name, half_width, _) in precision.half_widths() {
-                let key = match name {
-                    "equilibrium_fraction" => "precision".to_owned(),
-                    amplitude => format!("precision_{amplitude}"),
-                };
-                report[key] = json!(half_width);
-            }
-        }
-        report["machine"] = machine_json(&study);
-        if study.has_stages() {
-            report["run_up"] = run_up_json(design.as_ref().map_or(&study, |one| &one.study));
-        }
-        report["closed_form"] =
-            ClosedForms::of(&study, design.as_ref(), most_points(&study)).json();
-        report["warnings"] = warnings.iter().map(Warning::json).collect();
-        if let Some(designs) = designs {
-            report = merged(report, designs.json());
-        }
-        if let Some(existence) = existence {
-            report["existence"] = existence.json();
-        }
-        print_json(&format!("{report:#}\n"))?;
+        print_json(&format!("{:#}\n", check_json(&study, arguments.existence)))?;
         say_all(&warnings, arguments.strict);
         return Ok(end);
     }
+    let cost = Cost::of(&study);
+    let designs = DesignCost::of(&study);
+    let existence = arguments.existence.then(|| Existence::of(&study));
+    let design = ExaminedDesign::of(&study);
     let described = design.as_ref().map_or(&study, |design| &design.study);
     let mut rows = rows(&study, described, &cost, designs.as_ref());
     rows.extend(existence.iter().flat_map(Existence::rows));
@@ -138,6 +84,65 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
     print(&format!("\n{}", closed_forms.text()))?;
     say_all(&warnings, arguments.strict);
     Ok(end)
+}
+
+/// Returns the result of the command as JSON, with the answer to `--existence` if it is wanted.
+pub fn check_json(study: &Study, existence: bool) -> Value {
+    let names = |columns: &[VariedParameter]| -> Vec<String> {
+        columns.iter().map(|column| column.name.clone()).collect()
+    };
+    let (swept, uncertain) = (names(study.swept()), names(study.uncertain()));
+    let cost = Cost::of(study);
+    let design = ExaminedDesign::of(study);
+    let mut report = json!({
+        "study": study.name(),
+        "hash": study.hash(),
+        "seed": study.seed(),
+        "points": study.point_count(),
+        "runs": study.run_count(),
+        "model": study.model().kind().name,
+        "method": method_name(study.simulation().method),
+        "endings": endings_name(study.simulation().endings),
+        "balls": study.model().balls(),
+        "swept": swept,
+        "uncertain": uncertain,
+        "design": study.variables().iter().map(variable).collect::<Vec<Value>>(),
+        "responses": study.responses().iter().map(response).collect::<Vec<Value>>(),
+        "expectations": study.expectations().len(),
+        "steps": cost.steps,
+        "core_seconds": cost.core_seconds,
+        "most_steps": cost.most_steps,
+        "most_core_seconds": cost.most_core_seconds,
+    });
+    if let Some((design, correlations)) = study.uncertain_sampling() {
+        report["uncertain_sampling"] = json!({"design": design, "correlations": correlations});
+    }
+    if let Some(audit) = study.audit() {
+        report["audit_fraction"] = json!(audit.fraction);
+    }
+    if let Some(precision) = study.precision() {
+        report["least_runs"] = study.least_run_count().into();
+        for (name, half_width, _) in precision.half_widths() {
+            let key = match name {
+                "equilibrium_fraction" => "precision".to_owned(),
+                amplitude => format!("precision_{amplitude}"),
+            };
+            report[key] = json!(half_width);
+        }
+    }
+    report["machine"] = machine_json(study);
+    if study.has_stages() {
+        report["run_up"] = run_up_json(design.as_ref().map_or(study, |one| &one.study));
+    }
+    report["closed_form"] = ClosedForms::of(study, design.as_ref(), most_points(study)).json();
+    report["warnings"] = warnings(study).iter().map(Warning::json).collect();
+    if let Some(designs) = DesignCost::of(study) {
+        report = merged(report, designs.json());
+    }
+    if existence {
+        report["existence"] = Existence::of(study).json();
+    }
+    report
 }
 
 /// Returns the largest number of points in the printed table. The closed forms of many balls take longer.

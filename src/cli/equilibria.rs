@@ -10,7 +10,6 @@ use serde_json::json;
 
 use super::arguments::{StudyArgument, ThreadsArgument};
 use super::equilibria_report::Report;
-use super::exclusive_directory::ExclusiveDirectory;
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
 use super::range::Speeds;
@@ -19,7 +18,7 @@ use crate::analysis::{
     Resolution, Resolutions, RestForm, SAMPLE_COUNTS, frictionless_equilibria,
 };
 use crate::counted::counted;
-use crate::engine::say;
+use crate::engine::{ExclusiveDirectory, say};
 use crate::model::Machine;
 use crate::study::Study;
 use crate::table::{

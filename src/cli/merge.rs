@@ -7,9 +7,8 @@ use clap::Args;
 
 use super::arguments::EngineArguments;
 use super::exit::{CliError, End};
-use super::results_study::results_study;
 use super::run::carry_out;
-use crate::engine::{OutputDir, Shard};
+use crate::engine::{OutputDir, Shard, results_study};
 use crate::sanitize::shell_word;
 use crate::study::Study;
 

@@ -7,7 +7,6 @@ mod check_machine;
 mod check_points;
 mod check_run_up;
 mod completions;
-mod continued_directory;
 mod cost;
 mod design_cost;
 mod duration;
@@ -15,7 +14,6 @@ mod equilibria;
 mod equilibria_report;
 mod evaluate;
 mod evaluate_server;
-mod exclusive_directory;
 mod existence;
 mod exit;
 mod expand;
@@ -25,7 +23,6 @@ mod merge;
 mod new;
 mod optimize;
 mod output;
-mod overwrite;
 mod point_keys;
 mod point_words;
 mod points_table;
@@ -33,22 +30,21 @@ mod printed_columns;
 mod range;
 mod remedies;
 mod replay;
-mod replay_animation;
 mod replay_text;
 mod report;
-mod results_study;
 mod resume;
 mod run;
 mod run_on_engine;
 mod schema;
 mod summary;
-mod unfinished;
 mod verify;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+pub use check::check_json;
 pub use exit::{CliError, End};
 
 use crate::engine::{say, survive_file_size_limit};
@@ -110,6 +106,12 @@ pub fn main() -> ExitCode {
 /// Runs the program with the kinds of models of a registry beside the built-in ones: parses the arguments of the process,
 /// runs the command, and returns the exit code. A registry that is not sound ends the program with exit code 2.
 pub fn run(registry: Registry) -> ExitCode {
+    ExitCode::from(run_with(registry, std::env::args_os()))
+}
+
+/// Runs the program like [`run`], with these arguments, of which the first is the name of the program. A process of another
+/// language, such as Python, can call it; the handlers of signals stay installed afterwards.
+pub fn run_with(registry: Registry, arguments: impl IntoIterator<Item = OsString>) -> u8 {
     if let Err(error) = registry.install() {
         say(&format!("error: {error}"));
         return CliError::Usage(error.to_string()).code();
@@ -117,8 +119,15 @@ pub fn run(registry: Registry) -> ExitCode {
     if let Err(error) = survive_file_size_limit() {
         say(&format!("warning: the file size limit may end the program: {error}"));
     }
-    // clap itself prints help and usage errors, with exit codes 0 and 2.
-    let result = match Cli::parse().command {
+    let command = match Cli::try_parse_from(arguments) {
+        Ok(Cli { command }) => command,
+        Err(help_or_error) => {
+            // A closed stream has no reader to tell.
+            let _ = help_or_error.print();
+            return u8::try_from(help_or_error.exit_code()).unwrap_or(2);
+        }
+    };
+    let result = match command {
         Command::New(arguments) => new::new(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Resume(arguments) => resume::resume(&arguments),

@@ -103,11 +103,6 @@ impl FromStr for Speeds {
 }
 
 impl Times {
-    /// Returns the first and the last time, s.
-    pub fn ends(&self) -> [f64; 2] {
-        [self.0.from, self.0.to]
-    }
-
     /// Returns all times, s; the ends are exactly the given numbers.
     pub fn values(&self) -> impl Iterator<Item = f64> + use<> {
         let Range { from, to, .. } = self.0;

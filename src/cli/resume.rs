@@ -6,9 +6,8 @@ use clap::Args;
 
 use super::arguments::EngineArguments;
 use super::exit::{CliError, End};
-use super::results_study::begun_study;
 use super::run::carry_out;
-use crate::engine::{OutputDir, Shard};
+use crate::engine::{OutputDir, Shard, begun_study};
 use crate::table::{Manifest, ResultsError};
 
 const EXAMPLES: &str = "\

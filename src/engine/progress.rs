@@ -12,11 +12,12 @@ use serde_json::{Value, json};
 
 use super::message::{say, say_json};
 use super::progress_counts::Counts;
+use super::watch::Watch;
 use crate::classification::Label;
 use crate::sanitize::harmless;
 
 /// How progress is shown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub enum Show {
     /// A bar, if standard error is a terminal.
     Bar,
@@ -24,6 +25,8 @@ pub enum Show {
     Lines,
     /// An event every second, as a line of JSON.
     Json,
+    /// Nothing here; another thread looks at the counters, such as that of a notebook.
+    Watched(Watch),
     /// Nothing.
     Nothing,
 }
@@ -35,8 +38,8 @@ impl Show {
     }
 
     /// Returns the seconds between two lines.
-    fn every(self) -> u64 {
-        if self == Show::Json { 1 } else { 10 }
+    fn every(&self) -> u64 {
+        if matches!(self, Show::Json) { 1 } else { 10 }
     }
 }
 
@@ -117,7 +120,10 @@ impl Progress {
             reused: 0.into(),
             next_line: show.every().into(),
         });
-        if show == Show::Json {
+        if let Show::Watched(watch) = &show {
+            watch.begin(study, &counts);
+        }
+        if matches!(show, Show::Json) {
             let begun = json!({
                 "event": "begun",
                 "elapsed_s": 0.0,
@@ -128,7 +134,7 @@ impl Progress {
             });
             say_json(&begun);
         }
-        let bar = match show {
+        let bar = match &show {
             Show::Bar => bar(runs, &counts),
             _ => ProgressBar::hidden(),
         };
@@ -152,7 +158,7 @@ impl Progress {
 
     /// Redraws the bar also while no run finishes, so that it shows that the program works.
     pub fn keep_drawing(&self) {
-        if self.show == Show::Bar {
+        if matches!(self.show, Show::Bar) {
             self.bar.enable_steady_tick(Duration::from_millis(100));
         }
     }
@@ -178,10 +184,10 @@ impl Progress {
             Label::Failed => self.counts.failed.fetch_add(1, Ordering::Relaxed),
             _ => 0,
         };
-        match self.show {
+        match &self.show {
             Show::Bar => self.bar.inc(1),
             Show::Lines | Show::Json => self.line_if_due(),
-            Show::Nothing => {}
+            Show::Watched(_) | Show::Nothing => {}
         }
     }
 
@@ -196,7 +202,7 @@ impl Progress {
             return;
         }
         let counts = self.counts.snapshot();
-        match self.show {
+        match &self.show {
             Show::Json => say_json(&counts.event("progress", self.planned)),
             _ => say(&counts.text()),
         }
@@ -205,8 +211,8 @@ impl Progress {
     /// Reports a point whose runs have all finished: `text` is a line of text, `facts` are the fields of an event.
     pub fn point(&self, text: impl FnOnce() -> String, facts: impl FnOnce() -> Value) {
         self.counts.parts_finished.fetch_add(1, Ordering::Relaxed);
-        match self.show {
-            Show::Nothing => {}
+        match &self.show {
+            Show::Watched(_) | Show::Nothing => {}
             Show::Json => {
                 let elapsed_s = self.counts.started.elapsed().as_secs_f64();
                 let mut event = json!({"event": "point", "elapsed_s": elapsed_s});
@@ -236,7 +242,7 @@ impl Progress {
 
     /// Writes a line, above the bar if there is one.
     fn line(&self, line: &str) {
-        match self.show {
+        match &self.show {
             Show::Bar => self.bar.println(harmless(line)),
             _ => say(line),
         }
@@ -254,7 +260,7 @@ impl Progress {
 
     /// Writes the final event: all planned runs have finished, or the computation was `interrupted`.
     pub fn ended(&self, interrupted: bool) {
-        if self.show == Show::Json {
+        if matches!(self.show, Show::Json) {
             let mut event = self.counts.snapshot().event("ended", self.planned);
             event["interrupted"] = interrupted.into();
             say_json(&event);

@@ -9,10 +9,12 @@
 //! All results are functions of the study and of the measurements.
 
 mod density;
+mod directories;
 mod end;
 mod fit_test;
 mod in_words;
 mod inference;
+mod into_directory;
 mod likelihood;
 mod next_sets;
 mod parameter_set;
@@ -30,6 +32,7 @@ pub use end::{End, SimulatedEnd};
 pub use fit_test::{Seen, SiteFit, fit_tests};
 pub use in_words::{identification_json, result_in_words};
 pub use inference::{Inference, InferenceEnd, Inferred, Sets, infer};
+pub use into_directory::{Identified, Identify};
 pub use likelihood::Likelihood;
 pub use parameter_set::{ParameterSet, read_parameter_set, set_columns, set_facts, set_name};
 pub use posterior::{Marginal, Posterior, posterior};

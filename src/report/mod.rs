@@ -1,15 +1,24 @@
-//! The report page and the animation of a replayed run. Equal data give equal bytes.
+//! The report page and the animation of a replayed run, and the files that hold them. Equal data give equal bytes.
 
 mod animation;
 pub mod chart;
 mod data;
 mod figures;
 mod optimum;
+mod overwrite;
 mod packed;
 mod page;
+mod replay;
+mod replay_animation;
+mod stored_run;
+mod write;
 
 pub use animation::{animation, frames, time_text};
 pub use data::{Budget, Fraction, IncompletePoints, PointFacts, ReportData, ResultTables};
 pub use figures::of_results;
 pub use optimum::{OptimumData, notes, of_search};
+pub use overwrite::beside;
 pub use page::{OWN, optimum_page, page};
+pub use replay::{MOST_INSTANTS, Replay, SWITCHES};
+pub use replay_animation::ANIMATION;
+pub use write::write_report;

@@ -6,11 +6,11 @@ use arrow_array::RecordBatchReader;
 
 use super::error::{Fault, StudyError};
 use super::file::read_file::read_bytes;
-use super::file::table_input::Rows;
+use super::file::table_input::{Rows, cells_in_memory};
 use super::file::values::Entry;
 use super::plan::planned_study::Study;
 use super::plan::variable::DesignValue;
-use crate::tabular::{Cell, Cells, Limits, Refusal, check_name};
+use crate::tabular::{Cells, Limits, Refusal, check_name};
 
 impl Study {
     /// Reads the designs in a file. Each design is valid at every point of the study.
@@ -49,14 +49,7 @@ impl Study {
         columns: Vec<String>,
         rows: Vec<Vec<Option<Entry>>>,
     ) -> Result<Vec<Vec<DesignValue>>, StudyError> {
-        let cell = |entry| match entry {
-            Some(Entry::Number(number)) => Cell::of_number(number),
-            Some(Entry::Text(text)) => Cell::Text(text),
-            None => Cell::Empty,
-        };
-        let cells = |row: Vec<Option<Entry>>| row.into_iter().map(cell).collect();
-        let rows = rows.into_iter().map(cells).collect();
-        self.designs_in(Path::new(name), |limits| Cells::of_rows(columns, rows, limits))
+        self.designs_in(Path::new(name), |limits| cells_in_memory(columns, rows, limits))
     }
 
     fn designs_in(

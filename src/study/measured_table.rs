@@ -2,14 +2,16 @@
 
 use std::path::Path;
 
+use arrow_array::RecordBatchReader;
+
 use super::error::{Fault, StudyError};
 use super::file::read_file::read_bytes;
-use super::file::table_input::Rows;
+use super::file::table_input::{Rows, cells_in_memory};
 use super::file::values::Entry;
 use super::file::yaml_tree::describe_number;
 use super::plan::parameter::{ParameterKind, ParameterValue};
 use super::plan::planned_study::Study;
-use crate::tabular::{Cells, check_name};
+use crate::tabular::{Cells, Limits, Refusal, check_name};
 
 /// Swept values of the table and of the study agree if they differ by at most this part.
 const AGREEMENT: f64 = 1e-4;
@@ -42,6 +44,40 @@ impl Study {
         let refuse = |fault| StudyError::about_file(path, fault);
         check_name(path, "a name that ends in .csv or .parquet").map_err(refuse)?;
         let bytes = read_bytes(path).map_err(refuse)?;
+        self.measured_in(path, |limits| Cells::read(path, bytes, limits))
+    }
+
+    /// Reads measured runs from an Arrow table, called `name` in messages.
+    ///
+    /// # Errors
+    /// Returns an error for the reasons given at [`Study::measured`].
+    pub fn measured_in_arrow(
+        &self,
+        name: &str,
+        reader: impl RecordBatchReader,
+    ) -> Result<Vec<MeasuredRun>, StudyError> {
+        self.measured_in(Path::new(name), |limits| Cells::of_arrow(reader, limits))
+    }
+
+    /// Reads measured runs from a table in memory, called `name` in messages. Each row has one value per column, `None` if
+    /// it is missing.
+    ///
+    /// # Errors
+    /// Returns an error for the reasons given at [`Study::measured`].
+    pub fn measured_in_memory(
+        &self,
+        name: &str,
+        columns: Vec<String>,
+        rows: Vec<Vec<Option<Entry>>>,
+    ) -> Result<Vec<MeasuredRun>, StudyError> {
+        self.measured_in(Path::new(name), |limits| cells_in_memory(columns, rows, limits))
+    }
+
+    fn measured_in(
+        &self,
+        path: &Path,
+        read: impl FnOnce(&Limits<'_>) -> Result<Cells, Refusal>,
+    ) -> Result<Vec<MeasuredRun>, StudyError> {
         let angles: Vec<String> =
             (1..=self.model().balls()).map(|ball| format!("beta_{ball}_rad")).collect();
         let mut names: Vec<String> = self.swept().iter().map(|one| one.name.clone()).collect();
@@ -50,7 +86,7 @@ impl Study {
         }
         names.extend(angles.iter().cloned());
         names.push(STD_DEV.to_owned());
-        let rows = Rows::with_gaps(path, |limits| Cells::read(path, bytes, limits), &names)?;
+        let rows = Rows::with_gaps(path, read, &names)?;
         let needed = angles.iter().map(String::as_str).chain([STD_DEV]);
         if let Some(name) = needed.into_iter().find(|name| !rows.columns.iter().any(|c| c == name))
         {

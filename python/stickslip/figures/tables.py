@@ -5,21 +5,32 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property, lru_cache
 from os import PathLike
 from pathlib import Path
-from typing import Any, Optional, Union
+from typing import Any, Optional, Protocol, Union
 
 import numpy as np
 import pyarrow as pa  # type: ignore[import-untyped]
 import pyarrow.parquet as pq  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
-__all__ = ["Directory", "FiguresError", "Source", "Table"]
+__all__ = ["Directory", "FiguresError", "Results", "Source", "Table"]
 
-Source = Union[str, PathLike[str]]
+
+class Results(Protocol):
+    """Results of `stickslip` in Python, such as those of ``study.run()``."""
+
+    def _source(self) -> Any:
+        """Returns the tables by name, or the directory that contains them."""
+
+
+Source = Union[str, PathLike[str], Results]
 Numbers = NDArray[np.float64]
+
+#: The largest number of rows that are read at once.
+_BATCH = 65_536
 
 #: The command that writes each table.
 _COMMANDS = {
@@ -48,7 +59,7 @@ class FiguresError(ValueError):
     #: Whether the tables are valid but contain nothing that the figure shows.
     cannot_show: bool = False
 
-    def __init__(self, directory: Source, file: str, problem: str, remedy: str) -> None:
+    def __init__(self, directory: Union[str, PathLike[str]], file: str, problem: str, remedy: str) -> None:
         self.directory = Path(directory)
         self.file = file
         self.problem = problem
@@ -66,17 +77,22 @@ class NothingToShowError(FiguresError):
 
 
 class Directory:
-    """A directory written by `stickslip run`, `equilibria`, `replay` or `identify`."""
+    """A directory written by `stickslip run`, `equilibria`, `replay` or `identify`, or the same tables in memory."""
 
-    def __init__(self, path: Source) -> None:
-        self.path = Path(path)
+    def __init__(self, source: Source) -> None:
+        found = source if isinstance(source, (str, PathLike)) else source._source()
+        self._memory: Mapping[str, Any] = found if isinstance(found, Mapping) else {}
+        if self._memory:
+            self.path = Path("results in memory")
+            return
+        path = self.path = Path(found)
         if not self.path.is_dir():
             problem = "there is no such directory" if not self.path.exists() else "it is not a directory"
             raise FiguresError(path, "", problem, "give a directory written by `stickslip run`")
 
     def has(self, name: str) -> bool:
         """Returns whether the directory contains a table."""
-        return (self.path / f"{name}.parquet").exists()
+        return name in self._memory or (self.path / f"{name}.parquet").exists()
 
     @cached_property
     def _listed(self) -> Optional[dict[str, Any]]:
@@ -95,6 +111,8 @@ class Directory:
     def table(self, name: str) -> Table:
         """Opens a table, which is a file or a directory of parts, and verifies its hashes."""
         path = self.path / f"{name}.parquet"
+        if name in self._memory:
+            return Table(self.path, path.name, [_InMemory(pa.table(self._memory[name]))])
         if not path.exists():
             raise FiguresError(
                 self.path, path.name, "the table is not there", f"`{_COMMANDS[name]}` writes it"
@@ -106,7 +124,10 @@ class Directory:
             )
         for file in files:
             self._verify(file, name)
-        return Table(self.path, path.name, files)
+        try:
+            return Table(self.path, path.name, [_InFile(pq.ParquetFile(file)) for file in files])
+        except (OSError, pa.ArrowException) as error:
+            raise self.error(path.name, f"it cannot be read ({error})", "write the directory anew") from error
 
     def object(self, name: str) -> dict[str, Any]:
         """Reads a JSON file with an object, and verifies its hash."""
@@ -150,17 +171,51 @@ def _sha256(file: Path, changed_ns: int) -> str:
     return found.hexdigest()
 
 
+class _Part(Protocol):
+    """A part of a table: its columns, its rows, and what it says of itself."""
+
+    schema: Any
+    rows: int
+    about: Mapping[bytes, bytes]
+
+    def batches(self, columns: list[str]) -> Iterator[Any]:
+        """Yields record batches of some columns."""
+
+
+class _InFile:
+    """A part of a table in a Parquet file."""
+
+    def __init__(self, file: Any) -> None:
+        self._file = file
+        self.schema = file.schema_arrow
+        self.rows = int(file.metadata.num_rows)
+        self.about: Mapping[bytes, bytes] = file.metadata.metadata or {}
+
+    def batches(self, columns: list[str]) -> Iterator[Any]:
+        yield from self._file.iter_batches(columns=columns, batch_size=_BATCH)
+
+
+class _InMemory:
+    """A table in memory."""
+
+    def __init__(self, table: Any) -> None:
+        self._table = table
+        self.schema = table.schema
+        self.rows = int(table.num_rows)
+        self.about: Mapping[bytes, bytes] = table.schema.metadata or {}
+
+    def batches(self, columns: list[str]) -> Iterator[Any]:
+        yield from self._table.select(columns).to_batches(max_chunksize=_BATCH)
+
+
 class Table:
     """A table with its columns, their units and its provenance."""
 
-    def __init__(self, directory: Path, name: str, files: Sequence[Path]) -> None:
+    def __init__(self, directory: Path, name: str, parts: Sequence[_Part]) -> None:
         self.directory = directory
         self.name = name
-        try:
-            self._files = [pq.ParquetFile(file) for file in files]
-        except (OSError, pa.ArrowException) as error:
-            raise self.error(f"it cannot be read ({error})", "write the directory anew") from error
-        self.schema = self._files[0].schema_arrow
+        self._parts = parts
+        self.schema = parts[0].schema
 
     def error(self, problem: str, remedy: str) -> FiguresError:
         """Returns an error about this table."""
@@ -178,12 +233,12 @@ class Table:
     @property
     def rows(self) -> int:
         """The number of rows."""
-        return sum(file.metadata.num_rows for file in self._files)
+        return sum(part.rows for part in self._parts)
 
     @cached_property
     def about(self) -> dict[str, Any]:
         """The provenance in the metadata: study, seed, version and options; empty if there is none."""
-        text = (self._files[0].metadata.metadata or {}).get(b"stickslip", b"{}")
+        text = self._parts[0].about.get(b"stickslip", b"{}")
         try:
             about = json.loads(text)
         except ValueError:
@@ -227,8 +282,8 @@ class Table:
         """Yields columns as arrays of at most 65,536 rows; missing numbers are NaN."""
         self.need(columns)
         try:
-            for file in self._files:
-                for batch in file.iter_batches(columns=list(columns), batch_size=65_536):
+            for part in self._parts:
+                for batch in part.batches(list(columns)):
                     yield {name: _array(batch.column(name)) for name in columns}
         except (OSError, pa.ArrowException) as error:
             raise self.error(f"it cannot be read ({error})", "write the directory anew") from error

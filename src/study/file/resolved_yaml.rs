@@ -49,8 +49,13 @@ fn remove_absent(value: &mut Value) {
 
 /// Returns the file in block style, with small values on one line.
 pub(in crate::study) fn to_yaml(file: &StudyFile) -> String {
+    block_text(&to_value(file))
+}
+
+/// Returns a value in block style, with small values on one line.
+pub(in crate::study) fn block_text(value: &Value) -> String {
     let mut out = String::new();
-    write_block(&to_value(file), 0, &mut out);
+    write_block(value, 0, &mut out);
     out
 }
 

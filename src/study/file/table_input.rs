@@ -30,6 +30,25 @@ struct TableFile {
     lines: Option<Vec<usize>>,
 }
 
+/// Creates a table from rows in memory, with one value per column, `None` if it is missing.
+///
+/// # Errors
+/// Returns an error for the reasons given at [`Cells::of_rows`].
+pub(crate) fn cells_in_memory(
+    columns: Vec<String>,
+    rows: Vec<Vec<Option<Entry>>>,
+    limits: &Limits<'_>,
+) -> Result<Cells, Refusal> {
+    let cell = |entry| match entry {
+        Some(Entry::Number(number)) => Cell::of_number(number),
+        Some(Entry::Text(text)) => Cell::Text(text),
+        None => Cell::Empty,
+    };
+    let cells = |row: Vec<Option<Entry>>| row.into_iter().map(cell).collect();
+    let rows = rows.into_iter().map(cells).collect();
+    Cells::of_rows(columns, rows, limits)
+}
+
 impl<'a> Rows<'a> {
     /// Reads a table; `allowed` contains the valid column names.
     ///

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use indexmap::{IndexMap, IndexSet};
+use serde_json::Value;
 
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::balls::Balls;
@@ -12,7 +13,7 @@ use crate::study::file::decode::decode;
 use crate::study::file::distribution_file::DistributionFile;
 use crate::study::file::ranges::expand_ranges;
 use crate::study::file::read_file::read_text;
-use crate::study::file::resolved_yaml::ResolvedFile;
+use crate::study::file::resolved_yaml::{ResolvedFile, block_text};
 use crate::study::file::study_file::{BlockFile, DesignFile, InitialConditionsFile, StudyFile};
 use crate::study::file::table_folders::MAX_VALUES;
 use crate::study::file::table_folders::TableFolders;
@@ -75,6 +76,19 @@ impl Study {
     /// Returns the first fault, with its place.
     pub fn parse(file: &Path, text: String) -> Result<Study, StudyError> {
         Study::parse_with_tables(file, text, &[])
+    }
+
+    /// Parses a study from the keys and values of a study file. Messages show them in the notation of a file of this name,
+    /// to which the paths of tables are relative, with access to tables in further directories.
+    ///
+    /// # Errors
+    /// Returns the first fault, with its place.
+    pub fn from_value(
+        file: &Path,
+        value: &Value,
+        directories: &[PathBuf],
+    ) -> Result<Study, StudyError> {
+        Study::parse_with_tables(file, block_text(value), directories)
     }
 
     /// Parses a study like [`Study::parse`], and grants access to tables in further directories.

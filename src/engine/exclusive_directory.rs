@@ -9,8 +9,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::exit::CliError;
-use crate::engine::Lock;
+use super::Lock;
+use crate::command_error::CommandError;
 use crate::sanitize::shorten;
 use crate::table::{
     FILES, FileList, ResultsError, check_path, clear_temporaries, is_one_of, make_directory,
@@ -51,7 +51,7 @@ impl ExclusiveDirectory {
     /// # Errors
     /// Returns the errors of [`ExclusiveDirectory::inspect`], and an error if another process fills the directory or it cannot
     /// be written to.
-    pub fn open(directory: &Path, files: &[&str]) -> Result<Self, CliError> {
+    pub fn open(directory: &Path, files: &[&str]) -> Result<Self, CommandError> {
         Self::inspect(directory, files)?;
         let begun = directory.join(UNFINISHED).exists();
         let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
@@ -72,7 +72,7 @@ impl ExclusiveDirectory {
     ///
     /// # Errors
     /// Returns an error if another process took the lock, or if the directory cannot be written to.
-    pub fn finish(self) -> Result<(), CliError> {
+    pub fn finish(self) -> Result<(), CommandError> {
         let ExclusiveDirectory { directory, lock, .. } = self;
         lock.check()?;
         fs::remove_file(directory.join(UNFINISHED))

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
-use super::exit::CliError;
 use super::results_study::results_study;
-use crate::engine::{Shard, listed_runs, read_finished};
+use super::{Shard, listed_runs, read_finished};
+use crate::command_error::CommandError;
 use crate::sanitize::shell_word;
 use crate::study::Study;
 use crate::table::{Circumstances, Manifest, Results, ResultsError};
@@ -24,6 +24,11 @@ pub struct Readable {
 }
 
 impl Readable {
+    /// Returns the results of a study that has just been run into a directory.
+    pub fn finished(study: Study, manifest: Manifest, directory: &Path) -> Self {
+        Readable { study, manifest, tables: directory.to_owned(), temporary: None }
+    }
+
     /// Whether the tables are temporary, because the study is running or was killed.
     pub fn is_from_chunks(&self) -> bool {
         self.temporary.is_some()
@@ -35,12 +40,13 @@ impl Readable {
 ///
 /// # Errors
 /// Returns an error if the directory holds no readable results, or if temporary tables cannot be written.
-pub fn readable_results(directory: &Path) -> Result<Readable, CliError> {
+pub fn readable_results(directory: &Path) -> Result<Readable, CommandError> {
     let (study, manifest) = results_study(directory)?;
-    let finished = Readable { study, manifest, tables: directory.to_owned(), temporary: None };
+    let finished = Readable::finished(study, manifest, directory);
     let Readable { study, manifest, .. } = &finished;
     let has_tables = !manifest.files.is_empty();
-    let is_current = || Ok::<_, CliError>(listed_runs(directory, study)? <= manifest.runs_finished);
+    let is_current =
+        || Ok::<_, CommandError>(listed_runs(directory, study)? <= manifest.runs_finished);
     if has_tables && (manifest.complete || is_current()?) {
         return Ok(finished);
     }
@@ -48,7 +54,7 @@ pub fn readable_results(directory: &Path) -> Result<Readable, CliError> {
     let temporary = tempfile::Builder::new().prefix("stickslip-").tempdir().map_err(unusable)?;
     let tables = temporary.path().join("results");
     let shard = manifest.shard.parse::<Shard>().map_err(|error| {
-        CliError::Usage(format!("{}: `shard` of manifest.json: {error}", directory.display()))
+        CommandError::Usage(format!("{}: `shard` of manifest.json: {error}", directory.display()))
     })?;
     let mut results = Results::create(&tables, study)?;
     read_finished(study, shard, directory, &mut results)?;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-use super::exit::CliError;
+use crate::command_error::CommandError;
 use crate::table::{ResultsError, write_atomically};
 
 /// The largest size of a report, in bytes.
@@ -37,7 +37,7 @@ fn hash(text: &str) -> String {
 ///
 /// # Errors
 /// Returns an error if the file cannot be written.
-pub fn replace(path: &Path, content: &[u8]) -> Result<(), CliError> {
+pub fn replace(path: &Path, content: &[u8]) -> Result<(), CommandError> {
     let written = || {
         if let Some(parent) = path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
             fs::create_dir_all(parent)?;
@@ -46,7 +46,7 @@ pub fn replace(path: &Path, content: &[u8]) -> Result<(), CliError> {
     };
     written().map_err(|error| {
         let what = format!("{}: cannot be written", path.display());
-        CliError::refusal(what, error, "a path that can be written to, with --out FILE")
+        CommandError::refusal(what, error, "a path that can be written to, with --out FILE")
     })
 }
 
@@ -54,7 +54,7 @@ pub fn replace(path: &Path, content: &[u8]) -> Result<(), CliError> {
 ///
 /// # Errors
 /// Returns an error if the output lies inside `directory`.
-pub fn outside(directory: &Path, out: &Path) -> Result<(), CliError> {
+pub fn outside(directory: &Path, out: &Path) -> Result<(), CommandError> {
     let Ok(directory) = fs::canonicalize(directory) else { return Ok(()) };
     // The longest existing part of the path.
     let there = out.ancestors().find_map(|part| {
@@ -65,7 +65,7 @@ pub fn outside(directory: &Path, out: &Path) -> Result<(), CliError> {
         let what = format!("{}: lies in the directory of results", out.display());
         let found = format!("an output in {}", directory.display());
         let allowed = "another place; that directory holds only files of the study";
-        return Err(CliError::refusal(what, found, allowed));
+        return Err(CommandError::refusal(what, found, allowed));
     }
     Ok(())
 }
@@ -74,7 +74,7 @@ pub fn outside(directory: &Path, out: &Path) -> Result<(), CliError> {
 ///
 /// # Errors
 /// Returns an error if the directory has no name, as `/`.
-pub fn beside(directory: &Path, added: &str) -> Result<PathBuf, CliError> {
+pub fn beside(directory: &Path, added: &str) -> Result<PathBuf, CommandError> {
     // `.` and `..` have names only after resolution.
     let named = match directory.file_name() {
         Some(_) => directory.to_owned(),
@@ -83,7 +83,7 @@ pub fn beside(directory: &Path, added: &str) -> Result<PathBuf, CliError> {
     };
     let Some(name) = named.file_name() else {
         let found = directory.display();
-        return Err(CliError::Usage(format!(
+        return Err(CommandError::Usage(format!(
             "{found}: this directory has no name; name the output with --out"
         )));
     };
@@ -96,7 +96,7 @@ pub fn beside(directory: &Path, added: &str) -> Result<PathBuf, CliError> {
 ///
 /// # Errors
 /// Returns an error if anything else has this path.
-pub fn replaceable(file: &Path, own: impl Fn(&[u8]) -> bool) -> Result<(), CliError> {
+pub fn replaceable(file: &Path, own: impl Fn(&[u8]) -> bool) -> Result<(), CommandError> {
     let unusable = |cause| ResultsError::Unusable { path: file.to_owned(), cause };
     let found = match fs::symlink_metadata(file) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::exit::CliError;
 use crate::classification::MODEL_VERSION;
+use crate::command_error::CommandError;
 use crate::sanitize::{shell_word, shown_path};
 use crate::study::Study;
 use crate::table::{MANIFEST, Manifest, ResultsError, VERSION, manifest_of};
@@ -26,7 +26,7 @@ const FIGURES: &str = "the Python package's `stickslip-figures DIR` draws its ta
 ///
 /// # Errors
 /// Returns an error if there are no results, if another version computed them, or if the study file was edited.
-pub fn results_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
+pub fn results_study(directory: &Path) -> Result<(Study, Manifest), CommandError> {
     let (study, manifest) = begun_study(directory)?;
     manifest.check_file(directory, STUDY)?;
     Ok((study, manifest))
@@ -37,7 +37,7 @@ pub fn results_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
 ///
 /// # Errors
 /// Returns an error if there are no results, if another version computed them, or if the study has other runs.
-pub fn begun_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
+pub fn begun_study(directory: &Path) -> Result<(Study, Manifest), CommandError> {
     let occupied = |reason: &str, found: String, allowed: String| ResultsError::Occupied {
         path: directory.to_owned(),
         reason: reason.to_owned(),
@@ -49,7 +49,7 @@ pub fn begun_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
     }
     if !directory.as_os_str().is_empty() && !directory.exists() {
         let what = format!("{}: this directory does not exist", shown_path(directory));
-        return Err(CliError::refusal(what, "no such directory", allowed_directory()));
+        return Err(CommandError::refusal(what, "no such directory", allowed_directory()));
     }
     let Some(manifest) = manifest_of(directory)? else {
         let reason = "this directory holds no results of `stickslip run`";
@@ -101,7 +101,7 @@ fn allowed_directory() -> String {
 }
 
 /// Returns the error for a file in place of a directory of results.
-fn not_a_directory(file: &Path) -> CliError {
+fn not_a_directory(file: &Path) -> CommandError {
     let what = format!("{}: this is a file, not a directory of results", shown_path(file));
     match Study::load(file) {
         Ok(study) => {
@@ -111,8 +111,8 @@ fn not_a_directory(file: &Path) -> CliError {
                 shell_word(file),
                 shell_word(&directory)
             );
-            CliError::refusal(what, format!("the study {}", study.name()), allowed)
+            CommandError::refusal(what, format!("the study {}", study.name()), allowed)
         }
-        Err(_) => CliError::refusal(what, "a file", allowed_directory()),
+        Err(_) => CommandError::refusal(what, "a file", allowed_directory()),
     }
 }

@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use super::exit::CliError;
-use super::range::{MOST_TIMES, Times};
+use super::animation::{animation, frames, time_text};
+use super::replay::MOST_INSTANTS;
 use crate::classification::{Evidence, Instants, Recorder, simulate_recorded};
-use crate::report::{animation, frames, time_text};
+use crate::command_error::CommandError;
 use crate::study::Study;
 use crate::table::{FileList, ResultsError, RunRecord};
 
 /// Name of the animation's file.
 pub const ANIMATION: &str = "replay.html";
 
-/// Writes an animation of a run, or of the interval of `times`. Returns `false` without a file if the model has no
+/// Writes an animation of a run, or of an interval of it, s. Returns `false` without a file if the model has no
 /// balls or if the run did not start.
 ///
 /// # Errors
@@ -22,13 +22,13 @@ pub fn animate(
     list: &mut FileList,
     study: &Study,
     record: &RunRecord,
-    times: Option<Times>,
-) -> Result<bool, CliError> {
+    interval_s: Option<[f64; 2]>,
+) -> Result<bool, CommandError> {
     let outcome = &record.outcome;
     let (Ok(case), Some(end)) = (&record.planned.case, outcome.end_time_s) else {
         return Ok(false);
     };
-    let [from, to] = times.map_or([0.0, end], |times| times.ends());
+    let [from, to] = interval_s.unwrap_or([0.0, end]);
     let to = to.min(end);
     if outcome.evidence == Evidence::Panic || from >= to {
         return Ok(false);
@@ -49,8 +49,7 @@ pub fn animate(
     let natural = case.model.natural_frequency_rad_s();
     let last = f64::from(frames - 1);
     let time = |frame: u32| natural * (from + (to - from) * (f64::from(frame) / last));
-    let mut recorder =
-        Recorder::new(Instants::At((0..frames).map(time).collect()), MOST_TIMES as usize);
+    let mut recorder = Recorder::new(Instants::At((0..frames).map(time).collect()), MOST_INSTANTS);
     simulate_recorded(case, &mut recorder);
     let page = animation(machine, &recorder.finish(), &title);
     let unusable = |cause| ResultsError::Unusable { path: out.join(ANIMATION), cause };

@@ -6,9 +6,9 @@
 use std::fs;
 use std::path::Path;
 
+use super::Lock;
 use super::exclusive_directory::check_entries;
-use super::exit::CliError;
-use crate::engine::Lock;
+use crate::command_error::CommandError;
 use crate::table::column::Column;
 use crate::table::{
     FILES, FileList, ResultsError, TableWriter, WriteError, clear_temporaries, make_directory,
@@ -38,7 +38,7 @@ impl<'a> ContinuedDirectory<'a> {
         path: &'a Path,
         reason: &str,
         own: impl Fn(&str) -> bool,
-    ) -> Result<Self, CliError> {
+    ) -> Result<Self, CommandError> {
         let unusable = |cause| ResultsError::Unusable { path: path.to_owned(), cause };
         let own = |name: &str| own(name) || name == FILES || name == LOCK;
         check_entries(path, reason, |name| crate::table::is_own(name, own))?;
@@ -88,7 +88,11 @@ impl<'a> ContinuedDirectory<'a> {
     ///
     /// # Errors
     /// Returns an error if the file cannot be written.
-    pub fn write_json(&mut self, name: &str, value: &serde_json::Value) -> Result<(), CliError> {
+    pub fn write_json(
+        &mut self,
+        name: &str,
+        value: &serde_json::Value,
+    ) -> Result<(), CommandError> {
         let text = format!("{value:#}\n");
         let written = self.list.write(self.path, name, text.as_bytes());
         let path = self.path.join(name);

@@ -1,0 +1,193 @@
+//! The result of an inference, for Python.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::Value;
+use stickslip::engine::WorkerPool;
+use stickslip::identify::Identify;
+use stickslip::study::{MeasuredRun, Study};
+use stickslip::table::MemoryTable;
+
+use crate::directory::Directory;
+use crate::error::{Trouble, no_threads};
+use crate::given::{Given, Words};
+use crate::json::to_python;
+use crate::plotting::draw;
+use crate::progress::Bars;
+use crate::table::Table;
+use crate::values::is_text;
+use crate::waiting::wait_with;
+
+/// Parameters inferred from measured positions of rest.
+#[pyclass(frozen, module = "stickslip")]
+pub struct Identification {
+    summary: Value,
+    in_words: String,
+    failed_runs: u64,
+    tables: [MemoryTable; 4],
+    directory: Directory,
+}
+
+#[pymethods]
+impl Identification {
+    /// The content of ``identification.json``: medians, intervals, correlations, and the tests of the model.
+    #[getter]
+    fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.summary)
+    }
+
+    /// Number of failed runs; the densities exclude them.
+    #[getter]
+    fn failed_runs(&self) -> u64 {
+        self.failed_runs
+    }
+
+    /// Samples of the posterior, as in ``posterior.parquet``.
+    #[getter]
+    fn posterior(&self) -> Table {
+        Table(self.tables[0].clone())
+    }
+
+    /// The log-likelihood of each parameter set, as in ``parameter_sets.parquet``.
+    #[getter]
+    fn parameter_sets(&self) -> Table {
+        Table(self.tables[1].clone())
+    }
+
+    /// Whether the model explains the measurements, at each point, as in ``fit.parquet``.
+    #[getter]
+    fn fit(&self) -> Table {
+        Table(self.tables[2].clone())
+    }
+
+    /// Measured and predicted positions of rest, as in ``positions.parquet``.
+    #[getter]
+    fn positions(&self) -> Table {
+        Table(self.tables[3].clone())
+    }
+
+    /// The directory of the files; None without ``out``.
+    #[getter]
+    fn directory(&self) -> Option<&Path> {
+        self.directory.named()
+    }
+
+    /// Draws the figure ``stickslip.figures.identification`` with its options, such as ``width="single"``.
+    ///
+    /// Raises ModuleNotFoundError without matplotlib, numpy and pyarrow.
+    #[pyo3(signature = (**options))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        draw(slf.as_any(), "identification", &["identification"], options)
+    }
+
+    /// The directory from which figures read.
+    fn _source(&self) -> &Path {
+        self.directory.path()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<stickslip.Identification>\n{}", self.in_words.trim_end())
+    }
+}
+
+/// Measured runs: a file, or a table in memory.
+enum Measured {
+    File(PathBuf),
+    Table(Given),
+}
+
+const WORDS: Words = Words {
+    name: "measured",
+    allowed: "a path, a list of dicts, a dict of columns, or an Arrow table or dataframe",
+};
+
+impl Measured {
+    fn of(given: &Bound<'_, PyAny>) -> PyResult<Self> {
+        if is_text(given) || given.hasattr("__fspath__")? {
+            return Ok(Measured::File(given.extract()?));
+        }
+        Ok(Measured::Table(WORDS.given(given)?))
+    }
+
+    fn file(&self) -> PathBuf {
+        match self {
+            Measured::File(file) => file.clone(),
+            Measured::Table(_) => WORDS.name.into(),
+        }
+    }
+
+    fn runs(self, study: &Study) -> Result<Vec<MeasuredRun>, stickslip::study::StudyError> {
+        match self {
+            Measured::File(file) => study.measured(&file),
+            Measured::Table(Given::Arrow(reader)) => study.measured_in_arrow(WORDS.name, reader),
+            Measured::Table(Given::Rows(columns, rows)) => {
+                study.measured_in_memory(WORDS.name, columns, rows)
+            }
+        }
+    }
+}
+
+/// How an inference is computed.
+pub struct Options {
+    /// The directory of the results.
+    pub out: Option<PathBuf>,
+    /// The directory of simulated runs.
+    pub simulations: Option<PathBuf>,
+    /// Number of worker threads.
+    pub threads: Option<i64>,
+    /// Whether to show progress.
+    pub progress: bool,
+}
+
+impl Identification {
+    /// Infers the parameters of a study from measured runs.
+    ///
+    /// # Errors
+    /// Returns the errors of the inference, and the exception of a signal handler.
+    pub fn infer(
+        py: Python<'_>,
+        (study, file): (Arc<Study>, PathBuf),
+        measured: &Bound<'_, PyAny>,
+        options: Options,
+    ) -> PyResult<Identification> {
+        let Options { out, simulations, threads, progress } = options;
+        let threads = crate::threads::threads(threads)?;
+        let (inferred, _) = Identify::study_of(&study, &file).map_err(Trouble::from)?;
+        let measured = Measured::of(measured)?;
+        let measured_file = measured.file();
+        let runs = measured.runs(&inferred).map_err(Trouble::from)?;
+        let directory = Directory::new(out)?;
+        let bars = Bars::new(py, progress)?;
+        let show = bars.show();
+        Ok(wait_with(py, &bars, move |stop| {
+            let workers = WorkerPool::new(threads).map_err(no_threads)?;
+            let identify = Identify {
+                study: &study,
+                file: &file,
+                measured: &measured_file,
+                directory: directory.path(),
+                simulations,
+                workers: &workers,
+                stop,
+                show,
+            };
+            let Some(identified) = identify.run(|_| Ok(runs))? else {
+                return Err(Trouble::Interrupted);
+            };
+            let tables = directory.tables(["posterior", "parameter_sets", "fit", "positions"])?;
+            Ok(Identification {
+                summary: identified.summary,
+                in_words: identified.in_words,
+                failed_runs: identified.failed_runs,
+                tables,
+                directory,
+            })
+        })??)
+    }
+}

@@ -1,0 +1,134 @@
+//! How a study is run: in memory, or into a directory, like the command line.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use arrow_schema::ArrowError;
+use stickslip::analysis::PointDetail;
+use stickslip::engine::{
+    EngineOptions, OutputDir, Parts, Planned, Progress, Readable, Ready, Show, Sink, run_study,
+};
+use stickslip::study::Study;
+use stickslip::table::{
+    self, Circumstances, MemoryResults, MemoryTables, PointRow, ResultsError, RunRecord,
+};
+
+use crate::error::Trouble;
+use crate::results::Results;
+
+/// How a study is to be run.
+pub struct Run {
+    /// The file of the study.
+    pub file: PathBuf,
+    /// Number of worker threads.
+    pub threads: usize,
+    /// How progress is shown.
+    pub show: Show,
+    /// Whether a study may replace results without a reusable run.
+    pub recompute: bool,
+}
+
+impl Run {
+    /// Runs a study and keeps its tables in memory.
+    ///
+    /// # Errors
+    /// Returns an error if the threads cannot be started.
+    pub fn in_memory(self, study: &Arc<Study>, stop: &AtomicBool) -> Result<Results, Trouble> {
+        let mut tables = MemoryResults::new(study);
+        let progress = Progress::begin(self.planned(study), self.show.clone());
+        let mut sink = InMemory(&mut tables);
+        let ended = run_study(study, self.options(), stop, &progress, None, &mut sink);
+        progress.close();
+        let totals = ended?;
+        let MemoryTables { tables, stages } = tables.finish()?;
+        let study = (Arc::clone(study), self.file);
+        Ok(Results::in_memory(study, |label| totals.counts.of(label), tables, stages))
+    }
+
+    /// Runs a study into a directory, like the command line.
+    ///
+    /// # Errors
+    /// Returns an error if the directory contains something else, or cannot be used.
+    pub fn into_directory(
+        self,
+        study: &Study,
+        directory: PathBuf,
+        stop: &AtomicBool,
+    ) -> Result<Results, Trouble> {
+        let options = self.options();
+        let output_dir = OutputDir {
+            directory: &directory,
+            shard: options.shard,
+            retry_failed: options.retry_failed,
+            recompute: self.recompute,
+            shards: &[],
+            quiet: matches!(self.show, Show::Nothing),
+        };
+        let manifest = match output_dir.prepare(study)? {
+            Ready::Complete(manifest) => *manifest,
+            Ready::Open(mut store, mut results) => {
+                let begun =
+                    Circumstances::begin(options.shard.to_string(), options.shard.most_runs(study));
+                let progress = Progress::begin(self.planned(study), self.show.clone());
+                let mut sink = InFiles(&mut results);
+                let ended =
+                    run_study(study, options, stop, &progress, Some(&mut *store), &mut sink);
+                let wall_s = progress.close().as_secs_f64();
+                let totals = ended?;
+                store.check()?;
+                let (runs_kept, threads) = (totals.reused, options.threads);
+                let complete = !totals.interrupted();
+                results.finish(
+                    study,
+                    Circumstances { runs_kept, complete, wall_s, threads, ..begun },
+                )?
+            }
+        };
+        let readable = Readable::finished(study.clone(), manifest, &directory);
+        Ok(Results::of_directory(directory, readable))
+    }
+
+    fn options(&self) -> EngineOptions {
+        EngineOptions { threads: self.threads, ..EngineOptions::default() }
+    }
+
+    fn planned<'a>(&self, study: &'a Study) -> Planned<'a> {
+        Planned {
+            study: study.name(),
+            runs: self.options().shard.most_runs(study),
+            at_most: study.precision().is_some(),
+            parts: Parts::Points(study.point_count()),
+        }
+    }
+}
+
+/// Collects runs and points in memory.
+struct InMemory<'a>(&'a mut MemoryResults);
+
+impl Sink for InMemory<'_> {
+    type Error = ArrowError;
+
+    fn run(&mut self, record: RunRecord) -> Result<(), ArrowError> {
+        self.0.push_run(record)
+    }
+
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ArrowError> {
+        self.0.push_point(point, detail)
+    }
+}
+
+/// Writes runs and points to files.
+struct InFiles<'a>(&'a mut table::Results);
+
+impl Sink for InFiles<'_> {
+    type Error = ResultsError;
+
+    fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
+        self.0.push_run(record)
+    }
+
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
+        self.0.push_point(point, detail)
+    }
+}

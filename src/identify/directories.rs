@@ -1,0 +1,140 @@
+//! The output directories of an inference: the ends of simulated runs, which inferences can share, and the results.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+
+use super::inference::{Inference, Inferred, Sets};
+use super::parameter_set::{ParameterSet, read_parameter_set, set_columns, set_facts, set_name};
+use super::tables::{
+    evaluated_set_columns, fit_columns, position_columns, position_rows, posterior_columns,
+};
+use crate::command_error::CommandError;
+use crate::engine::ContinuedDirectory;
+use crate::sanitize::shell_word;
+use crate::study::{DesignValue, MeasuredRun, Study};
+use crate::table::provenance_with;
+
+/// The name of the directory with the ends of simulated runs.
+pub(super) const SIMULATIONS: &str = "simulations";
+
+/// The files with the ends of simulated runs.
+pub(super) struct SetFiles<'a> {
+    study: &'a Study,
+    directory: ContinuedDirectory<'a>,
+}
+
+impl<'a> SetFiles<'a> {
+    pub fn open(study: &'a Study, path: &'a Path) -> Result<Self, CommandError> {
+        let is_set = |name: &str| {
+            let digits = name.strip_prefix("set-").and_then(|rest| rest.strip_suffix(".parquet"));
+            digits.is_some_and(|digits| {
+                digits.len() == 16 && digits.bytes().all(|byte| byte.is_ascii_hexdigit())
+            })
+        };
+        let reason = "this directory is not empty and holds no simulated runs";
+        let directory = ContinuedDirectory::open(path, reason, is_set)?;
+        Ok(SetFiles { study, directory })
+    }
+}
+
+impl Sets<CommandError> for SetFiles<'_> {
+    fn find(&mut self, values: &[DesignValue]) -> Result<Option<ParameterSet>, CommandError> {
+        let name = format!("{}.parquet", set_name(self.study, values));
+        if self.directory.changed.contains(&name) || !self.directory.list.has(&name) {
+            return Ok(None);
+        }
+        read_parameter_set(self.study, self.directory.path, values)
+            .map_err(|error| CommandError::Usage(error.to_string()))
+    }
+
+    fn keep(&mut self, set: &ParameterSet) -> Result<(), CommandError> {
+        let (name, facts) = (set_name(self.study, &set.values), set_facts(self.study, &set.values));
+        let about = provenance_with(self.study, &name, &facts);
+        self.directory.write(&name, &about, set_columns(self.study), set.ends.clone())?;
+        Ok(())
+    }
+}
+
+/// The files with the results.
+pub(super) struct ResultFiles<'a> {
+    study: &'a Study,
+    /// The hash of the measured runs.
+    pub measured: String,
+    directory: ContinuedDirectory<'a>,
+}
+
+/// The files of an inference.
+const OWN: [&str; 6] = [
+    "posterior.parquet",
+    "parameter_sets.parquet",
+    "fit.parquet",
+    "positions.parquet",
+    SUMMARY,
+    SIMULATIONS,
+];
+const SUMMARY: &str = "identification.json";
+
+impl<'a> ResultFiles<'a> {
+    /// Opens the directory. Returns an error if it holds anything but the files of an inference, or if they are of other
+    /// measurements.
+    pub fn open(
+        study: &'a Study,
+        measured: &[MeasuredRun],
+        path: &'a Path,
+    ) -> Result<Self, CommandError> {
+        let reason = "this directory is not empty and holds no inference";
+        let directory = ContinuedDirectory::open(path, reason, |name| OWN.contains(&name))?;
+        let measured = hash(measured);
+        let summary = std::fs::read(path.join(SUMMARY)).ok();
+        let before: Option<Value> = summary.and_then(|text| serde_json::from_slice(&text).ok());
+        if let Some(before) = before
+            && (before["measured_sha256"] != measured || before["study_hash"] != study.hash())
+        {
+            let simulations = shell_word(&path.join(SIMULATIONS));
+            return Err(CommandError::Usage(format!(
+                "{}: this directory holds another inference\n  found:   results of other measurements or of another \
+                 study\n  allowed: another directory with --out; --simulations {simulations} uses the simulated runs of \
+                 the same study again",
+                path.display()
+            )));
+        }
+        Ok(ResultFiles { study, measured, directory })
+    }
+
+    pub fn write(
+        &mut self,
+        inference: &Inference,
+        inferred: &Inferred,
+        summary: &Value,
+    ) -> Result<(), CommandError> {
+        let study = self.study;
+        let file = study.resolved_file();
+        let facts = json!({"identify": file["identify"], "measured_sha256": self.measured});
+        let about = |name: &str| provenance_with(study, name, &facts);
+        let directory = &mut self.directory;
+        let samples = inferred.posterior.samples.iter().cloned();
+        directory.write("posterior", &about("posterior"), posterior_columns(study), samples)?;
+        let sets = (0..)
+            .zip(&inferred.sets)
+            .map(|(number, (values, likelihood))| (number, values.clone(), *likelihood));
+        let columns = evaluated_set_columns(study, inference.identification.start_designs);
+        directory.write("parameter_sets", &about("parameter_sets"), columns, sets)?;
+        let fits = inferred.fits.iter().cloned();
+        directory.write("fit", &about("fit"), fit_columns(study), fits)?;
+        let positions = position_rows(inference.sites, &inferred.fits);
+        directory.write("positions", &about("positions"), position_columns(study), positions)?;
+        directory.write_json(SUMMARY, summary)
+    }
+}
+
+/// Returns the hash of measured runs.
+fn hash(measured: &[MeasuredRun]) -> String {
+    let mut digest = Sha256::new();
+    for run in measured {
+        let MeasuredRun { point_id, stage, rest, std_dev_rad } = run;
+        digest.update(format!("{point_id} {stage:?} {rest:?} {std_dev_rad:?}\n"));
+    }
+    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}

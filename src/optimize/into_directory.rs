@@ -1,0 +1,209 @@
+//! A whole optimisation into a directory: the search, the sensitivities, and the finalists, with progress.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use serde_json::{Value, json};
+
+use super::evaluation::{Evaluation, Origin};
+use super::evaluations_table::read_evaluations;
+use super::finalists::{FinalistRole, Finalists, final_runs, finalists};
+use super::report::{nearest_unmet, optimum_json, result_in_words, search_line};
+use super::search::{Search, SearchEnd, search};
+use super::search_directory::SearchDirectory;
+use super::sensitivity::{sensitivities, surrogates};
+use super::tables::sensitivity_columns;
+use crate::classification::Label;
+use crate::command_error::CommandError;
+use crate::counted::counted;
+use crate::engine::{Parts, Planned, Progress, Show, WorkerPool, say};
+use crate::responses::check_answerable;
+use crate::study::{SensitivityFrom, Study};
+
+/// An optimisation: the study, where its results go, and how it is computed.
+pub struct Optimize<'a> {
+    /// The study.
+    pub study: &'a Study,
+    /// The file of the study, for messages.
+    pub file: &'a Path,
+    /// The directory of the results, which is continued.
+    pub directory: &'a Path,
+    /// The workers that compute the runs.
+    pub workers: &'a WorkerPool,
+    /// Stops the optimisation when it becomes true.
+    pub stop: &'a AtomicBool,
+    /// How progress is shown.
+    pub show: Show,
+    /// Whether to print only warnings.
+    pub quiet: bool,
+}
+
+/// The result of an optimisation, which is also in its directory.
+pub struct Optimized {
+    /// The content of `optimum.json`.
+    pub summary: Value,
+    /// The result in words.
+    pub in_words: String,
+    /// The limits that the nearest design does not meet; `None` if a design meets all limits.
+    pub unmet: Option<Vec<String>>,
+    /// The number of failed runs.
+    pub failed_runs: u64,
+}
+
+impl Optimize<'_> {
+    /// Searches for the best design; returns `None` if it was stopped.
+    ///
+    /// # Errors
+    /// Returns an error if the study has no `optimize`, if the directory holds other files, if a table cannot be written, or
+    /// if an objective does not depend on the design.
+    pub fn run(&self) -> Result<Option<Optimized>, CommandError> {
+        let Optimize { study, directory, workers, stop, .. } = *self;
+        let file = self.file.display();
+        let Some(optimization) = study.optimization() else {
+            let allowed = "an objective in the study, such as optimize: {minimize: vibration}";
+            return Err(CommandError::Usage(format!(
+                "{file}: `optimize` is missing\n  allowed: {allowed}"
+            )));
+        };
+        check_answerable(study, self.file).map_err(CommandError::Usage)?;
+        let mut results = SearchDirectory::new(study, optimization, directory)?;
+        let mut evaluations = read_evaluations(study, directory)
+            .map_err(|error| CommandError::Usage(error.to_string()))?;
+        for name in &results.directory.changed {
+            say(&format!("{name} has been changed since it was written; writing it anew"));
+        }
+        let what = Search { study, optimization, workers, stop };
+        if !evaluations.is_empty() {
+            let designs = counted(evaluations.len(), "design");
+            self.report(&format!("continuing after {designs} in {}", directory.display()));
+        }
+        // The two parts differ in speed, so that each has its own progress.
+        let mut end = SearchEnd::Finished;
+        for until in [optimization.start_designs.min(optimization.designs), optimization.designs] {
+            if end == SearchEnd::Finished {
+                end = self.search_until(&what, &mut evaluations, until, &mut results)?;
+            }
+        }
+        match &end {
+            SearchEnd::Stopped => return Ok(None),
+            SearchEnd::Constant(problem) => {
+                let allowed =
+                    "an objective that has a value for these designs and depends on the design";
+                return Err(CommandError::Usage(format!(
+                    "{file}: `optimize`: {problem}\n  allowed: {allowed}"
+                )));
+            }
+            SearchEnd::NoMoreDesigns => self.report("all possible designs have been evaluated"),
+            SearchEnd::Finished => {}
+        }
+        let instead =
+            evaluations.iter().filter(|one| one.origin == Origin::SpaceFillingInstead).count();
+        if instead > 0 {
+            let all = evaluations.len();
+            self.report(&format!(
+                "{instead} of {all} designs are space-filling: the surrogates proposed no new design"
+            ));
+        }
+        if stop.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        let Some(surrogates) = surrogates(&what, &evaluations) else { return Ok(None) };
+        results.write_surrogates(&surrogates)?;
+        let Some(sensitivities) = self.with_progress(sensitivity_runs(&what), |finished| {
+            sensitivities(&what, &surrogates, finished)
+        }) else {
+            return Ok(None);
+        };
+        results.write("sensitivities", sensitivity_columns(), sensitivities.clone())?;
+        let Some(finalists) = self
+            .with_progress(final_runs(&what), |finished| finalists(&what, &evaluations, finished))
+        else {
+            return Ok(None);
+        };
+        results.write_finals(&finalists)?;
+        let summary = optimum_json(&what, &end, &evaluations, &finalists, &sensitivities);
+        results.directory.write_json("optimum.json", &summary)?;
+        Ok(Some(Optimized {
+            summary,
+            in_words: result_in_words(&what, &finalists),
+            unmet: unmet(&what, &evaluations, &finalists),
+            failed_runs: failed_runs(&evaluations, &finalists),
+        }))
+    }
+
+    fn report(&self, text: &str) {
+        if !self.quiet {
+            say(text);
+        }
+    }
+
+    /// Continues the search up to a number of designs and shows its progress.
+    fn search_until(
+        &self,
+        what: &Search,
+        evaluations: &mut Vec<Evaluation>,
+        until: u64,
+        results: &mut SearchDirectory,
+    ) -> Result<SearchEnd, CommandError> {
+        let missing = until.saturating_sub(evaluations.len() as u64);
+        if missing == 0 {
+            return Ok(SearchEnd::Finished);
+        }
+        let runs = missing.saturating_mul(what.study.most_runs_of_a_design());
+        let progress = Progress::begin(self.planned(runs, missing), self.show.clone());
+        progress.keep_drawing();
+        let finished = |label| progress.finished(label);
+        let end = search(what, evaluations, until, &finished, |evaluations| {
+            results.remove_ends();
+            results.write_evaluations(evaluations)?;
+            progress.point(|| search_line(what, evaluations), || json!({}));
+            Ok::<(), CommandError>(())
+        });
+        progress.close();
+        end
+    }
+
+    /// Does work of at most `runs` runs and shows its progress.
+    fn with_progress<T>(
+        &self,
+        runs: u64,
+        work: impl FnOnce(&(dyn Fn(Label) + Sync)) -> Option<T>,
+    ) -> Option<T> {
+        if runs == 0 {
+            return work(&|_| {});
+        }
+        // The parts of this work do not report that they have finished.
+        Progress::during(self.planned(runs, 0), self.show.clone(), work)
+    }
+
+    fn planned(&self, runs: u64, designs: u64) -> Planned<'_> {
+        Planned { study: self.study.name(), runs, at_most: true, parts: Parts::Designs(designs) }
+    }
+}
+
+/// Returns the limits that the nearest design does not meet, unless a design meets all limits.
+fn unmet(what: &Search, evaluations: &[Evaluation], finalists: &Finalists) -> Option<Vec<String>> {
+    let is_best_met = finalists.of(FinalistRole::Best).is_some_and(|best| best.met);
+    if is_best_met || finalists.all.iter().any(|one| one.on_front == Some(true)) {
+        return None;
+    }
+    Some(nearest_unmet(what.study, what.optimization, evaluations, finalists))
+}
+
+fn failed_runs(evaluations: &[Evaluation], finalists: &Finalists) -> u64 {
+    let of_search = evaluations.iter().flat_map(|one| &one.answers);
+    let of_finals = finalists.all.iter().flat_map(|one| &one.answers);
+    of_search.chain(of_finals).map(|answer| answer.counts.of(Label::Failed)).sum()
+}
+
+/// Returns the number of runs for the Sobol' indices.
+fn sensitivity_runs(what: &Search) -> u64 {
+    let Search { study, optimization, .. } = what;
+    match optimization.sensitivity_from {
+        SensitivityFrom::Surrogates => 0,
+        SensitivityFrom::Runs => {
+            let designs = optimization.sensitivity_samples * (study.variables().len() as u64 + 2);
+            designs.saturating_mul(study.most_runs_of_a_design())
+        }
+    }
+}

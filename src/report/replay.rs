@@ -1,0 +1,164 @@
+//! A run that is computed again with its motion, compared with its stored row, and written as tables and an animation.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::replay_animation::{ANIMATION, animate};
+use super::stored_run::stored_run;
+use crate::classification::Recording;
+use crate::command_error::CommandError;
+use crate::engine::{ExclusiveDirectory, record};
+use crate::study::Study;
+use crate::table::column::Column;
+use crate::table::{
+    Difference, FILES, FileList, Manifest, RunRecord, StoredRun, TableWriter, provenance_with,
+    switch_columns, touch_columns, trajectory_columns,
+};
+
+/// The largest number of instants, of switches and of impacts of a motion.
+pub const MOST_INSTANTS: usize = 1_000_000;
+
+/// The table of switches.
+pub const SWITCHES: &str = "switches.parquet";
+const TRAJECTORY: &str = "trajectory.parquet";
+const TOUCHES: &str = "touches.parquet";
+/// All files that a replay may write.
+const OWN: [&str; 4] = [TRAJECTORY, SWITCHES, TOUCHES, ANIMATION];
+
+/// A run that has been computed again.
+pub struct Replay {
+    /// The run.
+    pub record: RunRecord,
+    /// Its motion.
+    pub recording: Recording,
+    /// The differences from the stored row; `None` if there is no stored row.
+    pub differences: Option<Vec<Difference>>,
+    /// The number of compared columns.
+    pub columns: usize,
+    /// The times of the motion, s; `None` for every step.
+    pub times_s: Option<Vec<f64>>,
+}
+
+impl Replay {
+    /// Computes a run of a directory of results again, at the given times (ascending, in s) or at every step.
+    ///
+    /// # Errors
+    /// Returns an error if the directory lacks this run, or if the motion is too long.
+    pub fn of_directory(
+        directory: &Path,
+        (study, manifest): (&Study, &Manifest),
+        run_id: u64,
+        times_s: Option<Vec<f64>>,
+    ) -> Result<Replay, CommandError> {
+        let stored = stored_run(directory, study, manifest, run_id)?;
+        let mut replay = Replay::of_study(study, run_id, times_s)?;
+        if let Some(stored) = stored {
+            replay.differences = Some(stored.differences(study, &replay.record)?);
+            replay.columns = StoredRun::columns(&stored);
+        }
+        Ok(replay)
+    }
+
+    /// Computes a run of a study without a stored row to compare.
+    ///
+    /// # Errors
+    /// Returns an error if the motion is too long.
+    ///
+    /// # Panics
+    /// If `run_id` is not below [`Study::run_count`].
+    pub fn of_study(
+        study: &Study,
+        run_id: u64,
+        times_s: Option<Vec<f64>>,
+    ) -> Result<Replay, CommandError> {
+        let (record, recording) = record(study, run_id, times_s.as_deref(), MOST_INSTANTS);
+        if recording.cut_off {
+            let what = format!("the motion of run {run_id} is too long");
+            let found = format!("more than {MOST_INSTANTS} steps, switches or impacts");
+            let allowed =
+                "fewer; choose an interval with --times FROM:TO:N, or with `times_s` in Python";
+            return Err(CommandError::refusal(what, found, allowed));
+        }
+        Ok(Replay { record, recording, differences: None, columns: 0, times_s })
+    }
+
+    /// Returns the times after the end of the run, at which there is no motion.
+    pub fn times_after_end_s(&self) -> &[f64] {
+        let times = self.times_s.as_deref().unwrap_or_default();
+        &times[self.recording.samples.len().min(times.len())..]
+    }
+
+    /// Returns the options of the replay, for the provenance of its tables.
+    pub fn options(&self) -> Value {
+        let times = self.times_s.as_ref();
+        json!({
+            "run_id": self.record.planned.run_id,
+            "times": times.map(|times| json!([times.first(), times.last(), times.len()])),
+        })
+    }
+
+    /// Checks that a directory can hold a replay: it is empty, missing, or left unfinished by an earlier replay.
+    ///
+    /// # Errors
+    /// Returns an error if the directory holds anything else or cannot be read.
+    pub fn inspect(out: &Path) -> Result<(), CommandError> {
+        Ok(ExclusiveDirectory::inspect(out, &OWN)?)
+    }
+
+    /// Writes the tables and the animation of a run of the study, and returns the names of the files.
+    ///
+    /// # Errors
+    /// Returns an error if the directory holds anything else, or if a file cannot be written.
+    pub fn write(&self, study: &Study, out: &Path) -> Result<Vec<&'static str>, CommandError> {
+        let mut place = ExclusiveDirectory::open(out, &OWN)?;
+        let mut files = self.write_tables(study, out, &mut place.list)?;
+        let times = self.times_s.as_deref();
+        let interval = times.and_then(|times| Some([*times.first()?, *times.last()?]));
+        if animate(out, &mut place.list, study, &self.record, interval)? {
+            files.push(ANIMATION);
+        }
+        files.push(FILES);
+        place.finish()?;
+        Ok(files)
+    }
+
+    fn write_tables(
+        &self,
+        study: &Study,
+        out: &Path,
+        list: &mut FileList,
+    ) -> Result<Vec<&'static str>, CommandError> {
+        let Replay { record, recording, .. } = self;
+        let options = self.options();
+        // Invalid parameters have no units; the table is then empty.
+        let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
+        let gaps = model.gaps(&record.planned.start);
+        let columns = trajectory_columns(model, gaps.as_deref().unwrap_or_default());
+        table(out, list, study, "trajectory", &options, columns, &recording.samples)?;
+        table(out, list, study, "switches", &options, switch_columns(model), &recording.switches)?;
+        if gaps.is_none() {
+            return Ok(vec![TRAJECTORY, SWITCHES]);
+        }
+        table(out, list, study, "touches", &options, touch_columns(model), &recording.touches)?;
+        Ok(vec![TRAJECTORY, SWITCHES, TOUCHES])
+    }
+}
+
+fn table<R: Clone>(
+    out: &Path,
+    list: &mut FileList,
+    study: &Study,
+    name: &str,
+    options: &Value,
+    columns: Vec<Column<R>>,
+    rows: &[R],
+) -> Result<(), CommandError> {
+    let path = out.join(format!("{name}.parquet"));
+    let mut table = TableWriter::create(&path, columns, &provenance_with(study, name, options))?;
+    for row in rows {
+        table.push(row.clone())?;
+    }
+    table.finish_once(|files| list.announce(out, files))?;
+    Ok(())
+}
