@@ -109,7 +109,7 @@ pub fn run(registry: Registry) -> ExitCode {
     ExitCode::from(run_with(registry, std::env::args_os()))
 }
 
-/// Runs the program like [`run`], with these arguments, of which the first is the name of the program. A process of another
+/// Runs the program like [`run`] with these arguments; the first one is the name of the program. A process of another
 /// language, such as Python, can call it; the handlers of signals stay installed afterwards.
 pub fn run_with(registry: Registry, arguments: impl IntoIterator<Item = OsString>) -> u8 {
     if let Err(error) = registry.install() {

@@ -109,7 +109,7 @@ impl Base {
         Ok(Base { model, general, own, fewest_balls, random_kicks })
     }
 
-    /// Returns the base for a sweep over numbers of balls, of which these are the smallest and the largest.
+    /// Returns the base for a sweep over numbers of balls, from the smallest to the largest one.
     pub fn with_balls(&self, [fewest, most]: [usize; 2]) -> Base {
         let mut base = Base { fewest_balls: fewest, ..self.clone() };
         if let Some(machine) = base.model.ball_balancer_mut() {

@@ -125,7 +125,7 @@ impl InitialBox {
         Ok(InitialBox { axes })
     }
 
-    /// Returns the ranges of the coordinates of a model, all of which the box has.
+    /// Returns the ranges of the coordinates of a model. The box has all these coordinates.
     pub fn of(&self, model: &Model) -> InitialBox {
         let names = axis_names(model);
         let axes = self.axes.iter().filter(|axis| names.contains(&axis.name));
