@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use stickslip::cli;
 use stickslip::model::Registry;
 
-/// Runs the program with its arguments, of which the first is its name, and returns the exit code.
+/// Runs the program and returns the exit code. The first argument is the name of the program.
 #[pyfunction]
 pub fn _command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     py.detach(|| {
