@@ -1,13 +1,14 @@
 //! Tests at each site whether the model explains the measured runs, for parameters of the posterior.
 //!
 //! The energy distance (Székely and Rizzo 2013, doi:10.1016/j.jspi.2013.03.018) between measured runs and runs of the posterior
-//! predictive distribution is compared with that of samples of the predictive distribution itself. Two distances of positions
+//! predictive distribution is compared with that of random parts of both together. Two distances of positions
 //! are used: of the angles on the torus, for the best assignment of balls, and of the angles between neighbouring balls alone,
 //! which shows whether balls touch. Runs that move are at the largest distance from runs that rest.
 
 use std::f64::consts::{PI, TAU};
 
 use rand::RngExt;
+use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
 use super::density::{Rests, permutations};
@@ -19,7 +20,7 @@ use crate::table::PointKey;
 
 /// The number of runs of the predictive distribution.
 const POOL: usize = 800;
-/// The number of samples that the measured runs are compared with.
+/// The number of random exchanges that the measured runs are compared with.
 const SAMPLES: u32 = 999;
 
 /// The test at a site.
@@ -56,8 +57,8 @@ impl SiteFit {
 /// A run as measured: the angles, or `None` if it moves.
 pub type Seen = Option<Vec<f64>>;
 
-/// Returns the tests at all sites. `drawn` are the simulated ends of the parameter set next to each sample of the posterior, one
-/// entry per site.
+/// Returns the tests at all sites. `drawn` are the simulated ends of a parameter set next to each sample of the posterior, one entry
+/// per site.
 pub fn fit_tests(study: &Study, sites: &[Site], drawn: &[&[Rests]]) -> Vec<SiteFit> {
     let test = |(index, site): (usize, &Site)| {
         let mut random = generator(study, "identify fit", index as u64);
@@ -115,39 +116,36 @@ fn test_at(
     })
 }
 
-/// Returns the probability of an energy distance from the pool at least as large as that of the measured runs, for equally many
-/// runs of the pool.
+/// Returns the probability of an energy distance from the pool at least as large as that of the measured runs, if measured runs
+/// and pool are exchanged at random (permutation test): the pool is a sample, too.
 fn p_value(
     measured: &[Seen],
     pool: &[Seen],
     distance: impl Fn(&Seen, &Seen) -> f64,
     random: &mut ChaCha8Rng,
 ) -> f64 {
-    let count = measured.len();
-    let within: Vec<Vec<f64>> =
-        pool.iter().map(|one| pool.iter().map(|other| distance(one, other)).collect()).collect();
-    let to_pool: Vec<f64> = within.iter().map(|row| mean(row.iter().copied())).collect();
-    // The term of distances within the pool is the same for all samples.
-    let energy = |to_pool: f64, within: f64| 2.0 * to_pool - within;
-    let of_measured = energy(
-        mean(measured.iter().map(|one| mean(pool.iter().map(|other| distance(one, other))))),
-        mean(measured.iter().flat_map(|one| measured.iter().map(|other| distance(one, other)))),
-    );
+    let all: Vec<&Seen> = measured.iter().chain(pool).collect();
+    let distances: Vec<Vec<f64>> =
+        all.iter().map(|one| all.iter().map(|other| distance(one, other)).collect()).collect();
+    let to_all: Vec<f64> = distances.iter().map(|row| row.iter().sum()).collect();
+    let total: f64 = to_all.iter().sum();
+    let [own, other] = [measured.len(), pool.len()].map(|count| count as f64);
+    // The energy distance of the runs with these numbers from all other runs.
+    let energy = |chosen: &[usize]| {
+        let within: f64 =
+            chosen.iter().flat_map(|one| chosen.iter().map(|other| distances[*one][*other])).sum();
+        let between = chosen.iter().map(|one| to_all[*one]).sum::<f64>() - within;
+        let rest = total - 2.0 * between - within;
+        2.0 * between / (own * other) - within / (own * own) - rest / (other * other)
+    };
+    let mut numbers: Vec<usize> = (0..all.len()).collect();
+    let of_measured = energy(&numbers[..measured.len()]);
     let mut as_large = 0;
     for _ in 0..SAMPLES {
-        let drawn: Vec<usize> = (0..count).map(|_| random.random_range(0..pool.len())).collect();
-        let own = energy(
-            mean(drawn.iter().map(|one| to_pool[*one])),
-            mean(drawn.iter().flat_map(|one| drawn.iter().map(|other| within[*one][*other]))),
-        );
-        as_large += u32::from(own >= of_measured);
+        let (chosen, _) = numbers.partial_shuffle(random, measured.len());
+        as_large += u32::from(energy(chosen) >= of_measured);
     }
     f64::from(as_large + 1) / f64::from(SAMPLES + 1)
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-    sum / count
 }
 
 /// Returns the distance of two runs; a run at rest and one that moves are half a turn of each ball apart.

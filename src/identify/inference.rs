@@ -21,8 +21,12 @@ use crate::engine::WorkerPool;
 use crate::optimize::Space;
 use crate::study::{DesignValue, Identification, Study};
 
-/// The number of parameter sets that are chosen at a time.
-const BATCH: u64 = 8;
+/// The number of parameter sets that are chosen and simulated at a time. Their runs are in one queue, so that vector lanes are
+/// idle only at its end.
+const SETS_AT_A_TIME: u64 = 8;
+
+/// The test of the fit draws runs from this many parameter sets next to a sample of the posterior.
+const NEAR: usize = 4;
 
 /// An inference: what is inferred from what, and the workers.
 pub struct Inference<'a> {
@@ -94,26 +98,21 @@ pub fn infer<E>(
             format!("{} balls; at most {MOST_BALLS} are supported", study.model().balls());
         return Ok(InferenceEnd::Impossible(problem));
     }
-    let seed = study.derived_seed("identify sets", 0) as u32;
     let mut all = Evaluated::new(inference);
     while all.count() < identification.designs {
-        let next: Vec<Vec<f64>> = if all.count() < identification.start_designs {
-            // The study file bounds the number.
-            let index = u32::try_from(all.count()).unwrap_or(u32::MAX);
-            let dimensions = 0..identification.parameters.len() as u32;
-            vec![dimensions.map(|one| f64::from(sobol_burley::sample(index, one, seed))).collect()]
+        let is_start = all.count() < identification.start_designs;
+        let until = if is_start { identification.start_designs } else { identification.designs };
+        let count = SETS_AT_A_TIME.min(until - all.count());
+        let places: Vec<Vec<f64>> = if is_start {
+            (all.count()..all.count() + count).map(|index| start_place(inference, index)).collect()
         } else {
-            let count = BATCH.min(identification.designs - all.count()) as usize;
-            workers.install(|| next_places(study, &all.likelihood(), count))
+            workers.install(|| next_places(study, &all.likelihood(), count as usize))
         };
-        for place in next {
-            let values = values_at(inference, &place);
-            let Some(set) = simulated(inference, sets, values, finished)? else {
-                return Ok(InferenceEnd::Stopped);
-            };
-            all.add(set);
-            evaluated(all.count());
-        }
+        let Some(simulated) = simulated(inference, sets, &places, finished)? else {
+            return Ok(InferenceEnd::Stopped);
+        };
+        simulated.into_iter().for_each(|set| all.add(set));
+        evaluated(all.count());
         if all.count() == identification.start_designs {
             if all.known_runs() == 0 {
                 let problem = "all runs of all parameter sets failed".to_owned();
@@ -124,6 +123,15 @@ pub fn infer<E>(
     }
     let inferred = workers.install(|| all.inferred());
     Ok(InferenceEnd::Finished(Box::new(inferred)))
+}
+
+/// Returns the place of an initial parameter set in the unit cube: a scrambled Sobol' point.
+fn start_place(inference: &Inference, index: u64) -> Vec<f64> {
+    let seed = inference.study.derived_seed("identify sets", 0) as u32;
+    // The study file bounds the number.
+    let index = u32::try_from(index).unwrap_or(u32::MAX);
+    let dimensions = 0..inference.identification.parameters.len() as u32;
+    dimensions.map(|one| f64::from(sobol_burley::sample(index, one, seed))).collect()
 }
 
 /// Returns the values of the parameters at a place in the unit cube, with six significant digits.
@@ -138,33 +146,53 @@ fn values_at(inference: &Inference, place: &[f64]) -> Vec<DesignValue> {
     Space::new(study).design_at(&fractions)
 }
 
-/// Returns a parameter set with its runs, computed unless they are kept; `None` if the inference was stopped.
+/// Returns the parameter sets at these places with their runs, computed unless they are kept; `None` if the inference was
+/// stopped.
 fn simulated<E>(
     inference: &Inference,
     sets: &mut impl Sets<E>,
-    values: Vec<DesignValue>,
+    places: &[Vec<f64>],
     finished: &(dyn Fn(Label) + Sync),
-) -> Result<Option<ParameterSet>, E> {
+) -> Result<Option<Vec<ParameterSet>>, E> {
     let Inference { study, workers, stop, .. } = *inference;
+    let all: Vec<Vec<DesignValue>> =
+        places.iter().map(|place| values_at(inference, place)).collect();
+    let mut known: Vec<Option<ParameterSet>> = Vec::new();
+    for values in &all {
+        known.push(sets.find(values)?);
+    }
+    let missing = known.iter().zip(&all).filter(|(known, _)| known.is_none());
+    // Values that are impossible together give a set without known ends.
+    let studies: Vec<Option<Study>> =
+        missing.map(|(_, values)| study_of_set(study, values)).collect();
+    let points_of = |own: &Study| 0..own.point_count();
+    let points: Vec<(&Study, u64)> = studies
+        .iter()
+        .flatten()
+        .flat_map(|own| points_of(own).map(move |point_id| (own, point_id)))
+        .collect();
     if stop.load(Ordering::Relaxed) {
         return Ok(None);
     }
-    if let Some(set) = sets.find(&values)? {
-        return Ok(Some(set));
-    }
-    // Values that are impossible together give a set without known ends.
-    let ends = match study_of_set(study, &values) {
-        None => Vec::new(),
-        Some(own) => {
-            let points: Vec<(&Study, u64)> =
-                (0..own.point_count()).map(|point_id| (&own, point_id)).collect();
-            let Some(runs) = workers.sample(&points, stop, finished) else { return Ok(None) };
-            runs.iter().flatten().flat_map(SimulatedEnd::of).collect()
+    let Some(runs) = workers.sample(&points, stop, finished) else { return Ok(None) };
+    let mut runs = runs.into_iter();
+    let mut studies = studies.iter();
+    let mut simulated = Vec::with_capacity(all.len());
+    for (known, values) in known.into_iter().zip(all) {
+        if let Some(set) = known {
+            simulated.push(set);
+            continue;
         }
-    };
-    let set = ParameterSet { values, ends };
-    sets.keep(&set)?;
-    Ok(Some(set))
+        let points = studies.next().and_then(Option::as_ref).map_or(0..0, points_of);
+        let of_set = runs.by_ref().take(points.count());
+        let set = ParameterSet {
+            values,
+            ends: of_set.flatten().flat_map(|run| SimulatedEnd::of(&run)).collect(),
+        };
+        sets.keep(&set)?;
+        simulated.push(set);
+    }
+    Ok(Some(simulated))
 }
 
 /// Returns the study of a parameter set. Its start states and draws are its own: the errors of the densities of different
@@ -233,7 +261,7 @@ impl<'a> Evaluated<'a> {
         let ended = last_ends.filter(|ends| ends.last().is_some_and(|one| one.end != End::Unknown));
         self.runs[0] += study.run_count();
         self.runs[1] += study.run_count().saturating_sub(ended.count() as u64);
-        let numbers: Vec<f64> = set.values.iter().map(number).collect();
+        let numbers: Vec<f64> = set.values.iter().map(number_of).collect();
         let mut places = self.smoother.places().to_vec();
         places.push(identification.place_of(&numbers));
         self.smoother = Smoother::new(places, self.widths.clone());
@@ -284,9 +312,10 @@ impl<'a> Evaluated<'a> {
         let Inference { study, sites, identification, .. } = *self.inference;
         let likelihood = self.likelihood();
         let posterior = posterior(study, identification, &likelihood);
-        let nearest: Vec<&[Rests]> =
-            posterior.samples.iter().map(|sample| self.nearest(&posterior, sample)).collect();
-        let fits = fit_tests(study, sites, &nearest);
+        let numbered = posterior.samples.iter().enumerate();
+        let drawn: Vec<&[Rests]> =
+            numbered.map(|(number, sample)| self.near(&posterior, number, sample)).collect();
+        let fits = fit_tests(study, sites, &drawn);
         let at = |place: &Vec<f64>| likelihood.with_error(place);
         let likelihoods: Vec<[f64; 2]> = self.smoother.places().par_iter().map(at).collect();
         Inferred {
@@ -298,23 +327,27 @@ impl<'a> Evaluated<'a> {
         }
     }
 
-    /// Returns the ends of the parameter set next to a sample of the posterior.
-    fn nearest(&self, posterior: &Posterior, sample: &[f64]) -> &[Rests] {
+    /// Returns the ends of one of the parameter sets next to a sample of the posterior: the first of several samples has those of
+    /// the nearest set, the second one those of the second nearest set, and so on.
+    fn near(&self, posterior: &Posterior, number: usize, sample: &[f64]) -> &[Rests] {
         let distance = |set: &Vec<DesignValue>| -> f64 {
             let parts = set.iter().zip(sample).zip(&posterior.marginals);
             let square = |((value, sample), marginal): ((&DesignValue, &f64), &super::Marginal)| {
-                ((number(value) - sample) / marginal.std_dev.max(f64::MIN_POSITIVE)).powi(2)
+                ((number_of(value) - sample) / marginal.std_dev.max(f64::MIN_POSITIVE)).powi(2)
             };
             parts.map(square).sum()
         };
-        let distances = self.values.iter().map(distance).enumerate();
-        let nearest = distances.min_by(|one, other| one.1.total_cmp(&other.1));
-        nearest.map_or(&[], |(index, _)| &self.rests[index])
+        let mut near: Vec<(usize, f64)> = self.values.iter().map(distance).enumerate().collect();
+        let place = number % NEAR.min(near.len());
+        let (_, (index, _), _) = near.select_nth_unstable_by(place, |one, other| {
+            one.1.total_cmp(&other.1).then(one.0.cmp(&other.0))
+        });
+        &self.rests[*index]
     }
 }
 
 /// Returns the number of a value; only numbers are identified.
-fn number(value: &DesignValue) -> f64 {
+fn number_of(value: &DesignValue) -> f64 {
     match value {
         DesignValue::Number(number) => *number,
         DesignValue::Choice(_) => f64::NAN,

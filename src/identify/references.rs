@@ -2,8 +2,8 @@
 //!
 //! A polynomial of densities has the mass of the polynomial of the probabilities of rest. It may be negative somewhere, and where
 //! a part of the mean takes its place, the density has an excess of mass. The excess is estimated at reference positions: rests of
-//! all parameter sets, measured with the error of the measurements. Their own density, the proposal, is the mean of the densities
-//! of the parameter sets at rest. The whole mass is not estimated in this way: its error would shift all posteriors alike.
+//! the first parameter sets, which fill the prior, measured with the error of the measurements. Their own density, the proposal, is
+//! the mean of the densities of these sets at rest. The whole mass is not estimated in this way: its error would shift all posteriors alike.
 
 use super::density::Rests;
 use super::sampler::{generator, normal};
@@ -55,6 +55,7 @@ impl References {
             .iter()
             .map(|one| (one, 1.0 - one.moving[0]))
             .filter(|(one, rest)| one.runs > 0 && *rest > 0.0)
+            .take(REFERENCES)
             .collect();
         let rows = densities.first().map_or(0, |one| one.rests[0].len());
         let density = |row: usize| -> f64 {

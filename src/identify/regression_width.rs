@@ -16,17 +16,14 @@ use super::smoother::{SetWeight, Smoother};
 use crate::study::Study;
 
 /// The widths that are compared, over the width of the prior.
-const WIDTHS: [f64; 6] = [0.05, 0.08, 0.12, 0.18, 0.27, 0.4];
-/// Sums of logarithms this close to the largest one are as good. Of such widths the largest one is chosen, with which
-/// likelihoods of neighbouring parameters differ with the least noise.
-const CLOSE: f64 = 1.0;
+const WIDTHS: [f64; 7] = [0.03, 0.05, 0.08, 0.12, 0.18, 0.27, 0.4];
 /// The width with which the comparison begins.
 const FIRST_WIDTH: f64 = 0.12;
 /// The number of parameter sets that are left out.
 const LEFT_OUT: usize = 24;
 /// The number of rests of a left-out parameter set that are predicted at each site: many more than there are measurements, so
 /// that the choice is better than these could see.
-const PREDICTED: usize = 24;
+const PREDICTED: usize = 12;
 
 /// Returns the widths with which the regression begins.
 pub fn first_widths(dimensions: usize) -> Vec<f64> {
@@ -57,7 +54,7 @@ impl<'a> CrossValidation<'a> {
         let mut order: Vec<usize> = (0..places.len()).collect();
         order.sort_by(|one, other| likelihoods[*other].total_cmp(&likelihoods[*one]));
         order.truncate(LEFT_OUT);
-        let mut random = generator(study, "identify bandwidths", 0);
+        let mut random = generator(study, "identify widths", 0);
         let mut predicted = |set: usize, index: usize| {
             let site = &sites[index];
             let deviations: Vec<f64> = site.rests.iter().map(|one| one.std_dev_rad).collect();
@@ -117,14 +114,13 @@ impl<'a> CrossValidation<'a> {
         let mut widths = first_widths(self.dimensions());
         for _ in 0..2 {
             for index in 0..widths.len() {
-                let scores = WIDTHS.map(|candidate| {
+                let scored = WIDTHS.map(|candidate| {
                     let mut other = widths.clone();
                     other[index] = candidate;
-                    score(&other)
+                    (candidate, score(&other))
                 });
-                let largest = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                let close = scores.iter().rposition(|score| *score >= largest - CLOSE);
-                widths[index] = close.map_or(FIRST_WIDTH, |close| WIDTHS[close]);
+                let best = scored.into_iter().max_by(|one, other| one.1.total_cmp(&other.1));
+                widths[index] = best.map_or(FIRST_WIDTH, |(width, _)| width);
             }
         }
         widths

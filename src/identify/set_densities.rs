@@ -91,16 +91,18 @@ pub fn sums_of_rests<'d>(
     sets: impl Iterator<Item = (SetWeight, &'d SetDensities)>,
     replicate: usize,
 ) -> Vec<[f64; 2]> {
-    let mut sums: Vec<[f64; 2]> = Vec::new();
+    let (mut regression, mut mean) = (Vec::new(), Vec::new());
     for (weight, densities) in sets {
         let rows = &densities.rests[replicate];
-        sums.resize(rows.len(), [0.0; 2]);
-        for ([regression, mean], density) in sums.iter_mut().zip(rows) {
-            *regression += weight.regression * density;
-            *mean += weight.mean * density;
+        // Two loops over contiguous numbers, which are computed in vectors.
+        for (sums, weight) in [(&mut regression, weight.regression), (&mut mean, weight.mean)] {
+            sums.resize(rows.len(), 0.0);
+            for (sum, density) in sums.iter_mut().zip(rows) {
+                *sum += weight * density;
+            }
         }
     }
-    sums
+    regression.into_iter().zip(mean).map(|(regression, mean)| [regression, mean]).collect()
 }
 
 fn added(sum: Replicated, terms: Replicated, factor: f64) -> Replicated {

@@ -1,15 +1,15 @@
 //! Densities between parameter sets: local quadratic regression over the parameters.
 //!
 //! The density of a measurement at a place is a weighted sum of its densities for the parameter sets around it. The weights are
-//! those of a quadratic polynomial that is fitted with normal weights of the distance (W. S. Cleveland and S. J. Devlin 1988,
+//! those of a quadratic polynomial that is fitted with weights that fall with the distance (W. S. Cleveland and S. J. Devlin 1988,
 //! doi:10.1080/01621459.1988.10478639). They are the same for all measurements. Because runs of several parameter sets
 //! contribute, the error of a finite number of runs is smaller than that of one set.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Sets whose weight is below this are left out.
-const SMALLEST: f64 = 1e-4;
-/// The weight of at least this many times as many sets as the polynomial has coefficients is above `exp(-2)`.
+/// Where the weight becomes zero, in widths, squared.
+const REACH_SQUARED: f64 = 8.0;
+/// At least this many times as many sets as the polynomial has coefficients are nearer than `sqrt(REACH_SQUARED / 2)` widths.
 const SETS_PER_COEFFICIENT: f64 = 1.5;
 /// A ridge that keeps the regression regular.
 const RIDGE: f64 = 1e-9;
@@ -32,7 +32,7 @@ pub struct SetWeight {
 pub struct Smoother {
     /// The places of the parameter sets.
     places: Vec<Vec<f64>>,
-    /// The standard deviation of the weight in each coordinate.
+    /// The width of the weight in each coordinate.
     widths: Vec<f64>,
 }
 
@@ -51,30 +51,26 @@ impl Smoother {
     /// plain mean, which are positive. The sum of either is 1.
     pub fn weights(&self, place: &[f64], left_out: Option<usize>) -> Vec<SetWeight> {
         let dimensions = place.len();
-        let scaled = |set: &Vec<f64>| -> Vec<f64> {
-            let parts = set.iter().zip(place).zip(&self.widths);
-            parts.map(|((set, place), width)| (set - place) / width).collect()
+        let scaled = |set: usize| {
+            let parts = self.places[set].iter().zip(place).zip(&self.widths);
+            parts.map(|((set, place), width)| (set - place) / width)
         };
-        let square = |from: &Vec<f64>| -> f64 { from.iter().map(|one| one * one).sum() };
-        let numbered = self.places.iter().enumerate().filter(|(set, _)| Some(*set) != left_out);
-        let mut near: Vec<(usize, Vec<f64>, f64)> = numbered
-            .map(|(set, place)| {
-                let from = scaled(place);
-                let distance = square(&from);
-                (set, from, distance)
-            })
-            .collect();
+        let sets = (0..self.places.len()).filter(|set| Some(*set) != left_out);
+        let mut near: Vec<(usize, f64)> =
+            sets.map(|set| (set, scaled(set).map(|one| one * one).sum())).collect();
         // A quadratic polynomial where there are enough sets, else a linear one.
         let quadratic = 1 + dimensions + dimensions * (dimensions + 1) / 2;
         let is_quadratic = near.len() >= 2 * quadratic;
         let coefficients = if is_quadratic { quadratic } else { 1 + dimensions };
         let needed = ((SETS_PER_COEFFICIENT * coefficients as f64) as usize).min(near.len());
         let Some(last) = needed.checked_sub(1) else { return Vec::new() };
-        near.sort_by(|one, other| one.2.total_cmp(&other.2).then(one.0.cmp(&other.0)));
+        let mut distances: Vec<f64> = near.iter().map(|(_, distance)| *distance).collect();
+        let (_, last, _) = distances.select_nth_unstable_by(last, f64::total_cmp);
         // Where few sets are near, the weights are wider.
-        let scale = (near[last].2 / 4.0).max(1.0);
-        let weight = |distance: f64| libm::exp(-0.5 * distance / scale);
-        near.retain(|(_, _, distance)| weight(*distance) > SMALLEST);
+        let reach = REACH_SQUARED.max(2.0 * *last);
+        // Nearly `exp(-distance / 2)`, if `distance` is the squared distance in widths.
+        let weight = |distance: f64| (1.0 - distance / reach).max(0.0).powi(4);
+        near.retain(|(_, distance)| *distance < reach);
         let row = |from: &[f64]| -> Vec<f64> {
             let mut row = vec![1.0];
             row.extend_from_slice(from);
@@ -85,9 +81,10 @@ impl Smoother {
             }
             row
         };
-        let rows: Vec<Vec<f64>> = near.iter().map(|(_, from, _)| row(from)).collect();
+        let rows: Vec<Vec<f64>> =
+            near.iter().map(|(set, _)| row(&scaled(*set).collect::<Vec<f64>>())).collect();
         let mut matrix = DMatrix::<f64>::zeros(coefficients, coefficients);
-        for (row, (_, _, distance)) in rows.iter().zip(&near) {
+        for (row, (_, distance)) in rows.iter().zip(&near) {
             let weight = weight(*distance);
             for (i, one) in row.iter().enumerate() {
                 for (j, other) in row.iter().enumerate() {
@@ -101,7 +98,7 @@ impl Smoother {
         let mut first = DVector::<f64>::zeros(coefficients);
         first[0] = 1.0;
         let solution = matrix.cholesky().map(|factors| factors.solve(&first));
-        let weighted = rows.iter().zip(&near).map(|(row, (set, _, distance))| {
+        let weighted = rows.iter().zip(&near).map(|(row, (set, distance))| {
             let value = match &solution {
                 Some(solution) => row.iter().zip(solution.iter()).map(|(x, y)| x * y).sum(),
                 None => 1.0,

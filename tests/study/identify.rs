@@ -43,7 +43,7 @@ fn parameters_and_effort() {
     assert_eq!(names, ["friction_coefficient", "ring_radius_m"]);
     assert_eq!(identification.parameters[1].range(), Some([0.011, 0.012]));
     assert_eq!(identification.spacings, [SpacingFile::Logarithmic, SpacingFile::Linear]);
-    assert_eq!((identification.start_designs, identification.designs), (256, 320));
+    assert_eq!((identification.start_designs, identification.designs), (1000, 1250));
     assert_eq!(identification.posterior_samples, 4000);
     let without = parse(STUDY.split("identify:").next().expect("a study")).expect("a study");
     assert_eq!(without.hash(), own.hash());
@@ -108,7 +108,7 @@ fn wrong_keys() {
         "in `uncertain`",
         "",
     );
-    refused("identify:\n", "identify:\n  designs: 4\n", "identify.designs", "4", "from 8 to 1000");
+    refused("identify:\n", "identify:\n  designs: 4\n", "identify.designs", "4", "from 8 to 4000");
     refused(
         "identify:\n",
         "identify:\n  designs: 20\n  start_designs: 30\n",

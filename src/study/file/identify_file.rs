@@ -14,10 +14,10 @@ pub struct IdentifyFile {
     /// Numeric parameters to infer, each with the range of its prior.
     #[schemars(schema_with = "schema::priors")]
     pub parameters: IndexMap<String, PriorFile>,
-    /// Number of parameter sets in the initial space-filling sample, 8 to 1000; the default is 128 for one parameter, 256
-    /// for two, and so on, at most 512.
+    /// Number of parameter sets in the initial space-filling sample, 8 to 4000; the default is 128 for one parameter, 1000
+    /// for two, 2000 for more.
     pub start_designs: Option<Count>,
-    /// Number of parameter sets in total, 8 to 1000; those after the initial sample lie where the posterior is; the
+    /// Number of parameter sets in total, 8 to 4000; those after the initial sample lie where the posterior is; the
     /// default is 1.25 times `start_designs`.
     pub designs: Option<Count>,
     /// Number of samples of the posterior, 100 to 100,000; the default is 4000.

@@ -12,13 +12,13 @@ use crate::study::resolve::counts::count_within;
 use crate::study::resolve::variables::resolve_variables;
 
 /// The range of the numbers of parameter sets; the densities of more take too much memory.
-const DESIGNS: std::ops::RangeInclusive<u64> = 8..=1000;
+const DESIGNS: std::ops::RangeInclusive<u64> = 8..=4000;
 /// The range of the number of samples of the posterior.
 const POSTERIOR_SAMPLES: std::ops::RangeInclusive<u64> = 100..=100_000;
 /// The default number of samples of the posterior.
 const USUAL_SAMPLES: u64 = 4000;
-/// The default number of initial parameter sets per parameter, and the largest default.
-const USUAL_START: [u64; 2] = [128, 512];
+/// The default number of initial parameter sets for one parameter, two, and more.
+const USUAL_START: [u64; 3] = [128, 1000, 2000];
 /// The largest number of parameters.
 const MOST_PARAMETERS: usize = 8;
 
@@ -85,7 +85,7 @@ pub(crate) fn resolve_identification(
     let counts = [("start_designs", file.start_designs), ("designs", file.designs)];
     let [start, designs] = counts.map(|(key, written)| count_within(&path, key, written, DESIGNS));
     let (start, designs) = (start?, designs?);
-    let usual = (USUAL_START[0] << (parameters.len() - 1)).min(USUAL_START[1]);
+    let usual = USUAL_START[parameters.len().clamp(1, USUAL_START.len()) - 1];
     let start = start.unwrap_or_else(|| designs.map_or(usual, |all| usual.min(all)));
     let designs = designs.unwrap_or_else(|| (start + start / 4).min(*DESIGNS.end()));
     if start > designs {
