@@ -7,8 +7,10 @@
 The program is the file in the variable STICKSLIP, or `stickslip` on the path. Needs only Python 3.9.
 """
 
+import argparse
 import contextlib
 import json
+import math
 import os
 import shutil
 import subprocess
@@ -171,6 +173,22 @@ def assignments(texts):
         except ValueError:
             values[name] = value
     return values
+
+
+def least_values(texts):
+    """Parses the NAME=NUMBER arguments of constraints."""
+    values = assignments(texts)
+    for name, value in values.items():
+        if not isinstance(value, float) or not math.isfinite(value):
+            raise StickslipError(f"--at-least {name}={value}: not a constraint; give NAME=NUMBER")
+    return values
+
+
+def count(text):
+    """Parses a number of designs or samples, for `argparse`."""
+    if not (text.isascii() and text.isdigit() and int(text) > 0):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1")
+    return int(text)
 
 
 def print_answer(server, design):

@@ -85,6 +85,16 @@ class TestPymoo(Clients):
             self.client("pymoo", self.balancer, *self.ARGUMENTS.split(), "--seed", 2), text
         )
 
+    def test_constraints_and_counts_are_numbers(self):
+        for client in ("pymoo", "openmdao"):
+            goal = (self.balancer, "--minimise", "vibration")
+            for least in ("much", "nan"):
+                said = self.client(client, *goal, "--at-least", f"quiet={least}", code=1)
+                self.assertIn(f"{client}: --at-least quiet={least}: not a constraint", said)
+            option = "--population" if client == "pymoo" else "--samples"
+            said = self.client(client, *goal, option, 0, code=2)
+            self.assertIn(f"argument {option}: '0' is not a whole number from 1", said)
+
     def test_constraints_that_nothing_keeps(self):
         arguments = (
             "--minimise",
