@@ -41,6 +41,16 @@ class TestOpenMDAO(Clients):
     def test_choices_are_refused(self):
         text = self.client("openmdao", self.balancer, *self.ARGUMENTS.split(), code=1)
         self.assertIn("material: takes some values only; --fix it", text)
+        for fixed, allowed in [
+            ("balls=9", "a whole number from 1 to 3"),
+            ("balls=1.5", "a whole number from 1 to 3"),
+            ("material=steal", "steel, ceramic"),
+            ("speed_rad_s=fast", "a number from -260 to -140"),
+        ]:
+            arguments = (self.balancer, *self.ARGUMENTS.split(), "--fix", fixed)
+            text = self.client("openmdao", *arguments, code=1)
+            self.assertIn(f"found {fixed.split('=')[1]}", text.replace(".0,", ","))
+            self.assertIn(f"allowed {allowed}\n", text)
         wrong = (
             self.balancer,
             "--minimise",
