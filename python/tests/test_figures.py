@@ -615,6 +615,13 @@ def test_more_than_twelve_panels_are_on_several_sheets(tmp_path):
         figures.preferred_equilibria(tmp_path, points=[30])
 
 
+def test_the_package_has_its_figures():
+    """An import of the package is enough, and does not need matplotlib."""
+    code = "import sys, stickslip; assert 'matplotlib' not in sys.modules; print(stickslip.figures.time_to_rest.__name__)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "time_to_rest\n"), done.stderr
+
+
 def test_arguments_of_wrong_types_are_named(results):
     for source in (None, 3, {"points": 1}):
         with pytest.raises(TypeError, match="directory: wrong type\n(?s:.*)results such as those of study.run"):
