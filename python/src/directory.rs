@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use stickslip::table::{MemoryTable, Table};
 use tempfile::TempDir;
 
-use crate::error::Trouble;
+use crate::error::{Trouble, refused};
 
 /// A directory of results.
 pub enum Directory {
@@ -64,10 +64,24 @@ impl Directory {
 /// # Errors
 /// Returns an error if the path is empty.
 pub fn check_path(out: &Path) -> Result<(), Trouble> {
-    if !out.as_os_str().is_empty() {
-        return Ok(());
+    check_named("out", out, "a directory, \".\" for the current one; None for tables in memory")
+}
+
+/// Refuses an empty path in an argument.
+///
+/// # Errors
+/// Returns an error if the path is empty.
+pub fn check_named(argument: &str, path: &Path, allowed: &str) -> Result<(), Trouble> {
+    match path.as_os_str().is_empty() {
+        true => Err(refused(argument, "an empty path", "\"\"", allowed)),
+        false => Ok(()),
     }
-    let problem = "out: an empty path\n  found:   \"\"\n  allowed: a directory, \".\" for the current one; None for tables \
-                   in memory";
-    Err(Trouble::Usage(problem.to_owned()))
+}
+
+/// Refuses an empty path of an HTML page.
+///
+/// # Errors
+/// Returns an error if the path is empty.
+pub fn check_page(out: Option<&Path>) -> Result<(), Trouble> {
+    out.map_or(Ok(()), |out| check_named("out", out, "a file, such as \"page.html\""))
 }

@@ -16,12 +16,15 @@ use stickslip::table::{
     frictionless_columns, in_memory, provenance_with, set_columns, set_summary_columns,
 };
 
-use crate::error::{Trouble, no_threads};
+use crate::error::{Trouble, no_threads, refused};
 use crate::machine::Machine;
 use crate::plotting::draw;
 use crate::table::Table;
+use crate::values::whole;
 use crate::waiting::wait;
 
+/// The arguments that are keys of the model, not parameters.
+const KEYS: [&str; 3] = ["contact", "friction", "normal_force"];
 /// The figures of `stickslip.figures` that show an equilibrium set.
 const FIGURES: [&str; 2] = ["equilibrium_set", "equilibrium_surface"];
 
@@ -122,19 +125,19 @@ impl EquilibriumSet {
 #[pyo3(signature = (*, grid = None, samples = None, ball_damping = 1e4, positions = true, threads = None, **parameters))]
 pub fn equilibrium_set(
     py: Python<'_>,
-    grid: Option<i64>,
-    samples: Option<i64>,
+    grid: Option<&Bound<'_, PyAny>>,
+    samples: Option<&Bound<'_, PyAny>>,
     ball_damping: f64,
     positions: bool,
-    threads: Option<i64>,
+    threads: Option<&Bound<'_, PyAny>>,
     parameters: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<EquilibriumSet> {
-    let machine = Machine::new("equilibrium_set", "ball_balancer", parameters)?;
+    let machine = Machine::new("equilibrium_set", "ball_balancer", &KEYS, parameters)?;
     let study = machine.study(json!({"monte_carlo": {"samples": 1}}))?;
     let (grid, samples) = (checked_grid(grid)?, checked_samples(samples)?);
     if !(ball_damping > 0.0 && ball_damping <= MOST_BALL_DAMPING) {
         let allowed = format!("a number above 0, up to {MOST_BALL_DAMPING}");
-        return Err(refused("ball_damping", &ball_damping.to_string(), &allowed).into());
+        return Err(out_of_range("ball_damping", &ball_damping.to_string(), &allowed).into());
     }
     let resolution =
         Resolution::choose(study.model().balls(), grid, samples).map_err(Trouble::Usage)?;
@@ -143,24 +146,26 @@ pub fn equilibrium_set(
     Ok(wait(py, set)??)
 }
 
-fn refused(what: &str, found: &str, allowed: &str) -> Trouble {
-    Trouble::Usage(format!("{what}: out of range\n  found:   {found}\n  allowed: {allowed}"))
+fn out_of_range(what: &str, found: &str, allowed: &str) -> Trouble {
+    refused(what, "out of range", found, allowed)
 }
 
-fn checked_grid(grid: Option<i64>) -> Result<Option<usize>, Trouble> {
+fn checked_grid(grid: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
     let Some(given) = grid else { return Ok(None) };
+    let allowed = format!("a whole number from {FEWEST_GRID_POINTS}");
+    let given = whole("grid", given, &allowed)?;
     let points = usize::try_from(given).ok().filter(|points| *points >= FEWEST_GRID_POINTS);
-    let allowed = || format!("a whole number from {FEWEST_GRID_POINTS}");
-    points.map(Some).ok_or_else(|| refused("grid", &given.to_string(), &allowed()))
+    Ok(Some(points.ok_or_else(|| out_of_range("grid", &given.to_string(), &allowed))?))
 }
 
-fn checked_samples(samples: Option<i64>) -> Result<Option<u32>, Trouble> {
+fn checked_samples(samples: Option<&Bound<'_, PyAny>>) -> PyResult<Option<u32>> {
     let Some(given) = samples else { return Ok(None) };
     let [fewest, most] = SAMPLE_COUNTS;
+    let allowed = format!("a power of two from {fewest} to {most}");
+    let given = whole("samples", given, &allowed)?;
     let fits = |count: &u32| (fewest..=most).contains(count) && count.is_power_of_two();
     let samples = u32::try_from(given).ok().filter(fits);
-    let allowed = || format!("a power of two from {fewest} to {most}");
-    samples.map(Some).ok_or_else(|| refused("samples", &given.to_string(), &allowed()))
+    Ok(Some(samples.ok_or_else(|| out_of_range("samples", &given.to_string(), &allowed))?))
 }
 
 fn compute(

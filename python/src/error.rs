@@ -2,7 +2,7 @@
 
 use pyo3::create_exception;
 use pyo3::exceptions::{
-    PyFileExistsError, PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyValueError,
+    PyFileExistsError, PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyTypeError, PyValueError,
 };
 use pyo3::prelude::*;
 use stickslip::CommandError;
@@ -10,16 +10,18 @@ use stickslip::engine::{EngineError, OutputDirError, StoreError};
 use stickslip::study;
 use stickslip::table::{ResultsError, TableError};
 
+use crate::values::kind;
+
 create_exception!(
     stickslip,
     StudyError,
     PyValueError,
     "Raised for an invalid study, machine or design.\n\n\
-     The text is the message of the command line: place, problem, what was found, and what is \
-     allowed. Each attribute is None if the message has no such part:\n\n\
+     The text is the message of the command line, with arguments in place of its options: place, \
+     problem, what was found, and what is allowed. Each attribute is None if the message has no such part:\n\n\
      file: the study file, or the name of the argument.\n\
      line, column: position in the file, from 1.\n\
-     key: the key, such as `model.parameters.speed_rad_s`, or row and column of a table.\n\
+     key: the key, such as `model.parameters.speed_rad_s`, row and column of a table, or the argument.\n\
      problem: the problem, in a few words.\n\
      found: what was found.\n\
      allowed: what is allowed, or what to do."
@@ -33,7 +35,9 @@ const PARTS: [&str; 7] = ["file", "line", "column", "key", "problem", "found", "
 pub enum Trouble {
     /// An invalid study or design.
     Study(study::StudyError),
-    /// A study without a required part, or an invalid argument.
+    /// An invalid argument.
+    Argument(Box<Argument>),
+    /// A study without a required part.
     Usage(String),
     /// A directory or file is in the way.
     Occupied(String),
@@ -43,6 +47,62 @@ pub enum Trouble {
     Interrupted,
     /// A bug of the program.
     Defect(String),
+}
+
+/// An invalid argument of Python, with the parts of the message.
+#[derive(Debug)]
+pub struct Argument {
+    /// The argument, or the part of it that is wrong, such as `times_s[3]`.
+    pub key: String,
+    /// The problem, in a few words.
+    pub problem: String,
+    /// What was found.
+    pub found: String,
+    /// What is allowed.
+    pub allowed: String,
+}
+
+impl Argument {
+    fn text(&self) -> String {
+        let Argument { key, problem, found, allowed } = self;
+        format!("{key}: {problem}\n  found:   {found}\n  allowed: {allowed}")
+    }
+}
+
+/// Returns the error for an argument with a wrong value, a `StudyError`.
+pub fn refused(key: &str, problem: &str, found: &str, allowed: &str) -> Trouble {
+    let [key, problem, found, allowed] = [key, problem, found, allowed].map(str::to_owned);
+    Trouble::Argument(Box::new(Argument { key, problem, found, allowed }))
+}
+
+/// Returns the error for an argument of a wrong type, a `TypeError`.
+pub fn wrong_type(key: &str, found: &Bound<'_, PyAny>, allowed: &str) -> PyErr {
+    let found = format!("a value of type {}", kind(found));
+    let problem = "wrong type".to_owned();
+    let argument = Argument { key: key.to_owned(), problem, found, allowed: allowed.to_owned() };
+    PyTypeError::new_err(argument.text())
+}
+
+/// What the command line calls an option, and what it is in Python.
+const WORDS: [(&str, &str); 13] = [
+    ("with --out DIR", "as `out`"),
+    ("with --out FILE", "as `out`"),
+    ("with --out", "as `out`"),
+    ("or --recompute, which", "or `recompute=True`, which"),
+    ("with --simulations DIR", "as `simulations`"),
+    ("--simulations ", "`simulations` with "),
+    ("after --tables", "in `tables`"),
+    ("given with --tables", "given as `tables`"),
+    ("the option --tables DIR", "the argument `tables`"),
+    ("--grid G", "`grid`"),
+    ("--samples SAMPLES", "`samples`"),
+    ("--grid", "`grid`"),
+    ("--samples", "`samples`"),
+];
+
+/// Replaces the options of the command line in a message by the arguments of Python.
+fn in_python(text: &str) -> String {
+    WORDS.iter().fold(text.to_owned(), |text, (option, argument)| text.replace(option, argument))
 }
 
 impl From<study::StudyError> for Trouble {
@@ -125,9 +185,12 @@ impl From<Trouble> for PyErr {
             Trouble::Study(error) => {
                 Python::attach(|py| of_study(py, &error).unwrap_or_else(|other| other))
             }
-            Trouble::Usage(text) => StudyError::new_err(text),
-            Trouble::Occupied(text) => PyFileExistsError::new_err(text),
-            Trouble::System(text) => PyOSError::new_err(text),
+            Trouble::Argument(argument) => {
+                Python::attach(|py| of_argument(py, &argument).unwrap_or_else(|other| other))
+            }
+            Trouble::Usage(text) => StudyError::new_err(in_python(&text)),
+            Trouble::Occupied(text) => PyFileExistsError::new_err(in_python(&text)),
+            Trouble::System(text) => PyOSError::new_err(in_python(&text)),
             Trouble::Interrupted => PyKeyboardInterrupt::new_err(()),
             Trouble::Defect(text) => PyRuntimeError::new_err(text),
         }
@@ -135,7 +198,7 @@ impl From<Trouble> for PyErr {
 }
 
 fn of_study(py: Python<'_>, error: &study::StudyError) -> PyResult<PyErr> {
-    let raised = StudyError::new_err(error.to_string());
+    let raised = StudyError::new_err(in_python(&error.to_string()));
     let value = raised.value(py);
     let key = Some(error.key()).filter(|key| !key.is_empty());
     value.setattr("file", error.file().display().to_string())?;
@@ -144,7 +207,17 @@ fn of_study(py: Python<'_>, error: &study::StudyError) -> PyResult<PyErr> {
     value.setattr("key", key)?;
     value.setattr("problem", error.problem())?;
     value.setattr("found", error.found())?;
-    value.setattr("allowed", error.allowed())?;
+    value.setattr("allowed", error.allowed().map(in_python))?;
+    Ok(raised)
+}
+
+fn of_argument(py: Python<'_>, argument: &Argument) -> PyResult<PyErr> {
+    let raised = StudyError::new_err(argument.text());
+    let value = raised.value(py);
+    value.setattr("key", &argument.key)?;
+    value.setattr("problem", &argument.problem)?;
+    value.setattr("found", &argument.found)?;
+    value.setattr("allowed", &argument.allowed)?;
     Ok(raised)
 }
 

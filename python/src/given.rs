@@ -1,13 +1,13 @@
 //! Tables from Python: rows, columns, or an Arrow table of any library.
 
 use arrow_array::ffi_stream::RecordBatchStreamReader;
-use pyo3::exceptions::{PyImportError, PyTypeError};
+use pyo3::exceptions::{PyImportError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyCapsule};
 use stickslip::study::file::values::Entry;
 
-use crate::error::Trouble;
-use crate::values::{is_text, items, keys, kind, number};
+use crate::error::{Trouble, wrong_type};
+use crate::values::{is_text, items, keys, number, plain};
 
 /// A table that the user has given.
 pub enum Given {
@@ -39,11 +39,15 @@ impl Words {
             match given.call_method0("__arrow_c_stream__") {
                 Ok(stream) => return Ok(Given::Arrow(self.reader(&stream)?)),
                 // A pandas dataframe without pyarrow still has columns.
-                Err(error) if error.is_instance_of::<PyImportError>(given.py()) => {}
+                // A series or a dataframe of mixed values, which has no Arrow type, still has values.
+                Err(error)
+                    if error.is_instance_of::<PyImportError>(given.py())
+                        || error.is_instance_of::<PyTypeError>(given.py())
+                        || error.is_instance_of::<PyValueError>(given.py()) => {}
                 Err(error) => return Err(error),
             }
         }
-        let (columns, rows) = match keys(given)? {
+        let (columns, rows) = match keys(self.name, given)? {
             Some(names) => self.of_columns(given, names)?,
             None => self.of_rows(given)?,
         };
@@ -107,12 +111,13 @@ impl Words {
     /// Converts mappings, one per design.
     fn of_rows(self, given: &Bound<'_, PyAny>) -> PyResult<(Vec<String>, Rows)> {
         let designs = if is_text(given) { None } else { items(given)? };
-        let designs = designs.ok_or_else(|| self.wrong("all of it", given, self.allowed))?;
+        let designs = designs.ok_or_else(|| wrong_type(self.name, given, self.allowed))?;
         let mut columns: Vec<String> = Vec::new();
         let mut rows: Rows = Vec::new();
         for (row, design) in designs.iter().enumerate() {
-            let Some(names) = keys(design)? else {
-                return Err(self.wrong(&format!("row {}", row + 1), design, self.allowed));
+            let place = format!("row {}", row + 1);
+            let Some(names) = keys(&format!("{}: `{place}`", self.name), design)? else {
+                return Err(self.wrong(&place, design, self.allowed));
             };
             let mut values = vec![None; columns.len()];
             for name in names {
@@ -142,8 +147,9 @@ impl Words {
         if is_text(value) {
             return Ok(Some(Entry::Text(value.extract()?)));
         }
-        match number(value)? {
-            Some(number) if !value.is_instance_of::<PyBool>() => Ok(Some(Entry::Number(number))),
+        let plain = plain(value)?;
+        match number(&plain)? {
+            Some(number) if !plain.is_instance_of::<PyBool>() => Ok(Some(Entry::Number(number))),
             _ => Err(self.wrong(
                 &format!("row {}, column {name}", row + 1),
                 value,
@@ -153,9 +159,6 @@ impl Words {
     }
 
     fn wrong(self, place: &str, found: &Bound<'_, PyAny>, allowed: &str) -> PyErr {
-        let (name, kind) = (self.name, kind(found));
-        PyTypeError::new_err(format!(
-            "{name}: `{place}`: wrong type\n  found:   a value of type {kind}\n  allowed: {allowed}"
-        ))
+        wrong_type(&format!("{}: `{place}`", self.name), found, allowed)
     }
 }

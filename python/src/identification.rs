@@ -11,7 +11,7 @@ use stickslip::identify::Identify;
 use stickslip::study::{MeasuredRun, Study};
 use stickslip::table::MemoryTable;
 
-use crate::directory::Directory;
+use crate::directory::{Directory, check_named};
 use crate::error::{Trouble, no_threads};
 use crate::given::{Given, Words};
 use crate::json::to_python;
@@ -140,7 +140,7 @@ pub struct Options {
     /// The directory of simulated runs.
     pub simulations: Option<PathBuf>,
     /// Number of worker threads.
-    pub threads: Option<i64>,
+    pub threads: usize,
     /// Whether to show progress.
     pub progress: bool,
 }
@@ -157,7 +157,9 @@ impl Identification {
         options: Options,
     ) -> PyResult<Identification> {
         let Options { out, simulations, threads, progress } = options;
-        let threads = crate::threads::threads(threads)?;
+        if let Some(simulations) = &simulations {
+            check_named("simulations", simulations, "a directory, or None")?;
+        }
         let (inferred, _) = Identify::study_of(&study, &file).map_err(Trouble::from)?;
         let measured = Measured::of(measured)?;
         let measured_file = measured.file();

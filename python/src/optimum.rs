@@ -11,7 +11,7 @@ use stickslip::report::write_report;
 use stickslip::study::Study;
 use stickslip::table::MemoryTable;
 
-use crate::directory::Directory;
+use crate::directory::{Directory, check_page};
 use crate::error::{Trouble, no_threads};
 use crate::json::to_python;
 use crate::progress::Bars;
@@ -96,6 +96,7 @@ impl Optimum {
                         its own";
             return Err(Trouble::Usage(text.to_owned()).into());
         }
+        check_page(out.as_deref())?;
         let directory = Arc::clone(&self.directory);
         let write = move |_: &_| Ok::<_, Trouble>(write_report(directory.path(), out.as_deref())?);
         Ok(wait(py, write)??)
@@ -123,7 +124,7 @@ impl Optimum {
         py: Python<'_>,
         (study, file): (Arc<Study>, PathBuf),
         out: Option<PathBuf>,
-        threads: Option<i64>,
+        threads: Option<&Bound<'_, PyAny>>,
         progress: bool,
     ) -> PyResult<Optimum> {
         let threads = crate::threads::threads(threads)?;

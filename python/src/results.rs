@@ -12,11 +12,13 @@ use stickslip::report::{Replay, write_report};
 use stickslip::study::Study;
 use stickslip::table::{self, MemoryTable, STAGES_TABLE, TABLES};
 
-use crate::error::Trouble;
+use crate::directory::{check_named, check_page};
+use crate::error::{Trouble, refused};
 use crate::plotting::draw;
 use crate::simulation::{Simulation, times};
 use crate::study::PyStudy;
 use crate::table::Table;
+use crate::values::whole;
 use crate::waiting::wait;
 
 /// The figures of `stickslip.figures` that show the tables of a study.
@@ -40,6 +42,7 @@ const FIGURES: [&str; 8] = [
 #[pyfunction]
 #[pyo3(signature = (directory))]
 pub fn open(py: Python<'_>, directory: PathBuf) -> PyResult<Results> {
+    check_named("directory", &directory, "a directory, \".\" for the current one")?;
     let open = move |_: &AtomicBool| {
         let found = readable_results(&directory)?;
         Ok::<_, Trouble>(Results::of_directory(directory, found))
@@ -161,11 +164,15 @@ impl Results {
     fn replay(
         &self,
         py: Python<'_>,
-        run_id: u64,
+        run_id: &Bound<'_, PyAny>,
         times_s: Option<&Bound<'_, PyAny>>,
         out: Option<PathBuf>,
     ) -> PyResult<Simulation> {
+        let run_id = number_of_run(&self.study, run_id)?;
         let times_s = times_s.map(times).transpose()?;
+        if let Some(out) = &out {
+            check_named("out", out, "a new directory, or None for tables in memory")?;
+        }
         let (study, place) = (Arc::clone(&self.study), self.place.clone());
         Ok(wait(py, move |_| {
             out.iter().try_for_each(|out| Replay::inspect(out))?;
@@ -174,7 +181,7 @@ impl Results {
                     let (study, manifest) = results_study(directory)?;
                     Replay::of_directory(directory, (&study, &manifest), run_id, times_s)?
                 }
-                None => Replay::of_study(&study, known(&study, run_id)?, times_s)?,
+                None => Replay::of_study(&study, run_id, times_s)?,
             };
             if let Some(out) = out {
                 replay.write(&study, &out)?;
@@ -197,6 +204,7 @@ impl Results {
                         study.run(directory) or stickslip.open(directory)";
             return Err(Trouble::Usage(text.to_owned()).into());
         };
+        check_page(out.as_deref())?;
         let write = move |_: &_| Ok::<_, Trouble>(write_report(&directory, out.as_deref())?);
         Ok(wait(py, write)??)
     }
@@ -251,15 +259,18 @@ impl Results {
 }
 
 /// Returns the number of a run if the study has it.
-fn known(study: &Study, run_id: u64) -> Result<u64, Trouble> {
+fn number_of_run(study: &Study, run_id: &Bound<'_, PyAny>) -> PyResult<u64> {
     let runs = study.run_count();
-    if run_id < runs {
-        return Ok(run_id);
-    }
-    let found = format!("run {run_id} of a study with {runs} runs");
-    Err(Trouble::Usage(format!(
-        "there is no such run\n  found:   {found}\n  allowed: run numbers below {runs}"
-    )))
+    let allowed = format!(
+        "a whole number from 0 to {}, a value of the column run_id",
+        runs.saturating_sub(1)
+    );
+    let given = whole("run_id", run_id, &allowed)?;
+    let known = u64::try_from(given).ok().filter(|run| *run < runs);
+    known.ok_or_else(|| {
+        let found = format!("run {given} of a study with {runs} runs");
+        refused("run_id", "there is no such run", &found, &allowed).into()
+    })
 }
 
 impl Results {

@@ -1,7 +1,7 @@
 //! One run of one machine with its motion, for Python.
 
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBool, PyDict};
 use serde_json::{Value, json};
 use stickslip::report::{MOST_INSTANTS, Replay};
 use stickslip::study::Study;
@@ -10,13 +10,16 @@ use stickslip::table::{
     touch_columns, trajectory_columns,
 };
 
-use crate::error::Trouble;
+use crate::error::{Trouble, refused, wrong_type};
 use crate::machine::{Machine, to_value};
 use crate::plotting::draw;
 use crate::table::Table;
-use crate::values::{items, kind, number};
+use crate::values::{is_text, items, number, plain};
 use crate::waiting::wait;
 
+/// The arguments that are keys of the model, not parameters.
+const KEYS: [&str; 6] =
+    ["contact", "disturbances", "friction", "normal_force", "protocol", "speed_profile"];
 /// The latest time that may be requested, s.
 const LATEST_S: f64 = 1e12;
 
@@ -184,7 +187,8 @@ impl Simulation {
 ///     33}``.
 /// parameters: parameters of the machine with the names and units of a study file, such as
 ///     ``speed_rad_s=-216.3772``, ``balls=2``, ``friction_coefficient=2.75e-3``; also ``friction``,
-///     ``normal_force`` and ``contact``. The defaults are the machine of the thesis.
+///     ``normal_force``, ``contact``, ``speed_profile``, ``disturbances`` and ``protocol``. The defaults are the machine
+///     of the thesis.
 ///
 /// A failed run raises no exception; its label is ``failed``. Raises StudyError for invalid
 /// arguments and for a motion of more than 1,000,000 instants, and TypeError for values of other
@@ -199,7 +203,7 @@ pub fn simulate(
     simulation: Option<&Bound<'_, PyAny>>,
     parameters: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Simulation> {
-    let mut machine = Machine::new("simulate", model, parameters)?;
+    let mut machine = Machine::new("simulate", model, &KEYS, parameters)?;
     if let Some(simulation) = simulation {
         machine.parts.push(("simulation", to_value("simulation", simulation)?));
     }
@@ -209,8 +213,7 @@ pub fn simulate(
     let mut columns: Vec<String> = names.collect();
     let mut row = vec![json!(0); columns.len()];
     let Value::Object(given) = to_value("start", start)? else {
-        let text = "start: not a start state\n  found:   no dict\n  allowed: a dict of coordinates";
-        return Err(Trouble::Usage(text.to_owned()).into());
+        return Err(wrong_type("start", start, "a dict of coordinates, such as {\"beta_1\": 1.0}"));
     };
     for (name, value) in given {
         match columns.iter().position(|column| *column == name) {
@@ -221,32 +224,51 @@ pub fn simulate(
             }
         }
     }
-    let study = machine.study(json!({"table": {"columns": columns, "rows": [row]}}))?;
+    let study = machine.study(json!({"table": {"columns": columns, "rows": [row]}}));
+    let study = study.map_err(|trouble| of_start(&columns, trouble))?;
     Ok(wait(py, move |_| Simulation::new(&study, Replay::of_study(&study, 0, times_s)?))??)
+}
+
+/// Names the coordinate instead of the column of the table of start states.
+fn of_start(columns: &[String], trouble: Trouble) -> Trouble {
+    let Trouble::Study(error) = &trouble else { return trouble };
+    let Some(place) = error.key().strip_prefix("initial_conditions.design.table.") else {
+        return trouble;
+    };
+    let place = place.strip_suffix(']').and_then(|place| place.rsplit_once('['));
+    let column = place.and_then(|(_, column)| columns.get(column.parse::<usize>().ok()?));
+    let Some(column) = column else { return trouble };
+    let problem = match error.problem() {
+        "unknown column" => "unknown coordinate",
+        other => other,
+    };
+    let [found, allowed] = [error.found(), error.allowed()].map(Option::unwrap_or_default);
+    refused(&format!("start.{column}"), problem, found, allowed)
 }
 
 /// Converts times, which must ascend.
 ///
 /// # Errors
-/// Returns a `StudyError` for values that are not ascending times.
+/// Returns a `TypeError` for values that are no numbers, and a `StudyError` for numbers that are not ascending times.
 pub fn times(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    let refused = |found: String, allowed: &str| {
-        let text = format!("times_s: not times\n  found:   {found}\n  allowed: {allowed}");
-        PyErr::from(Trouble::Usage(text))
-    };
-    let not_number =
-        |value: &Bound<'_, PyAny>| refused(format!("a value of type {}", kind(value)), "numbers");
+    let refused = |found: String, allowed: &str| refused("times_s", "not times", &found, allowed);
     let mut times: Vec<f64> = Vec::new();
-    for value in items(given)?.ok_or_else(|| not_number(given))? {
-        let time = number(&value)?.ok_or_else(|| not_number(&value))?;
+    let all = if is_text(given) { None } else { items(given)? };
+    for value in all.ok_or_else(|| wrong_type("times_s", given, "a list of numbers"))? {
+        let place = || format!("times_s[{}]", times.len());
+        let value = plain(&value)?;
+        let time = match number(&value)? {
+            Some(time) if !value.is_instance_of::<PyBool>() => time,
+            _ => return Err(wrong_type(&place(), &value, "a number")),
+        };
         if !(0.0..=LATEST_S).contains(&time) {
-            return Err(refused(time.to_string(), "numbers from 0 to 1e12"));
+            return Err(refused(time.to_string(), "numbers from 0 to 1e12").into());
         }
         if let Some(last) = times.last().filter(|last| **last >= time) {
-            return Err(refused(format!("{time} after {last}"), "times that ascend"));
+            return Err(refused(format!("{time} after {last}"), "times that ascend").into());
         }
         if times.len() == MOST_INSTANTS {
-            return Err(refused("more".to_owned(), "at most 1000000 times"));
+            return Err(refused("more".to_owned(), "at most 1000000 times").into());
         }
         times.push(time);
     }

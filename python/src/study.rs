@@ -5,14 +5,15 @@ use std::sync::Arc;
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 use stickslip::cli::check_json;
 use stickslip::engine::{Parts, Planned, Progress, WorkerPool};
 use stickslip::responses::{check_answerable, respond_to_all, response_columns, run_count};
 use stickslip::study::Study;
 use stickslip::table::{in_memory, provenance};
 
-use crate::directory::check_path;
-use crate::error::{Trouble, no_threads};
+use crate::directory::{check_named, check_path};
+use crate::error::{Trouble, no_threads, wrong_type};
 use crate::given::{Given, Words};
 use crate::identification::{Identification, Options};
 use crate::json::to_python;
@@ -22,7 +23,7 @@ use crate::progress::Bars;
 use crate::results::Results;
 use crate::run::Run;
 use crate::table::Table;
-use crate::values::kind;
+use crate::values::directories;
 use crate::waiting::{wait, wait_with};
 
 /// What designs are called in messages.
@@ -47,6 +48,17 @@ pub struct PyStudy {
 
 #[pymethods]
 impl PyStudy {
+    /// Refuses to create a study and names the functions that do.
+    #[new]
+    #[pyo3(signature = (*arguments, **named))]
+    fn new(arguments: &Bound<'_, PyTuple>, named: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let found = arguments.len() + named.map_or(0, PyDictMethods::len);
+        Err(PyTypeError::new_err(format!(
+            "Study: no such constructor\n  found:   Study(...) with {found} arguments\n  allowed: Study.from_yaml(path), \
+             Study.from_text(text) or Study.from_dict(keys)"
+        )))
+    }
+
     /// Reads and validates a study file and the tables that it names.
     ///
     /// path: the study file, YAML.
@@ -55,7 +67,12 @@ impl PyStudy {
     /// Raises StudyError for the first fault, also if the file cannot be read.
     #[staticmethod]
     #[pyo3(signature = (path, *, tables = Vec::new()))]
-    fn from_yaml(py: Python<'_>, path: PathBuf, tables: Vec<PathBuf>) -> PyResult<Self> {
+    fn from_yaml(
+        py: Python<'_>,
+        path: PathBuf,
+        #[pyo3(from_py_with = directories)] tables: Vec<PathBuf>,
+    ) -> PyResult<Self> {
+        check_named("path", &path, "a study file")?;
         let load = move || {
             let study = Study::load_with_tables(&path, &tables)?;
             Ok::<_, Trouble>(PyStudy { study: Arc::new(study), file: path })
@@ -77,7 +94,7 @@ impl PyStudy {
         py: Python<'_>,
         text: String,
         folder: Option<PathBuf>,
-        tables: Vec<PathBuf>,
+        #[pyo3(from_py_with = directories)] tables: Vec<PathBuf>,
     ) -> PyResult<Self> {
         let file = folder.unwrap_or_default().join("<text>");
         let read = move || {
@@ -101,15 +118,11 @@ impl PyStudy {
         py: Python<'_>,
         keys: &Bound<'_, PyAny>,
         folder: Option<PathBuf>,
-        tables: Vec<PathBuf>,
+        #[pyo3(from_py_with = directories)] tables: Vec<PathBuf>,
     ) -> PyResult<Self> {
         let value = to_value("", keys)?;
         if !value.is_object() {
-            let found = kind(keys);
-            let text = format!(
-                "keys: wrong type\n  found:   a value of type {found}\n  allowed: a dict with the keys of a study file"
-            );
-            return Err(PyTypeError::new_err(text));
+            return Err(wrong_type("keys", keys, "a dict with the keys of a study file"));
         }
         let file = folder.unwrap_or_default().join("<dict>");
         let read = move || {
@@ -187,7 +200,7 @@ impl PyStudy {
         &self,
         py: Python<'_>,
         out: Option<PathBuf>,
-        threads: Option<i64>,
+        threads: Option<&Bound<'_, PyAny>>,
         progress: bool,
         recompute: bool,
     ) -> PyResult<Results> {
@@ -231,7 +244,7 @@ impl PyStudy {
         &self,
         py: Python<'_>,
         out: Option<PathBuf>,
-        threads: Option<i64>,
+        threads: Option<&Bound<'_, PyAny>>,
         progress: bool,
     ) -> PyResult<Optimum> {
         let study = (Arc::clone(&self.study), self.file.clone());
@@ -259,10 +272,11 @@ impl PyStudy {
         measured: &Bound<'_, PyAny>,
         out: Option<PathBuf>,
         simulations: Option<PathBuf>,
-        threads: Option<i64>,
+        threads: Option<&Bound<'_, PyAny>>,
         progress: bool,
     ) -> PyResult<Identification> {
         let study = (Arc::clone(&self.study), self.file.clone());
+        let threads = crate::threads::threads(threads)?;
         Identification::infer(py, study, measured, Options { out, simulations, threads, progress })
     }
 
@@ -285,7 +299,7 @@ impl PyStudy {
         &self,
         py: Python<'_>,
         designs: &Bound<'_, PyAny>,
-        threads: Option<i64>,
+        threads: Option<&Bound<'_, PyAny>>,
         progress: bool,
     ) -> PyResult<Table> {
         check_answerable(&self.study, &self.file).map_err(Trouble::Usage)?;

@@ -11,7 +11,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyList};
 use stickslip::table::MemoryTable;
 
-use crate::error::Trouble;
+use crate::error::{Trouble, wrong_type};
+use crate::values::is_text;
 
 /// A table with named columns, in memory: the content of a Parquet file of stickslip.
 ///
@@ -77,6 +78,11 @@ impl Table {
         self.metadata(py, "meaning")
     }
 
+    /// Whether there is a column with this name.
+    fn __contains__(&self, name: &Bound<'_, PyAny>) -> bool {
+        name.extract::<String>().is_ok_and(|name| self.0.schema().index_of(&name).is_ok())
+    }
+
     /// Number of rows.
     fn __len__(&self) -> usize {
         self.0.rows()
@@ -84,8 +90,15 @@ impl Table {
 
     /// Returns the values of a column as a list, with None for missing values.
     ///
-    /// Raises KeyError if there is no such column.
-    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyList>> {
+    /// Raises KeyError if there is no such column, and TypeError for a row: rows are those of a dataframe, such as
+    /// ``table.to_pandas()``.
+    fn __getitem__<'py>(&self, name: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyList>> {
+        let py = name.py();
+        if !is_text(name) {
+            let allowed = "the name of a column; `to_pandas()` and `to_polars()` have rows";
+            return Err(wrong_type("column", name, allowed));
+        }
+        let name: &str = &name.extract::<String>()?;
         let index = self.0.schema().index_of(name);
         let index = index.map_err(|_| {
             let names = self.column_names().join(", ");

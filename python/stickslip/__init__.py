@@ -3,9 +3,9 @@
 ``Study.from_yaml("study.yaml")`` reads a study, and ``Study.from_dict(keys)`` creates one. ``study.run()`` returns its
 result tables, ``study.evaluate(designs)`` estimates its responses for designs, ``study.optimize()`` searches for the best
 design, and ``study.identify(measured)`` infers parameters. ``open(directory)`` reads results on disk. ``simulate`` and
-``equilibrium_set`` compute one machine without a study. All tables are Arrow tables in memory, which pyarrow, Polars, pandas and DuckDB read
-directly. ``stickslip.figures`` draws figures for papers from table files; it works without the compiled part of the
-package.
+``equilibrium_set`` compute one machine without a study. All tables are Arrow tables in memory, which pyarrow, Polars,
+pandas and DuckDB read directly. ``stickslip.figures`` draws figures for papers from results and from their files; it
+works without the compiled part of the package.
 """
 
 from importlib import import_module as _import_module
@@ -27,7 +27,9 @@ __all__ = [
 
 
 def __getattr__(name):
-    # The compiled part is loaded on first use.
+    # The compiled part and the figures, which need matplotlib, are loaded on first use.
+    if name == "figures":
+        return _import_module(".figures", __name__)
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = globals()[name] = getattr(_import_module("._stickslip", __name__), name)

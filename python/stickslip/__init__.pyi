@@ -3,7 +3,9 @@
 from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, Protocol, Union, final
+from typing import Any, NoReturn, Protocol, SupportsIndex, Union, final
+
+from . import figures as figures
 
 __all__ = [
     "EquilibriumSet",
@@ -23,18 +25,13 @@ __all__ = [
 __version__: str
 
 _Path = Union[str, PathLike[str]]
-_Value = Union[float, str]
 
 class _ArrowStream(Protocol):
     def __arrow_c_stream__(self, requested_schema: Any = None) -> Any: ...
 
+# Numbers and text: the type of a dict with both is dict[str, object].
 _Rows = Union[Iterable[Mapping[str, Any]], Mapping[str, Iterable[Any]], _ArrowStream]
-_Designs = Union[
-    Iterable[Mapping[str, _Value]],
-    Mapping[str, Iterable[_Value]],
-    Mapping[str, _Value],
-    _ArrowStream,
-]
+_Designs = Union[Iterable[Mapping[str, Any]], Mapping[str, Any], _ArrowStream]
 
 class StudyError(ValueError):
     file: Union[str, None]
@@ -47,6 +44,7 @@ class StudyError(ValueError):
 
 @final
 class Study:
+    def __new__(cls, *arguments: NoReturn, **named: NoReturn) -> Study: ...
     @staticmethod
     def from_yaml(path: _Path, *, tables: Sequence[_Path] = ...) -> Study: ...
     @staticmethod
@@ -77,7 +75,7 @@ class Study:
         self,
         out: Union[_Path, None] = None,
         *,
-        threads: Union[int, None] = None,
+        threads: Union[SupportsIndex, None] = None,
         progress: bool = False,
         recompute: bool = False,
     ) -> Results: ...
@@ -86,7 +84,7 @@ class Study:
         self,
         out: Union[_Path, None] = None,
         *,
-        threads: Union[int, None] = None,
+        threads: Union[SupportsIndex, None] = None,
         progress: bool = False,
     ) -> Optimum: ...
     def identify(
@@ -95,11 +93,11 @@ class Study:
         out: Union[_Path, None] = None,
         *,
         simulations: Union[_Path, None] = None,
-        threads: Union[int, None] = None,
+        threads: Union[SupportsIndex, None] = None,
         progress: bool = False,
     ) -> Identification: ...
     def evaluate(
-        self, designs: _Designs, *, threads: Union[int, None] = None, progress: bool = False
+        self, designs: _Designs, *, threads: Union[SupportsIndex, None] = None, progress: bool = False
     ) -> Table: ...
 
 @final
@@ -128,7 +126,7 @@ class Results:
     def study(self) -> Study: ...
     def replay(
         self,
-        run_id: int,
+        run_id: SupportsIndex,
         *,
         times_s: Union[Iterable[float], None] = None,
         out: Union[_Path, None] = None,
@@ -190,6 +188,7 @@ class Table:
     def units(self) -> dict[str, Union[str, None]]: ...
     @property
     def meanings(self) -> dict[str, Union[str, None]]: ...
+    def __contains__(self, name: object, /) -> bool: ...
     def __len__(self) -> int: ...
     def __getitem__(self, name: str, /) -> list[Any]: ...
     def to_dict(self) -> dict[str, list[Any]]: ...
@@ -239,11 +238,11 @@ class Simulation:
 
 def equilibrium_set(
     *,
-    grid: Union[int, None] = None,
-    samples: Union[int, None] = None,
+    grid: Union[SupportsIndex, None] = None,
+    samples: Union[SupportsIndex, None] = None,
     ball_damping: float = 1e4,
     positions: bool = True,
-    threads: Union[int, None] = None,
+    threads: Union[SupportsIndex, None] = None,
     **parameters: Any,
 ) -> EquilibriumSet: ...
 def open(directory: _Path) -> Results: ...

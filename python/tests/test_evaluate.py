@@ -186,7 +186,7 @@ def test_designs_that_are_none(study, designs):
         with pytest.raises(stickslip.StudyError) as raised:
             study.evaluate(given)
         assert raised.value.problem == problem
-    for given in [3, "steel", [3], [full, "steel"], {**full, "balls": True}, {"balls": [1, [2]]}, {1: [2]}]:
+    for given in [3, "steel", [3], [full, "steel"], {**full, "balls": True}, {**full, "balls": numpy.True_}, {"balls": [1, [2]]}, {1: [2]}]:
         with pytest.raises(TypeError, match="allowed:"):
             study.evaluate(given)
     with pytest.raises(TypeError, match="column material"):

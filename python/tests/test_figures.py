@@ -615,6 +615,24 @@ def test_more_than_twelve_panels_are_on_several_sheets(tmp_path):
         figures.preferred_equilibria(tmp_path, points=[30])
 
 
+def test_the_package_has_its_figures():
+    """An import of the package is enough, and does not need matplotlib."""
+    code = "import sys, stickslip; assert 'matplotlib' not in sys.modules; print(stickslip.figures.time_to_rest.__name__)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "time_to_rest\n"), done.stderr
+
+
+def test_arguments_of_wrong_types_are_named(results):
+    for source in (None, 3, {"points": 1}):
+        with pytest.raises(TypeError, match="directory: wrong type\n(?s:.*)results such as those of study.run"):
+            figures.time_to_rest(source)
+    for points in (0, "a", 1.5):
+        with pytest.raises(TypeError, match="points: wrong type\n(?s:.*)a list of numbers of points"):
+            figures.time_to_rest(results, points=points)
+    with pytest.raises(figures.FiguresError, match="`points` names none; points are 0 to"):
+        figures.time_to_rest(results, points=[])
+
+
 def test_errors_say_where_what_and_the_remedy(results, tmp_path):
     with pytest.raises(figures.FiguresError, match="there is no such directory") as caught:
         figures.time_to_rest(tmp_path / "nowhere")

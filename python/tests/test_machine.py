@@ -110,6 +110,17 @@ def test_the_set_of_balls_that_touch():
     assert found.summary["touching_fraction"] == pytest.approx([0.406], abs=0.001)
 
 
+def test_a_disc_that_starts():
+    start, profile = {"beta_1": 1.0, "beta_2": 4.0}, [{"ramp": {"from_rad_s": -31, "over_s": 2}}]
+    found = stickslip.simulate(start, speed_rad_s=-160, speed_profile=profile)
+    same = stickslip.simulate(start, speed_rad_s=-160, protocol="startup")
+    assert found.run.to_dict() == same.run.to_dict() and found.end_time_s > 2
+    kick = [{"kick": {"at_s": 1, "speed_m_s": 0.01, "direction_rad": 0}}]
+    assert stickslip.simulate(start, speed_rad_s=-160, disturbances=kick).end_time_s > 1
+    with pytest.raises(stickslip.StudyError, match="model.parameters.protocol"):
+        stickslip.equilibrium_set(protocol="startup")
+
+
 def test_a_block_comes_to_rest():
     found = stickslip.simulate(
         {"position_m": 0.35},
@@ -155,14 +166,13 @@ def test_what_makes_no_sense():
         (lambda: stickslip.equilibrium_set(samples=1000, balls=3), "power of two"),
         (lambda: stickslip.equilibrium_set(ball_damping=0), "ball_damping"),
         (lambda: stickslip.equilibrium_set(threads=0), "threads"),
-        (lambda: stickslip.simulate({"beta_9": 0}), "unknown column"),
-        (lambda: stickslip.simulate({"beta_1": "east"}), "not a number"),
-        (lambda: stickslip.simulate([1, 2]), "not a start state"),
+        (lambda: stickslip.simulate({"bta_1": 0}), r"start.bta_1: unknown coordinate(?s:.*)beta_1 \(did you mean this\?\)"),
+        (lambda: stickslip.simulate({"beta_1": "east"}), "start.beta_1: not a number"),
+        (lambda: stickslip.simulate({"beta_2": [1.0]}), "start.beta_2: wrong type"),
+        (lambda: stickslip.equilibrium_set(grid=10**30), "grid: out of range"),
         (lambda: stickslip.simulate({}, times_s=[1, 1]), "ascend"),
         (lambda: stickslip.simulate({}, times_s=[-1]), "from 0"),
         (lambda: stickslip.simulate({}, times_s=[math.nan]), "from 0"),
-        (lambda: stickslip.simulate({}, times_s=["late"]), "type str"),
-        (lambda: stickslip.simulate({}, times_s=3), "type int"),
         (lambda: stickslip.simulate({}, model="pendulum"), "ball_balancer"),
         (lambda: stickslip.simulate({}, simulation={"end_time": 3}), "end_time_s"),
     ]
@@ -172,8 +182,14 @@ def test_what_makes_no_sense():
     for call in [
         lambda: stickslip.equilibrium_set(speed_rad_s=object()),
         lambda: stickslip.simulate(3.0, speed_rad_s={1: 2}),
+        lambda: stickslip.simulate([1, 2]),
+        lambda: stickslip.simulate({}, times_s=["late"]),
+        lambda: stickslip.simulate({}, times_s=[True]),
+        lambda: stickslip.simulate({}, times_s="late"),
+        lambda: stickslip.simulate({}, times_s=3),
+        lambda: stickslip.equilibrium_set(grid=64.0),
     ]:
-        with pytest.raises(TypeError):
+        with pytest.raises(TypeError, match="wrong type"):
             call()
     with pytest.raises(stickslip.StudyError) as raised:
         stickslip.simulate({}, speed_rad_s=-200, table_mas_kg=0.3)

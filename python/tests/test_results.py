@@ -92,8 +92,11 @@ def test_a_replay_in_memory_has_no_row_to_compare(small, small_results):
     for results in (small.run(), stickslip.open(small_results)):
         with pytest.raises(stickslip.StudyError, match="run 96 of a study with 96 runs"):
             results.replay(96)
-    with pytest.raises(OverflowError):
-        small.run().replay(-1)
+    for run_id in (-1, 2**70):
+        with pytest.raises(stickslip.StudyError, match="run_id: (?s:.*)a whole number from 0 to 95"):
+            small.run().replay(run_id)
+    with pytest.raises(TypeError, match="run_id: wrong type\n  found:   a value of type float"):
+        small.run().replay(3.0)
 
 
 def test_a_replay_refuses_a_changed_table(small, tmp_path):
@@ -152,3 +155,14 @@ def test_stages_of_opened_results(tmp_path):
     stickslip.Study.from_text(STARTS).run(tmp_path / "out")
     results = stickslip.open(tmp_path / "out")
     assert_same(results.stages, tmp_path / "out/stages.parquet")
+
+
+def test_tables_that_results_in_memory_lack(small):
+    results = small.run()
+    for draw, table, call in [
+        (figures.motion, "trajectory", r"`stickslip.simulate\(\)` or `results.replay\(\)`"),
+        (figures.equilibrium_set, "equilibrium_positions", r"`stickslip.equilibrium_set\(positions=True\)`"),
+        (figures.identification, "posterior", r"`study.identify\(measured\)`"),
+    ]:
+        with pytest.raises(figures.FiguresError, match=f"{table}.parquet: these results have no such table; {call} has it"):
+            draw(results)

@@ -51,5 +51,37 @@ def test_numbers_of_threads(small):
             small.run(threads=threads)
         with pytest.raises(stickslip.StudyError, match=f"found:   {threads}"):
             small.evaluate({"friction_coefficient": 2e-3}, threads=threads)
-    with pytest.raises(TypeError):
-        small.run(threads="all")
+    for wrong in ("all", 2.0, True):
+        with pytest.raises(TypeError, match="threads: wrong type(?s:.*)a whole number from 1 to 1024"):
+            small.run(threads=wrong)
+    with pytest.raises(stickslip.StudyError, match="threads: out of range") as raised:
+        small.run(threads=10**30)
+    error = raised.value
+    assert (error.key, error.problem, error.found) == ("threads", "out of range", str(10**30))
+    assert error.allowed == "a whole number from 1 to 1024"
+
+
+def test_remedies_are_those_of_python(small, tmp_path):
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(FileExistsError, match="another directory, as `out`, or this one removed") as raised:
+        small.run(tmp_path)
+    assert "--" not in str(raised.value)
+    results = small.run(tmp_path / "out")
+    with pytest.raises(FileExistsError, match="a new path or an unchanged report, as `out`"):
+        results.report(tmp_path / "mine.txt")
+    other = stickslip.Study.from_text(SMALL.replace("seed: 5", "seed: 6"))
+    with pytest.raises(FileExistsError, match="or `recompute=True`, which moves"):
+        other.run(tmp_path / "out")
+    with pytest.raises(stickslip.StudyError, match="`samples` for three balls or more"):
+        stickslip.equilibrium_set(balls=3, grid=64)
+
+
+def test_empty_paths(small, tmp_path):
+    results = small.run(tmp_path / "out")
+    for call, argument in [
+        (lambda: stickslip.open(""), "directory"),
+        (lambda: results.report(""), "out"),
+        (lambda: results.replay(0, out=""), "out"),
+    ]:
+        with pytest.raises(stickslip.StudyError, match=f"{argument}: an empty path"):
+            call()

@@ -97,3 +97,8 @@ def test_units_and_meanings(runs):
 def test_columns_that_are_not_there(runs):
     with pytest.raises(KeyError, match="amplitude_m"):
         runs["amplitude"]
+    assert "amplitude_m" in runs and "amplitude" not in runs and 0 not in runs
+    # A row, and a loop over rows.
+    for call in (lambda: runs[0], lambda: runs[:3], lambda: list(runs)):
+        with pytest.raises(TypeError, match=r"column: wrong type(?s:.*)`to_pandas\(\)` and `to_polars\(\)` have rows"):
+            call()

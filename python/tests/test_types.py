@@ -29,6 +29,32 @@ def test_python_code_has_its_types(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+CALLS = """
+import numpy as np
+import stickslip
+
+study = stickslip.Study.from_dict({"schema": 1})
+design = {"speed_rad_s": -216, "material": "steel"}
+study.evaluate(design)
+study.evaluate([design, design], threads=np.int64(2))
+study.evaluate({"speed_rad_s": np.array([-216.0]), "material": ["steel"]})
+results = study.run(threads=2)
+results.replay(results.runs["run_id"][0], times_s=np.linspace(0, 1, 5)).plot()
+results.replay(np.uint64(3))
+stickslip.figures.time_to_rest(results, width="single", points=[0])
+stickslip.Study(design)  # type: ignore[arg-type]
+results.plot(figure=3)  # type: ignore[arg-type]
+"""
+
+
+def test_calls_of_users_have_their_types(tmp_path):
+    """A needless comment `type: ignore` is an error as well."""
+    (tmp_path / "calls.py").write_text(CALLS)
+    command = [sys.executable, "-m", "mypy", "--strict", "calls.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_everything_public_has_a_docstring():
     assert stickslip.__doc__
     for name in stickslip.__all__:

@@ -7,8 +7,10 @@
 The program is the file in the variable STICKSLIP, or `stickslip` on the path. Needs only Python 3.9.
 """
 
+import argparse
 import contextlib
 import json
+import math
 import os
 import shutil
 import subprocess
@@ -39,6 +41,20 @@ class Variable:
     integer: bool = False  # whole numbers only
     choices: tuple = ()
 
+    def takes(self, value):
+        """Returns whether the variable may have this value."""
+        if self.choices:
+            return value in self.choices
+        is_number = isinstance(value, (int, float)) and self.low <= value <= self.high
+        return is_number and (not self.integer or value == int(value))
+
+    def values(self):
+        """Returns its values in words."""
+        if self.choices:
+            return ", ".join(self.choices)
+        kind = "a whole number" if self.integer else "a number"
+        return f"{kind} from {self.low:g} to {self.high:g}"
+
 
 class Server:
     """The program with one study. Ctrl-C and errors end it; the next request starts it again."""
@@ -52,6 +68,9 @@ class Server:
         about = self._about()
         self.variables = [_variable(entry) for entry in about["design"]]
         self.responses = {entry["name"]: entry["unit"] for entry in about["responses"]}
+        for key, entries in (("design", self.variables), ("responses", self.responses)):
+            if not entries:
+                raise StickslipError(f"{self.study}: `{key}` is missing; add it to the study")
 
     def ask(self, design):
         """Returns the answer to a design, given as values by names, as docs/evaluate.md describes it; raises `Refused`."""
@@ -100,10 +119,14 @@ class Server:
         These are given as NAME=VALUE, or have ranges of one value.
         """
         fixed = assignments(texts)
-        names = [variable.name for variable in self.variables]
-        for name in fixed:
-            if name not in names:
-                raise StickslipError(f"{name}: not a variable of {self.study}: {', '.join(names)}")
+        variables = {variable.name: variable for variable in self.variables}
+        for name, value in fixed.items():
+            if name not in variables:
+                allowed = ", ".join(variables)
+                raise StickslipError(f"{name}: not a variable of {self.study}: {allowed}")
+            if not variables[name].takes(value):
+                allowed = variables[name].values()
+                raise StickslipError(f"--fix {name}: found {value}, allowed {allowed}")
         for variable in self.variables:
             if variable.low is not None and variable.low == variable.high:
                 fixed.setdefault(variable.name, variable.low)
@@ -171,6 +194,22 @@ def assignments(texts):
         except ValueError:
             values[name] = value
     return values
+
+
+def least_values(texts):
+    """Parses the NAME=NUMBER arguments of constraints."""
+    values = assignments(texts)
+    for name, value in values.items():
+        if not isinstance(value, float) or not math.isfinite(value):
+            raise StickslipError(f"--at-least {name}={value}: not a constraint; give NAME=NUMBER")
+    return values
+
+
+def count(text):
+    """Parses a number of designs or samples, for `argparse`."""
+    if not (text.isascii() and text.isdigit() and int(text) > 0):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1")
+    return int(text)
 
 
 def print_answer(server, design):

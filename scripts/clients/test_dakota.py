@@ -97,7 +97,11 @@ class TestDakota(Clients):
         self.assertIn("none.yaml", said)
 
     def test_usage(self):
-        self.client("dakota", "study.yaml", code=2)
+        said = self.client("dakota", "study.yaml", code=2)
+        self.assertIn("usage: dakota STUDY PARAMETERS RESULTS", said)
+        self.assertIn("found 1 argument, needs 3", said)
         missing = ("none.in", "results.out")
         self.client("dakota", self.STUDY, *missing)
         self.assertEqual((self.folder / "results.out").read_text(), "fail\n")
+        said = self.client("dakota", self.STUDY, "none.in", "none/results.out", code=1)
+        self.assertIn("none/results.out: No such file or directory", said)

@@ -41,6 +41,16 @@ class TestOpenMDAO(Clients):
     def test_choices_are_refused(self):
         text = self.client("openmdao", self.balancer, *self.ARGUMENTS.split(), code=1)
         self.assertIn("material: takes some values only; --fix it", text)
+        for fixed, allowed in [
+            ("balls=9", "a whole number from 1 to 3"),
+            ("balls=1.5", "a whole number from 1 to 3"),
+            ("material=steal", "steel, ceramic"),
+            ("speed_rad_s=fast", "a number from -260 to -140"),
+        ]:
+            arguments = (self.balancer, *self.ARGUMENTS.split(), "--fix", fixed)
+            text = self.client("openmdao", *arguments, code=1)
+            self.assertIn(f"found {fixed.split('=')[1]}", text.replace(".0,", ","))
+            self.assertIn(f"allowed {allowed}\n", text)
         wrong = (
             self.balancer,
             "--minimise",
@@ -84,6 +94,16 @@ class TestPymoo(Clients):
         self.assertNotEqual(
             self.client("pymoo", self.balancer, *self.ARGUMENTS.split(), "--seed", 2), text
         )
+
+    def test_constraints_and_counts_are_numbers(self):
+        for client in ("pymoo", "openmdao"):
+            goal = (self.balancer, "--minimise", "vibration")
+            for least in ("much", "nan"):
+                said = self.client(client, *goal, "--at-least", f"quiet={least}", code=1)
+                self.assertIn(f"{client}: --at-least quiet={least}: not a constraint", said)
+            option = "--population" if client == "pymoo" else "--samples"
+            said = self.client(client, *goal, option, 0, code=2)
+            self.assertIn(f"argument {option}: '0' is not a whole number from 1", said)
 
     def test_constraints_that_nothing_keeps(self):
         arguments = (

@@ -57,12 +57,10 @@ class TestServer(Clients):
         wrong = self.write("wrong.yaml", BLOCK.replace("mass_kg: {", "mas_kg: {"))
         with self.assertRaisesRegex(StickslipError, r"wrong.yaml:\d+:\d+: `design.mas_kg`"):
             Server(wrong)
-        nothing = self.write("nothing.yaml", BLOCK.split("responses:")[0])
-        with (
-            Server(nothing) as server,
-            self.assertRaisesRegex(StickslipError, "`responses` is missing"),
-        ):
-            server.ask({})
+        for key in ("responses", "design"):
+            nothing = self.write("nothing.yaml", BLOCK.split(f"\n{key}:")[0])
+            with self.assertRaisesRegex(StickslipError, f"nothing.yaml: `{key}` is missing; add"):
+                Server(nothing)
         with self.assertRaisesRegex(StickslipError, "set STICKSLIP"):
             Server(self.block, program="no-such-program")
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from . import words
 from .panels import MOST_PANELS, Panel, angle_axis, lay_out
 from .paper import INK, SERIES, TYPE_PT, Paper, Width
-from .sweep import Sweep, evenly
+from .sweep import Sweep, evenly, listed
 from .tables import Directory, Numbers, Source
 
 __all__ = ["identification"]
@@ -242,10 +242,11 @@ class _Identification:
     def rows(self, points: Optional[Sequence[int]]) -> list[int]:
         """Returns the rows of the points and stages shown."""
         ids = self.fit.ids.tolist()
+        points = None if points is None else listed(points)
         for point in points or ():
             if point not in ids:
                 raise self.fit.table.error(
-                    f"it has no point {point}", f"points are {', '.join(map(str, sorted(set(ids))))}"
+                    f"it has no point {point!r}", f"points are {', '.join(map(str, sorted(set(ids))))}"
                 )
         chosen = [row for row, point in enumerate(ids) if points is None or point in points]
         return [chosen[place] for place in evenly(len(chosen), MOST_PANELS)]

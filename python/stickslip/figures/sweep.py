@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from . import words
 from .tables import Directory, Numbers, Table
 
-__all__ = ["LABELS", "MOST_DETAILS", "Axis", "Sweep"]
+__all__ = ["LABELS", "MOST_DETAILS", "Axis", "Sweep", "evenly", "listed"]
 
 #: The labels of runs, in the order of the tables' columns.
 LABELS = ("equilibrium", "limit_cycle", "irregular", "undecided", "failed")
@@ -162,11 +162,13 @@ class Sweep:
         """Returns the rows shown in detail: the requested points, or at most `MOST_DETAILS` equidistant ones."""
         if points is None:
             return evenly(len(self), MOST_DETAILS)
+        points = listed(points)
         places = {int(point): row for row, point in enumerate(self.ids)}
         missing = [point for point in points if point not in places]
-        if missing:
+        if missing or not points:
             raise self.table.error(
-                f"it has no point {missing[0]}", f"points are {self.ids[0]} to {self.ids[-1]}"
+                f"it has no point {missing[0]!r}" if missing else "`points` names none",
+                f"points are {self.ids[0]} to {self.ids[-1]}",
             )
         return [places[point] for point in points]
 
@@ -190,3 +192,13 @@ class Sweep:
         ]
         other = ", none at the other points" if len(some) < len(shown) else ""
         return f" Failed runs are left out: {'; '.join(parts)}{other}."
+
+
+def listed(points: Any) -> list[int]:
+    """Returns the numbers of points that a figure is asked to show."""
+    if isinstance(points, str) or not isinstance(points, Iterable):
+        raise TypeError(
+            f"points: wrong type\n  found:   a value of type {type(points).__name__}\n"
+            "  allowed: a list of numbers of points, such as [0, 3]"
+        )
+    return list(points)

@@ -16,6 +16,8 @@ import pyarrow as pa  # type: ignore[import-untyped]
 import pyarrow.parquet as pq  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
+from .errors import CALLS, COMMANDS, FiguresError, NothingToShowError
+
 __all__ = ["Directory", "FiguresError", "Results", "Source", "Table"]
 
 
@@ -32,54 +34,16 @@ Numbers = NDArray[np.float64]
 #: The largest number of rows that are read at once.
 _BATCH = 65_536
 
-#: The command that writes each table.
-_COMMANDS = {
-    "points": "stickslip run STUDY --out DIR",
-    "runs": "stickslip run STUDY --out DIR",
-    "time_to_rest": "stickslip run STUDY --out DIR",
-    "cycles": "stickslip run STUDY --out DIR",
-    "equilibria": "stickslip run STUDY --out DIR",
-    "stages": "stickslip run STUDY --out DIR",
-    "equilibrium_histogram": "stickslip run STUDY --out DIR",
-    "equilibrium_positions": "stickslip equilibria STUDY --out DIR (without --no-set)",
-    "equilibrium_set_summary": "stickslip equilibria STUDY --out DIR",
-    "frictionless_equilibria": "stickslip equilibria STUDY --out DIR",
-    "trajectory": "stickslip replay RESULTS RUN_ID --out DIR",
-    "touches": "stickslip replay RESULTS RUN_ID --out DIR",
-    "posterior": "stickslip identify STUDY --measured FILE --out DIR",
-    "fit": "stickslip identify STUDY --measured FILE --out DIR",
-    "positions": "stickslip identify STUDY --measured FILE --out DIR",
-    "identification": "stickslip identify STUDY --measured FILE --out DIR",
-}
-
-
-class FiguresError(ValueError):
-    """The error of a figure that cannot be drawn, with the directory, the file, the problem and the remedy."""
-
-    #: Whether the tables are valid but contain nothing that the figure shows.
-    cannot_show: bool = False
-
-    def __init__(self, directory: Union[str, PathLike[str]], file: str, problem: str, remedy: str) -> None:
-        self.directory = Path(directory)
-        self.file = file
-        self.problem = problem
-        self.remedy = remedy
-        super().__init__(f"{self.directory / file}: {problem}; {remedy}")
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.directory, self.file, self.problem, self.remedy)
-
-
-class NothingToShowError(FiguresError):
-    """The error of a figure whose tables are valid but contain nothing to show."""
-
-    cannot_show = True
-
 
 class Directory:
     """A directory written by `stickslip run`, `equilibria`, `replay` or `identify`, or the same tables in memory."""
 
     def __init__(self, source: Source) -> None:
+        if not isinstance(source, (str, PathLike)) and not hasattr(source, "_source"):
+            raise TypeError(
+                f"directory: wrong type\n  found:   a value of type {type(source).__name__}\n"
+                "  allowed: a directory of results, or results such as those of study.run()"
+            )
         found = source if isinstance(source, (str, PathLike)) else source._source()
         self._memory: Mapping[str, Any] = found if isinstance(found, Mapping) else {}
         if self._memory:
@@ -113,14 +77,18 @@ class Directory:
         path = self.path / f"{name}.parquet"
         if name in self._memory:
             return Table(self.path, path.name, [_InMemory(pa.table(self._memory[name]))])
+        if self._memory:
+            raise FiguresError(
+                self.path, path.name, "these results have no such table", f"{CALLS[name]} has it"
+            )
         if not path.exists():
             raise FiguresError(
-                self.path, path.name, "the table is not there", f"`{_COMMANDS[name]}` writes it"
+                self.path, path.name, "the table is not there", f"`{COMMANDS[name]}` writes it"
             )
         files = sorted(path.glob("part-*.parquet")) if path.is_dir() else [path]
         if not files:
             raise FiguresError(
-                self.path, path.name, "the directory has no parts", f"`{_COMMANDS[name]}` writes them"
+                self.path, path.name, "the directory has no parts", f"`{COMMANDS[name]}` writes them"
             )
         for file in files:
             self._verify(file, name)
@@ -133,7 +101,7 @@ class Directory:
         """Reads a JSON file with an object, and verifies its hash."""
         path = self.path / f"{name}.json"
         if not path.exists():
-            raise self.error(path.name, "the file is not there", f"`{_COMMANDS[name]}` writes it")
+            raise self.error(path.name, "the file is not there", f"`{COMMANDS[name]}` writes it")
         self._verify(path, name)
         try:
             found = json.loads(path.read_text(encoding="utf-8"))
@@ -153,7 +121,7 @@ class Directory:
         if listed is None:
             return
         key = file.relative_to(self.path).as_posix()
-        again = f"finish or repeat `{_COMMANDS[name]}`"
+        again = f"finish or repeat `{COMMANDS[name]}`"
         if key not in listed:
             raise self.error(key, "it is not on the directory's list of files", again)
         if listed[key].get("sha256") not in (None, _sha256(file, file.stat().st_mtime_ns)):
