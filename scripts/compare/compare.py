@@ -25,7 +25,7 @@ from reference import Reference, ladder
 from table import print_table
 
 ROOT = Path(__file__).resolve().parents[2]
-WORKS = ("w1", "w2", "w4")
+WORKS = ("w1", "w2", "w3", "w4")
 EXAMPLES = """examples:
   scripts/compare/run                                  everything, some ten minutes
   scripts/compare/run --only numba,boost,heyoka        without the slow ones: a minute

@@ -71,7 +71,7 @@ TOOLS = {
     "numba": Tool("numba_peer.py", "numba DOP853", python=["numpy", "scipy", "numba"]),
     "boost": Tool(
         "boost.cpp", "Boost.odeint", header="boost/numeric/odeint.hpp", package="libboost-dev",
-        works=("w1", "w2", "w4"),
+        works=("w1", "w2", "w3", "w4"),
     ),
     "cvode": Tool(
         "cvode.cpp",

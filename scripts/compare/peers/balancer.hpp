@@ -13,10 +13,16 @@ using State = std::array<double, 8>;
 // Phase of each ball: 0 sticks, 1 or -1 slips in that direction.
 using Phases = std::array<double, 2>;
 
-// Forces on both balls; `net`: along the ring, without the force between balls that touch.
+// Forces on both balls, each over the mass of a ball. `net`: along the ring, without the force between two balls that
+// touch; `between`: that force, along the ring.
 struct Forces {
-    double normal[2], friction[2], net[2];
+    double normal[2], friction[2], net[2], between = 0.0;
 };
+
+inline Phases phases_by_speed(const State &y) {
+    const auto sign = [](double speed) { return double((speed > 0.0) - (speed < 0.0)); };
+    return {sign(y[6]), sign(y[7])};
+}
 
 // The disc turns at constant speed.
 struct Steady {

@@ -6,6 +6,7 @@
 // method of high order has dense output.
 #include "free_balls.hpp"
 #include "protocol.hpp"
+#include "touching_balls.hpp"
 
 #include <boost/numeric/odeint.hpp>
 
@@ -139,10 +140,25 @@ static Ending run_apart(const Balancer &b, State y, double end, double relative,
     return run_with_events(motion, y, b.ramp_time, end, relative, absolute, counts);
 }
 
+static Ending run_in_contact(const Balancer &b, State y, double end, double relative, double absolute,
+                             Counts &counts) {
+    y[3] = y[2] + std::fmod(y[3] - y[2] + 2.0 * M_PI, 2.0 * M_PI);
+    TouchingBalls motion(b, phases_by_speed(y));
+    return run_with_events(motion, y, 0.0, end, relative, absolute, counts);
+}
+
+// Returns the values at a point with state and phases, and with the ball ahead of two that touch or the time.
 static std::vector<double> values_at(const Balancer &b, const std::vector<double> &point) {
-    if (b.ramp_time == 0.0 || point[10] >= b.ramp_time) return values_apart(b, point);
     const Phases s{point[8], point[9]};
     double out[8];
+    if (b.contact_angle > 0.0) {
+        const TouchingBalls motion(b, s, point[10]);
+        const Forces forces = motion.derivative(point.data(), 0.0, out);
+        auto values = listed(out, forces);
+        values.push_back(forces.between);
+        return values;
+    }
+    if (b.ramp_time == 0.0 || point[10] >= b.ramp_time) return values_apart(b, point);
     const auto disc = Ramp{b.speed, b.acceleration, b.ramp_time}.at(point[10]);
     const Forces forces = b.derivative(point.data(), s, disc, b.apart(s), out);
     return listed(out, forces);
@@ -150,6 +166,8 @@ static std::vector<double> values_at(const Balancer &b, const std::vector<double
 
 int main(int, char **arguments) {
     return serve(arguments[1], values_at, [](const Balancer &b, auto &...rest) {
-        return b.smooth() ? smooth_run(b, rest...) : run_apart(b, rest...);
+        return b.smooth()               ? smooth_run(b, rest...)
+               : b.contact_angle > 0.0 ? run_in_contact(b, rest...)
+                                       : run_apart(b, rest...);
     });
 }

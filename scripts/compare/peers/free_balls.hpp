@@ -39,8 +39,3 @@ template <class Disc> struct FreeBalls {
         return Rest(b, y, [&](const Forces &forces) { return b.reserve(forces); });
     }
 };
-
-inline Phases phases_by_speed(const State &y) {
-    const auto sign = [](double speed) { return double((speed > 0.0) - (speed < 0.0)); };
-    return {sign(y[6]), sign(y[7])};
-}
