@@ -27,9 +27,10 @@ from table import print_table
 ROOT = Path(__file__).resolve().parents[2]
 WORKS = ("w1", "w2", "w3", "w4")
 EXAMPLES = """examples:
-  scripts/compare/run                                  everything, some ten minutes
-  scripts/compare/run --only numba,boost,heyoka        without the slow ones: a minute
+  scripts/compare/run                                  everything, some fifteen minutes
+  scripts/compare/run --only numba,boost,heyoka        without the slow ones: some minutes
   scripts/compare/run --runs 32 --repeat 1             a first look
+  scripts/compare/run --runs 16 --works w3             balls that touch, as a test
   scripts/compare/run --works w1 --json table.json
   PYTHON=.venv/bin/python scripts/compare/run          with the packages of a virtual environment
 """

@@ -84,7 +84,7 @@ TOOLS = {
         "heyoka_peer.py",
         "heyoka, 8 lanes",
         python=["numpy", "numba", "heyoka"],
-        works=("w1", "w2", "w4"),
+        works=("w1", "w2", "w3", "w4"),
     ),
 }
 

@@ -1,13 +1,16 @@
 """Peer: heyoka, Taylor's method of high order compiled for this machine, eight runs per batch.
 
 The method suits smooth motion very well. With friction the phases are parameters, so that lanes can differ, and the
-stop is an event, too. The disc starts with an integrator of its own, whose equations depend on time.
+stop is an event, too. The disc starts with an integrator of its own, whose equations depend on time. Balls that touch
+have further events, and a matrix of parameters that couples their accelerations.
 """
 
 import heyoka as hy
 import numpy as np
-from equations import FRICTION, RAMP_TIME
+from contact import forces_on_balls
+from equations import CONTACT_ANGLE, FRICTION, RAMP_TIME
 from heyoka_batch import LANES
+from heyoka_contact import TouchingBalls, coupled
 from heyoka_free import FreeBalls
 from heyoka_system import apart, system
 from serve import serve
@@ -19,13 +22,15 @@ class Peer:
     def __init__(self, parameters, end_time, starts):
         self.parameters, self.end_time, self.starts = parameters, end_time, starts
         self.smooth = parameters[FRICTION] == 0.0
-        self.ramp_time = parameters[RAMP_TIME]
+        self.ramp_time, self.contact = parameters[RAMP_TIME], parameters[CONTACT_ANGLE] > 0.0
         self.motions = [] if self.smooth else self.stages()
         self.integrators = {}  # those of each tolerance, compiled on first use
         self.compiled = {}
 
     def stages(self):
         """Returns motions with their begin and end."""
+        if self.contact:
+            return [(TouchingBalls(self.parameters), 0.0, self.end_time)]
         steady = FreeBalls(self.parameters, changes=False), self.ramp_time, self.end_time
         if self.ramp_time == 0.0:
             return [steady]
@@ -69,16 +74,22 @@ class Peer:
             "steps": steps, "events": 0,
         }  # fmt: skip
 
-    def forces(self, y, s1, s2, time=np.inf):
-        changes = time < self.ramp_time
+    def forces(self, y, s1, s2, column=np.inf):
+        """Returns derivatives and forces, with contact for the ball ahead of two that touch, else for a time."""
+        changes = not self.contact and column < self.ramp_time
         if changes not in self.compiled:
             phases = [hy.par[0], hy.par[1]]
-            respond = apart(self.parameters, phases)
+            respond = coupled if self.contact else apart(self.parameters, phases)
             rates, normals, frictions, _ = system(self.parameters, phases, respond, changes)
             variables = [variable for variable, _ in rates]
             values = [rate for _, rate in rates] + normals + frictions
             self.compiled[changes] = hy.cfunc(values, variables)
-        given = {"time": time} if changes else {}
+        given = {"time": column} if changes else {}
+        if self.contact:
+            mode, matrix, out = np.array([s1, s2, column]), np.zeros(4), np.zeros(8)
+            between = forces_on_balls(y, mode, self.parameters, matrix, out)
+            rates = self.compiled[changes](y, pars=[s1, s2, 0.0, *matrix])[:8]
+            return [*rates, *out[:4], between]
         if not self.smooth:
             given["pars"] = [s1, s2]
         return self.compiled[changes](y, **given)
