@@ -1,5 +1,5 @@
-"""Two balls that cannot pass through each other, compiled by numba: forces, impacts, and the decisions where they touch.
-Corresponds to touching_balls.hpp and holding.hpp.
+"""Two balls that cannot pass through each other, compiled by numba: forces, impacts, and the decisions where they
+touch. Corresponds to touching_balls.hpp and holding.hpp.
 
 Mode `m`: phases of both balls as in equations.py, and which ball is ahead of two that touch: 1 the second one, -1 the
 first one, 0 if none touch. Forces are over the mass of a ball.
@@ -11,8 +11,8 @@ from itertools import combinations
 import numba as nb
 import numpy as np
 from equations import (
-    BALL_FRICTION, CONTACT_ANGLE, DIAMETER, FRICTION, INERTIA, MASS, RESTITUTION, SLACK, SPEED, TURN,
-    DAMPING, IMBALANCE, ROLLING, decide,
+    BALL_FRICTION, CONTACT_ANGLE, DAMPING, DIAMETER, FRICTION, IMBALANCE, INERTIA, MASS, RESTITUTION,
+    ROLLING, SLACK, SPEED, TURN, decide,
 )  # fmt: skip
 
 # An impact that is slower than this ends in lasting contact.

@@ -31,8 +31,8 @@ def equations(changes):
 
     @nb.njit(fastmath=True, error_model="numpy")
     def derivative(y, s1, s2, p, out):
-        """Writes the time derivative to `out`; returns normal and friction forces of both balls. While the speed of the disc
-            changes, p[SPEED] is its value at the time."""
+        """Writes the time derivative to `out`; returns normal and friction forces of both balls. While the speed of the
+            disc changes, p[SPEED] is its value at the time."""
         omega, zeta, mass = p[SPEED], p[DAMPING], p[MASS]
         mobility = 1.0 / (1.0 + 4.0 * p[INERTIA])
         linear = p[ROLLING] * 2.0 * p[INERTIA] * p[DIAMETER] * omega

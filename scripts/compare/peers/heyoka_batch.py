@@ -1,5 +1,5 @@
-"""A batch of runs with events in heyoka: integration and event detection are compiled, and one compiled call from Python
-handles an event. A lane whose run has ended takes the next run."""
+"""A batch of runs with events in heyoka: integration and event detection are compiled, and one compiled call from
+Python handles an event. A lane whose run has ended takes the next run."""
 
 import heyoka as hy
 import numpy as np
@@ -10,15 +10,15 @@ LANES = 8
 class Batch:
     """An integrator of several runs with guards, whose values fall through zero at an event.
 
-    The first of the `parameters` of a lane are the phases, as many as `phases`. `certain`: falls through zero when rest
-    for good becomes certain. `switch(state, lanes, lane, guard, at_once, time, *given)`, compiled, changes the state and
+    The first of the `parameters` of a lane are the phases, as many as `phases`. `certain`: falls through zero when rest for
+    good becomes certain. `switch(state, lanes, lane, guard, at_once, time, *given)`, compiled, changes the state and
     the parameters of a lane after an event, and returns whether the run rests for good."""
 
     def __init__(self, equations, guards, certain, tolerance, phases, parameters, switch, given):
         self.events, self.phases = 0, phases
         down = hy.event_direction.negative
-        # No cooldown: the next event may follow immediately, and no event is detected twice, because a ball that breaks away
-        # accelerates and a ball that stops is below its friction limit.
+        # No cooldown: the next event may follow immediately, and no event is detected twice, because a ball that breaks
+        # away accelerates and a ball that stops is below its friction limit.
         events = [
             hy.t_event_batch(value, callback=callback, direction=down, cooldown=0.0)
             for value, callback in zip(guards, self.callbacks(len(guards), switch, given))

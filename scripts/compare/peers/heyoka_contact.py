@@ -1,5 +1,5 @@
-"""Balls that cannot pass through each other, in heyoka: events for stops, break-aways and impacts, and for the force between
-two balls that touch. The numbers of the mode are parameters, so that the runs of a batch can differ."""
+"""Balls that cannot pass through each other, in heyoka: events for stops, break-aways and impacts, and for the force
+between two balls that touch. The numbers of the mode are parameters, so that the runs of a batch can differ."""
 
 import math
 
@@ -19,8 +19,8 @@ from heyoka_system import NAMES, system
 # Parameters of a lane: the mode (phase of each ball, and which is ahead), the matrix of `couple`, the factors of the
 # guards, and what certifies rest.
 MODE, COUPLED, FACTORS, REST, PARAMETERS = 0, 3, 7, 15, 19
-# Factors: a stuck first ball, what holds both balls, speed and stick of the second ball, the force between both, a constant,
-# open gaps, and whether the second ball is ahead.
+# Factors: a stuck first ball, what holds both balls, speed and stick of the second ball, the force between both, a
+# constant, open gaps, and whether the second ball is ahead.
 STICK_1, HELD, SLIP_2, STICK_2, PRESSED, NOTHING, OPEN, AHEAD = range(FACTORS, FACTORS + 8)
 # A gap that opens has this width, so that its guard starts above zero; about 1e-13 rad.
 OPENED = 6e-13

@@ -1,5 +1,5 @@
-"""The balancer's equations of motion as expressions for heyoka. The phases of the balls are parameters, so that the runs
-of a batch can differ."""
+"""The balancer's equations of motion as expressions for heyoka. The phases of the balls are parameters, so that the
+runs of a batch can differ."""
 
 import heyoka as hy
 from equations import (

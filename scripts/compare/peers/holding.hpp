@@ -1,9 +1,9 @@
 // Whether friction holds two balls that stick and touch, for any forces between them.
 //
-// With the force u >= 0 between the balls along the ring and the friction r between them, |r| <= mu_b u, each over the mass
-// of a ball, both balls stick if four inequalities in u and r hold. The largest common reserve of the four is a linear
-// programme; its dual has few vertices, which depend on the machine only. Each is a sum of three inequalities in which u
-// and r vanish, and the reserve is the least of these sums.
+// With the force u >= 0 between the balls along the ring and the friction r between them, |r| <= mu_b u, each over the
+// mass of a ball, both balls stick if four inequalities in u and r hold. The largest common reserve of the four is a
+// linear programme; its dual has few vertices, which depend on the machine only. Each is a sum of three inequalities in
+// which u and r vanish, and the reserve is the least of these sums.
 #pragma once
 
 #include "balancer.hpp"
@@ -22,7 +22,7 @@ struct Holding {
         tangent = std::tan(0.5 * b.contact_angle);
         lever = 1.0 / std::cos(0.5 * b.contact_angle) + tangent;
         retards = (b.ball_friction * lever + friction * tangent) / (1.0 - friction * b.ball_friction);
-        // Coefficients of u and r: the ball behind forwards and backwards, the same for the ball ahead, and |r| <= mu_b u.
+        // Coefficients of u and r: the ball behind forwards and backwards, the ball ahead likewise, and |r| <= mu_b u.
         const double out = 1.0 + friction * tangent, in = 1.0 - friction * tangent;
         const double less = lever - friction, more = lever + friction;
         const double rows[6][2] = {{-out, -less}, {in, more}, {in, -more}, {-out, less},
