@@ -21,6 +21,8 @@ class Work:
     one: Path  # a study with only the first case
     cases: Path  # these cases as numbers, for the peers
     smooth: bool  # no dry friction: no events, errors of final states count
+    contact: bool  # balls touch
+    ramp: bool  # the speed of the disc rises
     relative: float  # the study's tolerance
     absolute: float
     end_time: float  # non-dimensional
@@ -59,6 +61,8 @@ def prepare(stickslip, study, runs, folder):
         one=one,
         cases=cases,
         smooth=model["friction"] != "coulomb",
+        contact=model["contact"] != "none",
+        ramp=bool(model.get("speed_profile")),
         relative=float(tolerance["relative"]),
         absolute=float(tolerance["absolute"]),
         end_time=end_time,
@@ -96,7 +100,7 @@ def resolve(stickslip, study, folder):
 def without_dimensions(model):
     """Returns the dimensionless machine (lengths over L, times times omega_n, masses over the total mass): speed,
         damping ratio, imbalance, ball mass, diameter, inertia, friction coefficient, viscous drag, rolling term (1 or
-        0); and the natural frequency in rad/s."""
+        0), those of the ramp and of the contact; and the natural frequency in rad/s."""
     given = {name: value for name, value in model["parameters"].items()}
     if given["balls"] != 2:
         raise SystemExit("compare: the peers support two identical balls only")
@@ -117,5 +121,28 @@ def without_dimensions(model):
         coefficient,
         drag,
         1.0 if model["normal_force"] == "lagrange" else 0.0,
+        *ramp(model, natural),
+        *contact(model, given["ball_diameter_m"] / radius),
     ]
     return numbers, natural
+
+
+def ramp(model, natural):
+    """Returns acceleration and duration of the ramp with which the disc starts, without dimensions; zeros without one."""
+    profile = model.get("speed_profile")
+    if not profile:
+        return 0.0, 0.0
+    first, *others = (part["ramp"] for part in profile if "ramp" in part)
+    if others or len(profile) != 1:
+        raise SystemExit("compare: the peers support a single ramp only")
+    change = model["parameters"]["speed_rad_s"] - first["from_rad_s"]
+    return change / first["over_s"] / natural**2, first["over_s"] * natural
+
+
+def contact(model, diameter):
+    """Returns the angle at which two balls touch, restitution, and the friction coefficient of two balls; zeros without
+        contact."""
+    law = model["contact"]
+    if law == "none":
+        return 0.0, 0.0, 0.0
+    return 2.0 * math.asin(0.5 * diameter), law["restitution"], law["friction_coefficient"]

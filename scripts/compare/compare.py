@@ -25,10 +25,12 @@ from reference import Reference, ladder
 from table import print_table
 
 ROOT = Path(__file__).resolve().parents[2]
+WORKS = ("w1", "w2", "w3", "w4")
 EXAMPLES = """examples:
-  scripts/compare/run                                  everything, some ten minutes
-  scripts/compare/run --only numba,boost,heyoka        without the slow ones: a minute
+  scripts/compare/run                                  everything, some fifteen minutes
+  scripts/compare/run --only numba,boost,heyoka        without the slow ones: some minutes
   scripts/compare/run --runs 32 --repeat 1             a first look
+  scripts/compare/run --runs 16 --works w3             balls that touch, as a test
   scripts/compare/run --works w1 --json table.json
   PYTHON=.venv/bin/python scripts/compare/run          with the packages of a virtual environment
 """
@@ -56,7 +58,8 @@ def arguments():
     add("--runs", type=int, default=256, metavar="N", help="runs of each work [256]")
     add("--repeat", type=int, default=5, metavar="K", help="rounds; medians are printed [5]")
     add("--only", metavar="NAME,...", help=f"peers to compare with: {names} [all]")
-    add("--works", default="w1,w2", metavar="NAME,...", help="w1, w2 or both [w1,w2]")
+    add("--works", default=",".join(WORKS), metavar="NAME,...",
+        help=f"works to compare on: {', '.join(WORKS)} [all]")  # fmt: skip
     add("--stickslip", default=str(ROOT / "target/release/stickslip"), metavar="PATH",
         help="the program [target/release/stickslip]")  # fmt: skip
     add("--json", metavar="FILE", help="also write the tables as JSON; - for standard output")
@@ -65,8 +68,8 @@ def arguments():
     given.works = given.works.split(",")
     for name in set(given.only) - set(TOOLS):
         parser.error(f"--only: there is no peer {name}; there are {names}")
-    for name in set(given.works) - {"w1", "w2"}:
-        parser.error(f"--works: there is no work {name}; there are w1 and w2")
+    for name in set(given.works) - set(WORKS):
+        parser.error(f"--works: there is no work {name}; there are {', '.join(WORKS)}")
     if given.runs < 2 or given.repeat < 1:
         parser.error("at least 2 runs and 1 round")
     if not Path(given.stickslip).is_file():
@@ -100,6 +103,9 @@ def started(commands, work, folder):
     """Starts the peers and checks their right-hand sides."""
     peers = {}
     for name, command in commands.items():
+        if work.name not in TOOLS[name].works:
+            say(f"{work.name} without {name}: not written for it")
+            continue
         peer = Peer(TOOLS[name], command, work)
         try:
             difference = worst_difference(peer, work, folder)

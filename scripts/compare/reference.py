@@ -17,11 +17,10 @@ class Reference:
     def __init__(self, work, stickslip, folder):
         self.smooth = work.smooth
         relative = 1e-14 if work.smooth else 1e-12
-        names = [name for name in ("numba", "boost") if not TOOLS[name].missing()]
+        suitable = [name for name in ("numba", "boost") if work.name in TOOLS[name].works]
+        names = [name for name in suitable if not TOOLS[name].missing()]
         if not names:
-            raise SystemExit(
-                "compare: the reference needs numba and scipy, or g++ and libboost-dev"
-            )
+            raise SystemExit(f"compare: the reference of {work.name} needs {' or '.join(suitable)}")
         tool = TOOLS[names[0]]
         peer = Peer(tool, tool.command(folder), work)
         result = peer.run(relative, 0.01 * relative)

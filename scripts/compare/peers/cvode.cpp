@@ -3,7 +3,7 @@
 // Adams' method with fixed-point iteration: the motion is not stiff, and BDF takes 1.5 times as long. Friction is
 // expensive, because a multistep method restarts with order 1 after every event, some hundred times per run, and
 // every step goes through function pointers and vectors on the heap. Written for SUNDIALS 6.
-#include "balancer.hpp"
+#include "protocol.hpp"
 
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
@@ -82,7 +82,7 @@ class Solver {
                     if (found[ball] && s[ball] == before[ball])
                         b.after_event(values, s, ball, at_once);
                 CVodeReInit(memory, time, y);
-                if (s[0] == 0.0 && s[1] == 0.0) rest = Rest(b, values);
+                if (s[0] == 0.0 && s[1] == 0.0) rest = Rest(b, values, [&](const Forces &forces) { return b.reserve(forces); });
             }
             if (s[0] == 0.0 && s[1] == 0.0) ending.rest = rest.certified(b, values);
         }
@@ -112,5 +112,5 @@ class Solver {
 
 int main(int, char **arguments) {
     Solver solver;
-    return serve(arguments[1], [&](auto &...rest) { return solver.run(rest...); });
+    return serve(arguments[1], values_apart, [&](auto &...rest) { return solver.run(rest...); });
 }

@@ -13,7 +13,7 @@ from equations import read_cases
 
 
 def serve(make):
-    """Answers commands with a peer that `make` creates from parameters, end time and start states: `forces(y, s1, s2)`
+    """Answers commands with a peer that `make` creates from parameters, end time and start states: `forces(y, s1, s2, ...)`
         returns 8 derivatives, two normal and two friction forces, `prepare(relative, absolute)` compiles the rest, and
         `run(relative, absolute)` returns `rest`, `time`, `state` and counts."""
     parameters, end_time, starts = read_cases(sys.argv[1])
@@ -22,7 +22,7 @@ def serve(make):
         command, *arguments = line.split()
         if command == "check":
             points = np.loadtxt(arguments[0], ndmin=2)
-            values = [peer.forces(row[:8], row[8], row[9]) for row in points]
+            values = [peer.forces(row[:8], *row[8:]) for row in points]
             answer = {"values": np.array(values).tolist()}
         else:
             tolerance = [float(value) for value in arguments]
