@@ -1,7 +1,8 @@
 //! Writes finished runs to disk: collects them for a few seconds and writes them as a chunk from a separate
 //! thread, so that no worker waits for the disk.
 
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, sync_channel};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use super::stop::StopCondition;
@@ -11,6 +12,10 @@ use super::store::{ChunkAppender, NewResult, StoreError};
 const MAX_WAIT: Duration = Duration::from_secs(3);
 /// The largest number of runs that wait for the disk; above it workers wait, too.
 const WAITING: usize = 16_384;
+
+/// The time between two looks for finished runs while a chunk is collected. A thread that waits inside the channel is woken
+/// for each run, which costs the worker a system call per run.
+const PAUSE: Duration = Duration::from_millis(2);
 
 /// Creates the channel from the workers to the writer.
 pub(super) fn new_results() -> (SyncSender<NewResult>, Receiver<NewResult>) {
@@ -34,10 +39,7 @@ pub(super) fn write_chunks(
         let mut runs = Vec::new();
         let mut due = None;
         while runs.len() < chunk.max(1) {
-            let left = due.map_or(Duration::MAX, |due: Instant| {
-                due.saturating_duration_since(Instant::now())
-            });
-            match finished.recv_timeout(left) {
+            match next(finished, due) {
                 Ok(run) => {
                     due = due.or_else(|| Instant::now().checked_add(MAX_WAIT));
                     runs.push(run);
@@ -58,4 +60,25 @@ pub(super) fn write_chunks(
         }
     }
     written
+}
+
+/// Waits for the next finished run: without a limit for the first one of a chunk, and until the chunk is due for the
+/// others.
+fn next(
+    finished: &Receiver<NewResult>,
+    due: Option<Instant>,
+) -> Result<NewResult, RecvTimeoutError> {
+    let Some(due) = due else {
+        return finished.recv().map_err(|_| RecvTimeoutError::Disconnected);
+    };
+    loop {
+        match finished.try_recv() {
+            Ok(run) => return Ok(run),
+            Err(TryRecvError::Disconnected) => return Err(RecvTimeoutError::Disconnected),
+            Err(TryRecvError::Empty) if Instant::now() >= due => {
+                return Err(RecvTimeoutError::Timeout);
+            }
+            Err(TryRecvError::Empty) => thread::sleep(PAUSE),
+        }
+    }
 }
