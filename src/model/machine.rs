@@ -153,11 +153,18 @@ impl Machine {
                 return Err(invalid(name, &value.to_string(), "a finite number"));
             }
         }
-        for (index, ball) in self.balls.iter().enumerate() {
-            let name = |general: &str, unit: &str| member_name(general, unit, index + 1);
-            positive(&name("ball_mass_kg", "kg"), ball.mass_kg)?;
-            positive(&name("ball_diameter_m", "m"), ball.diameter_m)?;
-            not_negative(&name("friction_coefficient", ""), ball.friction_coefficient)?;
+        for (number, ball) in (1..).zip(&self.balls) {
+            // The names of a ball's parameters are composed for errors only.
+            let of_ball = |unit: &'static str| {
+                move |invalid: InvalidParameter| InvalidParameter {
+                    name: member_name(&invalid.name, unit, number),
+                    ..invalid
+                }
+            };
+            positive("ball_mass_kg", ball.mass_kg).map_err(of_ball("kg"))?;
+            positive("ball_diameter_m", ball.diameter_m).map_err(of_ball("m"))?;
+            not_negative("friction_coefficient", ball.friction_coefficient)
+                .map_err(of_ball(""))?;
         }
         if let Some(contact) = &self.contact {
             contact.validate()?;
