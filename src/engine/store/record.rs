@@ -17,8 +17,9 @@ impl CaseKey {
     /// Returns the key of a planned run.
     pub fn of(planned: &PlannedRun) -> Self {
         let case = planned.case.as_ref().map_err(ToString::to_string);
-        // Serializing numbers and names into memory cannot fail.
-        let bytes = postcard::to_stdvec(&(MODEL_VERSION, case)).unwrap_or_default();
+        // Most cases fit, so that the memory does not grow. Serializing numbers and names into memory cannot fail.
+        let bytes = Vec::with_capacity(1024);
+        let bytes = postcard::to_extend(&(MODEL_VERSION, case), bytes).unwrap_or_default();
         let digest = Sha256::digest(&bytes);
         let mut key = [0; Self::BYTES];
         key.copy_from_slice(&digest[..Self::BYTES]);
