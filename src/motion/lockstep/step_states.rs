@@ -2,11 +2,14 @@
 
 use std::f64::consts::TAU;
 
+use fearless_simd::prelude::*;
+
 use super::group::Group;
 use super::kernel::{Kernel, POWERS, Powers};
 use super::root_isolation::{PolynomialPoint, guess};
 use crate::model::Components;
-use crate::motion::lockstep::vector::Vector;
+use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::{LANES, Lanes};
 use crate::motion::root::fall_of_smooth;
 
 /// Returns the value of a series and its rate at a time.
@@ -66,28 +69,31 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         state
     }
 
-    /// Returns the squares of the measured displacement at times after the start of the latest step.
+    /// Returns the squares of the measured displacement at up to eight times after the start of the latest step.
     #[inline(never)]
     pub(super) fn squares_at<const P: usize>(&self, lane: usize, after: [f64; P]) -> [f64; P] {
+        const { assert!(P <= LANES) };
         let Some(components) = self.kernel.vibration() else { return [0.0; P] };
         let [x, y] =
             components.map(|component| self.kernel.component(&self.room, lane, component, 0.0));
-        // The fused multiply-add is an instruction in this closure.
-        self.simd.vectorize(
+        let simd = self.simd;
+        let squares = simd.vectorize(
             #[inline(always)]
             || {
-                let (mut sum_x, mut sum_y) = ([0.0_f64; P], [0.0_f64; P]);
-                for k in (0..POWERS).rev() {
-                    for place in 0..P {
-                        sum_x[place] = sum_x[place].mul_add(after[place], x[k]);
-                        sum_y[place] = sum_y[place].mul_add(after[place], y[k]);
-                    }
+                // A vector of times of one lane, not of lanes.
+                let mut times = Lanes::splat(simd, 0.0);
+                for (place, after) in after.into_iter().enumerate() {
+                    times[place] = after;
                 }
-                std::array::from_fn(|place| {
-                    sum_x[place] * sum_x[place] + sum_y[place] * sum_y[place]
-                })
+                let (mut sum_x, mut sum_y) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 0.0));
+                for k in (0..POWERS).rev() {
+                    sum_x = sum_x.fused(times, Lanes::splat(simd, x[k]));
+                    sum_y = sum_y.fused(times, Lanes::splat(simd, y[k]));
+                }
+                sum_x * sum_x + sum_y * sum_y
             },
-        )
+        );
+        std::array::from_fn(|place| squares[place])
     }
 
     /// Returns time and state at which the angle of a contact completed a turn, through the angle 0, in the latest

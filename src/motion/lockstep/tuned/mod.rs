@@ -27,6 +27,7 @@ use super::{LANES, Lanes, ORDER};
 use crate::model::{Balancer, Components, RestPoint, State, System};
 use crate::motion::Evaluator;
 use crate::motion::all_stick;
+use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::InState;
 use crate::motion::saltation::Condition;
@@ -349,8 +350,23 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     ) -> R {
         let balancer = self.balancers[lane].as_ref();
         let balancer = balancer.expect("only lanes with a run are decided");
-        let state = State::of_components(state).expect("the components are those of the lanes");
-        with(&InPlace::new(balancer, own.surely_one_solution, state))
+        let state =
+            State::<N>::of_components(state).expect("the components are those of the lanes");
+        let simd = self.equations.speed.simd;
+        let turned = simd.vectorize(
+            #[inline(always)]
+            || {
+                // A vector of the angles of one lane, not of lanes.
+                const { assert!(N <= LANES) };
+                let mut angles = Lanes::splat(simd, 0.0);
+                for (place, angle) in state.beta.into_iter().enumerate() {
+                    angles[place] = angle;
+                }
+                let (sines, cosines) = sin_cos(angles);
+                std::array::from_fn(|place| (sines[place], cosines[place]))
+            },
+        );
+        with(&InPlace::new(balancer, own.surely_one_solution, (state, turned)))
     }
 }
 
@@ -375,8 +391,13 @@ pub(super) fn in_state<R>(
         ($($balls:literal)*) => {
             $(
                 if let Some(balancer) = while_apart::<$balls>(system) {
-                    let state = State::of_components(state)?;
-                    return Some(with(&InPlace::new(balancer, surely_one_solution, state)));
+                    let state = State::<$balls>::of_components(state)?;
+                    let turned = state.beta.map(libm::sincos);
+                    return Some(with(&InPlace::new(
+                        balancer,
+                        surely_one_solution,
+                        (state, turned),
+                    )));
                 }
             )*
         };

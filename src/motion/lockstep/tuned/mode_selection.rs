@@ -16,12 +16,12 @@ pub(super) struct InPlace<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> InPlace<'a, N> {
+    /// Creates it from the state and the sine and cosine of each angle.
     pub(super) fn new(
         balancer: &'a Balancer<N>,
         surely_one_solution: bool,
-        state: State<N>,
+        (state, turned): (State<N>, [(f64, f64); N]),
     ) -> Self {
-        let turned = state.beta.map(libm::sincos);
         InPlace { balancer, state, turned, surely_one_solution }
     }
 
