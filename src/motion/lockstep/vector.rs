@@ -6,6 +6,9 @@ use super::{LANES, Lanes};
 
 /// A level of vector instructions whose fused multiply-add is correctly rounded.
 pub(super) trait Vector: Simd {
+    /// Whether the processor has 32 registers that hold all lanes.
+    const HAS_MANY_REGISTERS: bool;
+
     /// Returns `a b + c`, rounded once.
     fn fused_multiply_add(a: Lanes<Self>, b: Lanes<Self>, c: Lanes<Self>) -> Lanes<Self>;
 }
@@ -24,9 +27,11 @@ impl<S: Vector> Fused for Lanes<S> {
 }
 
 macro_rules! with_instruction {
-    ($($level:ty)*) => {
+    ($($level:ty, $has_many_registers:literal;)*) => {
         $(
             impl Vector for $level {
+                const HAS_MANY_REGISTERS: bool = $has_many_registers;
+
                 #[inline(always)]
                 fn fused_multiply_add(
                     a: Lanes<Self>,
@@ -41,9 +46,9 @@ macro_rules! with_instruction {
 }
 
 #[cfg(target_arch = "x86_64")]
-with_instruction!(fearless_simd::Avx2 fearless_simd::Avx512);
+with_instruction!(fearless_simd::Avx2, false; fearless_simd::Avx512, true;);
 #[cfg(target_arch = "aarch64")]
-with_instruction!(fearless_simd::Neon);
+with_instruction!(fearless_simd::Neon, false;);
 
 /// The instructions of every processor of its kind.
 #[cfg(target_arch = "x86_64")]
@@ -55,6 +60,8 @@ pub(super) type Baseline = fearless_simd::Fallback;
 /// Processors without the instruction compute it one number at a time, in a function of its own, because the vectors'
 /// emulation of the instruction would make the program many times as large.
 impl Vector for Baseline {
+    const HAS_MANY_REGISTERS: bool = false;
+
     #[inline(always)]
     fn fused_multiply_add(a: Lanes<Self>, b: Lanes<Self>, c: Lanes<Self>) -> Lanes<Self> {
         let mut result = c;

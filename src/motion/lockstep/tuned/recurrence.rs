@@ -52,7 +52,7 @@ pub(super) enum Constants {
 
 /// Computes coefficient `k + 1` of the products of the speeds of one series and the directions of
 /// another, and coefficient `k` of the products of its pull and the directions, without the terms
-/// that have the directions at order 0.
+/// that have the directions at order 0. Several balls are computed together, as many as the registers hold.
 #[inline(always)]
 pub(super) fn products<S: Vector, const N: usize>(
     of: &[Term<S, N>; TERMS],
@@ -60,51 +60,74 @@ pub(super) fn products<S: Vector, const N: usize>(
     k: usize,
 ) -> [Sums<S>; N] {
     let zero = Lanes::splat(of[0].table[0].simd, 0.0);
-    let nothing = Sums { turning: [zero; 2], drawn: zero, squared: zero };
-    let mut sums = [nothing; N];
-    let mut along = [zero; N];
-    let mut across = [zero; N];
+    let mut sums = [Sums { turning: [zero; 2], drawn: zero, squared: zero }; N];
+    let mut first = 0;
+    while S::HAS_MANY_REGISTERS && first + 4 <= N {
+        products_of::<S, N, 4>(of, with, k, first, &mut sums);
+        first += 4;
+    }
+    while S::HAS_MANY_REGISTERS && first + 2 <= N {
+        products_of::<S, N, 2>(of, with, k, first, &mut sums);
+        first += 2;
+    }
+    while first < N {
+        products_of::<S, N, 1>(of, with, k, first, &mut sums);
+        first += 1;
+    }
+    sums
+}
+
+/// Computes [`products`] for `M` balls from `first` on.
+#[inline(always)]
+fn products_of<S: Vector, const N: usize, const M: usize>(
+    of: &[Term<S, N>; TERMS],
+    with: &[Term<S, N>; TERMS],
+    k: usize,
+    first: usize,
+    sums: &mut [Sums<S>; N],
+) {
+    let zero = Lanes::splat(of[0].table[0].simd, 0.0);
+    let (mut real, mut imaginary) = ([zero; M], [zero; M]);
+    let mut along = [zero; M];
+    let mut across = [zero; M];
     // The latest results are used last, to avoid waiting for them.
-    let mut before = [[zero; 2]; N];
-    for (before, ball) in before.iter_mut().zip(&with[k].balls) {
-        *before = ball.direction;
+    let mut before = [[zero; 2]; M];
+    for i in 0..M {
+        before[i] = with[k].balls[first + i].direction;
     }
     if k > 0 {
         let [x, y] = of[0].pull;
-        for i in 0..N {
+        for i in 0..M {
             along[i] = before[i][1] * x;
             across[i] = before[i][0] * y;
         }
         let others = with[1..k].iter().rev();
         for (low, high) in of[1..k].iter().zip(others) {
             let [x, y] = low.pull;
-            for i in 0..N {
-                let speed = low.balls[i].speed;
-                let [real, imaginary] = &mut sums[i].turning;
-                *real = speed.fused(before[i][0], *real);
-                *imaginary = speed.fused(before[i][1], *imaginary);
-                before[i] = high.balls[i].direction;
+            for i in 0..M {
+                let speed = low.balls[first + i].speed;
+                real[i] = speed.fused(before[i][0], real[i]);
+                imaginary[i] = speed.fused(before[i][1], imaginary[i]);
+                before[i] = high.balls[first + i].direction;
                 along[i] = before[i][1].fused(x, along[i]);
                 across[i] = before[i][0].fused(y, across[i]);
             }
         }
-        for (i, sums) in sums.iter_mut().enumerate() {
-            let speed = of[k].balls[i].speed;
-            let [real, imaginary] = with[1].balls[i].direction;
-            let [turning_real, turning_imaginary] = &mut sums.turning;
-            *turning_real = speed.fused(real, *turning_real);
-            *turning_imaginary = speed.fused(imaginary, *turning_imaginary);
+        for i in 0..M {
+            let speed = of[k].balls[first + i].speed;
+            let direction = with[1].balls[first + i].direction;
+            real[i] = speed.fused(direction[0], real[i]);
+            imaginary[i] = speed.fused(direction[1], imaginary[i]);
         }
     }
-    for (i, sums) in sums.iter_mut().enumerate() {
-        let speed = of[0].balls[i].speed;
-        let [real, imaginary] = with[k + 1].balls[i].direction;
-        let [turning_real, turning_imaginary] = &mut sums.turning;
-        *turning_real = speed.fused(real, *turning_real);
-        *turning_imaginary = speed.fused(imaginary, *turning_imaginary);
-        sums.drawn = along[i] - across[i];
+    for i in 0..M {
+        let speed = of[0].balls[first + i].speed;
+        let direction = with[k + 1].balls[first + i].direction;
+        let real = speed.fused(direction[0], real[i]);
+        let imaginary = speed.fused(direction[1], imaginary[i]);
+        sums[first + i].turning = [real, imaginary];
+        sums[first + i].drawn = along[i] - across[i];
     }
-    sums
 }
 
 /// The constants of all orders of a series.
