@@ -163,8 +163,7 @@ impl Machine {
             };
             positive("ball_mass_kg", ball.mass_kg).map_err(of_ball("kg"))?;
             positive("ball_diameter_m", ball.diameter_m).map_err(of_ball("m"))?;
-            not_negative("friction_coefficient", ball.friction_coefficient)
-                .map_err(of_ball(""))?;
+            not_negative("friction_coefficient", ball.friction_coefficient).map_err(of_ball(""))?;
         }
         if let Some(contact) = &self.contact {
             contact.validate()?;
