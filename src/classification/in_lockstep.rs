@@ -58,7 +58,7 @@ pub(super) fn simulate_with(kernel: KernelChoice, level: SimdLevel, runs: &mut d
 }
 
 /// The team of runs in which the speed of the disc changes.
-const DRIVEN: usize = 4;
+const DRIVEN: usize = 2;
 
 /// A run that has not begun.
 struct Upcoming {
@@ -111,9 +111,9 @@ struct Lockstep<'a> {
     runs: &'a mut dyn Runs,
     /// The next run, whose system may need other lanes.
     upcoming: Option<Upcoming>,
-    /// Without displacements and with them, first for runs in which no contacts touch, then for those in which some do; at
-    /// last for runs in a stage with a system of its own, because the speed of the disc changes.
-    teams: [Team; 5],
+    /// Without displacements and with them; at last for runs in a stage with a system of its own, because the speed of the
+    /// disc changes.
+    teams: [Team; 3],
     level: SimdLevel,
     /// Whether steps are recorded.
     recorded: bool,
@@ -144,8 +144,8 @@ impl<'a> Lockstep<'a> {
             members: std::array::from_fn(|_| None),
             waiting: VecDeque::new(),
         };
-        let first_lanes = level.lanes(first.system(), false);
-        let teams = [team(Some(first_lanes)), team(None), team(None), team(None), team(None)];
+        let first_lanes = level.lanes(first.system());
+        let teams = [team(Some(first_lanes)), team(None), team(None)];
         let recorded = runs.recorder().is_some();
         Lockstep { kernel, level, recorded, runs, upcoming: Some(first), teams }
     }
@@ -197,7 +197,7 @@ impl<'a> Lockstep<'a> {
                 if group.as_ref().is_some_and(|group| group.runs() > 0) {
                     return None;
                 }
-                *group = Some(level.lanes(system, next.saved.touches()));
+                *group = Some(level.lanes(system));
             }
             return waiting.pop_front();
         }
@@ -305,5 +305,5 @@ fn team_of(saved: &Saved, run: &LaneRun) -> usize {
     if run.stages.present().is_driven() {
         return DRIVEN;
     }
-    2 * usize::from(saved.touches()) + usize::from(run.is_displaced(saved.time()))
+    usize::from(run.is_displaced(saved.time()))
 }

@@ -48,7 +48,7 @@ pub(super) struct LaneRun {
 pub(super) enum Next {
     /// The run stays in its lane.
     Stay,
-    /// The run moves to other lanes: with displacements or without, or of another kernel.
+    /// The run moves to other lanes: with displacements or without.
     Move,
     /// The run continues later from this saved state.
     Continue(Box<(Saved, LaneRun)>),
@@ -158,7 +158,7 @@ impl LaneRun {
             if time >= self.end() {
                 return self.enters(group, lane);
             }
-            return if group.is_home(lane) { Next::Stay } else { Next::Move };
+            return Next::Stay;
         }
         let displaced = self.is_displaced(time);
         self.measure(&*group, lane);
@@ -193,8 +193,7 @@ impl LaneRun {
             return self.ends(group, lane, Ending::Rest);
         }
         self.plan(group, lane);
-        let stays = self.is_displaced(time) == displaced && group.is_home(lane);
-        if stays { Next::Stay } else { Next::Move }
+        if self.is_displaced(time) == displaced { Next::Stay } else { Next::Move }
     }
 
     /// Goes on to the next stage.

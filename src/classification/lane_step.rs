@@ -72,18 +72,6 @@ impl<'a> LaneStep<'a> {
         Some(self.began() + part * length)
     }
 
-    /// Returns the part of the step at which a function of this part falls through zero between two parts; `None` if its
-    /// signs there show no fall.
-    pub(super) fn falls_between(
-        &self,
-        [low, high]: [f64; 2],
-        value: impl Fn(f64) -> f64,
-    ) -> Option<f64> {
-        let [from, to] = [low, high].map(&value);
-        let falls = from > 0.0 && to <= 0.0;
-        falls.then(|| fall_through_zero(value, (low, from), (high, to), WIDTH))
-    }
-
     /// Returns the current instant, after a switch at the end of the step.
     pub(super) fn now(&self) -> Instant {
         let state = self.group.state(self.lane);

@@ -56,8 +56,21 @@ impl<const N: usize> BallsInContact<N> {
     }
 
     /// Returns the gaps between neighbouring balls.
-    pub(super) fn gaps(&self) -> &[Gap] {
+    pub(crate) fn gaps(&self) -> &[Gap] {
         &self.gaps
+    }
+
+    /// Returns the pushes of a unit of force in each gap on the ball behind and on the ball ahead
+    /// ([`Gap::rolling_pushes`]); `None` for a gap without a force in the equations.
+    pub(crate) fn pushes<'a>(
+        &'a self,
+        modes: &'a [ContactMode],
+    ) -> impl Iterator<Item = Option<[[f64; 2]; 2]>> + 'a {
+        let (of_balls, of_gaps) = modes.split_at(N);
+        self.gaps
+            .iter()
+            .zip(of_gaps)
+            .map(move |(gap, mode)| Some(gap.rolling_pushes(Self::rolling(gap, *mode, of_balls)?)))
     }
 
     /// Returns how a gap is closed in the equations: the direction in which both balls roll; `None` if there is no force.
@@ -161,16 +174,15 @@ impl<const N: usize> Turns for BallsInContact<N> {
     }
 
     fn inputs_turning(&self, modes: &[ContactMode], turning: bool) -> Vec<f64> {
-        let (of_balls, of_gaps) = modes.split_at(N);
         let mut inputs = self.balancer.parameter_inputs(turning);
-        for (ball, mode) in self.balancer.balls.iter().zip(of_balls) {
+        for (ball, mode) in self.balancer.balls.iter().zip(modes) {
             add_contact_inputs(&mut inputs, *mode, &ball.friction);
         }
-        let rolling = |(gap, mode): (&Gap, &ContactMode)| Self::rolling(gap, *mode, of_balls);
-        let rolling: Vec<Option<f64>> = self.gaps.iter().zip(of_gaps).map(rolling).collect();
-        inputs.extend(rolling.iter().map(|rolling| if rolling.is_some() { 1.0 } else { 0.0 }));
-        for (gap, rolling) in self.gaps.iter().zip(&rolling) {
-            inputs.extend(gap.rolling_pushes(rolling.unwrap_or(0.0)).as_flattened());
+        let pushes: Vec<_> = self.pushes(modes).collect();
+        inputs.extend(pushes.iter().map(|pushes| if pushes.is_some() { 1.0 } else { 0.0 }));
+        // Without a force, the pushes do not matter.
+        for (gap, pushes) in self.gaps.iter().zip(&pushes) {
+            inputs.extend(pushes.unwrap_or_else(|| gap.rolling_pushes(0.0)).as_flattened());
         }
         inputs
     }

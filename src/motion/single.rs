@@ -58,7 +58,7 @@ impl Motion {
     fn of(saved: &Saved, directions: &[Components]) -> Self {
         let system = saved.system();
         let group = |directions: &[Components]| {
-            let mut group = SimdLevel::best().lanes(system, saved.touches());
+            let mut group = SimdLevel::best().lanes(system);
             for lane in 0..directions.len().max(1) {
                 group.put(lane, saved, saved.time());
                 if let Some(direction) = directions.get(lane) {
@@ -162,7 +162,6 @@ impl Motion {
     /// [`Failure`]; the motion then stays at its last valid state.
     pub fn advance(&mut self, until: f64) -> Result<bool, Failure> {
         unwind_if_cancelled();
-        self.move_home();
         self.stepped = until > self.time();
         if !self.stepped {
             return Ok(false);
@@ -177,25 +176,6 @@ impl Motion {
             }
         }
         Ok(self.has_switched())
-    }
-
-    /// Moves all lanes to those of another kernel if the run does not belong into them since contacts touch, or no longer do.
-    fn move_home(&mut self) {
-        if self.lane().is_home(0) {
-            return;
-        }
-        for group in &mut self.groups {
-            let saved: Vec<Option<Saved>> = (0..LANES).map(|lane| group.take(lane)).collect();
-            let Some(first) = saved.iter().flatten().next() else { continue };
-            let mut home = SimdLevel::best().lanes(first.system(), first.touches());
-            for (lane, saved) in saved.iter().enumerate() {
-                if let Some(saved) = saved {
-                    home.put(lane, saved, saved.time());
-                }
-            }
-            *group = home;
-        }
-        self.stepped = false;
     }
 
     /// Returns time and state at which the angle of a contact completed a turn, through the angle 0, in the latest

@@ -126,9 +126,8 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
         let lane = events.trailing_zeros() as usize;
         events &= events - 1;
         let Some(event) = failed[lane] else { continue };
-        match switch(g, lane, event, displaced) {
-            Ok(touched) => happened.touched |= u64::from(touched) << lane,
-            Err(trouble) => happened.fail(lane, trouble),
+        if let Err(trouble) = switch(g, lane, event, displaced) {
+            happened.fail(lane, trouble);
         }
     }
     happened.rest = g.kernel.rest(&g.state) & commit;
@@ -306,18 +305,18 @@ fn with_evaluator<S: Vector, K: Kernel<S>, R>(
     }
 }
 
-/// Decides the phases after an event. Returns whether a gap has closed or opened.
+/// Decides the phases after an event.
 #[inline(never)]
 fn switch<S: Vector, K: Kernel<S>>(
     g: &mut Group<S, K>,
     lane: usize,
     event: Event,
     displaced: bool,
-) -> Result<bool, Failure> {
+) -> Result<(), Failure> {
     let time = g.time[lane];
     let mut state = g.kernel.lane(&g.state, lane);
     let kernel = &g.kernel;
-    let Some(own) = &mut g.lanes[lane] else { return Ok(false) };
+    let Some(own) = &mut g.lanes[lane] else { return Ok(()) };
     own.count_event(time)?;
     own.during.copy_from_slice(&own.phases);
     let resets = matches!(event.failed, Condition::Event(_) | Condition::Gap(_));
@@ -362,12 +361,11 @@ fn switch<S: Vector, K: Kernel<S>>(
     }
     let gaps_of =
         |phases: &[Phase]| phases.iter().filter(|one| one.is_gap()).copied().collect::<Phases>();
-    let touched = gaps_of(&phases) != gaps_of(&own.phases);
-    if touched {
+    if gaps_of(&phases) != gaps_of(&own.phases) {
         own.touching_time += if any_closed(&own.phases) { time - own.last_touch } else { 0.0 };
         own.last_touch = time;
     }
     own.phases.copy_from_slice(&phases);
     g.enter(lane, &state);
-    Ok(touched)
+    Ok(())
 }

@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 
 use super::Lanes;
-use super::root_isolation::{Bounds, PolynomialPoint};
+use super::root_isolation::{Bounds, FOURTH, PolynomialPoint};
 use crate::motion::lockstep::vector::{Fused, Vector};
 
 /// Values of a polynomial at both ends of a step, its slopes there times the step's length, and a
@@ -20,6 +20,32 @@ impl<S: Vector> Curve<S> {
     pub(super) fn zero(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         Curve { values: [zero; 2], changes: [zero; 2], bound: zero }
+    }
+
+    /// Returns the bounds of a series with these coefficients up to the power `highest`, over a step of this length.
+    #[inline(always)]
+    pub(super) fn of_series(
+        length: Lanes<S>,
+        highest: usize,
+        coefficient: impl Fn(usize) -> Lanes<S>,
+    ) -> Self {
+        let zero = Lanes::splat(length.simd, 0.0);
+        let (mut bound, mut value, mut slope) = (zero, zero, zero);
+        for k in (0..=highest).rev() {
+            let coefficient = coefficient(k);
+            slope = slope.fused(length, value);
+            value = value.fused(length, coefficient);
+            if k >= 4 {
+                let weight = Lanes::splat(length.simd, FOURTH[k]);
+                bound = bound.fused(length, weight * coefficient.abs());
+            }
+        }
+        let square = length * length;
+        Curve {
+            values: [coefficient(0), value],
+            changes: [coefficient(1) * length, slope * length],
+            bound: bound * (square * square),
+        }
     }
 
     /// Returns the bounds of one lane.

@@ -15,6 +15,9 @@ use crate::motion::saltation::Condition;
 /// Opening speeds up to this, non-dimensional, are those of a gap that has just opened.
 const RELEASED: f64 = 1e-9;
 
+/// A distance below all distances: a gap that is closed cannot close.
+const NEVER: f64 = -1e3;
+
 /// Where the lanes of a group have gaps.
 pub(super) struct GapLanes<S: Vector> {
     /// Bit mask of lanes with gaps.
@@ -22,7 +25,7 @@ pub(super) struct GapLanes<S: Vector> {
     /// Bit mask of lanes whose gaps are not those between each contact and the next one on a circle; in these the gaps are
     /// always examined.
     irregular: u64,
-    /// The distance of a contact and the next one where they touch.
+    /// The distance of a contact and the next one where they touch; [`NEVER`] while they do.
     distances: SmallVec<[Lanes<S>; 8]>,
     /// Bit mask of lanes in which a gap may close in the latest step.
     pub(super) doubts: u64,
@@ -34,7 +37,7 @@ impl<S: Vector> GapLanes<S> {
         GapLanes { any: 0, irregular: 0, distances, doubts: 0 }
     }
 
-    /// Puts a run into a lane.
+    /// Sets a lane by the phases of its run.
     pub(super) fn set(&mut self, lane: usize, own: &Lane) {
         let bit = 1 << lane;
         self.any &= !bit;
@@ -48,7 +51,8 @@ impl<S: Vector> GapLanes<S> {
                 && gap.angular
                 && gap.contacts == [place, (place + 1) % contacts]
             {
-                self.distances[place][lane] = gap.distance;
+                let closed = own.phases[contacts + place] == Phase::Closed;
+                self.distances[place][lane] = if closed { NEVER } else { gap.distance };
             } else {
                 self.irregular |= bit;
             }

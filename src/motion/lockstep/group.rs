@@ -10,17 +10,16 @@ use super::gaps::GapLanes;
 use super::kernel::Kernel;
 use super::lane::{Lane, Saved};
 use super::lane_group::{Happened, LaneGroup};
-use super::{Home, LANES, Lanes, advance};
+use super::{LANES, Lanes, advance};
 use crate::model::{Components, System};
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::settings::MOST_PER_TIME;
-use crate::motion::{Effort, PerContact, Phase, Touches, any_closed};
+use crate::motion::{Effort, PerContact, Phase, Touches};
 
 /// Eight lanes, some of them empty.
 pub(super) struct Group<S: Vector, K: Kernel<S>> {
     pub(super) simd: S,
     pub(super) kernel: K,
-    home: Home,
     pub(super) gaps: GapLanes<S>,
     pub(super) room: Box<K::Room>,
     pub(super) state: K::Flow,
@@ -63,14 +62,13 @@ pub(super) struct Group<S: Vector, K: Kernel<S>> {
 
 impl<S: Vector, K: Kernel<S>> Group<S, K> {
     /// Empty lanes.
-    pub(super) fn new(simd: S, kernel: K, home: Home) -> Self {
+    pub(super) fn new(simd: S, kernel: K) -> Self {
         let constant = |value: f64| Lanes::splat(simd, value);
         let zero = constant(0.0);
         let flow = kernel.flow(simd);
         let of_contacts = SmallVec::from_elem(zero, kernel.contacts());
         Group {
             simd,
-            home,
             gaps: GapLanes::none(simd, kernel.contacts()),
             room: Box::new(kernel.room(simd)),
             state: flow.clone(),
@@ -110,6 +108,7 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         self.kernel.set_lane(&mut self.state, lane, state);
         self.kernel.set_phases(lane, own, state);
         self.kernel.set_rest(lane, own, state);
+        self.gaps.set(lane, own);
     }
 }
 
@@ -156,7 +155,6 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
             (0..self.kernel.contacts()).any(|contact| !own.system.friction(contact).can_stick());
         self.sliding = self.sliding & !bit | if slides { bit } else { 0 };
         self.kernel.set_system(lane, own);
-        self.gaps.set(lane, own);
         self.lanes[lane] = Some(own.clone());
         self.enter(lane, &saved.state);
     }
@@ -272,6 +270,15 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
         self.squares_at(lane, after)
     }
 
+    fn largest_squares_within(
+        &self,
+        lane: usize,
+        known: f64,
+        near: f64,
+    ) -> SmallVec<[(f64, f64); 8]> {
+        self.largest_squares(lane, (known, near))
+    }
+
     fn passage(&self, lane: usize, contact: usize) -> Option<(f64, Components)> {
         self.passage_in_step(lane, contact)
     }
@@ -292,15 +299,6 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
 
     fn was_reset(&self, lane: usize) -> bool {
         self.reset & 1 << lane != 0
-    }
-
-    fn is_home(&self, lane: usize) -> bool {
-        let closed = || any_closed(self.phases(lane));
-        match self.home {
-            Home::Everything => true,
-            Home::Apart => !closed(),
-            Home::Touching => closed(),
-        }
     }
 
     fn last_switches(&self, lane: usize) -> &[f64] {

@@ -234,11 +234,6 @@ impl Saved {
         self.lane.effort(self.taken)
     }
 
-    /// Returns whether any gap is closed.
-    pub(crate) fn touches(&self) -> bool {
-        any_closed(&self.lane.phases)
-    }
-
     /// Returns the settings.
     pub(crate) fn settings(&self) -> Settings {
         self.lane.settings

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use smallvec::SmallVec;
+
 use super::LANES;
 use super::lane::Saved;
 use crate::model::{Components, System};
@@ -28,8 +30,6 @@ pub(crate) struct Happened {
     pub(crate) turned: u64,
     /// The lanes for which events, completed turns and reversals are reported.
     pub(crate) told: u64,
-    /// A gap has closed or opened.
-    pub(crate) touched: u64,
     /// Lanes that cannot continue.
     pub(crate) failed: u64,
     pub(super) failures: [Option<Failure>; LANES],
@@ -39,13 +39,7 @@ impl Happened {
     /// Returns the lanes with anything to report.
     pub(crate) fn any(&self) -> u64 {
         let happened = (self.event | self.round | self.turned) & self.told;
-        happened
-            | self.attention
-            | self.larger
-            | self.rest
-            | self.still
-            | self.touched
-            | self.failed
+        happened | self.attention | self.larger | self.rest | self.still | self.failed
     }
 
     /// Returns why a lane cannot continue.
@@ -108,6 +102,15 @@ pub(crate) trait LaneGroup {
     /// Returns the squares of the displacement of `Layout::vibration` at times after the start of the latest step; 0
     /// without such a displacement.
     fn squares_within(&self, lane: usize, after: [f64; 5]) -> [f64; 5];
+    /// Returns parts of the latest step with the squares of the displacement there. The largest square in the step is one
+    /// of them if it exceeds `known`, a square that occurs in the motion; maxima between the other parts are located where
+    /// a square next to them exceeds the part `near` of `known`.
+    fn largest_squares_within(
+        &self,
+        lane: usize,
+        known: f64,
+        near: f64,
+    ) -> SmallVec<[(f64, f64); 8]>;
     /// Returns time and state at which a contact's angle completed a turn, through the angle 0, in the latest step;
     /// `None` if it did not.
     fn passage(&self, lane: usize, contact: usize) -> Option<(f64, Components)>;
@@ -120,9 +123,6 @@ pub(crate) trait LaneGroup {
     fn phases_during_step(&self, lane: usize) -> &[Phase];
     /// Returns whether an event at the end of the latest step reset the state.
     fn was_reset(&self, lane: usize) -> bool;
-    /// Returns whether the run in a lane belongs into these lanes. If not, it must be taken out of its lane before the next
-    /// step.
-    fn is_home(&self, lane: usize) -> bool;
     /// Returns when each contact last changed its phase; 0 if it has not.
     fn last_switches(&self, lane: usize) -> &[f64];
     /// Returns the last time at which each contact was faster than `SLOW`, or than the band if that is wider: 0 if

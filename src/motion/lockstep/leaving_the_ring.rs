@@ -10,7 +10,7 @@ use super::kernel::{Ends, Kernel};
 use super::lane_group::LaneGroup;
 use super::tuned::Tuned;
 use super::vector::Vector;
-use super::{Home, LANES, Lanes, Saved, SimdLevel};
+use super::{LANES, Lanes, Saved, SimdLevel};
 use crate::model::{
     Balancer, Components, Contact, ContactMode, FrictionLaw, Machine, Method, NormalForce, State,
     System,
@@ -63,7 +63,7 @@ fn seen_in<S: Vector, K: Kernel<S>>(
     };
     let (mut left, mut stayed, mut unseen) = (0, 0, 0);
     for round in 0..100 {
-        let mut group = Group::new(simd, kernel(&system), Home::Everything);
+        let mut group = Group::new(simd, kernel(&system));
         let value = |lane: usize, k: usize| {
             libm::sin((1 + 97 * round + 13 * lane) as f64 * (1.0 + 0.37 * k as f64))
         };

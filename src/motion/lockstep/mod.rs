@@ -17,11 +17,13 @@ mod curve;
 mod gaps;
 mod general;
 mod group;
+mod held;
 mod kernel;
 mod lane;
 mod lane_group;
 #[cfg(all(test, target_arch = "x86_64"))]
 mod leaving_the_ring;
+mod pressure;
 mod root_isolation;
 mod simd_level;
 mod step_length;
@@ -50,18 +52,15 @@ pub(crate) type Lanes<S> = f64x8<S>;
 /// The highest power of time in the series of speeds.
 const ORDER: usize = 16;
 
-/// Returns empty lanes for a system in which no contacts touch, or some do, computed with these instructions. The unit tests
-/// need two of the tuned kernels only, whose compilation takes long.
-fn lanes_with<S: Vector>(simd: S, system: &Arc<dyn System>, touching: bool) -> Box<dyn LaneGroup> {
+/// Returns empty lanes for a system, computed with these instructions. The unit tests need two of the tuned kernels only,
+/// whose compilation takes long.
+fn lanes_with<S: Vector>(simd: S, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
     macro_rules! tuned {
         ($($balls:literal)*) => {
             $(
                 if tuned::Tuned::<S, $balls>::computes(system) {
-                    if touching {
-                        return general_lanes(simd, system, Home::Touching);
-                    }
                     let kernel = tuned::Tuned::<S, $balls>::new(simd);
-                    return Box::new(Group::new(simd, kernel, Home::Apart));
+                    return Box::new(Group::new(simd, kernel));
                 }
             )*
         };
@@ -69,21 +68,10 @@ fn lanes_with<S: Vector>(simd: S, system: &Arc<dyn System>, touching: bool) -> B
     tuned!(1 2);
     #[cfg(not(test))]
     tuned!(3 4 5 6 7 8);
-    general_lanes(simd, system, Home::Everything)
+    general_lanes(simd, system)
 }
 
 /// Returns empty lanes for a system, computed with these instructions by the general kernel.
-fn general_lanes<S: Vector>(simd: S, system: &Arc<dyn System>, home: Home) -> Box<dyn LaneGroup> {
-    Box::new(Group::new(simd, general::General::new(simd, system), home))
-}
-
-/// The runs that belong into lanes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Home {
-    /// All.
-    Everything,
-    /// Those in which no contacts touch.
-    Apart,
-    /// Those in which some contacts touch.
-    Touching,
+fn general_lanes<S: Vector>(simd: S, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
+    Box::new(Group::new(simd, general::General::new(simd, system)))
 }

@@ -80,28 +80,25 @@ impl SimdLevel {
         Level::new().as_avx2()
     }
 
-    /// Returns empty lanes for a system in which no contacts touch, or some do.
-    pub(crate) fn lanes(self, system: &Arc<dyn System>, touching: bool) -> Box<dyn LaneGroup> {
+    /// Returns empty lanes for a system.
+    pub(crate) fn lanes(self, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
         match self.0 {
             #[cfg(target_arch = "x86_64")]
-            Instructions::Avx512(simd) => lanes_with(simd, system, touching),
+            Instructions::Avx512(simd) => lanes_with(simd, system),
             #[cfg(target_arch = "x86_64")]
-            Instructions::Avx2(simd) => lanes_with(simd, system, touching),
+            Instructions::Avx2(simd) => lanes_with(simd, system),
             #[cfg(target_arch = "aarch64")]
-            Instructions::Neon(simd) => lanes_with(simd, system, touching),
-            Instructions::Baseline(simd) => baseline_lanes(simd, system, touching),
+            Instructions::Neon(simd) => lanes_with(simd, system),
+            Instructions::Baseline(simd) => baseline_lanes(simd, system),
         }
     }
 }
 
 /// Returns empty lanes for processors without a vectorised fused multiply-add. Builds with debug assertions have no tuned
 /// kernels for them, which take half of the compiler's time; their results agree with the others within the tolerances.
-fn baseline_lanes(simd: Baseline, system: &Arc<dyn System>, touching: bool) -> Box<dyn LaneGroup> {
+fn baseline_lanes(simd: Baseline, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
     #[cfg(not(debug_assertions))]
-    return lanes_with(simd, system, touching);
+    return lanes_with(simd, system);
     #[cfg(debug_assertions)]
-    {
-        let _ = touching;
-        super::general_lanes(simd, system, super::Home::Everything)
-    }
+    super::general_lanes(simd, system)
 }

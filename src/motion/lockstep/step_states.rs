@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use fearless_simd::prelude::*;
+use smallvec::SmallVec;
 
 use super::group::Group;
 use super::kernel::{Kernel, POWERS, Powers};
@@ -11,6 +12,17 @@ use crate::model::Components;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::lockstep::{LANES, Lanes};
 use crate::motion::root::fall_of_smooth;
+
+/// Parts of a step between which a displacement has one maximum at most.
+const PARTS: [f64; LANES] = {
+    let mut all = [0.0; LANES];
+    let mut place = 0;
+    while place < LANES {
+        all[place] = place as f64 / (LANES - 1) as f64;
+        place += 1;
+    }
+    all
+};
 
 /// Returns the value of a series and its rate at a time.
 #[inline(always)]
@@ -28,6 +40,23 @@ fn value_and_rate(powers: &Powers, time: f64) -> (f64, f64) {
 fn ahead(powers: &Powers, part: f64, length: f64, (mark, sign): (f64, f64)) -> (f64, f64) {
     let (angle, rate) = value_and_rate(powers, part * length);
     (sign * (mark - angle), -sign * rate * length)
+}
+
+/// Returns half of the rate of change of the square of a displacement, and its slope over a part of a step.
+#[inline(always)]
+fn rise([x, y]: &[Powers; 2], time: f64, length: f64) -> (f64, f64) {
+    let (mut sum, mut slope) = (0.0, 0.0);
+    for powers in [x, y] {
+        let (mut value, mut rate, mut half_curvature) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for coefficient in powers.iter().rev() {
+            half_curvature = half_curvature.mul_add(time, rate);
+            rate = rate.mul_add(time, value);
+            value = value.mul_add(time, *coefficient);
+        }
+        sum += value * rate;
+        slope += rate * rate + 2.0 * value * half_curvature;
+    }
+    (sum, slope * length)
 }
 
 #[inline(always)]
@@ -94,6 +123,70 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
             },
         );
         std::array::from_fn(|place| squares[place])
+    }
+
+    /// Returns the parts of the latest step, and the squares of the measured displacement there, of which one is the
+    /// largest in the step: nodes, and between two nodes the maximum if it may be larger than a part `near` of `known`, a
+    /// square that is known to occur.
+    #[inline(never)]
+    pub(super) fn largest_squares(
+        &self,
+        lane: usize,
+        (known, near): (f64, f64),
+    ) -> SmallVec<[(f64, f64); 8]> {
+        let mut largest = SmallVec::new();
+        let Some(components) = self.kernel.vibration() else { return largest };
+        let powers =
+            components.map(|component| self.kernel.component(&self.room, lane, component, 0.0));
+        let length = self.length[lane];
+        let simd = self.simd;
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                // Vectors of places in the step of one lane, not of lanes.
+                let mut times = Lanes::splat(simd, 0.0);
+                for (place, node) in PARTS.into_iter().enumerate() {
+                    times[place] = node * length;
+                }
+                let zero = Lanes::splat(simd, 0.0);
+                let (mut places, mut rates) = ([zero; 2], [zero; 2]);
+                for k in (0..POWERS).rev() {
+                    for axis in 0..2 {
+                        rates[axis] = rates[axis].fused(times, places[axis]);
+                        places[axis] =
+                            places[axis].fused(times, Lanes::splat(simd, powers[axis][k]));
+                    }
+                }
+                let squares = places[0] * places[0] + places[1] * places[1];
+                let outward = places[0] * rates[0] + places[1] * rates[1];
+                largest.push((PARTS[0], squares[0]));
+                for high in 1..LANES {
+                    largest.push((PARTS[high], squares[high]));
+                    let low = high - 1;
+                    let rises_and_falls = outward[low] > 0.0 && outward[high] <= 0.0;
+                    if !rises_and_falls || squares[low].max(squares[high]) < near * known {
+                        continue;
+                    }
+                    let [from, to] = [low, high].map(
+                        #[inline(always)]
+                        |place| outward[place],
+                    );
+                    let span = PARTS[high] - PARTS[low];
+                    let guess = PARTS[low] + span * from / (from - to);
+                    let part = fall_of_smooth(
+                        #[inline(always)]
+                        |part| rise(&powers, part * length, length),
+                        (PARTS[low], PARTS[high]),
+                        guess,
+                        1e-13,
+                    );
+                    let (x, y) =
+                        (value(&powers[0], part * length), value(&powers[1], part * length));
+                    largest.push((part, x * x + y * y));
+                }
+            },
+        );
+        largest
     }
 
     /// Returns time and state at which the angle of a contact completed a turn, through the angle 0, in the latest

@@ -8,21 +8,22 @@
 //! | free | | | closed |
 //!
 //! The guard of an event is a condition, too, and so is the pressure in a closed gap. Contacts that stick and touch are held
-//! together ([`super::held`]).
+//! together ([`crate::motion::lockstep::held`]).
 //!
 //! For all lanes it is first shown which conditions obviously hold; the remaining lanes are examined one at a time.
 
 use fearless_simd::prelude::*;
 
 use super::expansion::Series;
-use super::held::held_until;
 use super::program::Program;
 use crate::motion::Phase;
 use crate::motion::cluster::HeldCluster;
 use crate::motion::lockstep::curve::Curve;
+use crate::motion::lockstep::held::held_until;
 use crate::motion::lockstep::kernel::Ends;
 use crate::motion::lockstep::lane::Lane;
-use crate::motion::lockstep::root_isolation::{FOURTH, Polynomial};
+use crate::motion::lockstep::pressure::Pressure;
+use crate::motion::lockstep::root_isolation::Polynomial;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::lockstep::{Lanes, ORDER};
 use crate::motion::saltation::Condition;
@@ -75,32 +76,15 @@ impl<S: Vector> Watched<S> {
     }
 }
 
-/// The condition that a closed gap is under pressure: `weight λ + offset` is not negative. An open gap has the weight 0.
-#[derive(Clone, Copy)]
-pub(super) struct Pressure<S: Vector> {
-    pub(super) weight: Lanes<S>,
-    pub(super) offset: Lanes<S>,
-}
-
 /// Returns the bounds of a series over a step of this length.
 #[inline(always)]
 fn curve<S: Vector>(terms: &[Lanes<S>], highest: usize, length: Lanes<S>) -> Curve<S> {
-    let zero = Lanes::splat(length.simd, 0.0);
-    let (mut bound, mut value, mut slope) = (zero, zero, zero);
-    for k in (0..=highest).rev() {
-        slope = slope.fused(length, value);
-        value = value.fused(length, terms[k]);
-        if k >= 4 {
-            let weight = Lanes::splat(length.simd, FOURTH[k]);
-            bound = bound.fused(length, weight * terms[k].abs());
-        }
-    }
-    let square = length * length;
-    Curve {
-        values: [terms[0], value],
-        changes: [terms[1] * length, slope * length],
-        bound: bound * (square * square),
-    }
+    Curve::of_series(
+        length,
+        highest,
+        #[inline(always)]
+        |k| terms[k],
+    )
 }
 
 /// Reports the lanes in which a condition may fail in a step of this length.
@@ -117,15 +101,9 @@ pub(super) fn look_over<S: Vector>(
     let (of_contacts, others) = doubts.split_at_mut(program.contacts.len());
     let (of_events, of_gaps) = others.split_at_mut(program.guards.len());
     for (force, (pressure, doubt)) in program.gaps.iter().zip(pressures.iter().zip(of_gaps)) {
-        let Pressure { weight, offset } = *pressure;
-        if weight.simd_gt(zero).any_true() {
+        if pressure.weight.simd_gt(zero).any_true() {
             let force = curve(series.of(*force), ORDER - 1, length);
-            let pressed = Curve {
-                values: force.values.map(|value| weight * value + offset),
-                changes: force.changes.map(|change| weight * change),
-                bound: weight * force.bound,
-            };
-            *doubt = !pressed.holds().to_bitmask();
+            *doubt = !pressure.over(&force).holds().to_bitmask();
             any |= *doubt;
         } else {
             *doubt = 0;

@@ -6,7 +6,6 @@
 mod compiler;
 mod conditions;
 mod expansion;
-mod held;
 mod program;
 mod schedule;
 
@@ -20,14 +19,15 @@ use super::lane::Lane;
 use super::step_length::{longest_step, reciprocal};
 use super::{LANES, Lanes, ORDER};
 use crate::model::{Components, Graph, Structure, System};
+use crate::motion::all_stick;
 use crate::motion::cluster::{HeldCluster, held_clusters};
 use crate::motion::evaluator::Evaluator;
+use crate::motion::lockstep::pressure::Pressure;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::{Evaluated, InState};
 use crate::motion::saltation::Condition;
 use crate::motion::touching::InTouch;
-use crate::motion::{Phase, all_stick};
-use conditions::{Pressure, Watched};
+use conditions::Watched;
 use expansion::{Series, TERMS};
 use program::{Program, Slot};
 
@@ -95,13 +95,7 @@ impl<S: Vector> General<S> {
             speeds: (0..contacts).map(|contact| graph.speed_component(contact)).collect(),
             constants: vec![Lanes::splat(simd, 0.0); program.statics.len()],
             watched: vec![Watched::nothing(simd); contacts],
-            pressures: vec![
-                Pressure {
-                    weight: Lanes::splat(simd, 0.0),
-                    offset: Lanes::splat(simd, 1.0)
-                };
-                graph.gaps.len()
-            ],
+            pressures: vec![Pressure::none(simd); graph.gaps.len()],
             held: std::array::from_fn(|_| Vec::new()),
             evaluators: std::array::from_fn(|_| None),
             stuck: 0,
@@ -199,10 +193,7 @@ impl<S: Vector> Kernel<S> for General<S> {
         self.held[lane] = held_clusters(in_touch.touching.gaps(), &own.phases);
         let gaps = in_touch.touching.gaps().iter().zip(&own.phases[self.speeds.len()..]);
         for (pressure, (gap, phase)) in self.pressures.iter_mut().zip(gaps) {
-            let sticks = gap.contacts.iter().all(|one| own.phases[*one] == Phase::Stick);
-            let pressed = *phase == Phase::Closed && !sticks;
-            pressure.weight[lane] = if pressed { 1.0 / gap.reduced_mass() } else { 0.0 };
-            pressure.offset[lane] = if pressed { own.margins.slack + 0.5 * own.width } else { 1.0 };
+            pressure.set(lane, own, (gap, *phase));
         }
     }
 
@@ -216,8 +207,7 @@ impl<S: Vector> Kernel<S> for General<S> {
         self.evaluators[lane] = None;
         self.held[lane].clear();
         for pressure in &mut self.pressures {
-            pressure.weight[lane] = 0.0;
-            pressure.offset[lane] = 1.0;
+            pressure.clear(lane);
         }
         self.stuck &= !(1 << lane);
     }

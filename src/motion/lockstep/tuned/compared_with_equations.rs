@@ -14,7 +14,7 @@ use crate::motion::lockstep::group::Group;
 use crate::motion::lockstep::kernel::Kernel;
 use crate::motion::lockstep::lane_group::LaneGroup;
 use crate::motion::lockstep::vector::Vector;
-use crate::motion::lockstep::{Home, Saved, SimdLevel};
+use crate::motion::lockstep::{Saved, SimdLevel};
 use crate::motion::{Phase, Settings, Tolerance};
 
 /// Length of the step.
@@ -132,7 +132,7 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
         tolerance: Tolerance { relative: 1e-6, absolute: 1e-8 },
         effort_limit: 1000,
     };
-    let mut group = Group::new(simd, Tuned::<_, N>::new(simd), Home::Apart);
+    let mut group = Group::new(simd, Tuned::<_, N>::new(simd));
     let balancers: Vec<Balancer<N>> =
         (0..LANES).map(|lane| Balancer::new(&machine(lane, N)).expect("N balls")).collect();
     let mut longest = Lanes::splat(simd, 0.0);
@@ -183,7 +183,7 @@ fn against_equations<const N: usize>(simd: impl Vector) {
         tolerance: Tolerance { relative: 1e-8, absolute: 1e-10 },
         effort_limit: 1000,
     };
-    let mut group = Group::new(simd, Tuned::<_, N>::new(simd), Home::Apart);
+    let mut group = Group::new(simd, Tuned::<_, N>::new(simd));
     let balancers: Vec<Balancer<N>> =
         (0..LANES).map(|lane| Balancer::new(&machine(lane, N)).expect("N balls")).collect();
     for (lane, balancer) in balancers.iter().enumerate() {

@@ -14,6 +14,7 @@
 use fearless_simd::prelude::*;
 
 use super::equations::Equations;
+use super::gap_forces::Gaps;
 use super::series::{Series, decay};
 use crate::motion::Phase;
 use crate::motion::lockstep::curve::Curve;
@@ -75,18 +76,26 @@ pub(super) struct Doubts<S: Vector, const N: usize> {
     /// Bounds of the conditions that a sticking ball is held against a forward and against a
     /// backward force.
     pub(super) held: [[Curve<S>; 2]; N],
+    /// A closed gap may open.
+    pub(super) of_gaps: [u64; N],
 }
 
 impl<S: Vector, const N: usize> Doubts<S, N> {
     /// No doubts.
     pub(super) fn none(simd: S) -> Self {
         let blank = Curve::zero(simd);
-        Doubts { of_balls: [0; N], loose: 0, slips: [blank; N], held: [[blank; 2]; N] }
+        Doubts {
+            of_balls: [0; N],
+            loose: 0,
+            slips: [blank; N],
+            held: [[blank; 2]; N],
+            of_gaps: [0; N],
+        }
     }
 
     /// Returns the lanes in which any condition may fail.
     pub(super) fn any(&self) -> u64 {
-        self.of_balls.iter().fold(self.loose, |any, of_ball| any | of_ball)
+        self.of_balls.iter().chain(&self.of_gaps).fold(self.loose, |any, doubts| any | doubts)
     }
 }
 
@@ -95,7 +104,7 @@ impl<S: Vector, const N: usize> Doubts<S, N> {
 pub(super) fn look_over<S: Vector, const N: usize>(
     series: &Series<S, N>,
     equations: &Equations<S, N>,
-    watched: &[Watched<S>; N],
+    (watched, gaps): (&[Watched<S>; N], &Gaps<S, N>),
     length: Lanes<S>,
     doubts: &mut Doubts<S, N>,
 ) {
@@ -112,8 +121,25 @@ pub(super) fn look_over<S: Vector, const N: usize>(
     let pull = Pull::over(series, length, sticks.any_true());
     // Bound of the table's pull on a ball.
     let most = |[x, y]: [Lanes<S>; 2]| number(2.0) * (x.abs() + y.abs());
-    let pulls = [most(first.pull), most(pull.end)];
+    let of_table = [most(first.pull), most(pull.end)];
+    let mut forces = [[zero; 2]; N];
+    doubts.of_gaps = [0; N];
+    if series.response.active {
+        for (g, gap) in gaps.gaps.iter().enumerate() {
+            let force = force_in_gap(series, g, length);
+            forces[g] = force.values;
+            doubts.of_gaps[g] = !gap.pressure.over(&force).holds().to_bitmask();
+        }
+    }
     for i in 0..N {
+        let mut pulls = of_table;
+        if series.response.active {
+            for (gap, forces) in gaps.gaps.iter().zip(&forces) {
+                let most =
+                    number(2.0) * gap.outward[i].abs() * forces[0].abs().max(forces[1].abs());
+                pulls = [pulls[0] + most, pulls[1] + most];
+            }
+        }
         let Watched { sign, offset, .. } = watched[i];
         let (mut bound, mut speed, mut slope) = (zero, zero, zero);
         for (k, term) in series.terms[..=ORDER].iter().enumerate().rev() {
@@ -161,6 +187,21 @@ pub(super) fn look_over<S: Vector, const N: usize>(
         }
         doubts.of_balls[i] = !holds.to_bitmask();
     }
+}
+
+/// Returns the bounds of the force in a gap.
+#[inline(always)]
+fn force_in_gap<S: Vector, const N: usize>(
+    series: &Series<S, N>,
+    gap: usize,
+    length: Lanes<S>,
+) -> Curve<S> {
+    Curve::of_series(
+        length,
+        ORDER - 1,
+        #[inline(always)]
+        |k| series.forces[k][gap],
+    )
 }
 
 /// The table's acceleration over a step.

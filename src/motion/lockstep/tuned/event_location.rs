@@ -1,23 +1,25 @@
 //! The condition that fails first in a step of one lane, located on the series.
 
 use super::event_functions::Doubts;
+use super::gap_forces::{Gap, Gaps};
 use super::mode_selection::contact;
 use super::recurrence::DYING;
 use super::series::Series;
 use crate::model::Balancer;
 use crate::motion::Phase;
-use crate::motion::lockstep::ORDER;
+use crate::motion::lockstep::held::held_until;
 use crate::motion::lockstep::kernel::Ends;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::root_isolation::{Bounds, Polynomial};
 use crate::motion::lockstep::vector::Vector;
+use crate::motion::lockstep::{Lanes, ORDER};
 use crate::motion::saltation::Condition;
 
 /// Returns the end of a step of one lane.
 #[inline(never)]
 pub(super) fn first_event<S: Vector, const N: usize>(
     series: &Series<S, N>,
-    (own, balancer): (&Lane, &Balancer<N>),
+    (own, balancer, gaps): (&Lane, &Balancer<N>, &Gaps<S, N>),
     (lane, length): (usize, f64),
     doubts: &Doubts<S, N>,
     ignored: &[Condition],
@@ -27,6 +29,31 @@ pub(super) fn first_event<S: Vector, const N: usize>(
     let band = own.margins.band;
     let aim = 0.5 * own.width;
     let slack = own.margins.slack + aim;
+    let bit = 1 << lane;
+    for (gap, of_all) in gaps.gaps.iter().enumerate() {
+        let failed = Condition::Pressed(gap);
+        if doubts.of_gaps[gap] & bit != 0 && !ignored.contains(&failed) {
+            let (weight, offset) = (of_all.pressure.weight[lane], of_all.pressure.offset[lane]);
+            let pressed = polynomial(length, offset, |k| match k {
+                ORDER => 0.0,
+                _ => weight * series.forces[k][gap][lane],
+            });
+            first.or(simd, &pressed, None, failed);
+        }
+    }
+    let clusters = &gaps.held[lane];
+    for cluster in clusters {
+        let failed = Condition::Held(cluster.contacts[0]);
+        let is_doubtful = |ball: &usize| doubts.of_balls[*ball] & bit != 0;
+        if cluster.contacts.iter().any(is_doubtful) && !ignored.contains(&failed) {
+            let forces = |ball: usize| forces_if_stuck(series, balancer, lane, ball);
+            match held_until(simd, own, cluster, forces, (length, slack)) {
+                Some(0.0) => first = Ends::AtOnce(failed),
+                Some(part) => first.earlier(part, failed),
+                None => {}
+            }
+        }
+    }
     for (ball, phase) in own.phases[..N].iter().enumerate() {
         let loose = doubts.loose & 1 << lane != 0;
         if !loose && doubts.of_balls[ball] & 1 << lane == 0 {
@@ -53,6 +80,7 @@ pub(super) fn first_event<S: Vector, const N: usize>(
                 });
                 examine(1, accelerating, None);
             }
+            Phase::Stick if clusters.iter().any(|one| one.contacts.contains(&ball)) => {}
             Phase::Stick => {
                 for (which, sign) in [1.0, -1.0].into_iter().enumerate() {
                     let bounds = doubts.held[ball][which].outline(lane);
@@ -65,7 +93,7 @@ pub(super) fn first_event<S: Vector, const N: usize>(
             Phase::Free | Phase::Open | Phase::Closed => {}
         }
         if loose {
-            let normal = normal_force(series, (balancer, own.phases[ball]), lane, ball);
+            let normal = normal_force(series, (balancer, gaps, own.phases[ball]), lane, ball);
             examine(2, polynomial(length, aim, |k| normal[k]), None);
         }
     }
@@ -92,20 +120,32 @@ fn held<S: Vector, const N: usize>(
     ball: usize,
     sign: f64,
 ) -> impl Fn(usize) -> f64 {
+    let limit = balancer.balls[ball].friction.limit;
+    let [normal, friction] = forces_if_stuck(series, balancer, lane, ball);
+    move |k| limit * normal[k] - sign * friction[k]
+}
+
+/// Returns the series of the normal force on a sticking ball and of the friction force required to stick, without forces in
+/// gaps.
+#[inline(always)]
+fn forces_if_stuck<S: Vector, const N: usize>(
+    series: &Series<S, N>,
+    balancer: &Balancer<N>,
+    lane: usize,
+    ball: usize,
+) -> [[f64; ORDER + 1]; 2] {
     let [c, s] = &series.solver.trigonometry[ball];
     let (c, s) = (c[lane], s[lane]);
-    let limit = balancer.balls[ball].friction.limit;
     let left = series.solver.residual[ball][lane] != 0.0;
-    move |k| {
-        if k == ORDER {
-            return 0.0;
-        }
+    let mut forces = [[0.0; ORDER + 1]; 2];
+    for k in 0..ORDER {
         let [x, y] = &series.terms[k].pull;
         let (x, y) = (x[lane], y[lane]);
         let pressed = if k == 0 || left { pressed(series, balancer, lane, ball, k) } else { 0.0 };
-        let normal = pressed - (c * x + s * y);
-        limit * normal - sign * (s * x - c * y)
+        forces[0][k] = pressed - (c * x + s * y);
+        forces[1][k] = s * x - c * y;
     }
+    forces
 }
 
 /// Returns the normal force on a ball without the table's acceleration.
@@ -134,7 +174,7 @@ fn pressed<S: Vector, const N: usize>(
 #[inline(never)]
 fn normal_force<S: Vector, const N: usize>(
     series: &Series<S, N>,
-    (balancer, phase): (&Balancer<N>, Phase),
+    (balancer, gaps, phase): (&Balancer<N>, &Gaps<S, N>, Phase),
     lane: usize,
     ball: usize,
 ) -> [f64; ORDER + 1] {
@@ -151,6 +191,13 @@ fn normal_force<S: Vector, const N: usize>(
             return 0.0;
         }
         let pulled: f64 = (0..=k).map(|j| along(k, j)).sum();
-        pressed(series, balancer, lane, ball, k) - share * pulled
+        let pushed: f64 = if series.response.active {
+            let by_gap =
+                |(gap, force): (&Gap<S, N>, &Lanes<S>)| gap.outward[ball][lane] * force[lane];
+            gaps.gaps.iter().zip(&series.forces[k]).map(by_gap).sum()
+        } else {
+            0.0
+        };
+        pressed(series, balancer, lane, ball, k) - share * pulled + pushed
     })
 }

@@ -9,6 +9,7 @@ mod equations;
 mod event_functions;
 mod event_location;
 mod flow;
+mod gap_forces;
 mod mode_selection;
 mod recurrence;
 mod series;
@@ -24,16 +25,17 @@ use fearless_simd::{mask64x8, prelude::*};
 use super::kernel::{Ends, Kernel, Powers};
 use super::lane::Lane;
 use super::{LANES, Lanes, ORDER};
-use crate::model::{Balancer, Components, RestPoint, State, System};
+use crate::model::{Balancer, BallsInContact, Components, RestPoint, State, System};
 use crate::motion::Evaluator;
-use crate::motion::all_stick;
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Vector};
-use crate::motion::modes::InState;
+use crate::motion::modes::{Evaluated, InState};
 use crate::motion::saltation::Condition;
+use crate::motion::{all_stick, any_closed};
 use equations::Equations;
 use event_functions::{Doubts, Watched};
 use flow::Flow;
+use gap_forces::Gaps;
 use mode_selection::InPlace;
 use recurrence::RECIPROCALS;
 use series::Series;
@@ -50,6 +52,9 @@ pub(super) struct Tuned<S: Vector, const N: usize> {
     rest: [Lanes<S>; 2],
     rest_radius_squared: Lanes<S>,
     balancers: [Option<Balancer<N>>; LANES],
+    gaps: Gaps<S, N>,
+    /// The recorded equations of systems with gaps, for the decisions where balls touch.
+    evaluators: [Option<Evaluator>; LANES],
     /// Bit mask of lanes with a ball that cannot stick.
     sliding: u64,
 }
@@ -71,16 +76,21 @@ impl<S: Vector, const N: usize> Tuned<S, N> {
             rest: [zero; 2],
             rest_radius_squared: Lanes::splat(simd, -1.0),
             balancers: [None; LANES],
+            gaps: Gaps::none(simd),
+            evaluators: std::array::from_fn(|_| None),
             sliding: 0,
         }
     }
 
     /// Returns whether a system is a balancer with this number of balls whose friction is independent of speed or
-    /// proportional to it.
+    /// proportional to it. Of balls that may touch, all can stick or none can.
     pub(super) fn computes(system: &Arc<dyn System>) -> bool {
         let balancer = while_apart::<N>(system);
         balancer.is_some_and(|own| {
-            own.runout.is_none() && own.balls.iter().all(|ball| ball.friction.is_linear())
+            let sticking = own.balls.iter().filter(|ball| ball.friction.can_stick()).count();
+            own.runout.is_none()
+                && own.balls.iter().all(|ball| ball.friction.is_linear())
+                && (system.touching().is_none() || sticking == 0 || sticking == N)
         })
     }
 }
@@ -127,6 +137,9 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         let slides = balancer.balls.iter().any(|ball| !ball.friction.can_stick());
         self.sliding = self.sliding & !bit | if slides { bit } else { 0 };
         self.balancers[lane] = Some(*balancer);
+        self.gaps.clear(lane);
+        let touching = own.system.touching();
+        self.evaluators[lane] = touching.map(|_| Evaluator::new(Arc::clone(&own.system)));
     }
 
     fn set_phases(&mut self, lane: usize, own: &Lane, _state: &[f64]) {
@@ -135,6 +148,9 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
         for (watched, phase) in self.watched.iter_mut().zip(&own.phases) {
             watched.set(lane, *phase, margins);
+        }
+        if let Some(system) = own.system.as_any().downcast_ref::<BallsInContact<N>>() {
+            self.gaps.set(lane, own, system, &self.equations);
         }
     }
 
@@ -147,7 +163,10 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
             let rest = balancer.rest_point(&state.beta);
             self.rest[0][lane] = rest.position[0];
             self.rest[1][lane] = rest.position[1];
-            self.rest_radius_squared[lane] = rest_radius_squared(balancer, &rest);
+            // Forces between balls that touch can hold them where friction alone cannot.
+            let touches = any_closed(&own.phases);
+            self.rest_radius_squared[lane] =
+                if touches { f64::INFINITY } else { rest_radius_squared(balancer, &rest) };
         }
     }
 
@@ -155,6 +174,8 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         self.sliding &= !(1 << lane);
         self.rest_radius_squared[lane] = -1.0;
         self.balancers[lane] = None;
+        self.gaps.clear(lane);
+        self.evaluators[lane] = None;
     }
 
     fn lane(&self, flow: &Flow<S, N>, lane: usize) -> Components {
@@ -217,7 +238,7 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
 
     #[inline(always)]
     fn expand(&self, room: &mut Room<S, N>, start: &Flow<S, N>) {
-        room.series.expand(&self.equations, start);
+        room.series.expand(&self.equations, &self.gaps, start);
     }
 
     #[inline(always)]
@@ -233,7 +254,8 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     #[inline(always)]
     fn look_over(&self, room: &mut Room<S, N>, length: Lanes<S>) -> u64 {
         let Room { series, doubts, .. } = room;
-        event_functions::look_over(series, &self.equations, &self.watched, length, doubts);
+        let watched = (&self.watched, &self.gaps);
+        event_functions::look_over(series, &self.equations, watched, length, doubts);
         doubts.any()
     }
 
@@ -247,7 +269,8 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     ) -> Ends {
         let Some(balancer) = &self.balancers[lane] else { return Ends::Nothing };
         let at = (lane, length);
-        event_location::first_event(&room.series, (own, balancer), at, &room.doubts, ignored)
+        let own = (own, balancer, &self.gaps);
+        event_location::first_event(&room.series, own, at, &room.doubts, ignored)
     }
 
     #[inline(always)]
@@ -336,9 +359,8 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         bound * length
     }
 
-    /// The balancer has no events.
-    fn evaluator(&self, _lane: usize) -> Option<&Evaluator> {
-        None
+    fn evaluator(&self, lane: usize) -> Option<&Evaluator> {
+        self.evaluators[lane].as_ref()
     }
 
     fn in_state<R>(
@@ -348,6 +370,9 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         state: &[f64],
         with: impl FnOnce(&dyn InState) -> R,
     ) -> R {
+        if let Some(evaluator) = self.evaluator(lane).filter(|_| any_closed(&own.phases)) {
+            return with(&Evaluated::new(evaluator, state));
+        }
         let balancer = self.balancers[lane].as_ref();
         let balancer = balancer.expect("only lanes with a run are decided");
         let state =

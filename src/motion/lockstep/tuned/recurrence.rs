@@ -4,6 +4,7 @@
 use fearless_simd::prelude::*;
 
 use super::equations::Equations;
+use super::gap_forces::{OfEach, Response};
 use super::terms::{ResidualForce, Solver, TERMS, Term};
 use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::{Fused, Vector};
@@ -136,10 +137,12 @@ pub(super) struct Solving<'a, S: Vector, const N: usize> {
     /// Directions at the start.
     pub(super) start: [[Lanes<S>; 2]; N],
     pub(super) residual: Option<&'a ResidualForce<S>>,
+    /// The effect of forces in gaps, if there are any.
+    pub(super) gaps: Option<&'a Response<S, N>>,
 }
 
 /// Solves the equations for coefficient `k` of the accelerations, and stores the dependent
-/// coefficients.
+/// coefficients. Returns the coefficients of the forces in gaps, if there are any.
 #[inline(always)]
 pub(super) fn solve<S: Vector, const N: usize>(
     terms: &mut [Term<S, N>; TERMS],
@@ -148,13 +151,13 @@ pub(super) fn solve<S: Vector, const N: usize>(
     k: usize,
     sums: [Sums<S>; N],
     constants: Constants,
-) {
+) -> Option<OfEach<S, N>> {
     let simd = equations.speed.simd;
     let number = |value: f64| Lanes::splat(simd, value);
     let (of_next, of_after) = (RECIPROCALS[k + 1], RECIPROCALS[k + 2]);
     let (factor, minus) = (number((k + 1) as f64), number(-((k + 1) as f64)));
     let (lower, higher) = terms.split_at_mut(k + 1);
-    let (now, [next, after, ..]) = (&mut lower[k], higher) else { return };
+    let (now, [next, after, ..]) = (&mut lower[k], higher) else { return None };
     let solver = by.solver;
     let whole = constants == Constants::Whole && k == 0;
     let [x, y] = now.table;
@@ -207,17 +210,25 @@ pub(super) fn solve<S: Vector, const N: usize>(
     force_x += push_x;
     force_y += push_y;
     let [a, b, c, d] = solver.inverse;
-    let pull_x = a.fused(force_x, b * force_y);
-    let pull_y = d.fused(force_y, c * force_x);
-    now.pull = [pull_x, pull_y];
+    let mut pull = [a.fused(force_x, b * force_y), d.fused(force_y, c * force_x)];
+    let mut accelerations = own;
+    for i in 0..N {
+        let [along, across] = solver.drawn[i];
+        accelerations[i] = along.fused(pull[0], across.fused(pull[1], own[i]));
+    }
+    // A match, not a map: the fused multiply-add must be inlined.
+    let forces = match by.gaps {
+        Some(gaps) => Some(gaps.join(&mut accelerations, &mut pull)),
+        None => None,
+    };
+    let [pull_x, pull_y] = pull;
+    now.pull = pull;
     let frame_x = equations.double_speed.fused(y_dot, equations.speed_squared * x);
     let frame_y = equations.minus_double_speed.fused(x_dot, equations.speed_squared * y);
     let twice = number(of_next * of_after);
     after.table = [twice * (pull_x + frame_x), twice * (pull_y + frame_y)];
     for i in 0..N {
-        let [along, across] = solver.drawn[i];
-        let acceleration = along.fused(pull_x, across.fused(pull_y, own[i]));
-        let speed = number(of_next) * acceleration;
+        let speed = number(of_next) * accelerations[i];
         next.balls[i].speed = speed;
         let [real, imaginary] = by.start[i];
         let turning = sums[i].turning;
@@ -226,4 +237,5 @@ pub(super) fn solve<S: Vector, const N: usize>(
             number(of_after) * speed.fused(real, turning[0]),
         ];
     }
+    forces
 }

@@ -24,6 +24,7 @@ use fearless_simd::prelude::*;
 
 use super::equations::Equations;
 use super::flow::Flow;
+use super::gap_forces::{Gaps, OfEach, Response};
 use super::recurrence::{Constants, RECIPROCALS, Solving, Sums, products, solve};
 use super::terms::{ResidualForce, Solver, TERMS, Term};
 use crate::motion::lockstep::kernel::Powers;
@@ -57,6 +58,9 @@ pub(super) struct Series<S: Vector, const N: usize> {
     pub(super) solver: Solver<S, N>,
     /// `None` if no sticking ball has a residual speed.
     pub(super) residual: Option<ResidualForce<S>>,
+    pub(super) response: Response<S, N>,
+    /// The coefficients of the forces in gaps, if the response is active.
+    pub(super) forces: [OfEach<S, N>; ORDER],
 }
 
 impl<S: Vector, const N: usize> Series<S, N> {
@@ -69,13 +73,25 @@ impl<S: Vector, const N: usize> Series<S, N> {
             trigonometry: [[zero; 2]; N],
             residual: [zero; N],
         };
-        Series { terms: [Term::zero(simd); TERMS], solver, residual: None }
+        Series {
+            terms: [Term::zero(simd); TERMS],
+            solver,
+            residual: None,
+            response: Response::none(simd),
+            forces: [[zero; N]; ORDER],
+        }
     }
 
     /// Expands the motion from a state.
     #[inline(always)]
-    pub(super) fn expand(&mut self, equations: &Equations<S, N>, start: &Flow<S, N>) {
+    pub(super) fn expand(
+        &mut self,
+        equations: &Equations<S, N>,
+        gaps: &Gaps<S, N>,
+        start: &Flow<S, N>,
+    ) {
         self.begin(equations, start);
+        self.response.begin(gaps, &self.solver);
         for k in 0..ORDER {
             self.order(equations, k);
         }
@@ -146,8 +162,13 @@ impl<S: Vector, const N: usize> Series<S, N> {
             || {
                 let sums = self.sums(k);
                 let start: [[Lanes<S>; 2]; N] = self.directions();
-                let by = Solving { solver: &self.solver, start, residual: self.residual.as_ref() };
-                solve(&mut self.terms, equations, &by, k, sums, Constants::Whole);
+                let gaps = if self.response.active { Some(&self.response) } else { None };
+                let residual = self.residual.as_ref();
+                let by = Solving { solver: &self.solver, start, residual, gaps };
+                let forces = solve(&mut self.terms, equations, &by, k, sums, Constants::Whole);
+                if let Some(forces) = forces {
+                    self.forces[k] = forces;
+                }
             },
         );
     }

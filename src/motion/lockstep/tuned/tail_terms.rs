@@ -86,8 +86,12 @@ impl<S: Vector, const N: usize> Series<S, N> {
                 let [along, across] = self.solver.drawn[i];
                 let drawn = along.fused(pull[0], across * pull[1]);
                 turning[i] = (-equations.balls[i].held[1]).fused(turning[i], drawn);
-                speeds[at][i] = turning[i];
             }
+            if self.response.active {
+                // Balls that touch turn together; their reaction on the table is neglected.
+                self.response.join(&mut turning, &mut [number(0.0); 2]);
+            }
+            speeds[at] = turning;
             (place, speed) = (speed, acceleration);
             table[at] = acceleration;
         }

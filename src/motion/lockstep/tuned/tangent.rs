@@ -90,7 +90,8 @@ impl<S: Vector, const N: usize> Series<S, N> {
         }
         let start: [[Lanes<S>; 2]; N] = self.directions();
         let Series { terms, residual, .. } = displaced;
-        let by = Solving { solver: &self.solver, start, residual: residual.as_ref() };
+        let gaps = if self.response.active { Some(&self.response) } else { None };
+        let by = Solving { solver: &self.solver, start, residual: residual.as_ref(), gaps };
         solve(terms, equations, &by, k, sums, Constants::None);
     }
 }
