@@ -14,6 +14,7 @@ use serde::Serialize;
 use super::angle::wrap_to_two_pi;
 use super::balancer::SPHERE_INERTIA;
 use super::invalid_parameter::{InvalidParameter, invalid, not_negative};
+use super::recorded::ContactMode;
 
 /// The law of contact between balls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -133,4 +134,21 @@ impl Gap {
     pub fn reduced_mass(&self) -> f64 {
         1.0 / (1.0 / self.masses[0] + 1.0 / self.masses[1])
     }
+}
+/// Returns the pushes of a unit of force in each gap on the contact behind and on the contact ahead
+/// ([`Gap::rolling_pushes`]); `None` for a gap without a force in the equations: an open one, or one between two contacts
+/// that stick. The modes of the gaps follow those of the contacts.
+pub(crate) fn pushes<'a>(
+    gaps: &'a [Gap],
+    modes: &'a [ContactMode],
+) -> impl Iterator<Item = Option<[[f64; 2]; 2]>> + 'a {
+    let (of_contacts, of_gaps) = modes.split_at(modes.len() - gaps.len());
+    gaps.iter().zip(of_gaps).map(|(gap, mode)| {
+        let [behind, ahead] = gap.contacts.map(|contact| of_contacts[contact]);
+        let sticks = behind == ContactMode::Stick && ahead == ContactMode::Stick;
+        let closed = *mode == ContactMode::Closed && !sticks;
+        // Both roll in the same direction.
+        let [behind, ahead] = [behind, ahead].map(ContactMode::direction);
+        closed.then(|| gap.rolling_pushes(if behind == 0.0 { ahead } else { behind }))
+    })
 }

@@ -11,7 +11,8 @@ use super::driven::{Turning, Turns};
 use super::recorded::{add_contact_inputs, equations, record_contact, record_state};
 use super::{
     Balancer, BallContact, ContactMode, Dual, Expression, Friction, Gap, GapEquations, Machine,
-    Number, Recorder, RestForms, Structure, System, SystemEquations, Touching, wrap_to_two_pi,
+    Number, Recorder, RestForms, Structure, System, SystemEquations, Touching, pushes,
+    wrap_to_two_pi,
 };
 
 /// A balancer with contact between neighbouring balls.
@@ -56,29 +57,8 @@ impl<const N: usize> BallsInContact<N> {
     }
 
     /// Returns the gaps between neighbouring balls.
-    pub(crate) fn gaps(&self) -> &[Gap] {
+    pub(super) fn gaps(&self) -> &[Gap] {
         &self.gaps
-    }
-
-    /// Returns the pushes of a unit of force in each gap on the ball behind and on the ball ahead
-    /// ([`Gap::rolling_pushes`]); `None` for a gap without a force in the equations.
-    pub(crate) fn pushes<'a>(
-        &'a self,
-        modes: &'a [ContactMode],
-    ) -> impl Iterator<Item = Option<[[f64; 2]; 2]>> + 'a {
-        let (of_balls, of_gaps) = modes.split_at(N);
-        self.gaps
-            .iter()
-            .zip(of_gaps)
-            .map(move |(gap, mode)| Some(gap.rolling_pushes(Self::rolling(gap, *mode, of_balls)?)))
-    }
-
-    /// Returns how a gap is closed in the equations: the direction in which both balls roll; `None` if there is no force.
-    fn rolling(gap: &Gap, mode: ContactMode, modes: &[ContactMode]) -> Option<f64> {
-        let [behind, ahead] = gap.contacts.map(|ball| modes[ball].direction());
-        let direction = if behind == 0.0 { ahead } else { behind };
-        let sticks = gap.contacts.iter().all(|ball| modes[*ball] == ContactMode::Stick);
-        (mode == ContactMode::Closed && !sticks).then_some(direction)
     }
 }
 
@@ -178,7 +158,7 @@ impl<const N: usize> Turns for BallsInContact<N> {
         for (ball, mode) in self.balancer.balls.iter().zip(modes) {
             add_contact_inputs(&mut inputs, *mode, &ball.friction);
         }
-        let pushes: Vec<_> = self.pushes(modes).collect();
+        let pushes: Vec<_> = pushes(&self.gaps, modes).collect();
         inputs.extend(pushes.iter().map(|pushes| if pushes.is_some() { 1.0 } else { 0.0 }));
         // Without a force, the pushes do not matter.
         for (gap, pushes) in self.gaps.iter().zip(&pushes) {

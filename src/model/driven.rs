@@ -150,6 +150,14 @@ impl<B: Turns> System for Driven<B> {
         self.fastest.touching()
     }
 
+    fn while_apart(&self) -> &dyn Any {
+        self.fastest.while_apart()
+    }
+
+    fn speed_terms(&self) -> Option<&[f64; SPEED_TERMS]> {
+        Some(&self.speed)
+    }
+
     fn as_any(&self) -> &dyn Any {
         self
     }

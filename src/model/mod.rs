@@ -42,6 +42,7 @@ mod units;
 
 pub use angle::{wrap_to_pi, wrap_to_two_pi};
 pub use balancer::{Balancer, BalancerBall, SPHERE_INERTIA, State};
+pub(crate) use ball_contact::pushes;
 pub use ball_contact::{BallContact, Gap, rolling_restitution};
 pub use balls_in_contact::{BallsInContact, LASTING_APPROACH};
 pub use block::{Block, Ground, Slider, SliderState};

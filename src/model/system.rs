@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use smallvec::SmallVec;
 
-use super::{ContactMode, Dual, Friction, Gap, Recorder, SystemEquations};
+use super::{ContactMode, Dual, Friction, Gap, Recorder, SPEED_TERMS, SystemEquations};
 
 /// The components of a state, or of its rate of change, in the order in which the system records them.
 pub type Components = SmallVec<[f64; 20]>;
@@ -75,6 +75,12 @@ pub trait System: Any + Debug + Send + Sync {
     /// Returns the system that has the same motion while no contacts touch, for kernels that are written for one type.
     fn while_apart(&self) -> &dyn Any {
         self.as_any()
+    }
+
+    /// Returns the coefficients of the speed of the disc as a polynomial of the last component of the state, if the speed
+    /// changes. The system that [`System::while_apart`] returns is then at the largest speed.
+    fn speed_terms(&self) -> Option<&[f64; SPEED_TERMS]> {
+        None
     }
 
     /// Returns this system, for kernels that are written for one type.

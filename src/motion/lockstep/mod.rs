@@ -55,11 +55,12 @@ const ORDER: usize = 16;
 /// Returns empty lanes for a system, computed with these instructions. The unit tests need two of the tuned kernels only,
 /// whose compilation takes long.
 fn lanes_with<S: Vector>(simd: S, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
+    let changes = system.speed_terms().is_some();
     macro_rules! tuned {
         ($($balls:literal)*) => {
             $(
                 if tuned::Tuned::<S, $balls>::computes(system) {
-                    let kernel = tuned::Tuned::<S, $balls>::new(simd);
+                    let kernel = tuned::Tuned::<S, $balls>::new(simd, changes);
                     return Box::new(Group::new(simd, kernel));
                 }
             )*

@@ -132,7 +132,7 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
         tolerance: Tolerance { relative: 1e-6, absolute: 1e-8 },
         effort_limit: 1000,
     };
-    let mut group = Group::new(simd, Tuned::<_, N>::new(simd));
+    let mut group = Group::new(simd, Tuned::<_, N>::new(simd, false));
     let balancers: Vec<Balancer<N>> =
         (0..LANES).map(|lane| Balancer::new(&machine(lane, N)).expect("N balls")).collect();
     let mut longest = Lanes::splat(simd, 0.0);
@@ -157,7 +157,7 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
     kernel.expand(room, state);
     let lengths = within_tolerance(&room.series, *tolerance, *next).min(longest);
     let Room { series, displaced, .. } = &mut **room;
-    let moved = carry(series, &kernel.equations, displacement, lengths, displaced);
+    let moved = carry(series, (&kernel.equations, None), displacement, lengths, displaced);
     for (lane, balancer) in balancers.iter().enumerate() {
         let start = group.state.lane(lane).along(&group.displacement.lane(lane));
         let along = integrated(balancer, group.phases(lane), &start, (lengths[lane], 16));
@@ -183,7 +183,7 @@ fn against_equations<const N: usize>(simd: impl Vector) {
         tolerance: Tolerance { relative: 1e-8, absolute: 1e-10 },
         effort_limit: 1000,
     };
-    let mut group = Group::new(simd, Tuned::<_, N>::new(simd));
+    let mut group = Group::new(simd, Tuned::<_, N>::new(simd, false));
     let balancers: Vec<Balancer<N>> =
         (0..LANES).map(|lane| Balancer::new(&machine(lane, N)).expect("N balls")).collect();
     for (lane, balancer) in balancers.iter().enumerate() {
@@ -200,7 +200,7 @@ fn against_equations<const N: usize>(simd: impl Vector) {
     kernel.expand(room, state);
     let end: Flow<_, N> = kernel.at(room, state, length);
     let Room { series, displaced, .. } = &mut **room;
-    let moved = carry(series, &kernel.equations, displacement, length, displaced);
+    let moved = carry(series, (&kernel.equations, None), displacement, length, displaced);
     let mut sticks = 0;
     for (lane, balancer) in balancers.iter().enumerate() {
         let phases = group.phases(lane);

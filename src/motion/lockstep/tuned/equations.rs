@@ -25,6 +25,8 @@ pub(crate) struct Ball<S: Vector> {
     pub(super) minus_friction: Lanes<S>,
     /// m / (1 + p²)
     pub(super) turned: Lanes<S>,
+    /// 1 / (1 + 4 J) if it may accelerate, else 0.
+    pub(super) mobility: Lanes<S>,
     /// 1 / (1 + 4 J) over `turned` if it may accelerate, else 0.
     pub(super) drawing: Lanes<S>,
     /// The normal force at the speed β̇ without the table's acceleration is `ω² + pressed[0] β̇ +
@@ -66,6 +68,7 @@ impl<S: Vector, const N: usize> Equations<S, N> {
             friction: zero,
             minus_friction: zero,
             turned: zero,
+            mobility: zero,
             drawing: zero,
             pressed: [zero; 2],
             least_pressed: zero,
@@ -121,6 +124,7 @@ impl<S: Vector, const N: usize> Equations<S, N> {
             of_ball.friction[lane] = friction;
             of_ball.minus_friction[lane] = -friction;
             of_ball.turned[lane] = turned;
+            of_ball.mobility[lane] = mobility;
             of_ball.drawing[lane] = mobility / turned;
             let linear = friction * (2.0 * speed - ball.rolling_linear) + drag;
             of_ball.held[0][lane] = mobility * (friction * (speed * speed));

@@ -16,11 +16,17 @@ use fearless_simd::prelude::*;
 use super::equations::Equations;
 use super::gap_forces::Gaps;
 use super::series::{Series, decay};
+use super::turning::{BallOnDisc, SQUARED_TERMS, Turning};
+use crate::model::SPEED_TERMS;
 use crate::motion::Phase;
 use crate::motion::lockstep::curve::Curve;
 use crate::motion::lockstep::root_isolation::FOURTH;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::lockstep::{Lanes, ORDER};
+
+/// The fourth derivative of a cubic polynomial times `exp(-t)` is at most this times the sum of the magnitudes of its
+/// coefficients, for times up to 5: the largest sum of binomials times derivatives is 685.
+const DYING_SPEED: f64 = 1000.0;
 
 /// The coefficients of a ball's conditions.
 #[derive(Clone, Copy)]
@@ -161,8 +167,13 @@ pub(super) fn look_over<S: Vector, const N: usize>(
         let mut holds = curve.holds();
         doubts.slips[i] = curve;
         let ball = &equations.balls[i];
-        let mut pressed = ball.least_pressed.simd_gt(pulls[0].max(pulls[1]));
-        if !pressed.all_true() {
+        let mut least = ball.least_pressed;
+        if let Some(turning) = &series.turning {
+            let speed = turning.least_speed(length);
+            least = turning.balls[i].least * (speed * speed);
+        }
+        let mut pressed = least.simd_gt(pulls[0].max(pulls[1]));
+        if series.turning.is_none() && !pressed.all_true() {
             // The normal force is a parabola in the ball's speed. On one side of its minimum, and
             // not so near that the ball may have passed it, the ends decide.
             let mut plain = length.simd_eq(length);
@@ -211,6 +222,8 @@ struct Pull<S: Vector> {
     change: [Lanes<S>; 2],
     /// A bound of its fourth derivative, likewise.
     bound: [Lanes<S>; 2],
+    /// Speed, square of the speed and acceleration of the disc, if its speed changes and they are needed.
+    disc: Option<[Curve<S>; 3]>,
 }
 
 impl<S: Vector> Pull<S> {
@@ -226,7 +239,7 @@ impl<S: Vector> Pull<S> {
                     *end = end.fused(length, coefficient);
                 }
             }
-            return Pull { end, change, bound };
+            return Pull { end, change, bound, disc: None };
         }
         for (term, weight) in terms.iter().zip(FOURTH).rev() {
             let weight = Lanes::splat(length.simd, weight);
@@ -240,8 +253,37 @@ impl<S: Vector> Pull<S> {
         for change in &mut change {
             *change *= length;
         }
-        Pull { end, change, bound }
+        let disc = match &series.turning {
+            Some(turning) => Some(disc(turning, length)),
+            None => None,
+        };
+        Pull { end, change, bound, disc }
     }
+}
+
+/// Returns the bounds of the speed of the disc, of its square, and of its acceleration.
+#[inline(always)]
+fn disc<S: Vector, const N: usize>(turning: &Turning<S, N>, length: Lanes<S>) -> [Curve<S>; 3] {
+    [
+        Curve::of_series(
+            length,
+            SPEED_TERMS - 1,
+            #[inline(always)]
+            |k| turning.speed[k],
+        ),
+        Curve::of_series(
+            length,
+            SQUARED_TERMS - 1,
+            #[inline(always)]
+            |k| turning.squared[k],
+        ),
+        Curve::of_series(
+            length,
+            SPEED_TERMS - 2,
+            #[inline(always)]
+            |k| turning.acceleration[k],
+        ),
+    ]
 }
 
 /// Returns the remaining friction of a sticking ball, against a forward and against a backward
@@ -275,6 +317,32 @@ fn held<S: Vector, const N: usize>(
             (slower.abs() + number(16.0) * faster.abs()) * (square * square),
         ];
     }
+    let mut drawn = Curve::zero(length.simd);
+    if let (Some(turning), Some([speed, squared, acceleration])) = (&series.turning, &pull.disc) {
+        let BallOnDisc { pressed: by_speed, euler, .. } = turning.balls[i];
+        for end in 0..2 {
+            pressed[end] += squared.values[end];
+            pressed[2 + end] += squared.changes[end];
+            drawn.values[end] = euler * acceleration.values[end];
+            drawn.changes[end] = euler * acceleration.changes[end];
+        }
+        pressed[4] += squared.bound;
+        drawn.bound = euler.abs() * acceleration.bound;
+        if !left.simd_eq(number(0.0)).all_true() {
+            let slower = [by_speed * left, by_speed * (left * decay(length))];
+            for end in 0..2 {
+                let change = speed.changes[end] - length * speed.values[end];
+                pressed[end] += slower[end] * speed.values[end];
+                pressed[2 + end] += slower[end] * change;
+            }
+            let mut size = number(0.0);
+            for term in &turning.speed {
+                size += term.abs();
+            }
+            let square = length * length;
+            pressed[4] += number(DYING_SPEED) * slower[0].abs() * size * (square * square);
+        }
+    }
     let along = |[x, y]: [Lanes<S>; 2]| c.fused(x, s * y);
     let across = |[x, y]: [Lanes<S>; 2]| s.fused(x, -(c * y));
     let change = [second.pull[0] * length, second.pull[1] * length];
@@ -284,11 +352,16 @@ fn held<S: Vector, const N: usize>(
         limit * (pressed[2] - along(change)),
         limit * (pressed[3] - along(pull.change)),
     ];
-    let forces = [across(first.pull), across(pull.end), across(change), across(pull.change)];
+    let forces = [
+        across(first.pull) - drawn.values[0],
+        across(pull.end) - drawn.values[1],
+        across(change) - drawn.changes[0],
+        across(pull.change) - drawn.changes[1],
+    ];
     let (size_c, size_s) = (c.abs(), s.abs());
     let weights = [limit.fused(size_c, size_s), limit.fused(size_s, size_c)];
     let bound = weights[0].fused(pull.bound[0], weights[1] * pull.bound[1]);
-    let bound = limit.fused(pressed[4], bound);
+    let bound = limit.fused(pressed[4], bound) + drawn.bound;
     let [a, b, p, q] = reserves;
     let [f, g, u, v] = forces;
     [

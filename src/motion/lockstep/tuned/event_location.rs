@@ -141,9 +141,15 @@ fn forces_if_stuck<S: Vector, const N: usize>(
     for k in 0..ORDER {
         let [x, y] = &series.terms[k].pull;
         let (x, y) = (x[lane], y[lane]);
-        let pressed = if k == 0 || left { pressed(series, balancer, lane, ball, k) } else { 0.0 };
+        let changes = k == 0 || left || series.turning.is_some();
+        let pressed = if changes { pressed(series, balancer, lane, ball, k) } else { 0.0 };
         forces[0][k] = pressed - (c * x + s * y);
         forces[1][k] = s * x - c * y;
+        if let Some(turning) = &series.turning
+            && let Some(acceleration) = turning.acceleration.get(k)
+        {
+            forces[1][k] -= turning.balls[ball].euler[lane] * acceleration[lane];
+        }
     }
     forces
 }
@@ -165,9 +171,17 @@ fn pressed<S: Vector, const N: usize>(
     let left = series.solver.residual[ball][lane];
     let linear = of_ball.speed[lane] + DYING[k][0] * left;
     let quadratic = of_ball.squared[lane] + DYING[k][1] * (left * left);
-    constant
+    let at_constant_speed = constant
         + ((2.0 * speed - parameters.rolling_linear) * linear
-            + (1.0 - parameters.rolling_quadratic) * quadratic)
+            + (1.0 - parameters.rolling_quadratic) * quadratic);
+    match &series.turning {
+        None => at_constant_speed,
+        Some(turning) => {
+            let speed = |j: usize| series.terms[j].balls[ball].speed[lane] + DYING[j][0] * left;
+            let [square, product] = turning.square_and_product(lane, k, speed);
+            at_constant_speed + (square + turning.balls[ball].pressed[lane] * product)
+        }
+    }
 }
 
 /// Returns the series of the normal force on a ball of a lane.

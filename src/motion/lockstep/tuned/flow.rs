@@ -15,6 +15,8 @@ pub(in crate::motion::lockstep) struct Flow<S: Vector, const N: usize> {
     pub(super) angle: [Lanes<S>; N],
     /// Their speeds.
     pub(super) speed: [Lanes<S>; N],
+    /// The time since the begin of the segment in which the speed of the disc changes; 0 at constant speed.
+    pub(super) elapsed: Lanes<S>,
 }
 
 impl<S: Vector, const N: usize> Flow<S, N> {
@@ -22,7 +24,7 @@ impl<S: Vector, const N: usize> Flow<S, N> {
     #[inline(always)]
     pub(super) fn zero(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
-        Flow { table: [zero; 4], angle: [zero; N], speed: [zero; N] }
+        Flow { table: [zero; 4], angle: [zero; N], speed: [zero; N], elapsed: zero }
     }
 
     /// Returns one run's components.
@@ -36,9 +38,10 @@ impl<S: Vector, const N: usize> Flow<S, N> {
         }
     }
 
-    /// Sets one run's components, which must be those of `N` balls.
+    /// Sets one run's components, which must be those of `N` balls, followed by the elapsed time if the speed changes.
     pub(super) fn set_lane(&mut self, lane: usize, components: &[f64]) {
         let flow = self.table.iter_mut().chain(&mut self.angle).chain(&mut self.speed);
         flow.zip(components).for_each(|(of_all, value)| of_all[lane] = *value);
+        self.elapsed[lane] = components.get(4 + 2 * N).copied().unwrap_or(0.0);
     }
 }

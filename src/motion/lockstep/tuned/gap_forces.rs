@@ -8,7 +8,7 @@ use fearless_simd::SimdBase;
 
 use super::equations::Equations;
 use super::terms::Solver;
-use crate::model::BallsInContact;
+use crate::model::{self, pushes};
 use crate::motion::cluster::{HeldCluster, held_clusters};
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::pressure::Pressure;
@@ -86,14 +86,13 @@ impl<S: Vector, const N: usize> Gaps<S, N> {
         &mut self,
         lane: usize,
         own: &Lane,
-        system: &BallsInContact<N>,
+        gaps: &[model::Gap],
         equations: &Equations<S, N>,
     ) {
         self.clear(lane);
-        let gaps = system.gaps();
         self.held[lane] = held_clusters(gaps, &own.phases);
         let modes: Vec<_> = own.phases.iter().map(|phase| phase.mode()).collect();
-        let pushes = system.pushes(&modes);
+        let pushes = pushes(gaps, &modes);
         let phases = &own.phases[N..];
         for ((of_all, gap), (pushes, phase)) in
             self.gaps.iter_mut().zip(gaps).zip(pushes.zip(phases))
@@ -106,8 +105,8 @@ impl<S: Vector, const N: usize> Gaps<S, N> {
                 gap.contacts.iter().zip(pushes).zip([-1.0, 1.0])
             {
                 let of_ball = &equations.balls[ball];
-                let mobility = system.balancer.balls[ball].mobility * of_ball.free[lane];
-                of_all.push[ball][lane] = mobility * (along - of_ball.friction[lane] * outward);
+                let along = along - of_ball.friction[lane] * outward;
+                of_all.push[ball][lane] = of_ball.mobility[lane] * along;
                 of_all.outward[ball][lane] = outward;
                 of_all.side[ball][lane] = side;
             }

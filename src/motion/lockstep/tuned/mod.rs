@@ -5,6 +5,8 @@
 
 #[cfg(all(test, target_arch = "x86_64"))]
 mod compared_with_equations;
+#[cfg(all(test, target_arch = "x86_64"))]
+mod compared_with_general;
 mod equations;
 mod event_functions;
 mod event_location;
@@ -17,6 +19,7 @@ mod step;
 mod tail_terms;
 mod tangent;
 mod terms;
+mod turning;
 
 use std::sync::Arc;
 
@@ -25,7 +28,7 @@ use fearless_simd::{mask64x8, prelude::*};
 use super::kernel::{Ends, Kernel, Powers};
 use super::lane::Lane;
 use super::{LANES, Lanes, ORDER};
-use crate::model::{Balancer, BallsInContact, Components, RestPoint, State, System};
+use crate::model::{Balancer, Components, RestPoint, State, System};
 use crate::motion::Evaluator;
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Vector};
@@ -39,6 +42,7 @@ use gap_forces::Gaps;
 use mode_selection::InPlace;
 use recurrence::RECIPROCALS;
 use series::Series;
+use turning::Drive;
 
 /// Bound on every component of the rate of change if everything is slow.
 const STILL: f64 = 1e-6;
@@ -53,7 +57,9 @@ pub(super) struct Tuned<S: Vector, const N: usize> {
     rest_radius_squared: Lanes<S>,
     balancers: [Option<Balancer<N>>; LANES],
     gaps: Gaps<S, N>,
-    /// The recorded equations of systems with gaps, for the decisions where balls touch.
+    /// The disc, if its speed changes.
+    drive: Option<Box<Drive<S, N>>>,
+    /// The recorded equations of systems with gaps or a disc whose speed changes, for the decisions that need them.
     evaluators: [Option<Evaluator>; LANES],
     /// Bit mask of lanes with a ball that cannot stick.
     sliding: u64,
@@ -67,8 +73,8 @@ pub(super) struct Room<S: Vector, const N: usize> {
 }
 
 impl<S: Vector, const N: usize> Tuned<S, N> {
-    /// Empty lanes.
-    pub(super) fn new(simd: S) -> Self {
+    /// Empty lanes, for discs whose speed changes or for others.
+    pub(super) fn new(simd: S, changes: bool) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         Tuned {
             equations: Equations::blank(simd),
@@ -77,6 +83,7 @@ impl<S: Vector, const N: usize> Tuned<S, N> {
             rest_radius_squared: Lanes::splat(simd, -1.0),
             balancers: [None; LANES],
             gaps: Gaps::none(simd),
+            drive: changes.then(|| Box::new(Drive::blank(simd))),
             evaluators: std::array::from_fn(|_| None),
             sliding: 0,
         }
@@ -102,7 +109,7 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     type Room = Room<S, N>;
 
     fn fits(&self, system: &Arc<dyn System>) -> bool {
-        Self::computes(system)
+        Self::computes(system) && system.speed_terms().is_some() == self.drive.is_some()
     }
 
     #[inline(always)]
@@ -129,17 +136,24 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
 
     fn set_system(&mut self, lane: usize, own: &Lane) {
         let Some(balancer) = while_apart(&own.system) else { return };
-        self.equations.set_machine(lane, balancer);
+        let mut balancer: Balancer<N> = *balancer;
+        if let (Some(drive), Some(speed)) = (&mut self.drive, own.system.speed_terms()) {
+            drive.set_machine(lane, &balancer, speed);
+            // Everything that depends on the speed is in `Drive`.
+            balancer.speed = 0.0;
+            balancer.balls.iter_mut().for_each(|ball| ball.rolling_linear = 0.0);
+        }
+        self.equations.set_machine(lane, &balancer);
         for (watched, ball) in self.watched.iter_mut().zip(&balancer.balls) {
             watched.limit[lane] = ball.friction.limit;
         }
         let bit = 1 << lane;
         let slides = balancer.balls.iter().any(|ball| !ball.friction.can_stick());
         self.sliding = self.sliding & !bit | if slides { bit } else { 0 };
-        self.balancers[lane] = Some(*balancer);
+        self.balancers[lane] = Some(balancer);
         self.gaps.clear(lane);
-        let touching = own.system.touching();
-        self.evaluators[lane] = touching.map(|_| Evaluator::new(Arc::clone(&own.system)));
+        let recorded = own.system.touching().is_some() || self.drive.is_some();
+        self.evaluators[lane] = recorded.then(|| Evaluator::new(Arc::clone(&own.system)));
     }
 
     fn set_phases(&mut self, lane: usize, own: &Lane, _state: &[f64]) {
@@ -149,14 +163,21 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         for (watched, phase) in self.watched.iter_mut().zip(&own.phases) {
             watched.set(lane, *phase, margins);
         }
-        if let Some(system) = own.system.as_any().downcast_ref::<BallsInContact<N>>() {
-            self.gaps.set(lane, own, system, &self.equations);
+        if let Some(drive) = &mut self.drive {
+            for (place, ball) in self.equations.balls.iter().enumerate() {
+                drive.set_ball(lane, place, [ball.mobility[lane], ball.friction[lane]]);
+            }
+        }
+        if let Some(touching) = own.system.touching() {
+            self.gaps.set(lane, own, touching.gaps(), &self.equations);
         }
     }
 
     fn set_rest(&mut self, lane: usize, own: &Lane, state: &[f64]) {
         self.rest_radius_squared[lane] = -1.0;
-        if all_stick(&own.phases)
+        // A run ends in its last stage, in which the speed is constant.
+        if self.drive.is_none()
+            && all_stick(&own.phases)
             && let Some(balancer) = &self.balancers[lane]
             && let Some(state) = State::<N>::of_components(state)
         {
@@ -179,7 +200,11 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     }
 
     fn lane(&self, flow: &Flow<S, N>, lane: usize) -> Components {
-        flow.lane(lane).components()
+        let mut components = flow.lane(lane).components();
+        if self.drive.is_some() {
+            components.push(flow.elapsed[lane]);
+        }
+        components
     }
 
     fn set_lane(&self, flow: &mut Flow<S, N>, lane: usize, components: &[f64]) {
@@ -195,6 +220,7 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
             into.angle[i] = mask.select(from.angle[i], into.angle[i]);
             into.speed[i] = mask.select(from.speed[i], into.speed[i]);
         }
+        into.elapsed = mask.select(from.elapsed, into.elapsed);
     }
 
     #[inline(always)]
@@ -238,7 +264,7 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
 
     #[inline(always)]
     fn expand(&self, room: &mut Room<S, N>, start: &Flow<S, N>) {
-        room.series.expand(&self.equations, &self.gaps, start);
+        room.series.expand(&self.equations, (self.drive.as_deref(), &self.gaps), start);
     }
 
     #[inline(always)]
@@ -275,7 +301,11 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
 
     #[inline(always)]
     fn at(&self, room: &Room<S, N>, start: &Flow<S, N>, time: Lanes<S>) -> Flow<S, N> {
-        room.series.at(&self.equations, start, time)
+        let mut end = room.series.at(&self.equations, start, time);
+        if self.drive.is_some() {
+            end.elapsed += time;
+        }
+        end
     }
 
     #[inline(always)]
@@ -286,7 +316,8 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         length: Lanes<S>,
     ) -> Flow<S, N> {
         let Room { series, displaced, .. } = room;
-        tangent::carry(series, &self.equations, displacement, length, displaced)
+        let equations = (&self.equations, self.drive.as_deref());
+        tangent::carry(series, equations, displacement, length, displaced)
     }
 
     #[inline(always)]
@@ -302,7 +333,7 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
 
     #[inline(always)]
     fn still(&self, room: &Room<S, N>) -> u64 {
-        if self.sliding == 0 {
+        if self.sliding == 0 || self.drive.is_some() {
             return 0;
         }
         let [first, second, third, ..] = &room.series.terms;
@@ -323,7 +354,7 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     }
 
     fn components(&self) -> usize {
-        4 + 2 * N
+        4 + 2 * N + usize::from(self.drive.is_some())
     }
 
     fn coordinates(&self, contact: usize) -> (usize, Option<usize>) {
@@ -370,7 +401,8 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         state: &[f64],
         with: impl FnOnce(&dyn InState) -> R,
     ) -> R {
-        if let Some(evaluator) = self.evaluator(lane).filter(|_| any_closed(&own.phases)) {
+        let is_recorded = self.drive.is_some() || any_closed(&own.phases);
+        if let Some(evaluator) = self.evaluator(lane).filter(|_| is_recorded) {
             return with(&Evaluated::new(evaluator, state));
         }
         let balancer = self.balancers[lane].as_ref();
@@ -405,13 +437,16 @@ fn while_apart<const N: usize>(system: &Arc<dyn System>) -> Option<&Balancer<N>>
     system.while_apart().downcast_ref()
 }
 
-/// Calls `with` with a balancer in one state; `None` for another system.
+/// Calls `with` with a balancer at constant speed in one state; `None` for another system.
 pub(super) fn in_state<R>(
     system: &Arc<dyn System>,
     surely_one_solution: bool,
     state: &[f64],
     with: impl FnOnce(&dyn InState) -> R,
 ) -> Option<R> {
+    if system.speed_terms().is_some() {
+        return None;
+    }
     macro_rules! of_balls {
         ($($balls:literal)*) => {
             $(

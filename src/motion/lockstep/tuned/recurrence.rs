@@ -6,6 +6,7 @@ use fearless_simd::prelude::*;
 use super::equations::Equations;
 use super::gap_forces::{OfEach, Response};
 use super::terms::{ResidualForce, Solver, TERMS, Term};
+use super::turning::{Drive, Turning};
 use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::{Fused, Vector};
 
@@ -137,6 +138,8 @@ pub(super) struct Solving<'a, S: Vector, const N: usize> {
     /// Directions at the start.
     pub(super) start: [[Lanes<S>; 2]; N],
     pub(super) residual: Option<&'a ResidualForce<S>>,
+    /// The disc and its speed, if that changes.
+    pub(super) turning: Option<(&'a Drive<S, N>, &'a Turning<S, N>)>,
     /// The effect of forces in gaps, if there are any.
     pub(super) gaps: Option<&'a Response<S, N>>,
 }
@@ -154,6 +157,10 @@ pub(super) fn solve<S: Vector, const N: usize>(
 ) -> Option<OfEach<S, N>> {
     let simd = equations.speed.simd;
     let number = |value: f64| Lanes::splat(simd, value);
+    let turned = match by.turning {
+        Some((drive, turning)) => Some(drive.products(turning, terms, k)),
+        None => None,
+    };
     let (of_next, of_after) = (RECIPROCALS[k + 1], RECIPROCALS[k + 2]);
     let (factor, minus) = (number((k + 1) as f64), number(-((k + 1) as f64)));
     let (lower, higher) = terms.split_at_mut(k + 1);
@@ -171,11 +178,28 @@ pub(super) fn solve<S: Vector, const N: usize>(
     }
     force_x = equations.minus_drag.fused(x_dot, force_x);
     force_y = equations.minus_drag.fused(y_dot, force_y);
+    if let Some(turned) = &turned {
+        force_x += turned.drag[0];
+        force_y += turned.drag[1];
+    }
     if let Some(residual) = by.residual {
-        for (force, dying) in residual.iter().zip(DYING[k]) {
-            force_x = number(dying).fused(force[0], force_x);
-            force_y = number(dying).fused(force[1], force_y);
+        let mut dying = [number(DYING[k][0]), number(DYING[k][1])];
+        if let Some((_, turning)) = by.turning {
+            dying[0] = turning.dying(k);
         }
+        for (force, dying) in residual.iter().zip(dying) {
+            force_x = dying.fused(force[0], force_x);
+            force_y = dying.fused(force[1], force_y);
+        }
+    }
+    let mut by_disc = [zero; N];
+    if let Some((drive, turning)) = by.turning
+        && constants == Constants::Whole
+    {
+        let (table, balls) = drive.own_forces(turning, k);
+        force_x += table[0];
+        force_y += table[1];
+        by_disc = balls;
     }
     let mut own = [zero; N];
     let (mut push_x, mut push_y) = (zero, zero);
@@ -189,12 +213,19 @@ pub(super) fn solve<S: Vector, const N: usize>(
         if whole {
             held += ball.held[0];
         }
+        if let Some(turned) = &turned {
+            held += turned.held[i] + by_disc[i];
+        }
         own[i] = ball.drawing.fused(drawn, -held);
         // -(ë + 2iω ė - ω² e) without the contribution of the acceleration itself, times 1 + ip.
         let real = equations.double_speed.fused(c_next, turning[0]);
         let imaginary = equations.double_speed.fused(s_next, turning[1]);
-        let around_x = factor.fused(imaginary, equations.speed_squared * c);
-        let around_y = minus.fused(real, equations.speed_squared * s);
+        let mut around_x = factor.fused(imaginary, equations.speed_squared * c);
+        let mut around_y = minus.fused(real, equations.speed_squared * s);
+        if let Some(turned) = &turned {
+            around_x += turned.around[i][0];
+            around_y += turned.around[i][1];
+        }
         // The sum times 1 only, with the contribution of the acceleration.
         let [along, across] = solver.reaction[i];
         let of_ball_x = ball.friction.fused(around_y, around_x);
@@ -223,8 +254,12 @@ pub(super) fn solve<S: Vector, const N: usize>(
     };
     let [pull_x, pull_y] = pull;
     now.pull = pull;
-    let frame_x = equations.double_speed.fused(y_dot, equations.speed_squared * x);
-    let frame_y = equations.minus_double_speed.fused(x_dot, equations.speed_squared * y);
+    let mut frame_x = equations.double_speed.fused(y_dot, equations.speed_squared * x);
+    let mut frame_y = equations.minus_double_speed.fused(x_dot, equations.speed_squared * y);
+    if let Some(turned) = &turned {
+        frame_x += turned.frame[0];
+        frame_y += turned.frame[1];
+    }
     let twice = number(of_next * of_after);
     after.table = [twice * (pull_x + frame_x), twice * (pull_y + frame_y)];
     for i in 0..N {

@@ -27,6 +27,7 @@ use super::flow::Flow;
 use super::gap_forces::{Gaps, OfEach, Response};
 use super::recurrence::{Constants, RECIPROCALS, Solving, Sums, products, solve};
 use super::terms::{ResidualForce, Solver, TERMS, Term};
+use super::turning::{Drive, Turning};
 use crate::motion::lockstep::kernel::Powers;
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Vector};
@@ -58,6 +59,8 @@ pub(super) struct Series<S: Vector, const N: usize> {
     pub(super) solver: Solver<S, N>,
     /// `None` if no sticking ball has a residual speed.
     pub(super) residual: Option<ResidualForce<S>>,
+    /// The speed of the disc, if it changes.
+    pub(super) turning: Option<Turning<S, N>>,
     pub(super) response: Response<S, N>,
     /// The coefficients of the forces in gaps, if the response is active.
     pub(super) forces: [OfEach<S, N>; ORDER],
@@ -77,6 +80,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
             terms: [Term::zero(simd); TERMS],
             solver,
             residual: None,
+            turning: None,
             response: Response::none(simd),
             forces: [[zero; N]; ORDER],
         }
@@ -87,13 +91,17 @@ impl<S: Vector, const N: usize> Series<S, N> {
     pub(super) fn expand(
         &mut self,
         equations: &Equations<S, N>,
-        gaps: &Gaps<S, N>,
+        (drive, gaps): (Option<&Drive<S, N>>, &Gaps<S, N>),
         start: &Flow<S, N>,
     ) {
+        self.turning = match drive {
+            Some(drive) => Some(drive.turning(start.elapsed)),
+            None => None,
+        };
         self.begin(equations, start);
         self.response.begin(gaps, &self.solver);
         for k in 0..ORDER {
-            self.order(equations, k);
+            self.order(equations, drive, k);
         }
     }
 
@@ -102,14 +110,15 @@ impl<S: Vector, const N: usize> Series<S, N> {
         let simd = equations.speed.simd;
         let zero = Lanes::splat(simd, 0.0);
         let one = Lanes::splat(simd, 1.0);
-        let [first, second, ..] = &mut self.terms;
-        let [x, y, x_dot, y_dot] = start.table;
-        first.table = [x, y];
-        second.table = [x_dot, y_dot];
         // Sums over the balls are separate from the table's own terms and are not fused, so that
         // exchanging two balls gives the same results bit for bit.
         let (mut m_xx, mut m_xy, mut m_yx, mut m_yy) = (zero, zero, zero, zero);
         let mut residual = [[zero; 2]; 2];
+        let double_speed = self.double_speed(equations);
+        let [first, second, ..] = &mut self.terms;
+        let [x, y, x_dot, y_dot] = start.table;
+        first.table = [x, y];
+        second.table = [x_dot, y_dot];
         for i in 0..N {
             let ball = &equations.balls[i];
             let (s, c) = sin_cos(start.angle[i]);
@@ -119,7 +128,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
             let imaginary = ball.turned * (s + ball.friction * c);
             let drawn = [ball.drawing * imaginary, -(ball.drawing * real)];
             let (m_s, m_c) = (ball.mass * s, ball.mass * c);
-            let linear = equations.double_speed * left;
+            let linear = double_speed * left;
             let square = left * left;
             let terms = [m_s * drawn[0], m_s * drawn[1], m_c * drawn[0], m_c * drawn[1]];
             let forces = [[m_c * linear, m_s * linear], [m_c * square, m_s * square]];
@@ -156,7 +165,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
     /// serves all orders: its loops are short enough, and unrolled over the orders they would not
     /// fit the caches.
     #[inline(never)]
-    fn order(&mut self, equations: &Equations<S, N>, k: usize) {
+    fn order(&mut self, equations: &Equations<S, N>, drive: Option<&Drive<S, N>>, k: usize) {
         equations.speed.simd.vectorize(
             #[inline(always)]
             || {
@@ -164,13 +173,23 @@ impl<S: Vector, const N: usize> Series<S, N> {
                 let start: [[Lanes<S>; 2]; N] = self.directions();
                 let gaps = if self.response.active { Some(&self.response) } else { None };
                 let residual = self.residual.as_ref();
-                let by = Solving { solver: &self.solver, start, residual, gaps };
+                let turning = with_drive(drive, &self.turning);
+                let by = Solving { solver: &self.solver, start, residual, turning, gaps };
                 let forces = solve(&mut self.terms, equations, &by, k, sums, Constants::Whole);
                 if let Some(forces) = forces {
                     self.forces[k] = forces;
                 }
             },
         );
+    }
+
+    /// Returns 2ω, or 2 if the speed changes: the series of the speed is then a factor of the residual force.
+    #[inline(always)]
+    pub(super) fn double_speed(&self, equations: &Equations<S, N>) -> Lanes<S> {
+        match self.turning {
+            Some(_) => Lanes::splat(equations.speed.simd, 2.0),
+            None => equations.double_speed,
+        }
     }
 
     /// Directions at the start.
@@ -268,6 +287,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
             table: [position[0], position[1], velocity[0], velocity[1]],
             angle: start.angle,
             speed,
+            elapsed: start.elapsed,
         };
         for (end, turned) in end.angle.iter_mut().zip(angle) {
             *end = time.fused(turned, *end);
@@ -299,6 +319,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
                     powers[k + 1] = RECIPROCALS[k + 1] * term.balls[component - 4].speed[lane];
                 }
             }
+            _ if component == 4 + 2 * N => [powers[0], powers[1]] = [start, 1.0],
             _ => {
                 let ball = component - 4 - N;
                 let mut dying = self.solver.residual[ball][lane];
@@ -309,6 +330,18 @@ impl<S: Vector, const N: usize> Series<S, N> {
             }
         }
         powers
+    }
+}
+
+/// Returns the disc with its speed in a step, if that changes.
+#[inline(always)]
+pub(super) fn with_drive<'a, S: Vector, const N: usize>(
+    drive: Option<&'a Drive<S, N>>,
+    turning: &'a Option<Turning<S, N>>,
+) -> Option<(&'a Drive<S, N>, &'a Turning<S, N>)> {
+    match (drive, turning) {
+        (Some(drive), Some(turning)) => Some((drive, turning)),
+        _ => None,
     }
 }
 

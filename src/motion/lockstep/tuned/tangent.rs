@@ -5,7 +5,8 @@ use fearless_simd::prelude::*;
 use super::equations::Equations;
 use super::flow::Flow;
 use super::recurrence::{Constants, Solving, products, solve};
-use super::series::Series;
+use super::series::{Higher, Series, with_drive};
+use super::turning::Drive;
 use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::{Fused, Vector};
 
@@ -17,7 +18,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
     #[inline(always)]
     pub(super) fn expand_displacement(
         &self,
-        equations: &Equations<S, N>,
+        (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
         start: &Flow<S, N>,
         displaced: &mut Self,
     ) {
@@ -27,6 +28,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
         second.table = [x_dot, y_dot];
         let zero = Lanes::splat(x.simd, 0.0);
         let two = Lanes::splat(x.simd, 2.0);
+        let double_speed = self.double_speed(equations);
         let mut residual = [[zero; 2]; 2];
         let mut left_over = zero;
         for i in 0..N {
@@ -46,7 +48,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
             let displaced_left = start.speed[i] - speed;
             left_over = left_over.max(left.abs()).max(displaced_left.abs());
             let forces = [
-                [equations.double_speed * displaced_left, equations.double_speed * left],
+                [double_speed * displaced_left, double_speed * left],
                 [two * left * displaced_left, left * left],
             ];
             for ([speed, turned], residual) in forces.into_iter().zip(&mut residual) {
@@ -57,20 +59,30 @@ impl<S: Vector, const N: usize> Series<S, N> {
         }
         displaced.residual = (!left_over.simd_eq(zero).all_true()).then_some(residual);
         for k in 0..LINEAR {
-            self.order_of_displacement(equations, displaced, k);
+            self.order_of_displacement((equations, drive), displaced, k);
         }
     }
 
     #[inline(never)]
-    fn order_of_displacement(&self, equations: &Equations<S, N>, displaced: &mut Self, k: usize) {
+    fn order_of_displacement(
+        &self,
+        (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
+        displaced: &mut Self,
+        k: usize,
+    ) {
         equations.speed.simd.vectorize(
             #[inline(always)]
-            || self.linear_order(equations, displaced, k),
+            || self.linear_order((equations, drive), displaced, k),
         );
     }
 
     #[inline(always)]
-    fn linear_order(&self, equations: &Equations<S, N>, displaced: &mut Self, k: usize) {
+    fn linear_order(
+        &self,
+        (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
+        displaced: &mut Self,
+        k: usize,
+    ) {
         let mut sums = products(&self.terms, &displaced.terms, k);
         let others = products(&displaced.terms, &self.terms, k);
         let [pull_x, pull_y] = self.terms[k].pull;
@@ -91,21 +103,27 @@ impl<S: Vector, const N: usize> Series<S, N> {
         let start: [[Lanes<S>; 2]; N] = self.directions();
         let Series { terms, residual, .. } = displaced;
         let gaps = if self.response.active { Some(&self.response) } else { None };
-        let by = Solving { solver: &self.solver, start, residual: residual.as_ref(), gaps };
+        let turning = with_drive(drive, &self.turning);
+        let residual = residual.as_ref();
+        let by = Solving { solver: &self.solver, start, residual, turning, gaps };
         solve(terms, equations, &by, k, sums, Constants::None);
     }
 }
 
-/// Propagates displacements over a step of this length, in all lanes; `displaced` is work space.
+/// Propagates displacements over a step of this length, in all lanes; `displaced` is work space. A displacement does not
+/// shift the time, and has no higher powers if the speed of the disc changes.
 #[inline(always)]
 pub(super) fn carry<S: Vector, const N: usize>(
     series: &Series<S, N>,
-    equations: &Equations<S, N>,
+    (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
     displacement: &Flow<S, N>,
     length: Lanes<S>,
     displaced: &mut Series<S, N>,
 ) -> Flow<S, N> {
-    series.expand_displacement(equations, displacement, displaced);
-    let higher = series.beyond(equations, displaced, length);
+    series.expand_displacement((equations, drive), displacement, displaced);
+    let higher = match drive {
+        Some(_) => Higher::none(length.simd),
+        None => series.beyond(equations, displaced, length),
+    };
     displaced.at_with(equations, displacement, length, LINEAR, higher)
 }

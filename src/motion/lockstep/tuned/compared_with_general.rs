@@ -1,0 +1,202 @@
+//! Tests of the tuned kernel against the general one, which evaluates recorded equations: balls that touch, and discs whose
+//! speed changes.
+
+use std::sync::Arc;
+
+use fearless_simd::SimdBase;
+
+use super::Tuned;
+use crate::model::{
+    Ball, BallContact, Components, Machine, Method, Model, ProfilePart, Ramp, RampShape,
+    SpeedProfile, Start, System,
+};
+use crate::motion::lockstep::general::General;
+use crate::motion::lockstep::group::Group;
+use crate::motion::lockstep::kernel::{Ends, Kernel};
+use crate::motion::lockstep::lane_group::LaneGroup;
+use crate::motion::lockstep::vector::Vector;
+use crate::motion::lockstep::{LANES, Lanes, Saved, SimdLevel};
+use crate::motion::saltation::Condition;
+use crate::motion::{Phase, Settings, Tolerance, any_closed};
+
+/// Length of the step.
+const LENGTH: f64 = 0.5;
+
+/// A number between -1 and 1.
+fn value(of: usize, lane: usize) -> f64 {
+    libm::sin((1 + of + 31 * lane) as f64 * 1.7)
+}
+
+/// A machine with contact between its balls, whose disc has the constant speed of the thesis or begins a ramp.
+fn machine(balls: usize, ramp: Option<RampShape>) -> Machine {
+    let machine = Machine::default();
+    let ball = machine.balls[0];
+    let balls =
+        (0..balls).map(|one| Ball { mass_kg: ball.mass_kg * (1.0 + 0.1 * one as f64), ..ball });
+    let profile = |shape| SpeedProfile {
+        start_speed_rad_s: -60.0,
+        parts: vec![ProfilePart::Ramp(Ramp { shape, to_rad_s: None, over_s: 0.7 })],
+    };
+    Machine {
+        speed_rad_s: -216.3772,
+        balls: balls.collect(),
+        contact: Some(BallContact { restitution: 0.4, friction_coefficient: 0.1 }),
+        speed_profile: ramp.map(profile),
+        ..machine
+    }
+}
+
+/// A run that begins in a lane: balls touch, touch at rest, or are apart.
+fn run(machine: &Machine, method: Method, lane: usize) -> Saved {
+    let balls = machine.balls.len();
+    let mut angle = 3.0 + 2.0 * value(3, lane);
+    let mut angles = vec![angle];
+    for two in machine.balls.windows(2) {
+        let apart = if lane % 4 == 3 { 0.3 } else { 0.0 };
+        angle += machine.contact_angle_rad(&two[0], &two[1]) + apart;
+        angles.push(angle);
+    }
+    let speed = if lane.is_multiple_of(3) { 1e-4 } else { 0.4 * value(7, lane) };
+    let start = Start::of_balancer(
+        [0.01 * value(0, lane), 0.01 * value(1, lane)],
+        &angles,
+        [0.01 * value(4, lane), 0.01 * value(5, lane)],
+        &vec![speed; balls],
+    );
+    let model = Model::BallBalancer(machine.clone());
+    let stage = model.stages(&start, 10.0).expect("stages").swap_remove(0);
+    let state = model.start_state(&start).expect("a state of the machine");
+    let (mut state, _) = stage.entered(None, &state);
+    if stage.is_driven() {
+        state[4 + 2 * balls] = 60.0 + 50.0 * value(8, lane);
+    }
+    let band = if method == Method::Switch { 1e-3 } else { 0.0 };
+    let tolerance = Tolerance { relative: 1e-8, absolute: 1e-10 };
+    let settings = Settings { method, band, tolerance, effort_limit: 1000 };
+    let system: Arc<dyn System> = stage.system;
+    Saved::start(&system, settings, &state).expect("starts")
+}
+
+/// What a kernel computes in a step.
+struct Step {
+    ends: Vec<Components>,
+    displacements: Vec<Components>,
+    /// The series of all components in each lane, summed up at the end of the step.
+    sums: Vec<Vec<f64>>,
+    doubts: u64,
+    events: Vec<Ends>,
+}
+
+fn step<S: Vector, K: Kernel<S>>(simd: S, kernel: K, runs: &[Saved]) -> Step {
+    let mut group = Group::new(simd, kernel);
+    for (lane, run) in runs.iter().enumerate() {
+        group.put(lane, run, 100.0);
+        let direction: Vec<f64> = (0..run.state().len()).map(|of| value(of, lane + 50)).collect();
+        let mut direction = Components::from_vec(direction);
+        // Balls that touch move together, and time is not displaced.
+        let balls = group.kernel.contacts();
+        for ball in 1..balls {
+            direction[4 + ball] = direction[4];
+            direction[4 + balls + ball] = direction[4 + balls];
+        }
+        if let Some(time) = direction.get_mut(4 + 2 * balls) {
+            *time = 0.0;
+        }
+        group.displace(lane, &direction);
+    }
+    let length = Lanes::splat(simd, LENGTH);
+    let Group { kernel, room, state, displacement, lanes, .. } = &mut group;
+    kernel.expand(room, state);
+    let doubts = kernel.look_over(room, length);
+    let end = kernel.at(room, state, length);
+    let first_event = |(lane, own): (usize, &Option<_>)| {
+        let own = own.as_ref().expect("all lanes have runs");
+        kernel.first_event(room, own, lane, LENGTH, &[])
+    };
+    let events = lanes.iter().enumerate().map(first_event).collect();
+    let sums = (0..LANES).map(|lane| {
+        let start = kernel.lane(state, lane);
+        let sum = |component: usize| {
+            let powers = kernel.component(room, lane, component, start[component]);
+            powers.iter().rev().fold(0.0, |sum, power| sum * LENGTH + power)
+        };
+        (0..kernel.components()).map(sum).collect()
+    });
+    let sums = sums.collect();
+    let moved = kernel.carry(room, displacement, length);
+    Step {
+        ends: (0..LANES).map(|lane| kernel.lane(&end, lane)).collect(),
+        displacements: (0..LANES).map(|lane| kernel.lane(&moved, lane)).collect(),
+        sums,
+        doubts,
+        events,
+    }
+}
+
+fn agree<const N: usize>(ramp: Option<RampShape>, method: Method) {
+    let Some(simd) = SimdLevel::best().avx2() else { return };
+    let machine = machine(N, ramp);
+    let runs: Vec<Saved> = (0..LANES).map(|lane| run(&machine, method, lane)).collect();
+    let touches = |run: &Saved| any_closed(&run.lane.phases);
+    let touching = runs.iter().filter(|run| touches(run));
+    let slipping = |run: &&Saved| run.lane.phases[0] != Phase::Stick;
+    assert!(touching.clone().any(|run| slipping(&run)) && touching.count() < LANES);
+    let tuned = step(simd, Tuned::<_, N>::new(simd, ramp.is_some()), &runs);
+    let general = step(simd, General::new(simd, runs[0].system()), &runs);
+    let (mut located, mut obvious) = (0, 0);
+    for lane in 0..LANES {
+        let close = |one: &[f64], other: &[f64], most: f64| {
+            assert_eq!(one.len(), other.len());
+            for (component, (one, other)) in one.iter().zip(other).enumerate() {
+                let phases = &runs[lane].lane.phases;
+                assert!(
+                    (one - other).abs() < most,
+                    "{component} of {lane}: {one} {other} {phases:?}"
+                );
+            }
+        };
+        close(&tuned.ends[lane], &general.ends[lane], 1e-13);
+        close(&tuned.sums[lane], &general.sums[lane], 1e-13);
+        // The reaction of the table on balls that touch is missing in the highest powers (`tail_terms`).
+        close(&tuned.displacements[lane], &general.displacements[lane], 1e-9);
+        match (&tuned.events[lane], &general.events[lane]) {
+            (Ends::At(one, which), Ends::At(other, same)) => {
+                // Balls that touch stop together: rounding decides which of them is first.
+                let together = |condition: &Condition| match condition {
+                    Condition::Contact { which, .. } if touches(&runs[lane]) => Some(*which),
+                    _ => None,
+                };
+                let agrees =
+                    which == same || together(which).is_some_and(|of| together(same) == Some(of));
+                assert!(
+                    agrees && (one - other).abs() < 1e-9,
+                    "{one} {other} of {lane}: {which:?} {same:?}"
+                );
+                located += 1;
+            }
+            (Ends::AtOnce(which), Ends::AtOnce(same)) => assert_eq!(which, same),
+            (Ends::Nothing, Ends::Nothing) => {
+                obvious += usize::from(tuned.doubts & 1 << lane == 0);
+                continue;
+            }
+            _ => panic!("another end of the step in {lane}"),
+        }
+        assert!(tuned.doubts & 1 << lane != 0, "no doubt in {lane}");
+    }
+    assert!(located > 0 && obvious > 0, "{located} {obvious}");
+}
+
+#[test]
+fn balls_that_touch() {
+    agree::<2>(None, Method::Event);
+    agree::<2>(None, Method::Switch);
+    agree::<4>(None, Method::Event);
+}
+
+#[test]
+fn discs_whose_speed_changes() {
+    for shape in [RampShape::Linear, RampShape::Smooth] {
+        agree::<2>(Some(shape), Method::Event);
+        agree::<2>(Some(shape), Method::Switch);
+    }
+}

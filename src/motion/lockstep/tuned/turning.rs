@@ -1,0 +1,272 @@
+//! A disc whose speed is a polynomial of time.
+//!
+//! The speed has few coefficients, so that products with it are short sums. With the acceleration `α` of the disc, the Euler
+//! forces of `model::equations` add `iα e` to the acceleration of a ball, `-iα z` to that of the table, and a force that draws
+//! the balls against the turning ring.
+
+use fearless_simd::prelude::*;
+
+use super::recurrence::DYING;
+use super::terms::{TERMS, Term};
+use crate::model::{Balancer, BalancerBall, SPEED_TERMS};
+use crate::motion::lockstep::Lanes;
+use crate::motion::lockstep::vector::{Fused, Vector};
+
+/// The number of coefficients of the square of the speed.
+pub(super) const SQUARED_TERMS: usize = 2 * SPEED_TERMS - 1;
+
+/// The parameters of the disc and of balls on a disc whose speed changes, in all lanes.
+pub(super) struct Drive<S: Vector, const N: usize> {
+    /// The coefficients of the speed as a polynomial of the time in its segment.
+    terms: [Lanes<S>; SPEED_TERMS],
+    /// m_I e
+    unbalance: Lanes<S>,
+    /// 2ζ
+    drag: Lanes<S>,
+    balls: [DrivenBall<S>; N],
+}
+
+/// The coefficients of a ball's equation; those of forces along the ring times the mobility.
+#[derive(Clone, Copy)]
+struct DrivenBall<S: Vector> {
+    /// `2 - 2 J d`, or 2 (Newton): the normal force without the table's acceleration gains this times `ω β̇`.
+    pressed: Lanes<S>,
+    /// The least of the normal force, over `ω²`.
+    least: Lanes<S>,
+    /// `1 - 2 J d`
+    euler: Lanes<S>,
+    /// The friction by `ω²` and by `ω β̇`, and the force by the acceleration of the disc.
+    by_square: Lanes<S>,
+    by_product: Lanes<S>,
+    by_acceleration: Lanes<S>,
+}
+
+impl<S: Vector, const N: usize> Drive<S, N> {
+    pub(super) fn blank(simd: S) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        let ball = DrivenBall {
+            pressed: zero,
+            least: zero,
+            euler: zero,
+            by_square: zero,
+            by_product: zero,
+            by_acceleration: zero,
+        };
+        Drive { terms: [zero; SPEED_TERMS], unbalance: zero, drag: zero, balls: [ball; N] }
+    }
+
+    /// Sets the machine of a lane and the speed of its disc.
+    pub(super) fn set_machine(
+        &mut self,
+        lane: usize,
+        balancer: &Balancer<N>,
+        speed: &[f64; SPEED_TERMS],
+    ) {
+        for (of_all, term) in self.terms.iter_mut().zip(speed) {
+            of_all[lane] = *term;
+        }
+        self.unbalance[lane] = balancer.imbalance;
+        self.drag[lane] = 2.0 * balancer.damping_ratio;
+        for (of_ball, ball) in self.balls.iter_mut().zip(&balancer.balls) {
+            let pressed = 2.0 - ball.rolling_by_speed();
+            of_ball.pressed[lane] = pressed;
+            of_ball.least[lane] = 1.0 - pressed * pressed / (4.0 * (1.0 - ball.rolling_quadratic));
+            of_ball.euler[lane] = 1.0 - 2.0 * ball.inertia * ball.diameter;
+        }
+    }
+
+    /// Sets the coefficients that depend on whether a ball sticks and on its friction.
+    pub(super) fn set_ball(&mut self, lane: usize, ball: usize, [mobility, friction]: [f64; 2]) {
+        let of_ball = &mut self.balls[ball];
+        of_ball.by_square[lane] = mobility * friction;
+        of_ball.by_product[lane] = mobility * (friction * of_ball.pressed[lane]);
+        of_ball.by_acceleration[lane] = mobility * of_ball.euler[lane];
+    }
+
+    /// Returns the speed of the disc from a time in its segment on.
+    #[inline(always)]
+    pub(super) fn turning(&self, elapsed: Lanes<S>) -> Turning<S, N> {
+        let zero = Lanes::splat(elapsed.simd, 0.0);
+        // Taylor's shift, by Horner's scheme.
+        let mut speed = self.terms;
+        for first in 0..SPEED_TERMS {
+            for k in (first..SPEED_TERMS - 1).rev() {
+                speed[k] = speed[k + 1].fused(elapsed, speed[k]);
+            }
+        }
+        let mut acceleration = [zero; SPEED_TERMS - 1];
+        for (k, acceleration) in acceleration.iter_mut().enumerate() {
+            *acceleration = Lanes::splat(elapsed.simd, (k + 1) as f64) * speed[k + 1];
+        }
+        let mut squared = [zero; SQUARED_TERMS];
+        for (one, first) in speed.into_iter().enumerate() {
+            for (other, second) in speed.into_iter().enumerate() {
+                squared[one + other] = first.fused(second, squared[one + other]);
+            }
+        }
+        let mut curved = zero;
+        for term in &speed[2..] {
+            curved = curved.max(term.abs());
+        }
+        let number = if curved.simd_gt(zero).any_true() { SPEED_TERMS } else { 2 };
+        let mut of_balls = [BallOnDisc { pressed: zero, least: zero, euler: zero }; N];
+        for (of_all, ball) in of_balls.iter_mut().zip(&self.balls) {
+            let DrivenBall { pressed, least, euler, .. } = *ball;
+            *of_all = BallOnDisc { pressed, least, euler };
+        }
+        Turning { speed, squared, acceleration, number, balls: of_balls }
+    }
+
+    /// Returns the forces of a power of time by the imbalance and by the acceleration of the disc, on the table and on each
+    /// ball.
+    #[inline(always)]
+    pub(super) fn own_forces(
+        &self,
+        turning: &Turning<S, N>,
+        k: usize,
+    ) -> ([Lanes<S>; 2], [Lanes<S>; N]) {
+        let zero = Lanes::splat(self.drag.simd, 0.0);
+        let mut balls = [zero; N];
+        if k >= SQUARED_TERMS {
+            return ([zero; 2], balls);
+        }
+        let square = turning.squared[k];
+        let acceleration = if k < SPEED_TERMS - 1 { turning.acceleration[k] } else { zero };
+        for (force, ball) in balls.iter_mut().zip(&self.balls) {
+            *force = ball.by_square.fused(square, ball.by_acceleration * acceleration);
+        }
+        ([self.unbalance * square, zero - self.unbalance * acceleration], balls)
+    }
+
+    /// Returns the products of a power of time of the speed with the motion.
+    #[inline(always)]
+    pub(super) fn products(
+        &self,
+        turning: &Turning<S, N>,
+        terms: &[Term<S, N>; TERMS],
+        k: usize,
+    ) -> TurningProducts<S, N> {
+        let simd = self.drag.simd;
+        let zero = Lanes::splat(simd, 0.0);
+        let (mut drag, mut frame) = ([zero; 2], [zero; 2]);
+        let (mut around, mut by_ball) = ([[zero; 2]; N], [zero; N]);
+        let Turning { speed, squared, acceleration, number, .. } = turning;
+        // With the rates of change.
+        for j in 0..=k.min(number - 1) {
+            let low = &terms[k - j];
+            let next = &terms[k - j + 1];
+            let double = Lanes::splat(simd, 2.0 * (k - j + 1) as f64) * speed[j];
+            drag[0] = speed[j].fused(low.table[1], drag[0]);
+            drag[1] = speed[j].fused(low.table[0], drag[1]);
+            frame[0] = double.fused(next.table[1], frame[0]);
+            frame[1] = (zero - double).fused(next.table[0], frame[1]);
+            for i in 0..N {
+                let [c, s] = next.balls[i].direction;
+                around[i][0] = double.fused(s, around[i][0]);
+                around[i][1] = (zero - double).fused(c, around[i][1]);
+                by_ball[i] = speed[j].fused(low.balls[i].speed, by_ball[i]);
+            }
+        }
+        for j in 0..=k.min(2 * number - 2) {
+            let low = &terms[k - j];
+            for axis in 0..2 {
+                frame[axis] = squared[j].fused(low.table[axis], frame[axis]);
+                for i in 0..N {
+                    around[i][axis] =
+                        squared[j].fused(low.balls[i].direction[axis], around[i][axis]);
+                }
+            }
+        }
+        for j in 0..=k.min(number - 2) {
+            let low = &terms[k - j];
+            let (plus, minus) = (acceleration[j], zero - acceleration[j]);
+            frame[0] = plus.fused(low.table[1], frame[0]);
+            frame[1] = minus.fused(low.table[0], frame[1]);
+            for i in 0..N {
+                let [c, s] = low.balls[i].direction;
+                around[i][0] = plus.fused(s, around[i][0]);
+                around[i][1] = minus.fused(c, around[i][1]);
+            }
+        }
+        for i in 0..N {
+            by_ball[i] = self.balls[i].by_product * by_ball[i];
+        }
+        let drag = [self.drag * drag[0], zero - self.drag * drag[1]];
+        TurningProducts { drag, frame, around, held: by_ball }
+    }
+}
+
+/// The products of a power of time of the speed of the disc with the motion.
+pub(super) struct TurningProducts<S: Vector, const N: usize> {
+    /// The force of the damper on the table because the frame turns.
+    pub(super) drag: [Lanes<S>; 2],
+    /// z̈ without the absolute acceleration.
+    pub(super) frame: [Lanes<S>; 2],
+    /// `-(2iω ė - ω² e + iα e)`, with the direction of each ball for `e`.
+    pub(super) around: [[Lanes<S>; 2]; N],
+    /// The friction by `ω β̇`, times the mobility.
+    pub(super) held: [Lanes<S>; N],
+}
+
+/// The speed of the disc in a step.
+#[derive(Clone, Copy)]
+pub(super) struct Turning<S: Vector, const N: usize> {
+    pub(super) speed: [Lanes<S>; SPEED_TERMS],
+    pub(super) squared: [Lanes<S>; SQUARED_TERMS],
+    pub(super) acceleration: [Lanes<S>; SPEED_TERMS - 1],
+    /// The number of coefficients of the speed that are not zero in all lanes.
+    number: usize,
+    pub(super) balls: [BallOnDisc<S>; N],
+}
+
+/// The parameters of a ball for the forces on it ([`DrivenBall`]).
+#[derive(Clone, Copy)]
+pub(super) struct BallOnDisc<S: Vector> {
+    pub(super) pressed: Lanes<S>,
+    pub(super) least: Lanes<S>,
+    pub(super) euler: Lanes<S>,
+}
+
+impl<S: Vector, const N: usize> Turning<S, N> {
+    /// Returns a bound below the magnitude of the speed in a step of this length.
+    #[inline(always)]
+    pub(super) fn least_speed(&self, length: Lanes<S>) -> Lanes<S> {
+        let zero = Lanes::splat(length.simd, 0.0);
+        let mut change = zero;
+        for term in self.speed[1..].iter().rev() {
+            change = length * (change + term.abs());
+        }
+        (self.speed[0].abs() - change).max(zero)
+    }
+
+    /// Returns the coefficient of a power of time of the product of the speed with `exp(-t)`.
+    #[inline(always)]
+    pub(super) fn dying(&self, k: usize) -> Lanes<S> {
+        let mut sum = Lanes::splat(self.speed[0].simd, 0.0);
+        for j in 0..=k.min(SPEED_TERMS - 1) {
+            sum = Lanes::splat(sum.simd, DYING[k - j][0]).fused(self.speed[j], sum);
+        }
+        sum
+    }
+
+    /// Returns the series of the normal force on a ball of a lane without the table's acceleration, from the series of its
+    /// speed and of the square of its speed, without a residual speed.
+    pub(super) fn square_and_product(
+        &self,
+        lane: usize,
+        k: usize,
+        speed: impl Fn(usize) -> f64,
+    ) -> [f64; 2] {
+        let square = if k < SQUARED_TERMS { self.squared[k][lane] } else { 0.0 };
+        let product =
+            (0..=k.min(SPEED_TERMS - 1)).map(|j| self.speed[j][lane] * speed(k - j)).sum();
+        [square, product]
+    }
+}
+
+impl BalancerBall {
+    /// Returns `2 J d`, or 0 (Newton): the coefficient of `ω β̇` in the rolling term of the normal force.
+    fn rolling_by_speed(&self) -> f64 {
+        -0.5 * self.rolling_quadratic * self.diameter
+    }
+}
