@@ -14,7 +14,7 @@
 //!
 //! At least one ball must revolve without stopping; the others may run, rest, or stick and slip.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -259,7 +259,7 @@ impl OrbitWatch {
     ) -> Verdict {
         let Some(passage) = self.passages.back() else { return Verdict::Open };
         let earlier = self.passages[self.passages.len() - 1 - turns].time;
-        let steps_left = Cell::new(most_steps);
+        let (steps_left, latest) = (Cell::new(most_steps), RefCell::new(None));
         let contacts = self.view.contacts.len();
         let rests = passage.phases.iter().zip(last_switches).take(contacts);
         let rests = rests.map(|(phase, last)| *phase == Phase::Stick && *last < earlier).collect();
@@ -267,6 +267,7 @@ impl OrbitWatch {
         let map = ReturnMap {
             view: &self.view,
             steps_left: &steps_left,
+            latest: &latest,
             settings: Settings {
                 tolerance: Tolerance {
                     relative: settings.tolerance.relative.min(1e-10),

@@ -4,7 +4,7 @@
 //! The derivative is the linearised flow, corrected at each switch by the saltation matrix, and
 //! projected on the section.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
 use nalgebra::DMatrix;
 
@@ -25,6 +25,8 @@ pub(super) struct ReturnMap<'a> {
     pub(super) longest: f64,
     /// Remaining number of steps, shared by all uses of this map.
     pub(super) steps_left: &'a Cell<u64>,
+    /// The latest motion, whose lanes the next one uses.
+    pub(super) latest: &'a RefCell<Option<Motion>>,
 }
 
 /// The result of the return map.
@@ -89,11 +91,12 @@ impl ReturnMap<'_> {
         let cost = 1 + directions.len() as u64;
         let effort_limit = self.settings.effort_limit.min(left / cost);
         let settings = Settings { effort_limit, ..self.settings };
-        let system = self.view.evaluator.system();
-        let mut motion = Motion::with_directions(system, settings, &start, directions).ok()?;
+        let (latest, evaluator) = (self.latest.take(), &self.view.evaluator);
+        let mut motion = Motion::again(latest, evaluator, settings, &start, directions).ok()?;
         let end = self.come_back(&mut motion, &start, watch);
         let taken = motion.effort().total().saturating_mul(cost);
         self.steps_left.set(left.saturating_sub(taken));
+        self.latest.replace(Some(motion));
         end
     }
 

@@ -54,6 +54,14 @@ impl Evaluator {
         Evaluator { system, graph, affected: Arc::default() }
     }
 
+    /// Returns the equations of another system, which are those of this one if both systems have the same.
+    pub(super) fn of(&self, system: &Arc<dyn System>) -> Self {
+        let graph = Graph::of(system.as_ref());
+        let shared = Arc::ptr_eq(&graph, &self.graph);
+        let affected = if shared { Arc::clone(&self.affected) } else { Arc::default() };
+        Evaluator { system: Arc::clone(system), graph, affected }
+    }
+
     /// Returns the system.
     pub fn system(&self) -> &Arc<dyn System> {
         &self.system

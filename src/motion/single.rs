@@ -15,6 +15,8 @@ use crate::model::{Components, Method, System};
 pub struct Motion {
     /// Lanes with the same run, each with a displacement of its own.
     groups: Vec<Box<dyn LaneGroup>>,
+    /// Lanes for a motion with more directions.
+    spare: Vec<Box<dyn LaneGroup>>,
     directions: usize,
     evaluator: Evaluator,
     /// Speed below which a contact counts as slow.
@@ -47,18 +49,48 @@ impl Motion {
         state: &[f64],
         directions: &[Components],
     ) -> Result<Self, Failure> {
-        Ok(Motion::of(&Saved::start(system, settings, state)?, directions))
+        let saved = Saved::start(system, settings, state)?;
+        Ok(Motion::of(&saved, directions, Evaluator::new(Arc::clone(system)), Vec::new()))
+    }
+
+    /// Starts a motion like [`Motion::with_directions`] in the lanes of an earlier one, if there is one: new lanes cost as
+    /// much as many steps.
+    ///
+    /// # Errors
+    /// [`Failure`] if the motion cannot be continued from the start state.
+    pub(crate) fn again(
+        earlier: Option<Motion>,
+        evaluator: &Evaluator,
+        settings: Settings,
+        state: &[f64],
+        directions: &[Components],
+    ) -> Result<Self, Failure> {
+        let saved = Saved::start(evaluator.system(), settings, state)?;
+        let lanes = earlier.map_or_else(Vec::new, |Motion { mut groups, mut spare, .. }| {
+            groups.append(&mut spare);
+            groups
+        });
+        Ok(Motion::of(&saved, directions, evaluator.clone(), lanes))
     }
 
     /// Continues a saved run.
     pub(crate) fn resume(saved: &Saved) -> Self {
-        Motion::of(saved, &[])
+        Motion::of(saved, &[], Evaluator::new(Arc::clone(saved.system())), Vec::new())
     }
 
-    fn of(saved: &Saved, directions: &[Components]) -> Self {
+    fn of(
+        saved: &Saved,
+        directions: &[Components],
+        evaluator: Evaluator,
+        mut spare: Vec<Box<dyn LaneGroup>>,
+    ) -> Self {
         let system = saved.system();
-        let group = |directions: &[Components]| {
-            let mut group = SimdLevel::best().lanes(system);
+        spare.retain(|group| group.fits(system));
+        let mut group = |directions: &[Components]| {
+            let mut group = spare.pop().unwrap_or_else(|| SimdLevel::best().lanes(system));
+            for lane in 0..LANES {
+                group.take(lane);
+            }
             for lane in 0..directions.len().max(1) {
                 group.put(lane, saved, saved.time());
                 if let Some(direction) = directions.get(lane) {
@@ -74,8 +106,9 @@ impl Motion {
         let Settings { method, band, .. } = saved.settings();
         Motion {
             groups,
+            spare,
             directions: directions.len(),
-            evaluator: Evaluator::new(Arc::clone(system)),
+            evaluator,
             slow: if method == Method::Switch { SLOW.max(band) } else { SLOW },
             stepped: false,
         }

@@ -102,9 +102,12 @@ pub(super) fn first_closing<S: Vector, K: Kernel<S>>(
             continue;
         }
         let places = gap.contacts.map(|contact| g.kernel.coordinates(contact).0);
-        let [behind, ahead] =
-            places.map(|place| g.kernel.component(&g.room, lane, place, state[place]));
-        let mut powers: Powers = std::array::from_fn(|k| ahead[k] - behind[k]);
+        // No maps: they would copy the arrays.
+        let behind = g.kernel.component(&g.room, lane, places[0], state[places[0]]);
+        let mut powers: Powers = g.kernel.component(&g.room, lane, places[1], state[places[1]]);
+        for (power, behind) in powers.iter_mut().zip(&behind) {
+            *power -= behind;
+        }
         // A gap that has just opened without a speed has no width yet: it may be negative by rounding.
         let released = powers[1].abs() <= RELEASED;
         powers[0] = gap.width(places.map(|place| state[place])) + if released { aim } else { 0.0 };

@@ -61,6 +61,8 @@ pub(super) struct Tuned<S: Vector, const N: usize> {
     drive: Option<Box<Drive<S, N>>>,
     /// The recorded equations of systems with gaps or a disc whose speed changes, for the decisions that need them.
     evaluators: [Option<Evaluator>; LANES],
+    /// The latest of them, for the next one.
+    latest: Option<Evaluator>,
     /// Bit mask of lanes with a ball that cannot stick.
     sliding: u64,
 }
@@ -85,6 +87,7 @@ impl<S: Vector, const N: usize> Tuned<S, N> {
             gaps: Gaps::none(simd),
             drive: changes.then(|| Box::new(Drive::blank(simd))),
             evaluators: std::array::from_fn(|_| None),
+            latest: None,
             sliding: 0,
         }
     }
@@ -153,7 +156,14 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         self.balancers[lane] = Some(balancer);
         self.gaps.clear(lane);
         let recorded = own.system.touching().is_some() || self.drive.is_some();
-        self.evaluators[lane] = recorded.then(|| Evaluator::new(Arc::clone(&own.system)));
+        if recorded {
+            let new = || Evaluator::new(Arc::clone(&own.system));
+            let evaluator = self.latest.as_ref().map_or_else(new, |one| one.of(&own.system));
+            self.latest = Some(evaluator.clone());
+            self.evaluators[lane] = Some(evaluator);
+        } else {
+            self.evaluators[lane] = None;
+        }
     }
 
     fn set_phases(&mut self, lane: usize, own: &Lane, _state: &[f64]) {

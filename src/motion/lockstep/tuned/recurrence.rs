@@ -145,9 +145,10 @@ pub(super) struct Solving<'a, S: Vector, const N: usize> {
 }
 
 /// Solves the equations for coefficient `k` of the accelerations, and stores the dependent
-/// coefficients. Returns the coefficients of the forces in gaps, if there are any.
+/// coefficients. Returns the coefficients of the forces in gaps, if there are any. If not `WHOLE`, the speed is constant and
+/// no balls touch: the instructions for both would take registers from the others.
 #[inline(always)]
-pub(super) fn solve<S: Vector, const N: usize>(
+pub(super) fn solve<S: Vector, const N: usize, const WHOLE: bool>(
     terms: &mut [Term<S, N>; TERMS],
     equations: &Equations<S, N>,
     by: &Solving<S, N>,
@@ -157,7 +158,8 @@ pub(super) fn solve<S: Vector, const N: usize>(
 ) -> Option<OfEach<S, N>> {
     let simd = equations.speed.simd;
     let number = |value: f64| Lanes::splat(simd, value);
-    let turned = match by.turning {
+    let (turning, gaps) = if WHOLE { (by.turning, by.gaps) } else { (None, None) };
+    let turned = match turning {
         Some((drive, turning)) => Some(drive.products(turning, terms, k)),
         None => None,
     };
@@ -184,7 +186,7 @@ pub(super) fn solve<S: Vector, const N: usize>(
     }
     if let Some(residual) = by.residual {
         let mut dying = [number(DYING[k][0]), number(DYING[k][1])];
-        if let Some((_, turning)) = by.turning {
+        if let Some((_, turning)) = turning {
             dying[0] = turning.dying(k);
         }
         for (force, dying) in residual.iter().zip(dying) {
@@ -193,7 +195,7 @@ pub(super) fn solve<S: Vector, const N: usize>(
         }
     }
     let mut by_disc = [zero; N];
-    if let Some((drive, turning)) = by.turning
+    if let Some((drive, turning)) = turning
         && constants == Constants::Whole
     {
         let (table, balls) = drive.own_forces(turning, k);
@@ -248,7 +250,7 @@ pub(super) fn solve<S: Vector, const N: usize>(
         accelerations[i] = along.fused(pull[0], across.fused(pull[1], own[i]));
     }
     // A match, not a map: the fused multiply-add must be inlined.
-    let forces = match by.gaps {
+    let forces = match gaps {
         Some(gaps) => Some(gaps.join(&mut accelerations, &mut pull)),
         None => None,
     };

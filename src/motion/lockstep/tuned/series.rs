@@ -100,8 +100,14 @@ impl<S: Vector, const N: usize> Series<S, N> {
         };
         self.begin(equations, start);
         self.response.begin(gaps, &self.solver);
-        for k in 0..ORDER {
-            self.order(equations, drive, k);
+        if self.is_plain() {
+            for k in 0..ORDER {
+                self.order::<false>(equations, None, k);
+            }
+        } else {
+            for k in 0..ORDER {
+                self.order::<true>(equations, drive, k);
+            }
         }
     }
 
@@ -165,7 +171,12 @@ impl<S: Vector, const N: usize> Series<S, N> {
     /// serves all orders: its loops are short enough, and unrolled over the orders they would not
     /// fit the caches.
     #[inline(never)]
-    fn order(&mut self, equations: &Equations<S, N>, drive: Option<&Drive<S, N>>, k: usize) {
+    fn order<const WHOLE: bool>(
+        &mut self,
+        equations: &Equations<S, N>,
+        drive: Option<&Drive<S, N>>,
+        k: usize,
+    ) {
         equations.speed.simd.vectorize(
             #[inline(always)]
             || {
@@ -175,12 +186,20 @@ impl<S: Vector, const N: usize> Series<S, N> {
                 let residual = self.residual.as_ref();
                 let turning = with_drive(drive, &self.turning);
                 let by = Solving { solver: &self.solver, start, residual, turning, gaps };
-                let forces = solve(&mut self.terms, equations, &by, k, sums, Constants::Whole);
+                let terms = &mut self.terms;
+                let constants = Constants::Whole;
+                let forces = solve::<S, N, WHOLE>(terms, equations, &by, k, sums, constants);
                 if let Some(forces) = forces {
                     self.forces[k] = forces;
                 }
             },
         );
+    }
+
+    /// Returns whether the speed is constant and no forces act in gaps.
+    #[inline(always)]
+    pub(super) fn is_plain(&self) -> bool {
+        self.turning.is_none() && !self.response.active
     }
 
     /// Returns 2ω, or 2 if the speed changes: the series of the speed is then a factor of the residual force.

@@ -58,13 +58,19 @@ impl<S: Vector, const N: usize> Series<S, N> {
             }
         }
         displaced.residual = (!left_over.simd_eq(zero).all_true()).then_some(residual);
-        for k in 0..LINEAR {
-            self.order_of_displacement((equations, drive), displaced, k);
+        if self.is_plain() {
+            for k in 0..LINEAR {
+                self.order_of_displacement::<false>((equations, None), displaced, k);
+            }
+        } else {
+            for k in 0..LINEAR {
+                self.order_of_displacement::<true>((equations, drive), displaced, k);
+            }
         }
     }
 
     #[inline(never)]
-    fn order_of_displacement(
+    fn order_of_displacement<const WHOLE: bool>(
         &self,
         (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
         displaced: &mut Self,
@@ -72,12 +78,12 @@ impl<S: Vector, const N: usize> Series<S, N> {
     ) {
         equations.speed.simd.vectorize(
             #[inline(always)]
-            || self.linear_order((equations, drive), displaced, k),
+            || self.linear_order::<WHOLE>((equations, drive), displaced, k),
         );
     }
 
     #[inline(always)]
-    fn linear_order(
+    fn linear_order<const WHOLE: bool>(
         &self,
         (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
         displaced: &mut Self,
@@ -106,7 +112,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
         let turning = with_drive(drive, &self.turning);
         let residual = residual.as_ref();
         let by = Solving { solver: &self.solver, start, residual, turning, gaps };
-        solve(terms, equations, &by, k, sums, Constants::None);
+        solve::<S, N, WHOLE>(terms, equations, &by, k, sums, Constants::None);
     }
 }
 
