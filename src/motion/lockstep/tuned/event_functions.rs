@@ -84,6 +84,8 @@ pub(super) struct Doubts<S: Vector, const N: usize> {
     pub(super) held: [[Curve<S>; 2]; N],
     /// A closed gap may open.
     pub(super) of_gaps: [u64; N],
+    /// Bounds of the normal force on each ball by the forces in gaps, if there are any.
+    pushed: [Lanes<S>; N],
 }
 
 impl<S: Vector, const N: usize> Doubts<S, N> {
@@ -96,6 +98,7 @@ impl<S: Vector, const N: usize> Doubts<S, N> {
             slips: [blank; N],
             held: [[blank; 2]; N],
             of_gaps: [0; N],
+            pushed: [Lanes::splat(simd, 0.0); N],
         }
     }
 
@@ -128,23 +131,14 @@ pub(super) fn look_over<S: Vector, const N: usize>(
     // Bound of the table's pull on a ball.
     let most = |[x, y]: [Lanes<S>; 2]| number(2.0) * (x.abs() + y.abs());
     let of_table = [most(first.pull), most(pull.end)];
-    let mut forces = [[zero; 2]; N];
     doubts.of_gaps = [0; N];
     if series.response.active {
-        for (g, gap) in gaps.gaps.iter().enumerate() {
-            let force = force_in_gap(series, g, length);
-            forces[g] = force.values;
-            doubts.of_gaps[g] = !gap.pressure.over(&force).holds().to_bitmask();
-        }
+        look_over_gaps(series, gaps, length, doubts);
     }
     for i in 0..N {
         let mut pulls = of_table;
         if series.response.active {
-            for (gap, forces) in gaps.gaps.iter().zip(&forces) {
-                let most =
-                    number(2.0) * gap.outward[i].abs() * forces[0].abs().max(forces[1].abs());
-                pulls = [pulls[0] + most, pulls[1] + most];
-            }
+            pulls = [pulls[0] + doubts.pushed[i], pulls[1] + doubts.pushed[i]];
         }
         let Watched { sign, offset, .. } = watched[i];
         let (mut bound, mut speed, mut slope) = (zero, zero, zero);
@@ -200,19 +194,35 @@ pub(super) fn look_over<S: Vector, const N: usize>(
     }
 }
 
-/// Returns the bounds of the force in a gap.
-#[inline(always)]
-fn force_in_gap<S: Vector, const N: usize>(
+/// Reports where a closed gap may open, and bounds the normal force on each ball by the forces in gaps. Not inlined, like
+/// everything that few steps need: it would take registers from the rest.
+#[inline(never)]
+fn look_over_gaps<S: Vector, const N: usize>(
     series: &Series<S, N>,
-    gap: usize,
+    gaps: &Gaps<S, N>,
     length: Lanes<S>,
-) -> Curve<S> {
-    Curve::of_series(
-        length,
-        ORDER - 1,
+    doubts: &mut Doubts<S, N>,
+) {
+    length.simd.vectorize(
         #[inline(always)]
-        |k| series.forces[k][gap],
-    )
+        || {
+            doubts.pushed = [Lanes::splat(length.simd, 0.0); N];
+            for (g, gap) in gaps.gaps.iter().enumerate() {
+                let force = Curve::of_series(
+                    length,
+                    ORDER - 1,
+                    #[inline(always)]
+                    |k| series.forces[k][g],
+                );
+                doubts.of_gaps[g] = !gap.pressure.over(&force).holds().to_bitmask();
+                let [start, end] = force.values;
+                let most = Lanes::splat(length.simd, 2.0) * start.abs().max(end.abs());
+                for (pushed, outward) in doubts.pushed.iter_mut().zip(gap.outward) {
+                    *pushed += outward.abs() * most;
+                }
+            }
+        },
+    );
 }
 
 /// The table's acceleration over a step.
@@ -222,8 +232,6 @@ struct Pull<S: Vector> {
     change: [Lanes<S>; 2],
     /// A bound of its fourth derivative, likewise.
     bound: [Lanes<S>; 2],
-    /// Speed, square of the speed and acceleration of the disc, if its speed changes and they are needed.
-    disc: Option<[Curve<S>; 3]>,
 }
 
 impl<S: Vector> Pull<S> {
@@ -239,7 +247,7 @@ impl<S: Vector> Pull<S> {
                     *end = end.fused(length, coefficient);
                 }
             }
-            return Pull { end, change, bound, disc: None };
+            return Pull { end, change, bound };
         }
         for (term, weight) in terms.iter().zip(FOURTH).rev() {
             let weight = Lanes::splat(length.simd, weight);
@@ -253,37 +261,75 @@ impl<S: Vector> Pull<S> {
         for change in &mut change {
             *change *= length;
         }
-        let disc = match &series.turning {
-            Some(turning) => Some(disc(turning, length)),
-            None => None,
-        };
-        Pull { end, change, bound, disc }
+        Pull { end, change, bound }
     }
 }
 
-/// Returns the bounds of the speed of the disc, of its square, and of its acceleration.
+/// Returns what a disc whose speed changes adds to the normal force on a sticking ball with a residual speed `left`: values
+/// and changes at both ends of the step, and a bound; and the Euler force along the ring.
+#[inline(never)]
+fn on_disc<S: Vector, const N: usize>(
+    turning: &Turning<S, N>,
+    (ball, left): (usize, Lanes<S>),
+    length: Lanes<S>,
+) -> ([Lanes<S>; 5], Curve<S>) {
+    length.simd.vectorize(
+        #[inline(always)]
+        || on_disc_in_vectors(turning, (ball, left), length),
+    )
+}
+
 #[inline(always)]
-fn disc<S: Vector, const N: usize>(turning: &Turning<S, N>, length: Lanes<S>) -> [Curve<S>; 3] {
-    [
-        Curve::of_series(
-            length,
-            SPEED_TERMS - 1,
-            #[inline(always)]
-            |k| turning.speed[k],
-        ),
-        Curve::of_series(
-            length,
-            SQUARED_TERMS - 1,
-            #[inline(always)]
-            |k| turning.squared[k],
-        ),
-        Curve::of_series(
-            length,
-            SPEED_TERMS - 2,
-            #[inline(always)]
-            |k| turning.acceleration[k],
-        ),
-    ]
+fn on_disc_in_vectors<S: Vector, const N: usize>(
+    turning: &Turning<S, N>,
+    (ball, left): (usize, Lanes<S>),
+    length: Lanes<S>,
+) -> ([Lanes<S>; 5], Curve<S>) {
+    let zero = Lanes::splat(length.simd, 0.0);
+    let BallOnDisc { pressed: by_speed, euler, .. } = turning.balls[ball];
+    let speed = Curve::of_series(
+        length,
+        SPEED_TERMS - 1,
+        #[inline(always)]
+        |k| turning.speed[k],
+    );
+    let squared = Curve::of_series(
+        length,
+        SQUARED_TERMS - 1,
+        #[inline(always)]
+        |k| turning.squared[k],
+    );
+    let acceleration = Curve::of_series(
+        length,
+        SPEED_TERMS - 2,
+        #[inline(always)]
+        |k| turning.acceleration[k],
+    );
+    let ([start, end], [first, last]) = (squared.values, squared.changes);
+    let mut pressed = [start, end, first, last, squared.bound];
+    if !left.simd_eq(zero).all_true() {
+        let slower = [by_speed * left, by_speed * (left * decay(length))];
+        for end in 0..2 {
+            let change = speed.changes[end] - length * speed.values[end];
+            pressed[end] += slower[end] * speed.values[end];
+            pressed[2 + end] += slower[end] * change;
+        }
+        let mut size = zero;
+        for term in &turning.speed {
+            size += term.abs();
+        }
+        let square = length * length;
+        let most = Lanes::splat(length.simd, DYING_SPEED);
+        pressed[4] += most * slower[0].abs() * size * (square * square);
+    }
+    let [start, end] = acceleration.values;
+    let [first, last] = acceleration.changes;
+    let drawn = Curve {
+        values: [euler * start, euler * end],
+        changes: [euler * first, euler * last],
+        bound: euler.abs() * acceleration.bound,
+    };
+    (pressed, drawn)
 }
 
 /// Returns the remaining friction of a sticking ball, against a forward and against a backward
@@ -318,30 +364,12 @@ fn held<S: Vector, const N: usize>(
         ];
     }
     let mut drawn = Curve::zero(length.simd);
-    if let (Some(turning), Some([speed, squared, acceleration])) = (&series.turning, &pull.disc) {
-        let BallOnDisc { pressed: by_speed, euler, .. } = turning.balls[i];
-        for end in 0..2 {
-            pressed[end] += squared.values[end];
-            pressed[2 + end] += squared.changes[end];
-            drawn.values[end] = euler * acceleration.values[end];
-            drawn.changes[end] = euler * acceleration.changes[end];
+    if let Some(turning) = &series.turning {
+        let (by_disc, euler) = on_disc(turning, (i, left), length);
+        for (pressed, by_disc) in pressed.iter_mut().zip(by_disc) {
+            *pressed += by_disc;
         }
-        pressed[4] += squared.bound;
-        drawn.bound = euler.abs() * acceleration.bound;
-        if !left.simd_eq(number(0.0)).all_true() {
-            let slower = [by_speed * left, by_speed * (left * decay(length))];
-            for end in 0..2 {
-                let change = speed.changes[end] - length * speed.values[end];
-                pressed[end] += slower[end] * speed.values[end];
-                pressed[2 + end] += slower[end] * change;
-            }
-            let mut size = number(0.0);
-            for term in &turning.speed {
-                size += term.abs();
-            }
-            let square = length * length;
-            pressed[4] += number(DYING_SPEED) * slower[0].abs() * size * (square * square);
-        }
+        drawn = euler;
     }
     let along = |[x, y]: [Lanes<S>; 2]| c.fused(x, s * y);
     let across = |[x, y]: [Lanes<S>; 2]| s.fused(x, -(c * y));

@@ -413,7 +413,8 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     ) -> R {
         let is_recorded = self.drive.is_some() || any_closed(&own.phases);
         if let Some(evaluator) = self.evaluator(lane).filter(|_| is_recorded) {
-            return with(&Evaluated::new(evaluator, state));
+            // Not inlined a second time.
+            return called(with, &Evaluated::new(evaluator, state));
         }
         let balancer = self.balancers[lane].as_ref();
         let balancer = balancer.expect("only lanes with a run are decided");
@@ -435,6 +436,12 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         );
         with(&InPlace::new(balancer, own.surely_one_solution, (state, turned)))
     }
+}
+
+#[cold]
+#[inline(never)]
+fn called<R>(with: impl FnOnce(&dyn InState) -> R, at: &dyn InState) -> R {
+    with(at)
 }
 
 /// Returns the components of a balancer that are angles.

@@ -84,8 +84,16 @@ impl<S: Vector, const N: usize> Drive<S, N> {
     }
 
     /// Returns the speed of the disc from a time in its segment on.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn turning(&self, elapsed: Lanes<S>) -> Turning<S, N> {
+        elapsed.simd.vectorize(
+            #[inline(always)]
+            || self.turning_in_vectors(elapsed),
+        )
+    }
+
+    #[inline(always)]
+    fn turning_in_vectors(&self, elapsed: Lanes<S>) -> Turning<S, N> {
         let zero = Lanes::splat(elapsed.simd, 0.0);
         // Taylor's shift, by Horner's scheme.
         let mut speed = self.terms;
