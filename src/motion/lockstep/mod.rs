@@ -6,7 +6,7 @@
 //! rare work (locating an event, deciding stick and slip there, endings) is done lane by lane.
 //!
 //! Two kernels expand a motion: `general` evaluates the recorded equations of any system, and `tuned` is the recurrence
-//! of the balancer at constant speed with friction that is constant or linear in speed.
+//! of the balancer with friction that is constant or linear in speed.
 //!
 //! A lane depends only on its own values: no operation mixes lanes, and all operations are
 //! correctly rounded (`+ - * /`, square root, fused multiply-add). A run is therefore the same bit

@@ -86,6 +86,9 @@ fn machine(lane: usize, balls: usize) -> Machine {
         ball.mass_kg *= 1.0 + 0.3 * index as f64;
         ball.friction_coefficient *= 1.0 + lane as f64;
     }
+    if lane == 6 {
+        (machine.ring_runout_m, machine.ring_runout_angle_rad) = (3e-5, 2.0);
+    }
     if lane == 5 {
         machine.friction = FrictionLaw::viscous(3e-3);
     } else if lane == 2 {

@@ -52,8 +52,10 @@ pub(crate) struct Equations<S: Vector, const N: usize> {
     /// 2ζω
     pub(super) drag_speed: Lanes<S>,
     pub(super) minus_drag_speed: Lanes<S>,
-    /// m_I e ω²
-    pub(super) imbalance: Lanes<S>,
+    /// The constant force on the table: m_I e ω², and with runout `-(1 - Σ m) S` ([`crate::model::equations`]).
+    pub(super) constant: [Lanes<S>; 2],
+    /// The acceleration of the table without that of the ring's centre, `S`: ω² times the runout.
+    pub(super) runout: [Lanes<S>; 2],
     pub(super) balls: [Ball<S>; N],
 }
 
@@ -82,7 +84,8 @@ impl<S: Vector, const N: usize> Equations<S, N> {
             minus_drag: zero,
             drag_speed: zero,
             minus_drag_speed: zero,
-            imbalance: zero,
+            constant: [zero; 2],
+            runout: [zero; 2],
             balls: [ball; N],
         }
     }
@@ -99,7 +102,13 @@ impl<S: Vector, const N: usize> Equations<S, N> {
         self.minus_drag[lane] = -damping;
         self.drag_speed[lane] = damping * speed;
         self.minus_drag_speed[lane] = -damping * speed;
-        self.imbalance[lane] = balancer.imbalance * speed * speed;
+        let balls = balancer.balls.iter().fold(0.0, |sum, ball| sum + ball.mass);
+        let runout = balancer.runout.unwrap_or_default();
+        for (axis, imbalance) in [balancer.imbalance, 0.0].into_iter().enumerate() {
+            let acceleration = speed * speed * runout[axis];
+            self.runout[axis][lane] = acceleration;
+            self.constant[axis][lane] = imbalance * speed * speed - (1.0 - balls) * acceleration;
+        }
         for (of_ball, ball) in self.balls.iter_mut().zip(&balancer.balls) {
             of_ball.mass[lane] = ball.mass;
             let linear = 2.0 * speed - ball.rolling_linear;

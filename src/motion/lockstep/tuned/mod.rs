@@ -1,4 +1,4 @@
-//! The recurrence of the balancer at constant speed, with friction that is constant or linear in speed.
+//! The recurrence of the balancer with friction that is constant or linear in speed.
 //!
 //! It gives the same series as the recorded equations (`general`) several times as fast: the products are chosen so
 //! that few remain, everything has a size known to the compiler, and bounds of the conditions come from few numbers.
@@ -98,8 +98,7 @@ impl<S: Vector, const N: usize> Tuned<S, N> {
         let balancer = while_apart::<N>(system);
         balancer.is_some_and(|own| {
             let sticking = own.balls.iter().filter(|ball| ball.friction.can_stick()).count();
-            own.runout.is_none()
-                && own.balls.iter().all(|ball| ball.friction.is_linear())
+            own.balls.iter().all(|ball| ball.friction.is_linear())
                 && (system.touching().is_none() || sticking == 0 || sticking == N)
         })
     }

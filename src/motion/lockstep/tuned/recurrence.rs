@@ -6,7 +6,7 @@ use fearless_simd::prelude::*;
 use super::equations::Equations;
 use super::gap_forces::{OfEach, Response};
 use super::terms::{ResidualForce, Solver, TERMS, Term};
-use super::turning::{Drive, Turning};
+use super::turning::{Drive, OwnForces, Turning};
 use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::{Fused, Vector};
 
@@ -176,7 +176,8 @@ pub(super) fn solve<S: Vector, const N: usize, const WHOLE: bool>(
     let mut force_x = equations.drag_speed.fused(y, zero - x);
     let mut force_y = equations.minus_drag_speed.fused(x, zero - y);
     if whole {
-        force_x += equations.imbalance;
+        force_x += equations.constant[0];
+        force_y += equations.constant[1];
     }
     force_x = equations.minus_drag.fused(x_dot, force_x);
     force_y = equations.minus_drag.fused(y_dot, force_y);
@@ -194,14 +195,14 @@ pub(super) fn solve<S: Vector, const N: usize, const WHOLE: bool>(
             force_y = dying.fused(force[1], force_y);
         }
     }
-    let mut by_disc = [zero; N];
+    let (mut by_disc, mut by_runout) = ([zero; N], [zero; 2]);
     if let Some((drive, turning)) = turning
         && constants == Constants::Whole
     {
-        let (table, balls) = drive.own_forces(turning, k);
+        let OwnForces { table, balls, runout } = drive.own_forces(turning, k);
         force_x += table[0];
         force_y += table[1];
-        by_disc = balls;
+        (by_disc, by_runout) = (balls, runout);
     }
     let mut own = [zero; N];
     let (mut push_x, mut push_y) = (zero, zero);
@@ -258,9 +259,13 @@ pub(super) fn solve<S: Vector, const N: usize, const WHOLE: bool>(
     now.pull = pull;
     let mut frame_x = equations.double_speed.fused(y_dot, equations.speed_squared * x);
     let mut frame_y = equations.minus_double_speed.fused(x_dot, equations.speed_squared * y);
+    if whole {
+        frame_x += equations.runout[0];
+        frame_y += equations.runout[1];
+    }
     if let Some(turned) = &turned {
-        frame_x += turned.frame[0];
-        frame_y += turned.frame[1];
+        frame_x += turned.frame[0] + by_runout[0];
+        frame_y += turned.frame[1] + by_runout[1];
     }
     let twice = number(of_next * of_after);
     after.table = [twice * (pull_x + frame_x), twice * (pull_y + frame_y)];

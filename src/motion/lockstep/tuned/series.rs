@@ -17,6 +17,9 @@
 //! inverse for every `k`. Instead of `e`, its *direction* `U = m (1 + ip) e / (1 + p²)` is stored,
 //! because the products with it dominate the cost.
 //!
+//! Where balls touch, the forces in the gaps between them are further unknowns (`gap_forces`). A disc whose speed changes adds
+//! products with the few coefficients of the speed (`turning`).
+//!
 //! In the switch model a sticking ball may have a residual speed, up to the width of the band, that
 //! decays as `exp(-t)`. It is treated separately from the series.
 

@@ -21,6 +21,9 @@ pub(super) struct Drive<S: Vector, const N: usize> {
     terms: [Lanes<S>; SPEED_TERMS],
     /// m_I e
     unbalance: Lanes<S>,
+    /// ε, and the mass of the table without balls.
+    runout: [Lanes<S>; 2],
+    table: Lanes<S>,
     /// 2ζ
     drag: Lanes<S>,
     balls: [DrivenBall<S>; N],
@@ -52,7 +55,14 @@ impl<S: Vector, const N: usize> Drive<S, N> {
             by_product: zero,
             by_acceleration: zero,
         };
-        Drive { terms: [zero; SPEED_TERMS], unbalance: zero, drag: zero, balls: [ball; N] }
+        Drive {
+            terms: [zero; SPEED_TERMS],
+            unbalance: zero,
+            runout: [zero; 2],
+            table: zero,
+            drag: zero,
+            balls: [ball; N],
+        }
     }
 
     /// Sets the machine of a lane and the speed of its disc.
@@ -66,6 +76,10 @@ impl<S: Vector, const N: usize> Drive<S, N> {
             of_all[lane] = *term;
         }
         self.unbalance[lane] = balancer.imbalance;
+        let [along, across] = balancer.runout.unwrap_or_default();
+        self.runout[0][lane] = along;
+        self.runout[1][lane] = across;
+        self.table[lane] = 1.0 - balancer.balls.iter().fold(0.0, |sum, ball| sum + ball.mass);
         self.drag[lane] = 2.0 * balancer.damping_ratio;
         for (of_ball, ball) in self.balls.iter_mut().zip(&balancer.balls) {
             let pressed = 2.0 - ball.rolling_by_speed();
@@ -125,25 +139,25 @@ impl<S: Vector, const N: usize> Drive<S, N> {
         Turning { speed, squared, acceleration, number, balls: of_balls }
     }
 
-    /// Returns the forces of a power of time by the imbalance and by the acceleration of the disc, on the table and on each
-    /// ball.
+    /// Returns the forces of a power of time by the speed and the acceleration of the disc alone.
     #[inline(always)]
-    pub(super) fn own_forces(
-        &self,
-        turning: &Turning<S, N>,
-        k: usize,
-    ) -> ([Lanes<S>; 2], [Lanes<S>; N]) {
+    pub(super) fn own_forces(&self, turning: &Turning<S, N>, k: usize) -> OwnForces<S, N> {
         let zero = Lanes::splat(self.drag.simd, 0.0);
         let mut balls = [zero; N];
         if k >= SQUARED_TERMS {
-            return ([zero; 2], balls);
+            return OwnForces { table: [zero; 2], balls, runout: [zero; 2] };
         }
         let square = turning.squared[k];
         let acceleration = if k < SPEED_TERMS - 1 { turning.acceleration[k] } else { zero };
         for (force, ball) in balls.iter_mut().zip(&self.balls) {
             *force = ball.by_square.fused(square, ball.by_acceleration * acceleration);
         }
-        ([self.unbalance * square, zero - self.unbalance * acceleration], balls)
+        let [e_x, e_y] = self.runout;
+        let runout =
+            [square.fused(e_x, acceleration * e_y), square.fused(e_y, zero - acceleration * e_x)];
+        let imbalance = [self.unbalance * square, zero - self.unbalance * acceleration];
+        let table = [imbalance[0] - self.table * runout[0], imbalance[1] - self.table * runout[1]];
+        OwnForces { table, balls, runout }
     }
 
     /// Returns the products of a power of time of the speed with the motion.
@@ -202,6 +216,16 @@ impl<S: Vector, const N: usize> Drive<S, N> {
         let drag = [self.drag * drag[0], zero - self.drag * drag[1]];
         TurningProducts { drag, frame, around, held: by_ball }
     }
+}
+
+/// The forces of a power of time by the speed and the acceleration of the disc alone.
+pub(super) struct OwnForces<S: Vector, const N: usize> {
+    /// On the table.
+    pub(super) table: [Lanes<S>; 2],
+    /// On each ball, against its motion, times the mobility.
+    pub(super) balls: [Lanes<S>; N],
+    /// The acceleration of the table without that of the ring's centre, `S`.
+    pub(super) runout: [Lanes<S>; 2],
 }
 
 /// The products of a power of time of the speed of the disc with the motion.
