@@ -29,7 +29,7 @@ fn main() {
         return;
     };
     println!(
-        "speed_rad_s,method,tolerance,way,runs,at_rest,median_rad,p99_rad,labels_differ,us_per_run"
+        "speed_rad_s,method,tolerance,kernel,runs,at_rest,median_rad,p99_rad,labels_differ,us_per_run"
     );
     for speed_rad_s in [-160.8103, -216.3772] {
         let cases = cases(speed_rad_s, runs);
@@ -46,9 +46,9 @@ fn main() {
         for (method, name) in [(Method::Switch, "switch"), (Method::Event, "event")] {
             for tolerance in [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9] {
                 let cases = with(method, tolerance);
-                let ways: [(&str, Compute, usize); 2] =
+                let kernels: [(&str, Compute, usize); 2] =
                     [("tuned", in_lockstep, 3), ("general", general, 1)];
-                for (way, compute, times) in ways {
+                for (kernel, compute, times) in kernels {
                     let (mut outcomes, mut spent) = (Vec::new(), Vec::new());
                     for _ in 0..times {
                         let began = core_time_s();
@@ -69,7 +69,7 @@ fn main() {
                     };
                     let differ = pairs().filter(|(a, b)| a.label() != b.label()).count();
                     println!(
-                        "{speed_rad_s},{name},{tolerance:e},{way},{runs},{},{:.3e},{:.3e},{differ},{us_per_run:.1}",
+                        "{speed_rad_s},{name},{tolerance:e},{kernel},{runs},{},{:.3e},{:.3e},{differ},{us_per_run:.1}",
                         errors.len(),
                         quantile(0.5),
                         quantile(0.99)

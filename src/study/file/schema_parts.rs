@@ -1,5 +1,7 @@
 //! Parts of the JSON Schema of a study file that depend on the parameters and coordinates of the models.
 
+use std::collections::HashSet;
+
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value, json};
 
@@ -307,13 +309,9 @@ fn all_parameters() -> Vec<Parameter> {
 }
 
 fn distinct(models: &[Model]) -> Vec<Parameter> {
-    let mut parameters: Vec<Parameter> = Vec::new();
-    for parameter in models.iter().flat_map(Parameter::all) {
-        if !parameters.iter().any(|known| known.name() == parameter.name()) {
-            parameters.push(parameter);
-        }
-    }
-    parameters
+    let mut names = HashSet::new();
+    let all = models.iter().flat_map(Parameter::all);
+    all.filter(|parameter| names.insert(parameter.name())).collect()
 }
 
 /// Returns a schema with a description.

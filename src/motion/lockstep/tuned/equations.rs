@@ -119,26 +119,29 @@ impl<S: Vector, const N: usize> Equations<S, N> {
         }
     }
 
-    /// Sets the coefficients that depend on the phases of a lane's balls.
-    pub(super) fn set_phases(&mut self, lane: usize, balancer: &Balancer<N>, phases: &[Phase]) {
+    /// Sets the coefficients that depend on the phase of a ball of a lane.
+    pub(super) fn set_phase(
+        &mut self,
+        lane: usize,
+        balancer: &Balancer<N>,
+        (place, phase): (usize, Phase),
+    ) {
+        let (of_ball, ball) = (&mut self.balls[place], &balancer.balls[place]);
         let speed = balancer.speed;
-        for ((of_ball, ball), phase) in self.balls.iter_mut().zip(&balancer.balls).zip(phases) {
-            let free = if *phase == Phase::Stick { 0.0 } else { 1.0 };
-            let Contact { signed_friction: friction, drag, .. } =
-                contact(*phase, &ball.friction, 1.0);
-            let turned = ball.mass / (1.0 + friction * friction);
-            let mobility = ball.mobility * free;
-            of_ball.free[lane] = free;
-            of_ball.stuck[lane] = 1.0 - free;
-            of_ball.friction[lane] = friction;
-            of_ball.minus_friction[lane] = -friction;
-            of_ball.turned[lane] = turned;
-            of_ball.mobility[lane] = mobility;
-            of_ball.drawing[lane] = mobility / turned;
-            let linear = friction * (2.0 * speed - ball.rolling_linear) + drag;
-            of_ball.held[0][lane] = mobility * (friction * (speed * speed));
-            of_ball.held[1][lane] = mobility * linear;
-            of_ball.held[2][lane] = mobility * (friction * (1.0 - ball.rolling_quadratic));
-        }
+        let free = if phase == Phase::Stick { 0.0 } else { 1.0 };
+        let Contact { signed_friction: friction, drag, .. } = contact(phase, &ball.friction, 1.0);
+        let turned = ball.mass / (1.0 + friction * friction);
+        let mobility = ball.mobility * free;
+        of_ball.free[lane] = free;
+        of_ball.stuck[lane] = 1.0 - free;
+        of_ball.friction[lane] = friction;
+        of_ball.minus_friction[lane] = -friction;
+        of_ball.turned[lane] = turned;
+        of_ball.mobility[lane] = mobility;
+        of_ball.drawing[lane] = mobility / turned;
+        let linear = friction * (2.0 * speed - ball.rolling_linear) + drag;
+        of_ball.held[0][lane] = mobility * (friction * (speed * speed));
+        of_ball.held[1][lane] = mobility * linear;
+        of_ball.held[2][lane] = mobility * (friction * (1.0 - ball.rolling_quadratic));
     }
 }

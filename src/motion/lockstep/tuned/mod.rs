@@ -34,7 +34,7 @@ use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::{Evaluated, InState};
 use crate::motion::saltation::Condition;
-use crate::motion::{all_stick, any_closed};
+use crate::motion::{Phase, all_stick, any_closed};
 use equations::Equations;
 use event_functions::{Doubts, Watched};
 use flow::Flow;
@@ -56,6 +56,8 @@ pub(super) struct Tuned<S: Vector, const N: usize> {
     rest: [Lanes<S>; 2],
     rest_radius_squared: Lanes<S>,
     balancers: [Option<Balancer<N>>; LANES],
+    /// The phases of the balls that the equations have.
+    phases: [[Option<Phase>; N]; LANES],
     gaps: Gaps<S, N>,
     /// The disc, if its speed changes.
     drive: Option<Box<Drive<S, N>>>,
@@ -84,6 +86,7 @@ impl<S: Vector, const N: usize> Tuned<S, N> {
             rest: [zero; 2],
             rest_radius_squared: Lanes::splat(simd, -1.0),
             balancers: [None; LANES],
+            phases: [[None; N]; LANES],
             gaps: Gaps::none(simd),
             drive: changes.then(|| Box::new(Drive::blank(simd))),
             evaluators: std::array::from_fn(|_| None),
@@ -153,6 +156,7 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         let slides = balancer.balls.iter().any(|ball| !ball.friction.can_stick());
         self.sliding = self.sliding & !bit | if slides { bit } else { 0 };
         self.balancers[lane] = Some(balancer);
+        self.phases[lane] = [None; N];
         self.gaps.clear(lane);
         let recorded = own.system.touching().is_some() || self.drive.is_some();
         if recorded {
@@ -167,13 +171,16 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
 
     fn set_phases(&mut self, lane: usize, own: &Lane, _state: &[f64]) {
         let Some(balancer) = &self.balancers[lane] else { return };
-        self.equations.set_phases(lane, balancer, &own.phases);
         let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
-        for (watched, phase) in self.watched.iter_mut().zip(&own.phases) {
-            watched.set(lane, *phase, margins);
-        }
-        if let Some(drive) = &mut self.drive {
-            for (place, ball) in self.equations.balls.iter().enumerate() {
+        for (place, phase) in own.phases[..N].iter().enumerate() {
+            // Few balls change their phase at once.
+            if self.phases[lane][place].replace(*phase) == Some(*phase) {
+                continue;
+            }
+            self.equations.set_phase(lane, balancer, (place, *phase));
+            self.watched[place].set(lane, *phase, margins);
+            if let Some(drive) = &mut self.drive {
+                let ball = &self.equations.balls[place];
                 drive.set_ball(lane, place, [ball.mobility[lane], ball.friction[lane]]);
             }
         }

@@ -52,6 +52,13 @@ pub(super) enum Constants {
     None,
 }
 
+impl<S: Vector> Sums<S> {
+    pub(super) fn zero(simd: S) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        Sums { turning: [zero; 2], drawn: zero, squared: zero }
+    }
+}
+
 /// Computes coefficient `k + 1` of the products of the speeds of one series and the directions of
 /// another, and coefficient `k` of the products of its pull and the directions, without the terms
 /// that have the directions at order 0. Several balls are computed together, as many as the registers hold.
@@ -60,23 +67,21 @@ pub(super) fn products<S: Vector, const N: usize>(
     of: &[Term<S, N>; TERMS],
     with: &[Term<S, N>; TERMS],
     k: usize,
-) -> [Sums<S>; N] {
-    let zero = Lanes::splat(of[0].table[0].simd, 0.0);
-    let mut sums = [Sums { turning: [zero; 2], drawn: zero, squared: zero }; N];
+    sums: &mut [Sums<S>; N],
+) {
     let mut first = 0;
     while S::HAS_MANY_REGISTERS && first + 4 <= N {
-        products_of::<S, N, 4>(of, with, k, first, &mut sums);
+        products_of::<S, N, 4>(of, with, k, first, sums);
         first += 4;
     }
     while S::HAS_MANY_REGISTERS && first + 2 <= N {
-        products_of::<S, N, 2>(of, with, k, first, &mut sums);
+        products_of::<S, N, 2>(of, with, k, first, sums);
         first += 2;
     }
     while first < N {
-        products_of::<S, N, 1>(of, with, k, first, &mut sums);
+        products_of::<S, N, 1>(of, with, k, first, sums);
         first += 1;
     }
-    sums
 }
 
 /// Computes [`products`] for `M` balls from `first` on.
@@ -153,7 +158,7 @@ pub(super) fn solve<S: Vector, const N: usize, const WHOLE: bool>(
     equations: &Equations<S, N>,
     by: &Solving<S, N>,
     k: usize,
-    sums: [Sums<S>; N],
+    sums: &[Sums<S>; N],
     constants: Constants,
 ) -> Option<OfEach<S, N>> {
     let simd = equations.speed.simd;

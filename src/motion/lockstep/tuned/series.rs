@@ -67,6 +67,8 @@ pub(super) struct Series<S: Vector, const N: usize> {
     pub(super) response: Response<S, N>,
     /// The coefficients of the forces in gaps, if the response is active.
     pub(super) forces: [OfEach<S, N>; ORDER],
+    /// Work space of an order: new arrays would have to be cleared.
+    pub(super) sums: [[Sums<S>; N]; 2],
 }
 
 impl<S: Vector, const N: usize> Series<S, N> {
@@ -86,6 +88,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
             turning: None,
             response: Response::none(simd),
             forces: [[zero; N]; ORDER],
+            sums: [[Sums::zero(simd); N]; 2],
         }
     }
 
@@ -183,7 +186,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
         equations.speed.simd.vectorize(
             #[inline(always)]
             || {
-                let sums = self.sums(k);
+                self.add_up(k);
                 let start: [[Lanes<S>; 2]; N] = self.directions();
                 let gaps = if self.response.active { Some(&self.response) } else { None };
                 let residual = self.residual.as_ref();
@@ -191,6 +194,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
                 let by = Solving { solver: &self.solver, start, residual, turning, gaps };
                 let terms = &mut self.terms;
                 let constants = Constants::Whole;
+                let sums = &self.sums[0];
                 let forces = solve::<S, N, WHOLE>(terms, equations, &by, k, sums, constants);
                 if let Some(forces) = forces {
                     self.forces[k] = forces;
@@ -224,13 +228,15 @@ impl<S: Vector, const N: usize> Series<S, N> {
         directions
     }
 
+    /// Computes the products of an order.
     #[inline(always)]
-    fn sums(&mut self, k: usize) -> [Sums<S>; N] {
-        let mut sums = products(&self.terms, &self.terms, k);
+    fn add_up(&mut self, k: usize) {
+        let [all, _] = &mut self.sums;
+        products(&self.terms, &self.terms, k, all);
         let lower = &self.terms[..=k];
-        for (i, sums) in sums.iter_mut().enumerate() {
+        for (i, sums) in all.iter_mut().enumerate() {
             let latest = lower[k].balls[i].speed;
-            let mut squared = sums.squared;
+            let mut squared = Lanes::splat(latest.simd, 0.0);
             if k == 0 {
                 squared = latest * latest;
             } else {
@@ -247,10 +253,9 @@ impl<S: Vector, const N: usize> Series<S, N> {
             }
             sums.squared = squared;
         }
-        for (ball, sums) in self.terms[k].balls.iter_mut().zip(&sums) {
+        for (ball, sums) in self.terms[k].balls.iter_mut().zip(all) {
             ball.squared = sums.squared;
         }
-        sums
     }
 
     /// Returns the position of the table a time later.

@@ -89,30 +89,31 @@ impl<S: Vector, const N: usize> Series<S, N> {
         displaced: &mut Self,
         k: usize,
     ) {
-        let mut sums = products(&self.terms, &displaced.terms, k);
-        let others = products(&displaced.terms, &self.terms, k);
+        let Series { terms, residual, sums, .. } = displaced;
+        let [all, others] = sums;
+        products(&self.terms, terms, k, all);
+        products(terms, &self.terms, k, others);
         let [pull_x, pull_y] = self.terms[k].pull;
         for i in 0..N {
-            let [real, imaginary] = displaced.terms[0].balls[i].direction;
+            let [real, imaginary] = terms[0].balls[i].direction;
             let next = self.terms[k + 1].balls[i].speed;
-            let sums = &mut sums[i];
+            let sums = &mut all[i];
             sums.turning[0] += next.fused(real, others[i].turning[0]);
             sums.turning[1] += next.fused(imaginary, others[i].turning[1]);
             sums.drawn += others[i].drawn + (imaginary * pull_x - real * pull_y);
-            let mut squared = sums.squared;
-            let along = displaced.terms[..=k].iter().rev();
+            let mut squared = Lanes::splat(pull_x.simd, 0.0);
+            let along = terms[..=k].iter().rev();
             for (own, along) in self.terms[..=k].iter().zip(along) {
                 squared = own.balls[i].speed.fused(along.balls[i].speed, squared);
             }
             sums.squared = squared + squared;
         }
         let start: [[Lanes<S>; 2]; N] = self.directions();
-        let Series { terms, residual, .. } = displaced;
         let gaps = if self.response.active { Some(&self.response) } else { None };
         let turning = with_drive(drive, &self.turning);
         let residual = residual.as_ref();
         let by = Solving { solver: &self.solver, start, residual, turning, gaps };
-        solve::<S, N, WHOLE>(terms, equations, &by, k, sums, Constants::None);
+        solve::<S, N, WHOLE>(terms, equations, &by, k, all, Constants::None);
     }
 }
 
