@@ -111,16 +111,23 @@ fn shoot<'a>(map: ReturnMap<'a>, run: &[f64], closure: f64) -> Option<Closed<'a>
     let mut newton: Option<LU<f64, Dyn, Dyn>> = None;
     let mut last = f64::INFINITY;
     let mut followed = 0;
+    let with_slope = map.cost_with_slope();
     while followed < MOST_TURNS_FOLLOWED || last <= closure {
         followed += map.turns;
         let start = map.section.state(run, &centre);
-        let residual = map.section.difference(&map.follow(&start)?.state, &start);
+        // Whatever the residual, a return with the derivative comes next, or ends the iteration.
+        let end = map.within(map.steps_left.get() / (1 + with_slope)).follow(&start)?;
+        let residual = map.section.difference(&end.state, &start);
         let size = residual.amax();
         // Iterates below the required accuracy as long as the error decreases.
         let at_best = AT_BEST * map.settings.tolerance.relative;
         if size <= at_best || (last <= closure && size > 0.25 * last) {
             let (_, slope) = map.follow_with_slope(&start)?;
             return Some(Closed { map, state: start, slope });
+        }
+        // The derivative, another return, and the derivative at the end are the least that can follow.
+        if newton.is_none() && end.steps * (2 * with_slope + 1) > map.steps_left.get() {
+            return None;
         }
         if size > 0.25 * last || newton.is_none() {
             followed += centre.len() * map.turns;

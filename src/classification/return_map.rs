@@ -35,6 +35,8 @@ pub(super) struct Return {
     pub(super) state: Components,
     /// The duration.
     pub(super) time: f64,
+    /// The number of steps.
+    pub(super) steps: u64,
 }
 
 /// The latest step of the followed motion.
@@ -48,6 +50,17 @@ pub(super) struct FollowedStep<'a> {
 }
 
 impl ReturnMap<'_> {
+    /// Returns the number of steps that a return with the derivative counts for each step.
+    pub(super) fn cost_with_slope(&self) -> u64 {
+        1 + self.section.directions().len() as u64
+    }
+
+    /// Returns this map with fewer steps for one return.
+    pub(super) fn within(&self, steps: u64) -> Self {
+        let effort_limit = self.settings.effort_limit.min(steps);
+        ReturnMap { settings: Settings { effort_limit, ..self.settings }, ..*self }
+    }
+
     /// Returns one return; `None` if a contact that should rest moves, or the marking contact stops
     /// or does not return.
     pub(super) fn follow(&self, start: &[f64]) -> Option<Return> {
@@ -140,7 +153,7 @@ impl ReturnMap<'_> {
             for (index, contact) in contacts.iter().enumerate() {
                 state[contact.position] += turns[index] + taken_off(index);
             }
-            return Some(Return { state, time });
+            return Some(Return { state, time, steps: motion.effort().total() });
         }
         None
     }

@@ -55,10 +55,10 @@ pub fn most_steps_of_a_run(model: &Model, simulation: &Simulation) -> Option<u64
     Some(motion.saturating_add(u64::from(MOST_LOOKS) * MOST_STEPS_OF_A_LOOK))
 }
 
-/// Returns whether the kernel written for ball balancers computes runs of this model at constant speed and while no balls
-/// touch: those whose friction is independent of speed or proportional to it, in a ring without runout.
+/// Returns whether the kernel written for ball balancers computes runs of this model: those whose friction is independent of
+/// speed or proportional to it.
 pub fn has_tuned_kernel(model: &Model) -> bool {
     let Some(machine) = model.ball_balancer() else { return false };
     let is_linear = |ball: &Ball| machine.friction.is_linear(ball.friction_coefficient);
-    machine.ring_runout_m == 0.0 && machine.balls.iter().all(is_linear)
+    machine.balls.iter().all(is_linear)
 }

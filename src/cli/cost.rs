@@ -115,9 +115,7 @@ impl Cost {
         let [steps, most_steps] = [steps, most_steps].map(|one| one * runs as f64);
         let most_core_seconds = most_steps * seconds_per_step(model);
         self.steps += steps;
-        let [_, latest_end_time_s] = simulation.end_times_s();
-        let usual = usual_seconds_per_step(model, latest_end_time_s);
-        self.core_seconds += (steps * usual).min(most_core_seconds);
+        self.core_seconds += (steps * usual_seconds_per_step(model)).min(most_core_seconds);
         self.most_steps += most_steps;
         self.most_core_seconds += most_core_seconds;
     }
@@ -140,34 +138,24 @@ fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
     let strictness = 1e-8 / simulation.relative_tolerance;
     let tuned = 0.6 * (1.0 + speed) + 0.5 * balls * speed;
     // The general kernel takes shorter steps, and friction that depends on speed bends the motion at every switch.
-    let steps = tuned * (1.0 + 0.5 * general_share(model, latest_end_time_s));
+    let steps = if has_tuned_kernel(model) { tuned } else { 1.5 * tuned };
     let steps = steps * strictness.max(1.0).powf(1.0 / 16.0);
     latest_end_time_s * natural * steps.max(model.damping_rate() / STABLE)
 }
 
-/// The part of the time in which balls with contact are assumed to touch.
-const TOUCHING_SHARE: f64 = 0.5;
-
-/// Returns the part of a run's time in which the general kernel computes it: while the speed changes and while balls touch,
-/// or all of it.
-fn general_share(model: &Model, end_time_s: f64) -> f64 {
-    let Some(machine) = model.ball_balancer().filter(|_| has_tuned_kernel(model)) else {
-        return 1.0;
-    };
-    let segments = machine.speed_segments().into_iter().filter(|segment| !segment.is_hold);
-    let changes: f64 = segments.map(|segment| segment.lasts_s / end_time_s).sum();
-    let touches = if machine.contact.is_some() { TOUCHING_SHARE } else { 0.0 };
-    (changes + (1.0 - changes) * touches).min(1.0)
-}
+/// The time of a step of balls that may touch, over that of balls that may not, if they touch half of the time.
+const CONTACT: f64 = 1.5;
 
 /// Returns the seconds per step on a core of the year 2024 with vectors of four numbers if all lanes are in use.
-fn usual_seconds_per_step(model: &Model, end_time_s: f64) -> f64 {
+fn usual_seconds_per_step(model: &Model) -> f64 {
     let contacts = model.contacts() as f64;
     let tuned = 0.25e-6 * contacts * (1.0 + contacts / 20.0);
-    match model.block() {
-        Some(_) => 0.9e-6,
-        None => tuned * (1.0 + 3.5 * general_share(model, end_time_s)),
+    if model.block().is_some() {
+        return 0.9e-6;
     }
+    let touches = model.ball_balancer().is_some_and(|machine| machine.contact.is_some());
+    let step = if has_tuned_kernel(model) { tuned } else { 4.5 * tuned };
+    if touches { CONTACT * step } else { step }
 }
 
 /// The largest product of step and damping rate at which the integrator is stable: about the length of the
