@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, Dyn, LU, Schur};
 use super::cycle::{CyclePhase, TouchingPair};
 use super::period::Period;
 use super::return_map::{Return, ReturnMap};
+use super::section::Section;
 use super::system_view::ContactPlace;
 use crate::model::Components;
 
@@ -102,6 +103,12 @@ pub(super) fn examine(map: ReturnMap, run: &[f64], closure: f64) -> Option<Verdi
     Some(if is_stable { Verdict::Stable(orbit) } else { Verdict::Open })
 }
 
+/// Returns the number of returns that the search for an orbit counts at least, after the first derivative: a return, and
+/// the derivative at the end.
+pub(super) fn least_returns(section: &Section) -> u64 {
+    2 + section.directions().len() as u64
+}
+
 /// Finds a fixed point of the return map by Newton's method. The derivative is reused while the
 /// iteration converges quickly, because the map has kinks near an orbit on which a ball barely
 /// sticks.
@@ -111,27 +118,38 @@ fn shoot<'a>(map: ReturnMap<'a>, run: &[f64], closure: f64) -> Option<Closed<'a>
     let mut newton: Option<LU<f64, Dyn, Dyn>> = None;
     let mut last = f64::INFINITY;
     let mut followed = 0;
-    let with_slope = map.cost_with_slope();
     while followed < MOST_TURNS_FOLLOWED || last <= closure {
         followed += map.turns;
         let start = map.section.state(run, &centre);
-        // Whatever the residual, a return with the derivative comes next, or ends the iteration.
-        let end = map.within(map.steps_left.get() / (1 + with_slope)).follow(&start)?;
+        let (end, slope) = match &newton {
+            // The derivative is needed at the first iterate whatever its residual.
+            None => {
+                let (end, slope) = map.follow_with_slope(&start)?;
+                (end, Some(slope))
+            }
+            Some(_) => (map.follow(&start)?, None),
+        };
         let residual = map.section.difference(&end.state, &start);
         let size = residual.amax();
         // Iterates below the required accuracy as long as the error decreases.
         let at_best = AT_BEST * map.settings.tolerance.relative;
         if size <= at_best || (last <= closure && size > 0.25 * last) {
-            let (_, slope) = map.follow_with_slope(&start)?;
+            let slope = match slope {
+                Some(slope) => slope,
+                None => map.follow_with_slope(&start)?.1,
+            };
             return Some(Closed { map, state: start, slope });
-        }
-        // The derivative, another return, and the derivative at the end are the least that can follow.
-        if newton.is_none() && end.steps * (2 * with_slope + 1) > map.steps_left.get() {
-            return None;
         }
         if size > 0.25 * last || newton.is_none() {
             followed += centre.len() * map.turns;
-            let (_, slope) = map.follow_with_slope(&start)?;
+            let slope = match slope {
+                Some(slope) => slope,
+                None => map.follow_with_slope(&start)?.1,
+            };
+            // A return and the derivative at the end are the least that can follow.
+            if newton.is_none() && end.steps * least_returns(map.section) > map.steps_left.get() {
+                return None;
+            }
             newton = Some((DMatrix::identity(centre.len(), centre.len()) - slope).lu());
         }
         last = size;

@@ -18,7 +18,7 @@ use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::closed_orbit::{Orbit, REACH, Verdict, examine};
+use super::closed_orbit::{Orbit, REACH, Verdict, examine, least_returns};
 use super::return_map::ReturnMap;
 use super::section::Section;
 use super::step_limit::{MOST_LOOKS, MOST_STEPS_OF_A_LOOK};
@@ -39,6 +39,8 @@ const CLOSE_RETURNS: usize = 16;
 /// Largest distance of the latest passage from an earlier one, non-dimensional, at which the orbit of a run that would end
 /// undecided is examined.
 const NEAR_AT_END: f64 = 1e-2;
+/// An examination at the end of a run is not begun if it would take this many times the steps that it may take.
+const HOPELESS: f64 = 2.0;
 /// Largest closing error of an examined orbit, for any tolerances of the run, because the orbit is
 /// computed with finer ones. It corresponds to the default tolerances. With a larger error, a
 /// slowly converging spiral would itself count as closed.
@@ -202,6 +204,14 @@ impl OrbitWatch {
             .filter(closes)
             .min_by(|one, other| rank(one).total_cmp(&rank(other)))
             .filter(|turns| passage.differences[*turns] <= NEAR_AT_END)?;
+        // The steps of a return, if the run takes them at its mean rate.
+        let period = passage.time - self.passages[before - turns].time;
+        let of_return = steps as f64 * period / passage.time;
+        let section = self.section((reference, turns), last_switches)?;
+        let returns = 2 * least_returns(&section) - 1;
+        if of_return * returns as f64 > HOPELESS * steps as f64 {
+            return None;
+        }
         match self.examine(settings, (reference, turns), last_switches, steps) {
             Verdict::Stable(orbit) => Some(orbit),
             Verdict::Unstable(_) | Verdict::Open => None,
@@ -249,6 +259,19 @@ impl OrbitWatch {
         closing
     }
 
+    /// Returns the section of an orbit that appears to close after this number of turns of the ball `reference`.
+    fn section(
+        &self,
+        (reference, turns): (usize, usize),
+        last_switches: &[f64],
+    ) -> Option<Section> {
+        let passage = self.passages.back()?;
+        let earlier = self.passages[self.passages.len() - 1 - turns].time;
+        let rests = passage.phases.iter().zip(last_switches).take(self.view.contacts.len());
+        let rests = rests.map(|(phase, last)| *phase == Phase::Stick && *last < earlier).collect();
+        Some(Section::new(&self.view, reference, &passage.phases, rests))
+    }
+
     /// Examines the orbit that appears to close after this number of turns of the ball `reference`, in at most `most_steps`.
     fn examine(
         &self,
@@ -258,12 +281,11 @@ impl OrbitWatch {
         most_steps: u64,
     ) -> Verdict {
         let Some(passage) = self.passages.back() else { return Verdict::Open };
+        let Some(section) = self.section((reference, turns), last_switches) else {
+            return Verdict::Open;
+        };
         let earlier = self.passages[self.passages.len() - 1 - turns].time;
         let (steps_left, latest) = (Cell::new(most_steps), RefCell::new(None));
-        let contacts = self.view.contacts.len();
-        let rests = passage.phases.iter().zip(last_switches).take(contacts);
-        let rests = rests.map(|(phase, last)| *phase == Phase::Stick && *last < earlier).collect();
-        let section = Section::new(&self.view, reference, &passage.phases, rests);
         let map = ReturnMap {
             view: &self.view,
             steps_left: &steps_left,

@@ -50,17 +50,6 @@ pub(super) struct FollowedStep<'a> {
 }
 
 impl ReturnMap<'_> {
-    /// Returns the number of steps that a return with the derivative counts for each step.
-    pub(super) fn cost_with_slope(&self) -> u64 {
-        1 + self.section.directions().len() as u64
-    }
-
-    /// Returns this map with fewer steps for one return.
-    pub(super) fn within(&self, steps: u64) -> Self {
-        let effort_limit = self.settings.effort_limit.min(steps);
-        ReturnMap { settings: Settings { effort_limit, ..self.settings }, ..*self }
-    }
-
     /// Returns one return; `None` if a contact that should rest moves, or the marking contact stops
     /// or does not return.
     pub(super) fn follow(&self, start: &[f64]) -> Option<Return> {

@@ -83,28 +83,22 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
     /// Returns the state at a time after the start of the latest step.
     #[inline(never)]
     pub(super) fn state_at(&self, lane: usize, after: f64) -> Components {
-        let start = self.kernel.lane(&self.before, lane);
-        let mut state = Components::new();
-        self.simd.vectorize(
+        let time = Lanes::splat(self.simd, after);
+        let state = self.simd.vectorize(
             #[inline(always)]
-            || {
-                for component in 0..self.kernel.components() {
-                    let start = start[component];
-                    let powers = self.kernel.component(&self.room, lane, component, start);
-                    state.push(value(&powers, after));
-                }
-            },
+            || self.kernel.at(&self.room, &self.before, time),
         );
-        state
+        self.kernel.lane(&state, lane)
     }
 
     /// Returns the squares of the measured displacement at up to eight times after the start of the latest step.
     #[inline(never)]
     pub(super) fn squares_at<const P: usize>(&self, lane: usize, after: [f64; P]) -> [f64; P] {
         const { assert!(P <= LANES) };
-        let Some(components) = self.kernel.vibration() else { return [0.0; P] };
-        let [x, y] =
-            components.map(|component| self.kernel.component(&self.room, lane, component, 0.0));
+        let Some([x, y]) = self.kernel.vibration() else { return [0.0; P] };
+        // Not a map over both, which would copy the series.
+        let x = self.kernel.component(&self.room, lane, x, 0.0);
+        let y = self.kernel.component(&self.room, lane, y, 0.0);
         let simd = self.simd;
         let squares = simd.vectorize(
             #[inline(always)]
@@ -135,9 +129,11 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         (known, near): (f64, f64),
     ) -> SmallVec<[(f64, f64); 8]> {
         let mut largest = SmallVec::new();
-        let Some(components) = self.kernel.vibration() else { return largest };
-        let powers =
-            components.map(|component| self.kernel.component(&self.room, lane, component, 0.0));
+        let Some([x, y]) = self.kernel.vibration() else { return largest };
+        let powers = [
+            self.kernel.component(&self.room, lane, x, 0.0),
+            self.kernel.component(&self.room, lane, y, 0.0),
+        ];
         let length = self.length[lane];
         let simd = self.simd;
         simd.vectorize(
