@@ -39,8 +39,9 @@ const CLOSE_RETURNS: usize = 16;
 /// Largest distance of the latest passage from an earlier one, non-dimensional, at which the orbit of a run that would end
 /// undecided is examined.
 const NEAR_AT_END: f64 = 1e-2;
-/// An examination at the end of a run is not begun if it would take this many times the steps that it may take.
-const HOPELESS: f64 = 2.0;
+/// An examination at the end of a run is not begun if it would take this many times the steps that it may take, at the mean
+/// rate of the run: it takes more, because its tolerances are finer.
+const HOPELESS: f64 = 1.25;
 /// Largest closing error of an examined orbit, for any tolerances of the run, because the orbit is
 /// computed with finer ones. It corresponds to the default tolerances. With a larger error, a
 /// slowly converging spiral would itself count as closed.

@@ -98,8 +98,6 @@ pub(super) trait Kernel<S: Vector>: Sized {
     /// Returns the coefficients of a component in one lane, from order zero, as the series of the state in time. Missing
     /// coefficients are 0.
     fn component(&self, room: &Self::Room, lane: usize, component: usize, start: f64) -> Powers;
-    /// Returns the number of components.
-    fn components(&self) -> usize;
     /// Returns the components that are the position of a contact and, if it is one, its sliding speed.
     fn coordinates(&self, contact: usize) -> (usize, Option<usize>);
     /// Returns the components whose displacement is measured.

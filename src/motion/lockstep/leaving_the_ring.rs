@@ -88,7 +88,7 @@ fn seen_in<S: Vector, K: Kernel<S>>(
         for (lane, own) in lanes.iter().enumerate() {
             let Some(own) = own else { continue };
             let start = kernel.lane(state, lane);
-            let powers: Vec<_> = (0..kernel.components())
+            let powers: Vec<_> = (0..start.len())
                 .map(|component| kernel.component(room, lane, component, start[component]))
                 .collect();
             let fails =

@@ -358,10 +358,6 @@ impl<S: Vector> Kernel<S> for General<S> {
         powers
     }
 
-    fn components(&self) -> usize {
-        self.graph.derivative.len()
-    }
-
     fn coordinates(&self, contact: usize) -> (usize, Option<usize>) {
         (self.graph.layout.contacts[contact].position, self.speeds[contact])
     }

@@ -122,7 +122,7 @@ fn step<S: Vector, K: Kernel<S>>(simd: S, kernel: K, runs: &[Saved]) -> Step {
             let powers = kernel.component(room, lane, component, start[component]);
             powers.iter().rev().fold(0.0, |sum, power| sum * LENGTH + power)
         };
-        (0..kernel.components()).map(sum).collect()
+        (0..start.len()).map(sum).collect()
     });
     let sums = sums.collect();
     let moved = kernel.carry(room, displacement, length);

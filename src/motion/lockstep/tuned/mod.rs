@@ -369,10 +369,6 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         room.series.component(lane, component, start)
     }
 
-    fn components(&self) -> usize {
-        4 + 2 * N + usize::from(self.drive.is_some())
-    }
-
     fn coordinates(&self, contact: usize) -> (usize, Option<usize>) {
         (4 + contact, Some(4 + N + contact))
     }
