@@ -65,7 +65,8 @@ impl Motion {
         state: &[f64],
         directions: &[Components],
     ) -> Result<Self, Failure> {
-        let saved = Saved::start(evaluator.system(), settings, state)?;
+        let system = evaluator.system();
+        let saved = Saved::start_with(|| evaluator.clone(), system, settings, state)?;
         let lanes = earlier.map_or_else(Vec::new, |Motion { mut groups, mut spare, .. }| {
             groups.append(&mut spare);
             groups

@@ -60,6 +60,23 @@ fn studies() -> Vec<(&'static str, Study)> {
                 balls,
             ),
         ),
+        (
+            "contact",
+            balancer(
+                "contact",
+                ", contact: {restitution: 0.36, friction_coefficient: 0.1}",
+                speeds,
+            ),
+        ),
+        ("runout", balancer("runout", ", parameters: {ring_runout_m: 1.0e-5}", balls)),
+        (
+            "start",
+            balancer(
+                "start",
+                ", contact: {restitution: 0.36}, protocol: {startup_and_hammer: {over_s: 1, wait_s: 2}}",
+                "",
+            ),
+        ),
         ("block on a spring", block("spring", "block_on_spring")),
         ("block on a belt", block("belt", "block_on_belt")),
     ]

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::generated::compare_or_write_part;
-use super::records::about;
+use super::records::stale;
 
 const PAGE: &str = "docs/identify.md";
 /// The level of the test of uniform ranks.
@@ -24,9 +24,9 @@ fn record() -> Value {
     let of = record["of"].as_array().expect("a list");
     assert!(!of.is_empty());
     for one in of {
-        let due = about(one["study"].as_str().expect("a study"));
-        let stale = "`scripts/identify-synthetic` computes the record anew";
-        assert!(one == &due, "the record is stale: it is of {one}, not of {due}; {stale}");
+        if let Some(why) = stale(one, one["study"].as_str().expect("a study")) {
+            panic!("{why}; `scripts/identify-synthetic` computes the record anew");
+        }
     }
     record
 }

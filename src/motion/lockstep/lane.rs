@@ -107,6 +107,19 @@ impl Saved {
         settings: Settings,
         state: &[f64],
     ) -> Result<Self, Failure> {
+        Saved::start_with(|| Evaluator::new(Arc::clone(system)), system, settings, state)
+    }
+
+    /// Creates a run at its start like [`Saved::start`], with known recorded equations.
+    ///
+    /// # Errors
+    /// [`Failure`] if the motion cannot be continued from the start state.
+    pub(crate) fn start_with(
+        evaluator: impl FnOnce() -> Evaluator,
+        system: &Arc<dyn System>,
+        settings: Settings,
+        state: &[f64],
+    ) -> Result<Self, Failure> {
         let mut start: Components = state.into();
         let settings = settings.narrowed(system.as_ref());
         let force_scale = system.force_scale();
@@ -119,7 +132,7 @@ impl Saved {
             tuned.map(|phases| Ok((phases?, tuned::angles(contacts).collect())))
         };
         let by_equations = || {
-            let evaluator = Evaluator::new(Arc::clone(system));
+            let evaluator = evaluator();
             let phases = match InTouch::new(&evaluator, settings) {
                 Some(in_touch) => in_touch.start(&mut start)?,
                 None => {
