@@ -182,25 +182,24 @@ fn in_fewest_turns(closed: Closed, closure: f64) -> Closed {
 fn attracts(closed: &Closed, run: &[f64], largest_multiplier: f64, closure: f64) -> bool {
     let map = &closed.map;
     let nearer = largest_multiplier.powi(RETURNS).clamp(NEARER.0, NEARER.1);
-    let mut state = Components::from_slice(run);
     let (mut first, mut spell) = (0.0_f64, Vec::with_capacity(SPELL));
-    for returns in 0..MOST_RETURNS {
-        let now = map.section.difference(&state, &closed.state).amax();
+    let mut returns = 0;
+    let mut judge = |state: &[f64]| {
+        let now = map.section.difference(state, &closed.state).amax();
         if returns < SPELL {
             first = first.max(now);
         }
         spell.truncate(SPELL - 1);
         spell.insert(0, now);
         let farthest = spell.iter().copied().fold(0.0, f64::max);
-        if farthest <= closure || (returns >= SPELL && farthest <= nearer * first) {
-            return true;
+        let near = farthest <= closure || (returns >= SPELL && farthest <= nearer * first);
+        returns += 1;
+        if near {
+            return Some(true);
         }
-        match map.follow(&state) {
-            Some(next) if now <= 10.0 * first => state = next.state,
-            _ => return false,
-        }
-    }
-    false
+        (returns >= MOST_RETURNS || now > 10.0 * first).then_some(false)
+    };
+    judge(run).or_else(|| map.follow_until(run, judge)).unwrap_or(false)
 }
 
 fn orbit(closed: &Closed, end: &Return, period: Period, multipliers: Vec<f64>) -> Orbit {

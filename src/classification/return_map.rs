@@ -33,9 +33,9 @@ pub(super) struct ReturnMap<'a> {
 pub(super) struct Return {
     /// The final state, with angles that include the turns made.
     pub(super) state: Components,
-    /// The duration.
+    /// The time since the start of the motion.
     pub(super) time: f64,
-    /// The number of steps.
+    /// The number of steps since then.
     pub(super) steps: u64,
 }
 
@@ -80,6 +80,26 @@ impl ReturnMap<'_> {
         Some((end, period))
     }
 
+    /// Follows a motion from return to return until `judge`, which receives each state on the section, has a verdict. Returns
+    /// the verdict; `None` if a return fails.
+    pub(super) fn follow_until<V>(
+        &self,
+        start: &[f64],
+        mut judge: impl FnMut(&[f64]) -> Option<V>,
+    ) -> Option<V> {
+        self.with_motion(start, &[], |motion, start| {
+            let begun = motion.unwrapped();
+            let mut since = 0.0;
+            loop {
+                let end = self.come_back(motion, (start, &begun), since, |_| {})?;
+                since = end.time;
+                if let Some(verdict) = judge(&end.state) {
+                    return Some(verdict);
+                }
+            }
+        })
+    }
+
     /// Follows the motion with displaced motions. `watch` receives each step.
     fn go(
         &self,
@@ -87,6 +107,19 @@ impl ReturnMap<'_> {
         directions: &[Components],
         watch: impl FnMut(&mut FollowedStep),
     ) -> Option<Return> {
+        self.with_motion(start, directions, |motion, start| {
+            let begun = motion.unwrapped();
+            self.come_back(motion, (start, &begun), 0.0, watch)
+        })
+    }
+
+    /// Calls `with` with a motion from a state on the section and this state.
+    fn with_motion<R>(
+        &self,
+        start: &[f64],
+        directions: &[Components],
+        with: impl FnOnce(&mut Motion, &[f64]) -> Option<R>,
+    ) -> Option<R> {
         let mut start = Components::from_slice(start);
         start[self.view.contacts[self.section.reference].position] = 0.0;
         let left = self.steps_left.get();
@@ -95,28 +128,30 @@ impl ReturnMap<'_> {
         let settings = Settings { effort_limit, ..self.settings };
         let (latest, evaluator) = (self.latest.take(), &self.view.evaluator);
         let mut motion = Motion::again(latest, evaluator, settings, &start, directions).ok()?;
-        let end = self.come_back(&mut motion, &start, watch);
+        let end = with(&mut motion, &start);
         let taken = motion.effort().total().saturating_mul(cost);
         self.steps_left.set(left.saturating_sub(taken));
         self.latest.replace(Some(motion));
         end
     }
 
-    /// Follows a motion from its start until it comes back to the section.
+    /// Follows a motion from the time `since` of its start or latest return until it comes back to the section. The positions
+    /// of the contacts at its start are those of `start`, and with whole turns those of `begun`.
     fn come_back(
         &self,
         motion: &mut Motion,
-        start: &[f64],
+        (start, begun): (&[f64], &[f64]),
+        since: f64,
         mut watch: impl FnMut(&mut FollowedStep),
     ) -> Option<Return> {
         let Section { reference, phases, rests, .. } = self.section;
         let contacts = &self.view.contacts;
         // Angles are relative to those of the start, including the whole turns that the motion
         // subtracts.
-        let begun = motion.unwrapped();
         let taken_off = |index: usize| start[contacts[index].position] - begun[index];
         let mut passed = 0;
-        while motion.time() < self.longest {
+        let until = since + self.longest;
+        while motion.time() < until {
             let stays = |(index, phase): (usize, &Phase)| {
                 (!rests[index] || *phase == Phase::Stick)
                     && (index != *reference || !phase.in_band())
@@ -125,7 +160,7 @@ impl ReturnMap<'_> {
                 return None;
             }
             let whole_turns = self.whole_turns(motion);
-            motion.advance(self.longest).ok()?;
+            motion.advance(until).ok()?;
             let passage = motion.passage(*reference);
             passed += usize::from(passage.is_some());
             let Some((time, mut state)) = passage.filter(|_| passed == self.turns) else {
