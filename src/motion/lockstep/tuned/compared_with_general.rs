@@ -150,11 +150,11 @@ fn agree<const N: usize>(
     let tuned = step(simd, Tuned::<_, N>::new(simd, ramp.is_some()), &runs);
     let general = step(simd, General::new(simd, runs[0].system()), &runs);
     let (mut located, mut obvious) = (0, 0);
-    for lane in 0..LANES {
+    for (lane, run) in runs.iter().enumerate() {
         let close = |one: &[f64], other: &[f64], most: f64| {
             assert_eq!(one.len(), other.len());
             for (component, (one, other)) in one.iter().zip(other).enumerate() {
-                let phases = &runs[lane].lane.phases;
+                let phases = &run.lane.phases;
                 assert!(
                     (one - other).abs() < most,
                     "{component} of {lane}: {one} {other} {phases:?}"
@@ -169,7 +169,7 @@ fn agree<const N: usize>(
             (Ends::At(one, which), Ends::At(other, same)) => {
                 // Balls that touch stop together: rounding decides which of them is first.
                 let together = |condition: &Condition| match condition {
-                    Condition::Contact { which, .. } if touches(&runs[lane]) => Some(*which),
+                    Condition::Contact { which, .. } if touches(run) => Some(*which),
                     _ => None,
                 };
                 let agrees =

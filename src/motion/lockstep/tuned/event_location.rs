@@ -137,21 +137,22 @@ fn forces_if_stuck<S: Vector, const N: usize>(
     let [c, s] = &series.solver.trigonometry[ball];
     let (c, s) = (c[lane], s[lane]);
     let left = series.solver.residual[ball][lane] != 0.0;
-    let mut forces = [[0.0; ORDER + 1]; 2];
-    for k in 0..ORDER {
+    let [mut normal, mut friction] = [[0.0; ORDER + 1]; 2];
+    let powers = normal.iter_mut().zip(&mut friction).enumerate();
+    for (k, (normal, friction)) in powers.take(ORDER) {
         let [x, y] = &series.terms[k].pull;
         let (x, y) = (x[lane], y[lane]);
         let changes = k == 0 || left || series.turning.is_some();
         let pressed = if changes { pressed(series, balancer, lane, ball, k) } else { 0.0 };
-        forces[0][k] = pressed - (c * x + s * y);
-        forces[1][k] = s * x - c * y;
+        *normal = pressed - (c * x + s * y);
+        *friction = s * x - c * y;
         if let Some(turning) = &series.turning
             && let Some(acceleration) = turning.acceleration.get(k)
         {
-            forces[1][k] -= turning.balls[ball].euler[lane] * acceleration[lane];
+            *friction -= turning.balls[ball].euler[lane] * acceleration[lane];
         }
     }
-    forces
+    [normal, friction]
 }
 
 /// Returns the normal force on a ball without the table's acceleration.

@@ -199,19 +199,21 @@ impl<S: Vector, const N: usize> Response<S, N> {
                 continue;
             }
             let scale = one / matrix[pivot][pivot];
-            for column in 0..N {
-                matrix[pivot][column] *= scale;
-                self.inverse[pivot][column] *= scale;
+            for value in matrix[pivot].iter_mut().chain(&mut self.inverse[pivot]) {
+                *value *= scale;
             }
-            for row in 0..N {
-                if row == pivot || !self.has(row) {
+            let (of_pivot, of_inverse) = (matrix[pivot], self.inverse[pivot]);
+            let closed = self.closed;
+            for (row, (values, inverse)) in matrix.iter_mut().zip(&mut self.inverse).enumerate() {
+                if row == pivot || closed & 1 << row == 0 {
                     continue;
                 }
-                let factor = zero - matrix[row][pivot];
-                for column in 0..N {
-                    matrix[row][column] = factor.fused(matrix[pivot][column], matrix[row][column]);
-                    self.inverse[row][column] =
-                        factor.fused(self.inverse[pivot][column], self.inverse[row][column]);
+                let factor = zero - values[pivot];
+                for (value, above) in values.iter_mut().zip(of_pivot) {
+                    *value = factor.fused(above, *value);
+                }
+                for (value, above) in inverse.iter_mut().zip(of_inverse) {
+                    *value = factor.fused(above, *value);
                 }
             }
         }
@@ -232,31 +234,29 @@ impl<S: Vector, const N: usize> Response<S, N> {
     ) -> OfEach<S, N> {
         let zero = Lanes::splat(pull[0].simd, 0.0);
         let (mut relative, mut forces) = ([zero; N], [zero; N]);
-        for gap in 0..N {
+        for (gap, relative) in relative.iter_mut().enumerate() {
             if self.has(gap) {
-                for ball in 0..N {
-                    let side = self.sides[gap][ball];
-                    relative[gap] = side.fused(accelerations[ball], relative[gap]);
+                for (side, acceleration) in self.sides[gap].iter().zip(&*accelerations) {
+                    *relative = side.fused(*acceleration, *relative);
                 }
             }
         }
-        for gap in 0..N {
+        for (gap, force) in forces.iter_mut().enumerate() {
             if !self.has(gap) {
                 continue;
             }
-            let mut force = zero;
-            for other in 0..N {
+            let mut sum = zero;
+            for (other, relative) in relative.iter().enumerate() {
                 if self.has(other) {
-                    force = self.inverse[gap][other].fused(relative[other], force);
+                    sum = self.inverse[gap][other].fused(*relative, sum);
                 }
             }
-            forces[gap] = zero - force;
+            *force = zero - sum;
         }
-        for gap in 0..N {
+        for (gap, force) in forces.into_iter().enumerate() {
             if !self.has(gap) {
                 continue;
             }
-            let force = forces[gap];
             for (pull, by_force) in pull.iter_mut().zip(self.table[gap]) {
                 *pull = by_force.fused(force, *pull);
             }

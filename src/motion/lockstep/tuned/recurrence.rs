@@ -99,8 +99,8 @@ fn products_of<S: Vector, const N: usize, const M: usize>(
     let mut across = [zero; M];
     // The latest results are used last, to avoid waiting for them.
     let mut before = [[zero; 2]; M];
-    for i in 0..M {
-        before[i] = with[k].balls[first + i].direction;
+    for (before, ball) in before.iter_mut().zip(&with[k].balls[first..]) {
+        *before = ball.direction;
     }
     if k > 0 {
         let [x, y] = of[0].pull;

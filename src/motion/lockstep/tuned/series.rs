@@ -100,10 +100,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
         (drive, gaps): (Option<&Drive<S, N>>, &Gaps<S, N>),
         start: &Flow<S, N>,
     ) {
-        self.turning = match drive {
-            Some(drive) => Some(drive.turning(start.elapsed)),
-            None => None,
-        };
+        self.turning = drive.map(|drive| drive.turning(start.elapsed));
         self.begin(equations, start);
         self.response.begin(gaps, &self.solver);
         if self.is_plain() {

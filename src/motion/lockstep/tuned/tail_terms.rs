@@ -82,10 +82,10 @@ impl<S: Vector, const N: usize> Series<S, N> {
                 by_speed[0].fused(speed[0], whole_b.fused(speed[1], rest[0])),
                 by_speed[3].fused(speed[1], whole_c.fused(speed[0], rest[1])),
             ];
-            for i in 0..N {
-                let [along, across] = self.solver.drawn[i];
+            let balls = equations.balls.iter().zip(self.solver.drawn);
+            for (turning, (ball, [along, across])) in turning.iter_mut().zip(balls) {
                 let drawn = along.fused(pull[0], across * pull[1]);
-                turning[i] = (-equations.balls[i].held[1]).fused(turning[i], drawn);
+                *turning = (-ball.held[1]).fused(*turning, drawn);
             }
             if self.response.active {
                 // Balls that touch turn together; their reaction on the table is neglected.

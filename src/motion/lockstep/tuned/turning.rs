@@ -182,20 +182,21 @@ impl<S: Vector, const N: usize> Drive<S, N> {
             drag[1] = speed[j].fused(low.table[0], drag[1]);
             frame[0] = double.fused(next.table[1], frame[0]);
             frame[1] = (zero - double).fused(next.table[0], frame[1]);
-            for i in 0..N {
-                let [c, s] = next.balls[i].direction;
-                around[i][0] = double.fused(s, around[i][0]);
-                around[i][1] = (zero - double).fused(c, around[i][1]);
-                by_ball[i] = speed[j].fused(low.balls[i].speed, by_ball[i]);
+            for (around, ball) in around.iter_mut().zip(&next.balls) {
+                let [c, s] = ball.direction;
+                around[0] = double.fused(s, around[0]);
+                around[1] = (zero - double).fused(c, around[1]);
+            }
+            for (by_ball, ball) in by_ball.iter_mut().zip(&low.balls) {
+                *by_ball = speed[j].fused(ball.speed, *by_ball);
             }
         }
         for j in 0..=k.min(2 * number - 2) {
             let low = &terms[k - j];
             for axis in 0..2 {
                 frame[axis] = squared[j].fused(low.table[axis], frame[axis]);
-                for i in 0..N {
-                    around[i][axis] =
-                        squared[j].fused(low.balls[i].direction[axis], around[i][axis]);
+                for (around, ball) in around.iter_mut().zip(&low.balls) {
+                    around[axis] = squared[j].fused(ball.direction[axis], around[axis]);
                 }
             }
         }
@@ -204,14 +205,14 @@ impl<S: Vector, const N: usize> Drive<S, N> {
             let (plus, minus) = (acceleration[j], zero - acceleration[j]);
             frame[0] = plus.fused(low.table[1], frame[0]);
             frame[1] = minus.fused(low.table[0], frame[1]);
-            for i in 0..N {
-                let [c, s] = low.balls[i].direction;
-                around[i][0] = plus.fused(s, around[i][0]);
-                around[i][1] = minus.fused(c, around[i][1]);
+            for (around, ball) in around.iter_mut().zip(&low.balls) {
+                let [c, s] = ball.direction;
+                around[0] = plus.fused(s, around[0]);
+                around[1] = minus.fused(c, around[1]);
             }
         }
-        for i in 0..N {
-            by_ball[i] = self.balls[i].by_product * by_ball[i];
+        for (by_ball, ball) in by_ball.iter_mut().zip(&self.balls) {
+            *by_ball *= ball.by_product;
         }
         let drag = [self.drag * drag[0], zero - self.drag * drag[1]];
         TurningProducts { drag, frame, around, held: by_ball }
