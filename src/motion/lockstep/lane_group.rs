@@ -102,9 +102,8 @@ pub(crate) trait LaneGroup {
     /// Returns the squares of the displacement of `Layout::vibration` at times after the start of the latest step; 0
     /// without such a displacement.
     fn squares_within(&self, lane: usize, after: [f64; 5]) -> [f64; 5];
-    /// Returns parts of the latest step with the squares of the displacement there. The largest square in the step is one
-    /// of them if it exceeds `known`, a square that occurs in the motion; maxima between the other parts are located where
-    /// a square next to them exceeds the part `near` of `known`.
+    /// Returns some parts of the latest step with the squares of the displacement there. They contain each maximum whose
+    /// neighbours exceed the part `near` of `known`. The caller passes the largest square so far as `known`.
     fn largest_squares_within(
         &self,
         lane: usize,

@@ -119,9 +119,8 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         std::array::from_fn(|place| squares[place])
     }
 
-    /// Returns the parts of the latest step, and the squares of the measured displacement there, of which one is the
-    /// largest in the step: nodes, and between two nodes the maximum if it may be larger than a part `near` of `known`, a
-    /// square that is known to occur.
+    /// Returns some parts of the latest step with the squares of the measured displacement there. The parts are eight nodes.
+    /// Between two nodes, the maximum follows if a square next to it exceeds the part `near` of `known`.
     #[inline(never)]
     pub(super) fn largest_squares(
         &self,

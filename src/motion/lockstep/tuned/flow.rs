@@ -1,10 +1,10 @@
 //! The components of a balancer's state in all lanes.
 
-use fearless_simd::SimdBase;
+use fearless_simd::{mask64x8, prelude::*};
 
 use crate::model::State;
 use crate::motion::lockstep::Lanes;
-use crate::motion::lockstep::vector::Vector;
+use crate::motion::lockstep::vector::{Fused, Vector};
 
 /// The components of a state, or of its rate of change, of each run.
 #[derive(Clone, Copy)]
@@ -25,6 +25,44 @@ impl<S: Vector, const N: usize> Flow<S, N> {
     pub(super) fn zero(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         Flow { table: [zero; 4], angle: [zero; N], speed: [zero; N], elapsed: zero }
+    }
+
+    /// Replaces the components in the lanes of a mask.
+    #[inline(always)]
+    pub(super) fn select(&mut self, from: &Self, mask: mask64x8<S>) {
+        for i in 0..4 {
+            self.table[i] = mask.select(from.table[i], self.table[i]);
+        }
+        for i in 0..N {
+            self.angle[i] = mask.select(from.angle[i], self.angle[i]);
+            self.speed[i] = mask.select(from.speed[i], self.speed[i]);
+        }
+        self.elapsed = mask.select(from.elapsed, self.elapsed);
+    }
+
+    /// Returns zero in the lanes in which all components are finite.
+    #[inline(always)]
+    pub(super) fn finite(&self, start: Lanes<S>) -> Lanes<S> {
+        let zero = Lanes::splat(start.simd, 0.0);
+        let mut nought = start;
+        for value in self.table.iter().chain(&self.angle).chain(&self.speed) {
+            nought = value.fused(zero, nought);
+        }
+        nought
+    }
+
+    /// Returns the sum of the squares of all components of a displacement, which does not shift the time.
+    #[inline(always)]
+    pub(super) fn square(&self) -> Lanes<S> {
+        let mut size = Lanes::splat(self.table[0].simd, 0.0);
+        for value in self.table {
+            size = value.fused(value, size);
+        }
+        for i in 0..N {
+            size = self.angle[i].fused(self.angle[i], size);
+            size = self.speed[i].fused(self.speed[i], size);
+        }
+        size
     }
 
     /// Returns one run's components.

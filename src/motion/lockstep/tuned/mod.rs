@@ -14,6 +14,7 @@ mod flow;
 mod gap_forces;
 mod mode_selection;
 mod recurrence;
+mod rest_ahead;
 mod series;
 mod step;
 mod tail_terms;
@@ -28,19 +29,20 @@ use fearless_simd::{mask64x8, prelude::*};
 use super::kernel::{Ends, Kernel, Powers};
 use super::lane::Lane;
 use super::{LANES, Lanes, ORDER};
-use crate::model::{Balancer, Components, RestPoint, State, System};
+use crate::model::{Balancer, Components, State, System};
 use crate::motion::Evaluator;
-use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::{Evaluated, InState};
 use crate::motion::saltation::Condition;
-use crate::motion::{Phase, all_stick, any_closed};
+use crate::motion::{Phase, any_closed};
 use equations::Equations;
 use event_functions::{Doubts, Watched};
 use flow::Flow;
 use gap_forces::Gaps;
-use mode_selection::InPlace;
+pub(super) use mode_selection::in_state;
+use mode_selection::{InPlace, called, turned};
 use recurrence::RECIPROCALS;
+use rest_ahead::RestAhead;
 use series::Series;
 use turning::Drive;
 
@@ -51,10 +53,7 @@ const STILL: f64 = 1e-6;
 pub(super) struct Tuned<S: Vector, const N: usize> {
     equations: Equations<S, N>,
     watched: [Watched<S>; N],
-    /// The rest point, and the square of the distance from it below which no ball can break loose; negative if there
-    /// is no such distance.
-    rest: [Lanes<S>; 2],
-    rest_radius_squared: Lanes<S>,
+    rest: RestAhead<S>,
     balancers: [Option<Balancer<N>>; LANES],
     /// The phases of the balls that the equations have.
     phases: [[Option<Phase>; N]; LANES],
@@ -79,12 +78,10 @@ pub(super) struct Room<S: Vector, const N: usize> {
 impl<S: Vector, const N: usize> Tuned<S, N> {
     /// Empty lanes, for discs whose speed changes or for others.
     pub(super) fn new(simd: S, changes: bool) -> Self {
-        let zero = Lanes::splat(simd, 0.0);
         Tuned {
             equations: Equations::blank(simd),
             watched: [Watched::nothing(simd); N],
-            rest: [zero; 2],
-            rest_radius_squared: Lanes::splat(simd, -1.0),
+            rest: RestAhead::none(simd),
             balancers: [None; LANES],
             phases: [[None; N]; LANES],
             gaps: Gaps::none(simd),
@@ -190,26 +187,18 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     }
 
     fn set_rest(&mut self, lane: usize, own: &Lane, state: &[f64]) {
-        self.rest_radius_squared[lane] = -1.0;
+        self.rest.clear(lane);
         // A run ends in its last stage, in which the speed is constant.
         if self.drive.is_none()
-            && all_stick(&own.phases)
             && let Some(balancer) = &self.balancers[lane]
-            && let Some(state) = State::<N>::of_components(state)
         {
-            let rest = balancer.rest_point(&state.beta);
-            self.rest[0][lane] = rest.position[0];
-            self.rest[1][lane] = rest.position[1];
-            // Forces between balls that touch can hold them where friction alone cannot.
-            let touches = any_closed(&own.phases);
-            self.rest_radius_squared[lane] =
-                if touches { f64::INFINITY } else { rest_radius_squared(balancer, &rest) };
+            self.rest.set(lane, balancer, (&own.phases, state));
         }
     }
 
     fn clear(&mut self, lane: usize) {
         self.sliding &= !(1 << lane);
-        self.rest_radius_squared[lane] = -1.0;
+        self.rest.clear(lane);
         self.balancers[lane] = None;
         self.gaps.clear(lane);
         self.evaluators[lane] = None;
@@ -229,38 +218,17 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
 
     #[inline(always)]
     fn select(&self, into: &mut Flow<S, N>, from: &Flow<S, N>, mask: mask64x8<S>) {
-        for i in 0..4 {
-            into.table[i] = mask.select(from.table[i], into.table[i]);
-        }
-        for i in 0..N {
-            into.angle[i] = mask.select(from.angle[i], into.angle[i]);
-            into.speed[i] = mask.select(from.speed[i], into.speed[i]);
-        }
-        into.elapsed = mask.select(from.elapsed, into.elapsed);
+        into.select(from, mask);
     }
 
     #[inline(always)]
     fn finite(&self, flow: &Flow<S, N>, start: Lanes<S>) -> Lanes<S> {
-        let zero = Lanes::splat(start.simd, 0.0);
-        let all = flow.table.iter().chain(&flow.angle).chain(&flow.speed);
-        let mut nought = start;
-        for value in all {
-            nought = value.fused(zero, nought);
-        }
-        nought
+        flow.finite(start)
     }
 
     #[inline(always)]
     fn square(&self, flow: &Flow<S, N>) -> Lanes<S> {
-        let mut size = Lanes::splat(flow.table[0].simd, 0.0);
-        for value in flow.table {
-            size = value.fused(value, size);
-        }
-        for i in 0..N {
-            size = flow.angle[i].fused(flow.angle[i], size);
-            size = flow.speed[i].fused(flow.speed[i], size);
-        }
-        size
+        flow.square()
     }
 
     #[inline(always)]
@@ -338,13 +306,7 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
 
     #[inline(always)]
     fn rest(&self, state: &Flow<S, N>) -> u64 {
-        let speed = self.equations.speed;
-        let u_x = state.table[0] - self.rest[0];
-        let u_y = state.table[1] - self.rest[1];
-        let v_x = state.table[2] - speed * u_y;
-        let v_y = state.table[3] + speed * u_x;
-        let distance = u_x * u_x + u_y * u_y + (v_x * v_x + v_y * v_y);
-        distance.simd_le(self.rest_radius_squared).to_bitmask()
+        self.rest.is_near(self.equations.speed, &state.table)
     }
 
     #[inline(always)]
@@ -422,28 +384,9 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         let balancer = balancer.expect("only lanes with a run are decided");
         let state =
             State::<N>::of_components(state).expect("the components are those of the lanes");
-        let simd = self.equations.speed.simd;
-        let turned = simd.vectorize(
-            #[inline(always)]
-            || {
-                // A vector of the angles of one lane, not of lanes.
-                const { assert!(N <= LANES) };
-                let mut angles = Lanes::splat(simd, 0.0);
-                for (place, angle) in state.beta.into_iter().enumerate() {
-                    angles[place] = angle;
-                }
-                let (sines, cosines) = sin_cos(angles);
-                std::array::from_fn(|place| (sines[place], cosines[place]))
-            },
-        );
+        let turned = turned(self.equations.speed.simd, state.beta);
         with(&InPlace::new(balancer, own.surely_one_solution, (state, turned)))
     }
-}
-
-#[cold]
-#[inline(never)]
-fn called<R>(with: impl FnOnce(&dyn InState) -> R, at: &dyn InState) -> R {
-    with(at)
 }
 
 /// Returns the components of a balancer that are angles.
@@ -454,49 +397,4 @@ pub(super) fn angles(balls: usize) -> std::ops::Range<usize> {
 /// Returns the balancer that a system is while no balls touch.
 fn while_apart<const N: usize>(system: &Arc<dyn System>) -> Option<&Balancer<N>> {
     system.while_apart().downcast_ref()
-}
-
-/// Calls `with` with a balancer at constant speed in one state; `None` for another system.
-pub(super) fn in_state<R>(
-    system: &Arc<dyn System>,
-    surely_one_solution: bool,
-    state: &[f64],
-    with: impl FnOnce(&dyn InState) -> R,
-) -> Option<R> {
-    if system.speed_terms().is_some() {
-        return None;
-    }
-    macro_rules! of_balls {
-        ($($balls:literal)*) => {
-            $(
-                if let Some(balancer) = while_apart::<$balls>(system) {
-                    let state = State::<$balls>::of_components(state)?;
-                    let turned = state.beta.map(libm::sincos);
-                    return Some(with(&InPlace::new(
-                        balancer,
-                        surely_one_solution,
-                        (state, turned),
-                    )));
-                }
-            )*
-        };
-    }
-    of_balls!(1 2 3 4 5 6 7 8);
-    None
-}
-
-/// Returns the square of the distance from rest below which no ball can break loose, apart from the
-/// residual speeds of sticking balls in the switch model; negative if there is no such distance.
-fn rest_radius_squared<const N: usize>(balancer: &Balancer<N>, rest: &RestPoint<N>) -> f64 {
-    let mut least = f64::INFINITY;
-    for (i, ball) in balancer.balls.iter().enumerate() {
-        let limit = ball.friction.limit;
-        least = least.min((limit * rest.normal[i] - rest.friction[i].abs()) / (1.0 + limit));
-    }
-    if least < 0.0 || least.is_nan() {
-        return -1.0;
-    }
-    // Slightly larger, so that rounding leaves the decision to the certificate itself.
-    let radius = least / balancer.acceleration_bound(1.0) * (1.0 + 1e-9);
-    radius * radius
 }

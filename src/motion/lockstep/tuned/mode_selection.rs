@@ -1,9 +1,17 @@
 //! A balancer in one state, for deciding stick and slip, with the common parts of all candidate configurations
 //! computed once.
 
-use crate::model::{Balancer, Components, Contact, Dual, Friction, State};
+use std::sync::Arc;
+
+use fearless_simd::SimdBase;
+
+use super::while_apart;
+use crate::model::{Balancer, Components, Contact, Dual, Friction, State, System};
 use crate::motion::Phase;
 use crate::motion::evaluator::{ContactForces, Forces};
+use crate::motion::lockstep::trigonometry::sin_cos;
+use crate::motion::lockstep::vector::Vector;
+use crate::motion::lockstep::{LANES, Lanes};
 use crate::motion::modes::{AHEAD, InState};
 
 /// A balancer in one state.
@@ -119,4 +127,57 @@ impl<const N: usize> InState for InPlace<'_, N> {
     fn force_scale(&self) -> f64 {
         1.0 + self.balancer.speed * self.balancer.speed
     }
+}
+
+/// Returns sine and cosine of the angles of one lane.
+pub(super) fn turned<S: Vector, const N: usize>(simd: S, angles: [f64; N]) -> [(f64, f64); N] {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            // A vector of the angles of one lane, not of lanes.
+            const { assert!(N <= LANES) };
+            let mut all = Lanes::splat(simd, 0.0);
+            for (place, angle) in angles.into_iter().enumerate() {
+                all[place] = angle;
+            }
+            let (sines, cosines) = sin_cos(all);
+            std::array::from_fn(|place| (sines[place], cosines[place]))
+        },
+    )
+}
+
+/// Calls a function that is large, without inlining it a second time.
+#[cold]
+#[inline(never)]
+pub(super) fn called<R>(with: impl FnOnce(&dyn InState) -> R, at: &dyn InState) -> R {
+    with(at)
+}
+
+/// Calls `with` with a balancer at constant speed in one state; `None` for another system.
+pub(in crate::motion::lockstep) fn in_state<R>(
+    system: &Arc<dyn System>,
+    surely_one_solution: bool,
+    state: &[f64],
+    with: impl FnOnce(&dyn InState) -> R,
+) -> Option<R> {
+    if system.speed_terms().is_some() {
+        return None;
+    }
+    macro_rules! of_balls {
+        ($($balls:literal)*) => {
+            $(
+                if let Some(balancer) = while_apart::<$balls>(system) {
+                    let state = State::<$balls>::of_components(state)?;
+                    let turned = state.beta.map(libm::sincos);
+                    return Some(with(&InPlace::new(
+                        balancer,
+                        surely_one_solution,
+                        (state, turned),
+                    )));
+                }
+            )*
+        };
+    }
+    of_balls!(1 2 3 4 5 6 7 8);
+    None
 }

@@ -32,12 +32,7 @@ pub(super) struct Drive<S: Vector, const N: usize> {
 /// The coefficients of a ball's equation; those of forces along the ring times the mobility.
 #[derive(Clone, Copy)]
 struct DrivenBall<S: Vector> {
-    /// `2 - 2 J d`, or 2 (Newton): the normal force without the table's acceleration gains this times `ω β̇`.
-    pressed: Lanes<S>,
-    /// The least of the normal force, over `ω²`.
-    least: Lanes<S>,
-    /// `1 - 2 J d`
-    euler: Lanes<S>,
+    on_disc: BallOnDisc<S>,
     /// The friction by `ω²` and by `ω β̇`, and the force by the acceleration of the disc.
     by_square: Lanes<S>,
     by_product: Lanes<S>,
@@ -47,14 +42,8 @@ struct DrivenBall<S: Vector> {
 impl<S: Vector, const N: usize> Drive<S, N> {
     pub(super) fn blank(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
-        let ball = DrivenBall {
-            pressed: zero,
-            least: zero,
-            euler: zero,
-            by_square: zero,
-            by_product: zero,
-            by_acceleration: zero,
-        };
+        let on_disc = BallOnDisc { pressed: zero, least: zero, euler: zero };
+        let ball = DrivenBall { on_disc, by_square: zero, by_product: zero, by_acceleration: zero };
         Drive {
             terms: [zero; SPEED_TERMS],
             unbalance: zero,
@@ -83,9 +72,10 @@ impl<S: Vector, const N: usize> Drive<S, N> {
         self.drag[lane] = 2.0 * balancer.damping_ratio;
         for (of_ball, ball) in self.balls.iter_mut().zip(&balancer.balls) {
             let pressed = 2.0 - ball.rolling_by_speed();
-            of_ball.pressed[lane] = pressed;
-            of_ball.least[lane] = 1.0 - pressed * pressed / (4.0 * (1.0 - ball.rolling_quadratic));
-            of_ball.euler[lane] = 1.0 - 2.0 * ball.inertia * ball.diameter;
+            let on_disc = &mut of_ball.on_disc;
+            on_disc.pressed[lane] = pressed;
+            on_disc.least[lane] = 1.0 - pressed * pressed / (4.0 * (1.0 - ball.rolling_quadratic));
+            on_disc.euler[lane] = 1.0 - 2.0 * ball.inertia * ball.diameter;
         }
     }
 
@@ -93,8 +83,8 @@ impl<S: Vector, const N: usize> Drive<S, N> {
     pub(super) fn set_ball(&mut self, lane: usize, ball: usize, [mobility, friction]: [f64; 2]) {
         let of_ball = &mut self.balls[ball];
         of_ball.by_square[lane] = mobility * friction;
-        of_ball.by_product[lane] = mobility * (friction * of_ball.pressed[lane]);
-        of_ball.by_acceleration[lane] = mobility * of_ball.euler[lane];
+        of_ball.by_product[lane] = mobility * (friction * of_ball.on_disc.pressed[lane]);
+        of_ball.by_acceleration[lane] = mobility * of_ball.on_disc.euler[lane];
     }
 
     /// Returns the speed of the disc from a time in its segment on.
@@ -131,10 +121,9 @@ impl<S: Vector, const N: usize> Drive<S, N> {
             curved = curved.max(term.abs());
         }
         let number = if curved.simd_gt(zero).any_true() { SPEED_TERMS } else { 2 };
-        let mut of_balls = [BallOnDisc { pressed: zero, least: zero, euler: zero }; N];
+        let mut of_balls = [self.balls[0].on_disc; N];
         for (of_all, ball) in of_balls.iter_mut().zip(&self.balls) {
-            let DrivenBall { pressed, least, euler, .. } = *ball;
-            *of_all = BallOnDisc { pressed, least, euler };
+            *of_all = ball.on_disc;
         }
         Turning { speed, squared, acceleration, number, balls: of_balls }
     }
@@ -252,11 +241,14 @@ pub(super) struct Turning<S: Vector, const N: usize> {
     pub(super) balls: [BallOnDisc<S>; N],
 }
 
-/// The parameters of a ball for the forces on it ([`DrivenBall`]).
+/// The parameters of a ball for the forces on it.
 #[derive(Clone, Copy)]
 pub(super) struct BallOnDisc<S: Vector> {
+    /// `2 - 2 J d`, or 2 (Newton): the normal force without the table's acceleration gains this times `ω β̇`.
     pub(super) pressed: Lanes<S>,
+    /// The least of the normal force, over `ω²`.
     pub(super) least: Lanes<S>,
+    /// `1 - 2 J d`
     pub(super) euler: Lanes<S>,
 }
 
@@ -282,8 +274,7 @@ impl<S: Vector, const N: usize> Turning<S, N> {
         sum
     }
 
-    /// Returns the series of the normal force on a ball of a lane without the table's acceleration, from the series of its
-    /// speed and of the square of its speed, without a residual speed.
+    /// Returns a coefficient of the square of the speed of the disc in one lane, and of its product with the speed of a ball.
     pub(super) fn square_and_product(
         &self,
         lane: usize,
