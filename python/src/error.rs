@@ -1,8 +1,11 @@
 //! Python exceptions with the messages of the command line.
 
+use std::ffi::CString;
+
 use pyo3::create_exception;
 use pyo3::exceptions::{
-    PyFileExistsError, PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyTypeError, PyValueError,
+    PyFileExistsError, PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyTypeError, PyUserWarning,
+    PyValueError,
 };
 use pyo3::prelude::*;
 use stickslip::CommandError;
@@ -83,8 +86,19 @@ pub fn wrong_type(key: &str, found: &Bound<'_, PyAny>, allowed: &str) -> PyErr {
     PyTypeError::new_err(argument.text())
 }
 
+/// Issues a `UserWarning` at the caller's line.
+///
+/// # Errors
+/// Returns the exception of a filter that turns warnings into errors.
+pub fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
+    // Text with a zero byte is not a C string; a path cannot contain one.
+    let text = CString::new(text)?;
+    PyErr::warn(py, py.get_type::<PyUserWarning>().as_any(), &text, 1)
+}
+
 /// What the command line calls an option, and what it is in Python.
-const WORDS: [(&str, &str); 13] = [
+const WORDS: [(&str, &str); 14] = [
+    (", or - for standard input", ""),
     ("with --out DIR", "as `out`"),
     ("with --out FILE", "as `out`"),
     ("with --out", "as `out`"),

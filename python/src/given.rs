@@ -1,4 +1,6 @@
-//! Tables from Python: rows, columns, or an Arrow table of any library.
+//! Tables from Python: a file, rows, columns, or an Arrow table of any library.
+
+use std::path::PathBuf;
 
 use arrow_array::ffi_stream::RecordBatchStreamReader;
 use pyo3::exceptions::{PyImportError, PyTypeError, PyValueError};
@@ -7,10 +9,12 @@ use pyo3::types::{PyBool, PyCapsule};
 use stickslip::study::file::values::Entry;
 
 use crate::error::{Trouble, wrong_type};
-use crate::values::{is_text, items, keys, number, plain};
+use crate::values::{is_text, items, keys, number, plain, text};
 
 /// A table that the user has given.
 pub enum Given {
+    /// A CSV or Parquet file.
+    File(PathBuf),
     /// Of a library with Arrow's interface.
     Arrow(RecordBatchStreamReader),
     /// The names of the columns, and rows with one value per column.
@@ -33,8 +37,11 @@ impl Words {
     /// Converts a table.
     ///
     /// # Errors
-    /// Returns a `TypeError` if the value is not a table of numbers and text.
+    /// Returns a `TypeError` if the value is neither a path nor a table of numbers and text.
     pub fn given(self, given: &Bound<'_, PyAny>) -> PyResult<Given> {
+        if is_text(given) || given.hasattr("__fspath__")? {
+            return Ok(Given::File(given.extract()?));
+        }
         if given.hasattr("__arrow_c_stream__")? {
             match given.call_method0("__arrow_c_stream__") {
                 Ok(stream) => return Ok(Given::Arrow(self.reader(&stream)?)),
@@ -110,8 +117,7 @@ impl Words {
 
     /// Converts mappings, one per design.
     fn of_rows(self, given: &Bound<'_, PyAny>) -> PyResult<(Vec<String>, Rows)> {
-        let designs = if is_text(given) { None } else { items(given)? };
-        let designs = designs.ok_or_else(|| wrong_type(self.name, given, self.allowed))?;
+        let designs = items(given)?.ok_or_else(|| wrong_type(self.name, given, self.allowed))?;
         let mut columns: Vec<String> = Vec::new();
         let mut rows: Rows = Vec::new();
         for (row, design) in designs.iter().enumerate() {
@@ -145,7 +151,8 @@ impl Words {
             return Ok(None);
         }
         if is_text(value) {
-            return Ok(Some(Entry::Text(value.extract()?)));
+            let place = || format!("{}: `row {}, column {name}`", self.name, row + 1);
+            return Ok(Some(Entry::Text(text(place, value)?)));
         }
         let plain = plain(value)?;
         match number(&plain)? {

@@ -8,17 +8,16 @@ use pyo3::types::PyDict;
 use serde_json::Value;
 use stickslip::engine::WorkerPool;
 use stickslip::identify::Identify;
-use stickslip::study::{MeasuredRun, Study};
+use stickslip::study::{MeasuredRun, Study, StudyError, implausible_angle};
 use stickslip::table::MemoryTable;
 
 use crate::directory::{Directory, check_named};
-use crate::error::{Trouble, no_threads};
+use crate::error::{Trouble, no_threads, warn};
 use crate::given::{Given, Words};
 use crate::json::to_python;
 use crate::plotting::draw;
 use crate::progress::Bars;
 use crate::table::Table;
-use crate::values::is_text;
 use crate::waiting::wait_with;
 
 /// Parameters inferred from measured positions of rest.
@@ -96,40 +95,18 @@ impl Identification {
     }
 }
 
-/// Measured runs: a file, or a table in memory.
-enum Measured {
-    File(PathBuf),
-    Table(Given),
-}
-
-const WORDS: Words = Words {
+/// What measured runs are called in messages.
+const MEASURED: Words = Words {
     name: "measured",
     allowed: "a path, a list of dicts, a dict of columns, or an Arrow table or dataframe",
 };
 
-impl Measured {
-    fn of(given: &Bound<'_, PyAny>) -> PyResult<Self> {
-        if is_text(given) || given.hasattr("__fspath__")? {
-            return Ok(Measured::File(given.extract()?));
-        }
-        Ok(Measured::Table(WORDS.given(given)?))
-    }
-
-    fn file(&self) -> PathBuf {
-        match self {
-            Measured::File(file) => file.clone(),
-            Measured::Table(_) => WORDS.name.into(),
-        }
-    }
-
-    fn runs(self, study: &Study) -> Result<Vec<MeasuredRun>, stickslip::study::StudyError> {
-        match self {
-            Measured::File(file) => study.measured(&file),
-            Measured::Table(Given::Arrow(reader)) => study.measured_in_arrow(WORDS.name, reader),
-            Measured::Table(Given::Rows(columns, rows)) => {
-                study.measured_in_memory(WORDS.name, columns, rows)
-            }
-        }
+/// Reads measured runs.
+fn measured_runs(study: &Study, given: Given) -> Result<Vec<MeasuredRun>, StudyError> {
+    match given {
+        Given::File(file) => study.measured(&file),
+        Given::Arrow(reader) => study.measured_in_arrow(MEASURED.name, reader),
+        Given::Rows(columns, rows) => study.measured_in_memory(MEASURED.name, columns, rows),
     }
 }
 
@@ -161,9 +138,15 @@ impl Identification {
             check_named("simulations", simulations, "a directory, or None")?;
         }
         let (inferred, _) = Identify::study_of(&study, &file).map_err(Trouble::from)?;
-        let measured = Measured::of(measured)?;
-        let measured_file = measured.file();
-        let runs = measured.runs(&inferred).map_err(Trouble::from)?;
+        let measured = MEASURED.given(measured)?;
+        let measured_file = match &measured {
+            Given::File(file) => file.clone(),
+            Given::Arrow(_) | Given::Rows(..) => MEASURED.name.into(),
+        };
+        let runs = measured_runs(&inferred, measured).map_err(Trouble::from)?;
+        if let Some(warning) = implausible_angle(&runs) {
+            warn(py, &format!("{}: {warning}", measured_file.display()))?;
+        }
         let directory = Directory::new(out)?;
         let bars = Bars::new(py, progress)?;
         let show = bars.show();

@@ -1,14 +1,14 @@
 //! A machine from keyword arguments, written as the text of a study, so that errors are located as
 //! in a file.
 
-use pyo3::exceptions::{PyOverflowError, PyUnicodeError};
+use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFrozenSet, PySet};
 use serde_json::{Map, Number, Value, json};
 use stickslip::study::Study;
 
 use crate::error::{Trouble, refused, wrong_type};
-use crate::values::{is_text, items, keys, number, plain};
+use crate::values::{is_text, items, keys, number, plain, text};
 
 /// The largest number of levels of a value, as in a study file.
 const MOST_LEVELS: usize = 24;
@@ -76,10 +76,10 @@ fn convert(key: &str, value: &Bound<'_, PyAny>, levels: usize) -> PyResult<Value
         return Ok(Value::Null);
     }
     if is_text(value) {
-        return text(key, value);
+        return Ok(text(|| key.to_owned(), value)?.into());
     }
     if value.hasattr("__fspath__")? {
-        return text(key, &value.call_method0("__fspath__")?);
+        return Ok(text(|| key.to_owned(), &value.call_method0("__fspath__")?)?.into());
     }
     if value.is_instance_of::<PyBool>() {
         return Ok(Value::Bool(value.extract()?));
@@ -136,19 +136,6 @@ fn convert(key: &str, value: &Bound<'_, PyAny>, levels: usize) -> PyResult<Value
         list.push(convert(&format!("{key}[{index}]"), item, below)?);
     }
     Ok(Value::Array(list))
-}
-
-/// Converts text.
-fn text(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
-    match value.extract() {
-        Ok(text) => Ok(Value::String(text)),
-        Err(error) if error.is_instance_of::<PyUnicodeError>(value.py()) => {
-            let allowed = "text without surrogates";
-            Err(refused(key, "text that is not Unicode", &value.repr()?.to_string(), allowed)
-                .into())
-        }
-        Err(_) => Err(wrong_type(key, value, "text")),
-    }
 }
 
 /// Converts a number. A whole number is written as such, because arrays and dataframes hold whole numbers as floats.

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::classification::Label;
@@ -236,6 +237,17 @@ impl Results {
             tables.set_item(STAGES_TABLE, stages)?;
         }
         Ok(tables)
+    }
+
+    /// Pickles results as their directory, which the other process opens.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (PathBuf,))> {
+        let Some(Place { directory, .. }) = &self.place else {
+            let text = "these results cannot be pickled\n  found:   results in memory\n  allowed: results of \
+                        study.run(directory) or stickslip.open(directory), or a table as a dict or dataframe";
+            return Err(PyTypeError::new_err(text));
+        };
+        let open = py.import("stickslip")?.getattr("open")?;
+        Ok((open, (std::path::absolute(directory)?,)))
     }
 
     fn __repr__(&self) -> String {

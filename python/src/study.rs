@@ -29,7 +29,7 @@ use crate::waiting::{wait, wait_with};
 /// What designs are called in messages.
 const DESIGNS: Words = Words {
     name: "designs",
-    allowed: "a list of dicts, a dict of columns, one design as a dict of values, or an Arrow table or dataframe",
+    allowed: "a path, a list of dicts, a dict of columns, one design as a dict of values, or an Arrow table or dataframe",
 };
 
 /// A study: a model, a sweep, uncertain parameters, start states, and the variables and responses
@@ -283,7 +283,7 @@ impl PyStudy {
     /// Estimates the study's ``responses`` for designs, each with standard error, confidence
     /// interval and reason.
     ///
-    /// designs: a list of dicts, a dict of columns, a dict of values (one design), or any Arrow
+    /// designs: a CSV or Parquet file, a list of dicts, a dict of columns, a dict of values (one design), or any Arrow
     ///     table or dataframe (``__arrow_c_stream__``), with a value for each variable of the
     ///     study's ``design``: numbers in the units of the parameters, or names of choices.
     /// threads: number of worker threads, 1 to 1024; one per core by default. Does not change any
@@ -305,6 +305,7 @@ impl PyStudy {
         check_answerable(&self.study, &self.file).map_err(Trouble::Usage)?;
         let threads = crate::threads::threads(threads)?;
         let designs = match DESIGNS.given(designs)? {
+            Given::File(file) => self.study.designs(&file),
             Given::Arrow(reader) => self.study.designs_in_arrow(DESIGNS.name, reader),
             Given::Rows(columns, rows) => self.study.designs_in_memory(DESIGNS.name, columns, rows),
         };

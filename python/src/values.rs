@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use pyo3::exceptions::{PyOverflowError, PyTypeError};
+use pyo3::exceptions::{PyOverflowError, PyTypeError, PyUnicodeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyByteArray, PyBytes, PyString};
 
@@ -50,6 +50,20 @@ pub fn items<'py>(value: &Bound<'py, PyAny>) -> PyResult<Option<Vec<Bound<'py, P
         }
     }
     Ok(Some(items))
+}
+
+/// Returns text; `place` says where it is.
+///
+/// # Errors
+/// Returns a `TypeError` for another type, and a `StudyError` for text with surrogates, which is not Unicode.
+pub fn text(place: impl FnOnce() -> String, value: &Bound<'_, PyAny>) -> PyResult<String> {
+    value.extract().map_err(|error: PyErr| {
+        if !error.is_instance_of::<PyUnicodeError>(value.py()) {
+            return wrong_type(&place(), value, "text");
+        }
+        let shown = value.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
+        refused(&place(), "text that is not Unicode", &shown, "text without surrogates").into()
+    })
 }
 
 /// Returns a number or an array of numpy, or a series, as the values of Python that it holds; any other value is returned
@@ -114,7 +128,7 @@ pub fn keys(place: &str, value: &Bound<'_, PyAny>) -> PyResult<Option<Vec<String
                 "{place}: wrong type of a name\n  found:   {shown}, a name of type {kind}\n  allowed: names that are text"
             )));
         }
-        keys.push(name.extract()?);
+        keys.push(text(|| place.to_owned(), &name)?);
     }
     Ok(Some(keys))
 }

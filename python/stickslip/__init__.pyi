@@ -97,7 +97,7 @@ class Study:
         progress: bool = False,
     ) -> Identification: ...
     def evaluate(
-        self, designs: _Designs, *, threads: Union[SupportsIndex, None] = None, progress: bool = False
+        self, designs: Union[_Path, _Designs], *, threads: Union[SupportsIndex, None] = None, progress: bool = False
     ) -> Table: ...
 
 @final

@@ -81,6 +81,7 @@ def test_answers_are_those_of_the_program(study, designs, answers, threads):
 @pytest.mark.parametrize("form", list(forms([{"material": "steel", "balls": 1, "speed_rad_s": 1.0}] * 3)))
 def test_designs_come_as_anything(study, designs, answers, form):
     first = study.evaluate(designs)
+    assert_same(study.evaluate(ROOT / "studies/designs.csv"), answers)
     given = forms(designs)[form] if form != "own table" else first.to_pyarrow().select(list(designs[0]))
     assert_same(study.evaluate(given), answers)
 
@@ -186,9 +187,15 @@ def test_designs_that_are_none(study, designs):
         with pytest.raises(stickslip.StudyError) as raised:
             study.evaluate(given)
         assert raised.value.problem == problem
-    for given in [3, "steel", [3], [full, "steel"], {**full, "balls": True}, {**full, "balls": numpy.True_}, {"balls": [1, [2]]}, {1: [2]}]:
+    for given in [3, [3], [full, "steel"], {**full, "balls": True}, {**full, "balls": numpy.True_}, {"balls": [1, [2]]}, {1: [2]}]:
         with pytest.raises(TypeError, match="allowed:"):
             study.evaluate(given)
+    with pytest.raises(stickslip.StudyError, match="found:   no columns"):
+        study.evaluate({})
+    with pytest.raises(stickslip.StudyError, match="allowed: a name that ends in .csv or .parquet$"):
+        study.evaluate("steel")
+    with pytest.raises(stickslip.StudyError, match="row 1, column material`: text that is not Unicode"):
+        study.evaluate({**full, "material": "\ud800"})
     with pytest.raises(TypeError, match="column material"):
         study.evaluate({**columns(designs), "material": "steel"})
 

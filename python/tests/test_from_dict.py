@@ -143,6 +143,8 @@ def test_values_without_an_end():
         stickslip.Study.from_dict({**KEYS, "seed": 10**400})
     with pytest.raises(stickslip.StudyError, match="name: text that is not Unicode"):
         stickslip.Study.from_dict({**KEYS, "name": "\ud800"})
+    with pytest.raises(stickslip.StudyError, match="keys: text that is not Unicode\n  found:   '.ud800'"):
+        stickslip.Study.from_dict({**KEYS, "\ud800": 1})
     while deep:
         # Python's own end of a deep list needs the stack, too.
         deep = deep.pop()

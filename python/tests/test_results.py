@@ -1,5 +1,6 @@
 """Results on disk and in memory: opened, replayed, reported and drawn."""
 
+import pickle
 import subprocess
 
 import matplotlib.figure
@@ -22,6 +23,10 @@ def test_finished_results(small, small_results):
         assert_same(getattr(results, table), small_results / f"{table}.parquet")
     assert repr(results).startswith("<stickslip.Results of small, in ")
     assert "96 runs, 4 points; " in repr(results)
+    copy = pickle.loads(pickle.dumps(results))
+    assert (copy.directory, copy.labels) == (small_results, results.labels)
+    with pytest.raises(TypeError, match="allowed: results of study.run\\(directory\\)"):
+        pickle.dumps(small.run())
 
 
 def files(folder):

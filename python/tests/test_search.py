@@ -2,6 +2,7 @@
 
 import csv
 import json
+import warnings
 
 import polars
 import pytest
@@ -129,6 +130,10 @@ def test_measurements_that_make_no_sense(measured, tmp_path):
         study.identify({"speed_rad_s": [-140.0], "beta_1_rad": [1.0], "beta_2_rad": [2.0]})
     with pytest.raises(TypeError, match="allowed: a path, a list of dicts"):
         study.identify(3)
+    turned = [{**row, "beta_1_rad": 400.0} for row in measured]
+    with warnings.catch_warnings(), pytest.raises(UserWarning, match="found:  400 rad\n  remedy: angles in rad"):
+        warnings.simplefilter("error")
+        study.identify(turned)
     with pytest.raises(stickslip.StudyError, match="none.csv"):
         study.identify(tmp_path / "none.csv")
 

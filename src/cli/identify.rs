@@ -10,7 +10,8 @@ use super::output::{print, print_json};
 use crate::counted::counted;
 use crate::engine::{Show, say, stop_on_signals};
 use crate::identify::Identify;
-use crate::sanitize::shell_word;
+use crate::sanitize::{shell_word, shown_path};
+use crate::study::{Study, implausible_angle};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -80,7 +81,14 @@ pub fn identify(arguments: &IdentifyArguments) -> Result<End, CliError> {
         stop: &stop,
         show: if arguments.quiet { Show::Nothing } else { Show::auto() },
     };
-    let Some(identified) = identify.run(|study| Ok(study.measured(&arguments.measured)?))? else {
+    let read = |study: &Study| {
+        let runs = study.measured(&arguments.measured)?;
+        if let Some(warning) = implausible_angle(&runs).filter(|_| !arguments.quiet) {
+            say(&format!("warning: {}: {warning}", shown_path(&arguments.measured)));
+        }
+        Ok(runs)
+    };
+    let Some(identified) = identify.run(read)? else {
         let out = shell_word(&out);
         say(&format!("interrupted; run the same command with --out {out} to continue"));
         return Ok(End::Interrupted);

@@ -61,7 +61,7 @@ impl Study {
         let rows = Rows::in_file(name, read, &names)?;
         let missing = names.iter().find(|name| !rows.columns.contains(name));
         if let Some(name) = missing {
-            let found = rows.columns.join(", ");
+            let found = rows.column_names();
             let problem = format!("no column {name}");
             let allowed = format!("a column for each variable: {}", names.join(", "));
             return Err(rows.refuse(None, None, Fault::new(problem, found, allowed)));

@@ -1,5 +1,6 @@
 //! Reads tables of measured runs: where balls were seen to rest, or that they were seen to move.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use arrow_array::RecordBatchReader;
@@ -31,6 +32,20 @@ pub struct MeasuredRun {
     pub rest: Option<Vec<f64>>,
     /// Standard deviation of a measured angle, rad.
     pub std_dev_rad: f64,
+}
+
+/// Returns a warning if a measured angle is beyond two turns, because it is probably in degrees. An angle near a turn may be
+/// beyond it by its error.
+pub fn implausible_angle(runs: &[MeasuredRun]) -> Option<String> {
+    let angles = runs.iter().flat_map(|run| run.rest.iter().flatten());
+    let largest = angles.copied().max_by(|one, other| one.abs().total_cmp(&other.abs()))?;
+    (largest.abs() > 2.0 * TAU).then(|| {
+        format!(
+            "a measured angle is beyond two turns\n  found:  {} rad\n  remedy: angles in rad, without whole turns; a \
+             degree is 0.0174533 rad",
+            describe_number(largest)
+        )
+    })
 }
 
 impl Study {
@@ -92,7 +107,7 @@ impl Study {
         {
             let fault = Fault::new(
                 format!("no column {name}"),
-                rows.columns.join(", "),
+                rows.column_names(),
                 format!("the columns {}", names.join(", ")),
             );
             return Err(rows.refuse(None, None, fault));

@@ -39,7 +39,7 @@ pub(crate) use error::{list_names, shorten};
 pub use file::identify_file::SpacingFile;
 pub use file::optimize_file::{OverPoints, SensitivityFrom};
 pub(crate) use file::yaml_tree::describe_number;
-pub use measured_table::MeasuredRun;
+pub use measured_table::{MeasuredRun, implausible_angle};
 pub use plan::audit::Audit;
 pub use plan::changed_keys::changed_keys;
 pub use plan::expectation::Expectation;

@@ -151,6 +151,11 @@ fn wrong_usage() {
         "identify good.yaml --measured rests.csv --out full",
         &["holds no inference", "thesis.txt"],
     );
+    scratch.write("turned.csv", "speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n-140,400,2,0.1\n");
+    scratch.refused(
+        "identify good.yaml --measured turned.csv --out full",
+        &["warning: turned.csv: a measured angle is beyond two turns", "found:  400 rad"],
+    );
     let staged = good.replace("contact: none", "protocol: startup");
     scratch.write("staged.yaml", &staged);
     Study::parse(std::path::Path::new("staged.yaml"), staged).expect("a study");

@@ -125,6 +125,7 @@ fn wrong_types() {
     refused("seed: 5", "seed: five", 3, "seed", "text \"five\"", "a whole number");
     refused("seed: 5", "seed: -5", 3, "seed", "-5", "a whole number");
     refused("seed: 5", "seed: 1.5", 3, "seed", "1.5", "a whole number");
+    refused("seed: 5", "seed: 1.0", 3, "seed", "1.0", "a whole number");
     refused("name: good", "name: 12", 2, "name", "12", "quote it");
     refused("name: good", "name: ../up", 2, "name", "../up", "letters, digits");
     let key = "model.parameters.table_mass_kg";

@@ -169,6 +169,14 @@ impl<'a> Rows<'a> {
         Ok(self)
     }
 
+    /// Returns the names of the columns, for messages.
+    pub fn column_names(&self) -> String {
+        match self.columns.len() {
+            0 => "no columns".to_owned(),
+            _ => self.columns.join(", "),
+        }
+    }
+
     /// Returns the error for a fault in a row, a column, a cell, or the whole table.
     pub fn refuse(&self, row: Option<usize>, column: Option<usize>, fault: Fault) -> StudyError {
         match &self.origin {

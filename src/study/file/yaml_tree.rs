@@ -168,7 +168,12 @@ impl Node {
             Content::Number(number) if number.is_infinite() => {
                 format!("{}.inf (or too large a number)", if *number < 0.0 { "-" } else { "" })
             }
-            Content::Number(number) => describe_number(*number),
+            Content::Number(number) => {
+                // The file contains a point or an exponent: without them, a whole number that is not negative is natural.
+                let text = describe_number(*number);
+                let looks_natural = text.bytes().all(|byte| byte.is_ascii_digit());
+                if looks_natural { text + ".0" } else { text }
+            }
             Content::Text(text) => format!("text {:?}", shorten(text)),
             Content::List(items) => format!("a list of {}", items.len()),
             Content::Map(entries) => {

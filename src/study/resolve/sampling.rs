@@ -102,7 +102,7 @@ fn resolve_starts<'a>(
     let read = Rows::read(folders, &path.key("table"), table, &names)?;
     let column = |name: &String| {
         read.columns.iter().position(|column| column == name).ok_or_else(|| {
-            let found = read.columns.join(", ");
+            let found = read.column_names();
             let fault = Fault::new("a missing column", found, format!("a column `{name}`"));
             read.refuse(None, None, fault)
         })

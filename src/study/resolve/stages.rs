@@ -129,7 +129,7 @@ fn speeds(
     let read = Rows::read(folders, path, table, &names)?;
     let column = |name: &&str| {
         read.columns.iter().position(|column| column == name).ok_or_else(|| {
-            let found = read.columns.join(", ");
+            let found = read.column_names();
             let fault = Fault::new("a missing column", found, format!("a column `{name}`"));
             read.refuse(None, None, fault)
         })
