@@ -11,6 +11,10 @@ use crate::analysis::{
 };
 use crate::classification::Label;
 
+/// How much earlier than a time a run may have been stopped and counts as observed until then, over the time: the time
+/// observed in a stage is a difference, and has a rounding error.
+const ROUNDING: f64 = 1e-9;
+
 const NO_RUN: &str = "all runs failed";
 
 /// Estimates the probability that a run's amplitude is above a limit. A run without an amplitude counts as failed.
@@ -23,7 +27,7 @@ pub fn above(sample: &Sample, limit: f64) -> Estimate {
 pub fn at_rest_by(sample: &Sample, time_s: f64) -> Estimate {
     let censored = |run: &RunResult| {
         let open = matches!(run.label, Label::Undecided | Label::Irregular);
-        open && run.end_time_s.is_some_and(|end| end < time_s)
+        open && run.end_time_s.is_some_and(|end| ends_before(end, time_s))
     };
     if sample.runs.iter().any(censored) {
         return kaplan_meier(sample, time_s);
@@ -31,6 +35,11 @@ pub fn at_rest_by(sample: &Sample, time_s: f64) -> Estimate {
     fraction(sample, |run| {
         (!run.failed()).then_some(run.time_to_rest_s.is_some_and(|time| time <= time_s))
     })
+}
+
+/// Returns whether a run that was stopped at `end_s` was stopped before a time.
+fn ends_before(end_s: f64, time_s: f64) -> bool {
+    end_s < (1.0 - ROUNDING) * time_s
 }
 
 /// Estimates the fraction of runs that succeed; unknown results count as failures.
@@ -82,7 +91,7 @@ fn kaplan_meier(sample: &Sample, time_s: f64) -> Estimate {
     let curve = SurvivalCurve::new(times.groups());
     let (all, failures) = (sample.runs.len() as f64, sample.failed() as f64);
     // The curve ends at the last observed time.
-    if times.groups().last().is_none_or(|(last, _)| last < time_s) {
+    if times.groups().last().is_none_or(|(last, _)| ends_before(last, time_s)) {
         return Estimate::unknown("all moving runs were stopped before this time");
     }
     let step = curve.steps.iter().rfind(|step| step.time_s <= time_s);

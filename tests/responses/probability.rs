@@ -56,9 +56,21 @@ fn stopped_runs_are_censored() {
     near(found.low, 1.0 - 0.9228);
     near(found.high, 1.0 - 0.5631);
     assert!(at_rest_by(&sample(runs.clone()), 36.0).reason.is_some());
+    // The last runs were stopped at 35 s; a rounding error of that time does not matter.
+    assert!(at_rest_by(&sample(runs.clone()), 35.0 * (1.0 + 2.0 * f64::EPSILON)).value.is_some());
     // Seven failed of 28: three quarters of the probability are known.
     runs.extend(vec![run(Label::Failed, None, 0.0); 7]);
     let with = at_rest_by(&sample(runs), 9.0);
     near(with.value, 0.75 * (1.0 - 0.8067));
     near(with.high, 0.75 * (1.0 - 0.5631) + 0.25);
+}
+
+/// A stage of 5 s that begins at 11.49216 s ends at 16.49216 s, whose difference is less than 5 s by rounding.
+#[test]
+fn runs_are_observed_until_the_end_of_a_stage() {
+    let observed = (11.49216 + 5.0) - 11.49216;
+    assert!(observed < 5.0);
+    let mut runs = vec![run(Label::Equilibrium, Some(4.0), 4.0); 3];
+    runs.extend(vec![run(Label::Undecided, None, observed); 1]);
+    assert_eq!(at_rest_by(&sample(runs), 5.0).value, Some(0.75));
 }
