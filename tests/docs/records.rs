@@ -14,7 +14,7 @@ use super::generated::compare_or_write_part;
 use crate::cli::support::{numbers, table, words};
 
 /// The oldest version of the model with the rests of the present version, but for rounding. Records of it stay valid if they
-/// depend on rests only. Version 8 differs from version 7 in this: of 4096 runs of `studies/preferred-equilibria-contact.yaml`,
+/// depend on rests only, and are not the result of a search, which differences of rounding lead elsewhere. Version 8 differs from version 7 in this: of 4096 runs of `studies/preferred-equilibria-contact.yaml`,
 /// the same 2697 come to rest, and 270 runs are shown to approach a limit cycle that were undecided; all outcomes of
 /// `studies/preferred-equilibria.yaml` agree to the last bit, apart from the orbits of limit cycles, which differ by 1e-13.
 const OLDEST_VERSION: u32 = 7;
@@ -250,8 +250,8 @@ fn start_values(out: &str) -> Value {
     })
 }
 
-/// The tables of docs/startup.md are those of the search: no start lowers the quantile much, but some starts bring most
-/// balls to rest, which a plain ramp does not.
+/// The tables of docs/startup.md are those of the search: the best start has less than a third of the quantile of the plain
+/// ramp, and brings nearly all balls to rest, which the plain ramp does not.
 #[test]
 fn the_start_of_the_disc() {
     let values = record("startup-profile", "studies/startup-profile.yaml", start_values);
@@ -261,7 +261,8 @@ fn the_start_of_the_disc() {
     let at_rest = |design: &&Value| number(&design["quiet"]["value"]);
     let calmest = finalists.iter().max_by(|one, other| at_rest(one).total_cmp(&at_rest(other)));
     let designs = [plain, best, calmest.expect("a design")];
-    assert!(number(&designs[2]["quiet"]["low"]) > 0.4 && number(&plain["quiet"]["high"]) < 0.1);
+    assert!(number(&best["quiet"]["low"]) > 0.9 && number(&plain["quiet"]["high"]) < 0.1);
+    assert!(number(&values["ratio"]["high"]) < 1.0 / 3.0);
     let row = |title: &str, cell: &dyn Fn(&Value) -> String| {
         format!("| {title} | {} |\n", designs.map(cell).join(" | "))
     };
