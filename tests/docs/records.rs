@@ -14,9 +14,10 @@ use super::generated::compare_or_write_part;
 use crate::cli::support::{numbers, table, words};
 
 /// The oldest version of the model with the rests of the present version, but for rounding. Records of it stay valid if they
-/// depend on rests only, and are not the result of a search, which differences of rounding lead elsewhere. Version 8 differs from version 7 in this: of 4096 runs of `studies/preferred-equilibria-contact.yaml`,
-/// the same 2697 come to rest, and 270 runs are shown to approach a limit cycle that were undecided; all outcomes of
-/// `studies/preferred-equilibria.yaml` agree to the last bit, apart from the orbits of limit cycles, which differ by 1e-13.
+/// depend on rests only, and are not the result of a search, which differences of rounding lead elsewhere. Version 8 differs
+/// from version 7 in this: of 4096 runs of `studies/preferred-equilibria-contact.yaml`, the same 2697 come to rest, and 270
+/// runs are shown to approach a limit cycle that were undecided; all outcomes of `studies/preferred-equilibria.yaml` agree to
+/// the last bit, apart from the orbits of limit cycles, which differ by 1e-13.
 const OLDEST_VERSION: u32 = 7;
 
 /// Runs the program; `STICKSLIP` may name a release build.
