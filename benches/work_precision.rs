@@ -1,4 +1,4 @@
-//! Error and cost of runs by method, tolerance and engine, as lines of CSV:
+//! Error and cost of runs by method, tolerance and kernel, as lines of CSV:
 //! `scripts/work-precision` makes a table and a plot of them.
 //!
 //! The reference is the exact motion (`event`) by the general kernel at 1e-11. The error of a run is the
@@ -11,11 +11,14 @@ use std::path::Path;
 use std::time::Instant;
 
 use stickslip::classification::{
-    Label, Outcome, Runs, simulate_by_recorded_equations, simulate_in_lockstep,
+    Label, Outcome, Runs, simulate_by_recorded_equations_in_lockstep, simulate_in_lockstep,
 };
 use stickslip::model::{Case, Method, Simulation};
 use stickslip::motion::SimdLevel;
 use stickslip::study::Study;
+
+/// Measurements of a time; the result is their median.
+const REPETITIONS: usize = 3;
 
 /// A way to compute runs.
 type Compute = fn(&[Case]) -> Vec<Outcome>;
@@ -46,17 +49,16 @@ fn main() {
         for (method, name) in [(Method::Switch, "switch"), (Method::Event, "event")] {
             for tolerance in [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9] {
                 let cases = with(method, tolerance);
-                let kernels: [(&str, Compute, usize); 2] =
-                    [("tuned", in_lockstep, 3), ("general", general, 1)];
-                for (kernel, compute, times) in kernels {
+                let kernels: [(&str, Compute); 2] = [("tuned", tuned), ("general", general)];
+                for (kernel, compute) in kernels {
                     let (mut outcomes, mut spent) = (Vec::new(), Vec::new());
-                    for _ in 0..times {
+                    for _ in 0..REPETITIONS {
                         let began = core_time_s();
                         outcomes = compute(&cases);
                         spent.push(core_time_s() - began);
                     }
                     spent.sort_by(f64::total_cmp);
-                    let us_per_run = 1e6 * spent[times / 2] / f64::from(runs);
+                    let us_per_run = 1e6 * spent[REPETITIONS / 2] / f64::from(runs);
                     let pairs = || outcomes.iter().zip(&reference);
                     let mut errors: Vec<f64> = pairs().filter_map(|(a, b)| error(a, b)).collect();
                     errors.sort_by(f64::total_cmp);
@@ -91,8 +93,12 @@ fn cases(speed_rad_s: f64, runs: u32) -> Vec<Case> {
     (0..study.run_count()).map(|run| study.planned_run(run).case.expect("valid")).collect()
 }
 
+fn tuned(cases: &[Case]) -> Vec<Outcome> {
+    outcomes(simulate_in_lockstep, cases)
+}
+
 fn general(cases: &[Case]) -> Vec<Outcome> {
-    cases.iter().map(simulate_by_recorded_equations).collect()
+    outcomes(simulate_by_recorded_equations_in_lockstep, cases)
 }
 
 struct Listed<'a> {
@@ -110,9 +116,9 @@ impl Runs for Listed<'_> {
     }
 }
 
-fn in_lockstep(cases: &[Case]) -> Vec<Outcome> {
+fn outcomes(in_lockstep: fn(SimdLevel, &mut dyn Runs), cases: &[Case]) -> Vec<Outcome> {
     let mut runs = Listed { cases: cases.iter().enumerate(), outcomes: vec![None; cases.len()] };
-    simulate_in_lockstep(SimdLevel::best(), &mut runs);
+    in_lockstep(SimdLevel::best(), &mut runs);
     runs.outcomes.into_iter().map(|outcome| outcome.expect("every run has ended")).collect()
 }
 

@@ -17,6 +17,7 @@ from matplotlib.colors import to_hex
 
 from stickslip import figures
 from stickslip.figures import attraction, command, machine, paper, runs, trajectory
+from stickslip.figures.logarithmic import Curve, Curves, logarithmic
 from stickslip.figures.maps import edges
 
 PACKAGE = Path(figures.__file__).parents[2]
@@ -794,3 +795,11 @@ def test_points_with_different_numbers_of_balls(tmp_path, program):
     for draw in (figures.preferred_equilibria, figures.basins):
         with pytest.raises(figures.FiguresError, match="the points have 1 to 2 balls.*one number of balls"):
             draw(tmp_path / "out", points=[1, 2])
+
+
+def test_ticks_of_logarithmic_axes_are_short():
+    curve = Curve([(1e-2, 1e-5), (1e4, 2e-5)])
+    (axes,) = panels(logarithmic([Curves("", "x", "y", [curve])], columns=1, title="ticks"))
+    shown = [axes.xaxis.get_major_formatter()(10.0**power) for power in (-4, -3, 0, 3, 4, 6)]
+    assert shown == ["10⁻⁴", "0.001", "1", "1000", "10⁴", "10⁶"]
+    assert [axes.yaxis.get_major_formatter()(value) for value in (2e-5, 0.5, 20000)] == ["2·10⁻⁵", "0.5", "2·10⁴"]

@@ -80,12 +80,12 @@ def _power(exponent: str) -> str:
 
 
 def _plain(value: float) -> str:
-    """Formats a number at a tick: `0.01`, `10⁻⁵`, `2·10⁻⁵`."""
-    text = f"{value:g}"
-    mantissa, _, exponent = text.partition("e")
-    if not exponent:
-        return text.replace("-", "−")
-    return ("" if mantissa == "1" else f"{mantissa}·") + _power(exponent)
+    """Formats a positive number at a tick of a logarithmic axis: `0.01`, `2000`, `10⁴`, `2·10⁻⁵`."""
+    mantissa, exponent = f"{value:e}".split("e")
+    if -4 < int(exponent) < 4:
+        return f"{value:g}"
+    factor = f"{float(mantissa):g}"
+    return ("" if factor == "1" else f"{factor}·") + _power(exponent)
 
 
 class _Numbers(ScalarFormatter):
