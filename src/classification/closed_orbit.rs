@@ -147,7 +147,9 @@ fn shoot<'a>(map: ReturnMap<'a>, run: &[f64], closure: f64) -> Option<Closed<'a>
                 None => map.follow_with_slope(&start)?.1,
             };
             // A return and the derivative at the end are the least that can follow.
-            if newton.is_none() && end.steps * least_returns(map.section) > map.steps_left.get() {
+            let most = end.steps * least_returns(map.section);
+            let is_hopeless = || most > map.steps_left.get() || map.only_stable && expands(&slope);
+            if newton.is_none() && is_hopeless() {
                 return None;
             }
             newton = Some((DMatrix::identity(centre.len(), centre.len()) - slope).lu());
@@ -160,6 +162,11 @@ fn shoot<'a>(map: ReturnMap<'a>, run: &[f64], closure: f64) -> Option<Closed<'a>
         }
     }
     None
+}
+
+/// Returns whether neighbours separate by a map with this derivative.
+fn expands(slope: &DMatrix<f64>) -> bool {
+    moduli(slope.clone()).is_none_or(|moduli| moduli.first().is_some_and(|largest| *largest > 1.0))
 }
 
 /// Returns the same orbit over its minimal number of turns. An orbit that closes after six turns

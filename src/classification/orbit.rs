@@ -172,7 +172,8 @@ impl OrbitWatch {
         // After an inconclusive examination the motion gets time to settle, longer each time.
         let looked_at = time - self.passages.front()?.time;
         self.wait_until = time + f64::from(1 << self.attempts) * looked_at;
-        match self.examine(settings, (reference, turns), last_switches, MOST_STEPS_OF_A_LOOK) {
+        let most_steps = MOST_STEPS_OF_A_LOOK;
+        match self.examine(settings, (reference, turns), last_switches, (most_steps, false)) {
             Verdict::Stable(orbit) => return Some(orbit),
             Verdict::Unstable(orbit) => self.unstable = Some((turns, Box::new(orbit))),
             Verdict::Open => {}
@@ -213,7 +214,7 @@ impl OrbitWatch {
         if of_return * returns as f64 > HOPELESS * steps as f64 {
             return None;
         }
-        match self.examine(settings, (reference, turns), last_switches, steps) {
+        match self.examine(settings, (reference, turns), last_switches, (steps, true)) {
             Verdict::Stable(orbit) => Some(orbit),
             Verdict::Unstable(_) | Verdict::Open => None,
         }
@@ -274,12 +275,13 @@ impl OrbitWatch {
     }
 
     /// Examines the orbit that appears to close after this number of turns of the ball `reference`, in at most `most_steps`.
+    /// If `only_stable`, an orbit from which disturbances grow is not sought to the end.
     fn examine(
         &self,
         settings: &Settings,
         (reference, turns): (usize, usize),
         last_switches: &[f64],
-        most_steps: u64,
+        (most_steps, only_stable): (u64, bool),
     ) -> Verdict {
         let Some(passage) = self.passages.back() else { return Verdict::Open };
         let Some(section) = self.section((reference, turns), last_switches) else {
@@ -291,6 +293,7 @@ impl OrbitWatch {
             view: &self.view,
             steps_left: &steps_left,
             latest: &latest,
+            only_stable,
             settings: Settings {
                 tolerance: Tolerance {
                     relative: settings.tolerance.relative.min(1e-10),

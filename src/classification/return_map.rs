@@ -23,6 +23,9 @@ pub(super) struct ReturnMap<'a> {
     pub(super) turns: usize,
     /// Time after which the computation of the map ends without a result.
     pub(super) longest: f64,
+    /// Whether a search for a closed orbit ends where neighbours of the run separate from one return to the next: their
+    /// orbit attracts no run.
+    pub(super) only_stable: bool,
     /// Remaining number of steps, shared by all uses of this map.
     pub(super) steps_left: &'a Cell<u64>,
     /// The latest motion, whose lanes the next one uses.
