@@ -117,6 +117,8 @@ struct Lockstep<'a> {
     level: SimdLevel,
     /// Whether steps are recorded.
     recorded: bool,
+    /// Whether lanes may be empty or runs may wait for the first time since the lanes were filled.
+    moved: bool,
 }
 
 /// A group of lanes with the monitors of each run.
@@ -147,21 +149,25 @@ impl<'a> Lockstep<'a> {
         let first_lanes = level.lanes(first.system());
         let teams = [team(Some(first_lanes)), team(None), team(None)];
         let recorded = runs.recorder().is_some();
-        Lockstep { kernel, level, recorded, runs, upcoming: Some(first), teams }
+        Lockstep { kernel, level, recorded, runs, upcoming: Some(first), teams, moved: true }
     }
 
     /// Computes runs until none is left that fits the lanes. Returns the next run after those.
     fn go(mut self) -> Option<Upcoming> {
+        let mut fullest = 0;
         loop {
-            for team in 0..self.teams.len() {
-                self.fill(team);
+            while std::mem::take(&mut self.moved) {
+                for team in 0..self.teams.len() {
+                    self.fill(team);
+                }
+                // Of equally full teams the last one, so that few runs wait.
+                let runs = |team: &usize| self.teams[*team].runs();
+                fullest = (0..self.teams.len()).max_by_key(runs).unwrap_or_default();
             }
-            // Of equally full teams the last one, so that few runs wait.
-            let fullest = (0..self.teams.len()).max_by_key(|team| self.teams[*team].runs());
-            match fullest {
-                Some(team) if self.teams[team].runs() > 0 => self.step(team),
-                _ => return self.upcoming,
+            if self.teams[fullest].runs() == 0 {
+                return self.upcoming;
             }
+            self.step(fullest);
         }
     }
 
@@ -209,6 +215,7 @@ impl<'a> Lockstep<'a> {
             0 => Some(next),
             other => {
                 self.teams[other].waiting.push_back(next);
+                self.moved = true;
                 None
             }
         }
@@ -270,6 +277,7 @@ impl<'a> Lockstep<'a> {
         if matches!(next, Next::Stay) {
             return;
         }
+        self.moved = true;
         let Team { group: Some(group), members, .. } = &mut self.teams[team] else { return };
         let saved = group.take(lane);
         let run = members[lane].take();
