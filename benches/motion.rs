@@ -17,7 +17,7 @@ use stickslip::classification::{
 };
 use stickslip::engine::{EngineOptions, Progress, Sink, run_study};
 use stickslip::model::{Balancer, Case, Machine, State};
-use stickslip::motion::{Evaluator, Phase, SimdLevel};
+use stickslip::motion::{Direction, Evaluator, Phase, SimdLevel};
 use stickslip::study::Study;
 use stickslip::table::{PointRow, RunRecord};
 
@@ -75,7 +75,7 @@ fn pieces(criterion: &mut Criterion) {
         beta_dot: [0.5, -0.3],
     };
     let components = state.components();
-    let phases = [Phase::Slip(1.0), Phase::Slip(-1.0)];
+    let phases = [Phase::Slip(Direction::Forward), Phase::Slip(Direction::Backward)];
     let mut group = criterion.benchmark_group("an instant");
     group.bench_function("rates", |bencher| {
         bencher.iter(|| evaluator.rates(&phases, black_box(&components)));

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::motion::Phase;
+use crate::motion::{Direction, Phase};
 
 /// The phase of a contact in a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -20,7 +20,9 @@ impl CyclePhase {
     pub fn of(phase: Phase, speed: f64) -> Self {
         match phase {
             Phase::Stick | Phase::Open | Phase::Closed => CyclePhase::Stick,
-            Phase::Slip(direction) | Phase::Transition(direction) if direction > 0.0 => {
+            Phase::Slip(direction) | Phase::Transition(direction)
+                if direction == Direction::Forward =>
+            {
                 CyclePhase::Forward
             }
             Phase::Slip(_) | Phase::Transition(_) => CyclePhase::Backward,

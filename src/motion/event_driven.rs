@@ -23,7 +23,7 @@
 use super::Failure;
 use super::evaluator::Forces;
 use super::modes::{InState, Open, resolve_modes, stick_reserve};
-use super::{Phase, Phases};
+use super::{Direction, Phase, Phases};
 
 /// Rounding tolerance of a condition, over the size of the forces.
 const TIE: f64 = 1e-14;
@@ -42,34 +42,34 @@ pub(super) fn release_slack(force_scale: f64) -> f64 {
 }
 
 /// Decides jointly for all contacts `at_rest` whether they stick or in which direction they set
-/// off, and returns the corresponding forces.
+/// off, and returns what `then` returns for the corresponding forces.
 ///
 /// # Errors
 /// [`Failure::NoSolution`] if no combination meets all conditions.
-pub(super) fn decide(
+pub(super) fn decide<R>(
     system: &dyn InState,
     phases: &mut Phases,
     at_rest: &Open,
-) -> Result<Forces, Failure> {
+    then: impl FnOnce(&Forces) -> Result<R, Failure>,
+) -> Result<R, Failure> {
     let tie = TIE * system.force_scale();
-    let choices = [Phase::Stick, Phase::Slip(1.0), Phase::Slip(-1.0)];
-    resolve_modes(system, phases, at_rest, choices, |forces, phases, contact| {
-        match phases[contact] {
-            Phase::Transition(_) | Phase::Free | Phase::Open | Phase::Closed => None,
-            Phase::Stick => {
-                let reserve = stick_reserve(system, forces, contact);
-                (!rests_with(system, phases, contact, (reserve, tie)))
-                    .then(|| Phase::Slip(forces[contact].friction.signum()))
-            }
-            Phase::Slip(direction) => {
-                let acceleration = direction * forces[contact].acceleration;
-                // If the acceleration is zero up to rounding, the condition for rest decides.
-                let sets_off = acceleration > tie
-                    || (acceleration >= -tie && !rests(system, phases, contact, tie));
-                (!sets_off).then_some(Phase::Stick)
-            }
+    let choices = [Phase::Stick, Phase::Slip(Direction::Forward), Phase::Slip(Direction::Backward)];
+    let better = |forces: &Forces, phases: &[Phase], contact: usize| match phases[contact] {
+        Phase::Transition(_) | Phase::Free | Phase::Open | Phase::Closed => None,
+        Phase::Stick => {
+            let reserve = stick_reserve(system, forces, contact);
+            (!rests_with(system, phases, contact, (reserve, tie)))
+                .then(|| Phase::Slip(Direction::of(forces[contact].friction)))
         }
-    })
+        Phase::Slip(direction) => {
+            let acceleration = direction * forces[contact].acceleration;
+            // If the acceleration is zero up to rounding, the condition for rest decides.
+            let sets_off = acceleration > tie
+                || (acceleration >= -tie && !rests(system, phases, contact, tie));
+            (!sets_off).then_some(Phase::Stick)
+        }
+    };
+    resolve_modes(system, phases, at_rest, choices, better, then)
 }
 
 /// Returns whether a contact would rest if it stuck, with the assumed phases of the others: by the

@@ -25,7 +25,7 @@ pub use in_one_state::InOneState;
 pub use instant::Instant;
 pub use lockstep::SimdLevel;
 pub use modes::decide;
-pub use phase::{PerContact, Phase, Phases};
+pub use phase::{Direction, PerContact, Phase, Phases};
 pub(crate) use phase::{all_stick, any_closed};
 pub use root::fall_through_zero;
 pub use settings::{Effort, Settings, Tolerance, Touches, most_steps_by};

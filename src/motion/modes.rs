@@ -3,7 +3,7 @@
 use smallvec::SmallVec;
 
 use super::evaluator::{ContactForces, Forces};
-use super::{Evaluator, Failure, Phase, Phases, event_driven, switch_model};
+use super::{Direction, Evaluator, Failure, Phase, Phases, event_driven, switch_model};
 use crate::model::{Components, Dual, Friction, Method};
 
 /// A system in one state, for which the phases of its contacts are decided.
@@ -42,8 +42,8 @@ pub(super) fn first_phases<'f>(
 ) -> Phases {
     let first = |(friction, speed): (&Friction, f64)| match method {
         _ if !friction.can_stick() => Phase::Free,
-        Method::Switch if speed.abs() > band => Phase::Slip(speed.signum()),
-        Method::Event if speed != 0.0 => Phase::Slip(speed.signum()),
+        Method::Switch if speed.abs() > band => Phase::Slip(Direction::of(speed)),
+        Method::Event if speed != 0.0 => Phase::Slip(Direction::of(speed)),
         _ => Phase::Stick,
     };
     contacts.map(first).collect()
@@ -57,16 +57,14 @@ pub(super) fn decide_first(
     method: Method,
     system: &dyn InState,
     phases: &mut Phases,
-) -> Result<Forces, Failure> {
-    let forces = match method {
-        Method::Switch => switch_model::decide(system, phases)?,
+) -> Result<(), Failure> {
+    match method {
+        Method::Switch => switch_model::decide(system, phases, check_forces),
         Method::Event => {
             let at_rest = phases.iter().map(|phase| *phase == Phase::Stick).collect();
-            event_driven::decide(system, phases, &at_rest)?
+            event_driven::decide(system, phases, &at_rest, check_forces)
         }
-    };
-    check_forces(&forces)?;
-    Ok(forces)
+    }
 }
 
 /// Decides stick or transition jointly for all contacts in the band of the switch model, in one state, and returns the
@@ -79,7 +77,7 @@ pub fn decide(
     state: &[f64],
     phases: &mut Phases,
 ) -> Result<Forces, Failure> {
-    switch_model::decide(&Evaluated::new(evaluator, state), phases)
+    switch_model::decide(&Evaluated::new(evaluator, state), phases, |forces| Ok(forces.clone()))
 }
 
 /// A system in one state, by its recorded equations.
@@ -145,8 +143,8 @@ impl InState for Evaluated<'_> {
 
 /// Decides the phases of the open contacts so that all conditions hold, in one state.
 ///
-/// Returns the corresponding forces; the other contacts are unchanged. `better` returns the phase that a
-/// contact should have instead if the assumed one fails its condition.
+/// Returns what `then` returns for the corresponding forces; the other contacts are unchanged. `better` returns the
+/// phase that a contact should have instead if the assumed one fails its condition.
 ///
 /// The conditions are a linear complementarity problem. For light balls its matrix is nearly
 /// diagonal; exchanging all failing phases simultaneously then solves it in one or two iterations.
@@ -155,28 +153,29 @@ impl InState for Evaluated<'_> {
 /// none is chosen silently ([`crate::model::ExistenceVerdict`]).
 ///
 /// # Errors
-/// [`Failure::NoSolution`] if no combination meets all conditions, or if several different ones do.
-pub(super) fn resolve_modes(
+/// [`Failure::NoSolution`] if no combination meets all conditions, or if several different ones do, and the errors of
+/// `then`.
+pub(super) fn resolve_modes<R>(
     system: &dyn InState,
     phases: &mut Phases,
     open: &Open,
     choices: [Phase; 3],
     better: impl Fn(&Forces, &[Phase], usize) -> Option<Phase>,
-) -> Result<Forces, Failure> {
+    then: impl FnOnce(&Forces) -> Result<R, Failure>,
+) -> Result<R, Failure> {
     if !system.has_one_solution() {
-        return unique_or_refused(system, phases, open, choices, better);
+        return then(&unique_or_refused(system, phases, open, choices, better)?);
     }
     let contacts = || (0..open.len()).filter(|&contact| open[contact]);
     for _ in 0..phases.len() + 3 {
         let forces = system.forces(phases);
-        let before = Phases::from_slice(phases);
-        for contact in contacts() {
-            if let Some(other) = better(&forces, &before, contact) {
-                phases[contact] = other;
-            }
+        let exchanged = |contact| Some((contact, better(&forces, phases, contact)?));
+        let exchanged: SmallVec<[(usize, Phase); 8]> = contacts().filter_map(exchanged).collect();
+        if exchanged.is_empty() {
+            return then(&forces);
         }
-        if *phases == before {
-            return Ok(forces);
+        for (contact, phase) in exchanged {
+            phases[contact] = phase;
         }
     }
     for mut combination in 0..combinations(contacts().count())? {
@@ -186,7 +185,7 @@ pub(super) fn resolve_modes(
         }
         let forces = system.forces(phases);
         if contacts().all(|contact| better(&forces, phases, contact).is_none()) {
-            return Ok(forces);
+            return then(&forces);
         }
     }
     Err(Failure::NoSolution { solutions: 0 })

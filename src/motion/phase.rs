@@ -1,19 +1,53 @@
 //! The phase of a contact.
 
+use std::ops::Mul;
+
 use smallvec::SmallVec;
 
 use crate::model::ContactMode;
 
+/// The direction in which a contact slides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// That of positive speed.
+    Forward,
+    /// That of negative speed.
+    Backward,
+}
+
+impl Direction {
+    /// Returns the direction of a speed or a force; that of zero is the direction of its sign.
+    pub fn of(value: f64) -> Self {
+        if value.is_sign_negative() { Direction::Backward } else { Direction::Forward }
+    }
+
+    /// Returns 1 or -1.
+    pub fn sign(self) -> f64 {
+        match self {
+            Direction::Forward => 1.0,
+            Direction::Backward => -1.0,
+        }
+    }
+}
+
+impl Mul<f64> for Direction {
+    type Output = f64;
+
+    fn mul(self, value: f64) -> f64 {
+        self.sign() * value
+    }
+}
+
 /// The phase of a ball (thesis table 4.2) or a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Phase {
-    /// It moves, faster than the band, in the direction 1 or -1. In the exact motion, which has no
+    /// It moves, faster than the band. In the exact motion, which has no
     /// band, this phase starts when the contact breaks away.
-    Slip(f64),
+    Slip(Direction),
     /// It rests on its support: friction holds it.
     Stick,
-    /// It is in the band but friction does not hold it: it accelerates in the direction 1 or -1.
-    Transition(f64),
+    /// It is in the band but friction does not hold it: it accelerates in this direction.
+    Transition(Direction),
     /// Its law has no stick: it moves in either direction.
     Free,
     /// It is a gap that may close.
@@ -48,8 +82,8 @@ impl Phase {
     pub fn mode(self) -> ContactMode {
         match self {
             Phase::Stick => ContactMode::Stick,
-            Phase::Slip(direction) => ContactMode::Slip(direction),
-            Phase::Transition(direction) => ContactMode::SetOff(direction),
+            Phase::Slip(direction) => ContactMode::Slip(direction.sign()),
+            Phase::Transition(direction) => ContactMode::SetOff(direction.sign()),
             Phase::Free => ContactMode::Slip(0.0),
             Phase::Open => ContactMode::Open,
             Phase::Closed => ContactMode::Closed,

@@ -75,7 +75,9 @@ pub(super) fn saltation(
     let change = |direction: &[f64]| {
         match (before[contact], which) {
             (Phase::Slip(sign), 0) => return sign * system.speed_along(contact, direction),
-            (Phase::Transition(sign), 0) => return -sign * system.speed_along(contact, direction),
+            (Phase::Transition(sign), 0) => {
+                return -(sign * system.speed_along(contact, direction));
+            }
             _ => {}
         }
         let forces = system.forces_along(before, direction)[contact];

@@ -11,7 +11,7 @@
 use super::Failure;
 use super::evaluator::Forces;
 use super::modes::{InState, Open, resolve_modes, stick_reserve};
-use super::{Phase, Phases, Settings};
+use super::{Direction, Phase, Phases, Settings};
 use crate::model::System;
 
 /// Slack of the conditions for stick and transition, as an acceleration over `L ω_n²`: a phase ends
@@ -39,25 +39,34 @@ impl Settings {
     }
 }
 
-/// Decides stick or transition jointly for all contacts in the band and returns the corresponding
-/// forces. Slipping contacts are unchanged.
+/// Decides stick or transition jointly for all contacts in the band and returns what `then` returns for the
+/// corresponding forces. Slipping contacts are unchanged.
 ///
 /// # Errors
 /// [`Failure::NoSolution`] if no combination meets all conditions.
-pub(super) fn decide(system: &dyn InState, phases: &mut Phases) -> Result<Forces, Failure> {
+pub(super) fn decide<R>(
+    system: &dyn InState,
+    phases: &mut Phases,
+    then: impl FnOnce(&Forces) -> Result<R, Failure>,
+) -> Result<R, Failure> {
     let mut open = Open::new();
     for phase in phases.iter() {
         open.push(phase.in_band());
     }
-    let choices = [Phase::Stick, Phase::Transition(1.0), Phase::Transition(-1.0)];
-    resolve_modes(system, phases, &open, choices, |forces, phases, contact| match phases[contact] {
+    let choices = [
+        Phase::Stick,
+        Phase::Transition(Direction::Forward),
+        Phase::Transition(Direction::Backward),
+    ];
+    let better = |forces: &Forces, phases: &[Phase], contact: usize| match phases[contact] {
         Phase::Slip(_) | Phase::Free | Phase::Open | Phase::Closed => None,
         Phase::Stick => (stick_reserve(system, forces, contact) < -SLACK)
-            .then(|| Phase::Transition(forces[contact].friction.signum())),
+            .then(|| Phase::Transition(Direction::of(forces[contact].friction))),
         Phase::Transition(direction) => {
             (direction * forces[contact].acceleration < -SLACK).then_some(Phase::Stick)
         }
-    })
+    };
+    resolve_modes(system, phases, &open, choices, better, then)
 }
 
 /// Enters or leaves the band where the speeds have reached its edge.

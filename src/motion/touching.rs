@@ -15,7 +15,7 @@ use super::cluster::{HeldCluster, held_clusters};
 use super::evaluator::{ContactForces, Forces, GapForces};
 use super::impact::{Impact, impact};
 use super::modes::{check_forces, first_phases, is_finite, only_motion};
-use super::{Evaluator, Failure, Phase, Phases, Settings, event_driven, switch_model};
+use super::{Direction, Evaluator, Failure, Phase, Phases, Settings, event_driven, switch_model};
 use crate::model::{Components, Dual, Gap, Holding, Method, TOUCHING, Touching};
 
 /// The most combinations that are tried.
@@ -64,7 +64,7 @@ impl<'a> InTouch<'a> {
     /// [`Failure`] if no phases meet all conditions.
     pub(super) fn start(&self, state: &mut Components) -> Result<Phases, Failure> {
         let mut phases = self.evaluator.no_phases();
-        phases[..self.contacts()].fill(Phase::Transition(1.0));
+        phases[..self.contacts()].fill(Phase::Transition(Direction::Forward));
         self.meet(state, &mut phases, None)?;
         Ok(phases)
     }
@@ -226,8 +226,14 @@ impl<'a> InTouch<'a> {
 
     fn choices(&self) -> [Phase; 3] {
         match self.settings.method {
-            Method::Switch => [Phase::Stick, Phase::Transition(1.0), Phase::Transition(-1.0)],
-            Method::Event => [Phase::Stick, Phase::Slip(1.0), Phase::Slip(-1.0)],
+            Method::Switch => [
+                Phase::Stick,
+                Phase::Transition(Direction::Forward),
+                Phase::Transition(Direction::Backward),
+            ],
+            Method::Event => {
+                [Phase::Stick, Phase::Slip(Direction::Forward), Phase::Slip(Direction::Backward)]
+            }
         }
     }
 

@@ -5,7 +5,7 @@ use super::column::{Column, Columns, NON_DIMENSIONAL};
 use super::touches::add_gaps;
 use crate::classification::{ContactSample, Sample, Switch};
 use crate::model::{DiscMotion, Model, SlidingSpeed, Units, wrap_to_two_pi};
-use crate::motion::Phase;
+use crate::motion::{Direction, Phase};
 
 impl Units {
     /// Converts a time to s.
@@ -45,9 +45,9 @@ impl Units {
 pub fn phase_name(phase: Phase) -> &'static str {
     match phase {
         Phase::Stick => "stick",
-        Phase::Slip(direction) if direction > 0.0 => "slip_forward",
+        Phase::Slip(Direction::Forward) => "slip_forward",
         Phase::Slip(_) => "slip_backward",
-        Phase::Transition(direction) if direction > 0.0 => "transition_forward",
+        Phase::Transition(Direction::Forward) => "transition_forward",
         Phase::Transition(_) => "transition_backward",
         Phase::Free => "free",
         Phase::Open => "open",

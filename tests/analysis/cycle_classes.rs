@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use stickslip::analysis::{CycleClass, Role, groups_of_identical};
 use stickslip::classification::{Cycle, CyclePhase, Evidence, Outcome, TouchingPair};
 use stickslip::model::{Balancer, Ball, Block, Machine, Model, State};
-use stickslip::motion::Phase;
+use stickslip::motion::{Direction, Phase};
 
 use crate::support::reference::derivative;
 
@@ -401,7 +401,7 @@ fn the_mirror_image_is_the_only_symmetry() {
         beta: [0.7, 2.9],
         beta_dot: [0.4, -0.3],
     };
-    let slips = |state: &State<2>| state.beta_dot.map(|speed| Phase::Slip(speed.signum()));
+    let slips = |state: &State<2>| state.beta_dot.map(|speed| Phase::Slip(Direction::of(speed)));
     let moved =
         |balancer: &Balancer<2>, state: &State<2>| derivative(balancer, &slips(state), state);
     let before = moved(&at(-247.3), &state);

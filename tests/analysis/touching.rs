@@ -8,7 +8,7 @@ use stickslip::analysis::{
     frictionless_equilibria, set_fraction, state_matrix, touching_set_fraction,
 };
 use stickslip::model::{Balancer, Ball, BallContact, BallsInContact, Machine, System};
-use stickslip::motion::{Evaluator, Phase};
+use stickslip::motion::{Direction, Evaluator, Phase};
 
 use crate::support::angular_distance;
 
@@ -127,7 +127,7 @@ fn rows_move_as_linearised() {
                     1;
                 let evaluator = Evaluator::new(Arc::new(system) as Arc<dyn System>);
                 let gaps = evaluator.system().touching().unwrap().gaps().to_vec();
-                let mut phases = vec![Phase::Slip(1.0); 3];
+                let mut phases = vec![Phase::Slip(Direction::Forward); 3];
                 phases.extend(gaps.iter().map(|gap| {
                     let width = gap.width(gap.contacts.map(|ball| beta[ball]));
                     if width < 1e-9 { Phase::Closed } else { Phase::Open }

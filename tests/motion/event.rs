@@ -5,7 +5,7 @@ use std::path::Path;
 
 use stickslip::classification::{Evidence, simulate};
 use stickslip::model::{Balancer, Case, Contact, Machine, Method, Simulation, State};
-use stickslip::motion::{Phase, Settings};
+use stickslip::motion::{Direction, Phase, Settings};
 use stickslip::study::Study;
 
 use super::samples::{Sampler, difference, go_on, moved, settings};
@@ -55,8 +55,8 @@ fn break_away_within_rounding() {
         if rate.abs() < 1e-3 || reserve(&edge, 1) < 1e-3 {
             continue;
         }
-        let direction = forces(&edge).friction[0].signum();
-        seen[usize::from(rate > 0.0) + 2 * usize::from(direction > 0.0)] += 1;
+        let direction = Direction::of(forces(&edge).friction[0]);
+        seen[usize::from(rate > 0.0) + 2 * usize::from(direction == Direction::Forward)] += 1;
         let expected = if rate > 0.0 { Phase::Stick } else { Phase::Slip(direction) };
         for system in for_each_kernel(balancer) {
             let reference = moved(&system, tight(), edge, 1e-3);
@@ -189,7 +189,7 @@ fn starts_near_zero_speed_follow_the_force() {
             let start = started(&system, tight(), &state);
             for ball in 0..2 {
                 let held = stick_reserve(&balancer, &stuck, ball) > 0.0;
-                let direction = stuck.friction[ball].signum();
+                let direction = Direction::of(stuck.friction[ball]);
                 let expected = if held { Phase::Stick } else { Phase::Slip(direction) };
                 assert_eq!(start.phases()[ball], expected);
                 if held { stays += 1 } else { goes += 1 }
@@ -224,7 +224,7 @@ fn reversal_is_one_switch() {
         for system in for_each_kernel(balancer) {
             let mut motion = started(&system, tight(), &state);
             while !motion.advance(3.0).expect("continues") && motion.time() < 3.0 {}
-            if motion.phases()[0] != Phase::Slip(-1.0) {
+            if motion.phases()[0] != Phase::Slip(Direction::Backward) {
                 continue;
             }
             reversed += 1;

@@ -1,7 +1,7 @@
 //! The accuracy of the exact motion's event times, for any steps around them.
 
 use stickslip::model::{Balancer, Contact, Machine, Method, State};
-use stickslip::motion::{Phase, fall_through_zero};
+use stickslip::motion::{Direction, Phase, fall_through_zero};
 
 use super::samples::{Sampler, difference, go_on, moved, settings, stuck_table};
 use crate::support::reference::{contacts, step, stick_reserve};
@@ -70,7 +70,7 @@ fn stops_are_located_to_1e_12() {
         let balancer = Balancer::<2>::new(&machine).expect("two balls");
         let mut state = sampler.state(&balancer);
         state.beta_dot = [sampler.between(0.01, 0.1), -sampler.between(0.01, 0.1)];
-        let phases = [Phase::Slip(1.0), Phase::Slip(-1.0)];
+        let phases = [Phase::Slip(Direction::Forward), Phase::Slip(Direction::Backward)];
         let contacts = contacts(&balancer, &phases, &state);
         let f = |s: &State<2>| balancer.derivative(s, &contacts, &balancer.forces(s, &contacts));
         let slowest = |s: &State<2>| s.beta_dot[0].min(-s.beta_dot[1]);

@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use stickslip::model::{Balancer, Machine, Method, NormalForce, State};
-use stickslip::motion::{Evaluator, Motion, Phase};
+use stickslip::motion::{Direction, Evaluator, Motion, Phase};
 
 use super::samples::{Sampler, difference, go_on, settings, stuck_table};
 use crate::support::{for_each_kernel, reference, shared, started, state_of};
@@ -142,10 +142,15 @@ fn forces_agree_in_every_frame() {
         let machine = sampler.machine(3);
         let balancer = Balancer::<3>::new(&machine).expect("three balls");
         let state = sampler.state(&balancer);
-        let phases =
-            [(); 3].map(|()| sampler.one_of(&[Phase::Stick, Phase::Slip(1.0), Phase::Slip(-1.0)]));
+        let phases = [(); 3].map(|()| {
+            sampler.one_of(&[
+                Phase::Stick,
+                Phase::Slip(Direction::Forward),
+                Phase::Slip(Direction::Backward),
+            ])
+        });
         let direction = phases.map(|phase| match phase {
-            Phase::Slip(direction) => Some(direction),
+            Phase::Slip(direction) => Some(direction.sign()),
             _ => None,
         });
         let forces = reference::forces(&balancer, &phases, &state);

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use stickslip::classification::{Evidence, simulate};
 use stickslip::model::{Balancer, Machine, Method, State};
 use stickslip::motion::{
-    Evaluator, Failure, Motion, Phase, Phases, SLACK, Settings, Tolerance, decide,
+    Direction, Evaluator, Failure, Motion, Phase, Phases, SLACK, Settings, Tolerance, decide,
 };
 use stickslip::study::Study;
 
@@ -195,7 +195,11 @@ fn at_rest(x: f64, y: f64, beta: [f64; 2]) -> State<2> {
 /// Returns the accelerations of all combinations that meet the conditions of appendix C, pressed to
 /// the ring.
 fn all_solutions(balancer: &Balancer<2>, state: &State<2>) -> Vec<[f64; 2]> {
-    let kinds = [Phase::Stick, Phase::Transition(1.0), Phase::Transition(-1.0)];
+    let kinds = [
+        Phase::Stick,
+        Phase::Transition(Direction::Forward),
+        Phase::Transition(Direction::Backward),
+    ];
     let mut found: Vec<[f64; 2]> = Vec::new();
     for phases in kinds.into_iter().flat_map(|a| kinds.map(|b| [a, b])) {
         let forces = reference::forces(balancer, &phases, state);
@@ -255,7 +259,7 @@ fn break_away_is_not_ambiguous() {
     let mut found = 0;
     for k in 0..2000 {
         let beta = [0.0, 0.003 * f64::from(k)];
-        let slip = [Phase::Stick, Phase::Slip(1.0)];
+        let slip = [Phase::Stick, Phase::Slip(Direction::Forward)];
         let moving = |x: f64| State { beta_dot: [0.0, 0.5], ..at_rest(x, 0.0, beta) };
         let reserve = |x: f64| {
             let state = moving(x);

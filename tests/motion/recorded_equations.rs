@@ -4,7 +4,7 @@ use stickslip::model::{
     Balancer, Ball, Block, Contact, Dual, FRICTION_LAWS, Friction, FrictionLaw, Law, Machine,
     Number, State,
 };
-use stickslip::motion::{Evaluator, Phase};
+use stickslip::motion::{Direction, Evaluator, Phase};
 
 use crate::support::{TestRng, reference, shared};
 
@@ -23,8 +23,8 @@ fn state_of<const N: usize>(components: &[f64]) -> State<N> {
 fn contact_along(phase: Phase, friction: &Friction, speed: Dual) -> Contact<Dual> {
     match phase {
         Phase::Stick | Phase::Open | Phase::Closed => Contact::STICK.lifted(),
-        Phase::Slip(direction) => friction.slip_along(direction, speed),
-        Phase::Transition(direction) => friction.slip_along(direction, Dual::constant(0.0)),
+        Phase::Slip(direction) => friction.slip_along(direction.sign(), speed),
+        Phase::Transition(direction) => friction.slip_along(direction.sign(), Dual::constant(0.0)),
         Phase::Free => friction.slip_along(0.0, speed),
     }
 }
@@ -41,8 +41,10 @@ fn compare_balls<const N: usize>(law: FrictionLaw, rng: &mut TestRng) {
     let phases: [Phase; N] = std::array::from_fn(|_| match rng.below(4) {
         _ if !law.can_stick() => Phase::Free,
         0 => Phase::Stick,
-        1 => Phase::Transition(-1.0),
-        direction => Phase::Slip(if direction == 2 { 1.0 } else { -1.0 }),
+        1 => Phase::Transition(Direction::Backward),
+        direction => {
+            Phase::Slip(if direction == 2 { Direction::Forward } else { Direction::Backward })
+        }
     });
     let mut components: Vec<f64> = (0..4).map(|_| between(rng, -0.05, 0.05)).collect();
     components.extend((0..N).map(|_| between(rng, 0.0, 6.0)));
@@ -79,7 +81,7 @@ fn compare_balls<const N: usize>(law: FrictionLaw, rng: &mut TestRng) {
 fn compare_block(law: FrictionLaw, rng: &mut TestRng) {
     let slider = Block { friction: law, ..Block::on_belt() }.slider();
     let (x, v) = (between(rng, -2.0, 2.0), between(rng, 0.01, 1.0));
-    let phase = if law.can_stick() { Phase::Slip(1.0) } else { Phase::Free };
+    let phase = if law.can_stick() { Phase::Slip(Direction::Forward) } else { Phase::Free };
     let evaluator = Evaluator::new(shared(slider));
     let found = evaluator.rates(&[phase], &[x, v]);
     let contact = slider.friction.slip(1.0, v);

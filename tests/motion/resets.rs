@@ -6,7 +6,7 @@ use stickslip::model::{
     Components, ContactEquations, ContactLayout, EventEquations, Expression, Friction, Layout,
     Method, Number, Recorder, System, SystemEquations,
 };
-use stickslip::motion::{Failure, Motion, Phase, Settings, Tolerance};
+use stickslip::motion::{Direction, Failure, Motion, Phase, Settings, Tolerance};
 
 use crate::support::{OwnSystem, shared};
 
@@ -196,7 +196,7 @@ fn a_block_on_a_ramp_is_kicked_back() {
     let ramped = SLOPE * 0.5;
     let thrown = ramped + 2.0 * 0.25 - 2.0;
     let back = -thrown / (0.75 + FRICTION);
-    let (forwards, backwards) = (Phase::Slip(1.0), Phase::Slip(-1.0));
+    let (forwards, backwards) = (Phase::Slip(Direction::Forward), Phase::Slip(Direction::Backward));
     let expected = [(2.0, forwards), (3.0, forwards), (5.0, backwards), (5.0 + back, forwards)];
     assert_eq!(times.len(), expected.len(), "{times:?}");
     for ((time, phase), (expected_time, expected_phase)) in times.into_iter().zip(expected) {
@@ -219,7 +219,11 @@ fn a_kicked_block_comes_to_rest_again() {
     let mut motion = Motion::new(&system, SETTINGS, &[0.0, 0.0, 0.0, 1.0, 1.0]).expect("starts");
     // v = 0.1 - (0.5 - 0.25) τ + 0.125 τ²
     let stop = (0.25 - (0.0625_f64 - 4.0 * 0.125 * 0.1).sqrt()) / 0.25;
-    let expected = [(1.0, Phase::Slip(1.0)), (1.0 + stop, Phase::Stick), (2.0, Phase::Slip(1.0))];
+    let expected = [
+        (1.0, Phase::Slip(Direction::Forward)),
+        (1.0 + stop, Phase::Stick),
+        (2.0, Phase::Slip(Direction::Forward)),
+    ];
     for (time, phase) in expected {
         while !motion.advance(4.0).expect("continues") {}
         assert!((motion.time() - time).abs() < 1e-10, "{} {time}", motion.time());

@@ -1,7 +1,7 @@
 //! Smooth phases: steps and states within them against an independent integration, and a conserved quantity.
 
 use stickslip::model::{Balancer, Machine, Method, State};
-use stickslip::motion::{Phase, Settings, Tolerance};
+use stickslip::motion::{Direction, Phase, Settings, Tolerance};
 
 use crate::support::reference::{derivative, step};
 use crate::support::{for_each_kernel, started, state_of};
@@ -80,7 +80,7 @@ const START: State<2> = State {
 /// Returns the state after a time in equal steps of the independent integration, both balls in slip.
 fn integrated(start: &State<2>, time: f64, count: u32) -> State<2> {
     let balancer = balancer();
-    let f = |state: &State<2>| derivative(&balancer, &[Phase::Slip(1.0); 2], state);
+    let f = |state: &State<2>| derivative(&balancer, &[Phase::Slip(Direction::Forward); 2], state);
     (0..count).fold(*start, |state, _| step(f, &state, time / f64::from(count)))
 }
 

@@ -68,9 +68,9 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
             Err(failure) => happened.fail(lane, failure),
         }
     }
-    let end = g.kernel.at(&g.room, &g.state, length);
+    g.end = g.kernel.at(&g.room, &g.state, length);
     // Zero, unless a component is infinite or NaN.
-    let finite = g.kernel.finite(&end, within * c!(0.0)).simd_eq(c!(0.0));
+    let finite = g.kernel.finite(&g.end, within * c!(0.0)).simd_eq(c!(0.0));
     let moves = within.simd_ge(g.time.max(c!(1.0)) * c!(SHORTEST));
     let commits = finite & moves;
     let mut stopped = g.alive & !commits.to_bitmask();
@@ -92,11 +92,11 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
     g.time_before = g.time;
     let time = left.simd_le(length).select(g.until, g.time + length);
     g.time = commits.select(time, g.time);
-    g.kernel.select(&mut g.state, &end, commits);
+    g.kernel.select(&mut g.state, &g.end, commits);
     let mut round = g.time.simd_lt(g.time);
     for contact in 0..g.kernel.contacts() {
         if g.kernel.is_angular(contact) {
-            let angle = g.kernel.position(&end, contact);
+            let angle = g.kernel.position(&g.end, contact);
             let beyond = (angle.simd_lt(c!(0.0)) | angle.simd_ge(c!(TAU))) & commits;
             let turns = beyond.select((angle / c!(TAU)).floor(), c!(0.0));
             let within = turns.fused(c!(-TAU), angle);
@@ -108,7 +108,6 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
         let fast = g.kernel.speed(&g.state, contact).abs().simd_gt(g.slow) & commits;
         g.slow_since[contact] = fast.select(g.time, g.slow_since[contact]);
     }
-    g.end = end;
     g.length = length;
     g.ended = happened.event;
     g.reset = 0;
@@ -208,7 +207,8 @@ fn first_event<S: Vector, K: Kernel<S>>(
                 }
                 let mut state = g.kernel.lane(&g.state, lane);
                 let kernel = (&g.kernel, &g.state, g.time[lane]);
-                let (phases, _) = decided(kernel, (lane, own), &mut state, event)?;
+                let mut phases = Phases::from_slice(&own.phases);
+                decide(kernel, (lane, own), (&mut state, &mut phases), event)?;
                 if phases != own.phases {
                     return Ok(Some((0.0, event)));
                 }
@@ -218,15 +218,14 @@ fn first_event<S: Vector, K: Kernel<S>>(
     }
 }
 
-/// Returns the phases after an event; contacts that stop lose their speed in `state`, and an event or an impact, which is
-/// returned as well, resets it.
-fn decided<S: Vector, K: Kernel<S>>(
+/// Replaces the phases in `phases`, which are those of the run, by those after an event. Contacts that stop lose their speed
+/// in `state`, and an event or an impact, which is returned, resets it.
+fn decide<S: Vector, K: Kernel<S>>(
     (kernel, flow, time): (&K, &K::Flow, f64),
     (lane, own): (usize, &Lane),
-    state: &mut Components,
+    (state, phases): (&mut Components, &mut Phases),
     Event { failed, at_once }: Event,
-) -> Result<(Phases, Option<Impact>), Failure> {
-    let mut phases = Phases::from_slice(&own.phases);
+) -> Result<Option<Box<Impact>>, Failure> {
     // The contact set off at this instant and stops at this instant.
     let stops_at_once = |contact: usize| {
         let slips = matches!(own.phases[contact], Phase::Slip(_));
@@ -236,20 +235,19 @@ fn decided<S: Vector, K: Kernel<S>>(
         Condition::Contact { contact, which } => (contact, which),
         Condition::Event(event) => {
             if let Some(evaluator) = kernel.evaluator(lane) {
-                *state = evaluator.reset(event, &phases, state);
+                *state = evaluator.reset(event, phases, state);
             }
             let system = own.system.as_ref();
-            let started =
-                kernel.in_state(lane, own, state, |at| start_phases(system, own.settings, at));
-            return Ok((started?, None));
+            *phases =
+                kernel.in_state(lane, own, state, |at| start_phases(system, own.settings, at))?;
+            return Ok(None);
         }
         Condition::Gap(_) => {
             return with_evaluator(kernel, (lane, own), |evaluator| {
                 let Some(in_touch) = InTouch::new(evaluator, own.settings) else {
-                    return Ok((phases, None));
+                    return Ok(None);
                 };
-                let impact = in_touch.meet(state, &mut phases, None)?;
-                Ok((phases, Some(impact)))
+                Ok(Some(Box::new(in_touch.meet(state, phases, None)?)))
             });
         }
         Condition::Pressed(_) | Condition::Held(_) => (usize::MAX, 0),
@@ -257,14 +255,14 @@ fn decided<S: Vector, K: Kernel<S>>(
     if which == 2 {
         return Err(Failure::ContactLost { ball: contact + 1 });
     }
-    if any_closed(&phases) {
+    if any_closed(phases) {
         return with_evaluator(kernel, (lane, own), |evaluator| {
             if let Some(in_touch) = InTouch::new(evaluator, own.settings) {
                 let failed = (contact < kernel.contacts()).then_some(contact);
                 let at_once = failed.and_then(stops_at_once);
-                in_touch.switch(state, &mut phases, failed, at_once)?;
+                in_touch.switch(state, phases, failed, at_once)?;
             }
-            Ok((phases, None))
+            Ok(None)
         });
     }
     let speed = |contact: usize| match kernel.coordinates(contact) {
@@ -273,24 +271,23 @@ fn decided<S: Vector, K: Kernel<S>>(
     };
     match own.settings.method {
         Method::Switch => {
-            switch_model::cross_band(own.settings.band, &mut phases, speed);
-            kernel.in_state(lane, own, state, |at| {
-                check_forces(&switch_model::decide(at, &mut phases)?)
-            })?;
+            switch_model::cross_band(own.settings.band, phases, speed);
+            kernel
+                .in_state(lane, own, state, |at| switch_model::decide(at, phases, check_forces))?;
         }
         Method::Event => {
-            let (at_rest, stopped) = event_driven::stop(&mut phases, speed, stops_at_once(contact));
+            let (at_rest, stopped) = event_driven::stop(phases, speed, stops_at_once(contact));
             for (contact, _) in stopped.iter().enumerate().filter(|(_, stopped)| **stopped) {
                 if let (_, Some(component)) = kernel.coordinates(contact) {
                     state[component] = 0.0;
                 }
             }
             kernel.in_state(lane, own, state, |at| {
-                check_forces(&event_driven::decide(at, &mut phases, &at_rest)?)
+                event_driven::decide(at, phases, &at_rest, check_forces)
             })?;
         }
     }
-    Ok((phases, None))
+    Ok(None)
 }
 
 /// Calls `with` with the equations of the system in a lane.
@@ -320,8 +317,8 @@ fn switch<S: Vector, K: Kernel<S>>(
     own.count_event(time)?;
     own.during.copy_from_slice(&own.phases);
     let resets = matches!(event.failed, Condition::Event(_) | Condition::Gap(_));
-    let before = if resets { state.clone() } else { Components::new() };
-    let (phases, impact) = decided((kernel, &g.state, time), (lane, own), &mut state, event)?;
+    let mut phases = Phases::from_slice(&own.phases);
+    let impact = decide((kernel, &g.state, time), (lane, own), (&mut state, &mut phases), event)?;
     if let Some(impact) = &impact {
         own.take_in(impact);
     }
@@ -335,6 +332,7 @@ fn switch<S: Vector, K: Kernel<S>>(
                 })
             }
             (Condition::Event(event), Some(evaluator)) => {
+                let before = kernel.lane(&g.state, lane);
                 let sides: [(&[Phase], &[f64]); 2] = [(&own.phases, &before), (&phases, &state)];
                 let along = |direction: &[f64]| {
                     evaluator.event_along(event, &own.phases, &before, direction)
@@ -344,6 +342,7 @@ fn switch<S: Vector, K: Kernel<S>>(
                 saltation_at_reset(evaluator, sides, guard, reset, &mut direction)
             }
             (Condition::Gap(gap), _) => with_evaluator(kernel, (lane, own), |evaluator| {
+                let before = kernel.lane(&g.state, lane);
                 let sides: [(&[Phase], &[f64]); 2] = [(&own.phases, &before), (&phases, &state)];
                 saltation_at_impact(evaluator, own.settings, sides, gap, &mut direction)
             }),
@@ -359,13 +358,11 @@ fn switch<S: Vector, K: Kernel<S>>(
             own.last_switches[contact] = time;
         }
     }
-    let gaps_of =
-        |phases: &[Phase]| phases.iter().filter(|one| one.is_gap()).copied().collect::<Phases>();
-    if gaps_of(&phases) != gaps_of(&own.phases) {
+    if phases[kernel.contacts()..] != own.phases[kernel.contacts()..] {
         own.touching_time += if any_closed(&own.phases) { time - own.last_touch } else { 0.0 };
         own.last_touch = time;
     }
-    own.phases.copy_from_slice(&phases);
+    own.phases = phases;
     g.enter(lane, &state);
     Ok(())
 }

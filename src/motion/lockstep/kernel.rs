@@ -149,24 +149,29 @@ impl Ends {
         bounds: Option<&Bounds>,
         failed: Condition,
     ) {
-        // The fused multiply-add is an instruction in this closure.
-        let fate = simd.vectorize(
+        simd.vectorize(
             #[inline(always)]
-            || {
-                let computed = || condition.outline();
-                let fate = condition.first_fall(&bounds.copied().unwrap_or_else(computed));
-                match (fate, failed) {
-                    (ConditionFate::Fails(at), Condition::Event(_) | Condition::Gap(_)) => {
-                        ConditionFate::Fails(condition.refined(at))
-                    }
-                    (fate, _) => fate,
-                }
-            },
+            || self.or_in_vectors(condition, bounds, failed),
         );
+    }
+
+    /// Does the work of [`Ends::or`]. Must be inlined where the processor's fused multiply-add is available.
+    #[inline(always)]
+    pub(super) fn or_in_vectors(
+        &mut self,
+        condition: &Polynomial,
+        bounds: Option<&Bounds>,
+        failed: Condition,
+    ) {
+        let computed = || condition.outline();
+        let fate = condition.first_fall(&bounds.copied().unwrap_or_else(computed));
         match (fate, &self) {
             (ConditionFate::Holds, _) | (_, Ends::AtOnce(_)) => {}
             (ConditionFate::FailsAtOnce, _) => *self = Ends::AtOnce(failed),
-            (ConditionFate::Fails(at), _) => self.earlier(at, failed),
+            (ConditionFate::Fails(at), _) => {
+                let locates = matches!(failed, Condition::Event(_) | Condition::Gap(_));
+                self.earlier(if locates { condition.refined(at) } else { at }, failed);
+            }
         }
     }
 

@@ -61,9 +61,9 @@ impl<S: Vector> Watched<S> {
         [band, slack, aim]: [f64; 3],
     ) {
         let (sign, offset, stuck) = match phase {
-            Phase::Slip(direction) => (direction, aim - band, 0.0),
+            Phase::Slip(direction) => (direction.sign(), aim - band, 0.0),
             // A contact is in the band only briefly: always examined.
-            Phase::Transition(direction) => (-direction, -1.0, 0.0),
+            Phase::Transition(direction) => (-direction.sign(), -1.0, 0.0),
             Phase::Stick => (0.0, 1.0, 1.0),
             Phase::Free | Phase::Open | Phase::Closed => (0.0, 1.0, 0.0),
         };
@@ -208,7 +208,7 @@ pub(super) fn first_event<S: Vector>(
                 examine(0, polynomial(length, aim - band, ORDER, |k| direction * speed(k)));
             }
             Phase::Transition(direction) => {
-                examine(0, polynomial(length, aim + band, ORDER, |k| -direction * speed(k)));
+                examine(0, polynomial(length, aim + band, ORDER, |k| -(direction * speed(k))));
                 let forwards = |k| direction * acceleration(k);
                 examine(1, polynomial(length, slack, ORDER - 1, forwards));
             }

@@ -58,9 +58,9 @@ impl<S: Vector> Watched<S> {
     /// Sets the conditions of a lane. A condition counts as failed if it is negative by `aim`.
     pub(super) fn set(&mut self, lane: usize, phase: Phase, [band, slack, aim]: [f64; 3]) {
         let (sign, offset, stuck) = match phase {
-            Phase::Slip(direction) => (direction, aim - band, 0.0),
+            Phase::Slip(direction) => (direction.sign(), aim - band, 0.0),
             // A ball is in the band only briefly: always examined.
-            Phase::Transition(direction) => (-direction, -1.0, 0.0),
+            Phase::Transition(direction) => (-direction.sign(), -1.0, 0.0),
             Phase::Stick => (0.0, 1.0, 1.0),
             Phase::Free | Phase::Open | Phase::Closed => (0.0, 1.0, 0.0),
         };
@@ -249,17 +249,17 @@ impl<S: Vector> Pull<S> {
             }
             return Pull { end, change, bound };
         }
-        for (term, weight) in terms.iter().zip(FOURTH).rev() {
-            let weight = Lanes::splat(length.simd, weight);
-            for axis in 0..2 {
+        for axis in 0..2 {
+            // Sums of their own: those in the arrays would be stored in each iteration.
+            let (mut value, mut slope, mut most) = (zero, zero, zero);
+            for (k, term) in terms.iter().enumerate().rev() {
                 let coefficient = term.pull[axis];
-                change[axis] = change[axis].fused(length, end[axis]);
-                end[axis] = end[axis].fused(length, coefficient);
-                bound[axis] = bound[axis].fused(length, weight * coefficient.abs());
+                slope = slope.fused(length, value);
+                value = value.fused(length, coefficient);
+                let weight = Lanes::splat(length.simd, FOURTH[k]);
+                most = most.fused(length, weight * coefficient.abs());
             }
-        }
-        for change in &mut change {
-            *change *= length;
+            (end[axis], change[axis], bound[axis]) = (value, slope * length, most);
         }
         Pull { end, change, bound }
     }

@@ -10,7 +10,7 @@ use crate::motion::Phase;
 use crate::motion::lockstep::held::held_until;
 use crate::motion::lockstep::kernel::Ends;
 use crate::motion::lockstep::lane::Lane;
-use crate::motion::lockstep::root_isolation::{Bounds, Polynomial};
+use crate::motion::lockstep::root_isolation::Polynomial;
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::lockstep::{Lanes, ORDER};
 use crate::motion::saltation::Condition;
@@ -25,6 +25,22 @@ pub(super) fn first_event<S: Vector, const N: usize>(
     ignored: &[Condition],
 ) -> Ends {
     let simd = series.terms[0].table[0].simd;
+    // The fused multiply-add is an instruction in this closure.
+    simd.vectorize(
+        #[inline(always)]
+        || first_of_all(simd, series, (own, balancer, gaps), (lane, length), doubts, ignored),
+    )
+}
+
+#[inline(always)]
+fn first_of_all<S: Vector, const N: usize>(
+    simd: S,
+    series: &Series<S, N>,
+    (own, balancer, gaps): (&Lane, &Balancer<N>, &Gaps<S, N>),
+    (lane, length): (usize, f64),
+    doubts: &Doubts<S, N>,
+    ignored: &[Condition],
+) -> Ends {
     let mut first = Ends::Nothing;
     let band = own.margins.band;
     let aim = 0.5 * own.width;
@@ -59,42 +75,44 @@ pub(super) fn first_event<S: Vector, const N: usize>(
         if !loose && doubts.of_balls[ball] & 1 << lane == 0 {
             continue;
         }
-        let mut examine = |which: usize, condition: Polynomial, bounds: Option<&Bounds>| {
-            let failed = Condition::Contact { contact: ball, which };
-            if ignored.is_empty() || !ignored.contains(&failed) {
-                first.or(simd, &condition, bounds, failed);
-            }
-        };
         let speed = |k: usize| series.terms[k].balls[ball].speed[lane];
-        match *phase {
-            Phase::Slip(direction) => {
-                let out = polynomial(length, aim - band, |k| direction * speed(k));
-                examine(0, out, Some(&doubts.slips[ball].outline(lane)));
-            }
-            Phase::Transition(direction) => {
-                let inside = polynomial(length, aim + band, |k| -direction * speed(k));
-                examine(0, inside, None);
-                let accelerating = polynomial(length, slack, |k| match k {
-                    ORDER => 0.0,
-                    _ => direction * ((k + 1) as f64 * speed(k + 1)),
-                });
-                examine(1, accelerating, None);
-            }
-            Phase::Stick if clusters.iter().any(|one| one.contacts.contains(&ball)) => {}
-            Phase::Stick => {
-                for (which, sign) in [1.0, -1.0].into_iter().enumerate() {
-                    let bounds = doubts.held[ball][which].outline(lane);
-                    if !bounds.holds() {
-                        let left = held(series, balancer, lane, ball, sign);
-                        examine(which, polynomial(length, slack, left), Some(&bounds));
-                    }
+        // One place examines all conditions, because the search is large.
+        for which in 0..3 {
+            let failed = Condition::Contact { contact: ball, which };
+            let (condition, bounds) = match (*phase, which) {
+                (_, 2) if loose => {
+                    let normal = normal_force(series, (balancer, gaps, *phase), lane, ball);
+                    (polynomial(length, aim, |k| normal[k]), None)
                 }
+                (Phase::Slip(direction), 0) => {
+                    let bounds = doubts.slips[ball].outline(lane);
+                    (polynomial(length, aim - band, |k| direction * speed(k)), Some(bounds))
+                }
+                (Phase::Transition(direction), 0) => {
+                    (polynomial(length, aim + band, |k| -(direction * speed(k))), None)
+                }
+                (Phase::Transition(direction), 1) => {
+                    let accelerating = |k| match k {
+                        ORDER => 0.0,
+                        _ => direction * ((k + 1) as f64 * speed(k + 1)),
+                    };
+                    (polynomial(length, slack, accelerating), None)
+                }
+                (Phase::Stick, 0 | 1)
+                    if !clusters.iter().any(|one| one.contacts.contains(&ball)) =>
+                {
+                    let bounds = doubts.held[ball][which].outline(lane);
+                    if bounds.holds() {
+                        continue;
+                    }
+                    let left = held(series, balancer, lane, ball, [1.0, -1.0][which]);
+                    (polynomial(length, slack, left), Some(bounds))
+                }
+                _ => continue,
+            };
+            if !ignored.contains(&failed) {
+                first.or_in_vectors(&condition, bounds.as_ref(), failed);
             }
-            Phase::Free | Phase::Open | Phase::Closed => {}
-        }
-        if loose {
-            let normal = normal_force(series, (balancer, gaps, own.phases[ball]), lane, ball);
-            examine(2, polynomial(length, aim, |k| normal[k]), None);
         }
     }
     first

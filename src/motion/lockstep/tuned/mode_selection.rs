@@ -50,8 +50,8 @@ impl<'a, const N: usize> InPlace<'a, N> {
 pub(super) fn contact(phase: Phase, friction: &Friction, speed: f64) -> Contact {
     match phase {
         Phase::Stick | Phase::Open | Phase::Closed => Contact::STICK,
-        Phase::Slip(direction) => friction.slip(direction, speed),
-        Phase::Transition(direction) => friction.slip(direction, 0.0),
+        Phase::Slip(direction) => friction.slip(direction.sign(), speed),
+        Phase::Transition(direction) => friction.slip(direction.sign(), 0.0),
         Phase::Free => friction.slip(0.0, speed),
     }
 }
@@ -60,9 +60,9 @@ pub(super) fn contact(phase: Phase, friction: &Friction, speed: f64) -> Contact 
 pub(super) fn contact_along(phase: Phase, friction: &Friction, speed: Dual) -> Contact<Dual> {
     match phase {
         Phase::Stick | Phase::Open | Phase::Closed => Contact::STICK.lifted(),
-        Phase::Slip(direction) => friction.slip_along(direction, speed),
+        Phase::Slip(direction) => friction.slip_along(direction.sign(), speed),
         Phase::Transition(direction) => {
-            friction.slip_along(direction, Dual { value: 0.0, slope: 0.0 })
+            friction.slip_along(direction.sign(), Dual { value: 0.0, slope: 0.0 })
         }
         Phase::Free => friction.slip_along(0.0, speed),
     }

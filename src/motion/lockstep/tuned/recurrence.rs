@@ -53,6 +53,7 @@ pub(super) enum Constants {
 }
 
 impl<S: Vector> Sums<S> {
+    #[inline(always)]
     pub(super) fn zero(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         Sums { turning: [zero; 2], drawn: zero, squared: zero }
@@ -140,8 +141,8 @@ fn products_of<S: Vector, const N: usize, const M: usize>(
 /// The constants of all orders of a series.
 pub(super) struct Solving<'a, S: Vector, const N: usize> {
     pub(super) solver: &'a Solver<S, N>,
-    /// Directions at the start.
-    pub(super) start: [[Lanes<S>; 2]; N],
+    /// The directions at the start, if they are not those of the series itself.
+    pub(super) start: Option<&'a Term<S, N>>,
     pub(super) residual: Option<&'a ResidualForce<S>>,
     /// The disc and its speed, if that changes.
     pub(super) turning: Option<(&'a Drive<S, N>, &'a Turning<S, N>)>,
@@ -277,7 +278,7 @@ pub(super) fn solve<S: Vector, const N: usize, const WHOLE: bool>(
     for i in 0..N {
         let speed = number(of_next) * accelerations[i];
         next.balls[i].speed = speed;
-        let [real, imaginary] = by.start[i];
+        let [real, imaginary] = by.start.unwrap_or(&lower[0]).balls[i].direction;
         let turning = sums[i].turning;
         after.balls[i].direction = [
             number(-of_after) * speed.fused(imaginary, turning[1]),

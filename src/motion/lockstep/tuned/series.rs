@@ -67,7 +67,7 @@ pub(super) struct Series<S: Vector, const N: usize> {
     pub(super) response: Response<S, N>,
     /// The coefficients of the forces in gaps, if the response is active.
     pub(super) forces: [OfEach<S, N>; ORDER],
-    /// Work space of an order: new arrays would have to be cleared.
+    /// Work space of an order for more than `FEW` balls: new arrays would have to be cleared.
     pub(super) sums: [[Sums<S>; N]; 2],
 }
 
@@ -100,7 +100,10 @@ impl<S: Vector, const N: usize> Series<S, N> {
         (drive, gaps): (Option<&Drive<S, N>>, &Gaps<S, N>),
         start: &Flow<S, N>,
     ) {
-        self.turning = drive.map(|drive| drive.turning(start.elapsed));
+        // Without a drive, there is nothing to replace.
+        if let Some(drive) = drive {
+            self.turning = Some(drive.turning(start.elapsed));
+        }
         self.begin(equations, start);
         self.response.begin(gaps, &self.solver);
         if self.is_plain() {
@@ -183,15 +186,15 @@ impl<S: Vector, const N: usize> Series<S, N> {
         equations.speed.simd.vectorize(
             #[inline(always)]
             || {
-                self.add_up(k);
-                let start: [[Lanes<S>; 2]; N] = self.directions();
+                let Series { terms, sums: [room, _], .. } = self;
+                let mut few = [Sums::zero(equations.speed.simd); N];
+                let sums = if N <= FEW { &mut few } else { room };
+                add_up(terms, k, sums);
                 let gaps = if self.response.active { Some(&self.response) } else { None };
                 let residual = self.residual.as_ref();
                 let turning = with_drive(drive, &self.turning);
-                let by = Solving { solver: &self.solver, start, residual, turning, gaps };
-                let terms = &mut self.terms;
+                let by = Solving { solver: &self.solver, start: None, residual, turning, gaps };
                 let constants = Constants::Whole;
-                let sums = &self.sums[0];
                 let forces = solve::<S, N, WHOLE>(terms, equations, &by, k, sums, constants);
                 if let Some(forces) = forces {
                     self.forces[k] = forces;
@@ -212,46 +215,6 @@ impl<S: Vector, const N: usize> Series<S, N> {
         match self.turning {
             Some(_) => Lanes::splat(equations.speed.simd, 2.0),
             None => equations.double_speed,
-        }
-    }
-
-    /// Directions at the start.
-    #[inline(always)]
-    pub(super) fn directions(&self) -> [[Lanes<S>; 2]; N] {
-        let mut directions = [[self.terms[0].table[0]; 2]; N];
-        for (direction, ball) in directions.iter_mut().zip(&self.terms[0].balls) {
-            *direction = ball.direction;
-        }
-        directions
-    }
-
-    /// Computes the products of an order.
-    #[inline(always)]
-    fn add_up(&mut self, k: usize) {
-        let [all, _] = &mut self.sums;
-        products(&self.terms, &self.terms, k, all);
-        let lower = &self.terms[..=k];
-        for (i, sums) in all.iter_mut().enumerate() {
-            let latest = lower[k].balls[i].speed;
-            let mut squared = Lanes::splat(latest.simd, 0.0);
-            if k == 0 {
-                squared = latest * latest;
-            } else {
-                let pairs = lower[1..k.div_ceil(2)].iter().zip(lower[..k].iter().rev());
-                for (low, high) in pairs {
-                    squared = low.balls[i].speed.fused(high.balls[i].speed, squared);
-                }
-                squared = lower[0].balls[i].speed.fused(latest, squared);
-                squared += squared;
-                if k.is_multiple_of(2) {
-                    let middle = lower[k / 2].balls[i].speed;
-                    squared = middle.fused(middle, squared);
-                }
-            }
-            sums.squared = squared;
-        }
-        for (ball, sums) in self.terms[k].balls.iter_mut().zip(all) {
-            ball.squared = sums.squared;
         }
     }
 
@@ -354,6 +317,60 @@ impl<S: Vector, const N: usize> Series<S, N> {
             }
         }
         powers
+    }
+}
+
+/// The largest number of balls for which the sums of an order are in registers.
+const FEW: usize = 2;
+
+/// Computes the products of an order.
+#[inline(always)]
+fn add_up<S: Vector, const N: usize>(
+    terms: &mut [Term<S, N>; TERMS],
+    k: usize,
+    all: &mut [Sums<S>; N],
+) {
+    products(terms, terms, k, all);
+    let mut first = 0;
+    while first + 2 <= N {
+        squares::<S, N, 2>(terms, k, first, all);
+        first += 2;
+    }
+    if first < N {
+        squares::<S, N, 1>(terms, k, first, all);
+    }
+}
+
+/// Computes coefficient `k` of the squares of the speeds of `M` balls from `first` on, together: each sum alone would wait
+/// for its previous term.
+#[inline(always)]
+fn squares<S: Vector, const N: usize, const M: usize>(
+    terms: &mut [Term<S, N>; TERMS],
+    k: usize,
+    first: usize,
+    all: &mut [Sums<S>; N],
+) {
+    let lower = &mut terms[..=k];
+    let mut squared = [Lanes::splat(lower[0].table[0].simd, 0.0); M];
+    let pairs = lower[1..k.div_ceil(2).max(1)].iter().zip(lower[..k].iter().rev());
+    for (low, high) in pairs {
+        for (i, squared) in squared.iter_mut().enumerate() {
+            let (low, high) = (low.balls[first + i].speed, high.balls[first + i].speed);
+            *squared = low.fused(high, *squared);
+        }
+    }
+    for (i, squared) in squared.into_iter().enumerate() {
+        let speed = |k: usize| lower[k].balls[first + i].speed;
+        let mut sum = speed(0) * speed(0);
+        if k > 0 {
+            sum = speed(0).fused(speed(k), squared);
+            sum += sum;
+            if k.is_multiple_of(2) {
+                sum = speed(k / 2).fused(speed(k / 2), sum);
+            }
+        }
+        all[first + i].squared = sum;
+        lower[k].balls[first + i].squared = sum;
     }
 }
 

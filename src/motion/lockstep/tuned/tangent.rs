@@ -108,7 +108,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
             }
             sums.squared = squared + squared;
         }
-        let start: [[Lanes<S>; 2]; N] = self.directions();
+        let start = Some(&self.terms[0]);
         let gaps = if self.response.active { Some(&self.response) } else { None };
         let turning = with_drive(drive, &self.turning);
         let residual = residual.as_ref();
