@@ -163,9 +163,12 @@ impl Ends {
         bounds: Option<&Bounds>,
         failed: Condition,
     ) {
-        let computed = || condition.outline();
-        let fate = condition.first_fall(&bounds.copied().unwrap_or_else(computed));
-        match (fate, &self) {
+        // A match, not a closure: it must be inlined.
+        let bounds = match bounds {
+            Some(bounds) => *bounds,
+            None => condition.outline(),
+        };
+        match (condition.first_fall(&bounds), &self) {
             (ConditionFate::Holds, _) | (_, Ends::AtOnce(_)) => {}
             (ConditionFate::FailsAtOnce, _) => *self = Ends::AtOnce(failed),
             (ConditionFate::Fails(at), _) => {

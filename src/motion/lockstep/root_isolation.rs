@@ -22,6 +22,9 @@ pub(super) fn width(relative_tolerance: f64) -> f64 {
 /// Length of the shortest part that is halved.
 const SHORTEST_PART: f64 = 1e-9;
 
+/// A condition that is negative at the start by rounding has risen at this fraction of the step or later.
+const RISEN: f64 = 1.0 / (1 << 29) as f64;
+
 /// Size of the last step of Halley's method, as a fraction of the step: the remaining error, its
 /// third power, is below the smallest width.
 const LAST: f64 = 1e-5;
@@ -130,11 +133,17 @@ impl Polynomial {
     pub(super) fn first_fall(&self, outline: &Bounds) -> ConditionFate {
         let Bounds { ends: [mut low, end], fourth_derivative: bound } = *outline;
         if low.value <= 0.0 {
-            // Negative by rounding: if it rises, the fall comes later.
-            let risen = (1..30).map(|halvings| self.place(0.5_f64.powi(halvings)));
-            match risen.into_iter().find(|place| place.value > 0.0) {
-                Some(place) => low = place,
-                None => return ConditionFate::FailsAtOnce,
+            // Negative by rounding: if it rises, the fall comes later. A loop, not a closure: it must be inlined.
+            let mut at = 0.5;
+            loop {
+                low = self.place(at);
+                if low.value > 0.0 {
+                    break;
+                }
+                at *= 0.5;
+                if at < RISEN {
+                    return ConditionFate::FailsAtOnce;
+                }
             }
         }
         let mut high = end;
