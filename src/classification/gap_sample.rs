@@ -1,8 +1,8 @@
 //! The gaps between contacts in a recorded motion: their widths, and the impacts and openings between two instants.
 
 use super::system_view::SystemView;
-use crate::model::{Gap, TOUCHING};
-use crate::motion::{Instant, Phase};
+use crate::model::Gap;
+use crate::motion::{Hit, Instant, Phase};
 
 /// A gap at an instant, non-dimensional.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,21 +58,24 @@ pub(super) fn gap_samples(view: &SystemView, instant: &Instant) -> Vec<GapSample
     gaps.iter().zip(phases).map(sample).collect()
 }
 
-/// Returns the changes of gaps between the instants just before and just after an event.
-pub(super) fn touches(view: &SystemView, before: &Instant, after: &Instant) -> Vec<Touch> {
+/// Returns the impacts `hits` of an event, and the ends of contact between the instants just before and just after it.
+pub(super) fn touches(
+    view: &SystemView,
+    hits: &[Hit],
+    before: &Instant,
+    after: &Instant,
+) -> Vec<Touch> {
     let pairs = gap_samples(view, before).into_iter().zip(gap_samples(view, after));
-    let changed = pairs.filter(|(before, after)| match (before.phase, after.phase) {
-        (Phase::Open, Phase::Open) => {
-            let meets = before.width <= TOUCHING && before.opening_speed < 0.0;
-            meets && after.opening_speed > 0.0
-        }
-        (before, after) => before != after,
-    });
-    let touch = |(of_before, of_after): (GapSample, GapSample)| Touch {
-        time: after.time,
-        positions: of_after.contacts.map(|contact| after.unwrapped[contact]),
-        before: of_before,
-        after: of_after,
+    let touch = |(gap, (before, of_after)): (usize, (GapSample, GapSample))| {
+        let of_before = match hits.iter().find(|hit| hit.gap == gap) {
+            Some(Hit { opening_speed, .. }) => {
+                GapSample { opening_speed: *opening_speed, phase: Phase::Open, ..of_after }
+            }
+            None if before.phase == Phase::Closed && of_after.phase == Phase::Open => before,
+            None => return None,
+        };
+        let positions = of_after.contacts.map(|contact| after.unwrapped[contact]);
+        Some(Touch { time: after.time, positions, before: of_before, after: of_after })
     };
-    changed.map(touch).collect()
+    pairs.enumerate().filter_map(touch).collect()
 }

@@ -3,7 +3,7 @@
 use super::system_view::SystemView;
 use crate::model::Components;
 use crate::motion::lockstep::LaneGroup;
-use crate::motion::{Effort, Instant, PerContact, Phase, fall_through_zero};
+use crate::motion::{Effort, Hit, Instant, PerContact, Phase, fall_through_zero};
 
 /// Width within which an instant is located, over the length of the step.
 const WIDTH: f64 = 1e-13;
@@ -40,6 +40,11 @@ impl<'a> LaneStep<'a> {
     /// Returns the phases after the step.
     pub(super) fn phases(&self) -> &'a [Phase] {
         self.group.phases(self.lane)
+    }
+
+    /// Returns the impacts at the end of the step or, before the first step, at the start.
+    pub(super) fn hits(&self) -> &'a [Hit] {
+        self.group.hits(self.lane)
     }
 
     /// Returns the state at the step's end, before an event that resets it, with angles not reduced to one turn.

@@ -65,7 +65,7 @@ pub enum Evidence {
 
 impl Evidence {
     /// The names of all evidence in tables, in a fixed order.
-    pub const NAMES: [&'static str; 13] = [
+    pub const NAMES: [&'static str; 14] = [
         "rest_certified",
         "creep",
         "settled",
@@ -77,6 +77,7 @@ impl Evidence {
         "contact_lost",
         "step_limit",
         "no_solution",
+        "too_many_combinations",
         "invalid_parameters",
         "panic",
     ];
@@ -94,7 +95,10 @@ impl Evidence {
             Evidence::Failure(Failure::NotFinite) => "not_finite",
             Evidence::Failure(Failure::ContactLost { .. }) => "contact_lost",
             Evidence::Failure(Failure::StepLimit) => "step_limit",
-            Evidence::Failure(Failure::NoSolution { .. }) => "no_solution",
+            Evidence::Failure(Failure::NoSolution { .. } | Failure::UndecidedImpact { .. }) => {
+                "no_solution"
+            }
+            Evidence::Failure(Failure::TooManyCombinations) => "too_many_combinations",
             Evidence::InvalidParameters => "invalid_parameters",
             Evidence::Panic => "panic",
         }

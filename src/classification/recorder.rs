@@ -11,7 +11,7 @@
 use super::gap_sample::{GapSample, Touch, gap_samples, touches};
 use super::lane_step::LaneStep;
 use super::system_view::SystemView;
-use crate::motion::{Effort, Instant, Phase};
+use crate::motion::{Effort, Hit, Instant, Phase};
 
 /// The recorded instants.
 #[derive(Clone, Debug, PartialEq)]
@@ -146,9 +146,11 @@ impl Recorder {
                 Instants::EveryStep { .. } => true,
                 Instants::At(times) => times.first() == Some(&0.0),
             };
+            let now = step.now();
             if first {
-                self.push(view, 0, &step.now());
+                self.push(view, 0, &now);
             }
+            self.touches(view, step.hits(), [&now, &now]);
         }
         if let Some(before) = self.left.take() {
             self.enters(step, &before);
@@ -183,7 +185,7 @@ impl Recorder {
         }
         if let Some(before) = step.before_switch() {
             self.switches(view, &before, &step.now());
-            self.touches(view, &before, &step.now());
+            self.touches(view, step.hits(), [&before, &step.now()]);
         }
         (self.time, self.effort) = (step.time(), effort);
     }
@@ -201,14 +203,7 @@ impl Recorder {
             self.push(view, step.effort().steps, &now);
         }
         self.switches(view, before, &now);
-        // A kick separates balls that touch, but it is no impact of two balls.
-        let first = self.recording.touches.len();
-        self.touches(view, before, &now);
-        let mut place = 0;
-        self.recording.touches.retain(|touch| {
-            place += 1;
-            place <= first || !touch.is_impact()
-        });
+        self.touches(view, step.hits(), [before, &now]);
     }
 
     fn switches(&mut self, view: &SystemView, before: &Instant, after: &Instant) {
@@ -227,8 +222,8 @@ impl Recorder {
         }
     }
 
-    fn touches(&mut self, view: &SystemView, before: &Instant, after: &Instant) {
-        for touch in touches(view, before, after) {
+    fn touches(&mut self, view: &SystemView, hits: &[Hit], [before, after]: [&Instant; 2]) {
+        for touch in touches(view, hits, before, after) {
             if self.recording.touches.len() >= self.most {
                 self.recording.cut_off = true;
                 return;

@@ -5,9 +5,10 @@
 //! apart, and its normal part `tan(Δ/2) λ` presses both to the ring. Both balls roll in the same sense, so that their
 //! surfaces slide on each other; friction `q` between them, at most `μ_b λ`, acts across the chord.
 //!
-//! Impacts follow Newton's law: the balls separate with a fraction of the speed of their approach. Rolling does not last
-//! through an impact: a ball skids and rolls again, which leaves `max(0, (e - 4J)/(1 + 4J))` of the material's coefficient
-//! `e` ([`rolling_restitution`]: the angular momentum about the point of contact is kept while the ball skids).
+//! Impacts follow Newton's law: the balls separate with a fraction of the speed of their approach, or more slowly where this
+//! would add energy. Rolling does not last through an impact: a ball skids and rolls again, which leaves
+//! `max(0, (e - 4J)/(1 + 4J))` of the material's coefficient `e` ([`rolling_restitution`]: the angular momentum about the
+//! point of contact is kept while the ball skids).
 
 use serde::Serialize;
 

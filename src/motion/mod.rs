@@ -6,6 +6,7 @@ mod condition;
 mod evaluator;
 mod event_driven;
 mod impact;
+mod impulses;
 mod in_one_state;
 mod instant;
 pub(crate) mod lockstep;
@@ -21,6 +22,7 @@ mod touching;
 pub(crate) use cancellation::unwind_if_cancelled;
 pub use cancellation::{Cancellation, is_cancelled};
 pub use evaluator::{ContactForces, Evaluator, Forces, GapForces};
+pub(crate) use impact::Hit;
 pub use in_one_state::InOneState;
 pub use instant::Instant;
 pub use lockstep::SimdLevel;
@@ -55,9 +57,18 @@ pub enum Failure {
     #[error("more steps than the limit, or a step length below the smallest possible one")]
     StepLimit,
     /// Stick and slip cannot be decided: no combination meets all conditions, or several do.
-    #[error("{} all conditions", modes::combinations_meet(*.solutions))]
+    #[error("{} all conditions", modes::combinations_meet("stick and slip", *.solutions))]
     NoSolution {
         /// Number of combinations with different accelerations that meet all conditions.
         solutions: usize,
     },
+    /// The impulses of an impact cannot be decided: none meet all conditions, or several do.
+    #[error("{} all conditions of an impact", modes::combinations_meet("impulses", *.solutions))]
+    UndecidedImpact {
+        /// Number of motions after the impact that meet all conditions.
+        solutions: usize,
+    },
+    /// So many contacts or gaps are open to decision at once that not all combinations can be tried.
+    #[error("stick, slip or impulses have more combinations than can be tried")]
+    TooManyCombinations,
 }

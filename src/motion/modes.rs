@@ -197,10 +197,10 @@ const MOST_OPEN: usize = 12;
 /// Returns the number of combinations of three phases.
 ///
 /// # Errors
-/// [`Failure::NoSolution`] for so many contacts that the combinations cannot be tried.
+/// [`Failure::TooManyCombinations`] for so many contacts that the combinations cannot be tried.
 fn combinations(contacts: usize) -> Result<usize, Failure> {
     let tried = contacts <= MOST_OPEN;
-    tried.then(|| 3_usize.pow(contacts as u32)).ok_or(Failure::NoSolution { solutions: 0 })
+    tried.then(|| 3_usize.pow(contacts as u32)).ok_or(Failure::TooManyCombinations)
 }
 
 /// Accelerations that differ by no more than this, over 1 and the largest of them, are the same
@@ -302,10 +302,10 @@ pub(super) fn check_forces(forces: &Forces) -> Result<(), Failure> {
 }
 
 /// Returns the number of combinations that meet the conditions as the start of a message.
-pub(super) fn combinations_meet(solutions: usize) -> String {
+pub(super) fn combinations_meet(of: &str, solutions: usize) -> String {
     match solutions {
-        0 => "no combination of stick and slip meets".to_owned(),
-        1 => "one combination of stick and slip meets".to_owned(),
-        _ => format!("{solutions} different combinations of stick and slip meet"),
+        0 => format!("no combination of {of} meets"),
+        1 => format!("one combination of {of} meets"),
+        _ => format!("{solutions} different combinations of {of} meet"),
     }
 }

@@ -61,7 +61,7 @@ pub(super) const MOST_PER_TIME: f64 = 1000.0;
 /// How the contacts of a system with gaps have touched so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touches {
-    /// The number of impacts: gaps that have closed.
+    /// The number of impacts: how often a gap that was open has closed.
     pub impacts: u64,
     /// The number of contacts that an impact has lifted off their support, which the model does not follow.
     pub lifted_off: u64,

@@ -7,7 +7,7 @@
 //! - contacts that set off accelerate in their direction;
 //! - gaps that stay closed are under pressure, and gaps that open do so with an acceleration that is not negative.
 //!
-//! Exactly one motion must remain ([`Failure::NoSolution`]).
+//! Exactly one motion must remain ([`Failure::NoSolution`], [`Failure::TooManyCombinations`]).
 
 use smallvec::SmallVec;
 
@@ -58,15 +58,24 @@ impl<'a> InTouch<'a> {
         gap.width(gap.contacts.map(|contact| state[self.position(contact)]))
     }
 
-    /// Decides the phases at the start of a motion. Contacts that start at each other meet.
+    /// Decides the phases at the start of a motion. Contacts that start at each other meet; those of them that do not approach
+    /// each other have been in contact before.
     ///
     /// # Errors
     /// [`Failure`] if no phases meet all conditions.
-    pub(super) fn start(&self, state: &mut Components) -> Result<Phases, Failure> {
+    pub(super) fn start(&self, state: &mut Components) -> Result<(Phases, Impact), Failure> {
         let mut phases = self.evaluator.no_phases();
-        phases[..self.contacts()].fill(Phase::Transition(Direction::Forward));
-        self.meet(state, &mut phases, None)?;
-        Ok(phases)
+        let (of_contacts, of_gaps) = phases.split_at_mut(self.contacts());
+        of_contacts.fill(Phase::Transition(Direction::Forward));
+        let speeds = self.speeds();
+        for (gap, phase) in self.touching.gaps().iter().zip(of_gaps) {
+            let [behind, ahead] = gap.contacts.map(|contact| state[speeds[contact]]);
+            if behind <= ahead {
+                *phase = Phase::Closed;
+            }
+        }
+        let impact = self.meet(state, &mut phases, None)?;
+        Ok((phases, impact))
     }
 
     /// Resolves the impact of the contacts that are at each other, and decides the phases after it. If a direction of a
@@ -97,7 +106,8 @@ impl<'a> InTouch<'a> {
             .enumerate()
             .map(|(place, value)| Dual { value: *value, slope: slope(place) })
             .collect();
-        let impact = impact(self.touching, &speeds, &before, &at_each_other)?;
+        let of_gaps = &phases[contacts..];
+        let impact = impact(self.touching, &speeds, &before, &at_each_other, of_gaps)?;
         state.iter_mut().zip(&impact.state).for_each(|(to, after)| *to = after.value);
         if let Some(direction) = direction {
             direction.iter_mut().zip(&impact.state).for_each(|(to, after)| *to = after.slope);
@@ -218,7 +228,7 @@ impl<'a> InTouch<'a> {
                 all.retain(|begun| self.passes_nowhere(begun, phases));
             }
             if all.len() > MOST_TRIED {
-                return Err(Failure::NoSolution { solutions: 0 });
+                return Err(Failure::TooManyCombinations);
             }
         }
         Ok(all.into_iter())

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use stickslip::classification::{
-    ContactSample, Instants, Outcome, Recorder, Recording, TouchingOutcome, simulate,
+    ContactSample, Instants, Outcome, Recorder, Recording, Touch, TouchingOutcome, simulate,
     simulate_recorded,
 };
-use stickslip::model::{Case, TOUCHING, wrap_to_pi};
+use stickslip::model::{Case, Start, TOUCHING, wrap_to_pi};
 use stickslip::motion::Phase;
 
 use super::recorder::cases;
@@ -14,14 +14,16 @@ use super::recorder::cases;
 /// Restitution of all cases.
 const RESTITUTION: f64 = 0.36;
 
+fn model(parameters: &str, restitution: f64) -> String {
+    format!(
+        "{{kind: ball_balancer, parameters: {{{parameters}}}, \
+         contact: {{restitution: {restitution}, friction_coefficient: 0.1}}}}"
+    )
+}
+
 /// Runs with contact: both methods, two and three balls, a continued end time.
 fn in_contact() -> Vec<Case> {
-    let balls = |parameters: &str| {
-        format!(
-            "{{kind: ball_balancer, parameters: {{{parameters}}}, \
-             contact: {{restitution: {RESTITUTION}, friction_coefficient: 0.1}}}}"
-        )
-    };
+    let balls = |parameters: &str| model(parameters, RESTITUTION);
     let extend = "{end_time_s: 1.5, extend: {factor: 2, labels: [undecided, irregular]}}";
     [
         cases(&balls("speed_rad_s: -173.1803"), 4, "{end_time_s: 3}"),
@@ -44,7 +46,8 @@ fn recorded(case: &Case) -> (Outcome, TouchingOutcome, Recording) {
 #[test]
 fn touches_are_those_of_the_outcome() {
     let (mut impacts, mut lasting, mut separations, mut extended) = (0, 0, 0, 0);
-    for case in in_contact() {
+    let inelastic = cases(&model("balls: 3", 0.0), 4, "{end_time_s: 4}");
+    for case in in_contact().into_iter().chain(inelastic) {
         let (outcome, touching, Recording { samples, touches, .. }) = recorded(&case);
         let counted = touches.iter().filter(|touch| touch.is_impact()).count();
         assert_eq!(counted as u64, touching.impacts, "{case:?}");
@@ -125,6 +128,28 @@ fn gaps_and_impacts_obey_their_laws() {
         }
     }
     assert!(touching > 100 && bounces > 30, "{touching} {bounces}");
+}
+
+/// Balls that are at each other at the start, and approach, make an impact at time 0: it is counted, and recorded. Balls
+/// that do not approach are in contact.
+#[test]
+fn an_impact_at_the_start_is_counted_and_recorded() {
+    let case = cases(&model("balls: 3", RESTITUTION), 1, "{end_time_s: 0.1}").remove(0);
+    let machine = case.model.ball_balancer().expect("balls");
+    let angle = machine.contact_angle_rad(&machine.balls[0], &machine.balls[0]);
+    let beta = [0, 1, 2].map(|ball| 1.0 + f64::from(ball) * angle);
+    for (speeds, expected) in [([0.5, 0.1, 0.1], 1), ([0.5, 0.1, -0.3], 2), ([0.5; 3], 0)] {
+        let start = Start::of_balancer([0.0; 2], &beta, [0.0; 2], &speeds);
+        let (_, touching, recording) = recorded(&Case { start, ..case.clone() });
+        let impacts = recording.touches.iter().filter(|touch| touch.is_impact());
+        assert_eq!(impacts.clone().count() as u64, touching.impacts);
+        let first: Vec<_> = impacts.filter(|touch| touch.time == 0.0).collect();
+        assert_eq!(first.len(), expected, "{first:?}");
+        for touch in first {
+            let Touch { before, after, .. } = touch;
+            assert!(before.opening_speed < 0.0 && after.opening_speed >= 0.0, "{touch:?}");
+        }
+    }
 }
 
 /// Balls without contact, and a block, have no gaps.

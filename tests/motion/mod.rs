@@ -8,6 +8,7 @@ mod cut_steps;
 mod event;
 mod event_limit;
 mod event_times;
+mod impacts;
 mod inertial;
 mod kernels;
 mod lasting_contact;

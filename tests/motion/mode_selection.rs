@@ -5,14 +5,17 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use stickslip::classification::{Evidence, simulate};
-use stickslip::model::{Balancer, Machine, Method, State};
+use stickslip::model::{
+    Balancer, ContactEquations, ContactLayout, Expression, Friction, Layout, Machine, Method,
+    Number, Recorder, State, SystemEquations,
+};
 use stickslip::motion::{
     Direction, Evaluator, Failure, Motion, Phase, Phases, SLACK, Settings, Tolerance, decide,
 };
 use stickslip::study::Study;
 
 use crate::support::reference::{self, stick_reserve};
-use crate::support::{for_each_kernel, shared, started, state_of};
+use crate::support::{OwnSystem, for_each_kernel, shared, started, state_of};
 
 fn balancer<const N: usize>(friction: f64, heavier: f64) -> Balancer<N> {
     let mut machine = Machine::default();
@@ -249,6 +252,50 @@ fn several_solutions_are_refused() {
     let message = |solutions| Failure::NoSolution { solutions }.to_string();
     assert_eq!(message(0), "no combination of stick and slip meets all conditions");
     assert_eq!(message(3), "3 different combinations of stick and slip meet all conditions");
+}
+
+/// Thirteen blocks on the ground, without coupling.
+fn blocks(recorder: &Recorder) -> SystemEquations<'_> {
+    let positions: Vec<_> = (0..13).map(|_| recorder.state()).collect();
+    let contact = |_| {
+        let speed = recorder.state();
+        let [slips, direction] = ["slips", "direction"].map(|name| recorder.input(name));
+        let (normal, limit) = (Expression::constant(1.0), Expression::constant(0.5));
+        let friction = slips * direction * limit;
+        ContactEquations { sliding_speed: speed, sliding_acceleration: -friction, normal, friction }
+    };
+    let contacts: Vec<_> = positions.iter().map(contact).collect();
+    let speeds = contacts.iter().map(|contact| contact.sliding_speed);
+    let accelerations = contacts.iter().map(|contact| contact.sliding_acceleration);
+    SystemEquations {
+        derivative: speeds.chain(accelerations).collect(),
+        layout: Layout {
+            contacts: (0..13).map(|position| ContactLayout { position, angular: false }).collect(),
+            velocities: (13..26).map(|component| vec![component]).collect(),
+            vibration: None,
+        },
+        contacts,
+        ..SystemEquations::default()
+    }
+}
+
+/// Three ways for each of thirteen blocks at rest are more combinations than are tried. That is not a lack of solutions.
+#[test]
+fn too_many_combinations_are_called_that() {
+    let system = shared(OwnSystem {
+        record: blocks,
+        parameters: vec![],
+        friction: vec![Friction::coulomb(0.5); 13],
+        longest_step: 1.0,
+        unique: false,
+    });
+    for method in [Method::Switch, Method::Event] {
+        let settings = Settings { method, ..settings() };
+        let failure = Motion::new(&system, settings, &[0.0; 26]).err();
+        assert_eq!(failure, Some(Failure::TooManyCombinations));
+    }
+    let evidence = Evidence::Failure(Failure::TooManyCombinations);
+    assert_eq!(evidence.name(), "too_many_combinations");
 }
 
 /// At the instant of break-away stick and transition both hold, with the same accelerations: that

@@ -76,6 +76,7 @@ fn series_and_displacements_of_functions() {
         parameters: vec![],
         friction: vec![],
         longest_step: 0.5,
+        unique: true,
     });
     for start in [0.0, 0.4, 1.3] {
         let mut state = Components::from_elem(0.0, 7);
@@ -115,6 +116,7 @@ fn a_singular_linear_system_ends_the_motion() {
         parameters: vec![],
         friction: vec![],
         longest_step: 0.5,
+        unique: true,
     });
     let at_once = Motion::new(&system, SETTINGS, &[0.5, 0.0]).expect("starts").advance(1.0);
     assert_eq!(at_once, Err(Failure::NotFinite));

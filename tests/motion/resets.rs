@@ -40,6 +40,7 @@ fn mass(gravity: f64, restitution: f64) -> Arc<dyn System> {
         parameters: vec![gravity, restitution],
         friction: vec![],
         longest_step: 1.0,
+        unique: true,
     })
 }
 
@@ -177,6 +178,7 @@ fn block([ramp_end, kick_time, kick]: [f64; 3]) -> Arc<dyn System> {
         parameters: vec![FRICTION, SLOPE, ramp_end, kick_time, kick],
         friction: vec![Friction::coulomb(FRICTION)],
         longest_step: 1.0,
+        unique: true,
     })
 }
 

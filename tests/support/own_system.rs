@@ -11,6 +11,8 @@ pub struct OwnSystem {
     pub parameters: Vec<f64>,
     pub friction: Vec<Friction>,
     pub longest_step: f64,
+    /// Whether stick and slip are decided in exactly one way.
+    pub unique: bool,
 }
 
 impl System for OwnSystem {
@@ -43,11 +45,11 @@ impl System for OwnSystem {
     }
 
     fn surely_one_solution(&self) -> bool {
-        true
+        self.unique
     }
 
     fn one_solution_at(&self, _state: &[f64]) -> bool {
-        true
+        self.unique
     }
 
     fn force_scale(&self) -> f64 {

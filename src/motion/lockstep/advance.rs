@@ -319,9 +319,7 @@ fn switch<S: Vector, K: Kernel<S>>(
     let resets = matches!(event.failed, Condition::Event(_) | Condition::Gap(_));
     let mut phases = Phases::from_slice(&own.phases);
     let impact = decide((kernel, &g.state, time), (lane, own), (&mut state, &mut phases), event)?;
-    if let Some(impact) = &impact {
-        own.take_in(impact);
-    }
+    own.take_in(impact.as_deref(), time);
     if displaced {
         let mut direction = kernel.lane(&g.displacement, lane);
         own.grazed |= match (event.failed, kernel.evaluator(lane)) {

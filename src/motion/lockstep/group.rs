@@ -14,7 +14,7 @@ use super::{LANES, Lanes, advance};
 use crate::model::{Components, System};
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::settings::MOST_PER_TIME;
-use crate::motion::{Effort, PerContact, Phase, Touches};
+use crate::motion::{Effort, Hit, PerContact, Phase, Touches};
 
 /// Eight lanes, some of them empty.
 pub(super) struct Group<S: Vector, K: Kernel<S>> {
@@ -307,6 +307,11 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
 
     fn slow_since(&self, lane: usize) -> PerContact {
         self.slow_since.iter().map(|since| since[lane]).collect()
+    }
+
+    fn hits(&self, lane: usize) -> &[Hit] {
+        let latest = self.lanes[lane].as_ref().filter(|own| own.hit_at == self.time[lane]);
+        latest.map_or(&[], |own| &own.hits)
     }
 
     fn touches(&self, lane: usize) -> Option<Touches> {

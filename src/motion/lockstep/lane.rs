@@ -9,7 +9,7 @@ use super::root_isolation::width;
 use super::tuned;
 use crate::model::{Components, Method, System};
 use crate::motion::condition::Margins;
-use crate::motion::impact::Impact;
+use crate::motion::impact::{Hit, Impact};
 use crate::motion::modes::{Evaluated, InState, decide_first, first_phases};
 use crate::motion::settings::MOST_EVENTS_AT_ONCE;
 use crate::motion::touching::InTouch;
@@ -35,9 +35,12 @@ pub(crate) struct Lane {
     pub(super) during: Phases,
     pub(super) last_switches: PerContact,
     pub(super) switches: u64,
-    /// The number of gaps that have closed, and of contacts that impacts have lifted off their support.
+    /// The number of impacts, and of contacts that they have lifted off their support.
     pub(super) impacts: u64,
     pub(super) lifted: u64,
+    /// The impacts of the latest event, and its time.
+    pub(super) hits: SmallVec<[Hit; 2]>,
+    pub(super) hit_at: f64,
     /// The time in which any gap was closed, until the latest change, and the time of that change.
     pub(super) touching_time: f64,
     pub(super) last_touch: f64,
@@ -77,10 +80,14 @@ impl Lane {
         if self.events > MOST_EVENTS_AT_ONCE { Err(Failure::StepLimit) } else { Ok(()) }
     }
 
-    /// Takes in an impact.
-    pub(super) fn take_in(&mut self, impact: &Impact) {
-        self.impacts += impact.hits as u64;
-        self.lifted += impact.lifted as u64;
+    /// Takes in the impact of an event, if there was one.
+    pub(super) fn take_in(&mut self, impact: Option<&Impact>, time: f64) {
+        self.hits.clear();
+        if let Some(impact) = impact {
+            self.impacts += impact.hits.len() as u64;
+            self.lifted += impact.lifted as u64;
+            (self.hits, self.hit_at) = (impact.hits.clone(), time);
+        }
     }
 }
 
@@ -129,23 +136,27 @@ impl Saved {
             let tuned = tuned::in_state(system, surely_one_solution, state, |at| {
                 start_phases(system.as_ref(), settings, at)
             });
-            tuned.map(|phases| Ok((phases?, tuned::angles(contacts).collect())))
+            tuned.map(|phases| Ok((phases?, None, tuned::angles(contacts).collect())))
         };
         let by_equations = || {
             let evaluator = evaluator();
-            let phases = match InTouch::new(&evaluator, settings) {
-                Some(in_touch) => in_touch.start(&mut start)?,
+            let (phases, impact) = match InTouch::new(&evaluator, settings) {
+                Some(in_touch) => {
+                    let (phases, impact) = in_touch.start(&mut start)?;
+                    (phases, Some(impact))
+                }
                 None => {
-                    start_phases(system.as_ref(), settings, &Evaluated::new(&evaluator, state))?
+                    let at = Evaluated::new(&evaluator, state);
+                    (start_phases(system.as_ref(), settings, &at)?, None)
                 }
             };
             let layout = evaluator.graph().layout.contacts.iter();
             let angles = layout.filter(|contact| contact.angular);
-            Ok((phases, angles.map(|contact| contact.position).collect()))
+            Ok((phases, impact, angles.map(|contact| contact.position).collect()))
         };
         let without_gaps = system.touching().is_none();
         let tuned = if without_gaps { by_tuned() } else { None };
-        let (phases, angles): (Phases, SmallVec<[usize; 8]>) =
+        let (phases, impact, angles): (Phases, _, SmallVec<[usize; 8]>) =
             tuned.unwrap_or_else(by_equations)?;
         for component in angles {
             let angle = &mut start[component];
@@ -153,7 +164,7 @@ impl Saved {
                 *angle -= (*angle / TAU).floor() * TAU;
             }
         }
-        let lane = Lane {
+        let mut lane = Lane {
             margins: Margins::new(&settings, force_scale),
             settings,
             surely_one_solution,
@@ -169,6 +180,8 @@ impl Saved {
             switches: 0,
             impacts: 0,
             lifted: 0,
+            hits: SmallVec::new(),
+            hit_at: 0.0,
             touching_time: 0.0,
             last_touch: 0.0,
             phases,
@@ -177,6 +190,7 @@ impl Saved {
             events_since: 0.0,
             system: Arc::clone(system),
         };
+        lane.take_in(impact.as_ref(), 0.0);
         let next = lane.longest_step;
         Ok(Saved {
             lane,
@@ -207,6 +221,8 @@ impl Saved {
             switches: before.switches,
             impacts: before.impacts,
             lifted: before.lifted + u64::from(lifted),
+            // A kick separates contacts that touch, but it is no impact between them.
+            hits: SmallVec::new(),
             touching_time: before.touching_time,
             last_touch: before.last_touch,
             ..started.lane

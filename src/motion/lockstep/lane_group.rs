@@ -7,7 +7,7 @@ use smallvec::SmallVec;
 use super::LANES;
 use super::lane::Saved;
 use crate::model::{Components, System};
-use crate::motion::{Effort, Failure, PerContact, Phase, Touches};
+use crate::motion::{Effort, Failure, Hit, PerContact, Phase, Touches};
 
 /// The events of a step, as bit masks of lanes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -127,6 +127,8 @@ pub(crate) trait LaneGroup {
     /// Returns the last time at which each contact was faster than `SLOW`, or than the band if that is wider: 0 if
     /// it never was, and the current time if it is now.
     fn slow_since(&self, lane: usize) -> PerContact;
+    /// Returns the impacts at the end of the latest step or, before the first step, at the start.
+    fn hits(&self, lane: usize) -> &[Hit];
     /// Returns how the contacts of the run in a lane have touched; `None` for a system without gaps.
     fn touches(&self, lane: usize) -> Option<Touches>;
     /// Returns the effort of the run in a lane.
