@@ -314,6 +314,7 @@ fn switch<S: Vector, K: Kernel<S>>(
     let mut state = g.kernel.lane(&g.state, lane);
     let kernel = &g.kernel;
     let Some(own) = &mut g.lanes[lane] else { return Ok(()) };
+    own.hits.clear();
     own.count_event(time)?;
     own.during.copy_from_slice(&own.phases);
     let resets = matches!(event.failed, Condition::Event(_) | Condition::Gap(_));
