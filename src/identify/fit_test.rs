@@ -10,6 +10,7 @@ use std::f64::consts::{PI, TAU};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 use super::density::{Rests, permutations};
 use super::sampler::{generator, normal};
@@ -22,6 +23,9 @@ use crate::table::PointKey;
 const POOL: usize = 800;
 /// The number of random exchanges that the measured runs are compared with.
 const SAMPLES: u32 = 999;
+/// The test at a site compares at most this many measured runs, drawn at random: its time and its memory grow with the square of
+/// their number.
+pub(super) const TESTED: usize = 800;
 
 /// The test at a site.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +36,8 @@ pub struct SiteFit {
     pub stage: u64,
     /// Number of measured runs that rest, and that move.
     pub measured: [u64; 2],
+    /// Number of measured runs that the test compares: all, or a random sample of them.
+    pub tested: u64,
     /// The fraction of runs of the predictive distribution that rest.
     pub predicted_rest_fraction: f64,
     /// Probability of a distance of positions at least as large as that of the measured runs.
@@ -66,7 +72,7 @@ pub fn fit_tests(study: &Study, sites: &[Site], drawn: &[&[Rests]]) -> Vec<SiteF
         let point = PointKey::of(&study.point(site.point_id));
         test_at(point, site, &drawn, &mut random)
     };
-    sites.iter().enumerate().filter_map(test).collect()
+    sites.par_iter().enumerate().filter_map(test).collect()
 }
 
 fn test_at(
@@ -92,7 +98,10 @@ fn test_at(
         })
         .collect();
     let rests = site.rests.iter().map(|one| Some(one.angles.clone()));
-    let measured: Vec<Seen> = rests.chain((0..site.moving).map(|_| None)).collect();
+    let mut measured: Vec<Seen> = rests.chain((0..site.moving).map(|_| None)).collect();
+    if measured.len() > TESTED {
+        measured = measured.partial_shuffle(random, TESTED).0.to_vec();
+    }
     let balls = measured.iter().chain(&pool).flatten().map(Vec::len).max().unwrap_or(0);
     let orders = permutations(balls);
     let positions = |one: &Seen, other: &Seen| distance(one, other, |x, y| torus(&orders, x, y));
@@ -109,6 +118,7 @@ fn test_at(
         point,
         stage: site.stage,
         measured: [site.rests.len() as u64, site.moving],
+        tested: measured.len() as u64,
         predicted_rest_fraction: at_rest as f64 / pool.len() as f64,
         p_positions,
         p_neighbours,
@@ -132,8 +142,11 @@ fn p_value(
     let [own, other] = [measured.len(), pool.len()].map(|count| count as f64);
     // The energy distance of the runs with these numbers from all other runs.
     let energy = |chosen: &[usize]| {
-        let within: f64 =
-            chosen.iter().flat_map(|one| chosen.iter().map(|other| distances[*one][*other])).sum();
+        let from = |(index, one): (usize, &usize)| -> f64 {
+            chosen[..index].iter().map(|other| distances[*one][*other]).sum()
+        };
+        // Both orders of each pair; the distance of a run from itself is 0.
+        let within = 2.0 * chosen.iter().enumerate().map(from).sum::<f64>();
         let between = chosen.iter().map(|one| to_all[*one]).sum::<f64>() - within;
         let rest = total - 2.0 * between - within;
         2.0 * between / (own * other) - within / (own * own) - rest / (other * other)
@@ -184,7 +197,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    use super::{angles_between, permutations, test_at, torus};
+    use super::{TESTED, angles_between, permutations, test_at, torus};
     use crate::identify::{End, Measured, Rests, Site};
     use crate::table::PointKey;
 
@@ -242,5 +255,19 @@ mod tests {
         assert!(of_truth <= 12, "{of_truth}");
         assert!(p_of(&site(pairs(0.0, 40, 200), 0)) < 0.005);
         assert!(p_of(&site(blurred(300), 20)) < 0.005);
+    }
+
+    /// Of many measured runs a random sample is compared: it sees that pairs do not touch in all rows but the first ones.
+    #[test]
+    fn a_sample_of_many_runs() {
+        let rest = |angles: Vec<f64>| End::Rest { angles, groups: vec![0, 1] };
+        let ends: Vec<End> = pairs(0.26, 600, 1).into_iter().map(rest).collect();
+        let model = Rests::new(2, &ends);
+        let mut random = ChaCha8Rng::seed_from_u64(7);
+        let mut positions = pairs(0.26, TESTED, 2);
+        positions.extend(pairs(0.0, 20_000, 3));
+        let fit = test_at(point(), &site(positions, 1000), &[&model], &mut random).expect("a test");
+        assert_eq!((fit.measured, fit.tested), ([20_800, 1000], 800));
+        assert!(fit.p_neighbours.expect("two balls") < 0.005, "{fit:?}");
     }
 }

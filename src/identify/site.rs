@@ -1,5 +1,7 @@
 //! Where and when balls were measured: a point of the sweep and a stage of its runs.
 
+use std::collections::BTreeMap;
+
 use crate::study::{MeasuredRun, Study};
 
 /// The measured runs at one point of the sweep and one stage.
@@ -36,35 +38,32 @@ impl Site {
 /// # Errors
 /// Returns a sentence if a stage does not exist, or if the speed changes in it.
 pub fn sites(study: &Study, measured: &[MeasuredRun]) -> Result<Vec<Site>, String> {
-    let mut sites: Vec<Site> = Vec::new();
+    let mut stages_of: BTreeMap<u64, Vec<bool>> = BTreeMap::new();
+    let mut sites: BTreeMap<(u64, u64), Site> = BTreeMap::new();
     for (row, run) in (1..).zip(measured) {
-        let stages = constant_stages(study, run.point_id);
+        let point_id = run.point_id;
+        let stages = stages_of.entry(point_id).or_insert_with(|| constant_stages(study, point_id));
         let stage = run.stage.unwrap_or(stages.len() as u64);
         let exists = stage.checked_sub(1).and_then(|index| stages.get(index as usize));
         if exists != Some(&true) {
-            let constant = (1..).zip(&stages).filter(|(_, constant)| **constant);
+            let constant = (1..).zip(&*stages).filter(|(_, constant)| **constant);
             let constant: Vec<String> = constant.map(|(stage, _)| stage.to_string()).collect();
             return Err(format!(
                 "row {row}: stage {stage} is no stage of constant speed\n  allowed: {}",
                 constant.join(", ")
             ));
         }
-        let is_there = |site: &Site| (site.point_id, site.stage) == (run.point_id, stage);
-        let index = sites.iter().position(is_there).unwrap_or_else(|| {
-            let point_id = run.point_id;
-            sites.push(Site { point_id, stage, rests: Vec::new(), moving: 0 });
-            sites.len() - 1
-        });
+        let first = || Site { point_id, stage, rests: Vec::new(), moving: 0 };
+        let site = sites.entry((point_id, stage)).or_insert_with(first);
         match &run.rest {
             Some(angles) => {
                 let (angles, std_dev_rad) = (angles.clone(), run.std_dev_rad);
-                sites[index].rests.push(Measured { angles, std_dev_rad });
+                site.rests.push(Measured { angles, std_dev_rad });
             }
-            None => sites[index].moving += 1,
+            None => site.moving += 1,
         }
     }
-    sites.sort_by_key(|site| (site.point_id, site.stage));
-    Ok(sites)
+    Ok(sites.into_values().collect())
 }
 
 /// Returns whether the speed is constant in each stage of the runs at a point.

@@ -43,6 +43,8 @@ pub fn fit_columns(study: &Study) -> Vec<Column<SiteFit>> {
     list.count("stage", |row| row.stage).meaning("number of the stage, from 1");
     list.count("measured_rests", |row| row.measured[0]).meaning("measured runs that rest");
     list.count("measured_moving", |row| row.measured[1]).meaning("measured runs that move");
+    list.count("tested_runs", |row| row.tested)
+        .meaning("measured runs that the test compares: all, or a random sample of them");
     list.number("predicted_rest_fraction", "1", |row| row.predicted_rest_fraction)
         .meaning("fraction of the runs of the posterior predictive distribution that rest");
     list.number("p_positions", "1", |row| row.p_positions).meaning(
