@@ -150,7 +150,8 @@ impl Identification {
         let directory = Directory::new(out)?;
         let bars = Bars::new(py, progress)?;
         let show = bars.show();
-        Ok(wait_with(py, &bars, move |stop| {
+        let study_file = file.clone();
+        let (identification, warnings) = wait_with(py, &bars, move |stop| {
             let workers = WorkerPool::new(threads).map_err(no_threads)?;
             let identify = Identify {
                 study: &study,
@@ -166,13 +167,18 @@ impl Identification {
                 return Err(Trouble::Interrupted);
             };
             let tables = directory.tables(["posterior", "parameter_sets", "fit", "positions"])?;
-            Ok(Identification {
+            let identification = Identification {
                 summary: identified.summary,
                 in_words: identified.in_words,
                 failed_runs: identified.failed_runs,
                 tables,
                 directory,
-            })
-        })??)
+            };
+            Ok((identification, identified.warnings))
+        })??;
+        for warning in warnings {
+            warn(py, &format!("{}: {warning}", study_file.display()))?;
+        }
+        Ok(identification)
     }
 }

@@ -93,6 +93,12 @@ pub fn identify(arguments: &IdentifyArguments) -> Result<End, CliError> {
         say(&format!("interrupted; run the same command with --out {out} to continue"));
         return Ok(End::Interrupted);
     };
+    if !arguments.quiet {
+        let warnings = identified.warnings.iter();
+        warnings.for_each(|one| {
+            say(&format!("warning: {}: {one}", shown_path(&arguments.study.study)))
+        });
+    }
     if arguments.json {
         print_json(&format!("{:#}\n", identified.summary))?;
     } else {

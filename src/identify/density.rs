@@ -29,18 +29,15 @@ pub struct Rests {
     by_angle: Vec<Vec<(f64, usize)>>,
     /// For each ball all assignments in which it has the first measured angle: the measured angle of each ball.
     orders: Vec<Vec<Vec<usize>>>,
-    /// The number of each run at rest, and of each moving run, among all runs of the site.
-    at_rest: Vec<usize>,
-    moving: Vec<usize>,
-    ends: usize,
+    /// The number of moving runs.
+    moving: usize,
 }
 
 impl Rests {
     /// Returns the known ends at a site.
     pub fn new<'a>(balls: usize, ends: impl IntoIterator<Item = &'a End>) -> Self {
         let mut all = Rests { balls, ..Rests::default() };
-        for (number, end) in ends.into_iter().enumerate() {
-            all.ends = number + 1;
+        for end in ends {
             match end {
                 End::Rest { angles, groups } => {
                     let grouping = grouping(groups);
@@ -51,9 +48,8 @@ impl Rests {
                     });
                     all.grouping.push(index);
                     all.angles.extend(angles.iter().map(|angle| angle.rem_euclid(TAU)));
-                    all.at_rest.push(number);
                 }
-                End::Moving => all.moving.push(number),
+                End::Moving => all.moving += 1,
                 End::Unknown => {}
             }
         }
@@ -72,22 +68,17 @@ impl Rests {
 
     /// Returns the number of runs whose end is known.
     pub fn runs(&self) -> usize {
-        self.at_rest.len() + self.moving.len()
+        self.at_rest() + self.moving
     }
 
-    /// Returns the number of runs, including those whose end is unknown.
-    pub fn ends(&self) -> usize {
-        self.ends
+    /// Returns the number of runs at rest.
+    pub fn at_rest(&self) -> usize {
+        self.grouping.len()
     }
 
-    /// Returns the numbers of the runs at rest, in the order of their positions.
-    pub fn at_rest(&self) -> &[usize] {
-        &self.at_rest
-    }
-
-    /// Returns the numbers of the runs that move.
-    pub fn moving(&self) -> &[usize] {
-        &self.moving
+    /// Returns the number of runs that move.
+    pub fn moving(&self) -> usize {
+        self.moving
     }
 
     /// Returns the angles of the balls in each run at rest.

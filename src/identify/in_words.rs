@@ -2,9 +2,10 @@
 
 use serde_json::{Value, json};
 
-use super::fit_test::SiteFit;
+use super::fit_test::{SiteFit, TESTED};
 use super::inference::{Inference, Inferred};
 use super::posterior::{Marginal, Posterior};
+use super::warnings::warnings;
 use crate::optimize::short;
 use crate::study::ParameterValue;
 use crate::text_table::text_table;
@@ -14,8 +15,6 @@ use crate::text_table::text_table;
 const LEVEL: f64 = 0.05;
 /// Correlations above this are shown.
 const CORRELATED: f64 = 0.5;
-/// Errors from the number of simulated runs above this are shown, over the standard deviation of the posterior.
-const INACCURATE: f64 = 0.5;
 
 /// Returns the contents of `identification.json`; `measured` is the hash of the measured runs.
 pub fn identification_json(inference: &Inference, inferred: &Inferred, measured: &str) -> Value {
@@ -34,6 +33,7 @@ pub fn identification_json(inference: &Inference, inferred: &Inferred, measured:
             "width_over_prior": one.width_over_prior,
             "identified": one.is_identified(),
             "simulation_error": one.simulation_error,
+            "leans_on": one.leans_on,
             "regression_width": width,
         })
     };
@@ -43,6 +43,7 @@ pub fn identification_json(inference: &Inference, inferred: &Inferred, measured:
             "stage": one.stage,
             "measured_rests": one.measured[0],
             "measured_moving": one.measured[1],
+            "tested_runs": one.tested,
             "predicted_rest_fraction": one.predicted_rest_fraction,
             "p_positions": one.p_positions,
             "p_neighbours": one.p_neighbours,
@@ -63,6 +64,7 @@ pub fn identification_json(inference: &Inference, inferred: &Inferred, measured:
             "p_value": p_value(&inferred.fits),
             "rejected": p_value(&inferred.fits) < LEVEL,
         },
+        "warnings": warnings(inference, inferred),
     })
 }
 
@@ -107,15 +109,6 @@ pub fn result_in_words(inference: &Inference, inferred: &Inferred) -> String {
             line(format!("correlation of {} and {}: {correlation:.2}", one.name, other.name));
         }
     }
-    for one in marginals {
-        if one.simulation_error > INACCURATE {
-            line(format!(
-                "the number of simulated runs gives {} an error of {:.1} standard deviations, which its interval \
-                 includes; more parameter sets (identify.start_designs, identify.designs) make it smaller",
-                one.name, one.simulation_error
-            ));
-        }
-    }
     text.push('\n');
     text.push_str(&fit_in_words(inference, inferred));
     text
@@ -151,5 +144,10 @@ fn fit_in_words(inference: &Inference, inferred: &Inferred) -> String {
     text.push_str(&format!(
         "{verdict} the {runs} measured runs (p = {probability:.3} over all rows; level {LEVEL}).\n"
     ));
+    if inferred.fits.iter().any(|fit| fit.tested < fit.measured.iter().sum()) {
+        text.push_str(&format!(
+            "In rows with more than {TESTED} measured runs, the test compares {TESTED} of them, drawn at random.\n"
+        ));
+    }
     text
 }

@@ -1,5 +1,6 @@
 //! The inference: space-filling parameter sets, further ones where the posterior is, and the posterior.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
@@ -13,7 +14,8 @@ use super::parameter_set::{ParameterSet, set_seed};
 use super::posterior::{Posterior, posterior};
 use super::references::{References, with_references};
 use super::regression_width::{CrossValidation, first_widths};
-use super::set_densities::{RunWeights, SetDensities};
+use super::replicates::{Replicated, set_weights};
+use super::set_densities::SetDensities;
 use super::site::Site;
 use super::smoother::Smoother;
 use crate::classification::Label;
@@ -209,6 +211,7 @@ struct Evaluated<'a> {
     /// The simulated ends of each set at each site.
     rests: Vec<Vec<Rests>>,
     densities: Vec<Vec<SetDensities>>,
+    set_weights: Vec<Replicated>,
     uniform: Vec<f64>,
     /// The sites with positions of reference after the measured ones, once there are some.
     sites: Vec<Site>,
@@ -227,6 +230,7 @@ impl<'a> Evaluated<'a> {
             values: Vec::new(),
             rests: Vec::new(),
             densities: Vec::new(),
+            set_weights: Vec::new(),
             references: sites
                 .iter()
                 .map(|site| References::known(site.rests.len(), None))
@@ -250,12 +254,12 @@ impl<'a> Evaluated<'a> {
     fn add(&mut self, set: ParameterSet) {
         let Inference { study, sites, identification, .. } = *self.inference;
         let balls = study.model().balls();
-        let at = |site: &Site| {
-            let here =
-                |end: &&SimulatedEnd| (end.point_id, end.stage) == (site.point_id, site.stage);
-            Rests::new(balls, set.ends.iter().filter(here).map(|end| &end.end))
-        };
-        let rests: Vec<Rests> = sites.iter().map(at).collect();
+        let mut ends: BTreeMap<(u64, u64), Vec<&End>> = BTreeMap::new();
+        for one in &set.ends {
+            ends.entry((one.point_id, one.stage)).or_default().push(&one.end);
+        }
+        let at = |site: &Site| ends.remove(&(site.point_id, site.stage)).unwrap_or_default();
+        let rests: Vec<Rests> = sites.iter().map(at).map(|own| Rests::new(balls, own)).collect();
         // The last end of each run is unknown only if the run failed.
         let last_ends = set.ends.chunk_by(|one, other| one.run_id == other.run_id);
         let ended = last_ends.filter(|ends| ends.last().is_some_and(|one| one.end != End::Unknown));
@@ -265,23 +269,20 @@ impl<'a> Evaluated<'a> {
         let mut places = self.smoother.places().to_vec();
         places.push(identification.place_of(&numbers));
         self.smoother = Smoother::new(places, self.widths.clone());
-        self.densities.push(self.densities_of(self.values.len(), &rests));
+        self.densities.push(self.densities_of(&rests));
+        self.set_weights.push(set_weights(study, self.values.len()));
         self.rests.push(rests);
         self.values.push(set.values);
     }
 
-    fn densities_of(&self, set: usize, rests: &[Rests]) -> Vec<SetDensities> {
-        let each = self.sites.iter().zip(rests).enumerate();
-        each.map(|(index, (site, rests))| {
-            let weights = RunWeights::new(self.inference.study, set, index, rests.ends());
-            SetDensities::at_site(site, rests, &weights)
-        })
-        .collect()
+    fn densities_of(&self, rests: &[Rests]) -> Vec<SetDensities> {
+        let each = self.sites.iter().zip(rests);
+        each.map(|(site, rests)| SetDensities::at_site(site, rests)).collect()
     }
 
     fn likelihood(&self) -> Likelihood<'_> {
-        let Evaluated { sites, references, densities, smoother, uniform, .. } = self;
-        Likelihood { sites, references, densities, smoother, uniform }
+        let Evaluated { sites, references, densities, smoother, set_weights, uniform, .. } = self;
+        Likelihood { sites, references, densities, smoother, set_weights, uniform }
     }
 
     /// Adds reference positions, and chooses the widths of the regression.
@@ -297,8 +298,7 @@ impl<'a> Evaluated<'a> {
         let with_references =
             |(index, site): (usize, &Site)| with_references(study, index, site, &at(index));
         self.sites = sites.iter().enumerate().map(with_references).collect();
-        let each = self.rests.par_iter().enumerate();
-        self.densities = each.map(|(set, rests)| self.densities_of(set, rests)).collect();
+        self.densities = self.rests.par_iter().map(|rests| self.densities_of(rests)).collect();
         let references = |(index, site): (usize, &Site)| {
             let each: Vec<&SetDensities> = self.densities.iter().map(|set| &set[index]).collect();
             References::new(site.rests.len(), &each)

@@ -8,7 +8,9 @@ use serde_json::{Value, json};
 use super::directories::{ResultFiles, SIMULATIONS, SetFiles};
 use super::in_words::{identification_json, result_in_words};
 use super::inference::{Inference, InferenceEnd, infer};
+use super::set_densities::check_memory;
 use super::site::sites;
+use super::warnings::warnings;
 use crate::command_error::CommandError;
 use crate::engine::{Parts, Planned, Progress, Show, WorkerPool};
 use crate::study::{Identification, MeasuredRun, Study};
@@ -39,6 +41,8 @@ pub struct Identified {
     pub summary: Value,
     /// The result in words.
     pub in_words: String,
+    /// Warnings with key, value and remedy, which the content of `identification.json` has too.
+    pub warnings: Vec<String>,
     /// The number of failed runs.
     pub failed_runs: u64,
 }
@@ -85,6 +89,7 @@ impl Identify<'_> {
         let refused =
             |problem| CommandError::Usage(format!("{}: {problem}", self.measured.display()));
         let sites = sites(&study, &measured).map_err(refused)?;
+        check_memory(&sites, identification.designs).map_err(refused)?;
         let mut results = ResultFiles::open(&study, &measured, self.directory)?;
         let usual = || self.directory.join(SIMULATIONS);
         let simulations = self.simulations.clone().unwrap_or_else(usual);
@@ -111,7 +116,8 @@ impl Identify<'_> {
         let summary = identification_json(&inference, &inferred, &results.measured);
         results.write(&inference, &inferred, &summary)?;
         let in_words = result_in_words(&inference, &inferred);
-        Ok(Some(Identified { summary, in_words, failed_runs: inferred.runs[1] }))
+        let warnings = warnings(&inference, &inferred);
+        Ok(Some(Identified { summary, in_words, warnings, failed_runs: inferred.runs[1] }))
     }
 
     /// Infers the parameters and shows the progress.

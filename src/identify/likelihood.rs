@@ -4,7 +4,8 @@
 //! density is at least that of one further run that rests anywhere, so that no measurement is impossible.
 
 use super::references::References;
-use super::set_densities::{REPLICATES, SetDensities, sums_of_rests};
+use super::replicates::{REPLICATES, Replicated};
+use super::set_densities::{SetDensities, sums_of_rests};
 use super::site::Site;
 use super::smoother::{SetWeight, Smoother, positive, sums};
 
@@ -18,15 +19,17 @@ pub struct Likelihood<'a> {
     pub densities: &'a [Vec<SetDensities>],
     /// The regression over the parameter sets.
     pub smoother: &'a Smoother,
+    /// The own weights of the parameter sets in each replicate.
+    pub set_weights: &'a [Replicated],
     /// The density of one run that rests anywhere, at each site.
     pub uniform: &'a [f64],
 }
 
 impl Likelihood<'_> {
-    /// Returns the log-likelihood at a place for a replicate; 0 is the one with equal weights of all runs.
+    /// Returns the log-likelihood at a place for a replicate; 0 is the one with equal weights of all parameter sets.
     pub fn at(&self, place: &[f64], replicate: usize) -> f64 {
-        let weights = self.smoother.weights(place, None);
-        (0..self.sites.len()).map(|site| self.at_site(site, &weights, replicate)).sum()
+        let weights = self.smoother.weights(place, |set| self.set_weights[set][replicate]);
+        (0..self.sites.len()).map(|site| self.at_site(site, &weights)).sum()
     }
 
     /// Returns the log-likelihood at a place and its standard error, which comes from the number of simulated runs.
@@ -39,7 +42,7 @@ impl Likelihood<'_> {
         [self.at(place, 0), variance.sqrt()]
     }
 
-    fn at_site(&self, index: usize, weights: &[SetWeight], replicate: usize) -> f64 {
+    fn at_site(&self, index: usize, weights: &[SetWeight]) -> f64 {
         let (site, uniform) = (&self.sites[index], self.uniform[index]);
         let of = |one: &SetWeight| (*one, &self.densities[one.set][index]);
         let known: Vec<(SetWeight, &SetDensities)> =
@@ -50,7 +53,7 @@ impl Likelihood<'_> {
         };
         let references = &self.references[index];
         let each = known.iter().map(|(weight, one)| (*weight, *one));
-        let (rests, moving) = log_densities((runs, uniform), references, each, replicate);
+        let (rests, moving) = log_densities((runs, uniform), references, each);
         rests + site.moving as f64 * moving
     }
 }
@@ -61,12 +64,11 @@ pub(super) fn log_densities<'d>(
     (runs, uniform): (usize, f64),
     references: &References,
     each: impl Iterator<Item = (SetWeight, &'d SetDensities)> + Clone,
-    replicate: usize,
 ) -> (f64, f64) {
     let least = 1.0 / (runs as f64 + 1.0);
-    let of_moving = sums(each.clone().map(|(weight, one)| (weight, one.moving[replicate])));
+    let of_moving = sums(each.clone().map(|(weight, one)| (weight, one.moving)));
     let moving = positive(of_moving).clamp(0.5 * least, 1.0 - 0.5 * least);
-    let rests = sums_of_rests(each, replicate);
+    let rests = sums_of_rests(each);
     // The mass of the density is the probability of rest.
     let mass = references.excess(&rests).map(|excess| 1.0 - of_moving[0] + excess);
     let factor = mass.filter(|mass| *mass > 0.0).map_or(1.0, |mass| (1.0 - moving) / mass);
@@ -76,3 +78,46 @@ pub(super) fn log_densities<'d>(
 
 /// The density where nothing is known.
 const SMALLEST: f64 = 1e-6;
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::Likelihood;
+    use crate::identify::{Measured, References, SetDensities, Site, Smoother, set_weights};
+    use crate::study::Study;
+
+    /// The standard error of the log-likelihood contains what separates the parameter sets from the regression over them. The
+    /// expected variance is that of a linear estimator, from the squares of the residuals (White 1980, doi:10.2307/1912934).
+    #[test]
+    fn scatter_between_parameter_sets_is_an_error() {
+        let text = "schema: 1\nname: a\nseed: 1\nmodel: {kind: ball_balancer}\ninitial_conditions: {design: \
+                    {monte_carlo: {samples: 1}}}\n";
+        let study = Study::parse(Path::new("a.yaml"), text.to_owned()).expect("a study");
+        let sets = 0..80_u8;
+        let density = |set: u8| 1.0 + if set % 2 == 0 { 0.3 } else { -0.3 };
+        let densities: Vec<Vec<SetDensities>> = sets
+            .clone()
+            .map(|set| vec![SetDensities { runs: 1000, rests: vec![density(set)], moving: 0.0 }])
+            .collect();
+        let places = sets.clone().map(|set| vec![f64::from(set) / 79.0]).collect();
+        let smoother = Smoother::new(places, vec![0.05]);
+        let rests = vec![Measured { angles: vec![1.0], std_dev_rad: 0.1 }];
+        let likelihood = Likelihood {
+            sites: &[Site { point_id: 0, stage: 1, rests, moving: 0 }],
+            references: &[References::known(1, None)],
+            densities: &densities,
+            smoother: &smoother,
+            set_weights: &sets.map(|set| set_weights(&study, set.into())).collect::<Vec<_>>(),
+            uniform: &[0.1],
+        };
+        let [mut variance, mut expected] = [0.0; 2];
+        for place in [[0.1], [0.3], [0.5], [0.7], [0.9]] {
+            variance += likelihood.with_error(&place)[1].powi(2);
+            let weights = smoother.weights(&place, |_| 1.0);
+            expected += weights.iter().map(|one| (0.3 * one.regression).powi(2)).sum::<f64>();
+        }
+        let ratio = variance / expected;
+        assert!((0.4..2.5).contains(&ratio), "{ratio}");
+    }
+}

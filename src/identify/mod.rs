@@ -21,11 +21,13 @@ mod parameter_set;
 mod posterior;
 mod references;
 mod regression_width;
+mod replicates;
 mod sampler;
 mod set_densities;
 mod site;
 mod smoother;
 mod tables;
+mod warnings;
 
 pub use density::Rests;
 pub use end::{End, SimulatedEnd};
@@ -37,7 +39,8 @@ pub use likelihood::Likelihood;
 pub use parameter_set::{ParameterSet, read_parameter_set, set_columns, set_facts, set_name};
 pub use posterior::{Marginal, Posterior, posterior};
 pub use references::{References, with_references};
-pub use set_densities::{REPLICATES, Replicated, RunWeights, SetDensities, sums_of_rests};
+pub use replicates::{REPLICATES, Replicated, set_weights};
+pub use set_densities::{SetDensities, sums_of_rests};
 pub use site::{Measured, Site, sites};
 pub use smoother::{SetWeight, Smoother, positive, sums};
 pub use tables::{

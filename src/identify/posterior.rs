@@ -1,17 +1,19 @@
 //! The posterior of the parameters over the box of the prior.
 //!
 //! An ensemble sampler draws from it. The densities carry the error of a finite number of simulated runs: the posterior is the
-//! mean of the posteriors of several replicates, in which runs have other weights.
+//! mean of the posteriors of several replicates, in which parameter sets have other weights.
 
 use rayon::prelude::*;
 
 use super::likelihood::Likelihood;
+use super::replicates::REPLICATES;
 use super::sampler::{generator, sample_in_unit_cube};
-use super::set_densities::REPLICATES;
 use crate::study::{Identification, Study};
 
 /// A parameter whose 95 % interval has more than this part of the width of the prior's is not identified.
 const FLAT: f64 = 0.8;
+/// A posterior leans on an end of its prior if its 95 % interval ends less than this part of its width before it.
+const NEAR: f64 = 0.1;
 
 /// The posterior.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +49,9 @@ pub struct Marginal {
     /// The standard deviation of the means of the replicates, over the standard deviation of the samples: the error that
     /// comes from the finite number of simulated runs, which the interval includes.
     pub simulation_error: f64,
+    /// The end of the prior on which the posterior leans, `from` or `to`: the density there is not small. `None` if it leans on
+    /// both, because the parameter is then not identified.
+    pub leans_on: Option<&'static str>,
 }
 
 impl Marginal {
@@ -85,6 +90,12 @@ fn summary(identification: &Identification, by_replicate: &[Vec<Vec<f64>>]) -> P
         let of_places: Vec<f64> = places.iter().map(|place| place[index]).collect();
         let (_, deviation) = mean_and_deviation(&of_places);
         let [first, _, last] = quantiles(of_places);
+        let near = NEAR * (last - first);
+        let leans_on = match [first < near, last > 1.0 - near] {
+            [true, false] => Some("from"),
+            [false, true] => Some("to"),
+            _ => None,
+        };
         let means = by_replicate.iter().map(|places| {
             places.iter().map(|place| place[index]).sum::<f64>() / places.len() as f64
         });
@@ -99,6 +110,7 @@ fn summary(identification: &Identification, by_replicate: &[Vec<Vec<f64>>]) -> P
             interval: [low, high],
             width_over_prior: (last - first) / 0.95,
             simulation_error: of_means / deviation,
+            leans_on,
         }
     };
     let correlation = |one: usize, other: usize| {

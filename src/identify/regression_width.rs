@@ -10,7 +10,7 @@ use super::density::Rests;
 use super::likelihood::log_densities;
 use super::references::References;
 use super::sampler::{generator, normal};
-use super::set_densities::{RunWeights, SetDensities, sums_of_rests};
+use super::set_densities::{SetDensities, sums_of_rests};
 use super::site::{Measured, Site};
 use super::smoother::{SetWeight, Smoother};
 use crate::study::Study;
@@ -66,7 +66,7 @@ impl<'a> CrossValidation<'a> {
                 let blurred = angles.iter().map(|angle| angle + std_dev_rad * normal(&mut random));
                 Measured { angles: blurred.collect(), std_dev_rad }
             });
-            let moving = own.moving().len().div_ceil(every) as u64;
+            let moving = own.moving().div_ceil(every) as u64;
             Site { rests: measured.collect(), moving, ..site.clone() }
         };
         let of_set = |set: usize| {
@@ -89,8 +89,8 @@ impl<'a> CrossValidation<'a> {
             .par_iter()
             .map(|(_, sites)| {
                 let at = |index: usize| -> Vec<SetDensities> {
-                    let of = |set| self.densities(set, index, &sites[index]);
-                    (0..self.places.len()).map(of).collect()
+                    let of = |set: &Vec<Rests>| SetDensities::at_site(&sites[index], &set[index]);
+                    self.rests.iter().map(of).collect()
                 };
                 (0..self.sites.len()).map(at).collect()
             })
@@ -99,11 +99,12 @@ impl<'a> CrossValidation<'a> {
             let smoother = Smoother::new(self.places.to_vec(), widths.to_vec());
             let of_set =
                 |((set, predicted), of_sites): (&(usize, Vec<Site>), &Vec<Vec<SetDensities>>)| {
-                    let weights = smoother.weights(&self.places[*set], Some(*set));
+                    let weights = smoother
+                        .weights(&self.places[*set], |other| f64::from(u8::from(other != *set)));
                     let at = |(index, all): (usize, &Vec<SetDensities>)| {
                         let (site, references) = (&predicted[index], &references[index]);
                         let each = weights.iter().map(|one| (*one, &of_references[one.set][index]));
-                        let excess = references.excess(&sums_of_rests(each, 0));
+                        let excess = references.excess(&sums_of_rests(each));
                         let each = weights.iter().map(|one| (*one, &all[one.set]));
                         self.log_density(index, site, each, excess)
                     };
@@ -130,10 +131,6 @@ impl<'a> CrossValidation<'a> {
         self.places.first().map_or(0, Vec::len)
     }
 
-    fn densities(&self, set: usize, index: usize, site: &Site) -> SetDensities {
-        SetDensities::at_site(site, &self.rests[set][index], &RunWeights::equal())
-    }
-
     /// Returns the sum of the logarithms of the densities of predicted rests, and of the probabilities of predicted motions. The
     /// mass of the density is corrected if its excess is known.
     fn log_density<'d>(
@@ -146,7 +143,7 @@ impl<'a> CrossValidation<'a> {
         let runs = each.clone().map(|(_, one)| one.runs).min().unwrap_or(0);
         let uniform = self.rests.first().map_or(1.0, |of_set| of_set[index].uniform());
         let references = References::known(site.rests.len(), excess);
-        let (rests, moving) = log_densities((runs, uniform), &references, each, 0);
+        let (rests, moving) = log_densities((runs, uniform), &references, each);
         rests + site.moving as f64 * moving
     }
 }

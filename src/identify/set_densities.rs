@@ -1,54 +1,35 @@
-//! The densities of all measured runs for one parameter set, with replicates for the error of a finite number of runs.
-//!
-//! A replicate gives each simulated run an exponentially distributed weight instead of an equal one (the Bayesian bootstrap,
-//! D. B. Rubin 1981, doi:10.1214/aos/1176345338). Weights of different parameter sets are independent, as their runs are.
-
-use rand::RngExt;
-use rand_distr::Exp1;
+//! The densities of all measured runs for one parameter set.
 
 use super::density::Rests;
-use super::sampler::generator;
 use super::site::{Measured, Site};
 use super::smoother::SetWeight;
-use crate::study::Study;
-
-/// The number of replicates.
-pub const REPLICATES: usize = 8;
+use crate::counted::counted;
 
 /// The bandwidth of the kernels over the standard deviation of a measured angle: it adds 4 % to the variance.
 const BANDWIDTH: f64 = 0.2;
 
-/// A value with equal weights, and with the weights of each replicate.
-pub type Replicated = [f64; REPLICATES + 1];
+/// The largest number of densities of all parameter sets; they take 2 GiB of memory.
+const MOST_DENSITIES: u64 = 1 << 28;
+/// The number of densities of a parameter set at a site besides those of measured rests: of references, and for the choice of the
+/// regression's widths.
+const OF_SITE: u64 = 600;
 
-/// The weights of all runs of a parameter set at a site.
-pub struct RunWeights(Vec<Replicated>);
-
-impl RunWeights {
-    /// Returns the weights of this many runs of a parameter set at a site.
-    pub fn new(study: &Study, set: usize, site: usize, runs: usize) -> Self {
-        // The numbers of sets and sites are far below 2^32.
-        let number = ((set as u64) << 32) | site as u64;
-        let mut random = generator(study, "identify weights", number);
-        let weights = |_| {
-            std::array::from_fn(|replicate| if replicate == 0 { 1.0 } else { random.sample(Exp1) })
-        };
-        RunWeights((0..runs).map(weights).collect())
+/// Checks that the densities of all measured rests for this many parameter sets fit into memory.
+///
+/// # Errors
+/// Returns a sentence with the remedy if there are too many.
+pub fn check_memory(sites: &[Site], designs: u64) -> Result<(), String> {
+    let rests: u64 = sites.iter().map(|site| site.rests.len() as u64).sum();
+    let others = OF_SITE * sites.len() as u64;
+    let most = MOST_DENSITIES / designs.max(1);
+    if rests + others <= most {
+        return Ok(());
     }
-
-    /// Returns equal weights.
-    pub fn equal() -> Self {
-        RunWeights(Vec::new())
-    }
-
-    fn of(&self, run: usize) -> Replicated {
-        self.0.get(run).copied().unwrap_or([1.0; REPLICATES + 1])
-    }
-
-    /// Returns the sum of the weights of runs.
-    fn sum(&self, runs: &[usize]) -> Replicated {
-        runs.iter().fold([0.0; REPLICATES + 1], |sum, run| added(sum, self.of(*run), 1.0))
-    }
+    let (places, most) = (counted(sites.len() as u64, "point"), most.saturating_sub(others));
+    Err(format!(
+        "the densities of so many measured rests do not fit into memory\n  found:   {rests} rests at {places}, and {designs} \
+         parameter sets\n  allowed: at most {most} rests; fewer rests or points, or fewer parameter sets (identify.designs)"
+    ))
 }
 
 /// The densities of the measured runs at a site for one parameter set.
@@ -56,44 +37,36 @@ impl RunWeights {
 pub struct SetDensities {
     /// The number of simulated runs.
     pub runs: usize,
-    /// For each replicate, the probability density of each measured position of rest.
-    pub rests: [Vec<f64>; REPLICATES + 1],
+    /// The probability density of each measured position of rest.
+    pub rests: Vec<f64>,
     /// The probability of motion.
-    pub moving: Replicated,
+    pub moving: f64,
 }
 
 impl SetDensities {
     /// Returns the densities of the measured runs at a site.
-    pub fn at_site(site: &Site, rests: &Rests, weights: &RunWeights) -> Self {
-        let moving = weights.sum(rests.moving());
-        let all = added(weights.sum(rests.at_rest()), moving, 1.0);
+    pub fn at_site(site: &Site, rests: &Rests) -> Self {
+        let over_all = |sum: f64| if rests.runs() > 0 { sum / rests.runs() as f64 } else { 0.0 };
         let of_run = |measured: &Measured| {
             let std_dev_rad = measured.std_dev_rad;
             let kernels = rests.kernels(&measured.angles, std_dev_rad, BANDWIDTH * std_dev_rad);
-            let each = rests.at_rest().iter().zip(&kernels).filter(|(_, kernel)| **kernel > 0.0);
-            let sum = each.fold([0.0; REPLICATES + 1], |sum, (run, kernel)| {
-                added(sum, weights.of(*run), *kernel)
-            });
-            over(sum, all)
+            over_all(kernels.iter().sum())
         };
-        let rows: Vec<Replicated> = site.rests.iter().map(of_run).collect();
-        let of_replicate = |replicate: usize| rows.iter().map(|row| row[replicate]).collect();
         SetDensities {
             runs: rests.runs(),
-            rests: std::array::from_fn(of_replicate),
-            moving: over(moving, all),
+            rests: site.rests.iter().map(of_run).collect(),
+            moving: over_all(rests.moving() as f64),
         }
     }
 }
 
-/// Returns the sums of the regression and of the plain mean over parameter sets, for each measured position and a replicate.
+/// Returns the sums of the regression and of the plain mean over parameter sets, for each measured position.
 pub fn sums_of_rests<'d>(
     sets: impl Iterator<Item = (SetWeight, &'d SetDensities)>,
-    replicate: usize,
 ) -> Vec<[f64; 2]> {
     let (mut regression, mut mean) = (Vec::new(), Vec::new());
     for (weight, densities) in sets {
-        let rows = &densities.rests[replicate];
+        let rows = &densities.rests;
         // Two loops over contiguous numbers, which are computed in vectors.
         for (sums, weight) in [(&mut regression, weight.regression), (&mut mean, weight.mean)] {
             sums.resize(rows.len(), 0.0);
@@ -105,12 +78,22 @@ pub fn sums_of_rests<'d>(
     regression.into_iter().zip(mean).map(|(regression, mean)| [regression, mean]).collect()
 }
 
-fn added(sum: Replicated, terms: Replicated, factor: f64) -> Replicated {
-    std::array::from_fn(|replicate| sum[replicate] + factor * terms[replicate])
-}
+#[cfg(test)]
+mod tests {
+    use super::{Measured, Site, check_memory};
 
-fn over(sum: Replicated, all: Replicated) -> Replicated {
-    std::array::from_fn(
-        |replicate| if all[replicate] > 0.0 { sum[replicate] / all[replicate] } else { 0.0 },
-    )
+    #[test]
+    fn too_many_rests_are_refused() {
+        let sites = |count: usize| {
+            let rests = vec![Measured { angles: Vec::new(), std_dev_rad: 0.1 }; count];
+            [Site { point_id: 0, stage: 1, rests, moving: 0 }]
+        };
+        assert_eq!(check_memory(&sites(60_000), 4000), Ok(()));
+        let refused = check_memory(&sites(250_000), 1250).expect_err("too many");
+        for part in
+            ["found:   250000 rests at 1 point, and 1250", "at most 214148 rests", "designs"]
+        {
+            assert!(refused.contains(part), "{refused}");
+        }
+    }
 }

@@ -47,15 +47,16 @@ impl Smoother {
         &self.places
     }
 
-    /// Returns the weights of the parameter sets at a place, without the set `left_out`: those of the regression and those of a
-    /// plain mean, which are positive. The sum of either is 1.
-    pub fn weights(&self, place: &[f64], left_out: Option<usize>) -> Vec<SetWeight> {
+    /// Returns the weights of the parameter sets at a place: those of the regression and those of a plain mean, which are
+    /// positive. The sum of either is 1. Each set has an own weight `of_set` besides that of its distance; sets whose own weight
+    /// is 0 are left out.
+    pub fn weights(&self, place: &[f64], of_set: impl Fn(usize) -> f64) -> Vec<SetWeight> {
         let dimensions = place.len();
         let scaled = |set: usize| {
             let parts = self.places[set].iter().zip(place).zip(&self.widths);
             parts.map(|((set, place), width)| (set - place) / width)
         };
-        let sets = (0..self.places.len()).filter(|set| Some(*set) != left_out);
+        let sets = (0..self.places.len()).filter(|set| of_set(*set) > 0.0);
         let mut near: Vec<(usize, f64)> =
             sets.map(|set| (set, scaled(set).map(|one| one * one).sum())).collect();
         // A quadratic polynomial where there are enough sets, else a linear one.
@@ -69,7 +70,9 @@ impl Smoother {
         // Where few sets are near, the weights are wider.
         let reach = REACH_SQUARED.max(2.0 * *last);
         // Nearly `exp(-distance / 2)`, if `distance` is the squared distance in widths.
-        let weight = |distance: f64| (1.0 - distance / reach).max(0.0).powi(4);
+        let weight = |(set, distance): &(usize, f64)| {
+            of_set(*set) * (1.0 - distance / reach).max(0.0).powi(4)
+        };
         near.retain(|(_, distance)| *distance < reach);
         let row = |from: &[f64]| -> Vec<f64> {
             let mut row = vec![1.0];
@@ -84,8 +87,8 @@ impl Smoother {
         let rows: Vec<Vec<f64>> =
             near.iter().map(|(set, _)| row(&scaled(*set).collect::<Vec<f64>>())).collect();
         let mut matrix = DMatrix::<f64>::zeros(coefficients, coefficients);
-        for (row, (_, distance)) in rows.iter().zip(&near) {
-            let weight = weight(*distance);
+        for (row, one) in rows.iter().zip(&near) {
+            let weight = weight(one);
             for (i, one) in row.iter().enumerate() {
                 for (j, other) in row.iter().enumerate() {
                     matrix[(i, j)] += weight * one * other;
@@ -98,13 +101,13 @@ impl Smoother {
         let mut first = DVector::<f64>::zeros(coefficients);
         first[0] = 1.0;
         let solution = matrix.cholesky().map(|factors| factors.solve(&first));
-        let weighted = rows.iter().zip(&near).map(|(row, (set, distance))| {
+        let weighted = rows.iter().zip(&near).map(|(row, one)| {
             let value = match &solution {
                 Some(solution) => row.iter().zip(solution.iter()).map(|(x, y)| x * y).sum(),
                 None => 1.0,
             };
-            let mean = weight(*distance);
-            SetWeight { set: *set, regression: mean * value, mean }
+            let mean = weight(one);
+            SetWeight { set: one.0, regression: mean * value, mean }
         });
         let weighted: Vec<SetWeight> = weighted.collect();
         let regression: f64 = weighted.iter().map(|one| one.regression).sum();
@@ -139,7 +142,7 @@ mod tests {
         (0..count).map(|index| vec![at(index, 0), at(index, 1)]).collect()
     }
 
-    /// Quadratic polynomials are reproduced exactly, everywhere in the cube, also with a set left out.
+    /// Quadratic polynomials are reproduced exactly, everywhere in the cube, also with a set left out or with other own weights.
     #[test]
     fn quadratic_polynomials_are_exact() {
         let smoother = Smoother::new(scattered(64), vec![0.1, 0.3]);
@@ -148,14 +151,16 @@ mod tests {
             1.0 + 2.0 * x - y + 3.0 * x * x - x * y + 0.5 * y * y
         };
         for place in [[0.5, 0.5], [0.0, 1.0], [0.02, 0.4]] {
-            for left_out in [None, Some(5)] {
-                let weights = smoother.weights(&place, left_out);
+            for (of_fifth, others) in [(1.0, 1.0), (0.0, 1.0), (3.0, 0.5)] {
+                let of_set = |set| if set == 5 { of_fifth } else { others };
+                let weights = smoother.weights(&place, of_set);
                 let value: f64 = weights
                     .iter()
                     .map(|one| one.regression * polynomial(&smoother.places()[one.set]))
                     .sum();
                 assert!((value - polynomial(&place)).abs() < 1e-6, "{place:?}: {value}");
-                assert!(weights.iter().all(|one| Some(one.set) != left_out && one.mean > 0.0));
+                let is_left_out = |set| of_set(set) == 0.0;
+                assert!(weights.iter().all(|one| !is_left_out(one.set) && one.mean > 0.0));
             }
         }
     }
@@ -165,14 +170,14 @@ mod tests {
     fn few_sets() {
         let smoother = Smoother::new(scattered(8), vec![0.05, 0.05]);
         let value: f64 = smoother
-            .weights(&[0.4, 0.6], None)
+            .weights(&[0.4, 0.6], |_| 1.0)
             .iter()
             .map(|one| one.regression * (1.0 + smoother.places()[one.set][0]))
             .sum();
         assert!((value - 1.4).abs() < 1e-6, "{value}");
         let one = Smoother::new(vec![vec![0.5]], vec![0.1]);
         let alone = SetWeight { set: 0, regression: 1.0, mean: 1.0 };
-        assert_eq!(one.weights(&[0.2], None), [alone]);
+        assert_eq!(one.weights(&[0.2], |_| 1.0), [alone]);
     }
 
     /// Where the polynomial is negative, a part of the mean takes its place.
@@ -182,7 +187,7 @@ mod tests {
             Smoother::new((0..8).map(|one| vec![f64::from(one) / 7.0]).collect(), vec![0.2]);
         let step = |one: SetWeight| if one.set < 4 { 0.0 } else { 1.0 };
         for place in [0.2, 0.3, 0.4, 0.5] {
-            let weights = smoother.weights(&[place], None);
+            let weights = smoother.weights(&[place], |_| 1.0);
             let value = positive(sums(weights.into_iter().map(|one| (one, step(one)))));
             assert!(value > 0.0 && value < 1.5, "{place}: {value}");
         }

@@ -123,6 +123,39 @@ fn synthetic_measurements() {
     assert_eq!(ghosts["fit"]["rejected"], true, "{:#}", ghosts["fit"]);
 }
 
+/// A prior that leaves the truth out gives a warning with the key and a wider prior, at either end. An end that is the limit of
+/// the physics, such as a runout of 0, does not.
+#[test]
+fn posteriors_that_lean_on_an_end() {
+    let scratch = Scratch::new();
+    measure(&scratch, "none");
+    let friction = "friction_coefficient: {from: 1.0e-3, to: 6.0e-3, spacing: logarithmic}";
+    for (prior, key) in [
+        ("friction_coefficient: {from: 4.0e-3, to: 8.0e-3, spacing: logarithmic}", "from"),
+        ("friction_coefficient: {from: 1.0e-3, to: 2.0e-3}", "to"),
+        ("ring_runout_m: {from: 0, to: 1.0e-3}", "from"),
+    ] {
+        scratch.write("small.yaml", identify("none", 64).replace(friction, prior));
+        let out = format!("{}-{key}", &prior[..4]);
+        let ended = scratch.stickslip(&format!(
+            "identify small.yaml --measured rests.csv --out {out} --simulations {out}-runs --json"
+        ));
+        let found = summary(&ended.out);
+        assert_eq!(found["parameters"][0]["leans_on"], key, "{found:#}");
+        let warning = format!(
+            "small.yaml: identify.parameters.friction_coefficient.{key}: the posterior leans"
+        );
+        let is_free = prior.starts_with("friction");
+        assert_eq!(ended.err.contains(&warning), is_free, "{}", ended.err);
+        assert_eq!(
+            found["warnings"].to_string().contains("leans on this end"),
+            is_free,
+            "{found:#}"
+        );
+        assert_eq!(ended.err.contains(&format!("a wider prior, such as {key}: ")), is_free);
+    }
+}
+
 #[test]
 fn wrong_usage() {
     let scratch = Scratch::new();

@@ -1,0 +1,49 @@
+//! Warnings of an inference: a posterior that leans on an end of its prior, and too few simulated runs.
+
+use super::inference::{Inference, Inferred};
+use super::posterior::Marginal;
+use crate::optimize::short;
+use crate::study::DesignValue;
+
+/// Errors from the number of simulated runs above this give a warning, over the standard deviation of the posterior.
+const INACCURATE: f64 = 0.5;
+/// A wider prior is proposed: wider by the first of these parts of its width that gives a possible machine.
+const WIDER: [f64; 3] = [0.5, 0.2, 0.1];
+
+/// Returns the warnings, each with the key, what was found, and a remedy.
+pub fn warnings(inference: &Inference, inferred: &Inferred) -> Vec<String> {
+    let Inference { study, identification, .. } = *inference;
+    let marginals = &inferred.posterior.marginals;
+    let medians: Vec<f64> = marginals.iter().map(|one| one.median).collect();
+    let leaning = |(index, one): (usize, &Marginal)| {
+        let (key, name) = (one.leans_on?, &one.name);
+        let (end, side) = if key == "from" { (one.prior[0], -1.0) } else { (one.prior[1], 1.0) };
+        // Beyond an end that is a limit of the physics, such as a friction of 0, nothing can be true.
+        let wider = WIDER.iter().find_map(|part| {
+            let mut place = identification.place_of(&medians);
+            place[index] = 0.5 + side * (0.5 + part);
+            let values = identification.values_at(&place);
+            let numbers: Vec<DesignValue> =
+                values.iter().map(|value| DesignValue::Number(*value)).collect();
+            study.set(&numbers).is_ok().then(|| short(values[index]))
+        })?;
+        let [end, low, high] = [end, one.interval[0], one.interval[1]].map(short);
+        Some(format!(
+            "identify.parameters.{name}.{key}: the posterior leans on this end of the prior, and the true value may be \
+             beyond it\n  found:  {end}, and a 95 % interval from {low} to {high}\n  remedy: a wider prior, such as {key}: \
+             {wider}"
+        ))
+    };
+    let inaccurate = |one: &Marginal| {
+        let (sets, runs) = (inferred.sets.len(), study.run_count());
+        format!(
+            "identify.designs: too few simulated runs for an accurate posterior of {}\n  found:  {sets} parameter sets with \
+             {runs} runs each, which give an error of {:.1} standard deviations; the interval includes it\n  remedy: more \
+             parameter sets (start_designs and designs), or more runs in each",
+            one.name, one.simulation_error
+        )
+    };
+    let accurate = |one: &&Marginal| one.simulation_error <= INACCURATE;
+    let leaning = marginals.iter().enumerate().filter_map(leaning);
+    leaning.chain(marginals.iter().filter(|one| !accurate(one)).map(inaccurate)).collect()
+}
