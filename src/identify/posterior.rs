@@ -12,8 +12,9 @@ use crate::study::{Identification, Study};
 
 /// A parameter whose 95 % interval has more than this part of the width of the prior's is not identified.
 const FLAT: f64 = 0.8;
-/// A posterior leans on an end of its prior if its 95 % interval ends less than this part of its width before it.
-const NEAR: f64 = 0.1;
+/// A posterior leans on an end of its prior if its 95 % interval ends less than this part of its width before it, or within the
+/// width of the regression, which has parameter sets on one side only there.
+const NEAR: f64 = 0.5;
 
 /// The posterior.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,8 +50,8 @@ pub struct Marginal {
     /// The standard deviation of the means of the replicates, over the standard deviation of the samples: the error that
     /// comes from the finite number of simulated runs, which the interval includes.
     pub simulation_error: f64,
-    /// The end of the prior on which the posterior leans, `from` or `to`: the density there is not small. `None` if it leans on
-    /// both, because the parameter is then not identified.
+    /// The end of the prior on which the posterior leans, `from` or `to`; `None` if both ends are near, because the posterior is
+    /// then about as wide as the prior, or if none is.
     pub leans_on: Option<&'static str>,
 }
 
@@ -75,10 +76,14 @@ pub fn posterior(
         sample_in_unit_cube(dimensions, each, density, &mut random)
     };
     let by_replicate: Vec<Vec<Vec<f64>>> = (1..=REPLICATES).into_par_iter().map(sample).collect();
-    summary(identification, &by_replicate)
+    summary(identification, likelihood.smoother.widths(), &by_replicate)
 }
 
-fn summary(identification: &Identification, by_replicate: &[Vec<Vec<f64>>]) -> Posterior {
+fn summary(
+    identification: &Identification,
+    widths: &[f64],
+    by_replicate: &[Vec<Vec<f64>>],
+) -> Posterior {
     let places: Vec<&Vec<f64>> = by_replicate.iter().flatten().collect();
     let samples: Vec<Vec<f64>> =
         places.iter().map(|place| identification.values_at(place)).collect();
@@ -90,7 +95,7 @@ fn summary(identification: &Identification, by_replicate: &[Vec<Vec<f64>>]) -> P
         let of_places: Vec<f64> = places.iter().map(|place| place[index]).collect();
         let (_, deviation) = mean_and_deviation(&of_places);
         let [first, _, last] = quantiles(of_places);
-        let near = NEAR * (last - first);
+        let near = widths[index].max(NEAR * (last - first));
         let leans_on = match [first < near, last > 1.0 - near] {
             [true, false] => Some("from"),
             [false, true] => Some("to"),

@@ -47,6 +47,11 @@ impl Smoother {
         &self.places
     }
 
+    /// Returns the width of the weight in each coordinate.
+    pub fn widths(&self) -> &[f64] {
+        &self.widths
+    }
+
     /// Returns the weights of the parameter sets at a place: those of the regression and those of a plain mean, which are
     /// positive. The sum of either is 1. Each set has an own weight `of_set` besides that of its distance; sets whose own weight
     /// is 0 are left out.

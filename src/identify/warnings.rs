@@ -38,8 +38,8 @@ pub fn warnings(inference: &Inference, inferred: &Inferred) -> Vec<String> {
         let (sets, runs) = (inferred.sets.len(), study.run_count());
         format!(
             "identify.designs: too few simulated runs for an accurate posterior of {}\n  found:  {sets} parameter sets with \
-             {runs} runs each, which give an error of {:.1} standard deviations; the interval includes it\n  remedy: more \
-             parameter sets (start_designs and designs), or more runs in each",
+             {runs} runs each, which give an error of {:.1} standard deviations; the interval includes it, and all \
+             inferences from these runs share it\n  remedy: more parameter sets (start_designs and designs), or more runs in each",
             one.name, one.simulation_error
         )
     };
