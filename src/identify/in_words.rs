@@ -144,7 +144,7 @@ fn fit_in_words(inference: &Inference, inferred: &Inferred) -> String {
     text.push_str(&format!(
         "{verdict} the {runs} measured runs (p = {probability:.3} over all rows; level {LEVEL}).\n"
     ));
-    if inferred.fits.iter().any(|fit| fit.tested < fit.measured.iter().sum()) {
+    if inferred.fits.iter().any(|fit| fit.tested < fit.measured.iter().sum::<u64>()) {
         text.push_str(&format!(
             "In rows with more than {TESTED} measured runs, the test compares {TESTED} of them, drawn at random.\n"
         ));
