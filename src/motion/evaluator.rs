@@ -217,10 +217,26 @@ pub(super) type Entries<T> = SmallVec<[T; 16]>;
 /// The unknowns of a linear system, or its right side.
 pub(super) type Unknowns<T> = SmallVec<[T; 4]>;
 
-/// Returns the solution of a linear system by elimination in the order of its unknowns, as in lanes.
-pub(super) fn solved<T: Number>(mut matrix: Entries<T>, mut right: Unknowns<T>) -> Unknowns<T> {
+/// A pivot is small, and another row takes its place, if its share of the largest entry of its row is below this fraction of
+/// the other row's share. The order of well-posed equations then remains, and rounding errors grow little.
+pub(super) const SMALL_PIVOT: f64 = 0.1;
+
+/// Returns the solution of a linear system by elimination in the order of its unknowns, as in lanes. Rows with small pivots
+/// are exchanged: threshold pivoting with rows scaled by their largest entries (I. S. Duff, A. M. Erisman, J. K. Reid,
+/// *Direct Methods for Sparse Matrices*, 2nd ed., Oxford 2017, chapter 5, doi:10.1093/acprof:oso/9780198508380.001.0001).
+pub(super) fn solved<T: Elementary>(mut matrix: Entries<T>, mut right: Unknowns<T>) -> Unknowns<T> {
     let size = right.len();
+    let largest = |row: &[T]| row.iter().fold(0.0_f64, |most, one| most.max(one.value().abs()));
+    let mut scales: SmallVec<[f64; 4]> = matrix.chunks(size.max(1)).map(largest).collect();
     for column in 0..size {
+        for row in column + 1..size {
+            let entry = |row: usize| matrix[row * size + column].value().abs();
+            if entry(column) * scales[row] < SMALL_PIVOT * entry(row) * scales[column] {
+                (0..size).for_each(|j| matrix.swap(row * size + j, column * size + j));
+                right.swap(row, column);
+                scales.swap(row, column);
+            }
+        }
         let inverse = matrix[column * size + column].reciprocal();
         for row in column + 1..size {
             let factor = matrix[row * size + column] * inverse;

@@ -126,6 +126,90 @@ fn a_singular_linear_system_ends_the_motion() {
     assert!(motion.time() < 0.5);
 }
 
+/// Returns a system of order three whose equations `A x' = A y` have the solution `y = (1, 2 t, cos t)`. The entries of `A`
+/// are linear in the time: first all constants, then all slopes.
+fn three_equations(recorder: &Recorder) -> SystemEquations<'_> {
+    let t = recorder.state();
+    for _ in 0..3 {
+        recorder.state();
+    }
+    let entries: Vec<_> = (0..18).map(|_| recorder.input("entry")).collect();
+    let of_row = |row: usize| -> Vec<Expression<'_>> {
+        let places = 3 * row..3 * row + 3;
+        places.map(|place| entries[place] + entries[9 + place] * t).collect()
+    };
+    let matrix = [0, 1, 2].map(of_row);
+    let solution = [Expression::constant(1.0), t + t, t.sin_cos().1];
+    let times = |row: &Vec<_>| {
+        row.iter()
+            .zip(solution)
+            .fold(Expression::constant(0.0), move |sum, (one, other)| sum + *one * other)
+    };
+    let right: Vec<_> = matrix.iter().map(times).collect();
+    with_time(recorder.solve(&matrix, &right))
+}
+
+/// Compares values, series and displacements of [`three_equations`] with the solution.
+fn solves(parameters: Vec<f64>, end: f64) {
+    let what = format!("{parameters:?}");
+    let record = three_equations;
+    let system = shared(OwnSystem { record, parameters, friction: vec![], longest_step: 0.5 });
+    let rates = |t: f64| [1.0, 2.0 * t, t.cos()];
+    let mut state = [0.0; 4];
+    let mut motion = Motion::with_directions(
+        &system,
+        SETTINGS,
+        &state,
+        &[Components::from_slice(&[1.0, 0.0, 0.0, 0.0])],
+    )
+    .unwrap_or_else(|failure| panic!("{failure}: {what}"));
+    while motion.time() < end {
+        motion.advance(end).unwrap_or_else(|failure| panic!("{failure}: {what}"));
+        let t = motion.time();
+        state.copy_from_slice(&motion.state());
+        let changes = motion.displacements().remove(0);
+        let found = motion.evaluator().rates(&[], &state);
+        for (one, expected) in [t, t * t, t.sin()].into_iter().enumerate() {
+            let own = 1 + one;
+            assert!((state[own] - expected).abs() < 1e-12, "{one} at {t}: {}, {what}", state[own]);
+            let change = rates(t)[one] - rates(0.0)[one];
+            assert!(
+                (changes[own] - change).abs() < 1e-10,
+                "{one} at {t}: {}, {what}",
+                changes[own]
+            );
+            assert!((found[own] - rates(t)[one]).abs() < 1e-12, "{one} at {t}: {found:?}, {what}");
+        }
+    }
+}
+
+/// Neither the order of the equations nor their units matter, nor whether a pivot vanishes on the way.
+#[test]
+fn linear_systems_with_small_pivots() {
+    let zero = [0.0; 9];
+    for small in [0.0, 1e-12] {
+        solves([[small, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0], zero].concat(), 1.0);
+    }
+    // Rows of unequal units: without scales, no pivot looks small.
+    solves([[1.0, 1e12, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0], zero].concat(), 1.0);
+    let regular = [[4.0, 1.0, -1.0], [0.0, 3.0, 1.0], [1.0, 0.0, -5.0]];
+    let slopes = [[0.0, 0.3, 0.0], [0.2, 0.0, -0.3], [0.0, 0.4, 0.0]];
+    for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
+        for units in [[1.0, 1.0, 1.0], [1e9, 1.0, 1e-9], [1e-9, 1e9, 1.0]] {
+            let rows = |rows: [[f64; 3]; 3]| -> Vec<f64> {
+                let scaled =
+                    order.iter().zip(units).map(|(&row, unit)| rows[row].map(|one| unit * one));
+                scaled.flatten().collect()
+            };
+            solves([rows(regular), rows(slopes)].concat(), 1.0);
+        }
+    }
+    // The first pivot is `1 - t`.
+    let shear = [1.0, 1.0, 0.0, -2.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+    let slope = [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    solves([shear, slope].concat(), 2.0);
+}
+
 /// Equal expressions are one node, and neutral elements leave none.
 #[test]
 fn equal_expressions_are_one_node() {

@@ -190,6 +190,9 @@ impl Recorder {
 
     /// Returns the solution `x` of the linear system `A x = b`; the matrix has one row for each component of `right`.
     ///
+    /// The order of the equations and their units do not matter: each evaluation eliminates with row exchanges where a pivot
+    /// is small. A matrix that is singular in some state gives values that are not finite, and the run then fails.
+    ///
     /// # Panics
     /// Panics if the matrix is not square: a system with such equations is a programming error.
     pub fn solve<'r>(

@@ -5,9 +5,10 @@
 //! the coefficient along a displacement follows from the derivative of the rule. In a sum, the coefficients that were
 //! computed last come last, to avoid waiting for them.
 
-use fearless_simd::prelude::*;
+use fearless_simd::{mask64x8, prelude::*};
 
 use super::program::{Entry, Operation, Program, Slot};
+use crate::motion::evaluator::SMALL_PIVOT;
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::lockstep::{LANES, Lanes, ORDER};
@@ -234,7 +235,9 @@ impl<S: Vector> Series<S> {
         self.substitute(None, out, factors, k);
     }
 
-    /// Factors the matrix of a linear system: `L U` without exchanges, with the inverse of the diagonal of `U`.
+    /// Factors the matrix of a linear system: `L U` of its rows in another order, with the inverse of the diagonal of `U`.
+    /// Rows with small pivots are exchanged ([`SMALL_PIVOT`]). At order 1, the factors hold 1 below the diagonal in the lanes
+    /// in which row and column are exchanged, scales of the rows on the diagonal, and first whether there are exchanges.
     #[inline(always)]
     fn factor(&mut self, matrix: &[Entry], constants: &[Lanes<S>], size: usize, factors: Slot) {
         let place = |row: usize, column: usize| factors + (row * size + column) as Slot;
@@ -245,7 +248,30 @@ impl<S: Vector> Series<S> {
             };
             self.set(factors + i as Slot, 0, value);
         }
+        let [zero, one] = [0.0, 1.0].map(|value| self.number(value));
+        for row in 0..size {
+            let mut scale = zero;
+            for column in 0..size {
+                scale = scale.max(self.get(place(row, column), 0).abs());
+            }
+            self.set(place(row, row), 1, scale);
+        }
+        let mut any = zero;
         for column in 0..size {
+            for row in column + 1..size {
+                let [scale, of_other] = [column, row].map(|row| self.get(place(row, row), 1));
+                let [pivot, other] = [column, row].map(|row| self.get(place(row, column), 0));
+                let least = self.number(SMALL_PIVOT) * other.abs() * scale;
+                let small = (pivot.abs() * of_other).simd_lt(least);
+                self.set(place(row, column), 1, small.select(one, zero));
+                if small.to_bitmask() != 0 {
+                    any = one;
+                    for j in 0..size {
+                        self.exchange([place(row, j), place(column, j)], 0, small);
+                    }
+                    self.exchange([place(row, row), place(column, column)], 1, small);
+                }
+            }
             let inverse = self.number(1.0) / self.get(place(column, column), 0);
             self.set(place(column, column), 0, inverse);
             for row in column + 1..size {
@@ -258,6 +284,15 @@ impl<S: Vector> Series<S> {
                 }
             }
         }
+        self.set(factors, 1, any);
+    }
+
+    /// Exchanges two coefficients in some lanes.
+    #[inline(always)]
+    fn exchange(&mut self, slots: [Slot; 2], k: usize, lanes: mask64x8<S>) {
+        let [one, other] = slots.map(|slot| self.get(slot, k));
+        self.set(slots[0], k, lanes.select(other, one));
+        self.set(slots[1], k, lanes.select(one, other));
     }
 
     /// Replaces the right-hand sides in `out` by the solution; the factors are those of this series or of another one
@@ -265,9 +300,18 @@ impl<S: Vector> Series<S> {
     #[inline(always)]
     fn substitute(&mut self, other: Option<&Self>, out: &[Slot], factors: Slot, k: usize) {
         let size = out.len();
-        let entry = |own: &Self, row: usize, column: usize| {
-            other.unwrap_or(own).get(factors + (row * size + column) as Slot, 0)
+        let at_order = |own: &Self, row: usize, column: usize, order: usize| {
+            other.unwrap_or(own).get(factors + (row * size + column) as Slot, order)
         };
+        let entry = |own: &Self, row: usize, column: usize| at_order(own, row, column, 0);
+        if at_order(self, 0, 0, 1)[0] != 0.0 {
+            for column in 0..size {
+                for row in column + 1..size {
+                    let exchanged = at_order(self, row, column, 1).simd_gt(self.number(0.0));
+                    self.exchange([out[row], out[column]], k, exchanged);
+                }
+            }
+        }
         for row in 0..size {
             let mut value = self.get(out[row], k);
             for (column, &solution) in out[..row].iter().enumerate() {

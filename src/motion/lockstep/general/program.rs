@@ -48,7 +48,8 @@ pub(super) enum Operation {
     Exponential { out: Slot, a: Slot, rate: Slot },
     /// Arc tangent; `slope` is `1 + a²`, and `rate` holds the coefficients of the result times their order.
     ArcTangent { out: Slot, a: Slot, slope: Slot, rate: Slot, inverse: Slot },
-    /// A linear system; `factors` is the first of `size²` slots with its factors.
+    /// A linear system; `factors` is the first of `size²` slots with its factors at order 0 and the exchanges of its rows
+    /// at order 1.
     Solve { matrix: Vec<Entry>, right: Vec<Slot>, out: Vec<Slot>, factors: Slot },
 }
 
