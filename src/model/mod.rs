@@ -59,6 +59,7 @@ pub use friction::{
     Dimension, FRICTION_LAWS, Friction, FrictionLaw, Law, LawInputs, LawParameter, Lowest,
     MAX_LAW_PARAMETERS, Sliding, SlidingForce, SlidingSpeed,
 };
+pub(crate) use graph::PerStructure;
 pub use graph::{
     ContactEquations, ContactLayout, Event, EventEquations, Expression, GapEquations, Graph,
     Layout, Node, NodeId, Recorder, Solve, SystemEquations,

@@ -210,6 +210,30 @@ fn linear_systems_with_small_pivots() {
     solves([shear, slope].concat(), 2.0);
 }
 
+/// Nothing is locked while a system is recorded: recording may wait for that of another system.
+#[test]
+fn a_system_that_records_another_one() {
+    fn own(record: for<'r> fn(&'r Recorder) -> SystemEquations<'r>) -> OwnSystem {
+        OwnSystem { record, parameters: vec![], friction: vec![], longest_step: 0.5 }
+    }
+    fn inner(recorder: &Recorder) -> SystemEquations<'_> {
+        recorder.state();
+        with_time(vec![])
+    }
+    fn outer(recorder: &Recorder) -> SystemEquations<'_> {
+        let t = recorder.state();
+        recorder.state();
+        let waits = std::thread::spawn(|| Graph::of(&own(inner)));
+        assert_eq!(waits.join().expect("recorded").derivative.len(), 1);
+        with_time(vec![t])
+    }
+    let (sender, receiver) = std::sync::mpsc::channel();
+    std::thread::spawn(move || sender.send([Graph::of(&own(outer)), Graph::of(&own(outer))]));
+    let waits = std::time::Duration::from_secs(60);
+    let [one, other] = receiver.recv_timeout(waits).expect("nothing is locked");
+    assert!(std::sync::Arc::ptr_eq(&one, &other), "recorded once");
+}
+
 /// Equal expressions are one node, and neutral elements leave none.
 #[test]
 fn equal_expressions_are_one_node() {

@@ -1,8 +1,8 @@
 //! A system that a test writes down in a few lines.
 
-use std::any::Any;
+use std::any::{Any, TypeId};
 
-use stickslip::model::{ContactMode, Friction, Recorder, System, SystemEquations};
+use stickslip::model::{ContactMode, Friction, Recorder, Structure, System, SystemEquations};
 
 /// A system of functions; its inputs are the parameters, then 1 for each contact that slips and the direction.
 #[derive(Debug)]
@@ -26,6 +26,11 @@ impl System for OwnSystem {
             ContactMode::Slip(direction) | ContactMode::SetOff(direction) => [1.0, direction],
         };
         self.parameters.iter().copied().chain(modes.iter().flat_map(mode)).collect()
+    }
+
+    fn structure(&self) -> Option<Structure> {
+        let equations = [self.record as usize, self.friction.len()];
+        Some((TypeId::of::<Self>(), Vec::new(), equations.to_vec()))
     }
 
     fn contacts(&self) -> usize {

@@ -5,10 +5,12 @@
 
 mod expression;
 mod node;
+mod per_structure;
 mod recorder;
 
 pub use expression::Expression;
 pub use node::{Node, NodeId, Solve};
+pub(crate) use per_structure::PerStructure;
 pub use recorder::{
     ContactEquations, ContactLayout, Event, EventEquations, GapEquations, Graph, Layout, Recorder,
     SystemEquations,

@@ -2,10 +2,10 @@
 
 use std::cell::RefCell;
 use std::collections::HashMap;
-use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+use std::sync::Arc;
 
-use super::{Expression, Node, NodeId, Solve};
-use crate::model::{Structure, System};
+use super::{Expression, Node, NodeId, PerStructure, Solve};
+use crate::model::System;
 
 /// A graph that is being recorded.
 #[derive(Default)]
@@ -133,20 +133,11 @@ impl Graph {
 
     /// Returns the recorded equations of a system.
     pub fn of(system: &dyn System) -> Arc<Self> {
-        static RECORDED: LazyLock<Mutex<HashMap<Structure, Arc<Graph>>>> =
-            LazyLock::new(Mutex::default);
-        let record = || {
+        static RECORDED: PerStructure<Graph> = PerStructure::new();
+        RECORDED.get(system.structure(), || {
             let recorder = Recorder::default();
-            Arc::new(recorder.finish(&system.record(&recorder)))
-        };
-        match system.structure() {
-            // A panic while the graphs are locked leaves them complete.
-            Some(structure) => {
-                let mut recorded = RECORDED.lock().unwrap_or_else(PoisonError::into_inner);
-                Arc::clone(recorded.entry(structure).or_insert_with(record))
-            }
-            None => record(),
-        }
+            recorder.finish(&system.record(&recorder))
+        })
     }
 
     /// Returns the component that is the sliding speed of a contact, if it is one component.

@@ -9,8 +9,7 @@ mod expansion;
 mod program;
 mod schedule;
 
-use std::collections::HashMap;
-use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+use std::sync::Arc;
 
 use fearless_simd::{mask64x8, prelude::*};
 
@@ -18,7 +17,7 @@ use super::kernel::{Ends, Kernel, POWERS, Powers};
 use super::lane::Lane;
 use super::step_length::{longest_step, reciprocal};
 use super::{LANES, Lanes, ORDER};
-use crate::model::{Components, Graph, Structure, System};
+use crate::model::{Components, Graph, PerStructure, System};
 use crate::motion::all_stick;
 use crate::motion::cluster::{HeldCluster, held_clusters};
 use crate::motion::evaluator::Evaluator;
@@ -71,17 +70,8 @@ pub(super) struct Room<S: Vector> {
 
 /// Returns the program of recorded equations. Equal systems share one, which is compiled once.
 fn program_of(system: &dyn System, graph: &Graph) -> Arc<Program> {
-    static COMPILED: LazyLock<Mutex<HashMap<Structure, Arc<Program>>>> =
-        LazyLock::new(Mutex::default);
-    let compile = || Arc::new(Program::new(graph));
-    match system.structure() {
-        // A panic while the programs are locked leaves them complete.
-        Some(structure) => {
-            let mut compiled = COMPILED.lock().unwrap_or_else(PoisonError::into_inner);
-            Arc::clone(compiled.entry(structure).or_insert_with(compile))
-        }
-        None => compile(),
-    }
+    static COMPILED: PerStructure<Program> = PerStructure::new();
+    COMPILED.get(system.structure(), || Program::new(graph))
 }
 
 impl<S: Vector> General<S> {
