@@ -79,6 +79,7 @@ impl Upcoming {
 fn next_sound(kernel: KernelChoice, runs: &mut dyn Runs) -> Option<Upcoming> {
     loop {
         let (number, case) = runs.next()?;
+        unwind_if_cancelled();
         match prepared(&case) {
             Ok((mut stages, start)) => {
                 if let KernelChoice::General = kernel {
@@ -279,24 +280,20 @@ impl<'a> Lockstep<'a> {
         }
         self.moved = true;
         let Team { group: Some(group), members, .. } = &mut self.teams[team] else { return };
-        let saved = group.take(lane);
+        let left = group.take(lane);
         let run = members[lane].take();
-        match next {
-            Next::Stay => {}
-            Next::Done(outcome) => self.runs.ended(number, *outcome),
-            Next::Continue(kept) => {
-                let (saved, run) = *kept;
-                if let Some(recorder) = self.runs.recorder() {
-                    recorder.rewind(saved.time(), saved.effort());
-                }
-                let team = team_of(&saved, &run);
-                self.teams[team].waiting.push_back(Waiting { saved, run: Box::new(run) });
+        let (saved, run) = match next {
+            Next::Stay => return,
+            Next::Done(outcome) => return self.runs.ended(number, *outcome),
+            Next::Move => (left, run),
+            Next::Enter(saved) => (Some(*saved), run),
+            Next::Continue(kept) => (Some(kept.0), Some(Box::new(kept.1))),
+        };
+        if let (Some(saved), Some(run)) = (saved, run) {
+            if let Some(recorder) = self.runs.recorder() {
+                recorder.rewind(saved.time(), saved.effort());
             }
-            Next::Move => {
-                if let (Some(saved), Some(run)) = (saved, run) {
-                    self.teams[team_of(&saved, &run)].waiting.push_back(Waiting { saved, run });
-                }
-            }
+            self.teams[team_of(&saved, &run)].waiting.push_back(Waiting { saved, run });
         }
     }
 }

@@ -50,6 +50,8 @@ pub(super) enum Next {
     Stay,
     /// The run moves to other lanes: with displacements or without.
     Move,
+    /// The run enters its next stage from this saved state.
+    Enter(Box<Saved>),
     /// The run continues later from this saved state.
     Continue(Box<(Saved, LaneRun)>),
     /// The run has ended.
@@ -197,25 +199,23 @@ impl LaneRun {
     }
 
     /// Goes on to the next stage.
-    fn enters(&self, group: &dyn LaneGroup, lane: usize) -> Next {
-        let mut run = self.clone();
-        let mut entered = || {
-            let (saved, stage) = (group.copy(lane)?, self.stages.upcoming()?);
-            let (state, lifted) = stage.entered(Some(self.stages.present()), saved.state());
-            let ended =
-                self.stages.outcome(&LaneStep { group, lane, view: &self.view }, &self.units);
-            run.stages.next(ended, lifted);
-            run.view = view_of(stage);
-            if run.stages.is_last() {
-                run.watch = CycleWatch::new(run.endings, &run.settings, &run.view);
-            }
-            Some(saved.enters(&stage.system, &state, lifted))
+    fn enters(&mut self, group: &dyn LaneGroup, lane: usize) -> Next {
+        let (Some(saved), Some(stage)) = (group.copy(lane), self.stages.upcoming()) else {
+            return Next::Stay;
         };
-        match entered() {
-            Some(Ok(saved)) => Next::Continue(Box::new((saved, run))),
-            Some(Err(failure)) => self.ends(group, lane, Ending::Failure(failure)),
-            None => Next::Stay,
+        let (state, lifted) = stage.entered(Some(self.stages.present()), saved.state());
+        let saved = match saved.enters(&stage.system, &state, lifted) {
+            Ok(saved) => saved,
+            Err(failure) => return self.ends(group, lane, Ending::Failure(failure)),
+        };
+        let view = view_of(stage);
+        let ended = self.stages.outcome(&LaneStep { group, lane, view: &self.view }, &self.units);
+        self.stages.next(ended, lifted);
+        self.view = view;
+        if self.stages.is_last() {
+            self.watch = CycleWatch::new(self.endings, &self.settings, &self.view);
         }
+        Next::Enter(Box::new(saved))
     }
 
     /// Adds the latest step to the statistics that have begun.

@@ -34,7 +34,8 @@ impl DiscMotion {
         &self.segments
     }
 
-    fn segment_at(&self, time_s: f64) -> Option<&(SpeedSegment, f64)> {
+    /// Returns the segment at a time since the start, with the angle in rad by which the disc has turned before.
+    pub fn segment_at(&self, time_s: f64) -> Option<&(SpeedSegment, f64)> {
         let begun = self.segments.partition_point(|(segment, _)| segment.begins_s <= time_s);
         self.segments.get(begun.saturating_sub(1))
     }
@@ -57,11 +58,20 @@ impl Machine {
         self.speed_profile.is_some() || !self.kicks.is_empty()
     }
 
-    /// Returns the begin of the last stage of a run, s.
-    pub fn last_stage_begins_s(&self) -> f64 {
+    /// Returns the begins of the stages of a run that ends at a time, s, in order.
+    pub fn stage_begins_s(&self, end_time_s: f64) -> Vec<f64> {
         let segments = self.speed_segments();
         let knots = segments.iter().map(|segment| segment.begins_s);
-        knots.chain(self.kicks.iter().map(|kick| kick.at_s)).fold(0.0, f64::max)
+        let mut begins: Vec<f64> = knots.chain(self.kicks.iter().map(|kick| kick.at_s)).collect();
+        begins.retain(|begin| *begin < end_time_s);
+        begins.sort_by(f64::total_cmp);
+        begins.dedup();
+        begins
+    }
+
+    /// Returns the begin of the last stage of a run, s.
+    pub fn last_stage_begins_s(&self) -> f64 {
+        self.stage_begins_s(f64::INFINITY).last().copied().unwrap_or_default()
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::invalid_parameter::{InvalidParameter, invalid};
 use super::kind::member_name;
-use super::{Components, Machine, Model, SPEED_TERMS, SpeedSegment, Start, System};
+use super::{Components, DiscMotion, Machine, Model, SPEED_TERMS, SpeedSegment, Start, System};
 
 /// A stage of a run.
 #[derive(Clone, Debug)]
@@ -69,23 +69,15 @@ impl Model {
                 return Some(vec![only]);
             }
         };
-        let segments = machine.speed_segments();
-        let knots = segments.iter().map(|segment| segment.begins_s);
-        let mut begins: Vec<f64> =
-            knots.chain(machine.kicks.iter().map(|kick| kick.at_s)).collect();
-        begins.retain(|begin| *begin < end_time_s);
-        begins.sort_by(f64::total_cmp);
-        begins.dedup();
+        let disc = machine.disc_motion();
+        let begins = machine.stage_begins_s(end_time_s);
         let ends = begins.iter().copied().skip(1).chain([end_time_s]);
         let angles = start.0.get(2..2 + machine.balls.len())?;
-        begins
-            .iter()
-            .zip(ends)
-            .map(|(begins_s, ends_s)| {
-                let segment = *segments.iter().rev().find(|one| one.begins_s <= *begins_s)?;
-                machine.stage(angles, &segments, segment, [*begins_s, ends_s])
-            })
-            .collect()
+        // Each stage copies the machine, but not a profile of many rows.
+        let machine = Machine { speed_profile: None, ..machine.clone() };
+        let stage =
+            |(begins_s, ends_s): (&f64, f64)| machine.stage(angles, &disc, [*begins_s, ends_s]);
+        begins.iter().zip(ends).map(stage).collect()
     }
 }
 
@@ -126,10 +118,10 @@ impl Machine {
     fn stage(
         &self,
         angles: &[f64],
-        segments: &[SpeedSegment],
-        segment: SpeedSegment,
+        disc: &DiscMotion,
         [begins_s, ends_s]: [f64; 2],
     ) -> Option<Stage> {
+        let (segment, _) = disc.segment_at(begins_s)?;
         let natural = self.natural_frequency_rad_s();
         let since_begin_s = begins_s - segment.begins_s;
         let speed_at = |time_s: f64| segment.speed_rad_s(time_s - segment.begins_s);
@@ -150,9 +142,7 @@ impl Machine {
             driven()
         };
         let kicks: Vec<_> = self.kicks.iter().filter(|kick| kick.at_s == begins_s).collect();
-        let before = segments.iter().filter(|one| one.begins_s < segment.begins_s);
-        let turned: f64 = before.map(|one| one.turned_rad(one.lasts_s)).sum();
-        let turned = (turned + segment.turned_rad(since_begin_s)) % TAU;
+        let turned = disc.turned_rad(begins_s) % TAU;
         let unit = self.ring_radius_m * natural;
         let jump = kicks.iter().fold([0.0; 2], |[x, y], kick| {
             let (sine, cosine) = libm::sincos(kick.direction_rad - turned);

@@ -77,6 +77,31 @@ fn runs_with_stages_are_the_same_in_lockstep() {
     assert!(together.iter().any(|outcome| outcome.stages.len() == 4));
 }
 
+/// A table with a row in every instant of a ramp gives the motion of the ramp. The cost is proportional to the rows: with their
+/// square, this test takes a minute.
+#[test]
+fn a_table_of_many_rows() {
+    let ball = Ball { friction_coefficient: 0.1, ..Ball::default() };
+    let machine = Machine { balls: vec![ball; 2], ..Machine::default() };
+    let (last, rows) = (machine.speed_rad_s, 30_000);
+    let row = |row: i32| {
+        let share = f64::from(row) / f64::from(rows);
+        [2.0 * share, if row == rows { last } else { -10.0 + share * (last + 10.0) }]
+    };
+    let table = ProfilePart::Table((0..=rows).map(row).collect());
+    let profile = SpeedProfile { start_speed_rad_s: -10.0, parts: vec![table] };
+    let tabled = Machine { speed_profile: Some(profile), ..machine.clone() };
+    let ended = |machine: &Machine| simulate(&case(machine, [1.0, 4.0], 2.5));
+    let (found, expected) = (ended(&tabled), ended(&started(&machine, 2.0, vec![])));
+    assert_eq!((found.stages.len(), expected.stages.len()), (30_001, 2));
+    assert_eq!(found.label(), expected.label());
+    let [found, expected] = [found, expected].map(|outcome| outcome.peak.expect("stages"));
+    assert!(
+        (found.amplitude_m / expected.amplitude_m - 1.0).abs() < 1e-6,
+        "{found:?} {expected:?}"
+    );
+}
+
 /// A kick changes the velocities as the closed form says, and sticking balls with enough friction stick.
 #[test]
 fn a_kick_is_an_impulse() {

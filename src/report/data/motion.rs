@@ -32,9 +32,7 @@ impl Motion {
     /// Returns whether the speed of the disc changes in the middle of an interval.
     pub fn is_ramp(&self, interval: usize) -> bool {
         let Some(time_s) = self.time_s.get(interval) else { return false };
-        let begun = self.disc.segments().iter().rev();
-        let mut begun = begun.map(|(segment, _)| segment).filter(|one| one.begins_s <= *time_s);
-        begun.next().is_some_and(|segment| {
+        self.disc.segment_at(*time_s).is_some_and(|(segment, _)| {
             let [_, changes @ ..] = segment.terms;
             changes.iter().any(|change| *change != 0.0)
         })
