@@ -104,18 +104,24 @@ impl Cost {
             let own = if known { most_steps_of_a_run(model, simulation) } else { None };
             let most = own.unwrap_or_else(|| most_steps_of_any_run(model));
             let most = times * most as f64;
-            [steps_to_the_end(model, simulation).min(most), most]
+            let corners = corners(model, simulation).min(most);
+            [steps_to_the_end(model, simulation).min(most - corners), corners, most]
         };
-        let [mut steps, mut most_steps] = of_a_run(simulation);
+        let [mut steps, mut corners, mut most_steps] = of_a_run(simulation);
         if let Some(fraction) = audit_fraction {
-            let [again, most_again] = of_a_run(&simulation.counter_check());
+            let [again, corners_again, most_again] = of_a_run(&simulation.counter_check());
             // In the worst case all runs are audited.
-            (steps, most_steps) = (steps + fraction * again, most_steps + most_again);
+            steps += fraction * again;
+            corners += fraction * corners_again;
+            most_steps += most_again;
         }
-        let [steps, most_steps] = [steps, most_steps].map(|one| one * runs as f64);
+        let [steps, corners, most_steps] =
+            [steps, corners, most_steps].map(|one| one * runs as f64);
         let most_core_seconds = most_steps * seconds_per_step(model);
-        self.steps += steps;
-        self.core_seconds += (steps * usual_seconds_per_step(model)).min(most_core_seconds);
+        let core_seconds =
+            steps * usual_seconds_per_step(model) + corners * seconds_per_corner(model);
+        self.steps += steps + corners;
+        self.core_seconds += core_seconds.min(most_core_seconds);
         self.most_steps += most_steps;
         self.most_core_seconds += most_core_seconds;
     }
@@ -143,8 +149,23 @@ fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
     latest_end_time_s * natural * steps.max(model.damping_rate() / STABLE)
 }
 
-/// The time of a step of balls that may touch, over that of balls that may not, if they touch half of the time.
-const CONTACT: f64 = 1.5;
+/// Returns the number of stages after the first one: each ends a step.
+fn corners(model: &Model, simulation: &Simulation) -> f64 {
+    let [_, end_time_s] = simulation.end_times_s();
+    let begins_s = model.ball_balancer().map(|machine| machine.stage_begins_s(end_time_s));
+    begins_s.map_or(0.0, |begins_s| begins_s.len() as f64 - 1.0)
+}
+
+/// Returns the seconds that a run takes to end a step and to begin another stage.
+fn seconds_per_corner(model: &Model) -> f64 {
+    times_longer(model) * (6e-6 + 1.5e-6 * model.contacts() as f64)
+}
+
+/// Returns the time of a step of balls that may touch, over that of balls that may not, if they touch half of the time.
+fn times_longer(model: &Model) -> f64 {
+    let touch = model.ball_balancer().is_some_and(|machine| machine.contact.is_some());
+    if touch { 1.5 } else { 1.0 }
+}
 
 /// Returns the seconds per step on a core of the year 2024 with vectors of four numbers if all lanes are in use.
 fn usual_seconds_per_step(model: &Model) -> f64 {
@@ -153,9 +174,8 @@ fn usual_seconds_per_step(model: &Model) -> f64 {
     if model.block().is_some() {
         return 0.9e-6;
     }
-    let touches = model.ball_balancer().is_some_and(|machine| machine.contact.is_some());
     let step = if has_tuned_kernel(model) { tuned } else { 4.5 * tuned };
-    if touches { CONTACT * step } else { step }
+    times_longer(model) * step
 }
 
 /// The largest product of step and damping rate at which the integrator is stable: about the length of the

@@ -19,12 +19,13 @@ fn balancer(name: &str, samples: u32, model: &str) -> String {
     study_text(name, &design, 1.0, &model)
 }
 
-/// A disc so fast that a run takes many steps, and friction so steep at rest that an explicit method takes millions. There are
-/// more runs than any machine computes within the time limit.
-fn studies() -> [(&'static str, String); 2] {
+/// A disc so fast that a run takes many steps, friction so steep at rest that an explicit method takes millions, and a table of
+/// many speeds. There are more runs than any machine computes within the time limit.
+fn studies() -> [(&'static str, String); 3] {
     [
         ("fast", "parameters: {speed_rad_s: -1.8e6, friction_coefficient: 1.0e-5}"),
         ("steep", "friction: {smooth: {smoothing_speed_rad_s: 1.0e-6}}"),
+        ("table", "speed_profile: [{table: table.csv}]"),
     ]
     .map(|(name, model)| (name, balancer(name, 4000, model)))
 }
@@ -45,6 +46,9 @@ fn runs_that_hardly_move_on_are_given_up_by_themselves() {
 #[test]
 fn a_stop_abandons_long_runs() {
     let scratch = Scratch::new();
+    let row = |row: u32| format!("{row}e-5,{}\n", -100.0 - 1e-3 * f64::from(row));
+    let rows: String = (0..100_000).map(row).collect();
+    scratch.write("table.csv", format!("time_s,speed_rad_s\n{rows}"));
     let mut given_up = false;
     for (name, text) in studies() {
         scratch.write(&format!("{name}.yaml"), text);

@@ -46,6 +46,19 @@ fn weakly_damped_runs_take_the_predicted_steps() {
     }
 }
 
+/// Each row of a table of speeds is a stage, which takes a step.
+#[test]
+fn tables_of_speeds_take_the_predicted_steps() {
+    let row = |row: u32| format!("[{row}e-3, {}]", -50.0 - 0.02 * f64::from(row));
+    let rows: Vec<String> = (0..=10_000).map(row).collect();
+    let profile =
+        format!("{{table: {{columns: [time_s, speed_rad_s], rows: [{}]}}}}", rows.join(", "));
+    let model = format!("model: {{kind: ball_balancer, speed_profile: [{profile}]}}\n");
+    let [taken, with_switches, about, most] = steps(&model, 11.0, 2);
+    let part = taken / about;
+    assert!((0.5..1.25).contains(&part) && with_switches <= most, "{part}");
+}
+
 #[test]
 fn no_run_exceeds_the_predicted_limit() {
     for (model, end_time_s) in [
