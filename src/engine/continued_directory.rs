@@ -48,7 +48,7 @@ impl<'a> ContinuedDirectory<'a> {
         let found = FileList::read(path)?;
         let mut list = found.clone().unwrap_or_default();
         let changed = list.reconcile(path);
-        if found.is_some_and(|found| !found.has_files_of(&list)) {
+        if found.is_some_and(|found| found != list) {
             list.save(path).map_err(unusable)?;
         }
         Ok(ContinuedDirectory { path, list, changed, _lock: lock })

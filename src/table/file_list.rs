@@ -71,13 +71,16 @@ impl FileList {
         }
     }
 
-    /// Adds files that are about to be renamed to their final names, and writes the list.
+    /// Adds files that are about to be renamed to their final names, and writes the list. The files that were announced
+    /// before have their final names.
     ///
     /// # Errors
     /// Returns an error if the list cannot be written.
     pub fn announce(&mut self, directory: &Path, files: &[(String, FileEntry)]) -> io::Result<()> {
+        self.replaced.clear();
         for (name, entry) in files {
-            if let Some(before) = self.files.insert(name.clone(), entry.clone()) {
+            let before = self.files.insert(name.clone(), entry.clone());
+            if let Some(before) = before.filter(|before| before != entry) {
                 self.replaced.insert(name.clone(), before);
             }
         }
@@ -91,11 +94,6 @@ impl FileList {
     pub fn save(&self, directory: &Path) -> io::Result<()> {
         let text = serde_json::to_string_pretty(self).map_err(io::Error::other)? + "\n";
         write_atomically(&directory.join(FILES), text.as_bytes())
-    }
-
-    /// Returns whether two lists have the same files with the same hashes.
-    pub fn has_files_of(&self, other: &Self) -> bool {
-        self.files == other.files
     }
 
     /// Removes a deleted file from the list.

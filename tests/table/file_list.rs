@@ -39,7 +39,23 @@ fn the_list_is_valid_if_a_process_is_killed_before_or_after_a_renaming() {
         there(other);
         assert_eq!(reconciled().0, ["a"], "{other}");
     }
+    // A file that is written with the same content, or has its name for good, replaces nothing.
+    let mut list = FileList::default();
+    let is_replaced = |name: &str| {
+        let text = fs::read(scratch.path().join(FILES)).unwrap();
+        let list: serde_json::Value = serde_json::from_slice(&text).unwrap();
+        list["replaced"].get(name).is_some()
+    };
+    for (content, replaces) in [("one", false), ("one", false), ("two", true), ("two", false)] {
+        list.write(scratch.path(), "a", content.as_bytes()).unwrap();
+        assert_eq!(is_replaced("a"), replaces, "{content}");
+    }
+    list.write(scratch.path(), "a", b"three").unwrap();
+    list.write(scratch.path(), "b", b"one").unwrap();
+    assert!(!is_replaced("a"));
+    list.remove("b");
     fs::remove_file(scratch.path().join("a")).unwrap();
+    list.save(scratch.path()).unwrap();
     assert_eq!(reconciled(), (vec![], FileList::default()));
 }
 
