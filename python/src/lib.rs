@@ -29,6 +29,7 @@ use pyo3::prelude::*;
 /// The compiled part of the package.
 #[pymodule]
 fn _stickslip(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    stickslip::engine::show_messages(stickslip::cli::print_message);
     module.add("__version__", stickslip::table::VERSION)?;
     module.add_class::<study::PyStudy>()?;
     module.add_class::<results::Results>()?;

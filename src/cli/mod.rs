@@ -46,8 +46,9 @@ use clap::{Parser, Subcommand};
 
 pub use check::check_json;
 pub use exit::{CliError, End};
+pub use output::print_message;
 
-use crate::engine::{say, survive_file_size_limit};
+use crate::engine::{say, show_messages, survive_file_size_limit};
 use crate::model::Registry;
 
 const EXAMPLES: &str = "\
@@ -112,6 +113,7 @@ pub fn run(registry: Registry) -> ExitCode {
 /// Runs the program like [`run`] with these arguments; the first one is the name of the program. A process of another
 /// language, such as Python, can call it; the handlers of signals stay installed afterwards.
 pub fn run_with(registry: Registry, arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    show_messages(print_message);
     if let Err(error) = registry.install() {
         say(&format!("error: {error}"));
         return CliError::Usage(error.to_string()).code();

@@ -1,4 +1,4 @@
-//! Standard output, which holds data only and whose reader may stop reading, and new tables.
+//! Standard output, which holds data only and whose reader may stop reading, messages on standard error, and new tables.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -31,6 +31,14 @@ pub fn print(text: &str) -> io::Result<Reader> {
 /// Returns an error if standard output cannot be written to, except when its reader has gone.
 pub fn print_json(json: &str) -> io::Result<Reader> {
     write(&harmless_json(json))
+}
+
+/// Writes a message to standard error, without terminal control characters. Ignores write errors, such as from a
+/// closed terminal, so that the computation continues; `eprintln` would panic.
+pub fn print_message(message: &str) {
+    let line = harmless(message).replace('\t', " ") + "\n";
+    // A single write keeps the lines of several threads apart.
+    let _ = io::stderr().lock().write_all(line.as_bytes());
 }
 
 fn write(text: &str) -> io::Result<Reader> {

@@ -13,8 +13,8 @@ use super::message::say;
 /// Exit code after an interruption.
 const INTERRUPTED: i32 = 130;
 
-/// Returns a flag that Ctrl-C and SIGTERM set; a second signal ends the program with exit code 130. Prints a warning
-/// if the operating system refuses the handlers.
+/// Returns a flag that Ctrl-C and SIGTERM set; a second signal ends the program with exit code 130. Warns if the operating system
+/// refuses the handlers.
 pub fn stop_on_signals() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {

@@ -1,23 +1,26 @@
-//! Messages on standard error.
+//! Messages of the library, which the program that uses it shows, such as the command line on standard error.
 
-use std::io::{self, Write};
+use std::sync::OnceLock;
 
 use serde_json::Value;
 
-use crate::sanitize::{harmless, harmless_json};
+use crate::sanitize::harmless_json;
 
-/// Writes a message to standard error, without terminal control characters. Ignores write errors, such as from a
-/// closed terminal, so that the computation continues; `eprintln` would panic.
+static SHOWN_BY: OnceLock<fn(&str)> = OnceLock::new();
+
+/// Passes all later messages to a function, unless an earlier call has named one. Before this call, nothing is shown.
+pub fn show_messages(show: fn(&str)) {
+    SHOWN_BY.get_or_init(|| show);
+}
+
+/// Passes a message to the function that shows messages.
 pub fn say(message: &str) {
-    write_line(&harmless(message).replace('\t', " "));
+    if let Some(show) = SHOWN_BY.get() {
+        show(message);
+    }
 }
 
-/// Writes a JSON event to standard error.
+/// Passes a JSON event to the function that shows messages.
 pub(super) fn say_json(event: &Value) {
-    write_line(&harmless_json(&event.to_string()));
-}
-
-fn write_line(line: &str) {
-    // A single write keeps the lines of several threads apart.
-    let _ = io::stderr().lock().write_all(format!("{line}\n").as_bytes());
+    say(&harmless_json(&event.to_string()));
 }

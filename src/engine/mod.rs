@@ -30,7 +30,7 @@ pub use compute::{compute, quietly};
 pub use continued_directory::ContinuedDirectory;
 pub use exclusive_directory::ExclusiveDirectory;
 pub use interrupt::{stop_on_signals, survive_file_size_limit};
-pub use message::say;
+pub use message::{say, show_messages};
 pub use options::EngineOptions;
 pub use output_dir::{OutputDir, OutputDirError, Ready};
 pub use progress::{Parts, Planned, Progress, Show};

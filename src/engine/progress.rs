@@ -1,4 +1,5 @@
-//! Progress of a computation on standard error: number of runs, rate, remaining time, and finished points.
+//! Progress of a computation, in messages or as a bar on standard error: number of runs, rate, remaining time, and finished
+//! points.
 //!
 //! Workers update a few atomic counters; text is produced only when a line is due.
 

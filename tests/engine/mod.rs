@@ -7,6 +7,7 @@ mod exchanged_balls;
 mod extended_runs;
 mod failures;
 pub mod in_memory;
+mod messages;
 mod numbers_of_balls;
 mod precision;
 mod same_bytes;

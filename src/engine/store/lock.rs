@@ -17,7 +17,7 @@ pub struct Lock {
 }
 
 impl Lock {
-    /// Takes the lock file `path`. Prints a warning if the file system does not support locks.
+    /// Takes the lock file `path`. Warns if the file system does not support locks.
     ///
     /// # Errors
     /// Returns [`StoreError::Busy`] if another process holds the lock, [`StoreError::Unusable`] if the file cannot be
