@@ -8,9 +8,10 @@ use super::general::General;
 use super::group::Group;
 use super::kernel::{Ends, Kernel};
 use super::lane_group::LaneGroup;
+use super::simd_level::{tested_vectors, with_each_level};
 use super::tuned::Tuned;
 use super::vector::Vector;
-use super::{LANES, Lanes, Saved, SimdLevel};
+use super::{LANES, Lanes, Saved};
 use crate::model::{
     Balancer, Components, Contact, ContactMode, FrictionLaw, Machine, Method, NormalForce, State,
     System,
@@ -119,14 +120,15 @@ fn seen_in<S: Vector, K: Kernel<S>>(
 
 #[test]
 fn balls_that_leave_the_ring_are_seen_by_the_tuned_kernel() {
-    let Some(simd) = SimdLevel::best().avx2() else { return };
+    let Some(simd) = tested_vectors() else { return };
     seen_in(simd, |_| Tuned::<_, 2>::new(simd, false), &machine(), 0.3);
     seen_in(simd, |_| Tuned::<_, 2>::new(simd, false), &dragged(), 3e-3);
 }
 
 #[test]
 fn balls_that_leave_the_ring_are_seen_by_the_general_kernel() {
-    let Some(simd) = SimdLevel::best().avx2() else { return };
-    seen_in(simd, |system| General::new(simd, system), &machine(), 0.3);
-    seen_in(simd, |system| General::new(simd, system), &dragged(), 3e-3);
+    with_each_level!(simd => {
+        seen_in(simd, |system| General::new(simd, system), &machine(), 0.3);
+        seen_in(simd, |system| General::new(simd, system), &dragged(), 3e-3);
+    });
 }

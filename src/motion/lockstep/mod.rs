@@ -21,7 +21,7 @@ mod held;
 mod kernel;
 mod lane;
 mod lane_group;
-#[cfg(all(test, target_arch = "x86_64"))]
+#[cfg(test)]
 mod leaving_the_ring;
 mod pressure;
 mod root_isolation;

@@ -47,8 +47,7 @@ impl SimdLevel {
             levels.extend(level.as_avx2().map(Instructions::Avx2));
             // Without optimisation, the baseline computes with the general kernel (`baseline_lanes`).
             if levels.is_empty() || cfg!(not(debug_assertions)) {
-                let baseline = level.as_sse2().expect("every x86-64 processor has SSE2");
-                levels.push(Instructions::Baseline(baseline));
+                levels.push(Instructions::Baseline(baseline()));
             }
         }
         #[cfg(target_arch = "aarch64")]
@@ -56,7 +55,7 @@ impl SimdLevel {
         #[cfg(not(target_arch = "x86_64"))]
         {
             let _ = level;
-            levels.push(Instructions::Baseline(Baseline::new()));
+            levels.push(Instructions::Baseline(baseline()));
         }
         levels.into_iter().map(SimdLevel).collect()
     }
@@ -74,12 +73,6 @@ impl SimdLevel {
         }
     }
 
-    /// Returns the instructions with vectors of four numbers, if available.
-    #[cfg(all(test, target_arch = "x86_64"))]
-    pub(super) fn avx2(self) -> Option<fearless_simd::Avx2> {
-        Level::new().as_avx2()
-    }
-
     /// Returns empty lanes for a system.
     pub(crate) fn lanes(self, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
         match self.0 {
@@ -92,6 +85,57 @@ impl SimdLevel {
             Instructions::Baseline(simd) => baseline_lanes(simd, system),
         }
     }
+}
+
+/// Returns the instructions of every processor of this kind.
+pub(super) fn baseline() -> Baseline {
+    #[cfg(target_arch = "x86_64")]
+    return Level::new().as_sse2().expect("every x86-64 processor has SSE2");
+    #[cfg(not(target_arch = "x86_64"))]
+    Baseline::new()
+}
+
+/// Evaluates a test with the instructions of each level of this processor.
+#[cfg(test)]
+macro_rules! with_each_level {
+    ($simd:ident => $test:expr) => {{
+        #[cfg(target_arch = "x86_64")]
+        if let Some($simd) = fearless_simd::Level::new().as_avx512() {
+            $test;
+        }
+        #[cfg(target_arch = "x86_64")]
+        if let Some($simd) = fearless_simd::Level::new().as_avx2() {
+            $test;
+        }
+        #[cfg(target_arch = "aarch64")]
+        if let Some($simd) = fearless_simd::Level::new().as_neon() {
+            $test;
+        }
+        let $simd = $crate::motion::lockstep::simd_level::baseline();
+        $test;
+    }};
+}
+#[cfg(test)]
+pub(super) use with_each_level;
+
+/// Returns the vector instructions with which the tuned kernels are tested. Without any, says that the test of this thread
+/// is skipped, on standard error, which the test harness does not capture: the kernels for such processors are not part
+/// of builds with debug assertions.
+#[cfg(test)]
+pub(super) fn tested_vectors() -> Option<impl super::vector::Vector> {
+    #[cfg(target_arch = "x86_64")]
+    let vectors = Level::new().as_avx2();
+    #[cfg(target_arch = "aarch64")]
+    let vectors = Level::new().as_neon();
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    let vectors = Some(baseline());
+    if vectors.is_none() {
+        let thread = std::thread::current();
+        let test = thread.name().unwrap_or_default();
+        let line = format!("test {test} ... skipped: this processor has no AVX2\n");
+        let _ = std::io::Write::write_all(&mut std::io::stderr(), line.as_bytes());
+    }
+    vectors
 }
 
 /// Returns empty lanes for processors without a vectorised fused multiply-add. Builds with debug assertions have no tuned

@@ -47,15 +47,20 @@ fn inverse_sixteenth_root<S: Vector>(x: Lanes<S>) -> Lanes<S> {
     fourth.sqrt().sqrt()
 }
 
-#[cfg(all(test, target_arch = "x86_64"))]
+#[cfg(test)]
 mod tests {
     use super::{inverse_sixteenth_root, reciprocal};
-    use crate::motion::lockstep::{LANES, Lanes, SimdLevel};
+    use crate::motion::lockstep::simd_level::with_each_level;
+    use crate::motion::lockstep::vector::Vector;
+    use crate::motion::lockstep::{LANES, Lanes};
     use fearless_simd::prelude::*;
 
     #[test]
     fn reciprocals() {
-        let Some(simd) = SimdLevel::best().avx2() else { return };
+        with_each_level!(simd => reciprocals_are_near(simd));
+    }
+
+    fn reciprocals_are_near(simd: impl Vector) {
         for exponent in -300..300 {
             let number = 1.7 * libm::exp10(f64::from(exponent));
             let found = simd.vectorize(
@@ -68,7 +73,10 @@ mod tests {
 
     #[test]
     fn sixteenth_roots() {
-        let Some(simd) = SimdLevel::best().avx2() else { return };
+        with_each_level!(simd => roots_are_near(simd));
+    }
+
+    fn roots_are_near(simd: impl Vector) {
         for exponent in -100..100 {
             let number = |lane: usize| libm::exp10(f64::from(exponent) + 0.13 * lane as f64);
             let mut numbers = Lanes::splat(simd, 0.0);

@@ -76,17 +76,22 @@ fn flip<S: Vector>(value: f64x8<S>, sign: fearless_simd::u64x8<S>) -> f64x8<S> {
     (bits ^ sign).bitcast()
 }
 
-#[cfg(all(test, target_arch = "x86_64"))]
+#[cfg(test)]
 mod tests {
-    use super::super::{LANES, Lanes, SimdLevel};
     use super::sin_cos;
+    use crate::motion::lockstep::simd_level::with_each_level;
+    use crate::motion::lockstep::vector::Vector;
+    use crate::motion::lockstep::{LANES, Lanes};
     use fearless_simd::prelude::*;
 
     /// Results agree with the library's within two units in the last place, up to the angles of a
     /// long run.
     #[test]
     fn sines_and_cosines() {
-        let Some(simd) = SimdLevel::best().avx2() else { return };
+        with_each_level!(simd => agree_with_the_library(simd));
+    }
+
+    fn agree_with_the_library(simd: impl Vector) {
         let mut worst: f64 = 0.0;
         for k in 0..20_000 {
             let angle = |lane: usize| {

@@ -10,11 +10,12 @@ use super::step::within_tolerance;
 use super::tangent::carry;
 use super::{Flow, LANES, Lanes, Room, Tuned};
 use crate::model::{Balancer, Dual, FrictionLaw, Machine, Method, Number, State, System};
+use crate::motion::lockstep::Saved;
 use crate::motion::lockstep::group::Group;
 use crate::motion::lockstep::kernel::Kernel;
 use crate::motion::lockstep::lane_group::LaneGroup;
+use crate::motion::lockstep::simd_level::tested_vectors;
 use crate::motion::lockstep::vector::Vector;
-use crate::motion::lockstep::{Saved, SimdLevel};
 use crate::motion::{Phase, Settings, Tolerance};
 
 /// Length of the step.
@@ -172,7 +173,7 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
 
 #[test]
 fn longest_steps() {
-    let Some(simd) = SimdLevel::best().avx2() else { return };
+    let Some(simd) = tested_vectors() else { return };
     over_longest_steps::<1>(simd);
     over_longest_steps::<2>(simd);
     over_longest_steps::<4>(simd);
@@ -229,18 +230,18 @@ fn against_equations<const N: usize>(simd: impl Vector) {
 
 #[test]
 fn one_ball() {
-    let Some(simd) = SimdLevel::best().avx2() else { return };
+    let Some(simd) = tested_vectors() else { return };
     against_equations::<1>(simd);
 }
 
 #[test]
 fn two_balls() {
-    let Some(simd) = SimdLevel::best().avx2() else { return };
+    let Some(simd) = tested_vectors() else { return };
     against_equations::<2>(simd);
 }
 
 #[test]
 fn four_balls() {
-    let Some(simd) = SimdLevel::best().avx2() else { return };
+    let Some(simd) = tested_vectors() else { return };
     against_equations::<4>(simd);
 }

@@ -14,8 +14,9 @@ use crate::motion::lockstep::general::General;
 use crate::motion::lockstep::group::Group;
 use crate::motion::lockstep::kernel::{Ends, Kernel};
 use crate::motion::lockstep::lane_group::LaneGroup;
+use crate::motion::lockstep::simd_level::tested_vectors;
 use crate::motion::lockstep::vector::Vector;
-use crate::motion::lockstep::{LANES, Lanes, Saved, SimdLevel};
+use crate::motion::lockstep::{LANES, Lanes, Saved};
 use crate::motion::saltation::Condition;
 use crate::motion::{Phase, Settings, Tolerance, any_closed};
 
@@ -194,7 +195,7 @@ fn agree<const N: usize>(
 
 #[test]
 fn balls_that_touch() {
-    let Some(simd) = SimdLevel::best().avx2() else { return };
+    let Some(simd) = tested_vectors() else { return };
     let counts = [
         agree::<2>(simd, None, Method::Event),
         agree::<2>(simd, None, Method::Switch),
@@ -205,7 +206,7 @@ fn balls_that_touch() {
 
 #[test]
 fn discs_whose_speed_changes() {
-    let Some(simd) = SimdLevel::best().avx2() else { return };
+    let Some(simd) = tested_vectors() else { return };
     for shape in [RampShape::Linear, RampShape::Smooth] {
         let counts =
             [Method::Event, Method::Switch].map(|method| agree::<2>(simd, Some(shape), method));

@@ -3,9 +3,9 @@
 //! It gives the same series as the recorded equations (`general`) several times as fast: the products are chosen so
 //! that few remain, everything has a size known to the compiler, and bounds of the conditions come from few numbers.
 
-#[cfg(all(test, target_arch = "x86_64"))]
+#[cfg(test)]
 mod compared_with_equations;
-#[cfg(all(test, target_arch = "x86_64"))]
+#[cfg(test)]
 mod compared_with_general;
 mod equations;
 mod event_functions;
