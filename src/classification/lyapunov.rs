@@ -5,18 +5,24 @@
 //! Meccanica 15 (1980) 9, doi:10.1007/BF02128236; with saltation: P. C. Müller, Chaos Solitons
 //! Fractals 5 (1995) 1671, doi:10.1016/0960-0779(94)00170-U). The mean rate of growth over a window
 //! at the end of the run is the largest finite-time Lyapunov exponent.
-//! Its confidence interval comes from the scatter of the rates in [`BATCHES`] equal parts of the
-//! window.
 //!
-//! A motion counts as irregular if the interval is positive, and if in the second half of the
-//! window
+//! The confidence interval of the exponent comes from the scatter of the rates in successive blocks
+//! of the window (batch means: B. Schmeiser, Operations Research 30 (1982) 556,
+//! doi:10.1287/opre.30.3.556). A block consists of one or more of [`PARTS`] equal parts of the window
+//! and contains at least [`COURSES`] turns and switches per contact, so that the rates of successive
+//! blocks are not positively correlated and the interval is not too narrow. A window with fewer turns
+//! and switches has fewer blocks and a wider interval; one block has no interval.
 //!
-//! - neighbours have separated by at least [`SEPARATED`]. This excludes growth by a power of time:
-//!   a displacement along a family of motions (a ball that rests elsewhere, which changes the speed
-//!   of another) grows in proportion to time; in the second half of a window that is a factor of 2,
-//!   and for the third power of time a factor of 8;
-//! - the motion has recurred often: at least [`COURSES`] turns of balls and switches. This excludes
-//!   a slow passage by an unstable equilibrium, where neighbours separate only once.
+//! A motion counts as irregular if
+//!
+//! - the window has at least [`BLOCKS`] blocks. At least one of them lies in the second half of the
+//!   window, so that a slow passage by an unstable equilibrium, where neighbours separate only once,
+//!   does not count;
+//! - the interval is positive;
+//! - in the second half of the window, neighbours have separated by at least [`SEPARATED`]. This
+//!   excludes growth by a power of time: a displacement along a family of motions (a ball that rests
+//!   elsewhere, which changes the speed of another) grows in proportion to time; in the second half
+//!   of a window that is a factor of 2, and for the third power of time a factor of 8.
 
 use super::lane_step::LaneStep;
 use super::outcome::LyapunovExponent;
@@ -26,12 +32,18 @@ use crate::model::Components;
 /// The part of the time at the end of a run over which separation is measured.
 pub(super) const SEPARATION_WINDOW: f64 = 0.75;
 /// Number of equal parts of the window.
-const BATCHES: usize = 10;
+const PARTS: usize = 10;
 /// Number of parts after which the measurement stops if neighbours have only converged: most
 /// motions are regular, and a displacement costs as much as the motion itself.
 const PILOT: usize = 4;
-/// The two-sided 95 % points of Student's distribution for 4 to 10 parts (3 to 9 degrees of freedom).
-const STUDENT: [f64; BATCHES - PILOT + 1] = [
+/// Minimum number of turns and switches in a block, in the mean over the contacts.
+const COURSES: f64 = 7.0;
+/// Minimum number of blocks of an irregular motion.
+const BLOCKS: u8 = 6;
+/// The two-sided 95 % points of Student's distribution for 2 to 10 blocks (1 to 9 degrees of freedom).
+const STUDENT: [f64; PARTS - 1] = [
+    12.706_204_736_174_698,
+    4.302_652_729_749_464,
     3.182_446_305_284_263,
     2.776_445_105_197_793,
     2.570_581_835_636_314,
@@ -43,9 +55,6 @@ const STUDENT: [f64; BATCHES - PILOT + 1] = [
 /// Minimum separation of neighbours in the second half of the window.
 const SEPARATED: f64 = 10.0;
 
-/// Minimum number of turns of balls and switches in the second half of the window.
-const COURSES: f64 = 20.0;
-
 /// Measures how fast neighbours of a motion separate between two times.
 #[derive(Clone, Debug)]
 pub(super) struct Separation {
@@ -53,7 +62,7 @@ pub(super) struct Separation {
     end: f64,
     /// Logarithm of the growth so far.
     growth: f64,
-    /// The growth at the start and at the end of each batch.
+    /// The growth at the start and at the end of each part.
     marks: Vec<Mark>,
     given_up: bool,
     /// Whether a switch was met by grazing, so that the displacement is undefined.
@@ -64,7 +73,7 @@ pub(super) struct Separation {
 struct Mark {
     time: f64,
     growth: f64,
-    /// Turns of balls and switches since the start of the run.
+    /// Turns and switches per contact since the start of the run.
     courses: f64,
 }
 
@@ -91,7 +100,7 @@ impl Separation {
     }
 
     /// Begins at the end of the first step that extends into the window, where the displacement has
-    /// the size 1. `courses` counts turns of balls and switches since the start.
+    /// the size 1. `courses` is the number of turns and switches per contact since the start.
     pub(super) fn begin(&mut self, time: f64, courses: f64) {
         self.mark(time, courses);
     }
@@ -106,15 +115,15 @@ impl Separation {
 
     /// Returns when the growth is due next.
     pub(super) fn next_mark(&self) -> f64 {
-        (self.start + self.batch() * self.marks.len() as f64).min(self.end)
+        (self.start + self.part() * self.marks.len() as f64).min(self.end)
     }
 
-    fn batch(&self) -> f64 {
-        (self.end - self.start) / BATCHES as f64
+    fn part(&self) -> f64 {
+        (self.end - self.start) / PARTS as f64
     }
 
     fn mark_if_due(&mut self, time: f64, courses: f64) {
-        if time >= self.start + self.batch() * self.marks.len() as f64 || time >= self.end {
+        if time >= self.start + self.part() * self.marks.len() as f64 || time >= self.end {
             self.mark(time, courses);
             self.given_up = self.marks.len() == PILOT + 1 && self.growth < 0.0;
         }
@@ -124,41 +133,62 @@ impl Separation {
         self.marks.push(Mark { time, growth: self.growth, courses });
     }
 
-    /// Returns the exponent, here per unit of non-dimensional time, with its interval and the
-    /// length of the window, which is shorter if the measurement stopped early. `None` if it could
-    /// not be measured, because a switch was met by grazing or there were too few steps.
+    /// Returns the start of the first block and the end of each block. What remains after the last
+    /// full block belongs to it.
+    fn blocks(&self) -> Vec<Mark> {
+        let mut ends: Vec<Mark> = Vec::new();
+        for mark in &self.marks {
+            if ends.last().is_none_or(|end| mark.courses - end.courses >= COURSES) {
+                ends.push(*mark);
+            }
+        }
+        if ends.len() > 1 {
+            ends.pop();
+        }
+        ends.extend(self.marks.last());
+        ends
+    }
+
+    /// Returns the exponent, here per unit of non-dimensional time, with its interval, the number of
+    /// blocks and the length of the window, which is shorter if the measurement stopped early.
+    /// `None` if it could not be measured, because a switch was met by grazing or there were too few
+    /// steps.
     pub(super) fn exponent(&self) -> Option<LyapunovExponent> {
-        let (first, last) = (self.marks.first()?, self.marks.last()?);
-        if self.grazed || !last.growth.is_finite() || self.marks.len() <= PILOT {
+        let ends = self.blocks();
+        let (first, last) = (ends.first()?, ends.last()?);
+        let window = last.time - first.time;
+        let exponent = (last.growth - first.growth) / window;
+        if self.grazed || !exponent.is_finite() {
             return None;
         }
-        let rates: Vec<f64> = self
-            .marks
-            .windows(2)
-            .map(|pair| (pair[1].growth - pair[0].growth) / (pair[1].time - pair[0].time))
-            .collect();
-        let window = last.time - first.time;
-        let exponent = last.growth / window;
-        let count = rates.len() as f64;
-        let variance = rates.iter().map(|rate| (rate - exponent) * (rate - exponent)).sum::<f64>()
-            / (count - 1.0);
-        let doubt = STUDENT.get(rates.len() - PILOT)? * (variance / count).sqrt();
+        let excess = |pair: &[Mark]| {
+            pair[1].growth - pair[0].growth - exponent * (pair[1].time - pair[0].time)
+        };
+        let squares: f64 = ends.windows(2).map(|pair| excess(pair).powi(2)).sum();
+        let blocks = ends.len() - 1;
+        let student = blocks.checked_sub(2).and_then(|degrees| STUDENT.get(degrees));
+        let doubt = student.map(|student| {
+            student * (squares * blocks as f64 / (blocks - 1) as f64).sqrt() / window
+        });
         Some(LyapunovExponent {
             exponent_1_s: exponent,
-            interval_1_s: [exponent - doubt, exponent + doubt],
+            interval_1_s: doubt.map(|doubt| [exponent - doubt, exponent + doubt]),
+            blocks: blocks as u8,
             window_s: window,
         })
     }
 
-    /// Returns whether neighbours separate exponentially, according to the interval and the
-    /// criteria above.
+    /// Returns whether neighbours separate exponentially, according to the criteria above.
     pub(super) fn is_irregular(&self) -> bool {
-        let Some(exponent) = self.exponent() else { return false };
+        let Some(LyapunovExponent { interval_1_s: Some([low, _]), blocks, .. }) = self.exponent()
+        else {
+            return false;
+        };
         let (half, last) = (self.marks[self.marks.len() / 2], self.marks[self.marks.len() - 1]);
         !self.given_up
-            && exponent.interval_1_s[0] > 0.0
+            && blocks >= BLOCKS
+            && low > 0.0
             && last.growth - half.growth >= SEPARATED.ln()
-            && last.courses - half.courses >= COURSES
     }
 }
 
@@ -188,12 +218,51 @@ pub(super) fn size(view: &SystemView, displacement: &[f64]) -> f64 {
     .sqrt()
 }
 
-/// Returns the number of turns of balls, in both directions, and switches since the start of a run.
+/// Returns the number of turns of balls, in both directions, and switches since the start of a run,
+/// in the mean over the contacts.
 pub(super) fn courses(step: &LaneStep) -> f64 {
     let LaneStep { group, lane, view } = *step;
     let (state, turns) = (group.state(lane), group.turns(lane));
     let balls = view.contacts.iter().zip(&turns).filter(|(contact, _)| contact.angular);
     let turned = balls
         .map(|(contact, turns)| (turns + state[contact.position] / std::f64::consts::TAU).abs());
-    turned.sum::<f64>() + step.effort().switches as f64
+    (turned.sum::<f64>() + step.effort().switches as f64) / view.contacts.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{COURSES, PARTS, STUDENT, Separation};
+
+    /// Returns a measurement with rates of 1 and 3 in turn and as many turns and switches per part.
+    fn in_turn(courses: f64) -> Separation {
+        let mut separation = Separation::new(0.0, PARTS as f64);
+        separation.begin(0.0, 0.0);
+        for part in 1..=PARTS {
+            let rate: f64 = if part % 2 == 1 { 1.0 } else { 3.0 };
+            separation.grow(part as f64, rate.exp(), false, part as f64 * courses);
+        }
+        separation
+    }
+
+    /// The interval of ten blocks is that of the mean of ten numbers. With half of the turns, two
+    /// parts are one block; the blocks have equal rates, but they are too few for a label. Without
+    /// turns there is no interval.
+    #[test]
+    fn blocks_are_as_long_as_some_turns() {
+        let many = in_turn(COURSES).exponent().expect("measured");
+        let doubt = STUDENT[8] * (10.0_f64 / 9.0 / 10.0).sqrt();
+        let [low, high] = many.interval_1_s.expect("ten blocks");
+        assert!((low - 2.0 + doubt).abs() < 1e-12 && (high - 2.0 - doubt).abs() < 1e-12);
+        assert_eq!(many.blocks, 10);
+        assert!(in_turn(COURSES).is_irregular());
+
+        let few = in_turn(COURSES / 2.0).exponent().expect("measured");
+        let [low, high] = few.interval_1_s.expect("five blocks");
+        assert!((low - 2.0).abs() < 1e-12 && (high - 2.0).abs() < 1e-12);
+        assert_eq!(few.blocks, 5);
+        assert!(!in_turn(COURSES / 2.0).is_irregular());
+
+        let none = in_turn(0.0).exponent().expect("measured");
+        assert_eq!((none.exponent_1_s, none.interval_1_s, none.blocks), (2.0, None, 1));
+    }
 }

@@ -8,7 +8,7 @@
 //! | `equilibrium` | `creep` | all balls are slow and drift, ever slower, at the edge of the equilibrium set |
 //! | `equilibrium` | `settled` | without dry friction: an equilibrium is near, and it is stable by its eigenvalues |
 //! | `limit_cycle` | `closed_orbit` | the orbit closes modulo 2π, its multipliers lie inside the unit circle, resting balls keep a margin |
-//! | `irregular` | `lyapunov` | neighbouring motions separate exponentially; the confidence interval of the exponent is positive |
+//! | `irregular` | `lyapunov` | neighbouring motions separate exponentially; the confidence interval of the exponent, from enough blocks, is positive |
 //! | `undecided` | `unstable_orbit` | the orbit closes, but a multiplier lies outside the unit circle |
 //! | `undecided` | `end_time` | none of the above until the end time |
 //! | `failed` | the failure's kind | the motion could not be continued |

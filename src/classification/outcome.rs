@@ -51,7 +51,7 @@ pub enum Evidence {
     ClosedOrbit,
     /// The orbit closes but is unstable.
     UnstableOrbit,
-    /// Neighbouring motions separate, and the confidence interval of the exponent is positive.
+    /// Neighbouring motions separate, and the confidence interval of the exponent, from enough blocks, is positive.
     Lyapunov,
     /// The end time was reached without any other evidence.
     EndTime,
@@ -121,8 +121,10 @@ impl Evidence {
 pub struct LyapunovExponent {
     /// The exponent, 1/s.
     pub exponent_1_s: f64,
-    /// Its 95 % interval over the window, 1/s.
-    pub interval_1_s: [f64; 2],
+    /// Its 95 % interval from the scatter over the blocks, 1/s; `None` for one block.
+    pub interval_1_s: Option<[f64; 2]>,
+    /// Number of blocks of the window, each with a minimum number of turns and switches per contact.
+    pub blocks: u8,
     /// The length of the window over which it was taken, s.
     pub window_s: f64,
 }

@@ -242,8 +242,9 @@ impl LaneRun {
 fn in_seconds(exponent: LyapunovExponent, natural: f64) -> LyapunovExponent {
     LyapunovExponent {
         exponent_1_s: exponent.exponent_1_s * natural,
-        interval_1_s: exponent.interval_1_s.map(|rate| rate * natural),
+        interval_1_s: exponent.interval_1_s.map(|ends| ends.map(|rate| rate * natural)),
         window_s: exponent.window_s / natural,
+        ..exponent
     }
 }
 

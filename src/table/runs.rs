@@ -270,36 +270,41 @@ fn add_touching(list: &mut Columns<RunRecord>) {
 
 /// Adds the columns of the Lyapunov exponent.
 fn add_lyapunov(list: &mut Columns<RunRecord>) {
-    let mut number =
-        |name: &str, unit: &str, value: fn(&LyapunovExponent) -> f64, meaning: &str| {
-            list.number(name, unit, move |row| row.outcome.lyapunov.as_ref().map(value))
-                .meaning(meaning);
-        };
+    type Value = fn(&LyapunovExponent) -> Option<f64>;
+    let mut number = |name: &str, unit: &str, value: Value, meaning: &str| {
+        list.number(name, unit, move |row| row.outcome.lyapunov.as_ref().and_then(value))
+            .meaning(meaning);
+    };
     number(
         "lyapunov_exponent_per_s",
         "1/s",
-        |exponent| exponent.exponent_1_s,
+        |exponent| Some(exponent.exponent_1_s),
         "largest finite-time Lyapunov exponent over the window, for runs that still move at the \
          end time: the mean rate at which neighbouring motions separate",
     );
     number(
         "lyapunov_exponent_low_per_s",
         "1/s",
-        |exponent| exponent.interval_1_s[0],
-        "lower end of its 95 % confidence interval (Student, from parts of the window)",
+        |exponent| Some(exponent.interval_1_s?[0]),
+        "lower end of its 95 % confidence interval (Student, from the blocks of the window); null \
+         with one block",
     );
     number(
         "lyapunov_exponent_high_per_s",
         "1/s",
-        |exponent| exponent.interval_1_s[1],
-        "upper end of its 95 % confidence interval",
+        |exponent| Some(exponent.interval_1_s?[1]),
+        "upper end of its 95 % confidence interval; null with one block",
     );
     number(
         "lyapunov_window_s",
         "s",
-        |exponent| exponent.window_s,
+        |exponent| Some(exponent.window_s),
         "length of the window: the last three quarters of the time, or less than half of that if \
          neighbouring motions only converged",
+    );
+    list.count("lyapunov_blocks", |row| Some(u64::from(row.outcome.lyapunov?.blocks))).meaning(
+        "number of blocks of the window, from 1 to 10, with at least seven turns and switches per \
+         contact in each; fewer than 6 blocks leave the run undecided",
     );
 }
 

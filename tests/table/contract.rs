@@ -92,6 +92,7 @@ fn runs() {
             "lyapunov_exponent_low_per_s n 1/s",
             "lyapunov_exponent_high_per_s n 1/s",
             "lyapunov_window_s n s",
+            "lyapunov_blocks c -",
             "steps c -",
             "rejected_steps c -",
             "switches c -",
