@@ -7,7 +7,7 @@ use pyo3::types::PyDict;
 use serde_json::json;
 use stickslip::analysis::{
     EquilibriumSet as Set, FEWEST_GRID_POINTS, MOST_BALL_DAMPING, REPLICATES, Resolution, RestForm,
-    SAMPLE_COUNTS, frictionless_equilibria,
+    SAMPLE_COUNTS, frictionless_equilibria, reference_amplitude,
 };
 use stickslip::engine::WorkerPool;
 use stickslip::study::Study;
@@ -192,7 +192,8 @@ fn compute(
         "speeds": null,
     });
     let about = |table| provenance_with(study, table, &options);
-    let row = SetSummaryRow { point: Arc::clone(&key), set };
+    let amplitude_without_balls_m = reference_amplitude(machine);
+    let row = SetSummaryRow { point: Arc::clone(&key), set, amplitude_without_balls_m };
     let table = || -> Result<MemoryTable, Trouble> {
         let mut table = MemoryWriter::new(set_columns(study), about("equilibrium_positions"));
         let form = RestForm::new(machine).ok_or_else(unknown)?;

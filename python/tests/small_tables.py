@@ -69,7 +69,8 @@ def points(folder, swept, labels, more=None):
     columns.update(
         time_to_rest_p50_s=[1.5, *nothing],
         amplitude_p50_m=[2e-5] * len(counts),
-        amplitude_without_balls_m=[1e-5] * len(counts),
+        relative_amplitude_p50=[2.0] * len(counts),
+        worse_than_without_balls_fraction=[0.25] * len(counts),
         set_fraction=[0.25] * len(counts),
         audited_runs=[4, *[0] * len(nothing)],
         audit_flips=[1, *[0] * len(nothing)],
@@ -115,6 +116,8 @@ def results(folder):
             "beta_1_rad": [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, None, None],
             "beta_2_rad": [4.0, 5.0, 6.0, 1.0, 2.0, 3.0, None, None],
             "amplitude_m": [5e-6, 8e-6, 9e-6, 2e-5, 4e-6, 3e-5, None, None],
+            # Each run has its own machine without balls; one run does not vibrate.
+            "relative_amplitude": [0.5, 0.0, 0.9, 2.0, 4.0, 0.3, None, None],
         },
     )
     write(
@@ -195,6 +198,7 @@ def equilibria(folder, side=64, parts=1, study_hash=HASH, samples=None):
             "grid_positions": [side * side] * 2,
             "fraction": [0.5, 0.5],
             "amplitude_max_m": [2e-5, 2e-5],
+            "amplitude_without_balls_m": [2e-5, 1.2e-5],
         },
         options,
         study_hash,

@@ -1,4 +1,4 @@
-//! Vibration amplitude of the table without balls, the reference for residual amplitudes.
+//! Vibration amplitude of the table without balls, the reference for the amplitude of a run.
 
 use nalgebra::Complex;
 
@@ -17,4 +17,11 @@ pub fn reference_amplitude(machine: &Machine) -> Option<f64> {
     let stiffness = machine.stiffness_n_m - mass * speed * speed;
     let resistance = Complex::new(stiffness, machine.damping_n_s_m * speed).norm();
     Some(force / resistance).filter(|amplitude| amplitude.is_finite())
+}
+
+/// Returns the amplitude of a run, m, divided by that of the run's own machine without balls: with the parameters that
+/// are drawn for the run. `None` if that machine does not vibrate, or if its amplitude is unbounded.
+pub fn relative_amplitude(machine: &Machine, amplitude_m: f64) -> Option<f64> {
+    let without_balls_m = reference_amplitude(machine).filter(|amplitude| *amplitude > 0.0)?;
+    Some(amplitude_m / without_balls_m)
 }

@@ -1,10 +1,11 @@
-//! The vibration that the balls leave at a point: how many runs vibrate more than the same machine
-//! without balls, and the balance quality and overlaps of the rests.
+//! The vibration that the balls leave at a point: the amplitude of each run against that of its own
+//! machine without balls, and the balance quality and overlaps of the rests.
 
 use super::balance_quality::balance_quality_grade;
 use super::interval::{Z_95, wilson_with_failures};
 use super::overlap::overlaps;
-use super::reference_amplitude::reference_amplitude;
+use super::point_summary::PointSummary;
+use super::reference_amplitude::{reference_amplitude, relative_amplitude};
 use super::value_counts::ValueCounts;
 use crate::classification::{Label, Outcome};
 use crate::model::Machine;
@@ -16,6 +17,8 @@ pub(super) struct ResidualVibrationCounts {
     compared: u64,
     /// Runs that vibrate more than their own machine without balls.
     worse: u64,
+    without_balls_m: ValueCounts,
+    relative: ValueCounts,
     rests: u64,
     overlapping: u64,
     grades: ValueCounts,
@@ -24,6 +27,10 @@ pub(super) struct ResidualVibrationCounts {
 /// The vibration that the balls leave at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ResidualVibration {
+    /// Median over the runs of the amplitude of each run's own machine without balls, m.
+    pub amplitude_without_balls_m: Option<f64>,
+    /// Quantiles 5, 50 and 95 % of the amplitude over that of the run's own machine without balls.
+    pub relative_amplitude: [Option<f64>; 3],
     /// Fraction of the runs that vibrate more than their own machine without balls, of all runs
     /// that did not fail, and the ends of its 95 % interval; `None` if no run has an amplitude.
     pub worse_than_without_balls: Option<[f64; 3]>,
@@ -43,9 +50,12 @@ impl ResidualVibrationCounts {
     pub(super) fn add(&mut self, machine: &Machine, outcome: &Outcome) {
         if let Some(amplitude) = outcome.amplitude_m {
             // No run vibrates more than an undamped machine at its resonance.
-            let without_balls = reference_amplitude(machine).unwrap_or(f64::INFINITY);
+            let without_balls_m = reference_amplitude(machine);
             self.compared += 1;
-            self.worse += u64::from(amplitude > without_balls);
+            self.worse += u64::from(amplitude > without_balls_m.unwrap_or(f64::INFINITY));
+            without_balls_m.into_iter().for_each(|metres| self.without_balls_m.add(metres, 0));
+            let relative = relative_amplitude(machine, amplitude);
+            relative.into_iter().for_each(|relative| self.relative.add(relative, 0));
         }
         if let (Label::Equilibrium, Some(beta)) = (outcome.label(), &outcome.position) {
             self.rests += 1;
@@ -63,6 +73,9 @@ impl ResidualVibrationCounts {
         };
         let overlapping = || self.overlapping as f64 / self.rests as f64;
         ResidualVibration {
+            amplitude_without_balls_m: self.without_balls_m.quantile(0.5),
+            relative_amplitude: PointSummary::AMPLITUDE_FRACTIONS
+                .map(|fraction| self.relative.quantile(fraction)),
             worse_than_without_balls: (self.compared > 0).then(worse),
             balance_quality_grade_mm_s: ResidualVibration::GRADE_FRACTIONS
                 .map(|fraction| self.grades.quantile(fraction)),

@@ -20,6 +20,8 @@ use crate::model::wrap_to_two_pi;
 
 /// Number of steps of the search for a displacement, before bisection.
 const STEPS: usize = 128;
+/// The amplitude below which the disc stands still.
+const STANDSTILL: f64 = 1e-100;
 /// Largest number of rounds in which the balls are moved one at a time.
 const ROUNDS: usize = 200;
 
@@ -34,18 +36,13 @@ pub fn amplitude_extremes(form: &RestForm) -> [Option<(f64, Vec<f64>)>; 2] {
     [found(form, 0.0, above), found(form, above, 0.0)]
 }
 
-/// Returns the second result of [`amplitude_extremes`], the largest amplitude, in half of the time.
-pub fn largest_amplitude(form: &RestForm) -> Option<(f64, Vec<f64>)> {
-    found(form, above_all(form)?, 0.0)
-}
-
-/// Returns an amplitude above all others, or `None` without imbalance, without a finite response and with a runout, with
-/// which the amplitude of the table is not that of the ring.
+/// Returns an amplitude above all others, or `None` at standstill, without imbalance, without a finite response and with a
+/// runout, with which the amplitude of the table is not that of the ring.
 fn above_all(form: &RestForm) -> Option<f64> {
     let imbalance = form.imbalance.norm();
     let most: f64 = form.transfer.norm() * (imbalance + form.mass.iter().sum::<f64>());
     let table_is_ring = form.runout.norm() == 0.0;
-    (most > 0.0 && most.is_finite() && imbalance > 0.0 && table_is_ring)
+    (most > STANDSTILL && most.is_finite() && imbalance > 0.0 && table_is_ring)
         .then_some(most * (1.0 + 1e-9))
 }
 

@@ -2,7 +2,7 @@
 
 use crate::analysis::{
     Balance, EquilibriumSet, HIGH_DRAG, Resolution, RestForm, SmallMotions, Stability,
-    largest_amplitude, reference_amplitude, set_fraction,
+    reference_amplitude,
 };
 use crate::check::BallPositions;
 use crate::model::{Block, Ground, Machine};
@@ -34,7 +34,7 @@ pub struct BalancerFacts {
 pub struct RestFacts {
     /// Fraction of all positions of the balls that are positions of rest.
     pub set_fraction: f64,
-    /// The largest amplitude at a position of rest, m.
+    /// The largest amplitude at a position of rest, m, as in [`EquilibriumSet::amplitude_m`].
     pub max_amplitude_m: Option<f64>,
     /// Fraction of the positions of rest in which balls overlap, if it could be estimated.
     pub overlapping_fraction: Option<f64>,
@@ -83,28 +83,14 @@ impl RestFacts {
         if !machine.friction.can_stick() {
             return None;
         }
+        let resolution = Resolution::choose(machine.balls.len(), None, None).ok()?;
+        let set = EquilibriumSet::of(machine, resolution)?;
         Some(RestFacts {
-            set_fraction: set_fraction(machine)?,
-            max_amplitude_m: max_amplitude_m(machine),
+            set_fraction: set.fraction,
+            max_amplitude_m: set.amplitude_m.map(|(_, largest)| largest),
             overlapping_fraction: positions.overlapping_fraction(machine),
         })
     }
-}
-
-/// The transfer function from imbalance to amplitude below which the disc stands still.
-const STANDSTILL: f64 = 1e-100;
-
-/// Returns the largest amplitude at a position of rest, m.
-fn max_amplitude_m(machine: &Machine) -> Option<f64> {
-    if machine.balls.len() == 1 {
-        // The set of one ball has a closed form, in which the resolution has no effect.
-        return EquilibriumSet::of(machine, Resolution::Grid(1))?.amplitude_m.map(|(_, most)| most);
-    }
-    let form = RestForm::new(machine)?;
-    if form.transfer.norm() < STANDSTILL {
-        return Some(0.0);
-    }
-    largest_amplitude(&form).map(|(amplitude, _)| amplitude * machine.ring_radius_m)
 }
 
 /// What the closed forms say about a block on a spring.

@@ -18,7 +18,8 @@ pub(super) fn legend(balancers: &[(u64, &BalancerFacts)]) -> String {
         let place =
             if balancers.len() == 1 { String::new() } else { format!(" (point {point_id})") };
         text += &format!(
-            "balls that rest in the worst position make the vibration {} times that without balls{place}\n",
+            "balls that rest in the worst position make the vibration {} times that without balls{place}; balls that \
+             keep moving can make it larger\n",
             short(ratio)
         );
     }

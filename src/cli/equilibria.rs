@@ -15,7 +15,7 @@ use super::output::{print, print_json};
 use super::range::Speeds;
 use crate::analysis::{
     EquilibriumSet, FEWEST_GRID_POINTS, FrictionlessEquilibrium, MOST_BALL_DAMPING, REPLICATES,
-    Resolution, Resolutions, RestForm, SAMPLE_COUNTS, frictionless_equilibria,
+    Resolution, Resolutions, RestForm, SAMPLE_COUNTS, frictionless_equilibria, reference_amplitude,
 };
 use crate::counted::counted;
 use crate::engine::{ExclusiveDirectory, say};
@@ -238,7 +238,8 @@ fn compute(
         let key = Arc::new(PointKey::of(&point));
         let resolution = resolutions.of(machine.balls.len());
         let set = EquilibriumSet::of(machine, resolution).ok_or_else(unknown)?;
-        let row = SetSummaryRow { point: Arc::clone(&key), set };
+        let amplitude_without_balls_m = reference_amplitude(machine);
+        let row = SetSummaryRow { point: Arc::clone(&key), set, amplitude_without_balls_m };
         let frictionless = if arguments.speeds.is_some() {
             Vec::new()
         } else {

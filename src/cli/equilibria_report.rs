@@ -170,7 +170,7 @@ impl Report {
     /// Returns the report as JSON.
     pub fn json(&self, options: &Value, directory: &Path) -> Value {
         let point = |(row, stable): &(SetSummaryRow, Vec<&str>)| {
-            let SetSummaryRow { point, set } = row;
+            let SetSummaryRow { point, set, .. } = row;
             let keys = point_keys(point.point_id, &self.names, &point.swept);
             let facts = json!({
                 "grid_positions": set.positions,

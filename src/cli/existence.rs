@@ -101,7 +101,8 @@ impl Existence {
             (true, points) => format!("at all {points} points"),
             (false, points) => format!("at {examined} of {points} points, spread over the sweep,"),
         };
-        let nominal = if self.uncertain { " with nominal parameters" } else { "" };
+        let nominal =
+            if self.uncertain { " with uncertain parameters at their medians" } else { "" };
         let verdict = format!(
             "{place}{nominal} stick and slip have exactly one solution, proven for all positions and \
              forces;"
@@ -145,7 +146,7 @@ impl Existence {
             "not_unique_points": self.not_unique,
             "min_principal_minor": self.least.0,
             "min_at_point": self.least.1,
-            "nominal_parameters_only": self.uncertain,
+            "uncertain_at_medians": self.uncertain,
             "not_unique": self.named.iter().map(Failing::json).collect::<Vec<_>>(),
         })
     }

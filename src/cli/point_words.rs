@@ -3,6 +3,7 @@
 
 use super::point_keys::swept_text;
 use super::remedies::Remedies;
+use crate::analysis::reference_amplitude;
 use crate::classification::Label;
 use crate::report::{Fraction, PointFacts};
 use crate::study::Study;
@@ -31,8 +32,14 @@ pub fn percent(fraction: f64) -> String {
     }
 }
 
-/// Returns a point as one line of text, with the values of its swept parameters as `shown`.
-pub fn point_line(names: &[String], shown: &[String], point: &PointFacts) -> String {
+/// Returns a point as one line of text, with the values of its swept parameters as `shown`. With `own_machines` the
+/// amplitude without balls is a median over the runs.
+pub fn point_line(
+    names: &[String],
+    shown: &[String],
+    point: &PointFacts,
+    own_machines: bool,
+) -> String {
     let mut line =
         format!("point {}{}: {} runs", point.point_id, swept_text(names, shown), point.runs);
     if let Some([worse, ..]) = point.residual.worse_than_without_balls {
@@ -40,8 +47,9 @@ pub fn point_line(names: &[String], shown: &[String], point: &PointFacts) -> Str
         if let (Some(median), Some(p95)) = (median, p95) {
             line += &format!(", vibration {median} µm (95 % of the runs: {p95} µm)");
         }
-        if let Some(without) = point.without_balls_m {
-            line += &format!(", without balls {} µm", micrometres(without));
+        if let Some(without) = point.residual.amplitude_without_balls_m {
+            let median = if own_machines { " (median)" } else { "" };
+            line += &format!(", without balls {} µm{median}", micrometres(without));
         }
         line += &format!("; {} % of the runs vibrate more than without balls", percent(worse));
     }
@@ -83,16 +91,6 @@ impl NamedPoints {
     }
 }
 
-/// The uncertain parameters on which the amplitude of the machine without balls depends.
-const WITHOUT_BALLS: [&str; 6] = [
-    "table_mass_kg",
-    "stiffness_n_m",
-    "damping_n_s_m",
-    "imbalance_mass_kg",
-    "imbalance_radius_m",
-    "speed_rad_s",
-];
-
 /// Counts over all points, and what they say in words.
 #[derive(Clone, Debug, Default)]
 pub struct InWords {
@@ -109,15 +107,18 @@ pub struct InWords {
     /// Points at which less than half of the runs rest, although some do.
     few_rests: NamedPoints,
     /// Whether each run has its own machine without balls.
-    own_machines: bool,
+    pub own_machines: bool,
     remedies: Remedies,
 }
 
 impl InWords {
     /// Creates the counts of no points.
     pub fn new(study: &Study) -> Self {
-        let mut uncertain = study.uncertain().iter();
-        let own_machines = uncertain.any(|one| WITHOUT_BALLS.contains(&one.name.as_str()));
+        let without_balls = |fraction: f64| {
+            let model = study.model_at_quantiles(0, |_| fraction).ok()?;
+            model.ball_balancer().and_then(reference_amplitude)
+        };
+        let own_machines = without_balls(0.025) != without_balls(0.975);
         InWords { own_machines, ..InWords::default() }
     }
 
@@ -155,8 +156,8 @@ impl InWords {
 
     fn about_draws(&self) -> Option<String> {
         (self.own_machines && self.compared > 0).then(|| {
-            "The amplitude without balls is that of the machine without draws; `worse` compares each run with its own \
-             machine without balls."
+            "The amplitude without balls is the median over the runs; `worse` compares each run with its own machine \
+             without balls."
                 .to_owned()
         })
     }

@@ -69,7 +69,8 @@ impl PointsTable {
 
     /// Returns a point as one line of text.
     pub fn sentence(&self, study: &Study, point: &PointFacts) -> String {
-        point_line(&self.names, &study.shown(&point.swept), point)
+        let shown = study.shown(&point.swept);
+        point_line(&self.names, &shown, point, self.in_words.own_machines)
     }
 
     /// Adds a point of the study.
@@ -192,7 +193,10 @@ impl PointsTable {
         let [_, median, p95] = row.amplitude_m;
         object["amplitude_p50_m"] = json!(median);
         object["amplitude_p95_m"] = json!(p95);
-        object["amplitude_without_balls_m"] = json!(row.without_balls_m);
+        object["amplitude_without_balls_m"] = json!(row.residual.amplitude_without_balls_m);
+        let [_, median, p95] = row.residual.relative_amplitude;
+        object["relative_amplitude_p50"] = json!(median);
+        object["relative_amplitude_p95"] = json!(p95);
         let worse = |end: usize| row.residual.worse_than_without_balls.map(|worse| worse[end]);
         object["worse_than_without_balls_fraction"] = json!(worse(0));
         object["worse_than_without_balls_low"] = json!(worse(1));

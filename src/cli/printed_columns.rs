@@ -93,7 +93,7 @@ fn add_vibration(columns: &mut Columns<'_>) {
         row.amplitude_m[2].map(micrometres)
     });
     columns.add_known(["no balls", "[µm]"], "without balls [µm]", |row| {
-        row.without_balls_m.map(micrometres)
+        row.residual.amplitude_without_balls_m.map(micrometres)
     });
     columns.add_known(["worse", "[%]"], "worse than without balls [%]", |row| {
         row.residual.worse_than_without_balls.map(|[worse, ..]| percent(worse))

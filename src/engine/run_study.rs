@@ -317,7 +317,7 @@ impl<S: Sink> PointCollector<'_, S> {
 }
 
 /// Returns how long runs of a model are observed in their last stage, s, until the end time and until that of continued
-/// runs; for the durations of stages without draws.
+/// runs; for the durations of stages at the medians of uncertain parameters.
 fn observed_times_s(simulation: &Simulation, model: &Model) -> [f64; 2] {
     let end_time_s = model.end_time_s().unwrap_or(simulation.end_time_s);
     let simulation = Simulation { end_time_s, ..*simulation };

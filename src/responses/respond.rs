@@ -7,7 +7,7 @@ use super::amplitude::{mean, quantile, standard_deviation, worst};
 use super::estimate::{Estimate, RunResult, Sample};
 use super::probability::{above, at_rest_by};
 use super::rest_time::median_time_to_rest;
-use crate::analysis::{LabelCounts, reference_amplitude};
+use crate::analysis::LabelCounts;
 use crate::classification::Label;
 use crate::engine::WorkerPool;
 use crate::study::{AmplitudeKind, DesignValue, Measure, ParameterValue, Response, Study};
@@ -196,17 +196,12 @@ fn lacks_reference(residual: &Sample, relative: &Sample) -> bool {
 
 fn observed(run: &RunRecord, amplitude: AmplitudeKind) -> RunResult {
     let RunRecord { planned, outcome, .. } = run;
-    let reference = || {
-        let machine = planned.case.as_ref().ok()?.model.ball_balancer()?;
-        reference_amplitude(machine).filter(|amplitude| *amplitude > 0.0)
-    };
-    let residual = outcome.amplitude_m;
     RunResult {
         cell: planned.cell,
         label: outcome.label(),
         amplitude: match amplitude {
-            AmplitudeKind::Residual => residual,
-            AmplitudeKind::RelativeResidual => residual.and_then(|own| Some(own / reference()?)),
+            AmplitudeKind::Residual => outcome.amplitude_m,
+            AmplitudeKind::RelativeResidual => run.relative_amplitude(),
             AmplitudeKind::Peak => outcome.peak.map(|peak| peak.amplitude_m),
         },
         time_to_rest_s: outcome.time_to_rest_s,

@@ -36,6 +36,8 @@ pub struct SetSummaryRow {
     pub point: Arc<PointKey>,
     /// Its equilibrium set.
     pub set: EquilibriumSet,
+    /// Amplitude of the same machine without balls, m.
+    pub amplitude_without_balls_m: Option<f64>,
 }
 
 /// Returns the columns of `equilibrium_positions.parquet`.
@@ -95,6 +97,8 @@ pub fn set_summary_columns(study: &Study) -> Vec<Column<SetSummaryRow>> {
     );
     list.number("amplitude_max_m", "m", |row| row.set.amplitude_m.map(|(_, largest)| largest))
         .meaning("largest amplitude in the set; null in an empty set");
+    list.number("amplitude_without_balls_m", "m", |row| row.amplitude_without_balls_m)
+        .meaning("amplitude of the same machine without balls, whose mass is also removed");
     for ball in 0..study.model().balls() {
         list.number(format!("min_amplitude_beta_{}_rad", ball + 1), "rad", move |row| {
             row.set.min_amplitude_beta_rad.as_ref()?.get(ball).copied()

@@ -4,8 +4,7 @@ use super::column::{Column, Columns};
 use super::point_key::add_point_id;
 use super::runs::add_swept;
 use crate::analysis::{
-    HalfWidths, PointSummary, ResidualVibration, reference_amplitude, set_fraction,
-    touching_set_fraction,
+    HalfWidths, PointSummary, ResidualVibration, set_fraction, touching_set_fraction,
 };
 use crate::classification::Label;
 use crate::model::{ExistenceVerdict, Machine};
@@ -27,8 +26,6 @@ pub struct PointRow {
     pub swept: Vec<ParameterValue>,
     /// Summary of its runs.
     pub summary: PointSummary,
-    /// Amplitude without balls, m.
-    pub amplitude_without_balls_m: Option<f64>,
     /// Fraction of all ball positions that are equilibria.
     pub set_fraction: Option<f64>,
     /// Fraction of the positions in which two balls touch that are equilibria.
@@ -44,7 +41,6 @@ impl PointRow {
             point_id: point.point_id,
             swept: point.swept.clone(),
             summary,
-            amplitude_without_balls_m: point.model().ball_balancer().and_then(reference_amplitude),
             set_fraction: point.model().ball_balancer().and_then(set_fraction),
             touching_set_fraction: point.model().ball_balancer().and_then(touching_set_fraction),
             // Nothing is proven for balls that touch.
@@ -207,11 +203,16 @@ fn add_audit(list: &mut Columns<PointRow>, study: &Study) {
 
 /// Adds the properties of the ball balancer at the point.
 fn add_machine(list: &mut Columns<PointRow>, touches: bool) {
-    list.number("amplitude_without_balls_m", "m", |row| row.amplitude_without_balls_m)
-        .meaning("amplitude of the same machine without balls, whose mass is also removed");
+    list.number("amplitude_without_balls_m", "m", |row| {
+        row.summary.residual.amplitude_without_balls_m
+    })
+    .meaning(
+        "median over the runs that did not fail of the amplitude of each run's own machine without \
+         balls, whose mass is also removed",
+    );
     list.number("set_fraction", "1", |row| row.set_fraction).meaning(
         "fraction of all ball positions that are equilibria: exact for one ball, to about 0.001 \
-         for two and 0.005 for three or more balls; without uncertain draws",
+         for two and 0.005 for three or more balls; uncertain parameters at their medians",
     );
     if touches {
         list.number("touching_set_fraction", "1", |row| row.touching_set_fraction).meaning(
@@ -221,7 +222,7 @@ fn add_machine(list: &mut Columns<PointRow>, touches: bool) {
     }
     list.word("uniqueness", |row| row.existence.as_ref().map_or("", ExistenceVerdict::word)).meaning(
         "unique: stick and slip provably have exactly one solution at all positions and for all \
-         forces; not_unique: some runs may end in no_solution; without uncertain draws",
+         forces; not_unique: some runs may end in no_solution; uncertain parameters at their medians",
     );
     list.number("min_principal_minor", "1", |row| {
         row.existence.as_ref().map(ExistenceVerdict::least_minor)
@@ -239,8 +240,8 @@ fn add_residual_vibration(list: &mut Columns<PointRow>) {
         move |row: &PointRow| Some(row.summary.residual.worse_than_without_balls?[end])
     };
     list.number("worse_than_without_balls_fraction", "1", worse(0)).meaning(
-        "fraction of the runs that vibrate more than the same machine without balls, of all runs \
-         that did not fail; each run is compared with its own uncertain draws",
+        "fraction of the runs that vibrate more than their own machine without balls, which has the \
+         parameters drawn for the run, of all runs that did not fail",
     );
     list.number("worse_than_without_balls_low", "1", worse(1)).meaning(
         "lower end of its 95 % confidence interval (Wilson; counts no failed run as vibrating more)",
@@ -248,6 +249,15 @@ fn add_residual_vibration(list: &mut Columns<PointRow>) {
     list.number("worse_than_without_balls_high", "1", worse(2)).meaning(
         "upper end of its 95 % confidence interval (counts all failed runs as vibrating more)",
     );
+    for (index, fraction) in PointSummary::AMPLITUDE_FRACTIONS.into_iter().enumerate() {
+        let percent = (100.0 * fraction).round();
+        list.number(format!("relative_amplitude_p{percent:02}"), "1", move |row| {
+            row.summary.residual.relative_amplitude[index]
+        })
+        .meaning(format!(
+            "quantile {percent} % of relative_amplitude over the runs that did not fail"
+        ));
+    }
     for (index, fraction) in ResidualVibration::GRADE_FRACTIONS.into_iter().enumerate() {
         let percent = (100.0 * fraction).round();
         list.number(format!("balance_quality_grade_p{percent:02}_mm_s"), "mm/s", move |row| {

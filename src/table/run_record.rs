@@ -1,6 +1,6 @@
 //! One row of the run table: the planned run and its outcome.
 
-use crate::analysis::Observed;
+use crate::analysis::{Observed, relative_amplitude};
 use crate::classification::{Evidence, Outcome};
 use crate::study::PlannedRun;
 
@@ -24,5 +24,11 @@ impl RunRecord {
             outcome: &self.outcome,
             audit: self.audit.map(Evidence::label),
         }
+    }
+
+    /// Returns the amplitude divided by that of the run's own machine without balls, see [`relative_amplitude`].
+    pub fn relative_amplitude(&self) -> Option<f64> {
+        let machine = self.planned.case.as_ref().ok()?.model.ball_balancer()?;
+        relative_amplitude(machine, self.outcome.amplitude_m?)
     }
 }

@@ -182,6 +182,12 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
             }
         },
     );
+    if model.kind().offers.vibration {
+        list.number("relative_amplitude", "1", RunRecord::relative_amplitude).meaning(
+            "amplitude_m divided by the amplitude of the run's own machine without balls; null if \
+             that machine does not vibrate",
+        );
+    }
     list.number("friction_margin", "1", |row| row.outcome.friction_margin).meaning(
         "smallest unused fraction of the friction limit at rest; 0 on the boundary of the \
          equilibrium set, where balls creep",

@@ -39,11 +39,18 @@ fn each_run_is_compared_with_its_own_machine() {
     add(&mut point, heavy, cycle, Some(1.1 * without), &[0.0; 2]);
     add(&mut point, light, Evidence::Panic, None, &[0.0; 2]);
     let (low, high) = wilson_with_failures(1, 1, 5, Z_95);
+    let found = point.summary().residual;
+    let [_, median, p95] = found.relative_amplitude.map(Option::unwrap);
+    // The relative amplitudes are 1.1 / 2, 0.9, 1 and 1.1, up to the small influence of the mass.
+    assert!((median - 0.95).abs() < 1e-12 && (p95 - 1.085).abs() < 1e-12, "{median} {p95}");
     let expected = ResidualVibration {
+        // The median of three light machines and a heavy one.
+        amplitude_without_balls_m: Some(without),
+        relative_amplitude: found.relative_amplitude,
         worse_than_without_balls: Some([0.25, low, high]),
         ..ResidualVibration::default()
     };
-    assert_eq!(point.summary().residual, expected);
+    assert_eq!(found, expected);
 }
 
 /// No run is worse than an undamped machine at its resonance.

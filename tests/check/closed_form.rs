@@ -1,8 +1,10 @@
 //! Closed forms of a machine, against numbers of the thesis and against positions one by one.
 
+use std::f64::consts::TAU;
+
 use stickslip::analysis::{RestForm, Stability, sample};
 use stickslip::check::{BalancerFacts, BallPositions, BlockFacts};
-use stickslip::model::{Ball, Block, FrictionLaw, Machine};
+use stickslip::model::{Ball, BallContact, Block, FrictionLaw, Machine, wrap_to_pi};
 
 fn facts(machine: &Machine) -> BalancerFacts {
     BalancerFacts::of(machine, &BallPositions::new([machine.balls.len()])).unwrap()
@@ -47,6 +49,31 @@ fn the_worst_rest_is_the_worst_of_many_positions() {
         let worst = facts(&machine).rest.unwrap().max_amplitude_m.unwrap();
         assert!(most <= worst * (1.0 + 1e-12) && most > 0.95 * worst, "{balls}: {most} {worst}");
     }
+}
+
+/// Balls with contact rest apart or side by side. With little friction, the worst position of the machine without contact is
+/// one of balls that overlap.
+#[test]
+fn the_worst_rest_with_contact_has_no_overlap() {
+    let ball = Ball { friction_coefficient: 2.75e-4, ..Ball::default() };
+    let ghosts = Machine { balls: vec![ball; 2], ..Machine::default() };
+    let contact = Some(BallContact { restitution: 0.36, friction_coefficient: 0.1 });
+    let machine = Machine { contact, ..ghosts.clone() };
+    let worst = |machine: &Machine| facts(machine).rest.unwrap().max_amplitude_m.unwrap();
+    let form = RestForm::new(&machine).unwrap();
+    let touching = machine.contact_angle_rad(&ball, &ball);
+    let angles = || (0..2000).map(|place| f64::from(place) / 2000.0 * TAU);
+    let side_by_side = angles().map(|angle| vec![angle, angle + touching]);
+    let side_by_side = side_by_side.filter(|beta| form.holds_with_forces(beta));
+    let apart =
+        angles().step_by(4).flat_map(|one| angles().step_by(4).map(move |other| [one, other]));
+    let apart = apart.filter(|[one, other]| wrap_to_pi(one - other).abs() > touching);
+    let apart = apart.map(Vec::from).filter(|beta| form.at_rest(beta).in_set());
+    let amplitudes = side_by_side.chain(apart).map(|beta| form.at_rest(&beta).amplitude_m);
+    let most = amplitudes.fold(0.0, f64::max);
+    let found = worst(&machine);
+    assert!((most / found - 1.0).abs() < 0.05, "{most} {found}");
+    assert!((found - 21.8e-6).abs() < 0.1e-6 && worst(&ghosts) > 55e-6, "{found}");
 }
 
 #[test]

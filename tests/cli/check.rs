@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::support::{AT_ONCE, Scratch, assert_has, study_text};
+use super::support::{AT_ONCE, Scratch, assert_has, numbers, study_text};
 
 /// The thesis's machine; `ball_mass_kg` is on line 14 of a study.
 const MACHINE: &str = "\
@@ -544,8 +544,40 @@ fn closed_forms_are_those_of_the_machine_that_is_drawn() {
         ],
     );
     let text = scratch.well("check a.yaml");
-    assert_has(&text, &["times that without balls\n", "overlap", "  stable\n"]);
+    assert_has(
+        &text,
+        &[
+            "times that without balls; balls that keep moving can make it larger\n",
+            "overlap",
+            "  stable\n",
+        ],
+    );
     assert!(!text.contains("(a .. b)"), "{text}");
+}
+
+/// `check` and `equilibria` give the same set and the same worst rest of the machine that is drawn, with balls that
+/// cannot overlap.
+#[test]
+fn the_worst_rest_is_that_of_equilibria() {
+    let scratch = Scratch::new();
+    let rest = "sweep: [{grid: {speed_rad_s: [-216.3772, -179.2671], friction_coefficient: [2.75e-4]}}]\n\
+                uncertain: {imbalance_mass: {uniform: {min: 0.03 g, max: 0.09 g}}}\n";
+    let machine =
+        "model: {kind: ball_balancer, contact: {restitution: 0.36, friction_coefficient: 0.1}}\n";
+    scratch.write("a.yaml", study(machine, rest));
+    let checked = &report(&scratch, "a.yaml")["closed_form"]["points"];
+    let text = scratch.well("equilibria a.yaml --no-set --out out --json");
+    let sets: Value = serde_json::from_str(&text).unwrap();
+    for point in 0..2 {
+        let (checked, set) = (&checked[point], &sets["points"][point]);
+        assert_eq!(checked["rest"]["set_fraction"], set["fraction"], "{point}");
+        assert_eq!(checked["rest"]["max_amplitude_m"], set["amplitude_max_m"], "{point}");
+        assert!(set["amplitude_max_m"].as_f64() > Some(1e-5), "{set}");
+    }
+    let without =
+        numbers(&scratch.table("out", "equilibrium_set_summary"), "amplitude_without_balls_m");
+    let found = [0, 1].map(|point| checked[point]["amplitude_without_balls_m"].as_f64());
+    assert_eq!(without, found);
 }
 
 /// At most 20 points are printed, and JSON has more.

@@ -77,6 +77,7 @@ fn tables_agree_with_one_another() {
         "unresolved_equilibria",
         "amplitude_min_m",
         "amplitude_max_m",
+        "amplitude_without_balls_m",
         "min_amplitude_beta_1_rad",
         "min_amplitude_beta_2_rad",
         "balance",

@@ -50,7 +50,7 @@ fn undecided_runs_need_more_time() {
     assert!(!printed.contains("are undecided"), "{printed}");
 }
 
-/// The column `no balls` ignores draws, which `worse` does not; a line says so if the draws change this amplitude.
+/// The column `no balls` is a median over the runs; a line says so if the draws change this amplitude.
 #[test]
 fn draws_of_the_machine_without_balls_are_explained() {
     let scratch = Scratch::new();
@@ -61,8 +61,8 @@ fn draws_of_the_machine_without_balls_are_explained() {
         let file = format!("{name}.yaml");
         scratch.write(&file, study(AT_ONCE, &format!("uncertain: {{{parameter}}}\n")));
         let printed = scratch.well(&format!("run {file} --out {name}"));
-        let line = "The amplitude without balls is that of the machine without draws; `worse` compares each run with \
-                    its own machine without balls.\n";
+        let line = "The amplitude without balls is the median over the runs; `worse` compares each run with its own \
+                    machine without balls.\n";
         assert_eq!(printed.contains(line), expected, "{printed}");
     }
 }

@@ -1,5 +1,6 @@
 //! The first figure: residual vibration over the sweep, and without balls.
 
+use serde_json::Value;
 use stickslip::report::chart::{Figure, Layer, Mark, Panel};
 use stickslip::report::{Budget, of_results};
 
@@ -20,6 +21,41 @@ fn close(found: &[f64], expected: &[f64]) {
     for (found, expected) in found.iter().zip(expected) {
         assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
     }
+}
+
+/// Each run is compared with its own machine without balls, by the figures and the table as by `check`, if the imbalance is
+/// drawn far from its default.
+#[test]
+fn figures_compare_each_run_with_its_own_machine() {
+    let scratch = Scratch::new();
+    let drawn = "uncertain: {imbalance_mass: {uniform: {min: 0.5 g, max: 0.6 g}}}\n";
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 40}}", 2.0, drawn));
+    let (_, figures) = reported(&scratch, "a.yaml", Budget::SCREEN, of_results);
+    let of = |id: &str| figures.iter().find(|figure| figure.id == id).unwrap();
+    let [points, runs] = ["points", "runs"].map(|name| scratch.table("out", name));
+    let number = |name: &str| numbers(&points, name)[0].unwrap();
+
+    let checked: Value = serde_json::from_str(&scratch.well("check a.yaml --json")).unwrap();
+    let checked = &checked["closed_form"]["points"][0]["amplitude_without_balls_m"];
+    let without = number("amplitude_without_balls_m");
+    assert!((without / checked.as_f64().unwrap() - 1.0).abs() < 0.05, "{without} and {checked}");
+
+    let distribution = of("residual-amplitude");
+    let Mark::Steps { points: steps } = &distribution.panels[0].layers[0].mark else { panic!() };
+    let mut relative: Vec<f64> =
+        numbers(&runs, "relative_amplitude").into_iter().map(Option::unwrap).collect();
+    relative.sort_by(f64::total_cmp);
+    assert!(relative.iter().all(|one| (0.1..10.0).contains(one)), "{relative:?}");
+    let abscissae: Vec<f64> = steps[1..].iter().map(|[x, _]| *x).collect();
+    assert_eq!(abscissae, relative);
+    let worse = number("worse_than_without_balls_fraction");
+    let words = format!("{:.1} % of the runs vibrate more than without balls", 100.0 * worse);
+    for figure in [of("vibration"), distribution] {
+        assert!(figure.alternative.contains(&words), "no {words} in {}", figure.alternative);
+    }
+    let above = relative.iter().filter(|one| **one > 1.0).count();
+    assert_eq!(above as f64 / relative.len() as f64, worse);
+    assert!(of("vibration").caption.contains("is the median over the runs; each run has its own"));
 }
 
 #[test]

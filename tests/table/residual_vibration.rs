@@ -42,8 +42,8 @@ fn columns_of_points_count_the_rows_of_runs_and_equilibria() {
     let [runs, points, rests] =
         ["runs", "points", "equilibria"].map(|name| scratch.table("out", name));
     let of_runs = |name: &str| numbers(&runs, name);
-    let [speed, imbalance, amplitude] =
-        ["speed_rad_s", "imbalance_mass_kg", "amplitude_m"].map(of_runs);
+    let [speed, imbalance, amplitude, relative] =
+        ["speed_rad_s", "imbalance_mass_kg", "amplitude_m", "relative_amplitude"].map(of_runs);
     let label = words(&runs, "label");
     let (run_point, rest_point) = (counts(&runs, "point_id"), counts(&rests, "point_id"));
     let grade = numbers(&rests, "balance_quality_grade_mm_s");
@@ -51,8 +51,10 @@ fn columns_of_points_count_the_rows_of_runs_and_equilibria() {
     let mut both = [0_u64; 2];
     for point in 0..2 {
         let (mut worse, mut compared, mut failed) = (0, 0, 0);
+        let [mut alone, mut ratios] = [Vec::new(), Vec::new()];
         for row in (0..runs.num_rows()).filter(|&row| run_point[row] == point) {
             if label[row].as_deref() == Some("failed") {
+                assert_eq!(relative[row], None);
                 failed += 1;
                 continue;
             }
@@ -62,6 +64,9 @@ fn columns_of_points_count_the_rows_of_runs_and_equilibria() {
             let without = imbalance * IMBALANCE_RADIUS_M * omega * omega / resistance;
             compared += 1;
             worse += u64::from(amplitude[row].unwrap() > without);
+            assert_eq!(relative[row], Some(amplitude[row].unwrap() / without));
+            alone.push(without);
+            ratios.extend(relative[row]);
         }
         assert!(failed > 0 && compared > 10, "the study is too small");
         both[0] += worse;
@@ -72,6 +77,11 @@ fn columns_of_points_count_the_rows_of_runs_and_equilibria() {
         let ends = wilson_with_failures(worse, failed, compared + failed, Z_95);
         assert_eq!(at("worse_than_without_balls_low"), Some(ends.0));
         assert_eq!(at("worse_than_without_balls_high"), Some(ends.1));
+        assert_eq!(at("amplitude_without_balls_m"), quantile(&sorted(alone), 0.5));
+        let ratios = sorted(ratios);
+        for (name, part) in [("p05", 0.05), ("p50", 0.5), ("p95", 0.95)] {
+            assert_eq!(at(&format!("relative_amplitude_{name}")), quantile(&ratios, part));
+        }
 
         let here: Vec<usize> =
             (0..rests.num_rows()).filter(|&row| rest_point[row] == point).collect();

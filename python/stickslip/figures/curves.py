@@ -183,7 +183,7 @@ def amplitudes(
     """Draws the empirical distribution function of the table's amplitude at the end of the runs, for each point.
 
     All runs with an amplitude count, whether at rest or moving; moving runs have a root-mean-square amplitude. The
-    abscissa is the amplitude divided by that of the same machine without balls; values below 1 mean that the balls
+    abscissa is the amplitude divided by that of the run's own machine without balls; values below 1 mean that the balls
     reduce the vibration. For the block it is the amplitude [m]. Errors are not drawn: the fraction p of n runs has
     the standard error sqrt(p (1 − p) / n).
 
@@ -194,19 +194,16 @@ def amplitudes(
     sweep = Sweep(results)
     balls = runs.balls_of(results) > 0
     rows = sweep.details(points)
-    sample = runs.read(results, sweep, rows, ["amplitude_m"], _MOST_AMPLITUDES)
-    without = np.ones(len(sweep))
-    if balls:
-        without = sweep.numbers(["amplitude_without_balls_m"])["amplitude_without_balls_m"]
+    column = "relative_amplitude" if balls else "amplitude_m"
+    sample = runs.read(results, sweep, rows, [column], _MOST_AMPLITUDES)
+    worse = "worse_than_without_balls_fraction"
+    more = sweep.numbers([worse])[worse] if balls else np.full(len(sweep), np.nan)
     curves: dict[int, Numbers] = {}
     for row in rows:
-        values = sample["amplitude_m"][sample["point_id"] == sweep.ids[row]].astype(float)
-        if balls and not without[row] > 0:
-            continue
-        values = np.sort(values[np.isfinite(values)]) / without[row]
-        if balls:
-            values = values[values > 0]
-        if values.size:
+        values = sample[column][sample["point_id"] == sweep.ids[row]].astype(float)
+        values = np.sort(values[np.isfinite(values)])
+        # Runs without any vibration count, but have no place on a logarithmic axis.
+        if np.any(values > 0) or (values.size and not balls):
             curves[row] = values
     if not curves:
         raise results.table("runs").nothing("no run of these points has an amplitude", "choose other points")
@@ -214,8 +211,9 @@ def amplitudes(
     def draw(axes: Axes, row: int, name: str, place: int) -> None:
         values = curves[row]
         part = np.arange(1, values.size + 1) / values.size
-        kept = evenly(values.size, _MOST_STEPS)
-        x, y = np.r_[values[0], values[kept]], np.r_[0.0, part[kept]]
+        still = int(np.sum(values <= 0)) if balls else 0
+        kept = [still + place for place in evenly(values.size - still, _MOST_STEPS)]
+        x, y = np.r_[values[still], values[kept]], np.r_[still / values.size, part[kept]]
         axes.step(x, y, where="post", color=SERIES[place], linestyle=DASHES[place % 5], label=name, zorder=3)
 
     def finish(axes: Axes) -> None:
@@ -239,8 +237,7 @@ def amplitudes(
     def fact(row: int) -> str:
         values = curves[row]
         if balls:
-            part = 100 * float(np.mean(values < 1.0))
-            return f"{sweep.named(row)}{part:.1f} % of the runs vibrate less than without balls"
+            return f"{sweep.named(row)}{100 * more[row]:.1f} % of the runs vibrate more than without balls"
         median = words.significant(float(values[(values.size - 1) // 2]))
         return f"{sweep.named(row)}half of the runs have {median} m or less"
 

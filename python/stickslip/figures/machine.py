@@ -1,4 +1,4 @@
-"""Computes the amplitude without balls and the natural frequency of a ball balancer."""
+"""Computes the natural frequency of a ball balancer."""
 
 from __future__ import annotations
 
@@ -6,20 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Optional
 
-__all__ = ["amplitude_without_balls_m", "natural_frequency_rad_s"]
-
-
-def amplitude_without_balls_m(parameters: Mapping[str, float]) -> Optional[float]:
-    """Returns the table's amplitude without balls in m, or None if a parameter is missing."""
-    try:
-        speed = parameters["speed_rad_s"]
-        mass = parameters["table_mass_kg"] + parameters["imbalance_mass_kg"]
-        force = parameters["imbalance_mass_kg"] * parameters["imbalance_radius_m"] * speed**2
-        stiffness = parameters["stiffness_n_m"] - mass * speed**2
-        resistance = math.hypot(stiffness, parameters["damping_n_s_m"] * speed)
-    except KeyError:
-        return None
-    return force / resistance if resistance > 0 else None
+__all__ = ["natural_frequency_rad_s"]
 
 
 def natural_frequency_rad_s(parameters: Mapping[str, float]) -> Optional[float]:

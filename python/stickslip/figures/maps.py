@@ -24,7 +24,7 @@ _MOST_PLANES = 12
 _SHOWN = (
     ("fraction of runs in equilibrium", "fraction", "equilibrium_fraction", (0.0, 1.0)),
     ("median time to rest", "time to rest [s]", "time_to_rest_p50_s", None),
-    ("median amplitude / amplitude without balls", "ratio", "amplitude_p50_m", None),
+    ("median of amplitude / amplitude without balls", "ratio", "relative_amplitude_p50", None),
     ("fraction of positions in the equilibrium set", "fraction", "set_fraction", (0.0, 1.0)),
 )
 
@@ -39,8 +39,8 @@ def label_map(
     """Draws maps over two swept parameters, with one cell per point; cells without a value are white.
 
     The maps show the fraction of runs that end in equilibrium, the median time to rest [s] (no value if less than
-    half of the runs come to rest), the median final amplitude divided by that without balls, and the fraction of all
-    ball positions that are equilibria. The axes are the two swept numeric parameters with the most values; each
+    half of the runs come to rest), the median of the final amplitude of each run divided by that of its own machine
+    without balls, and the fraction of all ball positions that are equilibria. The axes are the two swept numeric parameters with the most values; each
     combination of the other parameters has a row of maps. `points.parquet` and `ending_fractions` contain the
     confidence intervals.
 
@@ -59,12 +59,7 @@ def label_map(
     across, up = axes_of[:2]
     shown = None if points is None else set(sweep.details(points))
     wanted = [column for *_, column, _ in _SHOWN if column in sweep.table.columns]
-    found = sweep.numbers([*wanted, *({"amplitude_without_balls_m"} & set(sweep.table.columns))])
-    if "amplitude_without_balls_m" in found:
-        with np.errstate(invalid="ignore", divide="ignore"):
-            found["amplitude_p50_m"] = found["amplitude_p50_m"] / found["amplitude_without_balls_m"]
-    else:
-        found.pop("amplitude_p50_m", None)
+    found = sweep.numbers(wanted)
     panels = []
     cells = across.distinct.size * up.distinct.size
     drawn = 0

@@ -10,7 +10,6 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 
-from .machine import amplitude_without_balls_m
 from .panels import Panel, lay_out
 from .sets import SCALE_NAME, EquilibriumSets, nice
 from .paper import SCALE, SERIES, Paper, Width
@@ -26,7 +25,7 @@ def equilibrium_surface(directory: Source, *, width: Optional[Width] = None, poi
     """Draws the amplitude [µm] over the equilibrium set of two balls as a surface over their angles [rad].
 
     Positions in the holes are not equilibria. The dashed plane is the amplitude of the same machine without balls, if
-    the table contains the parameters for it. The amplitudes are closed forms without statistical errors, drawn on a
+    it is bounded. The amplitudes are closed forms without statistical errors, drawn on a
     grid of 128 cells per axis. See figure 5.2 of the thesis.
 
     ``width``: "single" (90 mm) or "double" (180 mm); ``point``: number of the point to show. Raises
@@ -40,16 +39,10 @@ def equilibrium_surface(directory: Source, *, width: Optional[Width] = None, poi
     highest = float(amplitude[margin >= 0].max()) if np.any(margin >= 0) else float(amplitude.max())
     step = nice(highest / 6)
     top = step * np.ceil(highest / step - 1e-9)
-    parameters = dict(sets.positions.parameters)
-    for column in sets.sweep.parameters:
-        value = sets.sweep.values[column][row]
-        parameters.pop(column, None)
-        if not isinstance(value, str):
-            parameters[column] = float(value)
-    without = amplitude_without_balls_m(parameters)
+    without = 1e6 * float(sets.sweep.numbers(["amplitude_without_balls_m"])["amplitude_without_balls_m"][row])
     keys = []
-    if without is not None and 1e6 * without <= top:
-        name = f"amplitude without balls: {1e6 * without:.1f} µm"
+    if without <= top:
+        name = f"amplitude without balls: {without:.1f} µm"
         keys = [Line2D([], [], color=SERIES[1], linestyle=(0, (4, 2)), label=name)]
 
     def draw(axes: Axes) -> ScalarMappable:
@@ -83,7 +76,7 @@ def equilibrium_surface(directory: Source, *, width: Optional[Width] = None, poi
             axes.plot(
                 corners[:, 0],
                 corners[:, 1],
-                np.full(5, 1e6 * (without or 0.0)),
+                np.full(5, without),
                 color=handle.get_color(),
                 linestyle=(0, (4, 2)),
                 zorder=10,
@@ -103,7 +96,7 @@ def equilibrium_surface(directory: Source, *, width: Optional[Width] = None, poi
         axes.xaxis.labelpad = axes.yaxis.labelpad = -4
         return ScalarMappable(norm, SCALE)
 
-    said = "" if without is None else f" Without balls it is {1e6 * without:.1f} µm."
+    said = f" Without balls it is {without:.1f} µm." if np.isfinite(without) else ""
     title = sets.sweep.title(row)
     return lay_out(
         [Panel(draw, title, scale=SCALE_NAME, keys=keys, in_space=True)],

@@ -11,7 +11,6 @@ mod points;
 mod run_up;
 mod runs;
 mod time_to_rest;
-mod vibration;
 
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
@@ -25,7 +24,6 @@ pub use points::{Fraction, PointFacts};
 pub use run_up::{PeakOfRun, RunUp, SampledRun};
 pub use runs::{Notable, RunSample, scattered};
 pub use time_to_rest::RestCurve;
-pub use vibration::Vibration;
 
 use super::chart::{Axis, AxisKind};
 use crate::classification::Label;
@@ -125,8 +123,6 @@ pub struct ReportData<'a> {
     pub manifest: &'a Manifest,
     /// The points of the sweep that have runs.
     pub points: Vec<PointFacts>,
-    /// Residual vibration of these points.
-    pub vibration: Vec<Vibration>,
     /// The points whose runs are not all finished.
     pub incomplete: IncompletePoints,
     /// Number of points, including those that `points` omits.
@@ -161,9 +157,7 @@ impl<'a> ReportData<'a> {
         budget: Budget,
     ) -> Result<Self, TableError> {
         let point_count = tables.points.rows();
-        let every = points::every(&tables.points);
         let points = points::read(study, &tables.points)?;
-        let vibration = vibration::read(&tables.points, every)?;
         let incomplete = IncompletePoints::read(study, manifest, &tables.points)?;
         let detailed = evenly(points.len(), budget.details);
         let of: Vec<&PointFacts> = detailed.iter().filter_map(|&place| points.get(place)).collect();
@@ -177,7 +171,6 @@ impl<'a> ReportData<'a> {
             study,
             manifest,
             points,
-            vibration,
             incomplete,
             point_count,
             detailed,
@@ -220,22 +213,6 @@ impl<'a> ReportData<'a> {
         self.runs.touching_rests.get(&point.point_id).copied()
     }
 
-    /// Returns the residual vibration of a point. If the table lacks the fraction of runs that vibrate more than without
-    /// balls, and nothing is drawn, the fraction is counted in the runs.
-    pub fn vibration(&self, point: &PointFacts) -> Vibration {
-        let place = self.points.binary_search_by_key(&point.point_id, |other| other.point_id);
-        let of_table = place.ok().and_then(|place| self.vibration.get(place)).copied();
-        let of_table = of_table.unwrap_or_default();
-        let counted = || {
-            let without = point.without_balls_m.filter(|_| self.study.uncertain().is_empty())?;
-            let runs =
-                self.runs.amplitudes_m.get(&point.point_id).filter(|runs| !runs.is_empty())?;
-            let worse = runs.iter().filter(|amplitude| **amplitude > without).count();
-            (self.runs.amplitude_one_in == 1).then_some(worse as f64 / runs.len() as f64)
-        };
-        Vibration { worse_fraction: of_table.worse_fraction.or_else(counted), ..of_table }
-    }
-
     /// Returns a sentence on the failed runs that a figure cannot show; empty if there are none.
     pub fn failures_left_out(&self) -> String {
         let failed = |point: &PointFacts| match point.label(Label::Failed).runs {
@@ -255,12 +232,20 @@ impl<'a> ReportData<'a> {
 
     /// Returns a sentence on quantities that ignore the draws of uncertain parameters; empty if there are none.
     pub fn without_draws(&self, what: &str) -> String {
+        self.with_draws(&format!(
+            "{what} of the machine with uncertain parameters at their medians"
+        ))
+    }
+
+    /// Returns a statement about runs with uncertain parameters as a sentence that names these parameters; empty if there
+    /// are none.
+    pub fn with_draws(&self, statement: &str) -> String {
         if self.study.uncertain().is_empty() {
             return String::new();
         }
         let names: Vec<&str> =
             self.study.uncertain().iter().map(|parameter| parameter.name.as_str()).collect();
-        format!(" {what} of the machine without draws; each run has its own {}.", names.join(", "))
+        format!(" {statement}; each run has its own {}.", names.join(", "))
     }
 
     /// Returns the name of a point's curve: its title, or only the values if titles are long.

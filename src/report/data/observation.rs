@@ -19,7 +19,7 @@ impl Observation {
 }
 
 impl ReportData<'_> {
-    /// Returns when the runs of a point end, for the values of uncertain parameters without draws.
+    /// Returns when the runs of a point end, with uncertain parameters at their medians.
     pub fn observation(&self, point: &PointFacts) -> Observation {
         let end_s = self.study.simulation().end_time_s;
         if !self.study.has_stages() || point.point_id >= self.study.point_count() {

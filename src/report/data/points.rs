@@ -45,10 +45,8 @@ pub struct PointFacts {
     pub time_to_rest_s: [Option<f64>; 4],
     /// 5 %, 50 % and 95 % quantiles of residual amplitude, m.
     pub amplitude_m: [Option<f64>; 3],
-    /// What the balls leave: runs worse than without balls, balance quality and overlaps.
+    /// What the balls leave: the comparison with the machine without balls, balance quality and overlaps.
     pub residual: ResidualVibration,
-    /// Amplitude without balls, m.
-    pub without_balls_m: Option<f64>,
     /// Fraction of all ball positions that are equilibria.
     pub set_fraction: Option<f64>,
     /// Results of the audit.
@@ -65,7 +63,10 @@ const COUNTS: [&str; 5] = ["point_id", "runs", "audited_runs", "audit_flips", "a
 const METHOD: &str = "ci_method";
 const PRECISE: &str = "precision_reached";
 const FRACTION: [&str; 3] = ["equilibrium_fraction", "ci_low", "ci_high"];
-const BALANCER: [&str; 2] = ["amplitude_without_balls_m", "set_fraction"];
+const WITHOUT_BALLS: &str = "amplitude_without_balls_m";
+const SET_FRACTION: &str = "set_fraction";
+const RELATIVE: [&str; 3] =
+    ["relative_amplitude_p05", "relative_amplitude_p50", "relative_amplitude_p95"];
 const WORSE: [&str; 3] = [
     "worse_than_without_balls_fraction",
     "worse_than_without_balls_low",
@@ -93,8 +94,7 @@ pub fn read(study: &Study, table: &Table) -> Result<Vec<PointFacts>, TableError>
 impl PointFacts {
     /// Returns the values of a point whose runs have finished.
     pub fn of(study: &Study, row: &PointRow) -> Self {
-        let PointRow { point_id, swept, summary, amplitude_without_balls_m, set_fraction, .. } =
-            row;
+        let PointRow { point_id, swept, summary, set_fraction, .. } = row;
         let (counts, runs) = (&summary.counts, summary.counts.total());
         let intervals = counts.intervals();
         let mut labels = Label::ALL.map(|label| Fraction::of(counts.of(label), runs));
@@ -116,7 +116,6 @@ impl PointFacts {
             time_to_rest_s: summary.time_to_rest_s,
             amplitude_m: summary.amplitude_m,
             residual: summary.residual,
-            without_balls_m: *amplitude_without_balls_m,
             set_fraction: *set_fraction,
             audit,
             flip_rate: audit.flip_rate().map(|rate| [rate, flip_low, flip_high]),
@@ -138,7 +137,8 @@ impl PointFacts {
         let [runs, low, high] = ["runs", "low", "high"].map(of_labels);
         let counts = COUNTS.into_iter().chain(runs.iter().map(String::as_str));
         let numbers = FRACTION.iter().chain(&TIMES).chain(&AMPLITUDES).chain(&FLIPS);
-        let balancer = BALANCER.iter().chain(&WORSE).chain(&GRADES).chain([&OVERLAPPING]);
+        let balancer = [&WITHOUT_BALLS, &SET_FRACTION, &OVERLAPPING].into_iter();
+        let balancer = balancer.chain(&RELATIVE).chain(&WORSE).chain(&GRADES);
         let numbers = numbers.chain(balancer.filter(|_| balls)).copied();
         let numbers = numbers.chain(low.iter().chain(&high).map(String::as_str));
         let mut columns: Vec<(&str, Kind)> = counts.map(|name| (name, Kind::Count)).collect();
@@ -174,10 +174,7 @@ impl PointFacts {
         let [rate, flip_low, flip_high] = FLIPS.map(number);
         let flip_rate = rate?.zip(flip_low?).zip(flip_high?);
         let balls = study.model().kind().offers.vibration;
-        let [without_balls_m, set_fraction] = match balls {
-            false => [None; 2],
-            true => [number(BALANCER[0])?, number(BALANCER[1])?],
-        };
+        let set_fraction = if balls { number(SET_FRACTION)? } else { None };
         let residual = if balls { residual(batch, row)? } else { ResidualVibration::default() };
         let swept =
             if point_id < study.point_count() { study.point(point_id).swept } else { Vec::new() };
@@ -195,7 +192,6 @@ impl PointFacts {
             time_to_rest_s: [p25?, p50?, p75?, p95?],
             amplitude_m: [p05?, median?, p95_m?],
             residual,
-            without_balls_m,
             set_fraction,
             audit: AuditCounts {
                 runs: count(COUNTS[2])?,
@@ -232,7 +228,10 @@ fn residual(batch: &Batch, row: usize) -> Result<ResidualVibration, TableError> 
     let [fraction, low, high] = WORSE.map(number);
     let worse = fraction?.zip(low?).zip(high?);
     let [median, p95] = GRADES.map(number);
+    let [relative_p05, relative_p50, relative_p95] = RELATIVE.map(number);
     Ok(ResidualVibration {
+        amplitude_without_balls_m: number(WITHOUT_BALLS)?,
+        relative_amplitude: [relative_p05?, relative_p50?, relative_p95?],
         worse_than_without_balls: worse.map(|((fraction, low), high)| [fraction, low, high]),
         balance_quality_grade_mm_s: [median?, p95?],
         overlapping_rest_fraction: number(OVERLAPPING)?,

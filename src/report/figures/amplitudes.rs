@@ -10,35 +10,26 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let mut curves = Vec::new();
     let mut sentences = Vec::new();
     for point in data.details() {
-        let over = match (balls, point.without_balls_m) {
-            (true, Some(without)) if without > 0.0 => without,
-            (true, _) => continue,
-            (false, _) => 1.0,
-        };
-        let held = data.runs.amplitudes_m.get(&point.point_id);
-        let mut values: Vec<f64> = held
-            .into_iter()
-            .flatten()
-            .map(|value| value / over)
-            .filter(|value| value.is_finite() && (*value > 0.0 || !balls))
-            .collect();
+        let held = data.runs.amplitudes.get(&point.point_id);
+        let mut values: Vec<f64> = held.into_iter().flatten().copied().collect();
         if values.is_empty() {
             continue;
         }
         values.sort_by(f64::total_cmp);
         let count = values.len();
+        // Runs without any vibration count, but have no place on the logarithmic axis of relative amplitudes.
+        let still = if balls { values.partition_point(|value| *value <= 0.0) } else { 0 };
         let step = |rank: usize| Some([*values.get(rank)?, (rank + 1) as f64 / count as f64]);
-        let ranks = evenly(count, data.budget.steps).into_iter();
-        let mut points: Vec<[f64; 2]> = ranks.filter_map(step).collect();
+        let ranks = evenly(count - still, data.budget.steps).into_iter();
+        let mut points: Vec<[f64; 2]> = ranks.filter_map(|rank| step(still + rank)).collect();
         if let Some([first, _]) = points.first().copied() {
-            points.insert(0, [first, 0.0]);
+            points.insert(0, [first, still as f64 / count as f64]);
         }
-        if balls {
-            let less = values.partition_point(|value| *value < 1.0) as f64 / count as f64;
+        if let Some([worse, ..]) = point.residual.worse_than_without_balls {
+            let worse = 100.0 * worse;
             sentences.push(format!(
-                "{}: {:.1} % of the runs vibrate less than without balls",
-                point.title,
-                100.0 * less
+                "{}: {worse:.1} % of the runs vibrate more than without balls",
+                point.title
             ));
         } else if let Some(median) = values.get((count - 1) / 2) {
             let median = significant(*median);
@@ -82,7 +73,9 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
              moving.{}{}{}{}{sampled}",
             data.failures_left_out(),
             if balls {
-                data.without_draws("The amplitude without balls is that")
+                data.with_draws(
+                    "Each amplitude is relative to that of the run's own machine without balls",
+                )
             } else {
                 String::new()
             },

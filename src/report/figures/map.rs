@@ -15,13 +15,8 @@ const SHOWN: [Shown; 4] = [
     ("fraction of equilibria", |point| Some(point.equilibrium.fraction), Some([0.0, 1.0])),
     ("median time to rest [s]", |point| point.time_to_rest_s[1], None),
     (
-        "median amplitude / amplitude without balls",
-        |point| {
-            Some(
-                point.amplitude_m[1]?
-                    / point.without_balls_m.filter(|amplitude| *amplitude > 0.0)?,
-            )
-        },
+        "median of amplitude / amplitude without balls",
+        |point| point.residual.relative_amplitude[1],
         None,
     ),
     ("fraction of positions that are equilibria", |point| point.set_fraction, Some([0.0, 1.0])),

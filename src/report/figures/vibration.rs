@@ -25,8 +25,8 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let sweep = OverSweep::new(data, 4);
     let amplitudes = amplitude_axis(data);
     let amplitude = |points: &[(f64, &PointFacts)]| amplitude_layers(data, points);
-    let fraction = |points: &[(f64, &PointFacts)]| worse_layers(data, points);
-    let has_worse = data.points.iter().any(|point| data.vibration(point).worse_fraction.is_some());
+    let fraction = |points: &[(f64, &PointFacts)]| worse_layers(points);
+    let has_worse = data.points.iter().any(|point| worse_fraction(point).is_some());
     let mut panels = sweep.panels(data, &amplitudes, amplitude);
     if has_worse {
         let name = |part: &str, panels: Vec<Panel>| {
@@ -40,7 +40,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let without =
         if balls { " Squares: the amplitude of the same machine without balls." } else { "" };
     let draws = match balls {
-        true => data.without_draws("The amplitude without balls is that"),
+        true => data.with_draws("The amplitude without balls is the median over the runs"),
         false => String::new(),
     };
     Some(Figure {
@@ -70,10 +70,10 @@ fn words(data: &ReportData<'_>) -> String {
         if let Some(p95) = p95 {
             sentence += &format!(" (95 % of the runs: {} {unit} or less)", significant(p95));
         }
-        if let Some(without) = point.without_balls_m {
+        if let Some(without) = point.residual.amplitude_without_balls_m {
             sentence += &format!(", {} {unit} without balls", significant(factor * without));
         }
-        if let Some(worse) = data.vibration(point).worse_fraction {
+        if let Some(worse) = worse_fraction(point) {
             let worse = 100.0 * worse;
             sentence += &format!(", {worse:.1} % of the runs vibrate more than without balls");
         }
@@ -87,7 +87,7 @@ fn amplitude_axis(data: &ReportData<'_>) -> Axis {
     let (unit, factor) = unit(data);
     let of_point = |point: &PointFacts| {
         let [_, median, p95] = point.amplitude_m;
-        [median, p95, point.without_balls_m]
+        [median, p95, point.residual.amplitude_without_balls_m]
     };
     let values = data.points.iter().flat_map(of_point).flatten().map(|value| factor * value);
     let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
@@ -104,7 +104,7 @@ fn amplitude_layers(data: &ReportData<'_>, points: &[(f64, &PointFacts)]) -> Vec
     let (_, factor) = unit(data);
     let median = |point: &PointFacts| point.amplitude_m[1];
     let p95 = |point: &PointFacts| point.amplitude_m[2];
-    let without = |point: &PointFacts| point.without_balls_m;
+    let without = |point: &PointFacts| point.residual.amplitude_without_balls_m;
     let series: [(&str, Colour, Symbol, bool, Value<'_>); 3] = [
         ("95 % quantile", Colour::Series(1), Symbol::Triangle, true, &p95),
         ("median", Colour::Series(0), Symbol::Disc, false, &median),
@@ -133,10 +133,13 @@ fn amplitude_layers(data: &ReportData<'_>, points: &[(f64, &PointFacts)]) -> Vec
 /// A value of a point.
 type Value<'a> = &'a dyn Fn(&PointFacts) -> Option<f64>;
 
-fn worse_layers(data: &ReportData<'_>, points: &[(f64, &PointFacts)]) -> Vec<Layer> {
-    let known = points
-        .iter()
-        .filter_map(|(x, point)| Some(([*x, data.vibration(point).worse_fraction?], *point)));
+/// Returns the fraction of a point's runs that vibrate more than without balls.
+fn worse_fraction(point: &PointFacts) -> Option<f64> {
+    point.residual.worse_than_without_balls.map(|[worse, ..]| worse)
+}
+
+fn worse_layers(points: &[(f64, &PointFacts)]) -> Vec<Layer> {
+    let known = points.iter().filter_map(|(x, point)| Some(([*x, worse_fraction(point)?], *point)));
     let (line, points): (Vec<[f64; 2]>, Vec<&PointFacts>) = known.unzip();
     let column = |of: fn(&PointFacts) -> f64| points.iter().map(|point| of(point)).collect();
     let tooltips = Tooltips::numbers([

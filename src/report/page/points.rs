@@ -5,7 +5,7 @@ use std::path::Path;
 use super::html::{Html, escaped};
 use super::tables::MOST_ROWS;
 use crate::classification::Label;
-use crate::report::data::{Fraction, PeakOfRun, PointFacts, ReportData, Vibration, said};
+use crate::report::data::{Fraction, PeakOfRun, PointFacts, ReportData, said};
 use crate::report::figures::{label_words, significant};
 use crate::sanitize::shell_word;
 use crate::study::{ParameterKind, Study};
@@ -13,33 +13,33 @@ use crate::study::{ParameterKind, Study};
 /// The number of rows above which a table is folded.
 const SHORT_TABLE: usize = 24;
 
-/// A column that results of earlier versions lack.
+/// A column that is left out if no point has a value.
 #[derive(Clone, Copy)]
 struct Optional {
     name: &'static str,
-    value: fn(&Vibration) -> Option<f64>,
+    value: fn(&PointFacts) -> Option<f64>,
     text: fn(Option<f64>) -> String,
 }
 
 const OPTIONAL: [Optional; 4] = [
     Optional {
         name: "runs worse than without balls [%]",
-        value: |point| point.worse_fraction,
+        value: |point| point.residual.worse_than_without_balls.map(|[worse, ..]| worse),
         text: percent,
     },
     Optional {
         name: "median balance quality grade G [mm/s]",
-        value: |point| point.grade_mm_s[0],
+        value: |point| point.residual.balance_quality_grade_mm_s[0],
         text: written,
     },
     Optional {
         name: "95 % quantile of G [mm/s]",
-        value: |point| point.grade_mm_s[1],
+        value: |point| point.residual.balance_quality_grade_mm_s[1],
         text: written,
     },
     Optional {
         name: "rests with overlapping balls [%]",
-        value: |point| point.overlapping_fraction,
+        value: |point| point.residual.overlapping_rest_fraction,
         text: percent,
     },
 ];
@@ -62,14 +62,14 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     if balls {
         head.extend(["median amplitude [µm]", "95 % quantile [µm]", "no balls [µm]"]);
     }
-    let known = |of: fn(&Vibration) -> Option<f64>| {
-        data.points.iter().any(|point| of(&data.vibration(point)).is_some())
-    };
     let stages = study.has_stages();
     if stages {
         head.extend(["largest amplitude of a run [µm]", "at the speed [rad/s]"]);
     }
-    let optional: Vec<Optional> = OPTIONAL.into_iter().filter(|one| known(one.value)).collect();
+    let optional: Vec<Optional> = OPTIONAL
+        .into_iter()
+        .filter(|one| data.points.iter().any(|point| (one.value)(point).is_some()))
+        .collect();
     head.extend(optional.iter().map(|one| one.name));
     head.extend(["runs", "equilibria", "95 % interval"]);
     let contact = data.points.iter().any(|point| data.touching_rests(point).is_some());
@@ -104,15 +104,14 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
         cells.extend(said(study, &point.swept).iter().map(|value| escaped(value)));
         if balls {
             let [_, median, p95] = point.amplitude_m;
-            cells.extend([median, p95, point.without_balls_m].map(micro));
+            cells.extend([median, p95, point.residual.amplitude_without_balls_m].map(micro));
         }
         if stages {
             let peak = data.run_up.largest.get(&point.point_id);
             let speed = peak.and_then(|peak| disc_speed(study, peak));
             cells.extend([micro(peak.map(|peak| peak.amplitude_m)), written(speed)]);
         }
-        let vibration = data.vibration(point);
-        cells.extend(optional.iter().map(|one| (one.text)((one.value)(&vibration))));
+        cells.extend(optional.iter().map(|one| (one.text)((one.value)(point))));
         let Fraction { fraction, low, high, .. } = point.equilibrium;
         cells.push(point.runs.to_string());
         cells.push(format!("{fraction:.4}"));

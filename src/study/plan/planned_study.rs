@@ -74,7 +74,8 @@ pub struct Point {
 }
 
 impl Point {
-    /// Returns the model at this point, without uncertain draws.
+    /// Returns the model at this point, with each uncertain parameter at its median; without uncertain draws if these
+    /// medians are impossible.
     pub fn model(&self) -> &Model {
         &self.model
     }
@@ -244,6 +245,17 @@ impl Study {
     /// # Panics
     /// If `point_id` is not below [`Study::point_count`].
     pub fn point(&self, point_id: u64) -> Point {
+        let mut point = self.nominal_point(point_id);
+        if !self.uncertain.is_empty()
+            && let Ok(model) = self.median_model(point_id)
+        {
+            point.model = model;
+        }
+        point
+    }
+
+    /// Returns a point whose model has no uncertain draws.
+    fn nominal_point(&self, point_id: u64) -> Point {
         assert!(point_id < self.point_count(), "there is no point {point_id}");
         let index = self.blocks.partition_point(|block| block.first_point <= point_id);
         let block = &self.blocks[index - 1];
@@ -274,7 +286,7 @@ impl Study {
         let index = self.blocks.partition_point(|block| block.first_run <= run_id);
         let block = &self.blocks[index - 1];
         let local_point = block.numbers.point_of(run_id - block.first_run);
-        let point = self.point(block.first_point + local_point);
+        let point = self.nominal_point(block.first_point + local_point);
         let (of_point, first_run) = block.sampling_of(local_point);
         let (design, sample) = (&of_point.design, run_id - first_run);
         let id = design.identify(sample);
