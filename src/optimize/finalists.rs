@@ -53,7 +53,7 @@ pub struct Finalist {
     pub answers: Vec<Answer>,
     /// One estimate per quantity of the goal.
     pub estimates: Vec<Estimate>,
-    /// Mean amplitude divided by that of the same machine without balls, one estimate per point of the sweep.
+    /// Mean of the amplitudes, each divided by that of the run's own machine without balls; one estimate per point of the sweep.
     pub relative_amplitudes: Vec<Estimate>,
     /// Whether the values of these runs meet all limits.
     pub met: bool,
