@@ -42,14 +42,19 @@ pub struct EquilibriumSet {
     pub unseen: Option<u64>,
     /// Fraction of the positions in which two balls with contact touch that are in the set.
     pub touching_fraction: Option<f64>,
-    /// The smallest and the largest amplitude anywhere in the set, m; `None` if the set is empty. For balls with contact,
-    /// and for several balls in a ring with runout, those of the examined positions.
+    /// The smallest and the largest amplitude anywhere in the set, m; `None` if the set is empty. For several balls in a ring
+    /// with runout, those of the examined positions. For balls with contact, the smallest of the examined positions, and the
+    /// largest that a search from some of them finds.
     pub amplitude_m: Option<(f64, f64)>,
     /// The position with the smallest amplitude, one angle per ball, rad.
     pub min_amplitude_beta_rad: Option<Vec<f64>>,
     /// Where the balls balance the imbalance, with a runout of the ring that which they feel; friction carries no load there.
     pub balance: Balance,
 }
+
+/// Largest number of positions in which balls touch, and of frictionless equilibria, from which a search for larger
+/// amplitudes begins.
+const CLIMBS: usize = 8;
 
 impl EquilibriumSet {
     /// Returns the set of a machine, computed on the current thread pool. `None` for a grid with
@@ -83,10 +88,15 @@ impl EquilibriumSet {
     /// Takes in the positions in which balls touch: all frictionless equilibria, and samples.
     fn take_in_touching(&mut self, form: &RestForm) {
         let samples = form.touching_positions();
-        let held: Vec<_> = samples.iter().filter(|beta| form.holds_with_forces(beta)).collect();
+        let mut held: Vec<_> = samples.iter().filter(|beta| form.holds_with_forces(beta)).collect();
         self.touching_fraction =
             (!samples.is_empty()).then(|| held.len() as f64 / samples.len() as f64);
+        held.sort_by(|one, other| form.amplitude_m(other).total_cmp(&form.amplitude_m(one)));
+        let starts = held.iter().copied().step_by((held.len() / CLIMBS).max(1)).take(CLIMBS);
         let without_friction = frictionless_positions(form);
+        let starts = starts.chain(without_friction.iter().map(|one| &one.beta).take(CLIMBS));
+        let starts: Vec<_> = starts.collect();
+        let climbed_m = starts.par_iter().map(|beta| form.climbed_m(beta)).reduce(|| 0.0, f64::max);
         for beta in held.into_iter().chain(without_friction.iter().map(|one| &one.beta)) {
             let amplitude = form.amplitude_m(beta);
             let (smallest, largest) = self.amplitude_m.get_or_insert((amplitude, amplitude));
@@ -96,6 +106,7 @@ impl EquilibriumSet {
                 self.min_amplitude_beta_rad = Some(sorted_where_identical(beta, &form.balls));
             }
         }
+        self.amplitude_m = self.amplitude_m.map(|(least, largest)| (least, largest.max(climbed_m)));
     }
 
     /// Replaces the sampled extremes of the amplitude by the exact ones, which lie between the

@@ -8,6 +8,7 @@ mod audit;
 mod balance;
 mod balance_quality;
 mod basin_entropy;
+mod climb;
 mod cycle_class;
 mod cycles;
 mod equilibrium_histogram;
