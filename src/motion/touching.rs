@@ -159,7 +159,23 @@ impl<'a> InTouch<'a> {
                 fixed.extend(at_once.filter(|one| stopped[*one]));
             }
         }
+        self.close(state, phases);
         self.decide(state, phases, &fixed)
+    }
+
+    /// Closes the gaps whose contacts are at each other with equal speeds, such as two that have stopped there.
+    ///
+    /// An impact moves all contacts a little. Contacts that rest in touch separate by less than can be resolved, and stop
+    /// again. Where one of them needs the force of the other, it would then fall on it over the width within which impacts
+    /// are located, and this impact would separate others in the same way, without end.
+    fn close(&self, state: &[f64], phases: &mut Phases) {
+        let speeds = self.speeds();
+        for (gap, phase) in self.touching.gaps().iter().zip(&mut phases[self.contacts()..]) {
+            let [behind, ahead] = gap.contacts.map(|contact| state[speeds[contact]]);
+            if behind == ahead && self.width(gap, state) <= TOUCHING {
+                *phase = Phase::Closed;
+            }
+        }
     }
 
     /// Makes the speeds of contacts that touch equal, which differ by rounding: to that of the contact `failed`, if it is

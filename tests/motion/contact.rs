@@ -277,6 +277,26 @@ fn balls_do_not_overlap() {
     assert!(closed > 1000, "{closed}");
 }
 
+/// Each impact moves the balls that rest elsewhere a little. Those that rest in touch, because one needs the force of the
+/// other, rest in touch again, and the exact motion goes on.
+#[test]
+fn balls_that_rest_in_touch_do_not_chatter() {
+    let mut machine = touching(&Machine::default(), 0.0, 0.1);
+    machine.balls = vec![Ball::default(); 4];
+    for (ball, friction) in machine.balls.iter_mut().zip([0.002, 0.01, 0.03, 0.07]) {
+        ball.friction_coefficient = friction;
+    }
+    for seed in 0..12 {
+        let start = apart(&machine, &mut Sampler::new(seed));
+        let mut motion = started(&machine, &start, settings(Method::Event, 1e-8));
+        while motion.time() < 300.0 {
+            motion.advance(300.0).unwrap_or_else(|failure| {
+                panic!("{seed}: {failure} at {} {:?}", motion.time(), motion.phases())
+            });
+        }
+    }
+}
+
 /// At -173.1803 rad/s 0.3844 of the positions in which the balls touch are rests, and 0.2200 without the force between them
 /// (Moreau's time stepping and the inequalities for two equal balls).
 #[test]

@@ -255,7 +255,8 @@ fn decide<S: Vector, K: Kernel<S>>(
     if which == 2 {
         return Err(Failure::ContactLost { ball: contact + 1 });
     }
-    if any_closed(phases) {
+    let position = |contact: usize| state[kernel.coordinates(contact).0];
+    if any_closed(phases) || gaps::any_touch(own, position) {
         return with_evaluator(kernel, (lane, own), |evaluator| {
             if let Some(in_touch) = InTouch::new(evaluator, own.settings) {
                 let failed = (contact < kernel.contacts()).then_some(contact);

@@ -8,6 +8,7 @@ use super::kernel::{Ends, Kernel, POWERS, Powers};
 use super::lane::Lane;
 use super::root_isolation::Polynomial;
 use super::{Lanes, ORDER};
+use crate::model::TOUCHING;
 use crate::motion::Phase;
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::saltation::Condition;
@@ -58,6 +59,12 @@ impl<S: Vector> GapLanes<S> {
             }
         }
     }
+}
+
+/// Returns whether any contacts of a run are at each other, by their positions.
+pub(super) fn any_touch(own: &Lane, position: impl Fn(usize) -> f64) -> bool {
+    let gaps = own.system.touching().map_or(&[][..], |touching| touching.gaps());
+    gaps.iter().any(|gap| gap.width(gap.contacts.map(&position)) <= TOUCHING)
 }
 
 /// Returns the lanes in which an open gap may close in a step of this length.
