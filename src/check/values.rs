@@ -1,5 +1,6 @@
 //! Values of one machine that are possible but unlikely: balls without room, densities of no material, friction and
-//! speeds out of any range, balls that cannot balance, and a ring that is more eccentric than the table vibrates.
+//! speeds out of any range, balls that cannot balance, a ring that is more eccentric than the table vibrates, and
+//! impacts without loss.
 
 use std::f64::consts::TAU;
 
@@ -48,6 +49,7 @@ pub(super) fn findings(
     all.extend(at.speed(machine));
     all.extend(at.balance(machine));
     all.extend(at.runout(machine));
+    all.extend(at.elastic_contact(machine));
     if let Some(positions) = positions.filter(|_| has_room) {
         all.extend(at.overlap(machine, positions));
     }
@@ -276,6 +278,21 @@ impl At<'_> {
                 self.name("ring_runout_m"),
                 self.remark("ring_runout_m", "; lengths are in m, not in mm")
             ),
+        })
+    }
+
+    fn elastic_contact(&self, machine: &Machine) -> Option<Finding> {
+        let contact = machine.contact.filter(|_| machine.balls.len() > 1)?;
+        let key = self.key("contact_restitution", None);
+        let is_of_law = key.starts_with("model.");
+        (contact.restitution == 1.0).then(|| Finding {
+            kind: "elastic_contact",
+            key: if is_of_law { "model.contact.restitution".to_owned() } else { key },
+            problem: "impacts do not end in lasting contact, so that balls that a force presses together bounce \
+                      without end, and their runs are slow or fail with step_limit"
+                .to_owned(),
+            found: "a restitution of 1".to_owned(),
+            remedy: "a restitution below 1, such as 0.99".to_owned(),
         })
     }
 

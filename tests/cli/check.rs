@@ -159,6 +159,20 @@ fn slips_are_warnings_with_their_key_and_line() {
             13,
             "a steel ball",
         ),
+        (
+            &[("speed_rad_s: -216.4", "speed_rad_s: -216.4\n  contact: {restitution: 1}")],
+            &["elastic_contact"],
+            "model.contact.restitution",
+            18,
+            "a restitution below 1",
+        ),
+        (
+            &[("speed_rad_s: -216.4", "speed_rad_s: -216.4\n  contact: {restitution: 0.99}")],
+            &[],
+            "",
+            0,
+            "",
+        ),
     ];
     let scratch = Scratch::new();
     for (changes, expected, key, line, remedy) in of_machine {
