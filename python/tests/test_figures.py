@@ -417,6 +417,34 @@ def test_motion(tmp_path):
     assert entries(beside) == ["balls 1 and 2, side by side"] and len(panels(beside)[0].lines) == 1
 
 
+
+def shown_texts(figure):
+    """Returns the labels of axes, the entries of the legend and the labels of ticks within the axes."""
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            yield axis.label
+            yield from (tick.label1 for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high)
+    yield from (text for legend in figure.legends for text in legend.get_texts())
+
+
+@pytest.mark.parametrize("width", ["single", "double"])
+def test_labels_of_a_motion_do_not_overlap(tmp_path, width):
+    figure = figures.motion(replay(tmp_path), width=width)
+    with figures.style():
+        figure.draw_without_rendering()
+    texts = [text for text in shown_texts(figure) if text.get_visible() and text.get_text()]
+    # Boxes of text are larger than its letters.
+    boxes = [(text.get_text(), text.get_window_extent().padded(-2)) for text in texts]
+    over = [
+        (one, other)
+        for place, (one, box) in enumerate(boxes)
+        for other, another in boxes[:place]
+        if box.overlaps(another)
+    ]
+    assert len(boxes) > 20 and over == []
+
+
 def test_contact_of_a_motion(tmp_path):
     folder = replay(tmp_path, (0.5, 0.7), 9)
     plain = figures.motion(folder)

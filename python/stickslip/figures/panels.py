@@ -138,11 +138,10 @@ def lay_out(
     size = WIDTHS_MM[width or ("double" if len(shown) > 1 else "single")] / _INCH_MM
     if places is not None:
         columns = 1 + max(column for _, column in places)
-    elif columns is None:
+    else:
+        # Labels of two panels side by side would overlap in a column of a journal.
         most = 3 if size > 5 else 1
-        columns = min(most, 2 if len(shown) in (2, 4) else len(shown))
-    columns = min(columns, len(shown))
-    if places is None:
+        columns = min(most, columns or (2 if len(shown) in (2, 4) else len(shown)), len(shown))
         places = [divmod(place, columns) for place in range(len(shown))]
     rows = 1 + max(row for row, _ in places)
     letters = iter(range(first, first + len(shown)))
