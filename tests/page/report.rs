@@ -480,6 +480,18 @@ fn figures_are_described_in_words() {
 /// Width and height of the printed area of A4 with the browser's margins of a centimetre, px.
 const PAPER: View = View { width: 718, height: 1046, print: true, ..LAPTOP };
 
+/// The words in the heads of tables that lie on several lines; a name may break after an underscore.
+const BROKEN_WORDS: &str = "[...document.querySelectorAll('th')].flatMap(cell => {
+    const texts = document.createTreeWalker(cell, NodeFilter.SHOW_TEXT), broken = [];
+    while (texts.nextNode()) for (const word of texts.currentNode.data.matchAll(/[^ ]+/g)) {
+        const range = document.createRange();
+        range.setStart(texts.currentNode, word.index);
+        range.setEnd(texts.currentNode, word.index + word[0].length);
+        if (range.getClientRects().length !== 1) broken.push(word[0]);
+    }
+    return broken;
+})";
+
 #[test]
 fn a_report_can_be_printed() {
     let Some(mut browser) = Browser::start() else { return };
@@ -529,6 +541,8 @@ fn a_report_can_be_printed() {
             }
             let over = page.overlapping();
             assert!(over.is_empty(), "{name} on paper: {over:?}");
+            let broken = page.ask(BROKEN_WORDS);
+            assert_eq!(broken, Value::Array(vec![]), "{name} on paper");
             assert!(!page.wider_than_window(), "{name} on paper");
             assert_eq!(page.faults(), [""; 0]);
         }
