@@ -51,19 +51,6 @@ impl BallPositions {
         self.0.iter().find(is_of).map(Vec::as_slice)
     }
 
-    /// Returns the friction coefficients, equal for all balls, that hold them in half of the positions and in all of
-    /// them. `None` for another number of balls than those of the positions, or if no coefficient holds them in half of
-    /// the positions.
-    pub fn required_friction(&self, machine: &Machine) -> Option<[f64; 2]> {
-        let form = RestForm::new(machine)?;
-        let required = self.of(machine)?.iter().map(|beta| form.at_rest(beta).required_friction);
-        let mut required: Vec<f64> = required.collect();
-        required.sort_by(f64::total_cmp);
-        let half = required.get(required.len() / 2).copied().filter(|half| half.is_finite())?;
-        let all = required.into_iter().rfind(|one| one.is_finite())?;
-        Some([half, all])
-    }
-
     /// Returns the fraction of the positions of rest in which at least two balls overlap. `None` for one ball, for balls
     /// with contact, for another number of balls than those of the positions, or if fewer than 100 positions are positions of rest.
     pub fn overlapping_fraction(&self, machine: &Machine) -> Option<f64> {

@@ -18,6 +18,9 @@ pub struct BalancerFacts {
     pub capacity_kg_m: f64,
     /// The imbalance, `m_I e`, kg m.
     pub imbalance_kg_m: f64,
+    /// Gravity over the friction `μ ω² R` that holds a ball on a table at rest, with the largest coefficient of all balls;
+    /// `None` if friction holds no ball. The axis is vertical; on a horizontal one, no ball stays at rest above 1.
+    pub gravity_over_friction: Option<f64>,
     /// Amplitude of the machine without balls, m; `None` at the resonance of an undamped suspension.
     pub amplitude_without_balls_m: Option<f64>,
     /// Where the balls can balance the imbalance.
@@ -59,11 +62,17 @@ impl BalancerFacts {
             speed_ratio: form.speed.abs(),
             capacity_kg_m: capacity_kg_m(machine),
             imbalance_kg_m: machine.imbalance_mass_kg * machine.imbalance_radius_m,
+            gravity_over_friction: gravity_over_friction(machine),
             amplitude_without_balls_m: reference_amplitude(machine),
             balance,
             balance_stability,
             rest: RestFacts::of(machine, positions),
         })
+    }
+
+    /// Returns the absolute speed of the disc, rad/s.
+    pub fn speed_rad_s(&self) -> f64 {
+        self.speed_ratio * self.natural_frequency_rad_s
     }
 
     /// Returns the balancing capacity over the imbalance.
@@ -75,6 +84,17 @@ impl BalancerFacts {
 /// Returns the largest imbalance that the balls of a machine can balance, `Σ m L`, kg m.
 pub(super) fn capacity_kg_m(machine: &Machine) -> f64 {
     machine.balls.iter().map(|ball| ball.mass_kg).sum::<f64>() * machine.ring_radius_m
+}
+
+/// Standard gravity, m/s².
+pub(super) const GRAVITY_M_S2: f64 = 9.806_65;
+
+fn gravity_over_friction(machine: &Machine) -> Option<f64> {
+    let coefficients = machine.balls.iter().map(|ball| ball.friction_coefficient);
+    let most = coefficients.map(|one| machine.friction.largest_ratio(one)).fold(0.0, f64::max);
+    let friction_m_s2 = most * machine.speed_rad_s.powi(2) * machine.ring_radius_m;
+    let ratio = GRAVITY_M_S2 / friction_m_s2;
+    (machine.friction.can_stick() && ratio.is_finite()).then_some(ratio)
 }
 
 impl RestFacts {

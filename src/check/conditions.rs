@@ -1,7 +1,6 @@
 //! Warnings of operating conditions that hold at all points: a disc below the natural frequency, and friction that
 //! holds the balls in every position.
 
-use super::ball_fit::BallPositions;
 use super::designs::{ExaminedDesign, ExtremeDesign, extreme_designs};
 use super::points::points_to_examine;
 use super::values::{RPM, short};
@@ -100,50 +99,79 @@ pub(super) fn held_everywhere(study: &Study, design: Option<&ExaminedDesign>) ->
     if design.is_some() && others.any(|other| machines_held_everywhere(&other).is_none()) {
         return None;
     }
-    let positions = BallPositions::new(examined.numbers_of_balls());
-    let required: Vec<[f64; 2]> =
-        held.iter().filter_map(|machine| positions.required_friction(machine)).collect();
-    let largest = |index: usize| required.iter().map(|one| one[index]).fold(0.0, f64::max);
-    let [half, all] = [largest(0), largest(1)];
+    // Without an imbalance and with balls of hardly any mass, no coefficient is small enough.
+    let all = largest_coefficient(&held, HELD_EVERYWHERE)?;
+    let half = largest_coefficient(&held, 0.5).map_or_else(String::new, |half| {
+        format!(", and below {half} to hold the balls in less than half of all positions")
+    });
     let name = held.first()?.friction.limiting_coefficient();
     let points = match held.len() {
         1 => String::new(),
         points => format!(" at all {points} points"),
     };
     let of_design = design.map_or_else(String::new, |_| ", for all examined designs".to_owned());
-    // At standstill, or without an imbalance and balls of any mass, no coefficient is small enough.
-    (all > 0.0).then(|| Finding {
+    let coefficient = match coefficients(&held) {
+        [low, high] if low == high => short(low),
+        [low, high] => format!("{} to {}", short(low), short(high)),
+    };
+    Some(Finding {
         kind: "balls_held_everywhere",
         key: study.key_of(name, Some(1).filter(|_| name == "friction_coefficient"), 0),
         problem: "friction holds the balls in every position, so that no force moves them to the balancing position"
             .to_owned(),
         found: format!(
-            "{}, where more than {:.0} % of all positions are positions of rest{points}{of_design}",
-            coefficients(&held),
+            "{coefficient}, where more than {:.0} % of all positions are positions of rest{points}{of_design}",
             100.0 * HELD_EVERYWHERE
         ),
         remedy: format!(
-            "{name} below {}, and below {} to hold the balls in less than half of all positions; heavier balls and a \
-             speed nearer to the natural frequency also help",
-            about(all),
-            about(half)
+            "{name} below {all}{half}; heavier balls and a speed nearer to the natural frequency also help"
         ),
     })
 }
 
-/// Returns the smallest and the largest friction coefficient in words.
-fn coefficients(machines: &[Machine]) -> String {
+/// Returns the smallest and the largest coefficient that limits friction.
+fn coefficients(machines: &[Machine]) -> [f64; 2] {
     let of = |machine: &Machine| {
         let balls = machine.balls.iter().map(|ball| ball.friction_coefficient);
         let law = machine.friction;
         balls.map(move |kinetic| law.largest_ratio(kinetic)).collect::<Vec<f64>>()
     };
     let all: Vec<f64> = machines.iter().flat_map(of).collect();
-    let (low, high) = (
-        all.iter().copied().fold(f64::INFINITY, f64::min),
-        all.iter().copied().fold(0.0, f64::max),
-    );
-    if low == high { short(low) } else { format!("{} to {}", short(low), short(high)) }
+    [all.iter().copied().fold(f64::INFINITY, f64::min), all.into_iter().fold(0.0, f64::max)]
+}
+
+/// Returns a coefficient with two digits, below those of all balls, such that with any smaller one friction holds the
+/// balls of each machine in at most this fraction of all positions; `None` if none is small enough.
+fn largest_coefficient(machines: &[Machine], fraction: f64) -> Option<ParameterValue> {
+    let at_most = |coefficient: f64| {
+        let of = |machine: &Machine| set_fraction(&with_coefficient(machine, coefficient));
+        machines.iter().all(|machine| of(machine).is_some_and(|held| held <= fraction))
+    };
+    // The fraction rises with the coefficient.
+    let [mut high, _] = coefficients(machines);
+    let mut low = 1e-9 * high;
+    if !at_most(low) {
+        return None;
+    }
+    for _ in 0..16 {
+        let middle = (low * high).sqrt();
+        *(if at_most(middle) { &mut low } else { &mut high }) = middle;
+    }
+    let digit = 10.0_f64.powf(low.log10().floor() - 1.0);
+    // A formatted number can always be parsed.
+    let down = format!("{:.1e}", digit * (low / digit).floor()).parse().unwrap_or(low);
+    Some(ParameterValue::Number(down))
+}
+
+/// Returns a machine with another coefficient that limits friction, equal for all balls.
+fn with_coefficient(machine: &Machine, coefficient: f64) -> Machine {
+    let mut machine = machine.clone();
+    let name = machine.friction.limiting_coefficient();
+    machine.friction.value_mut(name).into_iter().for_each(|value| *value = coefficient);
+    for ball in &mut machine.balls {
+        ball.friction_coefficient = coefficient;
+    }
+    machine
 }
 
 /// Returns the machines at the examined points, or `None` if friction leaves positions without rest at one of them.
@@ -158,10 +186,4 @@ fn machines_held_everywhere(study: &Study) -> Option<Vec<Machine>> {
     };
     let machines: Option<Vec<Machine>> = models.iter().map(held).collect();
     machines.filter(|machines| !machines.is_empty())
-}
-
-/// Formats an estimate with two significant digits.
-fn about(number: f64) -> String {
-    // A formatted number can always be parsed.
-    ParameterValue::Number(format!("{number:.1e}").parse().unwrap_or(number)).to_string()
 }

@@ -10,6 +10,7 @@ mod conditions;
 mod designs;
 mod obstacle;
 mod points;
+mod slips;
 mod values;
 mod warning;
 mod warnings;

@@ -1,15 +1,16 @@
-//! Values of one machine that are possible but unlikely: balls without room, densities of no material, friction and
-//! speeds out of any range, balls that cannot balance, a ring that is more eccentric than the table vibrates, and
+//! Values of one machine that are possible but unlikely: balls without room, densities of no material, lengths, suspensions,
+//! friction and speeds out of any range, balls that cannot balance, a ring that is more eccentric than the table vibrates, and
 //! impacts without loss.
 
 use std::f64::consts::TAU;
 
 use super::ball_fit::{BallPositions, density_kg_m3, occupied_angle, sphere_volume_m3};
 use super::closed_form::capacity_kg_m;
+use super::slips::{LIMITS, Limit, has_mass_of_template};
 use super::warning::Finding;
 use crate::analysis::{Balance, RestForm, reference_amplitude};
 use crate::model::{Ball, Block, Dimension, FrictionLaw, Ground, LawParameter, Machine, Model};
-use crate::study::{Study, describe_number};
+use crate::study::{ListedParameter, Study, describe_number};
 
 /// Density of steel, kg/m³.
 const STEEL_KG_M3: f64 = 7850.0;
@@ -47,6 +48,7 @@ pub(super) fn findings(
         at.friction(&machine.friction, ball.friction_coefficient, Some(number))
     }));
     all.extend(at.speed(machine));
+    all.extend(LIMITS.iter().filter_map(|limit| at.limit(machine, limit)));
     all.extend(at.balance(machine));
     all.extend(at.runout(machine));
     all.extend(at.elastic_contact(machine));
@@ -139,16 +141,23 @@ impl At<'_> {
     fn density(&self, ball: &Ball, number: usize) -> Option<Finding> {
         let density = density_kg_m3(ball);
         let [least, most] = DENSITIES_KG_M3;
-        if (least..=most).contains(&density) {
+        let listed = self.study.parameters();
+        let of = |name: &'static str| listed.iter().filter(move |one| one.name == name);
+        let is_fixed = |name| !of(name).any(ListedParameter::is_varied);
+        let (problem, allowed) = if !(least..=most).contains(&density) {
+            ("no material has the density of the balls", format!("{least} to {most} kg/m³"))
+        } else if ["ball_mass_kg", "ball_diameter_m"].into_iter().all(is_fixed)
+            && has_mass_of_template(ball)
+        {
+            let problem = "the balls have the mass of the default machine or of a template, but not its diameter";
+            (problem, "the mass of a ball of this diameter".to_owned())
+        } else {
             return None;
-        }
+        };
         let steel_kg = STEEL_KG_M3 * sphere_volume_m3(ball.diameter_m);
         let mass = self.key("ball_mass_kg", Some(number));
         let diameter = self.key("ball_diameter_m", Some(number));
-        let is_default = |name: &str| {
-            let listed = self.study.parameters();
-            listed.iter().any(|one| one.name == name && one.is_default && !one.is_varied())
-        };
+        let is_default = |name| of(name).any(|one| one.is_default && !one.is_varied());
         let units = match [&mass, &diameter].map(|key| self.study.key_with_unit(key).is_some()) {
             [true, true] => "",
             _ => ", with the mass in kg and the diameter in m",
@@ -157,7 +166,7 @@ impl At<'_> {
         Some(Finding {
             kind: "ball_density",
             key,
-            problem: "no material has the density of the balls".to_owned(),
+            problem: problem.to_owned(),
             found: format!(
                 "a ball of {} kg with a diameter of {} m, which is {} kg/m³",
                 short(ball.mass_kg),
@@ -165,7 +174,7 @@ impl At<'_> {
                 short(density)
             ),
             remedy: format!(
-                "{least} to {most} kg/m³{units}; a steel ball of this diameter has {} kg",
+                "{allowed}{units}; a steel ball of this diameter has {} kg",
                 short(steel_kg)
             ),
         })
@@ -209,6 +218,21 @@ impl At<'_> {
             problem: "a speed that no disc reaches".to_owned(),
             found: format!("{} rad/s, which is {:.0} rpm", short(speed), speed.abs() * 60.0 / TAU),
             remedy: format!("at most {FASTEST_RAD_S:e} rad/s{}", self.remark(&key, RPM)),
+            key,
+        })
+    }
+
+    fn limit(&self, machine: &Machine, limit: &Limit) -> Option<Finding> {
+        let listed = self.study.parameters();
+        let is_given =
+            |name: &&&str| listed.iter().any(|one| one.name == **name && !one.is_default);
+        let own = limit.parameters.iter().find(is_given).or(limit.parameters.first())?;
+        let key = self.key(own, None);
+        (limit.is_exceeded)(machine).then(|| Finding {
+            kind: limit.kind,
+            problem: limit.problem.to_owned(),
+            found: (limit.found)(machine),
+            remedy: format!("{}{}", limit.remedy, self.remark(&key, limit.remark)),
             key,
         })
     }

@@ -29,6 +29,7 @@ pub fn warnings(study: &Study) -> Vec<Warning> {
     found.extend(subcritical(study, design));
     found.extend(held_everywhere(study, design));
     found.extend(of_designs(study));
+    found.extend(overridden(study));
     found.extend(mostly_defaults(study));
     found.extend(invalid_draws(design.map_or(study, |design| &design.study)));
     found.extend(repeated_points(study));
@@ -138,6 +139,35 @@ fn mostly_defaults(study: &Study) -> Option<Finding> {
         remedy: "a value for each of these parameters; if a default is meant, write it down"
             .to_owned(),
     })
+}
+
+/// Warns of values of `model.parameters` without effect, because the sweep sets others at all points.
+fn overridden(study: &Study) -> Vec<Finding> {
+    let finding = |one: ListedParameter| {
+        let swept = one.swept.filter(|swept| swept.overrides)?;
+        let values = match swept.range {
+            Some([low, high]) if low < high => format!("{} to {}", short(low), short(high)),
+            Some([only, _]) => short(only),
+            None => "another word".to_owned(),
+        };
+        let value = match one.value {
+            ParameterValue::Number(number) => short(number),
+            ParameterValue::Text(word) => word.to_owned(),
+        };
+        let general = &one.name;
+        let key = ["model.parameters", "model"].map(|path| format!("{path}.{general}"));
+        let key = key.into_iter().find(|key| study.has_key(key))?;
+        Some(Finding {
+            kind: "overridden_value",
+            key,
+            problem:
+                "the value has no effect, because the sweep sets this parameter at every point"
+                    .to_owned(),
+            found: format!("{value}; the sweep has {values}"),
+            remedy: "this value in the sweep, or only one of both keys".to_owned(),
+        })
+    };
+    study.parameters().into_iter().filter_map(finding).collect()
 }
 
 /// Returns a function that returns the default value of a parameter of the body.

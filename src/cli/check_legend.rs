@@ -2,8 +2,8 @@
 
 use crate::check::{BalancerFacts, is_held_everywhere, short};
 
-/// Explains the columns, and states the worst rest, and the points below the natural frequency or with
-/// too much friction, in words.
+/// Explains the columns, and states the worst rest, the points below the natural frequency or with
+/// too much friction, and the direction of the axis, in words.
 pub(super) fn legend(balancers: &[(u64, &BalancerFacts)]) -> String {
     let mut text = "set: fraction of all ball positions at which friction holds the balls; worst rest: the largest \
                     amplitude there;\noverlap: fraction of these positions in which balls overlap; balance: stability \
@@ -43,5 +43,23 @@ pub(super) fn legend(balancers: &[(u64, &BalancerFacts)]) -> String {
              the balancing position\n"
         );
     }
-    text
+    text + &on_a_horizontal_axis(balancers)
+}
+
+/// Says that the axis is vertical, and what gravity does on a horizontal one, at the point with the most gravity.
+fn on_a_horizontal_axis(balancers: &[(u64, &BalancerFacts)]) -> String {
+    let ratio = |(point_id, facts): &(u64, &BalancerFacts)| {
+        Some((facts.gravity_over_friction?, *point_id, facts.speed_rad_s()))
+    };
+    let most = balancers.iter().filter_map(ratio).max_by(|one, other| one.0.total_cmp(&other.0));
+    let Some((ratio, point_id, speed_rad_s)) = most else {
+        return "the axis is vertical: the model leaves gravity out\n".to_owned();
+    };
+    let point = if balancers.len() == 1 { String::new() } else { format!(" at point {point_id}") };
+    format!(
+        "the axis is vertical: the model leaves gravity out. On a horizontal axis, gravity is {} % of the friction\n\
+         μ ω² R that holds a ball{point}, and no ball stays at rest below sqrt(g/(μ R)) = {} rad/s\n",
+        short(100.0 * ratio),
+        short(speed_rad_s * ratio.sqrt())
+    )
 }

@@ -239,6 +239,7 @@ impl Facts {
                     ("capacity_g_mm", json!(facts.capacity_kg_m * GRAM_MILLIMETRES)),
                     ("imbalance_g_mm", json!(facts.imbalance_kg_m * GRAM_MILLIMETRES)),
                     ("capacity_over_imbalance", json!(facts.capacity_ratio())),
+                    ("gravity_over_friction", json!(facts.gravity_over_friction)),
                     ("amplitude_without_balls_m", json!(facts.amplitude_without_balls_m)),
                     ("balance", json!(facts.balance.name())),
                     ("balance_stability", json!(stability)),

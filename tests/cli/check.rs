@@ -173,6 +173,57 @@ fn slips_are_warnings_with_their_key_and_line() {
             0,
             "",
         ),
+            &[("ring_radius_m: 0.0115", "ring_radius_m: 35")],
+            &["length", "balls_held_everywhere"],
+            "model.parameters.ring_radius_m",
+            10,
+            "at most 2 m; lengths are in m, not in mm",
+        ),
+        (
+            &[("imbalance_radius_m: 0.037", "imbalance_radius_m: 37")],
+            &["length", "balancing_capacity"],
+            "model.parameters.imbalance_radius_m",
+            12,
+            "at most 2 m",
+        ),
+        (
+            &[("stiffness_n_m: 10700", "stiffness_n_m: 60")],
+            &["soft_suspension", "balls_held_everywhere"],
+            "model.parameters.stiffness_n_m",
+            8,
+            "not in N/mm, and masses are in kg, not in g",
+        ),
+        (
+            &[("table_mass_kg: 0.324", "table_mass_kg: 3200")],
+            &["soft_suspension", "balls_held_everywhere"],
+            "model.parameters.stiffness_n_m",
+            8,
+            "twice the radius of the ring",
+        ),
+        (
+            &[("damping_n_s_m: 1.28", "damping_n_s_m: 40000")],
+            &["overdamped_suspension", "balls_held_everywhere"],
+            "model.parameters.damping_n_s_m",
+            9,
+            "twice the critical damping",
+        ),
+        (
+            &[diameter("ball_diameter_m: 0.005")],
+            &["ball_density"],
+            "model.parameters.ball_mass_kg",
+            14,
+            "the mass of a ball of this diameter, with the mass in kg and the diameter in m; a steel ball of this \
+             diameter has 0.000514 kg",
+        ),
+        // The ball of the template `machine` with another diameter.
+        (
+            &[mass("ball_mass_kg: 0.88e-3"), diameter("ball_diameter_m: 0.0085")],
+            &["ball_density"],
+            "model.parameters.ball_mass_kg",
+            14,
+            "the mass of a ball of this diameter",
+        ),
+        (&[mass("ball_mass_kg: 0.88e-3"), diameter("ball_diameter_m: 0.006")], &[], "", 0, ""),
     ];
     let scratch = Scratch::new();
     for (changes, expected, key, line, remedy) in of_machine {
@@ -195,7 +246,7 @@ fn slips_are_warnings_with_their_key_and_line() {
         (
             MACHINE,
             "sweep: [{grid: {speed: [1000 rpm, 1500 rpm]}}]\n",
-            "subcritical_speed",
+            "subcritical_speed overridden_value",
             "sweep[0].grid.speed",
         ),
         (
@@ -206,7 +257,7 @@ fn slips_are_warnings_with_their_key_and_line() {
         ),
         (
             MACHINE,
-            "sweep: [{grid: {speed_rad_s: [-200, -216, -200]}}]\n",
+            "sweep: [{grid: {speed_rad_s: [-200, -216.4, -200]}}]\n",
             "repeated_point",
             "sweep[0]",
         ),
@@ -234,6 +285,24 @@ fn slips_are_warnings_with_their_key_and_line() {
             "",
             "balls_held_everywhere mostly_defaults",
             "model.parameters.friction_coefficient",
+        ),
+        (
+            MACHINE,
+            "sweep: [{grid: {speed_rad_s: [-200, -210]}}]\n",
+            "overridden_value",
+            "model.parameters.speed_rad_s",
+        ),
+        (
+            MACHINE,
+            "sweep: [{zip: {balls: [3, 4]}}]\n",
+            "overridden_value",
+            "model.parameters.balls",
+        ),
+        (
+            "model: {kind: ball_balancer, normal_force: newton}\n",
+            "sweep: [{grid: {normal_force: [lagrange]}}]\n",
+            "overridden_value",
+            "model.normal_force",
         ),
         (
             "model: {kind: block_on_belt, parameters: {friction_coefficient: 5}}\n",
@@ -359,7 +428,8 @@ fn a_search_describes_a_machine_within_its_ranges() {
 fn friction_that_holds_the_balls_everywhere_is_a_warning() {
     let scratch = Scratch::new();
     let kind = "balls_held_everywhere".to_owned();
-    let text = study(MACHINE, "sweep: [{grid: {friction_coefficient: [0.05, 0.06]}}]\n");
+    let machine = MACHINE.replace("    friction_coefficient: 2.75e-3\n", "");
+    let text = study(&machine, "sweep: [{grid: {friction_coefficient: [0.05, 0.06]}}]\n");
     scratch.write("a.yaml", text);
     let all = report(&scratch, "a.yaml");
     assert_eq!(kinds(&all), [kind.as_str()]);
@@ -373,7 +443,7 @@ fn friction_that_holds_the_balls_everywhere_is_a_warning() {
     );
     scratch.write(
         "a.yaml",
-        study(MACHINE, "sweep: [{grid: {friction_coefficient: [0.05, 1.0e-3]}}]\n"),
+        study(&machine, "sweep: [{grid: {friction_coefficient: [0.05, 1.0e-3]}}]\n"),
     );
     assert!(kinds(&report(&scratch, "a.yaml")).is_empty());
     let search = |to: &str| {
@@ -387,11 +457,73 @@ fn friction_that_holds_the_balls_everywhere_is_a_warning() {
     assert_eq!(search("0.06"), [kind]);
 }
 
+/// The friction coefficients of the remedy are below that of the study, and hold the balls in fewer positions, as it says.
+#[test]
+fn the_remedy_for_friction_that_holds_the_balls_everywhere_helps() {
+    let scratch = Scratch::new();
+    let with = |friction: f64| {
+        let machine =
+            MACHINE.replace("coefficient: 2.75e-3", &format!("coefficient: {friction:e}"));
+        scratch.write("a.yaml", study(&machine, ""));
+        report(&scratch, "a.yaml")
+    };
+    let is_held = |report: &Value| kinds(report) == ["balls_held_everywhere"];
+    // The smallest friction with a warning leaves a few positions without rest.
+    let just = (0..).map(|step| 2.75e-3 * 1.01_f64.powi(step)).find(|one| is_held(&with(*one)));
+    for friction in [just.unwrap(), 0.05, 1.9] {
+        let warned = with(friction);
+        let remedy = warned["warnings"][0]["remedy"].as_str().unwrap();
+        let after = |words: &str| -> f64 {
+            let (_, rest) = remedy.split_once(words).unwrap();
+            rest.split([',', ' ', ';']).next().unwrap().parse().unwrap()
+        };
+        let (all, half) = (after("friction_coefficient below "), after("and below "));
+        assert!(half < all && all < friction, "{friction}: {remedy}");
+        assert!(!is_held(&with(all)), "{remedy}");
+        let held = &with(half)["closed_form"]["points"][0]["rest"]["set_fraction"];
+        assert!((0.3..=0.5).contains(&held.as_f64().unwrap()), "{remedy}: {held}");
+    }
+}
+
+/// The model leaves gravity out; the last line says how much it would do on a horizontal axis.
+#[test]
+fn gravity_on_a_horizontal_axis_is_named() {
+    let scratch = Scratch::new();
+    let model = "model: {kind: ball_balancer, parameters: {ring_radius: 35 mm, friction_coefficient: 0.001, \
+                 speed: 10000 rpm}}\n";
+    scratch.write("a.yaml", study(model, ""));
+    let text = "the axis is vertical: the model leaves gravity out. On a horizontal axis, gravity is 25.55 % of the \
+                friction\nμ ω² R that holds a ball, and no ball stays at rest below sqrt(g/(μ R)) = 529.3 rad/s\n";
+    assert_has(&scratch.well("check a.yaml"), &[text]);
+    let sweep = "sweep: [{grid: {friction_coefficient: [1.0e-3, 2.75e-3]}}]\n";
+    let static_friction =
+        "friction: {stribeck: {static_friction_coefficient: 2.0e-3, stribeck_speed_rad_s: 1}}";
+    scratch.write("b.yaml", study(MACHINE, sweep));
+    assert_has(&scratch.well("check b.yaml"), &["holds a ball at point 0, and no ball stays"]);
+    let ratios: Vec<f64> = ["", static_friction]
+        .iter()
+        .map(|friction| {
+            let machine = model.replace("ball_balancer,", &format!("ball_balancer, {friction},"));
+            scratch.write("c.yaml", study(&machine.replace(", ,", ","), ""));
+            let point = &report(&scratch, "c.yaml")["closed_form"]["points"][0];
+            point["gravity_over_friction"].as_f64().unwrap()
+        })
+        .collect();
+    assert!((ratios[0] / ratios[1] - 2.0).abs() < 1e-12, "{ratios:?}");
+    let viscous =
+        MACHINE.to_owned() + "  friction: {viscous: {viscous_coefficient_n_s_m: 5.0e-4}}\n";
+    scratch.write("d.yaml", study(&viscous, ""));
+    assert_has(
+        &scratch.well("check d.yaml"),
+        &["the axis is vertical: the model leaves gravity out\n"],
+    );
+}
+
 /// Two points with the same parameters but with other start states are two points.
 #[test]
 fn a_point_with_another_design_is_not_repeated() {
     let scratch = Scratch::new();
-    let sweep = "sweep:\n  - zip: {speed_rad_s: [-216]}\n  - zip: {speed_rad_s: [-216]}\n    \
+    let sweep = "sweep:\n  - zip: {speed_rad_s: [-216.4]}\n  - zip: {speed_rad_s: [-216.4]}\n    \
                  design: {monte_carlo: {samples: 3}}\n";
     scratch.write("a.yaml", study(MACHINE, sweep));
     assert!(kinds(&report(&scratch, "a.yaml")).is_empty());
@@ -456,6 +588,10 @@ fn shipped_studies_have_no_false_warnings() {
         assert_eq!(kinds(&report), expected, "{name}");
     }
     assert!(studies > 20);
+    for template in ["machine", "thesis", "blocks", "monte-carlo", "optimize"] {
+        scratch.well(&format!("new {template}.yaml --template {template}"));
+        assert_eq!(kinds(&report(&scratch, &format!("{template}.yaml"))), [""; 0], "{template}");
+    }
 }
 
 /// The machine is printed with units and the origin of each value.

@@ -33,6 +33,8 @@ pub struct SweptValues {
     pub count: usize,
     /// The smallest and the largest number; `None` for words.
     pub range: Option<[f64; 2]>,
+    /// Whether `model.parameters` gives another value, which no point has.
+    pub overrides: bool,
 }
 
 /// The draws of an uncertain parameter.
@@ -195,7 +197,15 @@ impl Study {
         numbers.dedup();
         texts.sort_unstable();
         texts.dedup();
-        Some(SweptValues { count: numbers.len() + texts.len(), range: range(numbers.into_iter()) })
+        let count = numbers.len() + texts.len();
+        let has_own = match own {
+            ParameterValue::Number(own) => {
+                numbers.iter().any(|one| (one - own).abs() <= SAME * own.abs())
+            }
+            ParameterValue::Text(own) => texts.contains(&own),
+        };
+        let overrides = self.gives(&parameter.name()) && !has_own;
+        Some(SweptValues { count, range: range(numbers.into_iter()), overrides })
     }
 
     /// Returns the smallest and the largest value that a design may set.
@@ -242,6 +252,10 @@ impl Study {
         if self.has_key(&law) { law } else { format!("model.parameters.{general}") }
     }
 }
+
+/// The fraction by which a swept value may differ from the one in `model.parameters` that it repeats, such as `628.3` for
+/// `6000 rpm`.
+const SAME: f64 = 1e-3;
 
 /// Returns the smallest and the largest number, if there are any.
 fn range(numbers: impl Iterator<Item = f64>) -> Option<[f64; 2]> {

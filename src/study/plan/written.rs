@@ -150,7 +150,7 @@ impl Study {
     }
 
     /// Returns whether the study file contains this key path.
-    pub(in crate::study) fn has_key(&self, key: &str) -> bool {
+    pub(crate) fn has_key(&self, key: &str) -> bool {
         self.written.places.contains_key(key)
     }
 }

@@ -62,6 +62,11 @@ impl Template {
         Template::ALL.into_iter().find(|template| template.name == name)
     }
 
+    /// Returns keys and values of the study, with placeholders as its name and its file.
+    pub fn source(&self) -> &'static str {
+        self.source
+    }
+
     /// Returns a study of this name, whose head shows commands with this file.
     ///
     /// # Errors
