@@ -8,8 +8,8 @@ use super::lane_step::LaneStep;
 use super::orbit::{GoneRound, OrbitWatch};
 use super::run_outcome::Ending;
 use super::system_view::SystemView;
-use crate::model::Endings;
-use crate::motion::Settings;
+use crate::model::{Endings, Model};
+use crate::motion::{Evaluator, Settings};
 
 /// Detects limit cycles.
 #[derive(Clone, Debug)]
@@ -20,6 +20,23 @@ pub(super) enum CycleWatch {
     Orbits(Box<OrbitWatch>),
     /// Those of a single contact that breaks away again and again.
     BreakAways(BreakAwayWatch),
+}
+
+/// The endings of runs beside irregular motion and sliding at constant speed that the program finds for a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FoundEndings {
+    /// Limit cycles.
+    pub cycles: bool,
+    /// Rests in which contacts stick.
+    pub rests: bool,
+}
+
+/// Returns the endings that the program finds for a model; all for a model without a system.
+pub fn found_endings(model: &Model) -> FoundEndings {
+    let Some(system) = model.system() else { return FoundEndings { cycles: true, rests: true } };
+    let rests = system.rest_forms().is_some();
+    let view = SystemView::new(Evaluator::new(system));
+    FoundEndings { cycles: view.revolves() || BreakAwayWatch::suits(&view), rests }
 }
 
 impl CycleWatch {

@@ -49,6 +49,7 @@ pub const MODEL_VERSION: u32 = 8;
 
 pub use closed_orbit::Orbit;
 pub use cycle::{Cycle, CyclePhase, TouchingPair};
+pub use cycle_watch::{FoundEndings, found_endings};
 pub use gap_sample::{GapSample, Touch};
 pub use in_lockstep::{Runs, simulate_by_recorded_equations_in_lockstep, simulate_in_lockstep};
 pub use orbit::OrbitWatch;

@@ -3,8 +3,8 @@
 
 use super::point_words::NamedPoints;
 use crate::check::Obstacle;
-use crate::classification::Label;
-use crate::model::Endings;
+use crate::classification::{FoundEndings, Label, found_endings};
+use crate::model::{Endings, Model};
 use crate::report::PointFacts;
 use crate::study::Study;
 
@@ -18,6 +18,8 @@ pub struct Remedies {
     obstacles: [NamedPoints; 3],
     runs: u64,
     undecided: u64,
+    /// What more time decides, if there are undecided runs.
+    later: Option<String>,
 }
 
 impl Remedies {
@@ -40,7 +42,11 @@ impl Remedies {
     pub fn count(&mut self, study: &Study, point: &PointFacts) {
         if study.simulation().endings == Endings::All {
             self.runs = self.runs.saturating_add(point.runs);
-            self.undecided = self.undecided.saturating_add(point.label(Label::Undecided).runs);
+            let undecided = point.label(Label::Undecided).runs;
+            self.undecided = self.undecided.saturating_add(undecided);
+            if undecided > 0 && self.later.is_none() {
+                self.later = Some(decided_later(study.model()));
+            }
         }
     }
 
@@ -60,12 +66,27 @@ impl Remedies {
     /// Returns the sentence on undecided runs; `None` if there are few.
     pub fn of_undecided(&self) -> Option<String> {
         let Remedies { undecided, runs, .. } = *self;
-        (undecided > 0 && undecided as f64 >= MANY_UNDECIDED * runs as f64).then(|| {
-            format!(
-                "{undecided} of {runs} runs are undecided; a larger simulation.end_time_s or simulation.extend \
-                 decides more."
-            )
-        })
+        let later = self.later.as_ref()?;
+        (undecided as f64 >= MANY_UNDECIDED * runs as f64)
+            .then(|| format!("{undecided} of {runs} runs are undecided; {later}."))
+    }
+}
+
+/// Returns which undecided runs of a model a longer simulation decides, in words.
+fn decided_later(model: &Model) -> String {
+    let longer = "a larger simulation.end_time_s or simulation.extend decides";
+    let kind = model.kind().name;
+    match found_endings(model) {
+        FoundEndings { cycles: true, .. } => format!("{longer} more"),
+        FoundEndings { rests: true, .. } => format!(
+            "the program finds no limit cycles of {kind} with this friction, so that {longer} only runs that come to rest \
+             or are irregular"
+        ),
+        FoundEndings { .. } => format!(
+            "the program finds neither limit cycles of {kind} nor rests in which a {} sticks, so that {longer} only runs \
+             that are irregular or slide at constant speed",
+            model.kind().body
+        ),
     }
 }
 

@@ -173,6 +173,7 @@ fn slips_are_warnings_with_their_key_and_line() {
             0,
             "",
         ),
+        (
             &[("ring_radius_m: 0.0115", "ring_radius_m: 35")],
             &["length", "balls_held_everywhere"],
             "model.parameters.ring_radius_m",

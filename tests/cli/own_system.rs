@@ -127,6 +127,20 @@ fn replays_are_their_rows() {
     }
 }
 
+/// The program seeks neither limit cycles nor rests of a chain, so that more time is not proposed for them.
+#[test]
+fn more_time_does_not_decide_runs_of_a_chain() {
+    let (scratch, studies) = studies();
+    let short = studies[0].2.replace("end_time_s: 4", "end_time_s: 1.0e-3");
+    assert_ne!(short, studies[0].2);
+    scratch.write("short.yaml", short);
+    let printed = well(&scratch, "run short.yaml --out short").out;
+    let line = "24 of 24 runs are undecided; the program finds neither limit cycles of spring_block_chain nor rests in which \
+                a block sticks, so that a larger simulation.end_time_s or simulation.extend decides only runs that are \
+                irregular or slide at constant speed.\n";
+    assert_has(&printed, &[line]);
+}
+
 /// Parameters, whole numbers and coordinates of the kind are keys like those of the built-in kinds: errors name them.
 #[test]
 fn errors_name_the_keys_of_the_kind() {

@@ -50,6 +50,27 @@ fn undecided_runs_need_more_time() {
     assert!(!printed.contains("are undecided"), "{printed}");
 }
 
+/// More time is proposed only for what it decides: a block whose static and kinetic friction are equal has no limit cycle.
+#[test]
+fn more_time_decides_only_what_is_sought() {
+    let scratch = Scratch::new();
+    let block = |friction: &str| {
+        let text = format!(
+            "schema: 1\nname: a\nseed: 5\nmodel: {{kind: block_on_belt{friction}}}\n\
+             initial_conditions: {{design: {{monte_carlo: {{samples: 8}}}}}}\n\
+             simulation: {{end_time_s: {AT_ONCE:e}}}\n"
+        );
+        scratch.write("a.yaml", text);
+        let out = format!("run a.yaml --out out-{}", friction.len());
+        scratch.well(&out)
+    };
+    let rests = "8 of 8 runs are undecided; the program finds no limit cycles of block_on_belt with this friction, so that \
+                 a larger simulation.end_time_s or simulation.extend decides only runs that come to rest or are irregular.\n";
+    assert_has(&block(""), &[rests]);
+    let jump = ", friction: {stribeck: {static_friction_coefficient: 0.2, stribeck_speed_m_s: 0}}";
+    assert_has(&block(jump), &["or simulation.extend decides more.\n"]);
+}
+
 /// The column `no balls` is a median over the runs; a line says so if the draws change this amplitude.
 #[test]
 fn draws_of_the_machine_without_balls_are_explained() {

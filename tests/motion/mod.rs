@@ -8,6 +8,7 @@ mod cut_steps;
 mod event;
 mod event_limit;
 mod event_times;
+mod forcing;
 mod impacts;
 mod inertial;
 mod kernels;

@@ -1,0 +1,83 @@
+//! A forcing that is a sine of the time, against the closed form of a block that it shakes.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use stickslip::model::{
+    ContactEquations, ContactLayout, Expression, Friction, Layout, Method, Number, Recorder,
+    System, SystemEquations,
+};
+use stickslip::motion::{Motion, Phase, Settings, Tolerance};
+
+use crate::support::{OwnSystem, shared};
+
+const FRICTION: f64 = 0.5;
+
+/// A block of mass 1 on the ground with Coulomb friction, which a harmonic force pulls. State: phase of the force,
+/// position, speed.
+fn shaken_block(recorder: &Recorder) -> SystemEquations<'_> {
+    let [phase, _, speed] = [(); 3].map(|()| recorder.state());
+    let [force, frequency] = ["force", "frequency"].map(|name| recorder.input(name));
+    let (sine, _) = phase.sin_cos();
+    let pull = force * sine;
+    let [slips, direction] = ["slips", "direction"].map(|name| recorder.input(name));
+    let friction = direction * Expression::constant(FRICTION);
+    let acceleration = slips * (pull - friction);
+    SystemEquations {
+        derivative: vec![frequency, speed, acceleration],
+        contacts: vec![ContactEquations {
+            sliding_speed: speed,
+            sliding_acceleration: acceleration,
+            normal: Expression::constant(1.0),
+            friction: slips * friction + (Expression::constant(1.0) - slips) * pull,
+        }],
+        layout: Layout {
+            contacts: vec![ContactLayout { position: 1, angular: false }],
+            velocities: vec![vec![2]],
+            vibration: None,
+        },
+        ..SystemEquations::default()
+    }
+}
+
+/// The block breaks loose where the force `A sin(Ω t)` reaches the limit of friction. It slides with
+/// `v = (A (cos φ₁ - cos φ) - μ (φ - φ₁)) / Ω` until it stops, and breaks loose again half a period after the first time.
+#[test]
+fn a_shaken_block_slides_as_in_closed_form() {
+    let (force, frequency) = (0.8, 2.0);
+    let system: Arc<dyn System> = shared(OwnSystem {
+        record: shaken_block,
+        parameters: vec![force, frequency],
+        friction: vec![Friction::coulomb(FRICTION)],
+        longest_step: 0.5,
+    });
+    let settings = Settings {
+        method: Method::Event,
+        band: 0.0,
+        tolerance: Tolerance { relative: 1e-13, absolute: 1e-14 },
+        effort_limit: 1_000_000,
+    };
+    let loose = (FRICTION / force).asin();
+    let speed =
+        |phase: f64| (force * (loose.cos() - phase.cos()) - FRICTION * (phase - loose)) / frequency;
+    let (mut from, mut to) = (PI, 2.0 * PI);
+    for _ in 0..60 {
+        let middle = 0.5 * (from + to);
+        *(if speed(middle) > 0.0 { &mut from } else { &mut to }) = middle;
+    }
+    let slid = from - loose;
+    let moved =
+        force * (slid * loose.cos() - from.sin() + loose.sin()) - FRICTION * slid * slid / 2.0;
+    let mut motion = Motion::new(&system, settings, &[0.0, 0.0, 0.0]).expect("starts");
+    for (phase, position, is_next) in [
+        (loose, 0.0, Phase::Slip(1.0)),
+        (from, moved / frequency.powi(2), Phase::Stick),
+        (PI + loose, moved / frequency.powi(2), Phase::Slip(-1.0)),
+    ] {
+        while !motion.advance(10.0).expect("continues") {}
+        assert!((motion.time() - phase / frequency).abs() < 1e-11, "{}", motion.time());
+        assert_eq!(motion.phases()[0], is_next);
+        assert!((motion.state()[0] - phase).abs() < 1e-11);
+        assert!((motion.state()[1] - position).abs() < 1e-11, "{} {position}", motion.state()[1]);
+    }
+}
