@@ -64,13 +64,24 @@ pub enum Parts {
     Points(u64),
     /// A number of designs, which differ, so that their runs have no common fraction.
     Designs(u64),
+    /// A number of parameter sets, which differ like designs.
+    ParameterSets(u64),
 }
 
 impl Parts {
     /// Returns the number of parts.
     pub fn count(self) -> u64 {
         match self {
-            Parts::Points(count) | Parts::Designs(count) => count,
+            Parts::Points(count) | Parts::Designs(count) | Parts::ParameterSets(count) => count,
+        }
+    }
+
+    /// Returns the word for the groups.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Parts::Points(_) => "points",
+            Parts::Designs(_) => "designs",
+            Parts::ParameterSets(_) => "parameter sets",
         }
     }
 }
@@ -234,7 +245,9 @@ impl Progress {
                 lines.last = Some(now);
                 let before = match std::mem::take(&mut lines.left_out) {
                     0 => String::new(),
-                    left_out => format!(" ({left_out} earlier points not shown)"),
+                    left_out => {
+                        format!(" ({left_out} earlier {} not shown)", self.counts.parts.name())
+                    }
                 };
                 self.line(&format!("{}{before}", text()));
             }
@@ -253,7 +266,7 @@ impl Progress {
     pub fn close(&self) -> Duration {
         let left_out = self.points.lock().unwrap_or_else(PoisonError::into_inner).left_out;
         if left_out > 0 {
-            self.line(&format!("{left_out} more points finished"));
+            self.line(&format!("{left_out} more {} finished", self.counts.parts.name()));
         }
         self.bar.finish_and_clear();
         self.counts.started.elapsed()

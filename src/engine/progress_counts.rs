@@ -96,10 +96,7 @@ impl Snapshot {
             parts.push(format!("{:.0}/s", self.rate()));
         }
         if self.parts_finished > 0 {
-            let (count, name) = match self.parts {
-                Parts::Points(count) => (count, "points"),
-                Parts::Designs(count) => (count, "designs"),
-            };
+            let (count, name) = (self.parts.count(), self.parts.name());
             parts.push(format!("{} of {count} {name}", self.parts_finished));
         }
         if let Some((fraction, (low, high))) =
@@ -166,6 +163,8 @@ mod tests {
         assert_eq!(sweep.text(), "300 of 1000 runs, 20/s, 2 of 6 points, 35s left");
         let search = Snapshot { parts: Parts::Designs(1), parts_finished: 1, ..counts };
         assert_eq!(search.text(), "300 of 1000 runs, 20/s, 1 of 1 designs, 35s left");
+        let sets = Snapshot { parts: Parts::ParameterSets(160), parts_finished: 24, ..counts };
+        assert!(sets.text().contains(", 24 of 160 parameter sets, "), "{}", sets.text());
         // Failed runs widen the interval upwards only.
         let failed = Snapshot { failed: 30, at_most: true, ..counts };
         let ends = (wilson(150, 300, Z_95).0, wilson(180, 300, Z_95).1);

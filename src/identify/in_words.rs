@@ -7,7 +7,6 @@ use super::inference::{Inference, Inferred};
 use super::posterior::{Marginal, Posterior};
 use super::warnings::warnings;
 use crate::optimize::short;
-use crate::study::ParameterValue;
 use crate::text_table::text_table;
 
 /// The model does not explain the measured runs if the smallest probability over all sites, corrected for their number, is
@@ -124,10 +123,7 @@ fn fit_in_words(inference: &Inference, inferred: &Inferred) -> String {
     let mut rows = vec![head];
     for fit in &inferred.fits {
         let mut row = vec![fit.point.point_id.to_string()];
-        row.extend(fit.point.swept.iter().map(|value| match value {
-            ParameterValue::Number(number) => number.to_string(),
-            ParameterValue::Text(word) => (*word).to_owned(),
-        }));
+        row.extend(study.shown(&fit.point.swept));
         row.extend(has_stages.then(|| fit.stage.to_string()));
         row.extend(fit.measured.map(|count| count.to_string()));
         row.push(format!("{:.0}", 100.0 * fit.predicted_rest_fraction));

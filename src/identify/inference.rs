@@ -113,8 +113,10 @@ pub fn infer<E>(
         let Some(simulated) = simulated(inference, sets, &places, finished)? else {
             return Ok(InferenceEnd::Stopped);
         };
-        simulated.into_iter().for_each(|set| all.add(set));
-        evaluated(all.count());
+        for set in simulated {
+            all.add(set);
+            evaluated(all.count());
+        }
         if all.count() == identification.start_designs {
             if all.known_runs() == 0 {
                 let problem = "all runs of all parameter sets failed".to_owned();

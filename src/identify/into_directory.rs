@@ -129,7 +129,7 @@ impl Identify<'_> {
         let Inference { study, identification, .. } = *inference;
         let designs = identification.designs;
         let runs = designs.saturating_mul(study.run_count());
-        let parts = Parts::Designs(designs);
+        let parts = Parts::ParameterSets(designs);
         let planned = Planned { study: study.name(), runs, at_most: true, parts };
         let progress = Progress::begin(planned, self.show.clone());
         progress.keep_drawing();

@@ -156,6 +156,28 @@ fn posteriors_that_lean_on_an_end() {
     }
 }
 
+/// Progress counts each parameter set once, by one name, and swept values in the text have few digits.
+#[test]
+fn progress_and_text_are_short() {
+    let scratch = Scratch::new();
+    let study = identify("none", 8).replace("speed_rad_s: [-140, -160.8103]", "speed: [-1400 rpm]");
+    scratch.write("small.yaml", study);
+    let speed = -1400.0 * std::f64::consts::TAU / 60.0;
+    let row = |row| format!("{speed},{},-0.3,0.1\n", 0.2 * f64::from(row));
+    let rows: String = (0..6).map(row).collect();
+    scratch.write("rests.csv", format!("speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n{rows}"));
+    let ended = scratch.stickslip("identify small.yaml --measured rests.csv --out out");
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let numbers: Vec<String> =
+        (1..=20).map(|number| format!("parameter set {number} of 20")).collect();
+    let told: Vec<&str> =
+        ended.err.lines().filter(|line| line.starts_with("parameter set")).collect();
+    assert_eq!(told, numbers);
+    assert!(!ended.err.contains("designs") && !ended.err.contains("points"), "{}", ended.err);
+    assert!(ended.out.contains("    0     -146.608 "), "{}", ended.out);
+    assert!(!ended.out.contains("146.6076"), "{}", ended.out);
+}
+
 #[test]
 fn wrong_usage() {
     let scratch = Scratch::new();
