@@ -205,11 +205,20 @@ impl ParameterDescriptor {
         !matches!(self.field, Field::NormalForce)
     }
 
-    /// Returns whether the value stands under a key of its own, such as `contact`, not among the parameters of a study
-    /// file. A model without that key has no such parameter.
+    /// Returns the key of `model` that contains the value, such as `contact`; `None` for a value among the parameters
+    /// of a study file. A model without that key has no such parameter.
+    pub fn own_key(&self) -> Option<&'static str> {
+        match self.field {
+            Field::Contact(_) => Some("contact"),
+            Field::Profile(_) | Field::Ramp(_) | Field::Hold => Some("speed_profile"),
+            Field::Kick(_) => Some("disturbances"),
+            _ => None,
+        }
+    }
+
+    /// Returns whether the value stands under a key of its own.
     pub fn has_own_key(&self) -> bool {
-        use Field::{Contact, Hold, Kick, Profile, Ramp};
-        matches!(self.field, Contact(_) | Profile(_) | Ramp(_) | Hold | Kick(_))
+        self.own_key().is_some()
     }
 
     /// Returns the largest value of a whole number; `None` for other parameters.

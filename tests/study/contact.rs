@@ -59,6 +59,17 @@ fn both_numbers_are_swept_and_drawn() {
     let case = study.planned_run(0).case.expect("sound");
     let drawn = case.model.ball_balancer().and_then(|machine| machine.contact).expect("contact");
     assert!((0.1..0.3).contains(&drawn.friction_coefficient) && drawn.friction_coefficient != 0.2);
+    // The value itself is not among the parameters.
+    let given = text(CONTACT, 2, STRATIFIED, "{}")
+        .replace("parameters: {", "parameters: {contact_restitution: 0.5, ");
+    let error = parse(&given).expect_err("another key").to_string();
+    for part in [
+        "`model.parameters.contact_restitution`",
+        "not a key of `parameters`",
+        "the key `model.contact`",
+    ] {
+        assert!(error.contains(part), "{error}");
+    }
     // Without contact there are no such parameters.
     let error = parse(&swept.replace(CONTACT, "none")).expect_err("no such parameter").to_string();
     assert!(error.contains("contact_restitution"), "{error}");

@@ -112,6 +112,20 @@ fn the_template_for_blocks() {
     assert_eq!(ground(&super::study(&on_ground)), Ground::Fixed);
 }
 
+/// A key behind `#` stands above the blank line before the next key, whose description follows the blank line.
+#[test]
+fn descriptions_stand_above_their_keys() {
+    let (text, _) = named("monte-carlo");
+    let lines: Vec<&str> = text.lines().collect();
+    let place = lines.iter().position(|line| line.starts_with("# uncertain_sampling: "));
+    let place = place.expect("the key behind `#`");
+    assert!(lines[place - 1].trim_start().starts_with("ball_mass_2_kg: "), "{text}");
+    assert_eq!(lines[place + 1], "");
+    assert!(lines[place + 2].starts_with("# "), "{text}");
+    let next = lines[place + 2..].iter().find(|line| !line.starts_with('#'));
+    assert_eq!(next, Some(&"initial_conditions:"));
+}
+
 #[test]
 fn the_templates_for_monte_carlo_and_optimize() {
     let (_, study) = named("monte-carlo");

@@ -80,6 +80,23 @@ fn decimal_units_are_exact() {
     assert_eq!(["40 N s/m", "40 N*s/m", "40 kg/s", "0.04 N s/mm"].map(damping), [40.0; 4]);
 }
 
+/// A list of stiffnesses for two directions is refused with the reason; other lists may be sweeps.
+#[test]
+fn a_parameter_has_one_value() {
+    let isotropic = "one value: the suspension is isotropic";
+    for (parameter, key, allowed) in [
+        ("stiffness: [60 kN/m, 45 kN/m]", "model.parameters.stiffness", isotropic),
+        ("damping_n_s_m: [1, 2]", "model.parameters.damping_n_s_m", isotropic),
+        (
+            "speed: [6000 rpm, 7000 rpm]",
+            "model.parameters.speed",
+            "a sweep contains several values",
+        ),
+    ] {
+        refused(&text(parameter, ""), 6, key, "a list of 2", allowed);
+    }
+}
+
 #[test]
 fn speeds_of_rotation() {
     let speed =

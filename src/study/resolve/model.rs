@@ -289,11 +289,11 @@ fn parameter_names(kind: &ModelKind) -> Vec<&'static str> {
 }
 
 /// Checks the names of the parameters before the file is decoded, because the message lists only the parameters of this
-/// kind of model.
+/// kind of model, and that each has one value.
 ///
 /// # Errors
-/// Returns an error for the first parameter that no model has.
-pub(in crate::study) fn check_parameter_names(source: &Source) -> Result<(), StudyError> {
+/// Returns an error for the first parameter that no model has, or that is a list.
+pub(in crate::study) fn check_parameters(source: &Source) -> Result<(), StudyError> {
     let below = |name| source.root.get("model")?.get(name);
     let (Some(kind), Some(Content::Map(given))) =
         (below("kind"), below("parameters").map(|node| &node.content))
@@ -301,11 +301,39 @@ pub(in crate::study) fn check_parameter_names(source: &Source) -> Result<(), Stu
         return Ok(());
     };
     let Some(kind) = ModelKind::named(kind.name()) else { return Ok(()) };
-    let unknown = |name: &&str| !parameter_keys().contains(name);
-    let Some(name) = given.iter().map(|(key, _)| key.name()).find(unknown) else { return Ok(()) };
-    let allowed = list_keys(name, &parameter_names(kind));
-    let fault = Fault::new("unknown key", shorten(name), allowed);
-    Err(source.path("model.parameters").key(name).refuse_key(fault))
+    let path = source.path("model.parameters");
+    for (key, value) in given {
+        let name = key.name();
+        let elsewhere = kind.parameters.iter().find(|one| one.name == name && one.has_own_key());
+        if let Some(own) = elsewhere.and_then(ParameterDescriptor::own_key) {
+            let allowed = format!(
+                "the key `model.{own}`; only a sweep, a distribution or a design has `{name}`"
+            );
+            return Err(path.key(name).refuse_key(Fault::new(
+                "not a key of `parameters`",
+                name,
+                allowed,
+            )));
+        }
+        if !parameter_keys().contains(&name) {
+            let allowed = list_keys(name, &parameter_names(kind));
+            return Err(path.key(name).refuse_key(Fault::new(
+                "unknown key",
+                shorten(name),
+                allowed,
+            )));
+        }
+        if name != BALLS && matches!(value.content, Content::List(_)) {
+            let is_suspension = ["stiffness_n_m", "damping_n_s_m"].contains(&name);
+            let isotropic = match is_suspension && kind.offers.vibration {
+                true => ": the suspension is isotropic, with the same value in all directions",
+                false => "; a sweep contains several values",
+            };
+            let fault = Fault::new("a list", value.describe(), format!("one value{isotropic}"));
+            return Err(path.key(name).refuse_value(fault));
+        }
+    }
+    Ok(())
 }
 
 fn own_values(path: &SourcePath<'_>, balls: Option<&Balls>) -> Result<Vec<BallFile>, StudyError> {

@@ -29,7 +29,7 @@ use crate::study::plan::variable::Variable;
 use crate::study::plan::written::Written;
 use crate::study::resolve::expectations::resolve_expectations;
 use crate::study::resolve::identification::resolve_identification;
-use crate::study::resolve::model::{Base, check_parameter_names};
+use crate::study::resolve::model::{Base, check_parameters};
 use crate::study::resolve::names::check_study_name;
 use crate::study::resolve::numbers_of_balls::{base_of_all_points, model_of_common_design};
 use crate::study::resolve::optimization::resolve_optimization;
@@ -105,7 +105,7 @@ impl Study {
         check_schema(&source)?;
         expand_ranges(&mut source)?;
         read_units(&mut source)?;
-        check_parameter_names(&source)?;
+        check_parameters(&source)?;
         let written: StudyFile = decode(&source)?;
         let study = resolve(&source, &written, &folders)?;
         Ok(Study { written: Arc::new(Written::of(file, &source, &written)), ..study })

@@ -142,10 +142,11 @@ impl<'a> Annotator<'a> {
             place: key.as_ref().map(|key| key.place.clone()),
             defaults: map.defaults.and_then(|defaults| defaults.get(line.key)),
         });
-        // Blank lines, what is generated, and the text's own comments.
+        // What stands above the last blank line, what is generated, and the text's own comments on the key.
         let own = std::mem::take(&mut self.before_key);
-        let comments = own.trim_start_matches('\n');
-        self.out.push_str(&own[..own.len() - comments.len()]);
+        let blank = own.rfind("\n\n").map_or(usize::from(own.starts_with('\n')), |place| place + 2);
+        let (before, comments) = own.split_at(blank);
+        self.out.push_str(before);
         if let Some(comment) = key.and_then(|key| self.about(&key)) {
             // The dash of an entry is to the left of its first key.
             self.comment(indent - if line.begins_item { 2 } else { 0 }, &comment);
