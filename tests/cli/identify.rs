@@ -163,7 +163,7 @@ fn progress_and_text_are_short() {
     let study = identify("none", 8).replace("speed_rad_s: [-140, -160.8103]", "speed: [-1400 rpm]");
     scratch.write("small.yaml", study);
     let speed = -1400.0 * std::f64::consts::TAU / 60.0;
-    let row = |row| format!("{speed},{},-0.3,0.1\n", 0.2 * f64::from(row));
+    let row = |row: i32| format!("{speed},{},-0.3,0.1\n", 0.2 * f64::from(row));
     let rows: String = (0..6).map(row).collect();
     scratch.write("rests.csv", format!("speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n{rows}"));
     let ended = scratch.stickslip("identify small.yaml --measured rests.csv --out out");
