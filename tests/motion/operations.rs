@@ -153,7 +153,8 @@ fn three_equations(recorder: &Recorder) -> SystemEquations<'_> {
 fn solves(parameters: Vec<f64>, end: f64) {
     let what = format!("{parameters:?}");
     let record = three_equations;
-    let system = shared(OwnSystem { record, parameters, friction: vec![], longest_step: 0.5 });
+    let system =
+        shared(OwnSystem { record, parameters, friction: vec![], longest_step: 0.5, unique: true });
     let rates = |t: f64| [1.0, 2.0 * t, t.cos()];
     let mut state = [0.0; 4];
     let mut motion = Motion::with_directions(
@@ -214,7 +215,7 @@ fn linear_systems_with_small_pivots() {
 #[test]
 fn a_system_that_records_another_one() {
     fn own(record: for<'r> fn(&'r Recorder) -> SystemEquations<'r>) -> OwnSystem {
-        OwnSystem { record, parameters: vec![], friction: vec![], longest_step: 0.5 }
+        OwnSystem { record, parameters: vec![], friction: vec![], longest_step: 0.5, unique: true }
     }
     fn inner(recorder: &Recorder) -> SystemEquations<'_> {
         recorder.state();
