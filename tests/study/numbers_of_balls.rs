@@ -100,7 +100,7 @@ fn with_precision_contact_and_a_speed_profile() {
         for (id, number) in [3, 1, 2].into_iter().enumerate() {
             let point = swept.point(id as u64);
             let separate = with(&number.to_string(), "");
-            assert_eq!(*point.model(), *separate.model());
+            assert_eq!(point.model(), separate.point(0).model());
             for sample in 0..point.sampling.most {
                 let run = swept.planned_run(point.first_run + sample);
                 assert_eq!(own(run), own(separate.planned_run(sample)), "{rest}");

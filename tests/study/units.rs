@@ -83,7 +83,7 @@ fn decimal_units_are_exact() {
 /// A list of stiffnesses for two directions is refused with the reason; other lists may be sweeps.
 #[test]
 fn a_parameter_has_one_value() {
-    let isotropic = "one value: the suspension is isotropic";
+    let isotropic = "a number: the suspension is isotropic";
     for (parameter, key, allowed) in [
         ("stiffness: [60 kN/m, 45 kN/m]", "model.parameters.stiffness", isotropic),
         ("damping_n_s_m: [1, 2]", "model.parameters.damping_n_s_m", isotropic),

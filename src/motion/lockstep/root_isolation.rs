@@ -134,16 +134,13 @@ impl Polynomial {
         let Bounds { ends: [mut low, end], fourth_derivative: bound } = *outline;
         if low.value <= 0.0 {
             // Negative by rounding: if it rises, the fall comes later. A loop, not a closure: it must be inlined.
-            let mut at = 0.5;
-            loop {
-                low = self.place(at);
-                if low.value > 0.0 {
-                    break;
-                }
-                at *= 0.5;
-                if at < RISEN {
+            let mut at = RISEN;
+            while low.value <= 0.0 {
+                if at >= 1.0 {
                     return ConditionFate::FailsAtOnce;
                 }
+                low = self.place(at);
+                at *= 2.0;
             }
         }
         let mut high = end;
@@ -334,6 +331,11 @@ mod tests {
         let wave = |k: usize| [1.0, 0.0, -1.0, 0.0][k % 4] * 6.0_f64.powi(k as i32);
         let wave = polynomial(|k| wave(k) - if k == 0 { 0.2 } else { 0.0 });
         assert!((at(first_fall(wave)) - libm::acos(0.2) / 6.0).abs() < 1e-6);
+
+        // Negative by rounding, with a fall at 0.06 and positive again from 0.4 on.
+        let again = [-1e-15, 0.024, -0.46, 1.0];
+        let again = polynomial(|k| again.get(k).map_or(0.0, |one| one * [1.0, 1.0, 2.0, 6.0][k]));
+        assert!((at(first_fall(again)) - 0.06).abs() < 1e-9);
 
         // Negative by rounding, and decreasing.
         let out = polynomial(|k| [-1e-15, -0.1].get(k).copied().unwrap_or(0.0));

@@ -329,7 +329,7 @@ pub(in crate::study) fn check_parameters(source: &Source) -> Result<(), StudyErr
                 true => ": the suspension is isotropic, with the same value in all directions",
                 false => "; a sweep contains several values",
             };
-            let fault = Fault::new("a list", value.describe(), format!("one value{isotropic}"));
+            let fault = Fault::new("a list", value.describe(), format!("a number{isotropic}"));
             return Err(path.key(name).refuse_value(fault));
         }
     }

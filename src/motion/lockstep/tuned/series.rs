@@ -67,7 +67,7 @@ pub(super) struct Series<S: Vector, const N: usize> {
     pub(super) response: Response<S, N>,
     /// The coefficients of the forces in gaps, if the response is active.
     pub(super) forces: [OfEach<S, N>; ORDER],
-    /// Work space of an order for more than `FEW` balls: new arrays would have to be cleared.
+    /// Work space of an order, except for `FEW` balls: new arrays would have to be cleared.
     pub(super) sums: [[Sums<S>; N]; 2],
 }
 
@@ -188,7 +188,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
             || {
                 let Series { terms, sums: [room, _], .. } = self;
                 let mut few = [Sums::zero(equations.speed.simd); N];
-                let sums = if N <= FEW { &mut few } else { room };
+                let sums = if N <= FEW && !WHOLE { &mut few } else { room };
                 add_up(terms, k, sums);
                 let gaps = if self.response.active { Some(&self.response) } else { None };
                 let residual = self.residual.as_ref();
@@ -320,7 +320,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
     }
 }
 
-/// The largest number of balls for which the sums of an order are in registers.
+/// The largest number of balls for which the sums of an order are in registers, which the whole equations need themselves.
 const FEW: usize = 2;
 
 /// Computes the products of an order.
