@@ -147,7 +147,8 @@ fn passive(meeting: &Meeting<'_>) -> Result<Impulses, Failure> {
     let added = |by: &Impulses| work(&by.impulses, &sum(before, one, &by.after));
     let newton = meeting.impulses()?;
     let rounding: f64 = newton.impulses.iter().map(|impulse| tolerance * impulse.value.abs()).sum();
-    if added(&newton).value <= rounding {
+    let is_inelastic = meeting.restitution.iter().all(|restitution| *restitution == 0.0);
+    if is_inelastic || added(&newton).value <= rounding {
         return Ok(newton);
     }
     let restitution = smallvec![0.0; gaps.len()];

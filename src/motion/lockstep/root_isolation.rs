@@ -133,14 +133,20 @@ impl Polynomial {
     pub(super) fn first_fall(&self, outline: &Bounds) -> ConditionFate {
         let Bounds { ends: [mut low, end], fourth_derivative: bound } = *outline;
         if low.value <= 0.0 {
-            // Negative by rounding: if it rises, the fall comes later. A loop, not a closure: it must be inlined.
+            // Negative by rounding: if it rises, the fall comes later, at most twice as late as the last place before it.
+            // Loops, not closures: they must be inlined.
             let mut at = RISEN;
-            while low.value <= 0.0 {
-                if at >= 1.0 {
-                    return ConditionFate::FailsAtOnce;
+            while at < 1.0 {
+                let place = self.place(at);
+                if place.value > 0.0 {
+                    low = place;
+                } else if low.value > 0.0 {
+                    break;
                 }
-                low = self.place(at);
                 at *= 2.0;
+            }
+            if low.value <= 0.0 {
+                return ConditionFate::FailsAtOnce;
             }
         }
         let mut high = end;
