@@ -18,8 +18,10 @@ const GIVE: f64 = 1e-12;
 /// largest speed. Where the equations of a row of bodies contradict each other, the impulses are much larger.
 const LARGEST: f64 = 1e3;
 
-/// Speeds after an impact that differ by no more than this, over the largest speed, are the same motion.
+/// Speeds after an impact that differ by no more than this, over the largest speed, are the same motion, and so are those that
+/// differ by this multiple of the rounding tolerance: bodies that hardly move meet the conditions of several ways to rounding.
 const SAME: f64 = 1e-6;
+const UNDECIDED: f64 = 1e3;
 
 /// The most combinations of ways that are tried: those of eight gaps.
 const MOST_TRIED: usize = 1 << 16;
@@ -134,7 +136,8 @@ impl Meeting<'_, f64> {
         let holds = gaps.all(|(gap, (way, speeds))| self.follow(gap, *way, [speeds[0], speeds[1]]));
         let same = |(_, other): &(_, Pairs<f64>)| {
             let mut speeds = other.iter().zip(&after);
-            speeds.all(|(one, other)| (one - other).abs() <= SAME * self.fastest)
+            let same = SAME * self.fastest + UNDECIDED * self.tolerance;
+            speeds.all(|(one, other)| (one - other).abs() <= same)
         };
         if holds && !found.iter().any(same) {
             found.push((ways.clone(), after));
