@@ -140,7 +140,9 @@ def test_measurements_that_make_no_sense(measured, tmp_path):
 
 def test_too_few_simulated_runs_give_a_warning(measured):
     prior = {"friction_coefficient": {"from": 5.0e-3, "to": 9.0e-3}}
-    study = stickslip.Study.from_dict({**IDENTIFY, "identify": {**IDENTIFY["identify"], "parameters": prior}})
+    few = {"design": {"monte_carlo": {"samples": 4}}}
+    inference = {**IDENTIFY["identify"], "parameters": prior}
+    study = stickslip.Study.from_dict({**IDENTIFY, "initial_conditions": few, "identify": inference})
     with pytest.warns(UserWarning, match="identify.designs: too few simulated runs for an accurate posterior of friction"):
         found = study.identify(measured)
     assert any("too few simulated runs" in warning for warning in found.summary["warnings"])

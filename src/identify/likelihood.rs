@@ -95,7 +95,7 @@ mod tests {
                     {monte_carlo: {samples: 1}}}\n";
         let study = Study::parse(Path::new("a.yaml"), text.to_owned()).expect("a study");
         let sets = 0..80_u8;
-        let density = |set: u8| 1.0 + if set % 2 == 0 { 0.3 } else { -0.3 };
+        let density = |set: u8| 1.0 + if set.is_multiple_of(2) { 0.3 } else { -0.3 };
         let densities: Vec<Vec<SetDensities>> = sets
             .clone()
             .map(|set| vec![SetDensities { runs: 1000, rests: vec![density(set)], moving: 0.0 }])
