@@ -278,7 +278,7 @@ fn balls_do_not_overlap() {
 }
 
 /// Each impact moves the balls that rest elsewhere a little. Those that rest in touch, because one needs the force of the
-/// other, rest in touch again, and the exact motion goes on.
+/// other, rest in touch again, and the motion goes on. Impacts of balls that hardly move have one solution.
 #[test]
 fn balls_that_rest_in_touch_do_not_chatter() {
     let mut machine = touching(&Machine::default(), 0.0, 0.1);
@@ -286,13 +286,15 @@ fn balls_that_rest_in_touch_do_not_chatter() {
     for (ball, friction) in machine.balls.iter_mut().zip([0.002, 0.01, 0.03, 0.07]) {
         ball.friction_coefficient = friction;
     }
-    for seed in 0..12 {
+    for seed in 0..40 {
         let start = apart(&machine, &mut Sampler::new(seed));
-        let mut motion = started(&machine, &start, settings(Method::Event, 1e-8));
-        while motion.time() < 300.0 {
-            motion.advance(300.0).unwrap_or_else(|failure| {
-                panic!("{seed}: {failure} at {} {:?}", motion.time(), motion.phases())
-            });
+        for method in [Method::Event, Method::Switch] {
+            let mut motion = started(&machine, &start, settings(method, 1e-8));
+            while motion.time() < 300.0 {
+                motion.advance(300.0).unwrap_or_else(|failure| {
+                    panic!("{seed}: {failure} at {} {:?}", motion.time(), motion.phases())
+                });
+            }
         }
     }
 }
