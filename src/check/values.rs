@@ -143,12 +143,10 @@ impl At<'_> {
         let [least, most] = DENSITIES_KG_M3;
         let listed = self.study.parameters();
         let of = |name: &'static str| listed.iter().filter(move |one| one.name == name);
-        let is_fixed = |name| !of(name).any(ListedParameter::is_varied);
+        let is_varied = |name| of(name).any(ListedParameter::is_varied);
         let (problem, allowed) = if !(least..=most).contains(&density) {
             ("no material has the density of the balls", format!("{least} to {most} kg/m³"))
-        } else if ["ball_mass_kg", "ball_diameter_m"].into_iter().all(is_fixed)
-            && has_mass_of_template(ball)
-        {
+        } else if !is_varied("ball_mass_kg") && has_mass_of_template(ball) {
             let problem = "the balls have the mass of the default machine or of a template, but not its diameter";
             (problem, "the mass of a ball of this diameter".to_owned())
         } else {
@@ -157,12 +155,13 @@ impl At<'_> {
         let steel_kg = STEEL_KG_M3 * sphere_volume_m3(ball.diameter_m);
         let mass = self.key("ball_mass_kg", Some(number));
         let diameter = self.key("ball_diameter_m", Some(number));
-        let is_default = |name| of(name).any(|one| one.is_default && !one.is_varied());
+        let is_default = of("ball_mass_kg").any(|one| one.is_default);
+        let is_of_diameter = is_default || is_varied("ball_diameter_m");
         let units = match [&mass, &diameter].map(|key| self.study.key_with_unit(key).is_some()) {
             [true, true] => "",
             _ => ", with the mass in kg and the diameter in m",
         };
-        let key = if is_default("ball_mass_kg") { diameter } else { mass };
+        let key = if is_of_diameter && !is_varied("ball_mass_kg") { diameter } else { mass };
         Some(Finding {
             kind: "ball_density",
             key,

@@ -278,8 +278,14 @@ fn slips_are_warnings_with_their_key_and_line() {
             MACHINE,
             "design: {balls: {from: 1, to: 8}, ball_diameter_m: {from: 0.002, to: 0.012}}\n\
              responses: {half: median_time_to_rest}\n",
-            "overlapping_rests designs_without_room",
+            "ball_density overlapping_rests designs_without_room",
             "design.ball_diameter_m",
+        ),
+        (
+            MACHINE,
+            "sweep: [{grid: {ball_diameter_m: [0.003, 0.005]}}]\n",
+            "ball_density",
+            "sweep[0].grid.ball_diameter_m",
         ),
         (
             "model: {kind: ball_balancer, parameters: {table_mass_kg: 3, speed_rad_s: 628}}\n",
