@@ -48,6 +48,7 @@ pub(super) fn findings(
         at.friction(&machine.friction, ball.friction_coefficient, Some(number))
     }));
     all.extend(at.speed(machine));
+    all.extend(at.profile(machine));
     all.extend(LIMITS.iter().filter_map(|limit| at.limit(machine, limit)));
     all.extend(at.balance(machine));
     all.extend(at.runout(machine));
@@ -218,6 +219,30 @@ impl At<'_> {
             found: format!("{} rad/s, which is {:.0} rpm", short(speed), speed.abs() * 60.0 / TAU),
             remedy: format!("at most {FASTEST_RAD_S:e} rad/s{}", self.remark(&key, RPM)),
             key,
+        })
+    }
+
+    fn profile(&self, machine: &Machine) -> Option<Finding> {
+        let [_, end_s] = self.study.simulation().end_times_s();
+        let disc = machine.disc_motion();
+        let (last, _) = disc.segments().last()?;
+        // A profile that ends with a plateau sets the end time itself.
+        let has_end = machine.speed_profile.as_ref()?.end_time_s().is_some();
+        let keys = ["simulation.end_time_s", "model.speed_profile", "model.protocol"];
+        (!has_end && end_s <= last.begins_s).then(|| Finding {
+            kind: "profile_beyond_end",
+            key: keys.into_iter().find(|key| self.study.has_key(key)).unwrap_or("model").to_owned(),
+            problem: "runs end within the speed profile, and no run reaches the last speed"
+                .to_owned(),
+            found: format!(
+                "an end at {} s with {} rad/s; the profile reaches {} rad/s at {} s",
+                short(end_s),
+                short(disc.speed_rad_s(end_s)),
+                short(machine.speed_rad_s),
+                short(last.begins_s)
+            ),
+            remedy: "a larger simulation.end_time_s, with time to come to rest at the last speed"
+                .to_owned(),
         })
     }
 

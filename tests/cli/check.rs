@@ -312,6 +312,12 @@ fn slips_are_warnings_with_their_key_and_line() {
             "model.normal_force",
         ),
         (
+            "model: {kind: ball_balancer, protocol: startup}\n",
+            "",
+            "profile_beyond_end",
+            "simulation.end_time_s",
+        ),
+        (
             "model: {kind: block_on_belt, parameters: {friction_coefficient: 5}}\n",
             "",
             "friction_coefficient",
