@@ -141,16 +141,27 @@ fn mostly_defaults(study: &Study) -> Option<Finding> {
     })
 }
 
-/// Warns of values of `model.parameters` without effect, because the sweep sets others at all points.
+/// Warns of values of `model.parameters` without effect, because the sweep sets others at all points, or a distribution in
+/// all runs.
 fn overridden(study: &Study) -> Vec<Finding> {
     let finding = |one: ListedParameter| {
-        let swept = one.swept.filter(|swept| swept.overrides)?;
-        let values = match swept.range {
+        let swept = one.swept.filter(|swept| swept.overrides);
+        let drawn = one.uncertain.and_then(|drawn| Some((drawn.overridden?, drawn.range)));
+        let (own, values, sets, place) = match (swept, drawn) {
+            (Some(swept), _) => {
+                (one.value, swept.range, "sweep sets this parameter at every point", "sweep")
+            }
+            (None, Some((own, range))) => {
+                (own, Some(range), "distribution sets this parameter in every run", "distribution")
+            }
+            (None, None) => return None,
+        };
+        let values = match values {
             Some([low, high]) if low < high => format!("{} to {}", short(low), short(high)),
             Some([only, _]) => short(only),
             None => "another word".to_owned(),
         };
-        let value = match one.value {
+        let value = match own {
             ParameterValue::Number(number) => short(number),
             ParameterValue::Text(word) => word.to_owned(),
         };
@@ -160,11 +171,9 @@ fn overridden(study: &Study) -> Vec<Finding> {
         Some(Finding {
             kind: "overridden_value",
             key,
-            problem:
-                "the value has no effect, because the sweep sets this parameter at every point"
-                    .to_owned(),
-            found: format!("{value}; the sweep has {values}"),
-            remedy: "this value in the sweep, or only one of both keys".to_owned(),
+            problem: format!("the value has no effect, because the {sets}"),
+            found: format!("{value}; the {place} has {values}"),
+            remedy: format!("this value in the {place}, or only one of both keys"),
         })
     };
     study.parameters().into_iter().filter_map(finding).collect()

@@ -271,7 +271,7 @@ fn slips_are_warnings_with_their_key_and_line() {
         (
             MACHINE,
             "uncertain: {friction_coefficient: {uniform: {min: 1, max: 9}}}\n",
-            "friction_coefficient balls_held_everywhere",
+            "friction_coefficient balls_held_everywhere overridden_value",
             "uncertain.friction_coefficient",
         ),
         (
@@ -365,7 +365,7 @@ fn extreme_values_have_closed_forms() {
     let report = report(&scratch, "a.yaml");
     assert_eq!(
         (kinds(&report), &report["closed_form"]["points"]),
-        (vec!["invalid_draws".into()], &json!([]))
+        (vec!["overridden_value".into(), "invalid_draws".into()], &json!([]))
     );
     assert_has(&scratch.well("check a.yaml"), &["at 0 of 1 points"]);
 }

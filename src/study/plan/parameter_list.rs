@@ -44,6 +44,8 @@ pub struct UncertainRange {
     pub range: [f64; 2],
     /// Whether the draw is a factor that multiplies the value.
     pub factor: bool,
+    /// The value of `model.parameters`, if it differs from the median and no run has it.
+    pub overridden: Option<ParameterValue>,
 }
 
 impl ListedParameter {
@@ -124,6 +126,7 @@ impl Study {
             uncertain: drawn.map(|one| UncertainRange {
                 range: [0.025, 0.975].map(|fraction| one.distribution.quantile(fraction)),
                 factor: one.factor,
+                overridden: Some(own).filter(|own| self.gives(&name) && !is_same(*own, value)),
             }),
             design: self.design_range(parameter),
             name,
@@ -198,12 +201,8 @@ impl Study {
         texts.sort_unstable();
         texts.dedup();
         let count = numbers.len() + texts.len();
-        let has_own = match own {
-            ParameterValue::Number(own) => {
-                numbers.iter().any(|one| (one - own).abs() <= SAME * own.abs())
-            }
-            ParameterValue::Text(own) => texts.contains(&own),
-        };
+        let has_own = numbers.iter().any(|one| is_same(own, ParameterValue::Number(*one)))
+            || texts.iter().any(|one| is_same(own, ParameterValue::Text(one)));
         let overrides = self.gives(&parameter.name()) && !has_own;
         Some(SweptValues { count, range: range(numbers.into_iter()), overrides })
     }
@@ -256,6 +255,15 @@ impl Study {
 /// The fraction by which a swept value may differ from the one in `model.parameters` that it repeats, such as `628.3` for
 /// `6000 rpm`.
 const SAME: f64 = 1e-3;
+
+fn is_same(own: ParameterValue, other: ParameterValue) -> bool {
+    match (own, other) {
+        (ParameterValue::Number(own), ParameterValue::Number(other)) => {
+            (other - own).abs() <= SAME * own.abs()
+        }
+        (own, other) => own == other,
+    }
+}
 
 /// Returns the smallest and the largest number, if there are any.
 fn range(numbers: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
