@@ -15,7 +15,7 @@ use super::existence::Existence;
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
 use super::point_keys::merged;
-use crate::check::{ExaminedDesign, Warning, warnings};
+use crate::check::{ExaminedDesign, Warning, points_to_examine, warnings};
 use crate::counted::counted;
 use crate::engine::say;
 use crate::model::{Endings, Extend, Method};
@@ -189,15 +189,11 @@ fn rows(
         (None, 1) => format!("{} with 1 {}", kind.name, kind.body),
         (None, contacts) => format!("{} with {contacts} {}s", kind.name, kind.body),
     };
-    let (friction, natural) = (model.friction().name(), model.natural_frequency_rad_s());
-    let at_most = if described.sweeps_balls() { " with the most balls" } else { "" };
+    let (friction, natural) = (model.friction().name(), natural_frequency(described));
     let (hash, seed) = (&study.hash()[..12], study.seed());
     let mut rows = vec![
         ("study", format!("{} (hash {hash}, seed {seed})", study.name())),
-        (
-            "model",
-            format!("{what}, {friction} friction, natural frequency {natural:.3} rad/s{at_most}"),
-        ),
+        ("model", format!("{what}, {friction} friction, natural frequency {natural} rad/s")),
         ("swept", names(study.swept())),
         ("uncertain", names(study.uncertain()) + &sampled_together(study)),
     ];
@@ -230,6 +226,16 @@ fn rows(
 fn sampled_together(study: &Study) -> String {
     let Some((design, correlations)) = study.uncertain_sampling() else { return String::new() };
     let correlations = match correlations {
+/// Returns the natural frequencies of the points, with uncertain parameters at their medians, in rad/s.
+fn natural_frequency(study: &Study) -> String {
+    let points = points_to_examine(study.point_count(), most_points(study)).into_iter();
+    let each = points.map(|point| study.point(point).model().natural_frequency_rad_s());
+    let [low, high] = each
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], one| [low.min(one), high.max(one)]);
+    let [least, most] = [low, high].map(|one| format!("{one:.3}"));
+    if least == most { least } else { format!("{least} to {most}") }
+}
+
         0 => String::new(),
         count => format!(", {}", counted(count as u64, "rank correlation")),
     };

@@ -769,6 +769,20 @@ fn a_block_has_a_static_reach() {
     assert_has(&scratch.well("check a.yaml"), &["machine (block_on_belt)\n", "static reach [m]"]);
 }
 
+/// The natural frequency is that of the medians at the points, and the speed of a profile is no default.
+#[test]
+fn the_machine_is_that_of_the_runs() {
+    let scratch = Scratch::new();
+    let model = "model: {kind: ball_balancer, speed_profile: [{ramp: {from_rad_s: -31, to_rad_s: -200, over_s: 2}}]}\n";
+    let rest = "sweep: [{grid: {table_mass_kg: [0.324, 0.4]}}]\n\
+                uncertain: {stiffness_n_m: {uniform: {min: 8000, max: 9000}}}\n";
+    scratch.write("a.yaml", study(model, rest));
+    let text = scratch.well("check a.yaml");
+    assert_has(&text, &["natural frequency 145.7", " to 161.887 rad/s\n"]);
+    let speed = text.lines().find(|line| line.contains(" speed_rad_s ")).unwrap();
+    assert!(speed.trim_end().ends_with("-200 rad/s"), "{speed}");
+}
+
 /// A study of designs has the cost of one design, and a search its goal, size and cost.
 #[test]
 fn designs_and_searches_have_a_price() {

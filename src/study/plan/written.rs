@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::study::error::{Location, shorten};
+use crate::study::file::stages_file::ProfilePartFile;
 use crate::study::file::study_file::{ModelFile, StudyFile};
 use crate::study::file::yaml_tree::{Content, Node, Source};
 use crate::study::plan::planned_study::Study;
@@ -123,6 +124,15 @@ fn given(model: &ModelFile) -> HashSet<String> {
     };
     let mut given: HashSet<String> = names(&values["parameters"]).into_iter().collect();
     given.extend(names(&values).into_iter().filter(|name| name != "parameters"));
+    // The last change of a speed profile gives the speed of the machine.
+    let last = model.speed_profile.iter().flatten().rev().find_map(|part| match part {
+        ProfilePartFile::HoldS(_) => None,
+        ProfilePartFile::Table(_) => Some(true),
+        ProfilePartFile::Ramp(ramp) | ProfilePartFile::SmoothRamp(ramp) => {
+            Some(ramp.to_rad_s.is_some())
+        }
+    });
+    given.extend(last.filter(|is_given| *is_given).map(|_| "speed_rad_s".to_owned()));
     given
 }
 
