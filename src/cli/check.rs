@@ -9,7 +9,7 @@ use super::check_machine::{machine_json, machine_text};
 use super::check_points::ClosedForms;
 use super::check_run_up::{run_up_json, run_up_rows};
 use super::cost::Cost;
-use super::design_cost::DesignCost;
+use super::design_cost::{DesignCost, identify_json, identify_row};
 use super::duration::cost_in_words;
 use super::existence::Existence;
 use super::exit::{CliError, End};
@@ -139,6 +139,9 @@ pub fn check_json(study: &Study, existence: bool) -> Value {
     if let Some(designs) = DesignCost::of(study) {
         report = merged(report, designs.json());
     }
+    if let Some(cost) = identify_json(study) {
+        report["identify"] = cost;
+    }
     if existence {
         report["existence"] = Existence::of(study).json();
     }
@@ -219,13 +222,10 @@ fn rows(
     if let Some(designs) = designs {
         rows.extend(designs.rows());
     }
+    rows.extend(identify_row(study));
     rows
 }
 
-/// Returns how the uncertain parameters are sampled together, in parentheses; empty if their draws are independent.
-fn sampled_together(study: &Study) -> String {
-    let Some((design, correlations)) = study.uncertain_sampling() else { return String::new() };
-    let correlations = match correlations {
 /// Returns the natural frequencies of the points, with uncertain parameters at their medians, in rad/s.
 fn natural_frequency(study: &Study) -> String {
     let points = points_to_examine(study.point_count(), most_points(study)).into_iter();
@@ -236,6 +236,10 @@ fn natural_frequency(study: &Study) -> String {
     if least == most { least } else { format!("{least} to {most}") }
 }
 
+/// Returns how the uncertain parameters are sampled together, in parentheses; empty if their draws are independent.
+fn sampled_together(study: &Study) -> String {
+    let Some((design, correlations)) = study.uncertain_sampling() else { return String::new() };
+    let correlations = match correlations {
         0 => String::new(),
         count => format!(", {}", counted(count as u64, "rank correlation")),
     };

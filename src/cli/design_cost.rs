@@ -67,6 +67,29 @@ impl<'a> DesignCost<'a> {
     }
 }
 
+/// Returns the numbers of parameter sets and runs of `identify`, and the cost of these runs, if the study has this key.
+fn identify_cost(study: &Study) -> Option<(u64, u64, Cost)> {
+    let (study, identification) = study.for_identification()?;
+    let sets = identification.designs;
+    let runs = sets.saturating_mul(study.least_run_count());
+    Some((sets, runs, Cost::of_a_design(&study).times(sets as f64)))
+}
+
+/// Returns the cost of `identify` as a row of a table.
+pub(super) fn identify_row(study: &Study) -> Option<(&'static str, String)> {
+    let (sets, runs, cost) = identify_cost(study)?;
+    let text = format!("{sets} parameter sets, {runs} runs; {}", cost_in_words(&cost));
+    Some(("identify", text))
+}
+
+/// Returns the cost of `identify` as JSON.
+pub(super) fn identify_json(study: &Study) -> Option<Value> {
+    let (sets, runs, cost) = identify_cost(study)?;
+    let mut object = cost_json(runs, &cost);
+    object["designs"] = sets.into();
+    Some(object)
+}
+
 fn cost_json(runs: u64, cost: &Cost) -> Value {
     json!({
         "runs": runs,

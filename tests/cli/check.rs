@@ -831,6 +831,12 @@ fn designs_and_searches_have_a_price() {
     assert!(design.get("optimize").is_none());
     scratch.write("a.yaml", study_text("a", "{sobol: {samples: 1}}", AT_ONCE, ""));
     assert!(report(&scratch, "a.yaml").get("design_cost").is_none());
+    let path = shipped("identify-contact.yaml");
+    let own = report(&scratch, &path);
+    let ratio = seconds(&own["identify"], "core_seconds") / seconds(&own, "core_seconds");
+    assert!((ratio - 1000.0).abs() < 1e-6, "{ratio}");
+    let text = scratch.well(&format!("check {path}"));
+    assert_has(&text, &["identify      1000 parameter sets, 640000 runs; about "]);
 }
 
 /// Where the points of a sweep differ, the run-up is that of the point at which the balls slip longest.
