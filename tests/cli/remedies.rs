@@ -68,7 +68,11 @@ fn more_time_decides_only_what_is_sought() {
                  a larger simulation.end_time_s or simulation.extend decides only runs that come to rest or are irregular.\n";
     assert_has(&block(""), &[rests]);
     let jump = ", friction: {stribeck: {static_friction_coefficient: 0.2, stribeck_speed_m_s: 0}}";
-    assert_has(&block(jump), &["or simulation.extend decides more.\n"]);
+    let sliding = "or simulation.extend decides more, but no run in which the block keeps sliding with constant amplitude.\n";
+    assert_has(&block(jump), &[sliding]);
+    scratch.write("b.yaml", study(AT_ONCE, "").replace("balancer}", "balancer, contact: {}}"));
+    let text = scratch.well("run b.yaml --out contact");
+    assert_has(&text, &["or simulation.extend decides more, but no quasi-periodic motion.\n"]);
 }
 
 /// The column `no balls` is a median over the runs; a line says so if the draws change this amplitude.
