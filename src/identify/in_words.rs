@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::fit_test::{SiteFit, TESTED};
 use super::inference::{Inference, Inferred};
 use super::posterior::{Marginal, Posterior};
-use super::warnings::warnings;
+use super::warnings::{is_accurate, warnings};
 use crate::optimize::short;
 use crate::text_table::text_table;
 
@@ -140,6 +140,10 @@ fn fit_in_words(inference: &Inference, inferred: &Inferred) -> String {
     text.push_str(&format!(
         "{verdict} the {runs} measured runs (p = {probability:.3} over all rows; level {LEVEL}).\n"
     ));
+    let is_accurate = |one| is_accurate(inferred, one);
+    if probability < LEVEL && !inferred.posterior.marginals.iter().all(is_accurate) {
+        text.push_str("The simulated runs are too few for this verdict, too; see the warning.\n");
+    }
     if inferred.fits.iter().any(|fit| fit.tested < fit.measured.iter().sum::<u64>()) {
         text.push_str(&format!(
             "In rows with more than {TESTED} measured runs, the test compares {TESTED} of them, drawn at random.\n"

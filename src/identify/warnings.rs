@@ -7,6 +7,8 @@ use crate::study::DesignValue;
 
 /// Errors from the number of simulated runs above this give a warning, over the standard deviation of the posterior.
 const INACCURATE: f64 = 0.5;
+/// The fewest parameter sets from which this error is estimated, for each coefficient of the local quadratic regression.
+const SETS_PER_COEFFICIENT: usize = 10;
 /// A wider prior is proposed: wider by the first of these parts of its width that gives a possible machine.
 const WIDER: [f64; 3] = [0.5, 0.2, 0.1];
 
@@ -36,14 +38,30 @@ pub fn warnings(inference: &Inference, inferred: &Inferred) -> Vec<String> {
     };
     let inaccurate = |one: &Marginal| {
         let (sets, runs) = (inferred.sets.len(), study.run_count());
+        let few = match fewest_sets(inferred) {
+            fewest if sets < fewest => format!(" (an estimate that needs at least {fewest} sets)"),
+            _ => String::new(),
+        };
         format!(
             "identify.designs: too few simulated runs for an accurate posterior of {}\n  found:  {sets} parameter sets with \
-             {runs} runs each, which give an error of {:.1} standard deviations; the interval includes it, and all \
-             inferences from these runs share it\n  remedy: more parameter sets (start_designs and designs), or more runs in each",
+             {runs} runs each, which give an error of about {:.1} standard deviations{few}; the interval may be too narrow or \
+             misplaced by as much, and all inferences from these runs share the error\n  remedy: more parameter sets \
+             (start_designs and designs), or more runs in each, before the interval is used",
             one.name, one.simulation_error
         )
     };
-    let accurate = |one: &&Marginal| one.simulation_error <= INACCURATE;
     let leaning = marginals.iter().enumerate().filter_map(leaning);
-    leaning.chain(marginals.iter().filter(|one| !accurate(one)).map(inaccurate)).collect()
+    leaning
+        .chain(marginals.iter().filter(|one| !is_accurate(inferred, one)).map(inaccurate))
+        .collect()
+}
+
+/// Returns whether enough runs are simulated for the posterior of a parameter.
+pub(super) fn is_accurate(inferred: &Inferred, one: &Marginal) -> bool {
+    one.simulation_error <= INACCURATE && inferred.sets.len() >= fewest_sets(inferred)
+}
+
+fn fewest_sets(inferred: &Inferred) -> usize {
+    let parameters = inferred.posterior.marginals.len();
+    SETS_PER_COEFFICIENT * (parameters + 1) * (parameters + 2) / 2
 }
