@@ -45,7 +45,7 @@ pub fn warnings(inference: &Inference, inferred: &Inferred) -> Vec<String> {
         format!(
             "identify.designs: too few simulated runs for an accurate posterior of {}\n  found:  {sets} parameter sets with \
              {runs} runs each, which give an error of about {:.1} standard deviations{few}; the interval may be too narrow or \
-             misplaced by as much, and all inferences from these runs share the error\n  remedy: more parameter sets \
+             misplaced by that much or more, and all inferences from these runs share the error\n  remedy: more parameter sets \
              (start_designs and designs), or more runs in each, before the interval is used",
             one.name, one.simulation_error
         )
