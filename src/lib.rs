@@ -9,6 +9,7 @@
 //!
 //! - [`study`]: a validated study file and its plan, which computes any run from its number.
 //! - [`model`]: parameters, equations of motion, friction laws.
+//! - `graph`: straight-line programs.
 //! - [`motion`]: integration, the switch model, stick and slip.
 //! - [`classification`]: how a run ends, and the evidence.
 //! - [`engine`]: distribution of runs over cores and shards, storage of finished runs, progress,
@@ -39,7 +40,7 @@
 //! assert_eq!(outcome.label(), Label::Equilibrium);
 //! assert!(outcome.time_to_rest_s < Some(16.5));
 //! ```
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 #![deny(missing_docs)]
 
 pub mod analysis;
@@ -49,6 +50,7 @@ pub mod cli;
 mod command_error;
 mod counted;
 pub mod engine;
+mod graph;
 pub mod identify;
 pub mod model;
 pub mod motion;

@@ -70,6 +70,7 @@ pub fn readable_results(directory: &Path) -> Result<Readable, CommandError> {
     };
     let mut written = results.finish(study, circumstances)?;
     written.host.clone_from(&manifest.host);
+    written.computed_by.clone_from(&manifest.computed_by);
     let Readable { study, .. } = finished;
     Ok(Readable { study, manifest: written, tables, temporary: Some(temporary) })
 }

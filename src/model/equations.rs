@@ -134,7 +134,7 @@ impl<const N: usize, T: Number> Balancer<N, T> {
 
     /// Returns the Euler force on a ball against positive `β`, over its mass: `(1 - 2 J d) α`.
     #[inline]
-    fn euler_force(&self, ball: usize) -> Option<T> {
+    pub(super) fn euler_force(&self, ball: usize) -> Option<T> {
         self.acceleration.map(|acceleration| {
             let BalancerBall { inertia, diameter, .. } = self.balls[ball];
             (T::constant(1.0) - T::constant(2.0) * inertia * diameter) * acceleration
@@ -163,9 +163,6 @@ impl<const N: usize, T: Number> Balancer<N, T> {
         terms: &[BallTerms<T>; N],
     ) -> TableEquations<T> {
         let zero = T::constant(0.0);
-        let [x, y] = state.position;
-        let [x_dot, y_dot] = state.velocity;
-        let omega = self.speed;
         let (mut m_xx, mut m_xy, mut m_yx, mut m_yy) = (zero, zero, zero, zero);
         let (mut balls_x, mut balls_y) = (zero, zero);
         for term in terms {
@@ -178,20 +175,31 @@ impl<const N: usize, T: Number> Balancer<N, T> {
             balls_x = balls_x + (c * outward - s * held);
             balls_y = balls_y + (s * outward + c * held);
         }
+        let force = self.force_on_table(state, [balls_x, balls_y]);
+        TableEquations { matrix: [m_xx, m_xy, m_yx, m_yy], force }
+    }
+
+    /// Returns the force on the table, with that of the balls.
+    #[inline]
+    pub(super) fn force_on_table(&self, state: &State<N, T>, balls: [T; 2]) -> [T; 2] {
+        let [x, y] = state.position;
+        let [x_dot, y_dot] = state.velocity;
+        let omega = self.speed;
         let drag = T::constant(2.0) * self.damping_ratio;
+        let [balls_x, balls_y] = balls;
         let force_x = balls_x + (self.imbalance * omega * omega - x - drag * (x_dot - omega * y));
         let force_y = balls_y - y - drag * (y_dot + omega * x);
         let euler = self.acceleration.map(|acceleration| self.imbalance * acceleration);
         let force_y = euler.map_or(force_y, |euler| force_y - euler);
-        let [force_x, force_y] = match self.runout_acceleration() {
+        match self.runout_acceleration() {
             None => [force_x, force_y],
             Some([s_x, s_y]) => {
+                let zero = T::constant(0.0);
                 let balls = self.balls.iter().fold(zero, |sum, ball| sum + ball.mass);
                 let table = T::constant(1.0) - balls;
                 [force_x - table * s_x, force_y - table * s_y]
             }
-        };
-        TableEquations { matrix: [m_xx, m_xy, m_yx, m_yy], force: [force_x, force_y] }
+        }
     }
 
     /// Returns accelerations and forces for a known acceleration of the table. `pushed` returns the tangential and the

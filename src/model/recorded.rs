@@ -53,7 +53,8 @@ pub fn record_contact<'r>(
     friction: &Friction,
     speed: Expression<'r>,
 ) -> Contact<Expression<'r>> {
-    let [free, direction, slips] = ["free", "direction", "slips"].map(|name| recorder.input(name));
+    let free = recorder.switch("free");
+    let [direction, slips] = ["direction", "slips"].map(|name| recorder.input(name));
     friction.record(recorder, [free, direction], slips * speed)
 }
 
@@ -157,6 +158,67 @@ impl<const N: usize> Balancer<N> {
     }
 }
 
+impl<'r, const N: usize> Balancer<N, Expression<'r>> {
+    /// Records the accelerations of the table and of the balls as unknowns of one linear system, and the forces that follow
+    /// from them.
+    fn record_forces(
+        &self,
+        recorder: &'r Recorder,
+        state: &State<N, Expression<'r>>,
+        contacts: &[Contact<Expression<'r>>; N],
+    ) -> Forces<N, Expression<'r>> {
+        let terms = self.ball_terms(state, contacts, &state.beta.map(Number::sin_cos));
+        let one = Expression::constant(1.0);
+        let zero = Expression::constant(0.0);
+        let mut matrix = vec![vec![zero; N + 2]; N + 2];
+        let mut balls = [zero; 2];
+        let mut held = Vec::with_capacity(N);
+        // What a ball that slips feels of the table's acceleration along the ring, and what a ball that sticks does.
+        let felt = |i: usize| {
+            let friction = contacts[i].signed_friction;
+            let (sine, cosine) = (terms[i].sine, terms[i].cosine);
+            [sine + friction * cosine, cosine - friction * sine]
+        };
+        (matrix[0][0], matrix[1][1]) = (one, one);
+        for (i, term) in terms.iter().enumerate() {
+            let (ball, contact) = (&self.balls[i], &contacts[i]);
+            let (sine, cosine) = (term.sine, term.cosine);
+            matrix[0][2 + i] = -(ball.mass * sine);
+            matrix[1][2 + i] = ball.mass * cosine;
+            balls[0] = balls[0] + cosine * term.outward;
+            balls[1] = balls[1] + sine * term.outward;
+            if let Some(euler) = term.euler {
+                balls[0] = balls[0] + sine * euler;
+                balls[1] = balls[1] - cosine * euler;
+            }
+            let mobility = ball.mobility * contact.free;
+            let [felt_x, felt_y] = felt(i);
+            matrix[2 + i][0] = -(mobility * felt_x);
+            matrix[2 + i][1] = mobility * felt_y;
+            matrix[2 + i][2 + i] = one;
+            let own = contact.signed_friction * term.pressed + contact.drag;
+            held.push(-(mobility * self.euler_force(i).map_or(own, |euler| own + euler)));
+        }
+        let mut right = self.force_on_table(state, balls).to_vec();
+        right.extend(held);
+        let accelerations = recorder.accelerations(&matrix, &right);
+        let table = [accelerations[0], accelerations[1]];
+        let normal = std::array::from_fn(|i| {
+            let felt = terms[i].cosine * table[0] + terms[i].sine * table[1];
+            terms[i].pressed - felt
+        });
+        let friction = std::array::from_fn(|i| {
+            let [felt_x, felt_y] = felt(i);
+            let along = felt_x * table[0] - felt_y * table[1];
+            let along = self.euler_force(i).map_or(along, |euler| along - euler);
+            let Contact { free, signed_friction, drag } = contacts[i];
+            free * (signed_friction * normal[i] + drag) + (one - free) * along
+        });
+        let beta_ddot = std::array::from_fn(|i| accelerations[2 + i]);
+        Forces { table_acceleration: table, beta_ddot, normal, friction }
+    }
+}
+
 impl<const N: usize> Turns for Balancer<N> {
     fn record_turning<'r>(
         &self,
@@ -168,7 +230,7 @@ impl<const N: usize> Turns for Balancer<N> {
         let contacts = std::array::from_fn(|i| {
             record_contact(recorder, &self.balls[i].friction, state.beta_dot[i])
         });
-        let forces = balancer.forces(&state, &contacts);
+        let forces = balancer.record_forces(recorder, &state, &contacts);
         equations(&state, &balancer.derivative(&state, &contacts, &forces), &forces, true)
     }
 

@@ -14,6 +14,7 @@ use super::table_error::TableError;
 use super::verified_files::{ListedFiles, is_file_name};
 use crate::analysis::{FailureCounts, LabelCounts};
 use crate::classification::{Label, MODEL_VERSION};
+use crate::motion::SimdLevel;
 use crate::sanitize::{is_acted_on, one_line, shell_word, shorten};
 use crate::study::Study;
 
@@ -113,6 +114,10 @@ pub struct Manifest {
     pub merging: Vec<String>,
     /// Name of the host.
     pub host: String,
+    /// The vector instructions, and whether recorded equations run as machine code or in an interpreter. The results do not
+    /// depend on it.
+    #[serde(default)]
+    pub computed_by: String,
     /// The data files; for a table that is a directory, each of its parts.
     pub files: BTreeMap<String, FileEntry>,
 }
@@ -148,6 +153,7 @@ impl Manifest {
             // A merged directory is like any other.
             merging: if complete { Vec::new() } else { merging },
             host: gethostname::gethostname().to_string_lossy().into_owned(),
+            computed_by: SimdLevel::best().path(),
             files,
         }
     }
@@ -191,10 +197,11 @@ impl Manifest {
     /// must be consistent.
     fn check_values(&self) -> Result<(), String> {
         let names = self.files.keys().chain(self.labels.keys()).chain(self.failures.keys());
-        let texts = [&self.study, &self.study_hash, &self.version, &self.commit, &self.host];
+        let texts = [&self.study, &self.study_hash, &self.version, &self.commit];
+        let texts = texts.into_iter().chain([&self.host, &self.computed_by]);
         let shown =
             |text: &&String| text.chars().count() > LONGEST_TEXT || text.chars().any(is_acted_on);
-        if let Some(text) = texts.into_iter().chain(names).find(shown) {
+        if let Some(text) = texts.chain(names).find(shown) {
             return Err(format!("{MANIFEST} has a text that cannot be shown: {}", shorten(text)));
         }
         let numbers = self.shard.split_once('/').map(|(part, of)| (part.parse(), of.parse()));

@@ -75,4 +75,7 @@ pub struct Solve {
     pub matrix: Vec<NodeId>,
     /// The right-hand side.
     pub right: Vec<NodeId>,
+    /// Whether an unknown that its own equation contains with the factor 1 is eliminated first, without a comparison of
+    /// pivots.
+    pub has_sound_diagonal: bool,
 }

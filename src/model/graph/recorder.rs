@@ -18,6 +18,7 @@ struct Recording {
     known: HashMap<(u8, u64, u64), NodeId>,
     solves: Vec<Solve>,
     inputs: Vec<String>,
+    switches: Vec<u32>,
     states: u32,
 }
 
@@ -106,6 +107,8 @@ pub struct Graph {
     pub solves: Vec<Solve>,
     /// The names of the inputs.
     pub inputs: Vec<String>,
+    /// The inputs that are 0 or 1.
+    pub switches: Vec<u32>,
     /// The time derivative of each component of the state.
     pub derivative: Vec<NodeId>,
     /// Sliding speed, sliding acceleration, normal force and friction force of each contact.
@@ -159,6 +162,15 @@ impl Recorder {
         Expression::node(self, self.add(Node::Input(index)))
     }
 
+    /// Returns a new input that is 0 or 1.
+    pub fn switch(&self, name: impl Into<String>) -> Expression<'_> {
+        let mut recording = self.0.borrow_mut();
+        let index = recording.inputs.len() as u32;
+        recording.switches.push(index);
+        drop(recording);
+        self.input(name)
+    }
+
     /// Returns the next component of the state. The time of a system whose equations contain it is a component with
     /// the rate of change 1.
     pub fn state(&self) -> Expression<'_> {
@@ -191,11 +203,34 @@ impl Recorder {
         matrix: &[Vec<Expression<'r>>],
         right: &[Expression<'r>],
     ) -> Vec<Expression<'r>> {
+        self.unknowns(matrix, right, false)
+    }
+
+    /// Returns accelerations, the solution of the equations of motion `A x = b` of coordinates, each of which stands in the
+    /// equation of its own coordinate with a factor that is not small. Accelerations with the factor 1 are eliminated first,
+    /// whatever the other entries are.
+    ///
+    /// # Panics
+    /// Panics if the matrix is not square: a system with such equations is a programming error.
+    pub fn accelerations<'r>(
+        &'r self,
+        matrix: &[Vec<Expression<'r>>],
+        right: &[Expression<'r>],
+    ) -> Vec<Expression<'r>> {
+        self.unknowns(matrix, right, true)
+    }
+
+    fn unknowns<'r>(
+        &'r self,
+        matrix: &[Vec<Expression<'r>>],
+        right: &[Expression<'r>],
+        has_sound_diagonal: bool,
+    ) -> Vec<Expression<'r>> {
         let size = right.len();
         assert!(matrix.len() == size && matrix.iter().all(|row| row.len() == size), "not square");
         let ids = |all: &[Expression<'r>]| all.iter().map(|one| one.id(self)).collect::<Vec<_>>();
-        let solve =
-            Solve { matrix: matrix.iter().flat_map(|row| ids(row)).collect(), right: ids(right) };
+        let matrix = matrix.iter().flat_map(|row| ids(row)).collect();
+        let solve = Solve { matrix, right: ids(right), has_sound_diagonal };
         let mut recording = self.0.borrow_mut();
         let index = recording.solves.len() as u32;
         recording.solves.push(solve);
@@ -226,11 +261,12 @@ impl Recorder {
             [one.opening_acceleration, one.force].map(|expression| expression.id(self))
         };
         let gaps = equations.gaps.iter().map(gap).collect();
-        let Recording { nodes, solves, inputs, .. } = &*self.0.borrow();
+        let Recording { nodes, solves, inputs, switches, .. } = &*self.0.borrow();
         Graph {
             nodes: nodes.clone(),
             solves: solves.clone(),
             inputs: inputs.clone(),
+            switches: switches.clone(),
             derivative,
             contacts,
             events,

@@ -106,7 +106,7 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
     pub(super) fn enter(&mut self, lane: usize, state: &[f64]) {
         let Some(own) = &self.lanes[lane] else { return };
         self.kernel.set_lane(&mut self.state, lane, state);
-        self.kernel.set_phases(lane, own, state);
+        self.kernel.set_phases(&mut self.room, lane, own, state);
         self.kernel.set_rest(lane, own, state);
         self.gaps.set(lane, own);
     }

@@ -38,7 +38,7 @@ pub(super) trait Kernel<S: Vector>: Sized {
     /// Sets the parameters of a lane, without those that depend on phases.
     fn set_system(&mut self, lane: usize, own: &Lane);
     /// Sets the parameters of a lane that depend on its phases and on what only events change.
-    fn set_phases(&mut self, lane: usize, own: &Lane, state: &[f64]);
+    fn set_phases(&mut self, room: &mut Self::Room, lane: usize, own: &Lane, state: &[f64]);
     /// Prepares the detection of rest from a state in which a lane begins a phase.
     fn set_rest(&mut self, lane: usize, own: &Lane, state: &[f64]);
     /// Forgets a lane.

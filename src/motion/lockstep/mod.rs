@@ -23,8 +23,10 @@ mod lane;
 mod lane_group;
 #[cfg(test)]
 mod leaving_the_ring;
+mod machine_code;
 mod pressure;
 mod root_isolation;
+mod run;
 mod simd_level;
 mod step_length;
 mod step_states;

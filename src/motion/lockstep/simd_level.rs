@@ -6,7 +6,8 @@ use fearless_simd::Level;
 
 use super::lane_group::LaneGroup;
 use super::lanes_with;
-use super::vector::Baseline;
+use super::machine_code;
+use super::vector::{Baseline, Vector};
 use crate::model::System;
 
 /// The vector instructions of the lockstep engine. Results do not depend on them.
@@ -71,6 +72,24 @@ impl SimdLevel {
             Instructions::Neon(_) => "neon",
             Instructions::Baseline(_) => "baseline",
         }
+    }
+
+    /// Returns how programs run with these instructions: `avx512 machine code`, or `baseline interpreter`.
+    pub fn path(self) -> String {
+        let width = match self.0 {
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx512(_) => fearless_simd::Avx512::WIDTH,
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx2(_) => fearless_simd::Avx2::WIDTH,
+            #[cfg(target_arch = "aarch64")]
+            Instructions::Neon(_) => None,
+            Instructions::Baseline(_) => Baseline::WIDTH,
+        };
+        let runs = match width {
+            Some(_) if machine_code::is_allowed() => "machine code",
+            _ => "interpreter",
+        };
+        format!("{} {runs}", self.name())
     }
 
     /// Returns empty lanes for a system.

@@ -2,12 +2,15 @@
 
 use fearless_simd::Simd;
 
+use super::machine_code::Width;
 use super::{LANES, Lanes};
 
 /// A level of vector instructions whose fused multiply-add is correctly rounded.
 pub(super) trait Vector: Simd {
     /// Whether the processor has 32 registers that hold all lanes.
     const HAS_MANY_REGISTERS: bool;
+    /// The width of the machine code that a processor of this level runs, if there is one.
+    const WIDTH: Option<Width>;
 
     /// Returns `a b + c`, rounded once.
     fn fused_multiply_add(a: Lanes<Self>, b: Lanes<Self>, c: Lanes<Self>) -> Lanes<Self>;
@@ -27,10 +30,11 @@ impl<S: Vector> Fused for Lanes<S> {
 }
 
 macro_rules! with_instruction {
-    ($($level:ty, $has_many_registers:literal;)*) => {
+    ($($level:ty, $has_many_registers:literal, $width:expr;)*) => {
         $(
             impl Vector for $level {
                 const HAS_MANY_REGISTERS: bool = $has_many_registers;
+                const WIDTH: Option<Width> = $width;
 
                 #[inline(always)]
                 fn fused_multiply_add(
@@ -46,9 +50,12 @@ macro_rules! with_instruction {
 }
 
 #[cfg(target_arch = "x86_64")]
-with_instruction!(fearless_simd::Avx2, false; fearless_simd::Avx512, true;);
+with_instruction!(
+    fearless_simd::Avx2, false, Some(Width::Four);
+    fearless_simd::Avx512, true, Some(Width::Eight);
+);
 #[cfg(target_arch = "aarch64")]
-with_instruction!(fearless_simd::Neon, false;);
+with_instruction!(fearless_simd::Neon, false, None;);
 
 /// The instructions of every processor of its kind.
 #[cfg(target_arch = "x86_64")]
@@ -61,6 +68,7 @@ pub(super) type Baseline = fearless_simd::Fallback;
 /// emulation of the instruction would make the program many times as large.
 impl Vector for Baseline {
     const HAS_MANY_REGISTERS: bool = false;
+    const WIDTH: Option<Width> = None;
 
     #[inline(always)]
     fn fused_multiply_add(a: Lanes<Self>, b: Lanes<Self>, c: Lanes<Self>) -> Lanes<Self> {

@@ -1,9 +1,10 @@
-//! Compiles the recorded equations of a system to operations on power series.
+//! Finds the operations on power series of the recorded equations of a system.
 
 use std::collections::HashMap;
 
-use super::program::{Entry, Operation, Program, Slot, Static, StaticId};
-use super::schedule::{grouped, reads_and_writes};
+use super::operations::{Entry, Operation, Operations, Slot, Static, StaticId};
+use super::schedule::{reads_and_writes, sorted};
+use super::turning::{Turning, TurningNodes};
 use crate::model::{Graph, Node, NodeId};
 
 /// A linear combination under construction.
@@ -24,11 +25,13 @@ struct Compiler<'g> {
     static_of: Vec<Option<StaticId>>,
     slot_of: Vec<Option<Slot>>,
     operations: Vec<Operation>,
+    /// The angles whose rates are speeds.
+    turning: Vec<(Turning, TurningNodes)>,
     slots: u32,
 }
 
 /// Compiles a recorded system.
-pub(super) fn compile(graph: &Graph, expands: bool) -> Program {
+pub(super) fn compile(graph: &Graph, expands: bool) -> Operations {
     let components = graph.derivative.len() as u32;
     let mut compiler = Compiler {
         graph,
@@ -39,6 +42,7 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Program {
         static_of: vec![None; graph.nodes.len()],
         slot_of: vec![None; graph.nodes.len()],
         operations: Vec::new(),
+        turning: Vec::new(),
         slots: components,
     };
     for (place, node) in graph.nodes.iter().enumerate() {
@@ -47,7 +51,8 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Program {
         }
     }
     let guards = || graph.events.iter().map(|event| event.guard);
-    let outputs = graph.derivative.iter().chain(graph.contacts.iter().flatten()).copied();
+    let of_contacts = graph.contacts.iter().flat_map(|contact| &contact[..3]);
+    let outputs = graph.derivative.iter().chain(of_contacts).copied();
     let gaps = || graph.gaps.iter().map(|[_, force]| *force);
     let outputs: Vec<NodeId> = outputs.chain(guards()).chain(gaps()).collect();
     let wanted = compiler.wanted(&outputs);
@@ -56,6 +61,8 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Program {
             compiler.emit(place as NodeId);
         }
     }
+    let required: Vec<Slot> =
+        (0..graph.contacts.len()).map(|contact| compiler.required_friction(contact)).collect();
     let one = compiler.add(Static::Constant(1.0));
     let slot = |node: NodeId| compiler.slot_of[node as usize].unwrap_or(0);
     let rates: Vec<Slot> = graph.derivative.iter().map(|&node| slot(node)).collect();
@@ -68,14 +75,18 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Program {
         let of_components = terms.iter().all(|(slot, _)| *slot < components);
         of_components.then_some((component as Slot, terms))
     });
-    Program {
+    let contacts = graph.contacts.iter().zip(required).map(|(contact, required)| {
+        let [speed, acceleration, normal, _] = contact.map(slot);
+        [speed, acceleration, normal, required]
+    });
+    Operations {
         kinematic: kinematic.collect(),
         rates,
-        contacts: graph.contacts.iter().map(|contact| contact.map(slot)).collect(),
+        contacts: contacts.collect(),
         guards: guards().map(slot).collect(),
         gaps: gaps().map(slot).collect(),
         slots: compiler.slots as usize,
-        operations: grouped(compiler.operations, components),
+        all: sorted(compiler.operations, components),
         statics: compiler.statics,
     }
 }
@@ -102,14 +113,8 @@ impl Compiler<'_> {
             wanted[place] |= !linear || (used[place] > 1 && !self.expands);
             for operand in nodes[place].operands(&self.graph.solves) {
                 used[operand as usize] += 1;
-                let is_entry = matches!(nodes[place], Node::Solution { .. })
-                    && self.static_of[operand as usize].is_some();
-                wanted[operand as usize] |= !linear && !is_entry;
-            }
-            if let Node::Solution { solve, .. } = nodes[place] {
-                for &right in &self.graph.solves[solve as usize].right {
-                    wanted[right as usize] = true;
-                }
+                let in_system = matches!(nodes[place], Node::Solution { .. });
+                wanted[operand as usize] |= !linear && !in_system;
             }
             // The cosine comes with the sine and stands after it.
             if let Node::Cosine(_) = nodes[place] {
@@ -209,75 +214,155 @@ impl Compiler<'_> {
             return;
         }
         let operation = match node {
-            Node::Sine(angle) => {
-                let [sine, cosine, rate] = [(); 3].map(|()| self.new_slot());
-                self.slot_of[place as usize] = Some(sine);
-                self.slot_of[place as usize + 1] = Some(cosine);
-                Operation::SineCosine { sine, cosine, angle: self.slot(angle), rate }
-            }
+            Node::Sine(angle) => self.sine_and_cosine(place, angle),
             Node::Solution { solve, .. } => return self.emit_solve(solve),
-            Node::Product(a, b) if !self.is_linear(node) => Operation::Products {
-                shared: self.slot(a),
-                others: vec![(self.slot(b), self.slots)],
-            },
-            Node::Quotient(a, b) if !self.is_linear(node) => Operation::Quotient {
-                out: self.slots,
-                a: self.slot(a),
-                b: self.slot(b),
-                inverse: self.slots + 1,
-            },
-            Node::SquareRoot(a) => {
-                Operation::SquareRoot { out: self.slots, a: self.slot(a), inverse: self.slots + 1 }
+            Node::Product(a, b) if !self.is_linear(node) && self.pair_of(a, b).is_some() => {
+                self.slot_of[place as usize] = self.pair_of(a, b);
+                return;
             }
-            Node::Exponential(a) => {
-                Operation::Exponential { out: self.slots, a: self.slot(a), rate: self.slots + 1 }
+            Node::Product(a, b) if !self.is_linear(node) => {
+                Operation::Product { out: self.slots, a: self.slot(a), b: self.slot(b) }
             }
-            Node::ArcTangent(a, slope) => Operation::ArcTangent {
-                out: self.slots,
-                a: self.slot(a),
-                slope: self.slot(slope),
-                rate: self.slots + 1,
-                inverse: self.slots + 2,
-            },
+            Node::Quotient(a, b) if !self.is_linear(node) => {
+                Operation::Quotient { out: self.slots, a: self.slot(a), b: self.slot(b) }
+            }
+            Node::SquareRoot(a) => Operation::SquareRoot { out: self.slots, a: self.slot(a) },
+            Node::Exponential(a) => Operation::Exponential { out: self.slots, a: self.slot(a) },
+            Node::ArcTangent(a, slope) => {
+                Operation::ArcTangent { out: self.slots, a: self.slot(a), slope: self.slot(slope) }
+            }
             _ => {
-                let mut sum = Linear::default();
-                let one = self.add(Static::Constant(1.0));
-                self.linear(place, one, &mut sum);
-                let Linear { constant, terms } = sum;
-                if let ([(slot, factor)], None) = (terms.as_slice(), constant)
-                    && *factor == one
-                {
-                    self.slot_of[place as usize] = Some(*slot);
-                    return;
-                }
-                Operation::Linear { out: self.slots, constant, terms }
+                let sum = self.linear_of(place);
+                self.slot_of[place as usize] = Some(self.emit_linear(sum));
+                return;
             }
         };
         if self.slot_of[place as usize].is_none() {
-            self.slot_of[place as usize] = Some(self.slots);
-            self.slots += match operation {
-                Operation::ArcTangent { .. } => 3,
-                Operation::Quotient { .. }
-                | Operation::SquareRoot { .. }
-                | Operation::Exponential { .. } => 2,
-                _ => 1,
-            };
+            self.slot_of[place as usize] = Some(self.new_slot());
         }
         self.operations.push(operation);
+    }
+
+    /// Returns the product of two nodes, if it is known.
+    fn pair_of(&self, a: NodeId, b: NodeId) -> Option<Slot> {
+        let mut pair = [self.slot(a), self.slot(b)];
+        pair.sort_unstable();
+        self.pairs.get(&pair).copied()
+    }
+
+    /// Returns the operation of sine and cosine, whose places follow each other.
+    fn sine_and_cosine(&mut self, place: NodeId, angle: NodeId) -> Operation {
+        let [sine, cosine] = [(); 2].map(|()| self.new_slot());
+        self.slot_of[place as usize] = Some(sine);
+        self.slot_of[place as usize + 1] = Some(cosine);
+        let Some(nodes) = TurningNodes::of(self.graph, angle) else {
+            return Operation::SineCosine { sine, cosine, angle: self.slot(angle) };
+        };
+        let [sine_speed, cosine_speed] = [sine, cosine].map(|of| self.pair_with([nodes.speed, of]));
+        let turning = Turning {
+            angle: self.slot(angle),
+            speed: nodes.speed,
+            switch: nodes.switch.and_then(|node| self.static_of[node as usize]),
+            sine,
+            cosine,
+            sine_speed,
+            cosine_speed,
+        };
+        self.turning.push((turning.clone(), nodes));
+        Operation::Turning(turning)
+    }
+
+    /// Returns a node as a linear combination.
+    fn linear_of(&mut self, place: NodeId) -> Linear {
+        let mut sum = Linear::default();
+        let one = self.add(Static::Constant(1.0));
+        self.linear(place, one, &mut sum);
+        sum
+    }
+
+    /// Returns the series of a linear combination.
+    fn emit_linear(&mut self, sum: Linear) -> Slot {
+        let Linear { constant, terms } = sum;
+        if let ([(slot, factor)], None) = (terms.as_slice(), constant)
+            && self.statics[*factor as usize] == Static::Constant(1.0)
+        {
+            return *slot;
+        }
+        let out = self.new_slot();
+        self.operations.push(Operation::Linear { out, constant, terms });
+        out
+    }
+
+    /// Returns the series of the friction force that a contact requires to stick.
+    fn required_friction(&mut self, contact: usize) -> Slot {
+        let friction = self.graph.contacts[contact][3];
+        let mut sum = self.linear_of(friction);
+        // Each contact has a switch, which is 0 in stick.
+        let switches = &self.graph.switches;
+        if switches.len() == self.graph.contacts.len() {
+            let switch = self.add(Static::Input(switches[contact]));
+            let zero = self.add(Static::Constant(0.0));
+            sum.constant = sum.constant.map(|constant| self.with_zero(constant, switch));
+            for (_, factor) in &mut sum.terms {
+                *factor = self.with_zero(*factor, switch);
+            }
+            sum.terms.retain(|(_, factor)| *factor != zero);
+        }
+        self.emit_linear(sum)
+    }
+
+    /// Returns a static number with another one replaced by zero.
+    fn with_zero(&mut self, number: StaticId, switch: StaticId) -> StaticId {
+        let zero = self.add(Static::Constant(0.0));
+        if number == switch {
+            return zero;
+        }
+        match self.statics[number as usize] {
+            Static::Product(a, b) => {
+                let [a, b] = [a, b].map(|one| self.with_zero(one, switch));
+                if a == zero || b == zero { zero } else { self.times(a, b) }
+            }
+            Static::Negation(a) => {
+                let a = self.with_zero(a, switch);
+                if a == zero { zero } else { self.negative(a) }
+            }
+            Static::Difference(a, b) if b == switch => self.with_zero(a, switch),
+            _ => number,
+        }
     }
 
     fn emit_solve(&mut self, index: u32) {
         let solve = self.graph.solves[index as usize].clone();
         let size = solve.right.len();
-        let matrix = solve.matrix.iter().map(|&node| match self.static_of[node as usize] {
-            Some(number) => Entry::Constant(number),
-            None => Entry::Series(self.slot(node)),
-        });
-        let matrix = matrix.collect();
-        let right = solve.right.iter().map(|&node| self.slot(node)).collect();
+        let is_constant =
+            |node: NodeId, value: f64| self.graph.nodes[node as usize] == Node::Constant(value);
         let out: Vec<Slot> = (0..size).map(|_| self.new_slot()).collect();
-        let factors = self.slots;
-        self.slots += (size * size) as u32;
+        let mut matrix = Vec::with_capacity(size * size);
+        let mut right = Vec::with_capacity(size);
+        for (row, entries) in solve.matrix.chunks(size).enumerate() {
+            let mut own = self.linear_of(solve.right[row]);
+            for (column, &node) in (0..).zip(entries) {
+                matrix.push(match self.static_of[node as usize] {
+                    Some(_) if is_constant(node, 0.0) => Entry::Zero,
+                    Some(number) => Entry::Constant(number),
+                    None => {
+                        let (factor, slot) = self.scaled_series(node);
+                        let unknown = Node::Solution { solve: index, row: column };
+                        match self.total_derivative((slot, factor), unknown, &mut own) {
+                            Some(turned) => turned,
+                            None => {
+                                let product = self.pair_with([slot, out[column as usize]]);
+                                Entry::Series { factor, slot, product }
+                            }
+                        }
+                    }
+                });
+            }
+            right.push(self.emit_linear(own));
+        }
+        let diagonal = solve.matrix.iter().step_by(size + 1);
+        let units = diagonal.map(|node| solve.has_sound_diagonal && is_constant(*node, 1.0));
+        let units = units.collect();
         for (place, node) in self.graph.nodes.iter().enumerate() {
             if let Node::Solution { solve, row } = *node
                 && solve == index
@@ -285,7 +370,65 @@ impl Compiler<'_> {
                 self.slot_of[place] = Some(out[row as usize]);
             }
         }
-        self.operations.push(Operation::Solve { matrix, right, out, factors });
+        self.operations.push(Operation::Solve { matrix, right, out, units });
+    }
+
+    /// Returns a node as a constant factor times a series.
+    fn scaled_series(&mut self, mut node: NodeId) -> (StaticId, Slot) {
+        let mut factor = self.add(Static::Constant(1.0));
+        loop {
+            let (inner, by) = match self.graph.nodes[node as usize] {
+                Node::Negation(a) => (a, self.add(Static::Constant(-1.0))),
+                Node::Product(a, b) => match [a, b].map(|one| self.static_of[one as usize]) {
+                    [Some(by), _] => (b, by),
+                    [_, Some(by)] => (a, by),
+                    _ => break,
+                },
+                _ => break,
+            };
+            factor = self.times(by, factor);
+            node = inner;
+        }
+        if let Some(slot) = self.slot_of[node as usize] {
+            return (factor, slot);
+        }
+        let sum = self.linear_of(node);
+        let slot = self.emit_linear(sum);
+        self.slot_of[node as usize] = Some(slot);
+        (factor, slot)
+    }
+
+    /// Returns the place of a product that another operation computes.
+    fn pair_with(&mut self, mut pair: [Slot; 2]) -> Slot {
+        let product = self.new_slot();
+        pair.sort_unstable();
+        *self.pairs.entry(pair).or_insert(product)
+    }
+
+    /// Returns the entry of a matrix whose product with an unknown is part of a total derivative ([`super::turning`]); the
+    /// other part leaves the right-hand side.
+    fn total_derivative(
+        &mut self,
+        (slot, factor): (Slot, StaticId),
+        unknown: Node,
+        right: &mut Linear,
+    ) -> Option<Entry> {
+        let (turning, nodes) = self.turning.iter().find(|(turning, nodes)| {
+            let acceleration = nodes.acceleration.map(|node| self.graph.nodes[node as usize]);
+            (slot == turning.sine || slot == turning.cosine) && acceleration == Some(unknown)
+        })?;
+        let is_sine = slot == turning.sine;
+        let other = if is_sine { turning.cosine } else { turning.sine };
+        let square = *self.pairs.get(&[turning.speed; 2])?;
+        let mut pair = [other, square];
+        pair.sort_unstable();
+        let product = *self.pairs.get(&pair)?;
+        let residual = nodes.residual.and_then(|node| self.static_of[node as usize]);
+        let turning = turning.clone();
+        let expected = if is_sine { self.negative(factor) } else { factor };
+        let place = right.terms.iter().position(|term| *term == (product, expected))?;
+        right.terms.remove(place);
+        Some(Entry::Turned { turning, is_sine, factor, residual, square })
     }
 
     /// Adds a node times a static factor to a linear combination.
@@ -386,19 +529,27 @@ impl Compiler<'_> {
         }
         let out = self.new_slot();
         self.pairs.insert(pair, out);
-        let [shared, other] = pair;
-        self.operations.push(Operation::Products { shared, others: vec![(other, out)] });
+        let [a, b] = pair;
+        self.operations.push(Operation::Product { out, a, b });
         out
     }
 
+    /// Returns a product; signs stand outside of products.
     fn times(&mut self, a: StaticId, b: StaticId) -> StaticId {
-        let is_one = |id: StaticId| self.statics[id as usize] == Static::Constant(1.0);
-        if is_one(a) {
-            b
-        } else if is_one(b) {
-            a
-        } else {
-            self.add(Static::Product(a, b))
+        match [a, b].map(|id| self.statics[id as usize]) {
+            [Static::Constant(1.0), _] => b,
+            [_, Static::Constant(1.0)] => a,
+            [Static::Constant(-1.0), _] => self.negative(b),
+            [_, Static::Constant(-1.0)] => self.negative(a),
+            [Static::Negation(a), _] => {
+                let product = self.times(a, b);
+                self.negative(product)
+            }
+            [_, Static::Negation(b)] => {
+                let product = self.times(a, b);
+                self.negative(product)
+            }
+            _ => self.add(Static::Product(a, b)),
         }
     }
 

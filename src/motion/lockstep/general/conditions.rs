@@ -14,8 +14,8 @@
 
 use fearless_simd::prelude::*;
 
-use super::expansion::Series;
-use super::program::Program;
+use super::operations::Operations;
+use super::room::Series;
 use crate::motion::Phase;
 use crate::motion::cluster::HeldCluster;
 use crate::motion::lockstep::curve::Curve;
@@ -87,14 +87,17 @@ fn curve<S: Vector>(terms: &[Lanes<S>], highest: usize, length: Lanes<S>) -> Cur
     )
 }
 
-/// Reports the lanes in which a condition may fail in a step of this length.
+/// Reports the lanes in which a condition may fail in a step of this length. `least` are lower bounds of the normal forces;
+/// without them, the series of the normal forces are known. `force_doubts` gets the lanes in which the condition is one of a
+/// normal force.
 #[inline(always)]
 pub(super) fn look_over<S: Vector>(
-    series: &Series<S>,
-    program: &Program,
+    series: Series<'_, S>,
+    program: &Operations,
     (watched, pressures): (&[Watched<S>], &[Pressure<S>]),
     length: Lanes<S>,
-    doubts: &mut [u64],
+    least: impl Fn(usize) -> Option<Lanes<S>>,
+    (doubts, force_doubts): (&mut [u64], &mut [u64]),
 ) -> u64 {
     let zero = Lanes::splat(length.simd, 0.0);
     let mut any = 0;
@@ -113,10 +116,9 @@ pub(super) fn look_over<S: Vector>(
         *doubt = !curve(series.of(*guard), ORDER - 1, length).holds().to_bitmask();
         any |= *doubt;
     }
-    for (contact, (watched, doubt)) in program.contacts.iter().zip(watched.iter().zip(of_contacts))
-    {
-        let Watched { sign, offset, stuck, limit, slack, aim } = *watched;
-        let [speed, _, normal, friction] = *contact;
+    for (contact, slots) in program.contacts.iter().enumerate() {
+        let Watched { sign, offset, stuck, limit, slack, aim } = watched[contact];
+        let [speed, _, normal, friction] = *slots;
         let speed = curve(series.of(speed), ORDER, length);
         let [early, late] = speed.values;
         let slips = Curve {
@@ -124,9 +126,12 @@ pub(super) fn look_over<S: Vector>(
             changes: speed.changes.map(|change| sign * change),
             bound: sign.abs() * speed.bound,
         };
-        let normal = curve(series.of(normal), ORDER - 1, length);
+        let normal = match least(contact) {
+            Some(least) => Curve { values: [least; 2], ..Curve::zero(length.simd) },
+            None => curve(series.of(normal), ORDER - 1, length),
+        };
         let closed = Curve { values: normal.values.map(|value| value + aim), ..normal };
-        let mut holds = slips.holds() & closed.holds();
+        let mut holds = closed.holds();
         let sticks = stuck.simd_gt(zero);
         if sticks.any_true() {
             let friction = curve(series.of(friction), ORDER - 1, length);
@@ -143,8 +148,9 @@ pub(super) fn look_over<S: Vector>(
                 holds &= held.holds() | !sticks;
             }
         }
-        *doubt = !holds.to_bitmask();
-        any |= *doubt;
+        force_doubts[contact] = !holds.to_bitmask();
+        of_contacts[contact] = !(holds & slips.holds()).to_bitmask();
+        any |= of_contacts[contact];
     }
     any
 }
@@ -153,11 +159,11 @@ pub(super) fn look_over<S: Vector>(
 #[inline(never)]
 pub(super) fn first_event<S: Vector>(
     simd: S,
-    series: &Series<S>,
-    program: &Program,
+    series: Series<'_, S>,
+    program: &Operations,
     (own, lane, length): (&Lane, usize, f64),
     (pressures, clusters): (&[Pressure<S>], &[HeldCluster]),
-    doubts: &[u64],
+    (doubts, force_doubts): (&[u64], &[u64]),
     ignored: &[Condition],
 ) -> Ends {
     let mut first = Ends::Nothing;
@@ -222,7 +228,9 @@ pub(super) fn first_event<S: Vector>(
             }
             Phase::Free | Phase::Open | Phase::Closed => {}
         }
-        examine(2, polynomial(length, aim, ORDER - 1, normal));
+        if force_doubts[contact] & 1 << lane != 0 {
+            examine(2, polynomial(length, aim, ORDER - 1, normal));
+        }
     }
     for (event, guard) in program.guards.iter().enumerate() {
         if of_events[event] & 1 << lane != 0 {

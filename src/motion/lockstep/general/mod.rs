@@ -5,13 +5,20 @@
 
 mod compiler;
 mod conditions;
-mod expansion;
-mod program;
+mod deciding;
+mod elimination;
+mod operations;
+mod radius;
+mod room;
 mod schedule;
+mod series;
+mod turning;
 
-use std::sync::Arc;
+use std::cell::RefCell;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use fearless_simd::{mask64x8, prelude::*};
+use smallvec::{SmallVec, smallvec};
 
 use super::kernel::{Ends, Kernel, POWERS, Powers};
 use super::lane::Lane;
@@ -22,26 +29,31 @@ use crate::motion::all_stick;
 use crate::motion::cluster::{HeldCluster, held_clusters};
 use crate::motion::evaluator::Evaluator;
 use crate::motion::lockstep::pressure::Pressure;
+use crate::motion::lockstep::run::Runner;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::{Evaluated, InState};
 use crate::motion::saltation::Condition;
 use crate::motion::touching::InTouch;
 use conditions::Watched;
-use expansion::{Series, TERMS};
-use program::{Program, Slot};
+use deciding::Deciding;
+use operations::{Operations, Slot};
+use radius::Radii;
+use room::{Room, Series};
+use series::TERMS;
 
 /// Bound on every component of the rate of change if everything is slow.
 const STILL: f64 = 1e-6;
+
+/// The largest number of systems without a structure whose equations are kept ready.
+const MOST_KNOWN: usize = 16;
 
 /// The equations of a recorded system in all lanes.
 pub(super) struct General<S: Vector> {
     simd: S,
     graph: Arc<Graph>,
-    program: Arc<Program>,
+    program: Arc<Compiled>,
     /// The component that is the sliding speed of each contact, if it is one.
     speeds: Vec<Option<usize>>,
-    /// The static numbers of the program.
-    constants: Vec<Lanes<S>>,
     watched: Vec<Watched<S>>,
     /// The condition of each closed gap.
     pressures: Vec<Pressure<S>>,
@@ -50,46 +62,83 @@ pub(super) struct General<S: Vector> {
     evaluators: [Option<Evaluator>; LANES],
     /// Bit mask of lanes in which all contacts stick.
     stuck: u64,
-    values: Vec<f64>,
+    /// The cells of the programs, for deciding modes.
+    instant: RefCell<Vec<Lanes<S>>>,
 }
 
 /// The components of a state in all lanes, with the sliding speeds.
 #[derive(Clone)]
 pub(super) struct Flow<S: Vector> {
-    components: Vec<Lanes<S>>,
-    speeds: Vec<Lanes<S>>,
+    components: SmallVec<[Lanes<S>; 12]>,
+    /// Those of all contacts, unless each speed is a component.
+    speeds: SmallVec<[Lanes<S>; 2]>,
 }
 
-/// Work space of a step, with the results of the latest step.
-pub(super) struct Room<S: Vector> {
-    series: Series<S>,
-    displaced: Series<S>,
-    /// The lanes in which a condition of each contact may fail, then those in which each event may happen.
-    doubts: Vec<u64>,
+/// The equations of a system, ready to run.
+#[derive(Debug)]
+struct Compiled {
+    operations: Operations,
+    statics: Runner,
+    motion: Runner,
+    start: Runner,
+    normals: Runner,
+    displacement: Runner,
+    instant: Runner,
+    ahead: Runner,
+    radii: Option<Radii>,
 }
 
-/// Returns the program of recorded equations. Equal systems share one, which is compiled once.
-fn program_of(system: &dyn System, graph: &Graph) -> Arc<Program> {
-    static COMPILED: PerStructure<Program> = PerStructure::new();
-    COMPILED.get(system.structure(), || Program::new(graph))
+/// Returns recorded equations, ready to run. Equal systems share them.
+fn compiled(system: &dyn System, graph: &Arc<Graph>) -> Arc<Compiled> {
+    static COMPILED: PerStructure<Compiled> = PerStructure::new();
+    if system.structure().is_some() {
+        return COMPILED.get(system.structure(), || Compiled::new(graph));
+    }
+    // The latest equations of systems without a structure.
+    static LATEST: Mutex<Vec<(Arc<Graph>, Arc<Compiled>)>> = Mutex::new(Vec::new());
+    // A panic while the equations are locked leaves them complete.
+    let mut latest = LATEST.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, known)) = latest.iter().find(|(known, _)| known == graph) {
+        return Arc::clone(known);
+    }
+    let compiled = Arc::new(Compiled::new(graph));
+    latest.truncate(MOST_KNOWN - 1);
+    latest.insert(0, (Arc::clone(graph), Arc::clone(&compiled)));
+    compiled
+}
+
+impl Compiled {
+    fn new(graph: &Graph) -> Self {
+        let (operations, programs) = Operations::new(graph);
+        Compiled {
+            operations,
+            statics: Runner::new(programs.statics),
+            motion: Runner::new(programs.motion),
+            start: Runner::new(programs.start),
+            normals: Runner::new(programs.normals),
+            displacement: Runner::new(programs.displacement),
+            instant: Runner::new(programs.instant),
+            ahead: Runner::new(programs.ahead),
+            radii: programs.radii,
+        }
+    }
 }
 
 impl<S: Vector> General<S> {
     /// Empty lanes for systems with these equations.
     pub(super) fn new(simd: S, system: &Arc<dyn System>) -> Self {
         let graph = Graph::of(system.as_ref());
-        let program = program_of(system.as_ref(), &graph);
+        let program = compiled(system.as_ref(), &graph);
         let contacts = graph.contacts.len();
         General {
             simd,
             speeds: (0..contacts).map(|contact| graph.speed_component(contact)).collect(),
-            constants: vec![Lanes::splat(simd, 0.0); program.statics.len()],
             watched: vec![Watched::nothing(simd); contacts],
             pressures: vec![Pressure::none(simd); graph.gaps.len()],
             held: std::array::from_fn(|_| Vec::new()),
             evaluators: std::array::from_fn(|_| None),
             stuck: 0,
-            values: Vec::new(),
+            instant: RefCell::new(Vec::new()),
             graph,
             program,
         }
@@ -97,7 +146,7 @@ impl<S: Vector> General<S> {
 
     /// Returns the value of a series a time after the start of its step.
     #[inline(always)]
-    fn sum(&self, series: &Series<S>, slot: Slot, time: Lanes<S>) -> Lanes<S> {
+    fn sum(&self, series: Series<'_, S>, slot: Slot, time: Lanes<S>) -> Lanes<S> {
         let mut sum = Lanes::splat(self.simd, 0.0);
         for term in series.of(slot).iter().rev() {
             sum = sum.fused(time, *term);
@@ -106,17 +155,15 @@ impl<S: Vector> General<S> {
     }
 
     #[inline(always)]
-    fn flow_at(&self, series: &Series<S>, time: Lanes<S>) -> Flow<S> {
+    fn flow_at(&self, series: Series<'_, S>, time: Lanes<S>) -> Flow<S> {
         let mut flow = self.flow(self.simd);
         // Loops, not closures: the fused multiply-add must be inlined.
         for component in 0..flow.components.len() {
             flow.components[component] = self.sum(series, component as Slot, time);
         }
-        for (contact, component) in self.speeds.iter().enumerate() {
-            flow.speeds[contact] = match component {
-                Some(component) => flow.components[*component],
-                None => self.sum(series, self.program.contacts[contact][0], time),
-            };
+        for contact in 0..flow.speeds.len() {
+            let [speed, ..] = self.program.operations.contacts[contact];
+            flow.speeds[contact] = self.sum(series, speed, time);
         }
         flow
     }
@@ -143,21 +190,17 @@ impl<S: Vector> Kernel<S> for General<S> {
 
     fn flow(&self, simd: S) -> Flow<S> {
         let zero = Lanes::splat(simd, 0.0);
+        let direct = self.speeds.iter().all(Option::is_some);
         Flow {
-            components: vec![zero; self.graph.derivative.len()],
-            speeds: vec![zero; self.speeds.len()],
+            components: smallvec![zero; self.graph.derivative.len()],
+            speeds: smallvec![zero; if direct { 0 } else { self.speeds.len() }],
         }
     }
 
     fn room(&self, simd: S) -> Room<S> {
-        Room {
-            series: Series::zero(simd, self.program.slots),
-            displaced: Series::zero(simd, self.program.slots),
-            doubts: vec![
-                0;
-                self.speeds.len() + self.program.guards.len() + self.program.gaps.len()
-            ],
-        }
+        let Compiled { operations, statics, motion, displacement, .. } = &*self.program;
+        let programs = [statics, motion, displacement].map(Runner::program);
+        Room::new(simd, operations, programs)
     }
 
     fn set_system(&mut self, lane: usize, own: &Lane) {
@@ -165,12 +208,11 @@ impl<S: Vector> Kernel<S> for General<S> {
         self.evaluators[lane] = Some(Evaluator::of_graph(Arc::clone(&own.system), graph));
     }
 
-    fn set_phases(&mut self, lane: usize, own: &Lane, state: &[f64]) {
+    fn set_phases(&mut self, room: &mut Room<S>, lane: usize, own: &Lane, state: &[f64]) {
         let modes: Vec<_> = own.phases.iter().map(|phase| phase.mode()).collect();
-        self.program.statics(&own.system.inputs(&modes), state, &mut self.values);
-        for (constant, value) in self.constants.iter_mut().zip(&self.values) {
-            constant[lane] = *value;
-        }
+        let inputs = own.system.inputs(&modes);
+        let set = |id, value| room.set_constant(id, lane, value);
+        self.program.operations.set_statics(&inputs, state, set);
         let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
         for (contact, watched) in self.watched.iter_mut().enumerate() {
             let limit = own.system.friction(contact).limit;
@@ -210,13 +252,11 @@ impl<S: Vector> Kernel<S> for General<S> {
         for (of_all, value) in flow.components.iter_mut().zip(components) {
             of_all[lane] = *value;
         }
-        let direct = self.speeds.iter().all(Option::is_some);
-        let evaluated = self.evaluators[lane].as_ref().filter(|_| !direct);
-        let speeds = evaluated.map(|evaluator| evaluator.speeds(components));
-        for (contact, speed) in flow.speeds.iter_mut().enumerate() {
-            let own = self.speeds[contact].map(|component| components[component]);
-            let other = || speeds.as_ref().map_or(0.0, |speeds| speeds[contact]);
-            speed[lane] = own.unwrap_or_else(other);
+        let evaluated = self.evaluators[lane].as_ref().filter(|_| !flow.speeds.is_empty());
+        if let Some(speeds) = evaluated.map(|evaluator| evaluator.speeds(components)) {
+            for (of_all, speed) in flow.speeds.iter_mut().zip(speeds) {
+                of_all[lane] = speed;
+            }
         }
     }
 
@@ -259,13 +299,19 @@ impl<S: Vector> Kernel<S> for General<S> {
 
     #[inline(always)]
     fn speed(&self, flow: &Flow<S>, contact: usize) -> Lanes<S> {
-        flow.speeds[contact]
+        match self.speeds[contact] {
+            Some(component) => flow.components[component],
+            None => flow.speeds[contact],
+        }
     }
 
     #[inline(always)]
     fn expand(&self, room: &mut Room<S>, start: &Flow<S>) {
-        room.series.start(&start.components);
-        room.series.expand(&self.program, &self.constants);
+        room.start(&start.components, false);
+        if std::mem::take(&mut room.is_changed) {
+            self.program.statics.run(self.simd, &mut room.memory);
+        }
+        self.program.motion.run(self.simd, &mut room.memory);
     }
 
     #[inline(always)]
@@ -280,7 +326,7 @@ impl<S: Vector> Kernel<S> for General<S> {
         for group in &self.graph.layout.velocities {
             let [mut size, mut ultimate, mut penultimate] = [zero; 3];
             for &component in group {
-                let terms = room.series.of(component as Slot);
+                let terms = room.series().of(component as Slot);
                 size = size.max(terms[0].abs());
                 ultimate = ultimate.max(terms[ORDER].abs());
                 penultimate = penultimate.max(terms[ORDER - 1].abs());
@@ -294,9 +340,38 @@ impl<S: Vector> Kernel<S> for General<S> {
 
     #[inline(always)]
     fn look_over(&self, room: &mut Room<S>, length: Lanes<S>) -> u64 {
-        let Room { series, doubts, .. } = room;
+        let Compiled { operations, start, normals, radii, .. } = &*self.program;
+        start.run(self.simd, &mut room.memory);
+        let mut doubts = [&mut room.doubts, &mut room.force_doubts].map(std::mem::take);
+        let mut bounds = std::mem::take(&mut room.radii);
         let conditions = (&self.watched[..], &self.pressures[..]);
-        conditions::look_over(series, &self.program, conditions, length, doubts)
+        let [of_all, of_forces] = &mut doubts;
+        let mut any = 0;
+        if let Some(radii) = radii {
+            radii.bound(room, length, &mut bounds);
+            let least = |contact: usize| {
+                let slot = operations.contacts[contact][2];
+                Some(room.series().of(slot)[0] - bounds[slot as usize])
+            };
+            let doubts = (&mut of_all[..], &mut of_forces[..]);
+            any =
+                conditions::look_over(room.series(), operations, conditions, length, least, doubts);
+        }
+        if radii.is_none() || of_forces.iter().any(|doubt| *doubt != 0) {
+            normals.run(self.simd, &mut room.memory);
+            let doubts = (&mut of_all[..], &mut of_forces[..]);
+            any = conditions::look_over(
+                room.series(),
+                operations,
+                conditions,
+                length,
+                |_| None,
+                doubts,
+            );
+        }
+        [room.doubts, room.force_doubts] = doubts;
+        room.radii = bounds;
+        any
     }
 
     fn first_event(
@@ -307,23 +382,31 @@ impl<S: Vector> Kernel<S> for General<S> {
         length: f64,
         ignored: &[Condition],
     ) -> Ends {
-        let Room { series, doubts, .. } = room;
+        let doubts = (&room.doubts[..], &room.force_doubts[..]);
         let in_lane = (own, lane, length);
         let of_gaps = (&self.pressures[..], &self.held[lane][..]);
-        conditions::first_event(self.simd, series, &self.program, in_lane, of_gaps, doubts, ignored)
+        let operations = &self.program.operations;
+        conditions::first_event(
+            self.simd,
+            room.series(),
+            operations,
+            in_lane,
+            of_gaps,
+            doubts,
+            ignored,
+        )
     }
 
     #[inline(always)]
     fn at(&self, room: &Room<S>, _start: &Flow<S>, time: Lanes<S>) -> Flow<S> {
-        self.flow_at(&room.series, time)
+        self.flow_at(room.series(), time)
     }
 
     #[inline(always)]
     fn carry(&self, room: &mut Room<S>, displacement: &Flow<S>, length: Lanes<S>) -> Flow<S> {
-        let Room { series, displaced, .. } = room;
-        displaced.start(&displacement.components);
-        displaced.expand_displacement(&self.program, &self.constants, series);
-        self.flow_at(displaced, length)
+        room.start(&displacement.components, true);
+        self.program.displacement.run(self.simd, &mut room.memory);
+        self.flow_at(room.changes(), length)
     }
 
     fn rest(&self, _state: &Flow<S>) -> u64 {
@@ -333,15 +416,15 @@ impl<S: Vector> Kernel<S> for General<S> {
     #[inline(always)]
     fn still(&self, room: &Room<S>) -> u64 {
         let mut most = Lanes::splat(self.simd, 0.0);
-        for &rate in &self.program.rates {
-            most = most.max(room.series.of(rate)[0].abs());
+        for &rate in &self.program.operations.rates {
+            most = most.max(room.series().of(rate)[0].abs());
         }
         most.simd_le(Lanes::splat(self.simd, STILL)).to_bitmask() & !self.stuck
     }
 
     fn component(&self, room: &Room<S>, lane: usize, component: usize, _start: f64) -> Powers {
         let mut powers = [0.0; POWERS];
-        for (power, term) in powers.iter_mut().zip(room.series.of(component as Slot)) {
+        for (power, term) in powers.iter_mut().zip(room.series().of(component as Slot)) {
             *power = term[lane];
         }
         const { assert!(TERMS <= POWERS) };
@@ -367,7 +450,7 @@ impl<S: Vector> Kernel<S> for General<S> {
         let zero = [Lanes::splat(self.simd, 0.0); 2];
         times.map(|time| {
             let places = self.graph.layout.vibration;
-            places.map_or(zero, |all| all.map(|one| self.sum(&room.series, one as Slot, time)))
+            places.map_or(zero, |all| all.map(|one| self.sum(room.series(), one as Slot, time)))
         })
     }
 
@@ -375,7 +458,7 @@ impl<S: Vector> Kernel<S> for General<S> {
     fn relative_travel(&self, room: &Room<S>, pair: [usize; 2], length: Lanes<S>) -> Lanes<S> {
         let [one, other] = pair.map(|contact| {
             let position = self.graph.layout.contacts[contact].position;
-            room.series.of(position as Slot)
+            room.series().of(position as Slot)
         });
         let mut bound = Lanes::splat(length.simd, 0.0);
         for k in (1..one.len()).rev() {
@@ -391,11 +474,25 @@ impl<S: Vector> Kernel<S> for General<S> {
     fn in_state<R>(
         &self,
         lane: usize,
-        _own: &Lane,
+        own: &Lane,
         state: &[f64],
         with: impl FnOnce(&dyn InState) -> R,
     ) -> R {
         let evaluator = self.evaluator(lane).expect("only lanes with a run are decided");
-        with(&Evaluated::new(evaluator, state))
+        let equations = Evaluated::new(evaluator, state);
+        let memory = &mut *self.instant.borrow_mut();
+        let Compiled { operations, statics, motion, .. } = &*self.program;
+        if memory.is_empty() {
+            *memory = vec![Lanes::splat(self.simd, 0.0); motion.program().cells];
+            for (cell, number) in statics.program().numbers.iter().chain(&motion.program().numbers)
+            {
+                memory[*cell as usize] = Lanes::splat(self.simd, *number);
+            }
+        }
+        for (slot, value) in (0..).zip(state) {
+            memory[operations.coefficient(slot, 0) as usize] = Lanes::splat(self.simd, *value);
+        }
+        let memory = RefCell::new(&mut memory[..]);
+        with(&Deciding { general: self, own, equations, memory })
     }
 }

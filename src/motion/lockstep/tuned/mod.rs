@@ -166,7 +166,7 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         }
     }
 
-    fn set_phases(&mut self, lane: usize, own: &Lane, _state: &[f64]) {
+    fn set_phases(&mut self, _room: &mut Self::Room, lane: usize, own: &Lane, _state: &[f64]) {
         let Some(balancer) = &self.balancers[lane] else { return };
         let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
         for (place, phase) in own.phases[..N].iter().enumerate() {

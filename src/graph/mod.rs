@@ -1,0 +1,12 @@
+//! Programs of straight-line arithmetic, which know no mechanics.
+//!
+//! A [`Program`] computes cells from other cells. Another program, made from it, computes the changes of the cells along a
+//! displacement ([`tangent`]). Both run as machine code or in an interpreter ([`crate::motion`]), with the same bits.
+
+mod builder;
+mod program;
+mod tangent;
+
+pub(crate) use builder::Builder;
+pub(crate) use program::{Cell, Function, Instruction, Program};
+pub(crate) use tangent::tangent;

@@ -1,0 +1,191 @@
+//! The solution of a linear system as instructions: factors once, then any number of right-hand sides.
+
+use crate::graph::{Builder, Cell};
+use crate::motion::evaluator::SMALL_PIVOT;
+
+/// The factors `L U` of a matrix, whose rows with small pivots are exchanged ([`SMALL_PIVOT`]). Entries that are always zero
+/// are left out.
+pub(super) struct Elimination {
+    /// The unknowns in the order of their elimination; equations have the same order.
+    order: Vec<usize>,
+    /// The factors, row by row, in this order.
+    entries: Vec<Option<Cell>>,
+    /// One over each pivot; `None` for the pivot 1.
+    inverses: Vec<Option<Cell>>,
+    /// Two rows that are exchanged where the first number is less than the second, in the order of the exchanges.
+    exchanges: Vec<([usize; 2], [Cell; 2])>,
+}
+
+/// Returns which unknowns are eliminated first, without exchanges: those of `units`, the diagonal entries that are 1, as long
+/// as these are not changed. Of several, the one that changes the fewest entries comes first (H. M. Markowitz, Management
+/// Science 3 (1957) 255, doi:10.1287/mnsc.3.3.255).
+fn first_unknowns(is_entry: &[bool], units: &[bool]) -> Vec<usize> {
+    let size = units.len();
+    let (mut is_entry, mut units) = (is_entry.to_vec(), units.to_vec());
+    let mut left: Vec<usize> = (0..size).collect();
+    let mut order = Vec::new();
+    loop {
+        let others = |of: usize, by_row: bool| {
+            let is_other = |other: &&usize| {
+                let place = if by_row { of * size + **other } else { **other * size + of };
+                **other != of && is_entry[place]
+            };
+            left.iter().filter(is_other).copied().collect::<Vec<_>>()
+        };
+        let fill = |of: &&usize| others(**of, true).len() * others(**of, false).len();
+        // Of several, the last: exchangeable bodies, which stand last, are then eliminated alike.
+        let Some(&pivot) = left.iter().rev().filter(|of| units[**of]).min_by_key(fill) else {
+            break;
+        };
+        let [rows, columns] = [false, true].map(|by_row| others(pivot, by_row));
+        for &row in &rows {
+            for &column in &columns {
+                is_entry[row * size + column] = true;
+                units[row] &= row != column;
+            }
+        }
+        order.push(pivot);
+        left.retain(|of| *of != pivot);
+    }
+    order
+}
+
+impl Elimination {
+    /// Factors a matrix with these entries, row by row. The unknowns of `units` may be eliminated first; their diagonal
+    /// entries are 1.
+    pub(super) fn new(builder: &mut Builder, entries: &[Option<Cell>], units: &[bool]) -> Self {
+        let size = units.len();
+        let is_entry: Vec<bool> = entries.iter().map(Option::is_some).collect();
+        let mut order = first_unknowns(&is_entry, units);
+        let certain = order.len();
+        let rest: Vec<usize> = (0..size).filter(|of| !order.contains(of)).collect();
+        order.extend(rest);
+        let in_order = order.iter().flat_map(|row| order.iter().map(move |column| (row, column)));
+        let entries = in_order.map(|(row, column)| entries[row * size + column]).collect();
+        let mut all = Elimination { order, entries, inverses: Vec::new(), exchanges: Vec::new() };
+        for column in 0..certain {
+            all.inverses.push(None);
+            all.eliminate(builder, column);
+        }
+        all.eliminate_rest(builder, certain);
+        all
+    }
+
+    /// Subtracts a row from those below.
+    fn eliminate(&mut self, builder: &mut Builder, column: usize) {
+        let size = self.order.len();
+        for row in column + 1..size {
+            let Some(entry) = self.entries[row * size + column] else { continue };
+            let inverse = self.inverses[column];
+            let factor = inverse.map_or(entry, |inverse| builder.product(entry, inverse));
+            self.entries[row * size + column] = Some(factor);
+            for j in column + 1..size {
+                if let Some(above) = self.entries[column * size + j] {
+                    let entry = self.entries[row * size + j];
+                    let entry = builder.difference(entry, &[[factor, above]]);
+                    self.entries[row * size + j] = Some(entry);
+                }
+            }
+        }
+    }
+
+    /// Eliminates the unknowns from `first` on, with exchanges.
+    fn eliminate_rest(&mut self, builder: &mut Builder, first: usize) {
+        let size = self.order.len();
+        let [zero, one, small] = [0.0, 1.0, SMALL_PIVOT].map(|number| builder.number(number));
+        let mut scales = vec![zero; size];
+        for (row, scale) in scales.iter_mut().enumerate().skip(first) {
+            for entry in self.entries[row * size + first..(row + 1) * size].iter().flatten() {
+                let of = builder.size(*entry);
+                *scale = if *scale == zero { of } else { builder.larger(*scale, of) };
+            }
+        }
+        for column in first..size {
+            for row in column + 1..size {
+                let Some(other) = self.entries[row * size + column] else { continue };
+                let pivot = self.entries[column * size + column].unwrap_or(zero);
+                let [pivot, other] = [pivot, other].map(|cell| builder.size(cell));
+                let least = builder.product(small, other);
+                let less =
+                    [builder.product(pivot, scales[row]), builder.product(least, scales[column])];
+                self.exchanges.push(([column, row], less));
+                // The factors of earlier columns keep their places: right-hand sides are exchanged in between.
+                for j in column..size {
+                    let places = [column, row].map(|row| row * size + j);
+                    exchange(builder, &mut self.entries, places, less);
+                }
+                let [one, other] = [scales[column], scales[row]];
+                scales[column] = builder.choice(less, other, one);
+                scales[row] = builder.choice(less, one, other);
+            }
+            let pivot = self.entries[column * size + column].unwrap_or(zero);
+            self.inverses.push(Some(builder.quotient(one, pivot)));
+            self.eliminate(builder, column);
+        }
+    }
+
+    /// Writes the unknowns for a right-hand side to `out`. Returns which may differ from zero; the others are not written.
+    pub(super) fn substitute(
+        &self,
+        builder: &mut Builder,
+        right: &[Option<Cell>],
+        out: &[Cell],
+    ) -> Vec<bool> {
+        let size = self.order.len();
+        let mut values: Vec<Option<Cell>> = self.order.iter().map(|of| right[*of]).collect();
+        let mut exchanges = self.exchanges.iter();
+        for column in 0..size {
+            for (rows, less) in exchanges.as_slice().iter().take_while(|one| one.0[0] == column) {
+                exchange(builder, &mut values, *rows, *less);
+                exchanges.next();
+            }
+            for row in column + 1..size {
+                let factor = self.entries[row * size + column];
+                if let Some((factor, value)) = factor.zip(values[column]) {
+                    values[row] = Some(builder.difference(values[row], &[[factor, value]]));
+                }
+            }
+        }
+        let mut not_zero = vec![false; size];
+        for row in (0..size).rev() {
+            let later = self.entries[row * size..][..size].iter().zip(&values).skip(row + 1);
+            let product =
+                |(entry, value): (&Option<Cell>, &Option<Cell>)| Some([(*entry)?, (*value)?]);
+            let products: Vec<[Cell; 2]> = later.filter_map(product).collect();
+            if values[row].is_none() && products.is_empty() {
+                continue;
+            }
+            let out = out[self.order[row]];
+            match self.inverses[row] {
+                None => builder.set(out, values[row], true, &products),
+                Some(inverse) => {
+                    let value = match values[row] {
+                        Some(value) if products.is_empty() => value,
+                        value => builder.difference(value, &products),
+                    };
+                    builder.set(out, None, false, &[[value, inverse]]);
+                }
+            }
+            values[row] = Some(out);
+            not_zero[self.order[row]] = true;
+        }
+        not_zero
+    }
+}
+
+/// Exchanges two cells where the first number is less than the second.
+fn exchange(
+    builder: &mut Builder,
+    cells: &mut [Option<Cell>],
+    places: [usize; 2],
+    less: [Cell; 2],
+) {
+    let pair = places.map(|place| cells[place]);
+    if pair == [None; 2] {
+        return;
+    }
+    let zero = builder.number(0.0);
+    let [one, other] = pair.map(|cell| cell.unwrap_or(zero));
+    cells[places[0]] = Some(builder.choice(less, other, one));
+    cells[places[1]] = Some(builder.choice(less, one, other));
+}

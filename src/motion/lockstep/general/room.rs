@@ -1,0 +1,94 @@
+//! The memory of a step's programs, and the series in it.
+
+use fearless_simd::prelude::*;
+
+use super::operations::{Operations, Slot, StaticId};
+use super::series::TERMS;
+use crate::graph::Program;
+use crate::motion::lockstep::Lanes;
+use crate::motion::lockstep::vector::Vector;
+
+/// Work space of a step, with the results of the latest step.
+pub(in crate::motion::lockstep) struct Room<S: Vector> {
+    /// The cells of the programs.
+    pub(super) memory: Vec<Lanes<S>>,
+    /// Whether inputs have changed since the static numbers were computed.
+    pub(super) is_changed: bool,
+    /// Where the changes of the cells along a displacement begin.
+    pub(super) displaced: usize,
+    /// Where the series begin.
+    first: usize,
+    /// The lanes in which a condition of each contact may fail, then those in which each event may happen.
+    pub(super) doubts: Vec<u64>,
+    /// The lanes in which a force of each contact may be beyond its limits.
+    pub(super) force_doubts: Vec<u64>,
+    /// Bounds of the changes of expressions.
+    pub(super) radii: Vec<Lanes<S>>,
+}
+
+impl<S: Vector> Room<S> {
+    /// Returns the memory of the programs of a step.
+    pub(super) fn new(simd: S, operations: &Operations, programs: [&Program; 3]) -> Self {
+        let [motion, .., displacement] = programs;
+        let mut memory = vec![Lanes::splat(simd, 0.0); displacement.cells];
+        for (cell, number) in programs.into_iter().flat_map(|program| &program.numbers) {
+            memory[*cell as usize] = Lanes::splat(simd, *number);
+        }
+        let conditions =
+            [operations.contacts.len(), operations.guards.len(), operations.gaps.len()];
+        Room {
+            memory,
+            is_changed: true,
+            displaced: motion.cells,
+            first: operations.coefficient(0, 0) as usize,
+            doubts: vec![0; conditions.into_iter().sum()],
+            force_doubts: vec![0; operations.contacts.len()],
+            radii: vec![Lanes::splat(simd, 0.0); operations.slots],
+        }
+    }
+
+    /// Sets a static number of one lane.
+    pub(super) fn set_constant(&mut self, id: StaticId, lane: usize, value: f64) {
+        self.memory[id as usize][lane] = value;
+        self.is_changed = true;
+    }
+
+    /// Returns a static number.
+    #[inline(always)]
+    pub(super) fn constant(&self, id: StaticId) -> Lanes<S> {
+        self.memory[id as usize]
+    }
+
+    /// Returns the series of the motion.
+    #[inline(always)]
+    pub(super) fn series(&self) -> Series<'_, S> {
+        Series(&self.memory[self.first..])
+    }
+
+    /// Returns the changes of the series along a displacement.
+    #[inline(always)]
+    pub(super) fn changes(&self) -> Series<'_, S> {
+        Series(&self.memory[self.displaced + self.first..])
+    }
+
+    /// Sets the state at the start of a step, or a displacement of it.
+    #[inline(always)]
+    pub(super) fn start(&mut self, components: &[Lanes<S>], displaced: bool) {
+        let first = self.first + if displaced { self.displaced } else { 0 };
+        for (slot, value) in components.iter().enumerate() {
+            self.memory[first + slot * TERMS] = *value;
+        }
+    }
+}
+
+/// Power series in time in all lanes.
+#[derive(Clone, Copy)]
+pub(super) struct Series<'m, S: Vector>(&'m [Lanes<S>]);
+
+impl<'m, S: Vector> Series<'m, S> {
+    /// Returns the coefficients of a series, from order zero.
+    #[inline(always)]
+    pub(super) fn of(self, slot: Slot) -> &'m [Lanes<S>] {
+        &self.0[slot as usize * TERMS..][..TERMS]
+    }
+}

@@ -1,0 +1,206 @@
+//! Numbers the values of a part of a program, and interleaves sums that do not depend on each other.
+
+use super::Width;
+use crate::graph::{Cell, Instruction, Program};
+
+/// The number of a value.
+pub(super) type Id = u32;
+
+/// An operation of one machine instruction, or of two.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Operation {
+    /// `a b`
+    Product([Id; 2]),
+    /// `c + a b`, or `c - a b`
+    Fused { factors: [Id; 2], sum: Id, subtracts: bool },
+    /// `a / b`
+    Quotient([Id; 2]),
+    /// `sqrt a`
+    SquareRoot(Id),
+    /// The third where the first is less than the second, else the fourth.
+    Choice([Id; 4]),
+    /// The same number in another cell.
+    Copy(Id),
+}
+
+impl Operation {
+    /// Returns the values that the operation reads.
+    pub(super) fn reads(&self) -> impl Iterator<Item = Id> + use<> {
+        let all: [Option<Id>; 4] = match *self {
+            Operation::Product([a, b]) | Operation::Quotient([a, b]) => {
+                [Some(a), Some(b), None, None]
+            }
+            Operation::Fused { factors: [a, b], sum, .. } => [Some(a), Some(b), Some(sum), None],
+            Operation::SquareRoot(a) | Operation::Copy(a) => [Some(a), None, None, None],
+            Operation::Choice(all) => all.map(Some),
+        };
+        all.into_iter().flatten()
+    }
+}
+
+/// An operation with its result.
+pub(super) struct Line {
+    pub(super) operation: Operation,
+    pub(super) result: Id,
+    /// Whether the result is stored in its cell.
+    pub(super) stores: bool,
+}
+
+/// A number that a line reads or computes.
+pub(super) struct Value {
+    /// The cell in which it is stored, if it is stored. Partial sums use the cell of the sum.
+    pub(super) cell: Cell,
+    /// Whether the cell contains it at the start.
+    pub(super) is_input: bool,
+    /// The lines that read it.
+    pub(super) reads: Vec<u32>,
+}
+
+/// The lines of a part of a program.
+#[derive(Default)]
+pub(super) struct Lowered {
+    pub(super) lines: Vec<Line>,
+    pub(super) values: Vec<Value>,
+}
+
+/// Sums that are computed together.
+fn together(width: Width) -> usize {
+    match width {
+        Width::Eight => 14,
+        Width::Four => 7,
+    }
+}
+
+/// Returns the lines of instructions without elementary functions; `stored` tells the cells that are read later.
+pub(super) fn lower(
+    program: &Program,
+    instructions: &[Instruction],
+    stored: impl Fn(Cell) -> bool,
+    width: Width,
+) -> Lowered {
+    let values = vec![None; program.cells];
+    let mut lowering = Lowering { lowered: Lowered::default(), value_of: values, stored };
+    let mut rest = instructions;
+    while let Some(first) = rest.first() {
+        let group = independent_sums(program, rest, together(width));
+        if group.is_empty() {
+            lowering.single(first);
+            rest = &rest[1..];
+        } else {
+            lowering.sums(program, group);
+            rest = &rest[group.len()..];
+        }
+    }
+    lowering.lowered
+}
+
+/// Returns the sums at the start of instructions of which none reads another.
+fn independent_sums<'i>(
+    program: &Program,
+    instructions: &'i [Instruction],
+    most: usize,
+) -> &'i [Instruction] {
+    let mut written = Vec::new();
+    for instruction in instructions.iter().take(most) {
+        let Instruction::Sum { out, .. } = *instruction else { break };
+        if program.reads(instruction).any(|cell| written.contains(&cell)) {
+            break;
+        }
+        written.push(out);
+    }
+    &instructions[..written.len()]
+}
+
+/// A sum that is being computed.
+struct Partial<'p> {
+    out: Cell,
+    subtracts: bool,
+    products: &'p [[Cell; 2]],
+    sum: Option<Id>,
+}
+
+struct Lowering<F> {
+    lowered: Lowered,
+    /// The value in each cell.
+    value_of: Vec<Option<Id>>,
+    stored: F,
+}
+
+impl<F: Fn(Cell) -> bool> Lowering<F> {
+    fn value(&mut self, cell: Cell, is_input: bool) -> Id {
+        self.lowered.values.push(Value { cell, is_input, reads: Vec::new() });
+        (self.lowered.values.len() - 1) as Id
+    }
+
+    /// Returns the value in a cell.
+    fn at(&mut self, cell: Cell) -> Id {
+        match self.value_of[cell as usize] {
+            Some(id) => id,
+            None => {
+                let id = self.value(cell, true);
+                self.value_of[cell as usize] = Some(id);
+                id
+            }
+        }
+    }
+
+    /// Adds a line that computes a value of a cell, or if not `last`, a part of it.
+    fn line(&mut self, operation: Operation, cell: Cell, last: bool) -> Id {
+        let line = self.lowered.lines.len() as u32;
+        for id in operation.reads() {
+            self.lowered.values[id as usize].reads.push(line);
+        }
+        let result = self.value(cell, false);
+        let stores = last && (self.stored)(cell);
+        self.lowered.lines.push(Line { operation, result, stores });
+        if last {
+            self.value_of[cell as usize] = Some(result);
+        }
+        result
+    }
+
+    fn single(&mut self, instruction: &Instruction) {
+        let (out, operation) = match *instruction {
+            Instruction::Quotient { out, of, by } => {
+                (out, Operation::Quotient([of, by].map(|cell| self.at(cell))))
+            }
+            Instruction::SquareRoot { out, of } => (out, Operation::SquareRoot(self.at(of))),
+            Instruction::Choice { out, less: [a, b], then, other } => {
+                (out, Operation::Choice([a, b, then, other].map(|cell| self.at(cell))))
+            }
+            // Sums are lowered together; the host computes functions.
+            Instruction::Sum { .. }
+            | Instruction::SineCosine { .. }
+            | Instruction::Function { .. } => return,
+        };
+        self.line(operation, out, true);
+    }
+
+    /// Adds the lines of sums, product by product, so that all end at the same time: what was computed last comes last.
+    fn sums(&mut self, program: &Program, group: &[Instruction]) {
+        let mut sums = Vec::with_capacity(group.len());
+        for instruction in group {
+            if let Instruction::Sum { out, start, subtracts, products } = *instruction {
+                let (products, sum) = (program.products(products), start.map(|cell| self.at(cell)));
+                sums.push(Partial { out, subtracts, products, sum });
+            }
+        }
+        let longest = sums.iter().map(|one| one.products.len()).max().unwrap_or(0);
+        for left in (0..longest).rev() {
+            for Partial { out, subtracts, products, sum } in &mut sums {
+                let Some(place) = products.len().checked_sub(left + 1) else { continue };
+                let factors = products[place].map(|cell| self.at(cell));
+                let operation = match *sum {
+                    None => Operation::Product(factors),
+                    Some(sum) => Operation::Fused { factors, sum, subtracts: *subtracts },
+                };
+                *sum = Some(self.line(operation, *out, left == 0));
+            }
+        }
+        for Partial { out, products, sum, .. } in sums {
+            if let (Some(sum), true) = (sum, products.is_empty()) {
+                self.line(Operation::Copy(sum), out, true);
+            }
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! Machine code of programs, made when they first run (x86-64).
+//!
+//! `lower` numbers the values of a program and interleaves sums that do not depend on each other, `registers` keeps values in
+//! registers, and `encode` writes instructions. The code has no branches, and each of its memory operands is a cell below
+//! [`Program::cells`].
+
+mod encode;
+mod lower;
+mod registers;
+
+use std::sync::OnceLock;
+
+use memmap2::{Mmap, MmapMut};
+
+use super::trigonometry::sin_cos;
+use super::vector::Vector;
+use super::{LANES, Lanes};
+use crate::graph::{Instruction, Program};
+use encode::Encoder;
+
+/// The widths of vector registers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Width {
+    /// AVX-512: all lanes in each of 32 registers.
+    Eight,
+    /// AVX2: half of the lanes in each of 16 registers; the code runs twice.
+    Four,
+}
+
+/// The largest program with machine code, in bytes of code.
+const MOST_BYTES: usize = 1 << 24;
+
+/// Returns whether programs run as machine code on this machine: the environment variable `STICKSLIP_MACHINE_CODE=off` and
+/// systems that refuse executable memory prevent it.
+pub(super) fn is_allowed() -> bool {
+    static ALLOWED: OnceLock<bool> = OnceLock::new();
+    *ALLOWED.get_or_init(|| {
+        let is_off = std::env::var_os("STICKSLIP_MACHINE_CODE").is_some_and(|value| value == "off");
+        let executable = || MmapMut::map_anon(1).and_then(MmapMut::make_exec);
+        cfg!(target_arch = "x86_64") && !is_off && executable().is_ok()
+    })
+}
+
+/// A part of a program.
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    /// Machine code, by its place.
+    Code(usize),
+    /// An elementary function of one number at a time.
+    Call(Instruction),
+}
+
+/// The machine code of a program.
+#[derive(Debug)]
+pub(super) struct Code {
+    code: Mmap,
+    parts: Vec<Part>,
+    cells: usize,
+    width: Width,
+}
+
+impl Code {
+    /// Returns the machine code of a program; `None` where the system refuses executable memory, and for a program that is
+    /// too large.
+    pub(super) fn new(program: &Program, width: Width) -> Option<Self> {
+        if !is_allowed() {
+            return None;
+        }
+        let mut encoder = Encoder::new(width);
+        let parts = parts(program, &mut encoder)?;
+        let bytes = encoder.finish();
+        if bytes.len() > MOST_BYTES {
+            return None;
+        }
+        // The memory is first writable, then executable, never both.
+        let mut memory = MmapMut::map_anon(bytes.len().max(1)).ok()?;
+        memory[..bytes.len()].copy_from_slice(&bytes);
+        Some(Code { code: memory.make_exec().ok()?, parts, cells: program.cells, width })
+    }
+
+    /// Runs the program on its cells.
+    ///
+    /// # Panics
+    /// Panics if there are fewer cells than the program has.
+    pub(super) fn run<S: Vector>(&self, simd: S, memory: &mut [Lanes<S>]) {
+        assert!(memory.len() >= self.cells, "a program needs all of its cells");
+        for part in &self.parts {
+            match *part {
+                Part::Code(place) => self.call(place, memory),
+                Part::Call(Instruction::SineCosine { sine, cosine, of }) => {
+                    let angle = memory[of as usize];
+                    let (s, c) = simd.vectorize(
+                        #[inline(always)]
+                        || sin_cos(angle),
+                    );
+                    memory[sine as usize] = s;
+                    memory[cosine as usize] = c;
+                }
+                Part::Call(Instruction::Function { out, function, of }) => {
+                    let mut value = memory[of as usize];
+                    for lane in 0..LANES {
+                        value[lane] = function.of(value[lane]);
+                    }
+                    memory[out as usize] = value;
+                }
+                Part::Call(_) => {}
+            }
+        }
+    }
+
+    /// Runs the code at a place.
+    #[allow(unsafe_code)]
+    fn call<S: Vector>(&self, place: usize, memory: &mut [Lanes<S>]) {
+        const { assert!(size_of::<Lanes<S>>() == 8 * LANES) };
+        // SAFETY: `place` is the start of a function in `code`, which `Encoder::begin` and `Encoder::end` delimit. It has this
+        // calling convention, changes vector registers only, and has no branch before its return. `width` belongs to the
+        // instructions of `S`, whose value exists only on processors that have them (`Vector::WIDTH`).
+        let function: unsafe extern "sysv64" fn(*mut f64) =
+            unsafe { std::mem::transmute(self.code.as_ptr().add(place)) };
+        let cells = memory.as_mut_ptr().cast::<f64>();
+        // SAFETY: the function reads and writes cells below `self.cells` (`registers::assign` refuses others), and `run` has
+        // checked that `memory` has as many, each of eight numbers. Code for half of the lanes reads and writes the first four
+        // numbers of a cell from the pointer on.
+        unsafe {
+            function(cells);
+            if self.width == Width::Four {
+                function(cells.add(LANES / 2));
+            }
+        }
+    }
+}
+
+/// Writes the code of a program, and returns its parts.
+fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<Part>> {
+    let is_call = |instruction: &Instruction| {
+        matches!(instruction, Instruction::SineCosine { .. } | Instruction::Function { .. })
+    };
+    let mut parts = Vec::new();
+    let mut rest = &program.instructions[..];
+    // The last read of each cell, counted in instructions that are left.
+    let mut last_read = vec![usize::MAX; program.cells];
+    for (place, instruction) in rest.iter().enumerate() {
+        for cell in program.reads(instruction) {
+            *last_read.get_mut(cell as usize)? = rest.len() - place;
+        }
+    }
+    while let Some(first) = rest.first() {
+        if is_call(first) {
+            parts.push(Part::Call(*first));
+            rest = &rest[1..];
+            continue;
+        }
+        let count = rest.iter().position(is_call).unwrap_or(rest.len());
+        let (own, later) = rest.split_at(count);
+        // A cell that is read after this part is stored.
+        let stored =
+            |cell: u32| program.kept[cell as usize] || last_read[cell as usize] <= later.len();
+        let lowered = lower::lower(program, own, stored, encoder.width());
+        parts.push(Part::Code(encoder.begin()));
+        registers::assign(lowered, encoder, program.cells).ok()?;
+        encoder.end().ok()?;
+        rest = later;
+    }
+    Some(parts)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,233 @@
+//! Keeps values in registers: of those that must leave, the value whose next use is furthest away (L. A. Belady, IBM Systems
+//! Journal 5 (1966) 78, doi:10.1147/sj.52.0078). Each value has a cell of its own, where it waits.
+
+use super::encode::{Encoded, Encoder, NotEncoded, Place};
+use super::lower::{Id, Line, Lowered, Operation, Value};
+use crate::graph::Cell;
+
+/// A value that is read again within this number of lines is loaded into a register, if one is free.
+const SOON: u32 = 24;
+
+/// The registers during the lines of a program.
+struct Registers<'e> {
+    encoder: &'e mut Encoder,
+    /// The value in each register.
+    holds: Vec<Option<Id>>,
+    values: Vec<Held>,
+}
+
+/// Where a value is.
+struct Held {
+    cell: Cell,
+    is_in_memory: bool,
+    register: Option<usize>,
+    /// The lines that read it, and how many of them are past.
+    reads: Vec<u32>,
+    past: usize,
+}
+
+impl Held {
+    fn next_read(&self) -> Option<u32> {
+        self.reads.get(self.past).copied()
+    }
+
+    /// Whether no line after this one reads it.
+    fn ends_at(&self, line: u32) -> bool {
+        self.reads.last().is_none_or(|last| *last <= line)
+    }
+}
+
+/// Writes the code of the lines.
+///
+/// # Errors
+/// An instruction that cannot be encoded, such as one for a cell that the program does not have.
+pub(super) fn assign(lowered: Lowered, encoder: &mut Encoder, cells: usize) -> Encoded {
+    if lowered.values.iter().any(|value| value.cell as usize >= cells) {
+        return Err(NotEncoded);
+    }
+    let held = |value: Value| Held {
+        cell: value.cell,
+        is_in_memory: value.is_input,
+        register: None,
+        reads: value.reads,
+        past: 0,
+    };
+    let count = encoder.registers();
+    let values = lowered.values.into_iter().map(held).collect();
+    let mut registers = Registers { encoder, holds: vec![None; count], values };
+    for (at, line) in (0..).zip(&lowered.lines) {
+        registers.line(at, line)?;
+    }
+    Ok(())
+}
+
+impl Registers<'_> {
+    fn of(&self, id: Id) -> &Held {
+        &self.values[id as usize]
+    }
+
+    /// Returns a free register, which is none of `keep`.
+    fn take(&mut self, keep: &[usize]) -> Encoded<usize> {
+        let mut furthest = (None, 0);
+        for (register, held) in self.holds.iter().enumerate() {
+            if keep.contains(&register) {
+                continue;
+            }
+            let Some(id) = held else { return Ok(register) };
+            let next = self.of(*id).next_read().unwrap_or(u32::MAX);
+            if furthest.0.is_none() || next > furthest.1 {
+                furthest = (Some((register, *id)), next);
+            }
+        }
+        let (register, id) = furthest.0.ok_or(NotEncoded)?;
+        let value = &mut self.values[id as usize];
+        if !value.is_in_memory && value.next_read().is_some() {
+            self.encoder.store(value.cell, register)?;
+            value.is_in_memory = true;
+        }
+        value.register = None;
+        self.holds[register] = None;
+        Ok(register)
+    }
+
+    fn hold(&mut self, register: usize, id: Id) {
+        self.holds[register] = Some(id);
+        self.values[id as usize].register = Some(register);
+    }
+
+    /// Returns the register of a value, which is loaded if it is in memory. `keep` gets the register.
+    fn load(&mut self, id: Id, keep: &mut Vec<usize>) -> Encoded<usize> {
+        let register = match self.of(id).register {
+            Some(register) => register,
+            None => {
+                let register = self.take(keep)?;
+                self.encoder.load(register, self.of(id).cell)?;
+                self.hold(register, id);
+                register
+            }
+        };
+        keep.push(register);
+        Ok(register)
+    }
+
+    /// Returns where an instruction reads a value that it can read in memory.
+    fn place(&mut self, id: Id, line: u32, keep: &mut Vec<usize>) -> Encoded<Place> {
+        let value = self.of(id);
+        let later = value.reads[value.past..].iter().find(|read| **read > line);
+        let soon = later.is_some_and(|read| read - line < SOON);
+        let is_free = self.holds.iter().any(Option::is_none);
+        if value.register.is_none() && !(soon && is_free) {
+            return Ok(Place::Cell(value.cell));
+        }
+        self.load(id, keep).map(Place::Register)
+    }
+
+    /// Returns two factors, the first in a register.
+    fn factors(
+        &mut self,
+        [a, b]: [Id; 2],
+        line: u32,
+        keep: &mut Vec<usize>,
+    ) -> Encoded<(usize, Place)> {
+        let swaps = self.of(a).register.is_none() && self.of(b).register.is_some();
+        let [a, b] = if swaps { [b, a] } else { [a, b] };
+        Ok((self.load(a, keep)?, self.place(b, line, keep)?))
+    }
+
+    /// Returns a register for a result: that of a value which no later line reads, or a free one.
+    fn result(&mut self, reads: &[Id], line: u32, keep: &[usize]) -> Encoded<usize> {
+        let ends = |id: &&Id| self.of(**id).ends_at(line) && self.of(**id).register.is_some();
+        match reads.iter().find(ends).and_then(|id| self.of(*id).register) {
+            Some(register) => Ok(register),
+            None => self.take(keep),
+        }
+    }
+
+    fn line(&mut self, at: u32, line: &Line) -> Encoded {
+        let mut keep: Vec<usize> =
+            line.operation.reads().filter_map(|id| self.of(id).register).collect();
+        let result = match line.operation {
+            Operation::Product(of) => {
+                let (a, b) = self.factors(of, at, &mut keep)?;
+                let result = self.result(&of, at, &keep)?;
+                self.encoder.product(result, a, b)?;
+                result
+            }
+            Operation::Quotient([of, by]) => {
+                let of_in = self.load(of, &mut keep)?;
+                let by_at = self.place(by, at, &mut keep)?;
+                let result = self.result(&[of, by], at, &keep)?;
+                self.encoder.quotient(result, of_in, by_at)?;
+                result
+            }
+            Operation::Fused { factors, sum, subtracts } => {
+                let (a, b) = self.factors(factors, at, &mut keep)?;
+                let held = self.of(sum);
+                let is_last = held.ends_at(at) && !factors.contains(&sum);
+                let result = match held.register {
+                    Some(register) if is_last => register,
+                    Some(register) => {
+                        let result = self.take(&keep)?;
+                        self.encoder.copy(result, register)?;
+                        result
+                    }
+                    None => {
+                        let result = self.take(&keep)?;
+                        self.encoder.load(result, self.of(sum).cell)?;
+                        result
+                    }
+                };
+                self.encoder.fused(result, a, b, subtracts)?;
+                result
+            }
+            Operation::SquareRoot(of) => {
+                let register = self.load(of, &mut keep)?;
+                let result = self.result(&[of], at, &keep)?;
+                self.encoder.square_root(result, register)?;
+                result
+            }
+            Operation::Copy(of) => {
+                let register = self.load(of, &mut keep)?;
+                let result = self.result(&[of], at, &keep)?;
+                if result != register {
+                    self.encoder.copy(result, register)?;
+                }
+                result
+            }
+            Operation::Choice(all) => {
+                let mut of = [0; 4];
+                for (register, id) in of.iter_mut().zip(all) {
+                    *register = self.load(id, &mut keep)?;
+                }
+                let result = self.take(&keep)?;
+                self.encoder.choice(result, of)?;
+                result
+            }
+        };
+        self.after(at, line, result)
+    }
+
+    /// Frees the registers of values that no later line reads, and stores the result.
+    fn after(&mut self, at: u32, line: &Line, result: usize) -> Encoded {
+        for id in line.operation.reads() {
+            let value = &mut self.values[id as usize];
+            while value.next_read().is_some_and(|read| read <= at) {
+                value.past += 1;
+            }
+            if value.next_read().is_none()
+                && let Some(register) = value.register.take()
+            {
+                self.holds[register] = None;
+            }
+        }
+        let value = &mut self.values[line.result as usize];
+        if line.stores {
+            self.encoder.store(value.cell, result)?;
+            value.is_in_memory = true;
+        }
+        if value.next_read().is_some() {
+            self.hold(result, line.result);
+        }
+        Ok(())
+    }
+}
