@@ -1,50 +1,52 @@
 //! Writes a program, instruction by instruction.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use super::program::{Cell, Instruction, Program};
 
 /// A program that is being written.
 #[derive(Default)]
 pub(crate) struct Builder {
-    program: Program,
-    numbers: HashMap<u64, Cell>,
+    instructions: Vec<Instruction>,
+    products: Vec<[Cell; 2]>,
+    cells: usize,
+    numbers: Vec<(Cell, f64)>,
+    /// The cell of each number.
+    known: HashMap<u64, Cell>,
 }
 
 impl Builder {
     /// Returns a program of which this many cells are known to others.
     pub(crate) fn with_cells(cells: usize) -> Self {
-        let mut builder = Builder::default();
-        builder.program.cells = cells;
-        builder
+        Builder { cells, ..Builder::default() }
     }
 
     /// Returns a new cell.
     pub(crate) fn cell(&mut self) -> Cell {
-        self.program.cells += 1;
-        (self.program.cells - 1) as Cell
+        self.cells += 1;
+        (self.cells - 1) as Cell
     }
 
     /// Returns the cell of a number.
     pub(crate) fn number(&mut self, number: f64) -> Cell {
-        if let Some(cell) = self.numbers.get(&number.to_bits()) {
+        if let Some(cell) = self.known.get(&number.to_bits()) {
             return *cell;
         }
         let cell = self.cell();
-        self.numbers.insert(number.to_bits(), cell);
-        self.program.numbers.push((cell, number));
+        self.define(cell, number);
         cell
     }
 
     /// Makes a known cell that of a number.
     pub(crate) fn define(&mut self, cell: Cell, number: f64) {
-        self.numbers.entry(number.to_bits()).or_insert(cell);
-        self.program.numbers.push((cell, number));
+        self.known.entry(number.to_bits()).or_insert(cell);
+        self.numbers.push((cell, number));
     }
 
     /// Adds an instruction.
     pub(crate) fn add(&mut self, instruction: Instruction) {
-        self.program.instructions.push(instruction);
+        self.instructions.push(instruction);
     }
 
     /// Writes a sum of products to a cell, or subtracts them from the start ([`Instruction::Sum`]).
@@ -59,8 +61,8 @@ impl Builder {
             None if subtracts || products.is_empty() => Some(self.number(0.0)),
             other => other,
         };
-        let place = [self.program.products.len() as u32, products.len() as u32];
-        self.program.products.extend_from_slice(products);
+        let place = [self.products.len() as u32, products.len() as u32];
+        self.products.extend_from_slice(products);
         self.add(Instruction::Sum { out, start, subtracts, products: place });
     }
 
@@ -112,9 +114,16 @@ impl Builder {
     /// Returns the program, without instructions whose results nobody reads; `kept` are the cells that are read after its
     /// end.
     pub(crate) fn finish(self, kept: impl IntoIterator<Item = Cell>) -> Program {
-        let mut program = self.program;
-        program.kept = vec![false; program.cells];
-        kept.into_iter().for_each(|cell| program.kept[cell as usize] = true);
-        program.without_unused()
+        let Builder { instructions, products, cells, numbers, .. } = self;
+        let mut kept_cells = vec![false; cells];
+        kept.into_iter().for_each(|cell| kept_cells[cell as usize] = true);
+        Program {
+            instructions,
+            products: Arc::new(products),
+            cells,
+            numbers: Arc::new(numbers),
+            kept: kept_cells,
+        }
+        .without_unused()
     }
 }

@@ -1,5 +1,7 @@
 //! Straight-line programs over cells.
 
+use std::sync::Arc;
+
 /// The place of a number of each lane.
 pub(crate) type Cell = u32;
 
@@ -48,12 +50,12 @@ impl Function {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Program {
     pub(crate) instructions: Vec<Instruction>,
-    /// The factors of the products of all sums.
-    pub(crate) products: Vec<[Cell; 2]>,
+    /// The factors of the products of all sums; parts of a program share them.
+    pub(crate) products: Arc<Vec<[Cell; 2]>>,
     /// The number of cells.
     pub(crate) cells: usize,
     /// The cells that contain the same number whenever the program starts.
-    pub(crate) numbers: Vec<(Cell, f64)>,
+    pub(crate) numbers: Arc<Vec<(Cell, f64)>>,
     /// Whether each cell is read after the end of the program.
     pub(crate) kept: Vec<bool>,
 }

@@ -481,11 +481,10 @@ impl<S: Vector> Kernel<S> for General<S> {
         let evaluator = self.evaluator(lane).expect("only lanes with a run are decided");
         let equations = Evaluated::new(evaluator, state);
         let memory = &mut *self.instant.borrow_mut();
-        let Compiled { operations, statics, motion, .. } = &*self.program;
+        let Compiled { operations, motion, .. } = &*self.program;
         if memory.is_empty() {
             *memory = vec![Lanes::splat(self.simd, 0.0); motion.program().cells];
-            for (cell, number) in statics.program().numbers.iter().chain(&motion.program().numbers)
-            {
+            for (cell, number) in motion.program().numbers.iter() {
                 memory[*cell as usize] = Lanes::splat(self.simd, *number);
             }
         }

@@ -31,7 +31,7 @@ impl<S: Vector> Room<S> {
     pub(super) fn new(simd: S, operations: &Operations, programs: [&Program; 3]) -> Self {
         let [motion, .., displacement] = programs;
         let mut memory = vec![Lanes::splat(simd, 0.0); displacement.cells];
-        for (cell, number) in programs.into_iter().flat_map(|program| &program.numbers) {
+        for (cell, number) in programs.into_iter().flat_map(|program| program.numbers.iter()) {
             memory[*cell as usize] = Lanes::splat(simd, *number);
         }
         let conditions =

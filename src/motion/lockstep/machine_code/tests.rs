@@ -71,7 +71,7 @@ fn agree_with_the_interpreter(simd: impl Vector) {
             })
             .collect();
         let [mut expected, mut found] = [start.clone(), start];
-        for (cell, number) in &program.numbers {
+        for (cell, number) in program.numbers.iter() {
             for memory in [&mut expected, &mut found] {
                 memory[*cell as usize] = Lanes::splat(simd, *number);
             }
@@ -140,7 +140,7 @@ fn tangents_are_those_of_dual_numbers() {
             memory[cell + program.cells] = Lanes::splat(simd, slope);
             dual[cell] = Dual { value, slope };
         }
-        for (cell, number) in program.numbers.iter().chain(&along.numbers) {
+        for (cell, number) in program.numbers.iter().chain(along.numbers.iter()) {
             memory[*cell as usize] = Lanes::splat(simd, *number);
             if let Some(dual) = dual.get_mut(*cell as usize) {
                 *dual = Dual::constant(*number);

@@ -4,6 +4,7 @@
 mod interpreter;
 
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::Lanes;
 use super::machine_code::Code;
@@ -12,18 +13,23 @@ use crate::graph::Program;
 #[cfg(test)]
 pub(super) use interpreter::run as interpret;
 
+/// A program runs so often in the interpreter before its machine code is made, which takes about as long.
+const FIRST_RUNS: u32 = 300;
+
 /// A program with its machine code.
 #[derive(Debug)]
 pub(super) struct Runner {
     program: Program,
     /// The machine code for each width, where it is possible.
     code: [OnceLock<Option<Code>>; 2],
+    /// The number of runs in the interpreter, up to [`FIRST_RUNS`].
+    runs: AtomicU32,
 }
 
 impl Runner {
-    /// Machine code is made when the program runs for the first time.
+    /// Returns a program without machine code.
     pub(super) fn new(program: Program) -> Self {
-        Runner { program, code: Default::default() }
+        Runner { program, code: Default::default(), runs: AtomicU32::new(0) }
     }
 
     /// Returns the program.
@@ -33,13 +39,18 @@ impl Runner {
 
     /// Runs the program on its cells.
     pub(super) fn run<S: Vector>(&self, simd: S, memory: &mut [Lanes<S>]) {
-        let code = S::WIDTH.and_then(|width| {
+        // Which runs are interpreted does not affect their results.
+        let is_new = self.runs.load(Ordering::Relaxed) < FIRST_RUNS;
+        let code = S::WIDTH.filter(|_| !is_new).and_then(|width| {
             let code = &self.code[width as usize];
             code.get_or_init(|| Code::new(&self.program, width)).as_ref()
         });
-        match code {
-            Some(code) => code.run(simd, memory),
-            None => interpreter::run(simd, &self.program, memory),
+        if let Some(code) = code {
+            return code.run(simd, memory);
         }
+        if is_new {
+            self.runs.fetch_add(1, Ordering::Relaxed);
+        }
+        interpreter::run(simd, &self.program, memory);
     }
 }
