@@ -32,7 +32,7 @@ impl<S: Vector> Deciding<'_, S> {
         let Compiled { operations, statics, instant, .. } = &*self.general.program;
         let memory = &mut **self.memory.borrow_mut();
         let inputs = self.equations.evaluator.inputs(phases);
-        operations.set_statics(&inputs, self.equations.state, |id, value| {
+        operations.statics.set(&inputs, self.equations.state, |id, value| {
             memory[id as usize][LANE] = value;
         });
         statics.run(self.general.simd, memory);

@@ -12,6 +12,7 @@ mod radius;
 mod room;
 mod schedule;
 mod series;
+mod statics;
 mod turning;
 
 use std::cell::RefCell;
@@ -212,7 +213,7 @@ impl<S: Vector> Kernel<S> for General<S> {
         let modes: Vec<_> = own.phases.iter().map(|phase| phase.mode()).collect();
         let inputs = own.system.inputs(&modes);
         let set = |id, value| room.set_constant(id, lane, value);
-        self.program.operations.set_statics(&inputs, state, set);
+        self.program.operations.statics.set(&inputs, state, set);
         let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
         for (contact, watched) in self.watched.iter_mut().enumerate() {
             let limit = own.system.friction(contact).limit;

@@ -6,31 +6,11 @@
 
 use super::compiler::compile;
 use super::series::Programs;
+use super::statics::{StaticId, Statics};
 use super::turning::Turning;
 use crate::graph::Program;
 use crate::model::Graph;
 
-/// A number that is constant in time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Static {
-    Constant(f64),
-    Input(u32),
-    /// A component of the state that only events change.
-    Discrete(u32),
-    Sum(StaticId, StaticId),
-    Difference(StaticId, StaticId),
-    Negation(StaticId),
-    Product(StaticId, StaticId),
-    Quotient(StaticId, StaticId),
-    Sine(StaticId),
-    Cosine(StaticId),
-    SquareRoot(StaticId),
-    Exponential(StaticId),
-    ArcTangent(StaticId),
-}
-
-/// The place of a static number.
-pub(super) type StaticId = u32;
 /// The place of a series.
 pub(super) type Slot = u32;
 
@@ -83,7 +63,7 @@ pub(super) enum Entry {
 /// The operations of a recorded system.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Operations {
-    pub(super) statics: Vec<Static>,
+    pub(super) statics: Statics,
     pub(super) all: Vec<Operation>,
     /// The number of series.
     pub(super) slots: usize,
@@ -115,21 +95,5 @@ impl Operations {
             parts.map(Program::cost).iter().sum::<u32>()
         };
         if cost(&expanded.1) <= cost(&plain.1) { expanded } else { plain }
-    }
-
-    /// Calls `set` with each static number that an input or a component determines.
-    pub(super) fn set_statics(
-        &self,
-        inputs: &[f64],
-        state: &[f64],
-        mut set: impl FnMut(StaticId, f64),
-    ) {
-        for (id, number) in (0..).zip(&self.statics) {
-            match *number {
-                Static::Input(input) => set(id, inputs[input as usize]),
-                Static::Discrete(component) => set(id, state[component as usize]),
-                _ => {}
-            }
-        }
     }
 }

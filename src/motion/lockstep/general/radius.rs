@@ -3,10 +3,11 @@
 
 use fearless_simd::prelude::*;
 
-use super::operations::{Entry, Operation, Operations, Slot, StaticId};
+use super::operations::{Entry, Operation, Operations, Slot};
 use super::room::Room;
 use super::schedule::reads_and_writes;
 use super::series::TERMS;
+use super::statics::StaticId;
 use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::{Fused, Vector};
 

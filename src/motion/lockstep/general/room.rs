@@ -2,8 +2,9 @@
 
 use fearless_simd::prelude::*;
 
-use super::operations::{Operations, Slot, StaticId};
+use super::operations::{Operations, Slot};
 use super::series::TERMS;
+use super::statics::StaticId;
 use crate::graph::Program;
 use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::Vector;

@@ -11,7 +11,8 @@
 //! without `(s v)' = κ c v² + s (u - σ v)`'s own products. This holds for `κ = 1`, `σ = 0`, and for a switch `κ` of 0 or 1
 //! with `σ = 1 - κ`, where the angle is constant while `κ = 0`.
 
-use super::operations::{Slot, StaticId};
+use super::operations::Slot;
+use super::statics::StaticId;
 use crate::model::{Graph, Node, NodeId};
 
 /// An angle whose rate is a speed.

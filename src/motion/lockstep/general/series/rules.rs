@@ -1,0 +1,165 @@
+//! The rules of operations: the coefficient of order `k` of each result.
+
+use super::{Expansion, pairs};
+use crate::graph::{Cell, Function, Instruction};
+use crate::motion::lockstep::general::operations::{Operation, Slot};
+use crate::motion::lockstep::general::turning::Turning;
+
+impl Expansion<'_> {
+    /// Returns the coefficient of order `k` times `k`, which is kept.
+    pub(super) fn rate(&mut self, place: usize, slot: Slot, k: usize) {
+        let factor = self.builder.number(k as f64);
+        let rate = self.term(slot, k).map(|cell| self.builder.product(factor, cell));
+        self.own[place].rate.resize(k, None);
+        self.own[place].rate.push(rate);
+    }
+
+    /// Returns `rate_j b_(k-j)` for `j` from 1 to `most`.
+    pub(super) fn integral(&self, place: usize, b: Slot, most: usize, k: usize) -> Vec<[Cell; 2]> {
+        pairs(|j| self.own[place].rate[j], |j| self.term(b, j), 1..=most, k)
+    }
+
+    pub(super) fn apply(&mut self, place: usize, operation: &Operation, k: usize) {
+        let one = self.builder.number(1.0);
+        match operation {
+            Operation::Linear { out, constant, terms } => {
+                let start = constant.filter(|_| k == 0).map(|id| self.of.constant(id));
+                let products = self.linear(terms, k);
+                self.set(*out, k, start, &products);
+            }
+            Operation::Product { out, a, b } if a == b && k > 0 => {
+                let own = |j: usize| self.term(*a, j);
+                let products = pairs(own, own, (1..k.div_ceil(2)).chain([0]), k);
+                let middle = own(k / 2).filter(|_| k.is_multiple_of(2));
+                let middle = middle.map(|cell| [cell; 2]);
+                if products.is_empty() {
+                    self.set(*out, k, None, middle.as_slice());
+                    return;
+                }
+                let two = self.builder.number(2.0);
+                let half = self.builder.sum(None, &products);
+                let all: Vec<_> = std::iter::once([half, two]).chain(middle).collect();
+                self.set(*out, k, None, &all);
+            }
+            Operation::Product { out, a, b } => {
+                let orders = (1..k).chain([0, k]).take(k + 1);
+                let products = pairs(|j| self.term(*a, j), |j| self.term(*b, j), orders, k);
+                self.set(*out, k, None, &products);
+            }
+            &Operation::SineCosine { sine, cosine, angle } => {
+                if k == 0 {
+                    let of = self.start(angle);
+                    let [sine, cosine] = [sine, cosine].map(|slot| self.place(slot, 0));
+                    self.builder.add(Instruction::SineCosine { sine, cosine, of });
+                    return;
+                }
+                self.rate(place, angle, k);
+                let [of_sine, of_cosine] =
+                    [cosine, sine].map(|other| self.integral(place, other, k, k));
+                let part = self.builder.number(1.0 / k as f64);
+                if !of_sine.is_empty() {
+                    let sum = self.builder.sum(None, &of_sine);
+                    self.set(sine, k, None, &[[sum, part]]);
+                }
+                self.set_rest((cosine, k), None, &of_cosine, part);
+            }
+            Operation::Turning(turning) => self.turn(turning, k),
+            &Operation::Quotient { out, a, b } => {
+                if k == 0 {
+                    let by = self.start(b);
+                    self.own[place].inverse = Some(self.builder.quotient(one, by));
+                }
+                let known = pairs(|j| self.term(out, j), |j| self.term(b, j), 0..k, k);
+                let inverse = self.own[place].inverse.unwrap_or(one);
+                self.set_rest((out, k), self.term(a, k), &known, inverse);
+            }
+            &Operation::SquareRoot { out, a } => {
+                if k == 0 {
+                    let of = self.start(a);
+                    let root = self.place(out, 0);
+                    self.builder.add(Instruction::SquareRoot { out: root, of });
+                    let half = self.builder.number(0.5);
+                    self.own[place].inverse = Some(self.builder.quotient(half, root));
+                    return;
+                }
+                let known = pairs(|j| self.term(out, j), |j| self.term(out, j), 1..k, k);
+                let inverse = self.own[place].inverse.unwrap_or(one);
+                self.set_rest((out, k), self.term(a, k), &known, inverse);
+            }
+            &Operation::Exponential { out, a } => {
+                if k == 0 {
+                    self.begin(out, Function::Exponential, a);
+                    return;
+                }
+                self.rate(place, a, k);
+                let products = self.integral(place, out, k, k);
+                if !products.is_empty() {
+                    let sum = self.builder.sum(None, &products);
+                    let part = self.builder.number(1.0 / k as f64);
+                    self.set(out, k, None, &[[sum, part]]);
+                }
+            }
+            &Operation::ArcTangent { out, a, slope } => {
+                if k == 0 {
+                    self.begin(out, Function::ArcTangent, a);
+                    let by = self.start(slope);
+                    self.own[place].inverse = Some(self.builder.quotient(one, by));
+                    self.own[place].rate.push(None);
+                    return;
+                }
+                let known = self.integral(place, slope, k - 1, k);
+                let known = (!known.is_empty()).then(|| self.builder.sum(None, &known));
+                let part = self.builder.number(1.0 / k as f64);
+                let products: Vec<_> = known.map(|known| [known, part]).into_iter().collect();
+                let inverse = self.own[place].inverse.unwrap_or(one);
+                self.set_rest((out, k), self.term(a, k), &products, inverse);
+                self.rate(place, out, k);
+            }
+            Operation::Solve { matrix, right, out, units } => {
+                self.solve(place, (matrix, right, out, units), k);
+            }
+        }
+    }
+
+    /// Computes the products of sine and cosine with the speed, and the next coefficients of sine and cosine.
+    pub(super) fn turn(&mut self, turning: &Turning, k: usize) {
+        let Turning { angle, speed, switch, sine, cosine, sine_speed, cosine_speed } = *turning;
+        if k == 0 {
+            let of = self.start(angle);
+            let [sine, cosine] = [sine, cosine].map(|slot| self.place(slot, 0));
+            self.builder.add(Instruction::SineCosine { sine, cosine, of });
+        }
+        let ahead = self.ahead.remove(&sine).unwrap_or_default();
+        let part = self.builder.number(1.0 / (k + 1) as f64);
+        let both = [(sine, sine_speed, cosine), (cosine, cosine_speed, sine)];
+        for ((of, product, other), ahead) in both.into_iter().zip(ahead) {
+            let now = pairs(|j| self.term(of, j), |j| self.term(speed, j), [0], k);
+            self.set(product, k, ahead, &now);
+            let Some(product) = self.term(product, k) else { continue };
+            let factors = match switch {
+                Some(switch) => [self.builder.product(product, part), self.of.constant(switch)],
+                None => [product, part],
+            };
+            let next = self.place(other, k + 1);
+            // The cosine falls where the sine times the speed is positive.
+            self.builder.set(next, None, of == sine, &[factors]);
+        }
+        let orders = || (2..=k).chain([1, k + 1]).take(k + 1);
+        let ahead = [sine, cosine].map(|of| {
+            let products = pairs(|j| self.term(of, j), |j| self.term(speed, j), orders(), k + 1);
+            (!products.is_empty()).then(|| self.builder.sum(None, &products))
+        });
+        self.ahead.insert(sine, ahead);
+    }
+
+    /// Returns the coefficient of order zero.
+    pub(super) fn start(&mut self, slot: Slot) -> Cell {
+        self.term(slot, 0).unwrap_or_else(|| self.builder.number(0.0))
+    }
+
+    pub(super) fn begin(&mut self, out: Slot, function: Function, of: Slot) {
+        let of = self.start(of);
+        let out = self.place(out, 0);
+        self.builder.add(Instruction::Function { out, function, of });
+    }
+}
