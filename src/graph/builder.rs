@@ -17,7 +17,7 @@ pub(crate) struct Builder {
 }
 
 impl Builder {
-    /// Returns a program of which this many cells are known to others.
+    /// Returns an empty program. Its first `cells` cells have meanings that the caller gives them.
     pub(crate) fn with_cells(cells: usize) -> Self {
         Builder { cells, ..Builder::default() }
     }
@@ -38,7 +38,7 @@ impl Builder {
         cell
     }
 
-    /// Makes a known cell that of a number.
+    /// Gives a cell of the caller this number, which the program does not change.
     pub(crate) fn define(&mut self, cell: Cell, number: f64) {
         self.known.entry(number.to_bits()).or_insert(cell);
         self.numbers.push((cell, number));

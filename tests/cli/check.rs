@@ -779,7 +779,7 @@ fn the_machine_is_that_of_the_runs() {
     scratch.write("a.yaml", study(model, rest));
     let text = scratch.well("check a.yaml");
     assert_has(&text, &["natural frequency 145.7", " to 161.887 rad/s\n"]);
-    let speed = text.lines().find(|line| line.contains(" speed_rad_s ")).unwrap();
+    let speed = text.lines().find(|line| line.contains(" speed_rad_s ")).expect("a row");
     assert!(speed.trim_end().ends_with("-200 rad/s"), "{speed}");
 }
 

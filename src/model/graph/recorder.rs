@@ -206,9 +206,11 @@ impl Recorder {
         self.unknowns(matrix, right, false)
     }
 
-    /// Returns accelerations, the solution of the equations of motion `A x = b` of coordinates, each of which stands in the
-    /// equation of its own coordinate with a factor that is not small. Accelerations with the factor 1 are eliminated first,
-    /// whatever the other entries are.
+    /// Returns the accelerations `x` of coordinates, which solve the equations of motion `A x = b`.
+    ///
+    /// Row `i` is the equation of coordinate `i`. Its diagonal entry, the factor of the coordinate's own acceleration, must not
+    /// be small beside the other entries of the row. Accelerations whose diagonal entry is the number 1 are eliminated first,
+    /// without a comparison of pivots.
     ///
     /// # Panics
     /// Panics if the matrix is not square: a system with such equations is a programming error.

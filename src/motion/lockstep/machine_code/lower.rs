@@ -19,7 +19,7 @@ pub(super) enum Operation {
     SquareRoot(Id),
     /// The third where the first is less than the second, else the fourth.
     Choice([Id; 4]),
-    /// The same number in another cell.
+    /// A copy of a value for another cell.
     Copy(Id),
 }
 
@@ -94,7 +94,7 @@ pub(super) fn lower(
     lowering.lowered
 }
 
-/// Returns the sums at the start of instructions of which none reads another.
+/// Returns the sums with which `instructions` begin, up to the first sum that reads the result of an earlier one.
 fn independent_sums<'i>(
     program: &Program,
     instructions: &'i [Instruction],

@@ -81,9 +81,10 @@ impl Code {
     /// Runs the program on its cells.
     ///
     /// # Panics
-    /// Panics if there are fewer cells than the program has.
+    /// Panics if there are fewer cells than the program has, or if the code is for other instructions than those of `S`.
     pub(super) fn run<S: Vector>(&self, simd: S, memory: &mut [Lanes<S>]) {
         assert!(memory.len() >= self.cells, "a program needs all of its cells");
+        assert!(S::WIDTH == Some(self.width), "the code is for other instructions");
         for part in &self.parts {
             match *part {
                 Part::Code(place) => self.call(place, memory),
@@ -112,12 +113,14 @@ impl Code {
     #[allow(unsafe_code)]
     fn call<S: Vector>(&self, place: usize, memory: &mut [Lanes<S>]) {
         const { assert!(size_of::<Lanes<S>>() == 8 * LANES) };
-        // SAFETY: `place` is the start of a function in `code`, which `Encoder::begin` and `Encoder::end` delimit. It has this
-        // calling convention, changes vector registers only, and has no branch before its return. `width` belongs to the
-        // instructions of `S`, whose value exists only on processors that have them (`Vector::WIDTH`).
+        // Unsafe because the compiler cannot see that bytes are a function.
+        // SAFETY: `place` is the start of a function in `code`, between `Encoder::begin` and `Encoder::end`. The function has
+        // this calling convention, changes vector registers only, and has no branch before its return. The processor has its
+        // instructions: `run` has compared `width` with that of `S`, and a value of `S` exists only on such processors.
         let function: unsafe extern "sysv64" fn(*mut f64) =
             unsafe { std::mem::transmute(self.code.as_ptr().add(place)) };
         let cells = memory.as_mut_ptr().cast::<f64>();
+        // Unsafe because the function reads and writes memory by address.
         // SAFETY: the function reads and writes cells below `self.cells` (`registers::assign` refuses others), and `run` has
         // checked that `memory` has as many, each of eight numbers. Code for half of the lanes reads and writes the first four
         // numbers of a cell from the pointer on.
