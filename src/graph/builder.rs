@@ -3,13 +3,13 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::program::{Cell, Instruction, Program};
+use super::program::{Cell, Instruction, Product, Program};
 
 /// A program that is being written.
 #[derive(Default)]
 pub(crate) struct Builder {
     instructions: Vec<Instruction>,
-    products: Vec<[Cell; 2]>,
+    products: Vec<Product>,
     cells: usize,
     numbers: Vec<(Cell, f64)>,
     /// The cell of each number.
@@ -57,13 +57,39 @@ impl Builder {
         subtracts: bool,
         products: &[[Cell; 2]],
     ) {
-        let start = match start {
-            None if subtracts || products.is_empty() => Some(self.number(0.0)),
-            other => other,
-        };
-        let place = [self.products.len() as u32, products.len() as u32];
-        self.products.extend_from_slice(products);
-        self.add(Instruction::Sum { out, start, subtracts, products: place });
+        self.combine(out, start, products.iter().map(|&factors| Product { factors, subtracts }));
+    }
+
+    /// Writes a start plus and minus products to a cell ([`Instruction::Sum`]). Without a start, the sum begins with a product
+    /// by 1, if there is one.
+    pub(crate) fn combine(
+        &mut self,
+        out: Cell,
+        mut start: Option<Cell>,
+        products: impl IntoIterator<Item = Product>,
+    ) {
+        let first = self.products.len();
+        self.products.extend(products);
+        let own = &mut self.products[first..];
+        if start.is_none() {
+            let one = self.known.get(&1_f64.to_bits());
+            let by_one = |product: &Product| {
+                let place = product.factors.iter().position(|factor| Some(factor) == one)?;
+                (!product.subtracts).then_some(product.factors[1 - place])
+            };
+            if let Some((place, of)) =
+                own.iter().enumerate().find_map(|(place, product)| Some((place, by_one(product)?)))
+            {
+                start = Some(of);
+                self.products.remove(first + place);
+            } else if let Some(place) = own.iter().position(|product| !product.subtracts) {
+                own[..=place].rotate_right(1);
+            } else {
+                start = Some(self.number(0.0));
+            }
+        }
+        let products = [first as u32, (self.products.len() - first) as u32];
+        self.add(Instruction::Sum { out, start, products });
     }
 
     /// Returns a start plus products.
@@ -99,6 +125,11 @@ impl Builder {
         out
     }
 
+    /// Returns the smaller of two numbers.
+    pub(crate) fn smaller(&mut self, a: Cell, b: Cell) -> Cell {
+        self.choice([a, b], a, b)
+    }
+
     /// Returns the larger of two numbers.
     pub(crate) fn larger(&mut self, a: Cell, b: Cell) -> Cell {
         self.choice([a, b], b, a)
@@ -106,9 +137,9 @@ impl Builder {
 
     /// Returns the size of a number.
     pub(crate) fn size(&mut self, of: Cell) -> Cell {
-        let one = self.number(1.0);
-        let negative = self.difference(None, &[[one, of]]);
-        self.larger(of, negative)
+        let out = self.cell();
+        self.add(Instruction::Size { out, of });
+        out
     }
 
     /// Returns the program, without instructions whose results nobody reads; `kept` are the cells that are read after its

@@ -8,12 +8,11 @@ pub(crate) type Cell = u32;
 /// A step of a program. Each cell is written at most once, so that it has one meaning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Instruction {
-    /// `start + a b + c d + …`, or `start - a b - c d - …`, with one fused multiply-add for each product, in their order.
-    /// Without a start, the first product is rounded by itself, and nothing is subtracted.
+    /// `start ± a b ± c d ± …`, with one fused multiply-add for each product, in their order. Without a start, the first product
+    /// is rounded by itself and not subtracted.
     Sum {
         out: Cell,
         start: Option<Cell>,
-        subtracts: bool,
         /// The place and the number of the products in [`Program::products`].
         products: [u32; 2],
     },
@@ -21,12 +20,34 @@ pub(crate) enum Instruction {
     Quotient { out: Cell, of: Cell, by: Cell },
     /// `sqrt of`
     SquareRoot { out: Cell, of: Cell },
+    /// `|of|`
+    Size { out: Cell, of: Cell },
     /// `then` if `less[0] < less[1]`, else `other`
     Choice { out: Cell, less: [Cell; 2], then: Cell, other: Cell },
     /// Sine and cosine.
     SineCosine { sine: Cell, cosine: Cell, of: Cell },
     /// Another elementary function.
     Function { out: Cell, function: Function, of: Cell },
+}
+
+/// A product in a sum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Product {
+    pub(crate) factors: [Cell; 2],
+    /// Whether it is subtracted.
+    pub(crate) subtracts: bool,
+}
+
+impl Product {
+    /// A product that is added.
+    pub(crate) fn plus(factors: [Cell; 2]) -> Self {
+        Product { factors, subtracts: false }
+    }
+
+    /// A product that is subtracted.
+    pub(crate) fn minus(factors: [Cell; 2]) -> Self {
+        Product { factors, subtracts: true }
+    }
 }
 
 /// An elementary function.
@@ -50,8 +71,8 @@ impl Function {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Program {
     pub(crate) instructions: Vec<Instruction>,
-    /// The factors of the products of all sums; parts of a program share them.
-    pub(crate) products: Arc<Vec<[Cell; 2]>>,
+    /// The products of all sums; parts of a program share them.
+    pub(crate) products: Arc<Vec<Product>>,
     /// The number of cells.
     pub(crate) cells: usize,
     /// The cells that contain the same number whenever the program starts.
@@ -62,7 +83,7 @@ pub(crate) struct Program {
 
 impl Program {
     /// Returns products by their place and number.
-    pub(crate) fn products(&self, [first, count]: [u32; 2]) -> &[[Cell; 2]] {
+    pub(crate) fn products(&self, [first, count]: [u32; 2]) -> &[Product] {
         &self.products[first as usize..][..count as usize]
     }
 
@@ -77,19 +98,21 @@ impl Program {
 
     /// Returns the cells that an instruction reads.
     pub(crate) fn reads(&self, instruction: &Instruction) -> impl Iterator<Item = Cell> {
-        let (few, products): ([Option<Cell>; 4], &[[Cell; 2]]) = match *instruction {
+        let (few, products): ([Option<Cell>; 4], &[Product]) = match *instruction {
             Instruction::Sum { start, products, .. } => {
                 ([start, None, None, None], self.products(products))
             }
             Instruction::Quotient { of, by, .. } => ([Some(of), Some(by), None, None], &[]),
             Instruction::SquareRoot { of, .. }
+            | Instruction::Size { of, .. }
             | Instruction::SineCosine { of, .. }
             | Instruction::Function { of, .. } => ([Some(of), None, None, None], &[]),
             Instruction::Choice { less: [x, y], then, other, .. } => {
                 ([x, y, then, other].map(Some), &[])
             }
         };
-        few.into_iter().flatten().chain(products.iter().flatten().copied())
+        let factors = products.iter().flat_map(|product| product.factors);
+        few.into_iter().flatten().chain(factors)
     }
 
     /// Returns the program in parts that run one after another: each part computes the cells that are kept after it, and what
@@ -114,6 +137,23 @@ impl Program {
             }
         }
         parts
+    }
+
+    /// Returns the instructions that do not depend on these cells, and the others, which run after them.
+    pub(crate) fn split(&self, varying: impl IntoIterator<Item = Cell>) -> [Program; 2] {
+        let mut varies = vec![false; self.cells];
+        varying.into_iter().for_each(|cell| varies[cell as usize] = true);
+        let mut parts = [(); 2].map(|()| Program { instructions: Vec::new(), ..self.clone() });
+        for instruction in &self.instructions {
+            let depends = self.reads(instruction).any(|cell| varies[cell as usize]);
+            if depends {
+                instruction.writes().for_each(|cell| varies[cell as usize] = true);
+            }
+            parts[usize::from(depends)].instructions.push(*instruction);
+        }
+        let [mut constant, varying] = parts;
+        constant.keep_for(&varying);
+        [constant, varying]
     }
 
     /// Keeps the cells that a later program reads.
@@ -153,6 +193,7 @@ impl Instruction {
             Instruction::Sum { out, .. }
             | Instruction::Quotient { out, .. }
             | Instruction::SquareRoot { out, .. }
+            | Instruction::Size { out, .. }
             | Instruction::Choice { out, .. }
             | Instruction::Function { out, .. } => (out, None),
         };

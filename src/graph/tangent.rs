@@ -3,7 +3,7 @@
 //! doi:10.1137/1.9780898717761).
 
 use super::builder::Builder;
-use super::program::{Cell, Function, Instruction, Program};
+use super::program::{Cell, Function, Instruction, Product, Program};
 
 /// Returns the program that computes the changes of the cells in `kept` from those of the cells in `displaced`. It runs after
 /// the program itself and reads its cells. The change of a cell has the place of the cell plus [`Program::cells`]. Cells that
@@ -19,6 +19,7 @@ pub(crate) fn tangent(
         offset: cells as Cell,
         changed: vec![false; cells],
     };
+    program.numbers.iter().for_each(|(cell, number)| changes.builder.define(*cell, *number));
     displaced.into_iter().for_each(|cell| changes.changed[cell as usize] = true);
     for instruction in &program.instructions {
         if program.reads(instruction).any(|cell| changes.changed[cell as usize]) {
@@ -47,14 +48,15 @@ impl Changes {
     fn differentiate(&mut self, program: &Program, instruction: &Instruction) {
         let offset = self.offset;
         match *instruction {
-            Instruction::Sum { out, start, subtracts, products } => {
+            Instruction::Sum { out, start, products } => {
                 let mut terms = Vec::new();
-                for &[a, b] in program.products(products) {
-                    terms.extend(self.of(a).map(|change| [change, b]));
-                    terms.extend(self.of(b).map(|change| [a, change]));
+                for &Product { factors: [a, b], subtracts } in program.products(products) {
+                    let term = |factors| Product { factors, subtracts };
+                    terms.extend(self.of(a).map(|change| term([change, b])));
+                    terms.extend(self.of(b).map(|change| term([a, change])));
                 }
                 let start = start.and_then(|start| self.of(start));
-                self.builder.set(out + offset, start, subtracts, &terms);
+                self.builder.combine(out + offset, start, terms);
             }
             Instruction::Quotient { out, of, by } => {
                 // q' = (a' - q b') / b
@@ -69,6 +71,14 @@ impl Changes {
                 let by = self.builder.product(two, out);
                 let of = of + offset;
                 self.builder.add(Instruction::Quotient { out: out + offset, of, by });
+            }
+            Instruction::Size { out, of } => {
+                // |a|' = a' where a > 0, else -a'
+                let [zero, one] = [0.0, 1.0].map(|number| self.builder.number(number));
+                let change = of + offset;
+                let minus = self.builder.difference(None, &[[one, change]]);
+                let (less, then) = ([zero, of], change);
+                self.builder.add(Instruction::Choice { out: out + offset, less, then, other: minus });
             }
             Instruction::Choice { out, less, then, other } => {
                 let zero = self.builder.number(0.0);

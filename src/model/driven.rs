@@ -90,7 +90,7 @@ impl<B: Turns> System for Driven<B> {
     fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
         let turning = || {
             let time = recorder.state();
-            let terms = self.speed.map(|_| recorder.input("speed_term"));
+            let terms = self.speed.map(|_| recorder.parameter("speed_term"));
             let [speed, acceleration] = polynomial(&terms, time);
             Some(Turning { speed, acceleration })
         };

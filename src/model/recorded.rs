@@ -109,13 +109,13 @@ impl<const N: usize> Balancer<N> {
         turning: Option<Turning<'r>>,
     ) -> Balancer<N, Expression<'r>> {
         let [speed, damping_ratio, imbalance] =
-            ["speed", "damping_ratio", "imbalance"].map(|name| recorder.input(name));
-        let runout = self.runout.map(|parts| parts.map(|_| recorder.input("runout")));
+            ["speed", "damping_ratio", "imbalance"].map(|name| recorder.parameter(name));
+        let runout = self.runout.map(|parts| parts.map(|_| recorder.parameter("runout")));
         let unused = Expression::constant(0.0);
         let balls = self.balls.map(|ball| {
             let [mass, mobility, rolling_linear, rolling_quadratic] =
                 ["mass", "mobility", "rolling_linear", "rolling_quadratic"]
-                    .map(|name| recorder.input(name));
+                    .map(|name| recorder.parameter(name));
             let at_constant_speed = BalancerBall {
                 mass,
                 inertia: unused,
@@ -126,7 +126,7 @@ impl<const N: usize> Balancer<N> {
                 rolling_quadratic,
             };
             turning.map_or(at_constant_speed, |turning| {
-                let [inertia, diameter] = ["inertia", "diameter"].map(|name| recorder.input(name));
+                let [inertia, diameter] = ["inertia", "diameter"].map(|name| recorder.parameter(name));
                 // `2 J d ω`, or 0 (Newton).
                 let half = Expression::constant(-0.5);
                 let rolling_linear = half * rolling_quadratic * diameter * turning.speed;
@@ -311,7 +311,7 @@ impl<const N: usize> System for Balancer<N> {
 impl System for Slider {
     fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
         let state: State<1, Expression<'r>, 0> = record_state(recorder);
-        let belt_speed = recorder.input("belt_speed");
+        let belt_speed = recorder.parameter("belt_speed");
         let contacts = [record_contact(recorder, &self.friction, state.beta_dot[0])];
         let forces = Slider::forces_of(&state, &contacts);
         let derivative = Slider::derivative_of(belt_speed, &state, &contacts, &forces);

@@ -93,7 +93,7 @@ impl Friction {
     ) -> Contact<Expression<'r>> {
         let name = self.law.name();
         let inputs: Vec<Expression<'r>> =
-            self.expression_inputs().iter().map(|_| recorder.input(name)).collect();
+            self.expression_inputs().iter().map(|_| recorder.parameter(name)).collect();
         let [ratio, drag] = self.law.law().expression(&inputs, direction, speed);
         Contact { free, signed_friction: free * ratio, drag: free * drag }
     }

@@ -19,6 +19,7 @@ struct Recording {
     solves: Vec<Solve>,
     inputs: Vec<String>,
     switches: Vec<u32>,
+    parameters: Vec<u32>,
     states: u32,
 }
 
@@ -109,6 +110,8 @@ pub struct Graph {
     pub inputs: Vec<String>,
     /// The inputs that are 0 or 1.
     pub switches: Vec<u32>,
+    /// The inputs that do not depend on the modes of contacts and gaps.
+    pub parameters: Vec<u32>,
     /// The time derivative of each component of the state.
     pub derivative: Vec<NodeId>,
     /// Sliding speed, sliding acceleration, normal force and friction force of each contact.
@@ -153,13 +156,23 @@ impl Graph {
 }
 
 impl Recorder {
-    /// Returns a new input with this name.
+    /// Returns a new input with this name, which may depend on the modes of contacts and gaps.
     pub fn input(&self, name: impl Into<String>) -> Expression<'_> {
         let mut recording = self.0.borrow_mut();
         let index = recording.inputs.len() as u32;
         recording.inputs.push(name.into());
         drop(recording);
         Expression::node(self, self.add(Node::Input(index)))
+    }
+
+    /// Returns a new input that has the same value for all modes of contacts and gaps. What depends on such inputs alone is
+    /// computed once for each run.
+    pub fn parameter(&self, name: impl Into<String>) -> Expression<'_> {
+        let mut recording = self.0.borrow_mut();
+        let index = recording.inputs.len() as u32;
+        recording.parameters.push(index);
+        drop(recording);
+        self.input(name)
     }
 
     /// Returns a new input that is 0 or 1.
@@ -263,12 +276,13 @@ impl Recorder {
             [one.opening_acceleration, one.force].map(|expression| expression.id(self))
         };
         let gaps = equations.gaps.iter().map(gap).collect();
-        let Recording { nodes, solves, inputs, switches, .. } = &*self.0.borrow();
+        let Recording { nodes, solves, inputs, switches, parameters, .. } = &*self.0.borrow();
         Graph {
             nodes: nodes.clone(),
             solves: solves.clone(),
             inputs: inputs.clone(),
             switches: switches.clone(),
+            parameters: parameters.clone(),
             derivative,
             contacts,
             events,

@@ -48,7 +48,7 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
         };
     }
     let mut happened = Happened { told: g.told, ..Happened::default() };
-    g.kernel.expand(&mut g.room, &g.state);
+    g.kernel.expand(&mut g.room, &g.state, displaced);
     let within = g.kernel.within_tolerance(&g.room, g.tolerance, g.next).min(g.longest);
     let left = g.until - g.time;
     let mut length = within.min(left);
@@ -68,7 +68,7 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
             Err(failure) => happened.fail(lane, failure),
         }
     }
-    g.end = g.kernel.at(&g.room, &g.state, length);
+    g.kernel.at(&g.room, &g.state, length, &mut g.end);
     // Zero, unless a component is infinite or NaN.
     let finite = g.kernel.finite(&g.end, within * c!(0.0)).simd_eq(c!(0.0));
     let moves = within.simd_ge(g.time.max(c!(1.0)) * c!(SHORTEST));

@@ -61,8 +61,8 @@ pub(super) trait Kernel<S: Vector>: Sized {
     /// Returns the sliding speed of a contact.
     fn speed(&self, flow: &Self::Flow, contact: usize) -> Lanes<S>;
 
-    /// Expands the motion from a state.
-    fn expand(&self, room: &mut Self::Room, start: &Self::Flow);
+    /// Expands the motion from a state. If `displaced`, displacements of this motion can be propagated afterwards.
+    fn expand(&self, room: &mut Self::Room, start: &Self::Flow, displaced: bool);
     /// Returns the longest step within the tolerance; `before` is that of the previous step.
     fn within_tolerance(
         &self,
@@ -81,8 +81,8 @@ pub(super) trait Kernel<S: Vector>: Sized {
         length: f64,
         ignored: &[Condition],
     ) -> Ends;
-    /// Returns the state a time later.
-    fn at(&self, room: &Self::Room, start: &Self::Flow, time: Lanes<S>) -> Self::Flow;
+    /// Writes the state a time later to `into`.
+    fn at(&self, room: &Self::Room, start: &Self::Flow, time: Lanes<S>, into: &mut Self::Flow);
     /// Propagates displacements over a step of this length.
     fn carry(
         &self,

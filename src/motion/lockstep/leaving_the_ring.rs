@@ -84,7 +84,7 @@ fn seen_in<S: Vector, K: Kernel<S>>(
             }
         }
         let Group { kernel, room, state, lanes, .. } = &mut group;
-        kernel.expand(room, state);
+        kernel.expand(room, state, false);
         let doubts = kernel.look_over(room, Lanes::splat(simd, LENGTH));
         for (lane, own) in lanes.iter().enumerate() {
             let Some(own) = own else { continue };

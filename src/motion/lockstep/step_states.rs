@@ -84,9 +84,10 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
     #[inline(never)]
     pub(super) fn state_at(&self, lane: usize, after: f64) -> Components {
         let time = Lanes::splat(self.simd, after);
-        let state = self.simd.vectorize(
+        let mut state = self.kernel.flow(self.simd);
+        self.simd.vectorize(
             #[inline(always)]
-            || self.kernel.at(&self.room, &self.before, time),
+            || self.kernel.at(&self.room, &self.before, time, &mut state),
         );
         self.kernel.lane(&state, lane)
     }

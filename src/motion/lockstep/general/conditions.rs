@@ -10,149 +10,33 @@
 //! The guard of an event is a condition, too, and so is the pressure in a closed gap. Contacts that stick and touch are held
 //! together ([`crate::motion::lockstep::held`]).
 //!
-//! For all lanes it is first shown which conditions obviously hold; the remaining lanes are examined one at a time.
-
-use fearless_simd::prelude::*;
+//! For all lanes it is first shown which conditions certainly hold ([`super::series::Screen`]); the remaining lanes are examined
+//! one at a time.
 
 use super::operations::Operations;
 use super::room::Series;
 use crate::motion::Phase;
 use crate::motion::cluster::HeldCluster;
-use crate::motion::lockstep::curve::Curve;
 use crate::motion::lockstep::held::held_until;
 use crate::motion::lockstep::kernel::Ends;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::pressure::Pressure;
 use crate::motion::lockstep::root_isolation::Polynomial;
-use crate::motion::lockstep::vector::{Fused, Vector};
-use crate::motion::lockstep::{Lanes, ORDER};
+use crate::motion::lockstep::ORDER;
+use crate::motion::lockstep::vector::Vector;
 use crate::motion::saltation::Condition;
 
-/// The coefficients of a contact's conditions. A condition is satisfied while it is not negative.
-#[derive(Clone, Copy)]
-pub(super) struct Watched<S: Vector> {
-    /// The first condition of a contact that does not stick is `sign v + offset` with its sliding speed `v`.
-    sign: Lanes<S>,
-    offset: Lanes<S>,
-    /// 1 if it sticks, else 0.
-    stuck: Lanes<S>,
-    /// Static coefficient of friction.
-    limit: Lanes<S>,
-    /// Slack of the conditions on forces.
-    slack: Lanes<S>,
-    /// Half of the width within which events are located.
-    aim: Lanes<S>,
-}
-
-impl<S: Vector> Watched<S> {
-    /// Conditions that cannot fail.
-    pub(super) fn nothing(simd: S) -> Self {
-        let zero = Lanes::splat(simd, 0.0);
-        let one = Lanes::splat(simd, 1.0);
-        Watched { sign: zero, offset: one, stuck: zero, limit: zero, slack: zero, aim: zero }
-    }
-
-    /// Sets the conditions of a lane. A condition counts as failed if it is negative by `aim`.
-    pub(super) fn set(
-        &mut self,
-        lane: usize,
-        phase: Phase,
-        limit: f64,
-        [band, slack, aim]: [f64; 3],
-    ) {
-        let (sign, offset, stuck) = match phase {
-            Phase::Slip(direction) => (direction.sign(), aim - band, 0.0),
-            // A contact is in the band only briefly: always examined.
-            Phase::Transition(direction) => (-direction.sign(), -1.0, 0.0),
-            Phase::Stick => (0.0, 1.0, 1.0),
-            Phase::Free | Phase::Open | Phase::Closed => (0.0, 1.0, 0.0),
-        };
-        self.sign[lane] = sign;
-        self.offset[lane] = offset;
-        self.stuck[lane] = stuck;
-        self.limit[lane] = limit;
-        self.slack[lane] = slack + aim;
-        self.aim[lane] = aim;
-    }
-}
-
-/// Returns the bounds of a series over a step of this length.
-#[inline(always)]
-fn curve<S: Vector>(terms: &[Lanes<S>], highest: usize, length: Lanes<S>) -> Curve<S> {
-    Curve::of_series(
-        length,
-        highest,
-        #[inline(always)]
-        |k| terms[k],
-    )
-}
-
-/// Reports the lanes in which a condition may fail in a step of this length. `least` are lower bounds of the normal forces;
-/// without them, the series of the normal forces are known. `force_doubts` gets the lanes in which the condition is one of a
-/// normal force.
-#[inline(always)]
-pub(super) fn look_over<S: Vector>(
-    series: Series<'_, S>,
-    program: &Operations,
-    (watched, pressures): (&[Watched<S>], &[Pressure<S>]),
-    length: Lanes<S>,
-    least: impl Fn(usize) -> Option<Lanes<S>>,
-    (doubts, force_doubts): (&mut [u64], &mut [u64]),
-) -> u64 {
-    let zero = Lanes::splat(length.simd, 0.0);
-    let mut any = 0;
-    let (of_contacts, others) = doubts.split_at_mut(program.contacts.len());
-    let (of_events, of_gaps) = others.split_at_mut(program.guards.len());
-    for (force, (pressure, doubt)) in program.gaps.iter().zip(pressures.iter().zip(of_gaps)) {
-        if pressure.weight.simd_gt(zero).any_true() {
-            let force = curve(series.of(*force), ORDER - 1, length);
-            *doubt = !pressure.over(&force).holds().to_bitmask();
-            any |= *doubt;
-        } else {
-            *doubt = 0;
-        }
-    }
-    for (guard, doubt) in program.guards.iter().zip(of_events) {
-        *doubt = !curve(series.of(*guard), ORDER - 1, length).holds().to_bitmask();
-        any |= *doubt;
-    }
-    for (contact, slots) in program.contacts.iter().enumerate() {
-        let Watched { sign, offset, stuck, limit, slack, aim } = watched[contact];
-        let [speed, _, normal, friction] = *slots;
-        let speed = curve(series.of(speed), ORDER, length);
-        let [early, late] = speed.values;
-        let slips = Curve {
-            values: [sign.fused(early, offset), sign.fused(late, offset)],
-            changes: speed.changes.map(|change| sign * change),
-            bound: sign.abs() * speed.bound,
-        };
-        let normal = match least(contact) {
-            Some(least) => Curve { values: [least; 2], ..Curve::zero(length.simd) },
-            None => curve(series.of(normal), ORDER - 1, length),
-        };
-        let closed = Curve { values: normal.values.map(|value| value + aim), ..normal };
-        let mut holds = closed.holds();
-        let sticks = stuck.simd_gt(zero);
-        if sticks.any_true() {
-            let friction = curve(series.of(friction), ORDER - 1, length);
-            let bound = limit.fused(normal.bound, friction.bound);
-            for sign in [1.0, -1.0] {
-                let sign = Lanes::splat(length.simd, -sign);
-                let mut held = Curve { bound, ..normal };
-                for end in 0..2 {
-                    let value = sign.fused(friction.values[end], limit * normal.values[end]);
-                    held.values[end] = value + slack;
-                    let change = limit * normal.changes[end];
-                    held.changes[end] = sign.fused(friction.changes[end], change);
-                }
-                holds &= held.holds() | !sticks;
-            }
-        }
-        force_doubts[contact] = !holds.to_bitmask();
-        of_contacts[contact] = !(holds & slips.holds()).to_bitmask();
-        any |= of_contacts[contact];
-    }
-    any
+/// Returns the numbers of a contact's conditions ([`super::operations::OfContact`]), in their order. A condition is satisfied while it is not
+/// negative, and counts as failed if it is negative by `aim`.
+pub(super) fn of_contact(phase: Phase, limit: f64, [band, slack, aim]: [f64; 3]) -> [f64; 6] {
+    let (sign, offset, stuck) = match phase {
+        Phase::Slip(direction) => (direction.sign(), aim - band, 0.0),
+        // A contact is in the band only briefly: always examined.
+        Phase::Transition(direction) => (-direction.sign(), -1.0, 0.0),
+        Phase::Stick => (0.0, 1.0, 1.0),
+        Phase::Free | Phase::Open | Phase::Closed => (0.0, 1.0, 0.0),
+    };
+    [sign, offset, stuck, limit, slack + aim, aim]
 }
 
 /// Returns the end of a step of one lane.

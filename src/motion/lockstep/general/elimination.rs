@@ -1,6 +1,6 @@
 //! The solution of a linear system as instructions: factors once, then any number of right-hand sides.
 
-use crate::graph::{Builder, Cell};
+use crate::graph::{Builder, Cell, Product};
 use crate::motion::evaluator::SMALL_PIVOT;
 
 /// The factors `L U` of a matrix, whose rows with small pivots are exchanged ([`SMALL_PIVOT`]). Entries that are always zero
@@ -14,6 +14,8 @@ pub(super) struct Elimination {
     inverses: Vec<Option<Cell>>,
     /// Two rows that are exchanged where the first number is less than the second, in the order of the exchanges.
     exchanges: Vec<([usize; 2], [Cell; 2])>,
+    /// The inverse of the last two rows and columns, row by row, if exactly two unknowns are not eliminated first.
+    last: Option<[Option<Cell>; 4]>,
 }
 
 /// Returns which unknowns are eliminated first, without exchanges: those of `units`, the diagonal entries that are 1, as long
@@ -62,12 +64,16 @@ impl Elimination {
         order.extend(rest);
         let in_order = order.iter().flat_map(|row| order.iter().map(move |column| (row, column)));
         let entries = in_order.map(|(row, column)| entries[row * size + column]).collect();
-        let mut all = Elimination { order, entries, inverses: Vec::new(), exchanges: Vec::new() };
+        let mut all = Elimination { order, entries, inverses: Vec::new(), exchanges: Vec::new(), last: None };
         for column in 0..certain {
             all.inverses.push(None);
             all.eliminate(builder, column);
         }
-        all.eliminate_rest(builder, certain);
+        if certain + 2 == size {
+            all.invert_last(builder);
+        } else {
+            all.eliminate_rest(builder, certain);
+        }
         all
     }
 
@@ -87,6 +93,23 @@ impl Elimination {
                 }
             }
         }
+    }
+
+    /// Inverts the last two rows and columns (Cramer's rule, whose error is as small as that of an elimination with exchanges:
+    /// N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed., SIAM 2002, section 1.10).
+    fn invert_last(&mut self, builder: &mut Builder) {
+        let size = self.order.len();
+        let at = |row: usize, column: usize| self.entries[(size - 2 + row) * size + size - 2 + column];
+        let [a, b, c, d] = [at(0, 0), at(0, 1), at(1, 0), at(1, 1)];
+        let diagonal = a.zip(d).map(|(a, d)| Product::plus([a, d]));
+        let other = b.zip(c).map(|(b, c)| Product::minus([b, c]));
+        let determinant = builder.cell();
+        builder.combine(determinant, None, diagonal.into_iter().chain(other));
+        let one = builder.number(1.0);
+        let inverse = builder.quotient(one, determinant);
+        let minus = builder.difference(None, &[[one, inverse]]);
+        let scaled = [(d, inverse), (b, minus), (c, minus), (a, inverse)];
+        self.last = Some(scaled.map(|(entry, by)| entry.map(|entry| builder.product(entry, by))));
     }
 
     /// Eliminates the unknowns from `first` on, with exchanges.
@@ -134,7 +157,8 @@ impl Elimination {
         let size = self.order.len();
         let mut values: Vec<Option<Cell>> = self.order.iter().map(|of| right[*of]).collect();
         let mut exchanges = self.exchanges.iter();
-        for column in 0..size {
+        let eliminated = if self.last.is_some() { size - 2 } else { size };
+        for column in 0..eliminated {
             for (rows, less) in exchanges.as_slice().iter().take_while(|one| one.0[0] == column) {
                 exchange(builder, &mut values, *rows, *less);
                 exchanges.next();
@@ -147,7 +171,19 @@ impl Elimination {
             }
         }
         let mut not_zero = vec![false; size];
-        for row in (0..size).rev() {
+        if let Some(inverse) = &self.last {
+            let right = [values[size - 2], values[size - 1]];
+            for (row, entries) in (size - 2..).zip(inverse.chunks(2)) {
+                let products = entries.iter().zip(right).filter_map(|(a, b)| Some([(*a)?, b?]));
+                let products: Vec<_> = products.collect();
+                not_zero[self.order[row]] = !products.is_empty();
+                values[row] = (!products.is_empty()).then(|| {
+                    builder.set(out[self.order[row]], None, false, &products);
+                    out[self.order[row]]
+                });
+            }
+        }
+        for row in (0..eliminated).rev() {
             let later = self.entries[row * size..][..size].iter().zip(&values).skip(row + 1);
             let product =
                 |(entry, value): (&Option<Cell>, &Option<Cell>)| Some([(*entry)?, (*value)?]);

@@ -25,6 +25,7 @@ use super::kernel::{Ends, Kernel, POWERS, Powers};
 use super::lane::Lane;
 use super::step_length::{longest_step, reciprocal};
 use super::{LANES, Lanes, ORDER};
+use crate::graph::{Cell, Instruction};
 use crate::model::{Components, Graph, PerStructure, System};
 use crate::motion::all_stick;
 use crate::motion::cluster::{HeldCluster, held_clusters};
@@ -35,18 +36,19 @@ use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::{Evaluated, InState};
 use crate::motion::saltation::Condition;
 use crate::motion::touching::InTouch;
-use conditions::Watched;
-use deciding::Deciding;
-use operations::{Operations, Slot};
-use radius::Radii;
+use deciding::{Deciding, Scratch};
+use operations::{OfContact, OfGap, Operations, Slot};
 use room::{Room, Series};
-use series::TERMS;
+use series::{Screen, TERMS};
 
 /// Bound on every component of the rate of change if everything is slow.
 const STILL: f64 = 1e-6;
 
 /// The largest number of systems without a structure whose equations are kept ready.
 const MOST_KNOWN: usize = 16;
+
+/// The number of sums that are computed together.
+const SIDE_BY_SIDE: usize = 4;
 
 /// The equations of a recorded system in all lanes.
 pub(super) struct General<S: Vector> {
@@ -55,7 +57,6 @@ pub(super) struct General<S: Vector> {
     program: Arc<Compiled>,
     /// The component that is the sliding speed of each contact, if it is one.
     speeds: Vec<Option<usize>>,
-    watched: Vec<Watched<S>>,
     /// The condition of each closed gap.
     pressures: Vec<Pressure<S>>,
     /// The contacts that stick and touch, in each lane.
@@ -63,30 +64,49 @@ pub(super) struct General<S: Vector> {
     evaluators: [Option<Evaluator>; LANES],
     /// Bit mask of lanes in which all contacts stick.
     stuck: u64,
-    /// The cells of the programs, for deciding modes.
-    instant: RefCell<Vec<Lanes<S>>>,
+    /// For each lane, what its parameters determine ([`Compiled::parameters`]).
+    parameters: [Vec<f64>; LANES],
+    /// Bit mask of lanes whose parameters are not yet in the room.
+    is_new: u64,
+    scratch: [RefCell<Scratch<S>>; LANES],
 }
 
 /// The components of a state in all lanes, with the sliding speeds.
-#[derive(Clone)]
 pub(super) struct Flow<S: Vector> {
     components: SmallVec<[Lanes<S>; 12]>,
     /// Those of all contacts, unless each speed is a component.
     speeds: SmallVec<[Lanes<S>; 2]>,
 }
 
+impl<S: Vector> Clone for Flow<S> {
+    fn clone(&self) -> Self {
+        Flow { components: self.components.clone(), speeds: self.speeds.clone() }
+    }
+
+    /// Copies a state of the same system.
+    fn clone_from(&mut self, source: &Self) {
+        self.components.copy_from_slice(&source.components);
+        self.speeds.copy_from_slice(&source.speeds);
+    }
+}
+
 /// The equations of a system, ready to run.
 #[derive(Debug)]
 struct Compiled {
     operations: Operations,
-    statics: Runner,
+    /// The cells of parameters, and of what depends on parameters alone.
+    parameters: Vec<Cell>,
+    fixed: Runner,
+    modes: Runner,
     motion: Runner,
-    start: Runner,
+    displaced_motion: Runner,
+    screen: (Runner, Screen),
     normals: Runner,
+    exact_screen: Option<(Runner, Screen)>,
     displacement: Runner,
     instant: Runner,
+    decision: Runner,
     ahead: Runner,
-    radii: Option<Radii>,
 }
 
 /// Returns recorded equations, ready to run. Equal systems share them.
@@ -111,16 +131,25 @@ fn compiled(system: &dyn System, graph: &Arc<Graph>) -> Arc<Compiled> {
 impl Compiled {
     fn new(graph: &Graph) -> Self {
         let (operations, programs) = Operations::new(graph);
+        let parameters = operations.inputs[1].iter().map(|(cell, _)| *cell);
+        let computed = programs.fixed.instructions.iter().flat_map(Instruction::writes);
+        let read = computed.filter(|cell| programs.fixed.kept[*cell as usize]);
+        let parameters: Vec<Cell> = parameters.chain(read).collect();
+        let screen = |(program, screen)| (Runner::new(program), screen);
         Compiled {
+            parameters,
             operations,
-            statics: Runner::new(programs.statics),
+            fixed: Runner::new(programs.fixed),
+            modes: Runner::new(programs.modes),
             motion: Runner::new(programs.motion),
-            start: Runner::new(programs.start),
+            displaced_motion: Runner::new(programs.displaced_motion),
+            screen: screen(programs.screen),
+            exact_screen: programs.exact_screen.map(screen),
             normals: Runner::new(programs.normals),
             displacement: Runner::new(programs.displacement),
             instant: Runner::new(programs.instant),
+            decision: Runner::new(programs.decision),
             ahead: Runner::new(programs.ahead),
-            radii: programs.radii,
         }
     }
 }
@@ -134,12 +163,13 @@ impl<S: Vector> General<S> {
         General {
             simd,
             speeds: (0..contacts).map(|contact| graph.speed_component(contact)).collect(),
-            watched: vec![Watched::nothing(simd); contacts],
             pressures: vec![Pressure::none(simd); graph.gaps.len()],
             held: std::array::from_fn(|_| Vec::new()),
             evaluators: std::array::from_fn(|_| None),
             stuck: 0,
-            instant: RefCell::new(Vec::new()),
+            parameters: std::array::from_fn(|_| Vec::new()),
+            is_new: 0,
+            scratch: std::array::from_fn(|_| RefCell::new(Scratch::new())),
             graph,
             program,
         }
@@ -156,17 +186,27 @@ impl<S: Vector> General<S> {
     }
 
     #[inline(always)]
-    fn flow_at(&self, series: Series<'_, S>, time: Lanes<S>) -> Flow<S> {
-        let mut flow = self.flow(self.simd);
-        // Loops, not closures: the fused multiply-add must be inlined.
-        for component in 0..flow.components.len() {
-            flow.components[component] = self.sum(series, component as Slot, time);
+    fn flow_at(&self, series: Series<'_, S>, time: Lanes<S>, into: &mut Flow<S>) {
+        // Loops, not closures: the fused multiply-add must be inlined. Several sums do not wait for each other.
+        let components = into.components.len();
+        for first in (0..components).step_by(SIDE_BY_SIDE) {
+            let slots: [Slot; SIDE_BY_SIDE] =
+                std::array::from_fn(|i| (first + i).min(components - 1) as Slot);
+            let terms = slots.map(|slot| series.of(slot));
+            let mut sums = [Lanes::splat(self.simd, 0.0); SIDE_BY_SIDE];
+            for k in (0..TERMS).rev() {
+                for i in 0..SIDE_BY_SIDE {
+                    sums[i] = sums[i].fused(time, terms[i][k]);
+                }
+            }
+            for i in 0..SIDE_BY_SIDE {
+                into.components[slots[i] as usize] = sums[i];
+            }
         }
-        for contact in 0..flow.speeds.len() {
+        for contact in 0..into.speeds.len() {
             let [speed, ..] = self.program.operations.contacts[contact];
-            flow.speeds[contact] = self.sum(series, speed, time);
+            into.speeds[contact] = self.sum(series, speed, time);
         }
-        flow
     }
 }
 
@@ -199,25 +239,52 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     fn room(&self, simd: S) -> Room<S> {
-        let Compiled { operations, statics, motion, displacement, .. } = &*self.program;
-        let programs = [statics, motion, displacement].map(Runner::program);
+        let Compiled { operations, motion, displacement, .. } = &*self.program;
+        let programs = [motion, displacement].map(Runner::program);
         Room::new(simd, operations, programs)
     }
 
     fn set_system(&mut self, lane: usize, own: &Lane) {
         let graph = Arc::clone(&self.graph);
         self.evaluators[lane] = Some(Evaluator::of_graph(Arc::clone(&own.system), graph));
+        let Compiled { operations, fixed, parameters, .. } = &*self.program;
+        let modes: Vec<_> = own.phases.iter().map(|phase| phase.mode()).collect();
+        let inputs = own.system.inputs(&modes);
+        let scratch = self.scratch[lane].get_mut();
+        scratch.begin(self.simd, fixed.program());
+        let memory = &mut scratch.memory;
+        for (cell, input) in &operations.inputs[1] {
+            memory[*cell as usize] = Lanes::splat(self.simd, inputs[*input as usize]);
+        }
+        fixed.run(self.simd, memory);
+        self.parameters[lane] = parameters.iter().map(|cell| memory[*cell as usize][0]).collect();
+        self.is_new |= 1 << lane;
     }
 
     fn set_phases(&mut self, room: &mut Room<S>, lane: usize, own: &Lane, state: &[f64]) {
-        let modes: Vec<_> = own.phases.iter().map(|phase| phase.mode()).collect();
-        let inputs = own.system.inputs(&modes);
-        let set = |id, value| room.set_constant(id, lane, value);
-        self.program.operations.statics.set(&inputs, state, set);
+        let Compiled { operations, parameters, .. } = &*self.program;
+        if self.is_new & 1 << lane != 0 {
+            self.is_new &= !(1 << lane);
+            for (cell, value) in parameters.iter().zip(&self.parameters[lane]) {
+                room.set_constant(*cell, lane, *value);
+            }
+        }
+        let scratch = self.scratch[lane].get_mut();
+        let inputs = scratch.inputs(operations, own.system.as_ref(), &own.phases);
+        for ((cell, _), value) in operations.inputs[0].iter().zip(inputs) {
+            room.set_constant(*cell, lane, *value);
+        }
+        for (cell, component) in &operations.discrete {
+            room.set_constant(*cell, lane, state[*component as usize]);
+        }
         let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
-        for (contact, watched) in self.watched.iter_mut().enumerate() {
+        for contact in 0..self.speeds.len() {
             let limit = own.system.friction(contact).limit;
-            watched.set(lane, own.phases[contact], limit, margins);
+            let numbers = conditions::of_contact(own.phases[contact], limit, margins);
+            let first = operations.of_contact(contact, OfContact::Sign);
+            for (cell, number) in (first..).zip(numbers) {
+                room.set(cell, lane, number);
+            }
         }
         let evaluator = self.evaluators[lane].as_ref();
         let Some(in_touch) = evaluator.and_then(|one| InTouch::new(one, own.settings)) else {
@@ -225,8 +292,10 @@ impl<S: Vector> Kernel<S> for General<S> {
         };
         self.held[lane] = held_clusters(in_touch.touching.gaps(), &own.phases);
         let gaps = in_touch.touching.gaps().iter().zip(&own.phases[self.speeds.len()..]);
-        for (pressure, (gap, phase)) in self.pressures.iter_mut().zip(gaps) {
+        for (place, (pressure, (gap, phase))) in self.pressures.iter_mut().zip(gaps).enumerate() {
             pressure.set(lane, own, (gap, *phase));
+            room.set(operations.of_gap(place, OfGap::Weight), lane, pressure.weight[lane]);
+            room.set(operations.of_gap(place, OfGap::Offset), lane, pressure.offset[lane]);
         }
     }
 
@@ -307,12 +376,14 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     #[inline(always)]
-    fn expand(&self, room: &mut Room<S>, start: &Flow<S>) {
+    fn expand(&self, room: &mut Room<S>, start: &Flow<S>, displaced: bool) {
+        let Compiled { modes, motion, displaced_motion, .. } = &*self.program;
         room.start(&start.components, false);
         if std::mem::take(&mut room.is_changed) {
-            self.program.statics.run(self.simd, &mut room.memory);
+            modes.run(self.simd, &mut room.memory);
         }
-        self.program.motion.run(self.simd, &mut room.memory);
+        let motion = if displaced { displaced_motion } else { motion };
+        motion.run(self.simd, &mut room.memory);
     }
 
     #[inline(always)]
@@ -341,37 +412,23 @@ impl<S: Vector> Kernel<S> for General<S> {
 
     #[inline(always)]
     fn look_over(&self, room: &mut Room<S>, length: Lanes<S>) -> u64 {
-        let Compiled { operations, start, normals, radii, .. } = &*self.program;
-        start.run(self.simd, &mut room.memory);
-        let mut doubts = [&mut room.doubts, &mut room.force_doubts].map(std::mem::take);
-        let mut bounds = std::mem::take(&mut room.radii);
-        let conditions = (&self.watched[..], &self.pressures[..]);
-        let [of_all, of_forces] = &mut doubts;
-        let mut any = 0;
-        if let Some(radii) = radii {
-            radii.bound(room, length, &mut bounds);
-            let least = |contact: usize| {
-                let slot = operations.contacts[contact][2];
-                Some(room.series().of(slot)[0] - bounds[slot as usize])
-            };
-            let doubts = (&mut of_all[..], &mut of_forces[..]);
-            any =
-                conditions::look_over(room.series(), operations, conditions, length, least, doubts);
-        }
-        if radii.is_none() || of_forces.iter().any(|doubt| *doubt != 0) {
+        let Compiled { operations, screen: (program, screen), normals, exact_screen, .. } =
+            &*self.program;
+        room.memory[operations.length() as usize] = length;
+        if screen.needs_normals {
             normals.run(self.simd, &mut room.memory);
-            let doubts = (&mut of_all[..], &mut of_forces[..]);
-            any = conditions::look_over(
-                room.series(),
-                operations,
-                conditions,
-                length,
-                |_| None,
-                doubts,
-            );
         }
-        [room.doubts, room.force_doubts] = doubts;
-        room.radii = bounds;
+        program.run(self.simd, &mut room.memory);
+        let any = room.screened(screen);
+        let Some((program, exact)) = exact_screen else { return any };
+        if room.force_doubts.iter().any(|doubt| *doubt != 0) {
+            // Lanes in doubt are examined with the series of the normal forces.
+            normals.run(self.simd, &mut room.memory);
+            if room.below_zero(&screen.closed) != 0 {
+                program.run(self.simd, &mut room.memory);
+                return room.screened(exact);
+            }
+        }
         any
     }
 
@@ -399,15 +456,17 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     #[inline(always)]
-    fn at(&self, room: &Room<S>, _start: &Flow<S>, time: Lanes<S>) -> Flow<S> {
-        self.flow_at(room.series(), time)
+    fn at(&self, room: &Room<S>, _start: &Flow<S>, time: Lanes<S>, into: &mut Flow<S>) {
+        self.flow_at(room.series(), time, into);
     }
 
     #[inline(always)]
     fn carry(&self, room: &mut Room<S>, displacement: &Flow<S>, length: Lanes<S>) -> Flow<S> {
         room.start(&displacement.components, true);
         self.program.displacement.run(self.simd, &mut room.memory);
-        self.flow_at(room.changes(), length)
+        let mut moved = displacement.clone();
+        self.flow_at(room.changes(), length, &mut moved);
+        moved
     }
 
     fn rest(&self, _state: &Flow<S>) -> u64 {
@@ -481,18 +540,7 @@ impl<S: Vector> Kernel<S> for General<S> {
     ) -> R {
         let evaluator = self.evaluator(lane).expect("only lanes with a run are decided");
         let equations = Evaluated::new(evaluator, state);
-        let memory = &mut *self.instant.borrow_mut();
-        let Compiled { operations, motion, .. } = &*self.program;
-        if memory.is_empty() {
-            *memory = vec![Lanes::splat(self.simd, 0.0); motion.program().cells];
-            for (cell, number) in motion.program().numbers.iter() {
-                memory[*cell as usize] = Lanes::splat(self.simd, *number);
-            }
-        }
-        for (slot, value) in (0..).zip(state) {
-            memory[operations.coefficient(slot, 0) as usize] = Lanes::splat(self.simd, *value);
-        }
-        let memory = RefCell::new(&mut memory[..]);
-        with(&Deciding { general: self, own, equations, memory })
+        let scratch = &mut *self.scratch[lane].borrow_mut();
+        with(&Deciding::new(self, own, equations, scratch))
     }
 }

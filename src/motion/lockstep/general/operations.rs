@@ -5,10 +5,10 @@
 //! that can be computed together stand together.
 
 use super::compiler::compile;
-use super::series::Programs;
+use super::series::{Programs, TERMS};
 use super::statics::{StaticId, Statics};
 use super::turning::Turning;
-use crate::graph::Program;
+use crate::graph::{Cell, Program};
 use crate::model::Graph;
 
 /// The place of a series.
@@ -35,7 +35,24 @@ pub(super) enum Operation {
     ArcTangent { out: Slot, a: Slot, slope: Slot },
     /// A linear system; the matrix row by row. The unknowns of `units` have the factor 1 on the diagonal and may be
     /// eliminated first.
-    Solve { matrix: Vec<Entry>, right: Vec<Slot>, out: Vec<Slot>, units: Vec<bool> },
+    Solve {
+        matrix: Vec<Entry>,
+        /// The products of series with unknowns in each row.
+        products: Vec<Vec<RowProducts>>,
+        right: Vec<Slot>,
+        out: Vec<Slot>,
+        units: Vec<bool>,
+    },
+}
+
+/// Products of series with unknowns whose factors in a row of a linear system differ at most in their signs.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct RowProducts {
+    pub(super) factor: StaticId,
+    /// A series, an unknown, and whether their product is subtracted.
+    pub(super) parts: Vec<(Slot, Slot, bool)>,
+    /// The sum of the products, without the factor.
+    pub(super) sum: Slot,
 }
 
 /// An entry of the matrix of a linear system.
@@ -43,11 +60,10 @@ pub(super) enum Operation {
 pub(super) enum Entry {
     Zero,
     Constant(StaticId),
-    /// A constant factor times a series. `product` is the product of the series with the unknown.
+    /// A constant factor times a series.
     Series {
         factor: StaticId,
         slot: Slot,
-        product: Slot,
     },
     /// `factor` times sine or cosine. The entry stands for its part of a total derivative
     /// ([`super::turning`]); `residual` is `σ`, and `square` the square of the speed.
@@ -64,6 +80,10 @@ pub(super) enum Entry {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Operations {
     pub(super) statics: Statics,
+    /// The inputs that depend on modes, and the parameters: their places, and their numbers among the inputs.
+    pub(super) inputs: [Vec<(StaticId, u32)>; 2],
+    /// The components that only events change, with the places of their numbers.
+    pub(super) discrete: Vec<(StaticId, u32)>,
     pub(super) all: Vec<Operation>,
     /// The number of series.
     pub(super) slots: usize,
@@ -80,7 +100,60 @@ pub(super) struct Operations {
     pub(super) gaps: Vec<Slot>,
 }
 
+/// A number of a contact that its conditions contain.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum OfContact {
+    /// The first condition of a contact that does not stick is `sign v + offset` with its sliding speed `v`.
+    Sign,
+    Offset,
+    /// 1 if it sticks, else 0.
+    Stuck,
+    /// Static coefficient of friction.
+    Limit,
+    /// Slack of the conditions of friction.
+    Slack,
+    /// Half of the width within which events are located.
+    Aim,
+}
+
+/// The condition that a closed gap is under pressure is `weight λ + offset`, with the force `λ` in it.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum OfGap {
+    Weight,
+    Offset,
+}
+
 impl Operations {
+    /// Returns the place of a static number.
+    pub(super) fn constant(&self, id: StaticId) -> Cell {
+        id
+    }
+
+    /// Returns the place of a coefficient; those of one series stand side by side.
+    pub(super) fn coefficient(&self, slot: Slot, k: usize) -> Cell {
+        (self.statics.all().len() + slot as usize * TERMS + k) as Cell
+    }
+
+    /// Returns the place of the length of a step.
+    pub(super) fn length(&self) -> Cell {
+        self.coefficient(self.slots as Slot, 0)
+    }
+
+    /// Returns the place of a number of a contact.
+    pub(super) fn of_contact(&self, contact: usize, which: OfContact) -> Cell {
+        self.length() + 1 + (contact * 6) as Cell + which as Cell
+    }
+
+    /// Returns the place of a number of a gap.
+    pub(super) fn of_gap(&self, gap: usize, which: OfGap) -> Cell {
+        self.of_contact(self.contacts.len() + gap, OfContact::Sign) + which as Cell
+    }
+
+    /// Returns the number of cells whose meaning is known before programs are made.
+    pub(super) fn cells(&self) -> usize {
+        self.of_gap(self.gaps.len(), OfGap::Weight) as usize
+    }
+
     /// Returns the operations of a recorded system and their programs, with products of sums multiplied out if fewer products
     /// remain.
     pub(super) fn new(graph: &Graph) -> (Self, Programs) {

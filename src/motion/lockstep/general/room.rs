@@ -3,9 +3,8 @@
 use fearless_simd::prelude::*;
 
 use super::operations::{Operations, Slot};
-use super::series::TERMS;
-use super::statics::StaticId;
-use crate::graph::Program;
+use super::series::{Screen, TERMS};
+use crate::graph::{Cell, Program};
 use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::Vector;
 
@@ -13,7 +12,7 @@ use crate::motion::lockstep::vector::Vector;
 pub(in crate::motion::lockstep) struct Room<S: Vector> {
     /// The cells of the programs.
     pub(super) memory: Vec<Lanes<S>>,
-    /// Whether inputs have changed since the static numbers were computed.
+    /// Whether inputs have changed since the numbers that depend on modes were computed.
     pub(super) is_changed: bool,
     /// Where the changes of the cells along a displacement begin.
     pub(super) displaced: usize,
@@ -23,14 +22,12 @@ pub(in crate::motion::lockstep) struct Room<S: Vector> {
     pub(super) doubts: Vec<u64>,
     /// The lanes in which a force of each contact may be beyond its limits.
     pub(super) force_doubts: Vec<u64>,
-    /// Bounds of the changes of expressions.
-    pub(super) radii: Vec<Lanes<S>>,
 }
 
 impl<S: Vector> Room<S> {
     /// Returns the memory of the programs of a step.
-    pub(super) fn new(simd: S, operations: &Operations, programs: [&Program; 3]) -> Self {
-        let [motion, .., displacement] = programs;
+    pub(super) fn new(simd: S, operations: &Operations, programs: [&Program; 2]) -> Self {
+        let [motion, displacement] = programs;
         let mut memory = vec![Lanes::splat(simd, 0.0); displacement.cells];
         for (cell, number) in programs.into_iter().flat_map(|program| program.numbers.iter()) {
             memory[*cell as usize] = Lanes::splat(simd, *number);
@@ -44,20 +41,39 @@ impl<S: Vector> Room<S> {
             first: operations.coefficient(0, 0) as usize,
             doubts: vec![0; conditions.into_iter().sum()],
             force_doubts: vec![0; operations.contacts.len()],
-            radii: vec![Lanes::splat(simd, 0.0); operations.slots],
         }
     }
 
-    /// Sets a static number of one lane.
-    pub(super) fn set_constant(&mut self, id: StaticId, lane: usize, value: f64) {
+    /// Sets a number of one lane that is constant during a step.
+    pub(super) fn set_constant(&mut self, id: Cell, lane: usize, value: f64) {
         self.memory[id as usize][lane] = value;
         self.is_changed = true;
     }
 
-    /// Returns a static number.
+    /// Sets a number of one lane that no other number depends on.
     #[inline(always)]
-    pub(super) fn constant(&self, id: StaticId) -> Lanes<S> {
-        self.memory[id as usize]
+    pub(super) fn set(&mut self, cell: Cell, lane: usize, value: f64) {
+        self.memory[cell as usize][lane] = value;
+    }
+
+    /// Notes the lanes in which conditions may fail, and returns all of them.
+    #[inline(always)]
+    pub(super) fn screened(&mut self, screen: &Screen) -> u64 {
+        let mut any = 0;
+        let doubts = [&mut self.doubts, &mut self.force_doubts];
+        for (doubts, cells) in doubts.into_iter().zip([&screen.all, &screen.forces]) {
+            for (doubt, cell) in doubts.iter_mut().zip(cells) {
+                *doubt = below_zero(self.memory[*cell as usize]);
+                any |= *doubt;
+            }
+        }
+        any
+    }
+
+    /// Returns the lanes in which one of these numbers is negative, or not a number.
+    #[inline(always)]
+    pub(super) fn below_zero(&self, cells: &[Cell]) -> u64 {
+        cells.iter().fold(0, |any, cell| any | below_zero(self.memory[*cell as usize]))
     }
 
     /// Returns the series of the motion.
@@ -82,6 +98,11 @@ impl<S: Vector> Room<S> {
     }
 }
 
+#[inline(always)]
+fn below_zero<S: Vector>(number: Lanes<S>) -> u64 {
+    !number.simd_ge(Lanes::splat(number.simd, 0.0)).to_bitmask()
+}
+
 /// Power series in time in all lanes.
 #[derive(Clone, Copy)]
 pub(super) struct Series<'m, S: Vector>(&'m [Lanes<S>]);
@@ -89,7 +110,7 @@ pub(super) struct Series<'m, S: Vector>(&'m [Lanes<S>]);
 impl<'m, S: Vector> Series<'m, S> {
     /// Returns the coefficients of a series, from order zero.
     #[inline(always)]
-    pub(super) fn of(self, slot: Slot) -> &'m [Lanes<S>] {
-        &self.0[slot as usize * TERMS..][..TERMS]
+    pub(super) fn of(self, slot: Slot) -> &'m [Lanes<S>; TERMS] {
+        self.0[slot as usize * TERMS..].first_chunk().expect("each series has its cells")
     }
 }

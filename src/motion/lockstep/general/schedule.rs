@@ -21,17 +21,14 @@ pub(super) fn reads_and_writes(operation: &Operation) -> (Vec<Slot>, Vec<Slot>) 
             (vec![*a], vec![*out])
         }
         Operation::ArcTangent { out, a, slope } => (vec![*a, *slope], vec![*out]),
-        Operation::Solve { matrix, right, out, .. } => {
+        Operation::Solve { matrix, products, right, out, .. } => {
             let entries = matrix.iter().flat_map(|entry| match entry {
                 Entry::Series { slot, .. } => vec![*slot],
                 Entry::Turned { turning, square, .. } => vec![turning.sine_speed, *square],
                 Entry::Zero | Entry::Constant(_) => Vec::new(),
             });
-            let products = matrix.iter().filter_map(|entry| match entry {
-                Entry::Series { product, .. } => Some(*product),
-                _ => None,
-            });
-            let writes = out.iter().copied().chain(products).collect();
+            let sums = products.iter().flatten().map(|products| products.sum);
+            let writes = out.iter().copied().chain(sums).collect();
             (entries.chain(right.iter().copied()).collect(), writes)
         }
     }

@@ -111,15 +111,20 @@ impl Statics {
         }
     }
 
-    /// Calls `set` with each static number that an input or a component determines.
-    pub(super) fn set(&self, inputs: &[f64], state: &[f64], mut set: impl FnMut(StaticId, f64)) {
-        for (id, number) in (0..).zip(&self.all) {
-            match *number {
-                Static::Input(input) => set(id, inputs[input as usize]),
-                Static::Discrete(component) => set(id, state[component as usize]),
-                _ => {}
-            }
-        }
+    /// Returns the places and numbers of the inputs.
+    pub(super) fn inputs(&self) -> impl Iterator<Item = (StaticId, u32)> {
+        (0..).zip(&self.all).filter_map(|(id, number)| match *number {
+            Static::Input(input) => Some((id, input)),
+            _ => None,
+        })
+    }
+
+    /// Returns the places and numbers of the components that only events change.
+    pub(super) fn discrete(&self) -> impl Iterator<Item = (StaticId, u32)> {
+        (0..).zip(&self.all).filter_map(|(id, number)| match *number {
+            Static::Discrete(component) => Some((id, component)),
+            _ => None,
+        })
     }
 
     /// Computes the static numbers that are neither inputs nor components.

@@ -125,6 +125,21 @@ impl Encoder {
         self.two(code, to, of)
     }
 
+    /// Clears the sign of each number.
+    pub(super) fn size(&mut self, to: usize, of: usize) -> Encoded {
+        let [shifts_left, shifts_right] = match self.width {
+            Width::Eight => {
+                [Code::EVEX_Vpsllq_zmm_k1z_zmmm512b64_imm8, Code::EVEX_Vpsrlq_zmm_k1z_zmmm512b64_imm8]
+            }
+            Width::Four => [Code::VEX_Vpsllq_ymm_ymm_imm8, Code::VEX_Vpsrlq_ymm_ymm_imm8],
+        };
+        for (code, from) in [(shifts_left, of), (shifts_right, to)] {
+            let [to, from] = [to, from].map(|number| self.register(number));
+            self.put(Instruction::with3(code, to, from, 1_u32))?;
+        }
+        Ok(())
+    }
+
     pub(super) fn product(&mut self, to: usize, a: usize, b: Place) -> Encoded {
         let code = self
             .pick(Code::EVEX_Vmulpd_zmm_k1z_zmm_zmmm512b64_er, Code::VEX_Vmulpd_ymm_ymm_ymmm256);

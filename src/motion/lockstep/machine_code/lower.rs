@@ -1,7 +1,9 @@
 //! Numbers the values of a part of a program, and interleaves sums that do not depend on each other.
 
+use std::collections::HashMap;
+
 use super::Width;
-use crate::graph::{Cell, Instruction, Program};
+use crate::graph::{Cell, Instruction, Product, Program};
 
 /// The number of a value.
 pub(super) type Id = u32;
@@ -17,6 +19,8 @@ pub(super) enum Operation {
     Quotient([Id; 2]),
     /// `sqrt a`
     SquareRoot(Id),
+    /// `|a|`
+    Size(Id),
     /// The third where the first is less than the second, else the fourth.
     Choice([Id; 4]),
     /// A copy of a value for another cell.
@@ -31,7 +35,9 @@ impl Operation {
                 [Some(a), Some(b), None, None]
             }
             Operation::Fused { factors: [a, b], sum, .. } => [Some(a), Some(b), Some(sum), None],
-            Operation::SquareRoot(a) | Operation::Copy(a) => [Some(a), None, None, None],
+            Operation::SquareRoot(a) | Operation::Size(a) | Operation::Copy(a) => {
+                [Some(a), None, None, None]
+            }
             Operation::Choice(all) => all.map(Some),
         };
         all.into_iter().flatten()
@@ -66,8 +72,8 @@ pub(super) struct Lowered {
 /// Sums that are computed together.
 fn together(width: Width) -> usize {
     match width {
-        Width::Eight => 14,
-        Width::Four => 7,
+        Width::Eight => 16,
+        Width::Four => 6,
     }
 }
 
@@ -79,7 +85,8 @@ pub(super) fn lower(
     width: Width,
 ) -> Lowered {
     let values = vec![None; program.cells];
-    let mut lowering = Lowering { lowered: Lowered::default(), value_of: values, stored };
+    let sizes = HashMap::new();
+    let mut lowering = Lowering { lowered: Lowered::default(), value_of: values, sizes, stored };
     let mut rest = instructions;
     while let Some(first) = rest.first() {
         let group = independent_sums(program, rest, together(width));
@@ -114,8 +121,7 @@ fn independent_sums<'i>(
 /// A sum that is being computed.
 struct Partial<'p> {
     out: Cell,
-    subtracts: bool,
-    products: &'p [[Cell; 2]],
+    products: &'p [Product],
     sum: Option<Id>,
 }
 
@@ -123,6 +129,8 @@ struct Lowering<F> {
     lowered: Lowered,
     /// The value in each cell.
     value_of: Vec<Option<Id>>,
+    /// Cells with the size of another cell, which is computed where it is first read, so that it does not occupy a register.
+    sizes: HashMap<Cell, Cell>,
     stored: F,
 }
 
@@ -137,6 +145,10 @@ impl<F: Fn(Cell) -> bool> Lowering<F> {
         match self.value_of[cell as usize] {
             Some(id) => id,
             None => {
+                if let Some(of) = self.sizes.remove(&cell) {
+                    let of = self.at(of);
+                    return self.line(Operation::Size(of), cell, true);
+                }
                 let id = self.value(cell, true);
                 self.value_of[cell as usize] = Some(id);
                 id
@@ -164,6 +176,11 @@ impl<F: Fn(Cell) -> bool> Lowering<F> {
             Instruction::Quotient { out, of, by } => {
                 (out, Operation::Quotient([of, by].map(|cell| self.at(cell))))
             }
+            Instruction::Size { out, of } if !(self.stored)(out) => {
+                self.sizes.insert(out, of);
+                return;
+            }
+            Instruction::Size { out, of } => (out, Operation::Size(self.at(of))),
             Instruction::SquareRoot { out, of } => (out, Operation::SquareRoot(self.at(of))),
             Instruction::Choice { out, less: [a, b], then, other } => {
                 (out, Operation::Choice([a, b, then, other].map(|cell| self.at(cell))))
@@ -180,19 +197,20 @@ impl<F: Fn(Cell) -> bool> Lowering<F> {
     fn sums(&mut self, program: &Program, group: &[Instruction]) {
         let mut sums = Vec::with_capacity(group.len());
         for instruction in group {
-            if let Instruction::Sum { out, start, subtracts, products } = *instruction {
+            if let Instruction::Sum { out, start, products } = *instruction {
                 let (products, sum) = (program.products(products), start.map(|cell| self.at(cell)));
-                sums.push(Partial { out, subtracts, products, sum });
+                sums.push(Partial { out, products, sum });
             }
         }
         let longest = sums.iter().map(|one| one.products.len()).max().unwrap_or(0);
         for left in (0..longest).rev() {
-            for Partial { out, subtracts, products, sum } in &mut sums {
+            for Partial { out, products, sum } in &mut sums {
                 let Some(place) = products.len().checked_sub(left + 1) else { continue };
-                let factors = products[place].map(|cell| self.at(cell));
+                let Product { factors, subtracts } = products[place];
+                let factors = factors.map(|cell| self.at(cell));
                 let operation = match *sum {
                     None => Operation::Product(factors),
-                    Some(sum) => Operation::Fused { factors, sum, subtracts: *subtracts },
+                    Some(sum) => Operation::Fused { factors, sum, subtracts },
                 };
                 *sum = Some(self.line(operation, *out, left == 0));
             }

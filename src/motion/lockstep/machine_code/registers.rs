@@ -6,7 +6,7 @@ use super::lower::{Id, Line, Lowered, Operation, Value};
 use crate::graph::Cell;
 
 /// A value that is read again within this number of lines is loaded into a register, if one is free.
-const SOON: u32 = 24;
+const SOON: u32 = 40;
 
 /// The registers during the lines of a program.
 struct Registers<'e> {
@@ -114,9 +114,17 @@ impl Registers<'_> {
     fn place(&mut self, id: Id, line: u32, keep: &mut Vec<usize>) -> Encoded<Place> {
         let value = self.of(id);
         let later = value.reads[value.past..].iter().find(|read| **read > line);
-        let soon = later.is_some_and(|read| read - line < SOON);
-        let is_free = self.holds.iter().any(Option::is_none);
-        if value.register.is_none() && !(soon && is_free) {
+        let later = later.copied().filter(|read| read - line < SOON);
+        let is_sooner = |later: u32| {
+            let makes_way = |held: &Option<Id>| {
+                held.is_none_or(|id| {
+                    let held = self.of(id);
+                    held.is_in_memory && held.next_read().is_none_or(|next| next > later)
+                })
+            };
+            self.holds.iter().enumerate().any(|(at, held)| !keep.contains(&at) && makes_way(held))
+        };
+        if value.register.is_none() && !later.is_some_and(is_sooner) {
             return Ok(Place::Cell(value.cell));
         }
         self.load(id, keep).map(Place::Register)
@@ -184,6 +192,12 @@ impl Registers<'_> {
                 let register = self.load(of, &mut keep)?;
                 let result = self.result(&[of], at, &keep)?;
                 self.encoder.square_root(result, register)?;
+                result
+            }
+            Operation::Size(of) => {
+                let register = self.load(of, &mut keep)?;
+                let result = self.result(&[of], at, &keep)?;
+                self.encoder.size(result, register)?;
                 result
             }
             Operation::Copy(of) => {

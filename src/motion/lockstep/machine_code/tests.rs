@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::Code;
-use crate::graph::{Builder, Cell, Function, Instruction, Program, tangent};
+use crate::graph::{Builder, Cell, Function, Instruction, Product, Program, tangent};
 use crate::model::{Dual, Elementary, Number};
 use crate::motion::lockstep::run::interpret;
 use crate::motion::lockstep::simd_level::{baseline, with_each_level};
@@ -41,8 +41,16 @@ fn program(random: &mut ChaCha8Rng) -> Program {
                 known.push(sine);
                 cosine
             }
-            4..12 => builder.difference(start, &products),
-            _ => builder.sum(start, &products),
+            4 => builder.size(a),
+            5..8 => builder.difference(start, &products),
+            8..12 => builder.sum(start, &products),
+            _ => {
+                let out = builder.cell();
+                let sign = |factors| Product { factors, subtracts: random.random() };
+                let products: Vec<_> = products.into_iter().map(sign).collect();
+                builder.combine(out, start, products);
+                out
+            }
         };
         known.push(out);
     }
@@ -96,14 +104,18 @@ fn run_dual(program: &Program, cells: &mut [Dual]) {
     for instruction in &program.instructions {
         let at = |cell: Cell| cells[cell as usize];
         let value = match *instruction {
-            Instruction::Sum { start, subtracts, products, .. } => {
-                let sign = Dual::constant(if subtracts { -1.0 } else { 1.0 });
+            Instruction::Sum { start, products, .. } => {
                 let start = start.map_or(Dual::constant(0.0), at);
                 let products = program.products(products).iter();
-                products.fold(start, |sum, [a, b]| sum + sign * at(*a) * at(*b))
+                products.fold(start, |sum, &Product { factors: [a, b], subtracts }| {
+                    let product = at(a) * at(b);
+                    if subtracts { sum - product } else { sum + product }
+                })
             }
             Instruction::Quotient { of, by, .. } => at(of) * at(by).reciprocal(),
             Instruction::SquareRoot { of, .. } => at(of).sqrt(),
+            Instruction::Size { of, .. } if at(of).value > 0.0 => at(of),
+            Instruction::Size { of, .. } => -at(of),
             Instruction::Choice { less: [a, b], then, other, .. } => {
                 at(if at(a).value < at(b).value { then } else { other })
             }

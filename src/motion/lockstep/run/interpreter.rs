@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 
-use crate::graph::{Instruction, Program};
+use crate::graph::{Instruction, Product, Program};
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::lockstep::{LANES, Lanes};
@@ -32,29 +32,25 @@ fn step<S: Vector>(simd: S, program: &Program, memory: &mut [Lanes<S>], instruct
         };
     }
     match *instruction {
-        Instruction::Sum { out, start, subtracts, products } => {
+        Instruction::Sum { out, start, products } => {
             let mut products = program.products(products).iter();
             let mut sum = match (start, products.as_slice()) {
                 (Some(start), _) => at!(start),
-                (None, [[a, b], ..]) => {
+                (None, [Product { factors: [a, b], .. }, ..]) => {
                     products.next();
                     at!(*a) * at!(*b)
                 }
                 (None, []) => Lanes::splat(simd, 0.0),
             };
-            if subtracts {
-                for [a, b] in products {
-                    sum = (-at!(*a)).fused(at!(*b), sum);
-                }
-            } else {
-                for [a, b] in products {
-                    sum = at!(*a).fused(at!(*b), sum);
-                }
+            for &Product { factors: [a, b], subtracts } in products {
+                let a = at!(a);
+                sum = if subtracts { -a } else { a }.fused(at!(b), sum);
             }
             at!(out) = sum;
         }
         Instruction::Quotient { out, of, by } => at!(out) = at!(of) / at!(by),
         Instruction::SquareRoot { out, of } => at!(out) = at!(of).sqrt(),
+        Instruction::Size { out, of } => at!(out) = at!(of).abs(),
         Instruction::Choice { out, less: [a, b], then, other } => {
             at!(out) = at!(a).simd_lt(at!(b)).select(at!(then), at!(other));
         }

@@ -158,7 +158,7 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
         longest[lane] = group.longest(lane);
     }
     let Group { kernel, room, state, displacement, tolerance, next, .. } = &mut group;
-    kernel.expand(room, state);
+    kernel.expand(room, state, false);
     let lengths = within_tolerance(&room.series, *tolerance, *next).min(longest);
     let Room { series, displaced, .. } = &mut **room;
     let moved = carry(series, (&kernel.equations, None), displacement, lengths, displaced);
@@ -201,8 +201,9 @@ fn against_equations<const N: usize>(simd: impl Vector) {
     }
     let length = Lanes::splat(simd, LENGTH);
     let Group { kernel, room, state, displacement, .. } = &mut group;
-    kernel.expand(room, state);
-    let end: Flow<_, N> = kernel.at(room, state, length);
+    kernel.expand(room, state, false);
+    let mut end: Flow<_, N> = state.clone();
+    kernel.at(room, state, length, &mut end);
     let Room { series, displaced, .. } = &mut **room;
     let moved = carry(series, (&kernel.equations, None), displacement, length, displaced);
     let mut sticks = 0;

@@ -109,9 +109,10 @@ fn step<S: Vector, K: Kernel<S>>(simd: S, kernel: K, runs: &[Saved]) -> Step {
     }
     let length = Lanes::splat(simd, LENGTH);
     let Group { kernel, room, state, displacement, lanes, .. } = &mut group;
-    kernel.expand(room, state);
+    kernel.expand(room, state, true);
     let doubts = kernel.look_over(room, length);
-    let end = kernel.at(room, state, length);
+    let mut end = state.clone();
+    kernel.at(room, state, length, &mut end);
     let first_event = |(lane, own): (usize, &Option<_>)| {
         let own = own.as_ref().expect("all lanes have runs");
         kernel.first_event(room, own, lane, LENGTH, &[])

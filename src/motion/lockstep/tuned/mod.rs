@@ -247,7 +247,7 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     }
 
     #[inline(always)]
-    fn expand(&self, room: &mut Room<S, N>, start: &Flow<S, N>) {
+    fn expand(&self, room: &mut Room<S, N>, start: &Flow<S, N>, _displaced: bool) {
         room.series.expand(&self.equations, (self.drive.as_deref(), &self.gaps), start);
     }
 
@@ -284,12 +284,17 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     }
 
     #[inline(always)]
-    fn at(&self, room: &Room<S, N>, start: &Flow<S, N>, time: Lanes<S>) -> Flow<S, N> {
-        let mut end = room.series.at(&self.equations, start, time);
+    fn at(
+        &self,
+        room: &Room<S, N>,
+        start: &Flow<S, N>,
+        time: Lanes<S>,
+        into: &mut Flow<S, N>,
+    ) {
+        *into = room.series.at(&self.equations, start, time);
         if self.drive.is_some() {
-            end.elapsed += time;
+            into.elapsed += time;
         }
-        end
     }
 
     #[inline(always)]

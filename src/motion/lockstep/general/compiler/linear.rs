@@ -2,7 +2,7 @@
 
 use super::{Compiler, Linear};
 use crate::model::{Node, NodeId};
-use crate::motion::lockstep::general::operations::{Operation, Slot};
+use crate::motion::lockstep::general::operations::{Operation, RowProducts, Slot};
 use crate::motion::lockstep::general::statics::{Static, StaticId};
 
 impl Compiler<'_> {
@@ -15,7 +15,10 @@ impl Compiler<'_> {
     }
 
     /// Returns the series of a linear combination.
-    pub(super) fn emit_linear(&mut self, sum: Linear) -> Slot {
+    pub(super) fn emit_linear(&mut self, mut sum: Linear) -> Slot {
+        for known in self.in_rows.clone() {
+            self.replace(&mut sum, &known);
+        }
         let Linear { constant, terms } = sum;
         if let ([(slot, factor)], None) = (terms.as_slice(), constant)
             && self.statics.all()[*factor as usize] == Static::Constant(1.0)
@@ -25,6 +28,22 @@ impl Compiler<'_> {
         let out = self.new_slot();
         self.operations.push(Operation::Linear { out, constant, terms });
         out
+    }
+
+    /// Replaces the products in a linear combination by their known sum, if they have the same factor.
+    fn replace(&mut self, sum: &mut Linear, known: &RowProducts) {
+        let mut factors = Vec::with_capacity(known.parts.len());
+        for &(a, b, subtracts) in &known.parts {
+            let slot = self.pairs.get(&[a.min(b), a.max(b)]);
+            let term = sum.terms.iter().find(|term| Some(&term.0) == slot);
+            let Some(&(slot, factor)) = term else { return };
+            factors.push((slot, if subtracts { self.statics.negative(factor) } else { factor }));
+        }
+        let factor = factors[0].1;
+        if factors.iter().all(|one| one.1 == factor) {
+            sum.terms.retain(|term| factors.iter().all(|(slot, _)| term.0 != *slot));
+            self.add_term(sum, known.sum, factor);
+        }
     }
 
     /// Adds a node times a static factor to a linear combination.

@@ -5,7 +5,7 @@ mod unknowns;
 
 use std::collections::HashMap;
 
-use super::operations::{Operation, Operations, Slot};
+use super::operations::{Operation, Operations, RowProducts, Slot};
 use super::schedule::{reads_and_writes, sorted};
 use super::statics::{Static, StaticId, Statics};
 use super::turning::{Turning, TurningNodes};
@@ -24,6 +24,8 @@ struct Compiler<'g> {
     expands: bool,
     /// The products of two series that have been multiplied out.
     pairs: HashMap<[Slot; 2], Slot>,
+    /// Sums of several products in the rows of linear systems.
+    in_rows: Vec<RowProducts>,
     statics: Statics,
     static_of: Vec<Option<StaticId>>,
     slot_of: Vec<Option<Slot>>,
@@ -40,6 +42,7 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Operations {
         graph,
         expands,
         pairs: HashMap::new(),
+        in_rows: Vec::new(),
         statics: Statics::default(),
         static_of: vec![None; graph.nodes.len()],
         slot_of: vec![None; graph.nodes.len()],
@@ -81,7 +84,11 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Operations {
         let [speed, acceleration, normal, _] = contact.map(slot);
         [speed, acceleration, normal, required]
     });
+    let is_parameter = |input: &(StaticId, u32)| graph.parameters.contains(&input.1);
+    let (parameters, of_modes) = compiler.statics.inputs().partition(is_parameter);
     Operations {
+        inputs: [of_modes, parameters],
+        discrete: compiler.statics.discrete().collect(),
         kinematic: kinematic.collect(),
         rates,
         contacts: contacts.collect(),

@@ -2,7 +2,7 @@
 
 use super::{Compiler, Linear};
 use crate::model::{Node, NodeId};
-use crate::motion::lockstep::general::operations::{Entry, Operation, Slot};
+use crate::motion::lockstep::general::operations::{Entry, Operation, RowProducts, Slot};
 use crate::motion::lockstep::general::statics::{Static, StaticId};
 
 impl Compiler<'_> {
@@ -31,9 +31,11 @@ impl Compiler<'_> {
             |node: NodeId, value: f64| self.graph.nodes[node as usize] == Node::Constant(value);
         let out: Vec<Slot> = (0..size).map(|_| self.new_slot()).collect();
         let mut matrix = Vec::with_capacity(size * size);
+        let mut products = Vec::with_capacity(size);
         let mut right = Vec::with_capacity(size);
         for (row, entries) in solve.matrix.chunks(size).enumerate() {
             let mut own = self.linear_of(solve.right[row]);
+            let mut in_row: Vec<RowProducts> = Vec::new();
             for (column, &node) in (0..).zip(entries) {
                 matrix.push(match self.static_of[node as usize] {
                     Some(_) if is_constant(node, 0.0) => Entry::Zero,
@@ -44,14 +46,25 @@ impl Compiler<'_> {
                         match self.total_derivative((slot, factor), unknown, &mut own) {
                             Some(turned) => turned,
                             None => {
-                                let product = self.pair_with([slot, out[column as usize]]);
-                                Entry::Series { factor, slot, product }
+                                let unknown = out[column as usize];
+                                self.add_product(&mut in_row, factor, (slot, unknown));
+                                Entry::Series { factor, slot }
                             }
                         }
                     }
                 });
             }
             right.push(self.emit_linear(own));
+            products.push(in_row);
+        }
+        for in_row in products.iter_mut().flatten() {
+            match in_row.parts[..] {
+                [(a, b, _)] => in_row.sum = self.pair_with([a, b]),
+                _ => {
+                    in_row.sum = self.new_slot();
+                    self.in_rows.push(in_row.clone());
+                }
+            }
         }
         let diagonal = solve.matrix.iter().step_by(size + 1);
         let units = diagonal.map(|node| solve.has_sound_diagonal && is_constant(*node, 1.0));
@@ -63,7 +76,25 @@ impl Compiler<'_> {
                 self.slot_of[place] = Some(out[row as usize]);
             }
         }
-        self.operations.push(Operation::Solve { matrix, right, out, units });
+        self.operations.push(Operation::Solve { matrix, products, right, out, units });
+    }
+
+    /// Adds the product of a series and an unknown to those of a row.
+    fn add_product(
+        &mut self,
+        in_row: &mut Vec<RowProducts>,
+        factor: StaticId,
+        (slot, unknown): (Slot, Slot),
+    ) {
+        let minus = self.statics.negative(factor);
+        match in_row.iter_mut().find(|one| one.factor == factor || one.factor == minus) {
+            Some(one) => one.parts.push((slot, unknown, one.factor != factor)),
+            None => {
+                // The place of the sum is not yet known.
+                let parts = vec![(slot, unknown, false)];
+                in_row.push(RowProducts { factor, parts, sum: Slot::MAX });
+            }
+        }
     }
 
     /// Returns a node as a constant factor times a series.

@@ -4,15 +4,19 @@
 //! and its own below `k` (Å. Jorba, M. Zou, Exp. Math. 14 (2005) 99, doi:10.1080/10586458.2005.10128904). Coefficients that
 //! are always zero take no part. In a sum, the coefficients that were computed last come last, to avoid waiting for them.
 
+mod convolution;
 mod rules;
+mod screen;
 mod unknowns;
 
 use std::collections::HashMap;
 
 use super::elimination::Elimination;
-use super::operations::{Operations, Slot};
+use super::operations::{Operation, Operations, Slot};
 use super::radius::Radii;
 use super::statics::StaticId;
+use convolution::Running;
+pub(super) use screen::Screen;
 use crate::graph::{Builder, Cell, Program, tangent};
 use crate::motion::lockstep::ORDER;
 
@@ -22,66 +26,67 @@ pub(super) const TERMS: usize = ORDER + 2;
 /// The programs of a step; each runs after those before it, if at all.
 #[derive(Clone, Debug)]
 pub(super) struct Programs {
-    /// Computes static numbers from the inputs.
-    pub(super) statics: Program,
-    /// Expands the motion from the state, and the friction forces.
+    /// Computes what depends on parameters alone.
+    pub(super) fixed: Program,
+    /// Computes what depends on parameters and modes alone; it runs after `fixed`.
+    pub(super) modes: Program,
+    /// Expands the motion from the state, and the friction forces; it runs after `modes`.
     pub(super) motion: Program,
-    /// Computes the normal forces at the start of the step.
-    pub(super) start: Program,
-    /// Expands the normal forces.
+    /// Expands the motion and keeps what `displacement` needs.
+    pub(super) displaced_motion: Program,
+    /// Expands the normal forces; it runs after `motion`.
     pub(super) normals: Program,
-    /// Expands a displacement of the state; it runs after `motion`.
+    /// Bounds the conditions; it runs after `motion`, or after `normals` if [`Screen::needs_normals`].
+    pub(super) screen: (Program, Screen),
+    /// Bounds the conditions with the series of the normal forces, if `screen` does not; it runs after `normals`.
+    pub(super) exact_screen: Option<(Program, Screen)>,
+    /// Expands a displacement of the state; it runs after `displaced_motion`.
     pub(super) displacement: Program,
-    /// Computes rates and forces at one instant; it runs after `statics`.
+    /// Computes what does not depend on the modes at one instant; it runs after `fixed`.
     pub(super) instant: Program,
-    /// Computes the rates of change of the forces; it runs after `instant`.
+    /// Computes rates and forces at one instant; it runs after `instant`.
+    pub(super) decision: Program,
+    /// Computes the rates of change of the forces; it runs after `decision`.
     pub(super) ahead: Program,
-    /// Bounds the changes of the normal forces during a step without their series, if this is possible.
-    pub(super) radii: Option<Radii>,
 }
 
 impl Operations {
-    /// Returns the place of a static number.
-    pub(super) fn constant(&self, id: StaticId) -> Cell {
-        id
-    }
-
-    /// Returns the place of a coefficient; those of one series stand side by side.
-    pub(super) fn coefficient(&self, slot: Slot, k: usize) -> Cell {
-        (self.statics.all().len() + slot as usize * TERMS + k) as Cell
-    }
-
     /// Returns the programs of a step.
     pub(super) fn programs(&self) -> Programs {
         let components = 0..self.rates.len() as Slot;
         let mut expansion = Expansion {
             of: self,
-            builder: Builder::with_cells(self.coefficient(self.slots as Slot, 0) as usize),
+            builder: Builder::with_cells(self.cells()),
             not_zero: vec![false; self.slots * TERMS],
             own: self.all.iter().map(|_| Own::default()).collect(),
             ahead: HashMap::new(),
+            known: vec![0; self.slots],
+            running: Vec::new(),
         };
-        components.clone().for_each(|slot| expansion.not_zero[slot as usize * TERMS] = true);
+        components.clone().for_each(|slot| {
+            expansion.place(slot, 0);
+        });
         self.statics.emit(&mut expansion.builder);
         for k in 0..ORDER {
+            expansion.begin_order(k);
             for (place, operation) in self.all.iter().enumerate() {
                 expansion.apply(place, operation, k);
             }
             expansion.next_state(k);
         }
         expansion.last_of_positions();
+        let of_contacts = |which: usize| self.contacts.iter().map(move |contact| contact[which]);
+        let radii = Radii::of(self, of_contacts(2));
+        let exact = radii.is_some().then(|| expansion.screen(None));
+        let screen = expansion.screen(radii.as_ref());
         let Expansion { builder, not_zero, .. } = expansion;
         let series = |slot: Slot| {
             let orders = (0..TERMS).filter(|k| not_zero[slot as usize * TERMS + k]);
             orders.map(|k| self.coefficient(slot, k)).collect::<Vec<_>>()
         };
-        let of_contacts = |which: usize| self.contacts.iter().map(move |contact| contact[which]);
         let moved: Vec<Slot> = components.clone().chain(of_contacts(0)).collect();
         let watched = of_contacts(1).chain(of_contacts(3)).chain(self.guards.iter().copied());
-        let radii = Radii::of(self, of_contacts(2));
-        let for_radii = radii.iter().flat_map(Radii::series);
         let watched = moved.iter().copied().chain(watched).chain(self.gaps.iter().copied());
-        let watched = watched.chain(for_radii);
         let rates = self.rates.iter().map(|rate| self.coefficient(*rate, 0));
         let in_motion: Vec<Cell> = watched.flat_map(series).chain(rates.clone()).collect();
         let normals: Vec<Cell> = of_contacts(2).flat_map(series).collect();
@@ -89,19 +94,45 @@ impl Operations {
             let slots = self.contacts.iter().flatten();
             slots.map(|slot| self.coefficient(*slot, k)).collect::<Vec<_>>()
         };
-        let factors = radii.iter().flat_map(Radii::factors);
-        let starts = of_contacts(2).chain(factors).map(|slot| self.coefficient(slot, 0));
-        let starts: Vec<Cell> = starts.collect();
-        let statics: Vec<Cell> = (0..self.statics.all().len() as Cell).collect();
-        let all = builder.finish(in_motion.iter().chain(&normals).copied());
+        let (screened, exactly) = (screen.cells(), exact.as_ref().map_or(Vec::new(), Screen::cells));
+        let kept = in_motion.iter().chain(&normals).chain(&screened).chain(&exactly).copied();
+        let all = builder.finish(kept.chain(forces(1)));
+        let states: Vec<Cell> = components.map(|slot| self.coefficient(slot, 0)).collect();
+        let of_modes = self.inputs[0].iter().chain(&self.discrete).map(|(id, _)| *id);
+        let of_modes: Vec<Cell> = of_modes.map(|id| self.constant(id)).collect();
+        let conditions = self.length()..self.cells() as Cell;
+        let varying = states.iter().chain(&of_modes).copied().chain(conditions.clone());
+        let [mut fixed, varying] = all.split(varying);
+        let [mut modes, expansion] = varying.split(states.iter().copied().chain(conditions));
+        let [motion, by_bounds, normals, by_series] = match exact {
+            None => expansion.parts([&in_motion, &[], &normals, &screened]),
+            Some(_) => expansion.parts([&in_motion, &screened, &normals, &exactly]),
+        };
+        let (screen, exact_screen) = match exact {
+            None => ((by_series, screen), None),
+            Some(exact) => ((by_bounds, screen), Some((by_series, exact))),
+        };
+        let displacement = tangent(&motion, states, moved.into_iter().flat_map(series));
+        let mut displaced_motion = motion.clone();
+        for program in [&mut fixed, &mut modes, &mut displaced_motion] {
+            program.keep_for(&displacement);
+        }
         let at_instant = [forces(0), rates.collect()].concat();
-        let [_, instant, ahead] = all.parts([&statics, &at_instant, &forces(1)]);
-        let [statics, mut motion, start, normals] =
-            all.parts([&statics, &in_motion, &starts, &normals]);
-        let starts = components.map(|slot| self.coefficient(slot, 0));
-        let displacement = tangent(&motion, starts, moved.into_iter().flat_map(series));
-        motion.keep_for(&displacement);
-        Programs { statics, motion, start, normals, displacement, instant, ahead, radii }
+        let [at_instant, ahead] = varying.parts([&at_instant, &forces(1)]);
+        let [instant, decision] = at_instant.split(of_modes);
+        Programs {
+            fixed,
+            modes,
+            motion,
+            displaced_motion,
+            normals,
+            screen,
+            exact_screen,
+            displacement,
+            instant,
+            decision,
+            ahead,
+        }
     }
 }
 
@@ -126,6 +157,9 @@ struct Expansion<'o> {
     /// By the sine of a turning angle: the next coefficients of the products of sine and cosine with the speed, without
     /// those that contain the coefficient of the speed.
     ahead: HashMap<Slot, [Option<Cell>; 2]>,
+    /// The number of coefficients of each series that are known.
+    known: Vec<usize>,
+    running: Vec<Running>,
 }
 
 /// The pairs of a sum of `a_j b_(k-j)` for `j` in `orders`.
@@ -148,11 +182,13 @@ impl Expansion<'_> {
     /// Returns the place of a coefficient that is not zero.
     fn place(&mut self, slot: Slot, k: usize) -> Cell {
         self.not_zero[slot as usize * TERMS + k] = true;
+        self.known[slot as usize] = k + 1;
         self.of.coefficient(slot, k)
     }
 
     /// Sets a coefficient to a start plus products; without any, it is zero.
     fn set(&mut self, slot: Slot, k: usize, start: Option<Cell>, products: &[[Cell; 2]]) {
+        self.known[slot as usize] = k + 1;
         if start.is_some() || !products.is_empty() {
             let out = self.place(slot, k);
             self.builder.set(out, start, false, products);
@@ -181,9 +217,21 @@ impl Expansion<'_> {
     fn next_state(&mut self, k: usize) {
         let part = self.builder.number(1.0 / (k + 1) as f64);
         for (component, &rate) in (0..).zip(&self.of.rates) {
-            if let Some(rate) = self.term(rate, k) {
-                self.set(component, k + 1, None, &[[rate, part]]);
-            }
+            // One product by a static number, which is computed once, instead of two.
+            let single = self.of.all.iter().find_map(|operation| match operation {
+                Operation::Linear { out, constant: None, terms } if *out == rate => match terms[..] {
+                    [(slot, factor)] => Some((slot, factor)),
+                    _ => None,
+                },
+                _ => None,
+            });
+            let product = match single {
+                Some((slot, factor)) => self.term(slot, k).map(|term| {
+                    [self.builder.product(self.of.constant(factor), part), term]
+                }),
+                None => self.term(rate, k).map(|rate| [rate, part]),
+            };
+            self.set(component, k + 1, None, product.as_slice());
         }
     }
 

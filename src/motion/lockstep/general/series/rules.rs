@@ -1,5 +1,6 @@
 //! The rules of operations: the coefficient of order `k` of each result.
 
+use super::convolution::{Convolution, Terms};
 use super::{Expansion, pairs};
 use crate::graph::{Cell, Function, Instruction};
 use crate::motion::lockstep::general::operations::{Operation, Slot};
@@ -28,23 +29,18 @@ impl Expansion<'_> {
                 self.set(*out, k, start, &products);
             }
             Operation::Product { out, a, b } if a == b && k > 0 => {
-                let own = |j: usize| self.term(*a, j);
-                let products = pairs(own, own, (1..k.div_ceil(2)).chain([0]), k);
-                let middle = own(k / 2).filter(|_| k.is_multiple_of(2));
-                let middle = middle.map(|cell| [cell; 2]);
-                if products.is_empty() {
-                    self.set(*out, k, None, middle.as_slice());
-                    return;
-                }
+                let half = Convolution::of(*a, *b, Terms::Half);
+                let half = self.convolution(half, k);
                 let two = self.builder.number(2.0);
-                let half = self.builder.sum(None, &products);
-                let all: Vec<_> = std::iter::once([half, two]).chain(middle).collect();
-                self.set(*out, k, None, &all);
+                let middle = self.term(*a, k / 2).filter(|_| k.is_multiple_of(2));
+                let products = half.map(|half| [half, two]).into_iter();
+                let products: Vec<_> = products.chain(middle.map(|cell| [cell; 2])).collect();
+                self.set(*out, k, None, &products);
             }
             Operation::Product { out, a, b } => {
-                let orders = (1..k).chain([0, k]).take(k + 1);
-                let products = pairs(|j| self.term(*a, j), |j| self.term(*b, j), orders, k);
-                self.set(*out, k, None, &products);
+                let all = Convolution::of(*a, *b, Terms::All);
+                let sum = self.convolution(all, k);
+                self.set(*out, k, sum, &[]);
             }
             &Operation::SineCosine { sine, cosine, angle } => {
                 if k == 0 {
@@ -115,9 +111,7 @@ impl Expansion<'_> {
                 self.set_rest((out, k), self.term(a, k), &products, inverse);
                 self.rate(place, out, k);
             }
-            Operation::Solve { matrix, right, out, units } => {
-                self.solve(place, (matrix, right, out, units), k);
-            }
+            Operation::Solve { .. } => self.solve(place, operation, k),
         }
     }
 
@@ -137,17 +131,16 @@ impl Expansion<'_> {
             self.set(product, k, ahead, &now);
             let Some(product) = self.term(product, k) else { continue };
             let factors = match switch {
-                Some(switch) => [self.builder.product(product, part), self.of.constant(switch)],
+                Some(switch) => [product, self.builder.product(self.of.constant(switch), part)],
                 None => [product, part],
             };
             let next = self.place(other, k + 1);
             // The cosine falls where the sine times the speed is positive.
             self.builder.set(next, None, of == sine, &[factors]);
         }
-        let orders = || (2..=k).chain([1, k + 1]).take(k + 1);
-        let ahead = [sine, cosine].map(|of| {
-            let products = pairs(|j| self.term(of, j), |j| self.term(speed, j), orders(), k + 1);
-            (!products.is_empty()).then(|| self.builder.sum(None, &products))
+        let ahead = [sine, cosine].map(|a| {
+            let later = Convolution::of(a, speed, Terms::Later);
+            self.convolution(Convolution { ahead: 1, ..later }, k)
         });
         self.ahead.insert(sine, ahead);
     }

@@ -1,9 +1,12 @@
 //! The unknowns of linear systems, order by order.
 
-use super::{Expansion, TERMS, pairs};
-use crate::graph::Cell;
+use std::collections::HashMap;
+
+use super::convolution::{Convolution, Terms};
+use super::{Expansion, TERMS};
+use crate::graph::{Cell, Product};
 use crate::motion::lockstep::general::elimination::Elimination;
-use crate::motion::lockstep::general::operations::{Entry, Slot};
+use crate::motion::lockstep::general::operations::{Entry, Operation};
 
 impl Expansion<'_> {
     /// Returns an entry of a matrix at order zero.
@@ -39,44 +42,39 @@ impl Expansion<'_> {
     }
 
     /// Computes the coefficients of order `k` of the solution of a linear system, which is factored at order zero.
-    pub(super) fn solve(
-        &mut self,
-        place: usize,
-        (matrix, right, out, units): (&[Entry], &[Slot], &[Slot], &[bool]),
-        k: usize,
-    ) {
+    pub(super) fn solve(&mut self, place: usize, operation: &Operation, k: usize) {
+        let Operation::Solve { matrix, products: in_rows, right, out, units } = operation else {
+            return;
+        };
         let size = right.len();
         if k == 0 {
             let entries: Vec<_> = matrix.iter().map(|entry| self.entry(place, entry)).collect();
             self.own[place].elimination =
                 Some(Elimination::new(&mut self.builder, &entries, units));
         }
-        let orders = || (2..k).chain([1, k]).take(k);
+        // The sums without the coefficients of order `k` of the unknowns.
+        let mut known = HashMap::new();
+        for in_row in in_rows.iter().flatten() {
+            let factors = in_row.parts.clone();
+            let later = Convolution { factors, terms: Terms::Later, ahead: 0 };
+            known.insert(in_row.sum, self.convolution(later, k));
+        }
         let order = self.builder.number((k + 1) as f64);
         let mut values = Vec::with_capacity(size);
-        let mut of_products = Vec::new();
         for (row, &right) in right.iter().enumerate() {
             let mut products = Vec::new();
-            for (entry, &solution) in matrix[row * size..][..size].iter().zip(out) {
-                let &Entry::Series { factor, slot, product } = entry else { continue };
-                let terms = pairs(|j| self.term(slot, j), |j| self.term(solution, j), orders(), k);
-                let known = (!terms.is_empty()).then(|| self.builder.sum(None, &terms));
-                products.extend(known.map(|known| [self.of.constant(factor), known]));
-                of_products.push((product, known, [slot, solution]));
+            for in_row in &in_rows[row] {
+                products.extend(known[&in_row.sum].map(|sum| [self.of.constant(in_row.factor), sum]));
             }
-            for (entry, residual) in matrix[row * size..][..size]
-                .iter()
-                .zip(self.own[place].residuals[row * size..].to_vec())
-            {
+            let residuals = self.own[place].residuals[row * size..][..size].to_vec();
+            for (entry, residual) in matrix[row * size..].iter().zip(residuals) {
                 let Entry::Turned { turning, is_sine, factor, square, .. } = entry else {
                     continue;
                 };
-                let ahead = self.ahead[&turning.sine][usize::from(!is_sine)];
-                products.extend(
-                    ahead.map(|ahead| {
-                        [self.of.constant(*factor), self.builder.product(ahead, order)]
-                    }),
-                );
+                if let Some(ahead) = self.ahead[&turning.sine][usize::from(!is_sine)] {
+                    let factor = self.builder.product(self.of.constant(*factor), order);
+                    products.push([factor, ahead]);
+                }
                 products.extend(residual.zip(self.term(*square, k)).map(|(a, b)| [a, b]));
             }
             let start = self.term(right, k);
@@ -87,10 +85,20 @@ impl Expansion<'_> {
         let not_zero = elimination.substitute(&mut self.builder, &values, &cells);
         for (slot, not_zero) in out.iter().zip(not_zero) {
             self.not_zero[*slot as usize * TERMS + k] = not_zero;
+            self.known[*slot as usize] = k + 1;
         }
-        for (product, known, [entry, solution]) in of_products {
-            let last = pairs(|_| self.term(entry, 0), |j| self.term(solution, j), [0], k);
-            self.set(product, k, known, &last);
+        for in_row in in_rows.iter().flatten() {
+            let last = in_row.parts.iter().filter_map(|&(entry, solution, subtracts)| {
+                let factors = [self.term(entry, 0)?, self.term(solution, k)?];
+                Some(Product { factors, subtracts })
+            });
+            let last: Vec<Product> = last.collect();
+            let known = known[&in_row.sum];
+            self.known[in_row.sum as usize] = k + 1;
+            if known.is_some() || !last.is_empty() {
+                let out = self.place(in_row.sum, k);
+                self.builder.combine(out, known, last);
+            }
         }
     }
 }

@@ -1,0 +1,247 @@
+//! Where conditions certainly hold throughout a step: lower bounds of their values, from the coefficients of their series.
+//!
+//! A condition is bounded by its values and slopes at both ends and by a bound of its fourth derivative
+//! ([`crate::motion::lockstep::root_isolation`]).
+
+use super::{Expansion, TERMS};
+use crate::graph::{Cell, Product};
+use crate::motion::lockstep::ORDER;
+use crate::motion::lockstep::general::operations::{OfContact, OfGap, Operations, Slot};
+use crate::motion::lockstep::general::radius::{Radii, Rule};
+use crate::motion::lockstep::root_isolation::FOURTH;
+
+/// The cells with lower bounds of conditions. Where a bound is negative or not a number, the condition may fail.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::motion::lockstep::general) struct Screen {
+    /// Whether the series of the normal forces must be known.
+    pub(in crate::motion::lockstep::general) needs_normals: bool,
+    /// The lower bounds of the normal force of each contact.
+    pub(in crate::motion::lockstep::general) closed: Vec<Cell>,
+    /// The least of the conditions of the forces of each contact.
+    pub(in crate::motion::lockstep::general) forces: Vec<Cell>,
+    /// The least of all conditions of each contact, of each event, and of each gap.
+    pub(in crate::motion::lockstep::general) all: Vec<Cell>,
+}
+
+impl Screen {
+    /// Returns all cells.
+    pub(super) fn cells(&self) -> Vec<Cell> {
+        [&self.closed[..], &self.forces, &self.all].concat()
+    }
+}
+
+/// Values and slopes of a function at both ends of a step whose length is the unit of time, and a bound of its fourth
+/// derivative.
+#[derive(Clone, Copy)]
+struct Curve {
+    values: [Cell; 2],
+    changes: [Cell; 2],
+    bound: Cell,
+}
+
+/// Powers of the length of a step, with factors.
+struct Powers {
+    /// `h^k`
+    plain: Vec<Cell>,
+    /// `k h^k`
+    slopes: Vec<Cell>,
+    /// `k (k - 1) (k - 2) (k - 3) h^k`
+    fourths: Vec<Cell>,
+}
+
+impl Expansion<'_> {
+    /// Adds the instructions that bound all conditions. The normal forces are bounded by `radii`, or else by their series.
+    pub(super) fn screen(&mut self, radii: Option<&Radii>) -> Screen {
+        let of: &Operations = self.of;
+        let powers = self.powers();
+        let normals: Vec<Curve> = match radii {
+            Some(radii) => self.least_normals(radii, &powers),
+            None => of.contacts.iter().map(|one| self.curve(one[2], ORDER - 1, &powers)).collect(),
+        };
+        let speeds: Vec<_> =
+            of.contacts.iter().map(|one| self.curve(one[0], ORDER, &powers)).collect();
+        let frictions: Vec<_> =
+            of.contacts.iter().map(|one| self.curve(one[3], ORDER - 1, &powers)).collect();
+        let others: Vec<_> = of.guards.iter().chain(&of.gaps).copied().collect();
+        let others: Vec<_> =
+            others.into_iter().map(|slot| self.curve(slot, ORDER - 1, &powers)).collect();
+        let mut screen = Screen { needs_normals: radii.is_none(), ..Screen::default() };
+        let one = self.builder.number(1.0);
+        for contact in 0..of.contacts.len() {
+            let number = |which: OfContact| of.of_contact(contact, which);
+            let sign = number(OfContact::Sign);
+            let size = self.builder.size(sign);
+            let slips = self.scaled(sign, size, &speeds[contact], number(OfContact::Offset));
+            let slips = self.least(&slips);
+            let [normal, friction] = [&normals[contact], &frictions[contact]];
+            let closed = self.scaled(one, one, normal, number(OfContact::Aim));
+            let mut forces = self.least(&closed);
+            screen.closed.push(forces);
+            // Friction holds a contact that sticks against both directions.
+            let limit = number(OfContact::Limit);
+            let bound = self.builder.sum(Some(friction.bound), &[[limit, normal.bound]]);
+            for subtracts in [false, true] {
+                let part = |builder: &mut crate::graph::Builder, start, normal, friction| {
+                    let out = builder.cell();
+                    let products = [Product::plus([limit, normal]), Product {
+                        factors: [one, friction],
+                        subtracts,
+                    }];
+                    builder.combine(out, start, products);
+                    out
+                };
+                let slack = Some(number(OfContact::Slack));
+                let builder = &mut self.builder;
+                let held = Curve {
+                    values: std::array::from_fn(|end| {
+                        part(builder, slack, normal.values[end], friction.values[end])
+                    }),
+                    changes: std::array::from_fn(|end| {
+                        part(builder, None, normal.changes[end], friction.changes[end])
+                    }),
+                    bound,
+                };
+                let held = self.least(&held);
+                let zero = self.builder.number(0.0);
+                let held = self.builder.choice([zero, number(OfContact::Stuck)], held, one);
+                forces = self.builder.smaller(held, forces);
+            }
+            screen.forces.push(forces);
+            screen.all.push(self.builder.smaller(slips, forces));
+        }
+        for (place, curve) in others.iter().enumerate() {
+            let least = match place.checked_sub(of.guards.len()) {
+                None => self.least(curve),
+                Some(gap) => {
+                    let weight = of.of_gap(gap, OfGap::Weight);
+                    let pressed = self.scaled(weight, weight, curve, of.of_gap(gap, OfGap::Offset));
+                    self.least(&pressed)
+                }
+            };
+            screen.all.push(least);
+        }
+        screen
+    }
+
+    fn powers(&mut self) -> Powers {
+        let length = self.of.length();
+        let mut plain = vec![self.builder.number(1.0), length];
+        for k in 2..TERMS {
+            let factors = [plain[k / 2], plain[k - k / 2]];
+            plain.push(self.builder.product(factors[0], factors[1]));
+        }
+        let mut weighted = |weight: &dyn Fn(usize) -> f64| {
+            let product = |(k, power): (usize, &Cell)| {
+                let weight = self.builder.number(weight(k));
+                self.builder.product(weight, *power)
+            };
+            plain.iter().enumerate().take(ORDER + 1).map(product).collect::<Vec<_>>()
+        };
+        let slopes = weighted(&|k| k as f64);
+        let fourths = weighted(&|k| FOURTH[k]);
+        Powers { plain, slopes, fourths }
+    }
+
+    /// Returns the bounds of a series with coefficients up to the power `highest`.
+    fn curve(&mut self, slot: Slot, highest: usize, powers: &Powers) -> Curve {
+        let zero = self.builder.number(0.0);
+        let terms: Vec<_> =
+            (1..=highest).filter_map(|k| Some((k, self.term(slot, k)?))).collect();
+        let start = self.term(slot, 0).unwrap_or(zero);
+        let sizes: Vec<[Cell; 2]> = terms
+            .iter()
+            .filter(|(k, _)| *k >= 4)
+            .map(|(k, term)| [self.builder.size(*term), powers.fourths[*k]])
+            .collect();
+        let products = |weights: &[Cell]| {
+            let product = |(k, term): &(usize, Cell)| [*term, weights[*k]];
+            terms.iter().rev().map(product).collect::<Vec<_>>()
+        };
+        let end = self.builder.sum(Some(start), &products(&powers.plain));
+        let slope = self.builder.sum(Some(zero), &products(&powers.slopes));
+        let bound = self.builder.sum(Some(zero), &sizes);
+        let first = match terms.first() {
+            Some((1, term)) => self.builder.product(*term, powers.plain[1]),
+            _ => zero,
+        };
+        Curve { values: [start, end], changes: [first, slope], bound }
+    }
+
+    /// Returns a curve times a factor plus an offset; `size` is the size of the factor.
+    fn scaled(&mut self, factor: Cell, size: Cell, curve: &Curve, offset: Cell) -> Curve {
+        let Curve { values, changes, bound } = *curve;
+        Curve {
+            values: values.map(|value| self.builder.sum(Some(offset), &[[factor, value]])),
+            changes: changes.map(|change| self.builder.product(factor, change)),
+            bound: self.builder.product(size, bound),
+        }
+    }
+
+    /// Returns the least coefficient of the Bernstein form of degree four, with the least possible middle one.
+    fn least(&mut self, curve: &Curve) -> Cell {
+        let Curve { values: [a, b], changes: [p, q], bound } = *curve;
+        let builder = &mut self.builder;
+        let [fourth, sixth, half] = [0.25, 1.0 / 6.0, 0.5].map(|number| builder.number(number));
+        let part = builder.number(1.0 / 144.0);
+        let early = builder.sum(Some(a), &[[fourth, p]]);
+        let late = builder.difference(Some(b), &[[fourth, q]]);
+        let middle = builder.cell();
+        let products = [
+            Product::plus([half, a]),
+            Product::plus([half, b]),
+            Product::plus([sixth, p]),
+            Product::minus([sixth, q]),
+            Product::minus([part, bound]),
+        ];
+        builder.combine(middle, None, products);
+        let ends = builder.smaller(a, b);
+        let inner = builder.smaller(early, late);
+        let inner = builder.smaller(inner, middle);
+        builder.smaller(ends, inner)
+    }
+
+    /// Returns lower bounds of the normal forces, as constants.
+    fn least_normals(&mut self, radii: &Radii, powers: &Powers) -> Vec<Curve> {
+        let zero = self.builder.number(0.0);
+        let mut of = vec![zero; self.of.slots];
+        for (slot, rule) in &radii.rules {
+            of[*slot as usize] = match rule {
+                Rule::Angle(angle) => of[*angle as usize],
+                Rule::Series => {
+                    let terms: Vec<_> =
+                        (1..TERMS).filter_map(|k| Some((k, self.term(*slot, k)?))).collect();
+                    let product = |(k, term): &(usize, Cell)| {
+                        [self.builder.size(*term), powers.plain[*k]]
+                    };
+                    let products: Vec<_> = terms.iter().rev().map(product).collect();
+                    self.builder.sum(Some(zero), &products)
+                }
+                Rule::Product(factors) => {
+                    let [radius_a, radius_b] = factors.map(|factor| of[factor as usize]);
+                    let [a, b] = factors.map(|factor| {
+                        let start = self.start(factor);
+                        self.builder.size(start)
+                    });
+                    let one = self.builder.number(1.0);
+                    let b = self.builder.sum(Some(radius_b), &[[one, b]]);
+                    self.builder.sum(None, &[[a, radius_b], [b, radius_a]])
+                }
+                Rule::Linear(terms) => {
+                    let product = |(slot, factor): &(Slot, _)| {
+                        [self.builder.size(self.of.constant(*factor)), of[*slot as usize]]
+                    };
+                    let products: Vec<_> = terms.iter().map(product).collect();
+                    self.builder.sum(Some(zero), &products)
+                }
+            };
+        }
+        let slots = self.of.contacts.iter().map(|contact| contact[2]);
+        let normals = slots.map(|slot| {
+            let start = self.start(slot);
+            let one = self.builder.number(1.0);
+            let least = self.builder.difference(Some(start), &[[one, of[slot as usize]]]);
+            Curve { values: [least; 2], changes: [zero; 2], bound: zero }
+        });
+        normals.collect()
+    }
+}
