@@ -179,8 +179,9 @@ impl<S: Vector> General<S> {
     #[inline(always)]
     fn sum(&self, series: Series<'_, S>, slot: Slot, time: Lanes<S>) -> Lanes<S> {
         let mut sum = Lanes::splat(self.simd, 0.0);
-        for term in series.of(slot).iter().rev() {
-            sum = sum.fused(time, *term);
+        let terms = series.of(slot);
+        for k in (0..TERMS).rev() {
+            sum = sum.fused(time, terms[k]);
         }
         sum
     }
@@ -190,18 +191,15 @@ impl<S: Vector> General<S> {
         // Loops, not closures: the fused multiply-add must be inlined. Several sums do not wait for each other.
         let components = into.components.len();
         for first in (0..components).step_by(SIDE_BY_SIDE) {
-            let slots: [Slot; SIDE_BY_SIDE] =
-                std::array::from_fn(|i| (first + i).min(components - 1) as Slot);
-            let terms = slots.map(|slot| series.of(slot));
             let mut sums = [Lanes::splat(self.simd, 0.0); SIDE_BY_SIDE];
             for k in (0..TERMS).rev() {
+                let terms = &series.order(k)[first..first + SIDE_BY_SIDE];
                 for i in 0..SIDE_BY_SIDE {
-                    sums[i] = sums[i].fused(time, terms[i][k]);
+                    sums[i] = sums[i].fused(time, terms[i]);
                 }
             }
-            for i in 0..SIDE_BY_SIDE {
-                into.components[slots[i] as usize] = sums[i];
-            }
+            let count = SIDE_BY_SIDE.min(components - first);
+            into.components[first..first + count].copy_from_slice(&sums[..count]);
         }
         for contact in 0..into.speeds.len() {
             let [speed, ..] = self.program.operations.contacts[contact];
@@ -211,8 +209,9 @@ impl<S: Vector> General<S> {
 }
 
 impl<S: Vector> Kernel<S> for General<S> {
-    /// 3.5 over the highest frequency: the terms of a displacement that are left out are below 1e-5 of it.
-    const LONGEST: f64 = 3.5 / std::f64::consts::FRAC_PI_2;
+    /// 5 over the highest frequency; the terms of a displacement that are left out are below 1e-5 of it.
+    const LONGEST: f64 = 5.0 / std::f64::consts::FRAC_PI_2;
+    const OF_DISPLACEMENT: f64 = 0.7;
     type Flow = Flow<S>;
     type Room = Room<S>;
 
@@ -484,8 +483,9 @@ impl<S: Vector> Kernel<S> for General<S> {
 
     fn component(&self, room: &Room<S>, lane: usize, component: usize, _start: f64) -> Powers {
         let mut powers = [0.0; POWERS];
-        for (power, term) in powers.iter_mut().zip(room.series().of(component as Slot)) {
-            *power = term[lane];
+        let terms = room.series().of(component as Slot);
+        for (k, power) in powers.iter_mut().enumerate().take(TERMS) {
+            *power = terms[k][lane];
         }
         const { assert!(TERMS <= POWERS) };
         powers
@@ -521,7 +521,7 @@ impl<S: Vector> Kernel<S> for General<S> {
             room.series().of(position as Slot)
         });
         let mut bound = Lanes::splat(length.simd, 0.0);
-        for k in (1..one.len()).rev() {
+        for k in (1..TERMS).rev() {
             bound = bound.fused(length, (one[k] - other[k]).abs());
         }
         bound * length

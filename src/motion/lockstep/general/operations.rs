@@ -129,14 +129,14 @@ impl Operations {
         id
     }
 
-    /// Returns the place of a coefficient; those of one series stand side by side.
+    /// Returns the place of a coefficient; those of one order stand side by side.
     pub(super) fn coefficient(&self, slot: Slot, k: usize) -> Cell {
-        (self.statics.all().len() + slot as usize * TERMS + k) as Cell
+        (self.statics.all().len() + k * self.slots + slot as usize) as Cell
     }
 
     /// Returns the place of the length of a step.
     pub(super) fn length(&self) -> Cell {
-        self.coefficient(self.slots as Slot, 0)
+        self.coefficient(0, TERMS)
     }
 
     /// Returns the place of a number of a contact.

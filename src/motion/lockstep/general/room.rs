@@ -1,9 +1,11 @@
 //! The memory of a step's programs, and the series in it.
 
+use std::ops::Index;
+
 use fearless_simd::prelude::*;
 
 use super::operations::{Operations, Slot};
-use super::series::{Screen, TERMS};
+use super::series::Screen;
 use crate::graph::{Cell, Program};
 use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::Vector;
@@ -16,8 +18,9 @@ pub(in crate::motion::lockstep) struct Room<S: Vector> {
     pub(super) is_changed: bool,
     /// Where the changes of the cells along a displacement begin.
     pub(super) displaced: usize,
-    /// Where the series begin.
+    /// Where the series begin, and their number.
     first: usize,
+    slots: usize,
     /// The lanes in which a condition of each contact may fail, then those in which each event may happen.
     pub(super) doubts: Vec<u64>,
     /// The lanes in which a force of each contact may be beyond its limits.
@@ -39,6 +42,7 @@ impl<S: Vector> Room<S> {
             is_changed: true,
             displaced: motion.cells,
             first: operations.coefficient(0, 0) as usize,
+            slots: operations.slots,
             doubts: vec![0; conditions.into_iter().sum()],
             force_doubts: vec![0; operations.contacts.len()],
         }
@@ -79,22 +83,20 @@ impl<S: Vector> Room<S> {
     /// Returns the series of the motion.
     #[inline(always)]
     pub(super) fn series(&self) -> Series<'_, S> {
-        Series(&self.memory[self.first..])
+        Series { memory: &self.memory[self.first..], slots: self.slots }
     }
 
     /// Returns the changes of the series along a displacement.
     #[inline(always)]
     pub(super) fn changes(&self) -> Series<'_, S> {
-        Series(&self.memory[self.displaced + self.first..])
+        Series { memory: &self.memory[self.displaced + self.first..], slots: self.slots }
     }
 
     /// Sets the state at the start of a step, or a displacement of it.
     #[inline(always)]
     pub(super) fn start(&mut self, components: &[Lanes<S>], displaced: bool) {
         let first = self.first + if displaced { self.displaced } else { 0 };
-        for (slot, value) in components.iter().enumerate() {
-            self.memory[first + slot * TERMS] = *value;
-        }
+        self.memory[first..first + components.len()].copy_from_slice(components);
     }
 }
 
@@ -103,14 +105,39 @@ fn below_zero<S: Vector>(number: Lanes<S>) -> u64 {
     !number.simd_ge(Lanes::splat(number.simd, 0.0)).to_bitmask()
 }
 
-/// Power series in time in all lanes.
+/// Power series in time in all lanes. The coefficients of one order stand side by side.
 #[derive(Clone, Copy)]
-pub(super) struct Series<'m, S: Vector>(&'m [Lanes<S>]);
+pub(super) struct Series<'m, S: Vector> {
+    memory: &'m [Lanes<S>],
+    slots: usize,
+}
 
 impl<'m, S: Vector> Series<'m, S> {
-    /// Returns the coefficients of a series, from order zero.
+    /// Returns the coefficients of a series.
     #[inline(always)]
-    pub(super) fn of(self, slot: Slot) -> &'m [Lanes<S>; TERMS] {
-        self.0[slot as usize * TERMS..].first_chunk().expect("each series has its cells")
+    pub(super) fn of(self, slot: Slot) -> Terms<'m, S> {
+        Terms { memory: &self.memory[slot as usize..], slots: self.slots }
+    }
+
+    /// Returns the coefficients of all series of one order.
+    #[inline(always)]
+    pub(super) fn order(self, k: usize) -> &'m [Lanes<S>] {
+        &self.memory[k * self.slots..][..self.slots]
+    }
+}
+
+/// The coefficients of a series, from order zero.
+#[derive(Clone, Copy)]
+pub(super) struct Terms<'m, S: Vector> {
+    memory: &'m [Lanes<S>],
+    slots: usize,
+}
+
+impl<S: Vector> Index<usize> for Terms<'_, S> {
+    type Output = Lanes<S>;
+
+    #[inline(always)]
+    fn index(&self, k: usize) -> &Lanes<S> {
+        &self.memory[k * self.slots]
     }
 }

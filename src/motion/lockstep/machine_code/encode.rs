@@ -1,5 +1,7 @@
 //! Machine instructions for registers and cells.
 
+use std::collections::BTreeMap;
+
 use iced_x86::{Code, Encoder as Assembler, IcedError, Instruction, MemoryOperand, Register};
 
 use super::Width;
@@ -18,7 +20,24 @@ pub(super) struct Encoder {
     assembler: Assembler,
     position: u64,
     width: Width,
+    /// Ranges of [`NEAR`] cells, and registers that point to their middles.
+    ranges: Vec<(Cell, Register)>,
 }
+
+/// The number of cells that short instructions of AVX-512 reach from a register.
+const NEAR: Cell = 256;
+
+/// Registers that a function may change, besides `rdi`.
+const POINTERS: [Register; 8] = [
+    Register::RAX,
+    Register::RCX,
+    Register::RDX,
+    Register::RSI,
+    Register::R8,
+    Register::R9,
+    Register::R10,
+    Register::R11,
+];
 
 /// A program without machine code, for example because it reads a cell that it does not have.
 pub(super) struct NotEncoded;
@@ -37,7 +56,7 @@ const LESS: u32 = 0x11;
 
 impl Encoder {
     pub(super) fn new(width: Width) -> Self {
-        Encoder { assembler: Assembler::new(64), position: 0, width }
+        Encoder { assembler: Assembler::new(64), position: 0, width, ranges: Vec::new() }
     }
 
     pub(super) fn width(&self) -> Width {
@@ -52,9 +71,22 @@ impl Encoder {
         }
     }
 
-    /// Returns the place at which a function begins.
-    pub(super) fn begin(&self) -> usize {
-        self.position as usize
+    /// Begins a function that reads and writes these cells, and returns its place.
+    pub(super) fn begin(&mut self, cells: impl Iterator<Item = Cell>) -> Encoded<usize> {
+        let place = self.position as usize;
+        self.ranges.clear();
+        if self.width == Width::Eight {
+            let mut counts: BTreeMap<Cell, usize> = BTreeMap::new();
+            cells.for_each(|cell| *counts.entry(cell / NEAR).or_default() += 1);
+            let mut counts: Vec<_> = counts.into_iter().collect();
+            counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+            for ((range, _), register) in counts.into_iter().zip(POINTERS) {
+                let middle = Self::displaced(Register::RDI, range * NEAR + NEAR / 2);
+                self.put(Instruction::with2(Code::Lea_r64_m, register, middle))?;
+                self.ranges.push((range, register));
+            }
+        }
+        Ok(place)
     }
 
     /// Ends a function.
@@ -88,18 +120,27 @@ impl Encoder {
         first + number as u32
     }
 
-    fn memory(cell: Cell) -> MemoryOperand {
-        MemoryOperand::with_base_displ(Register::RDI, i64::from(cell) * 8 * LANES as i64)
+    fn displaced(register: Register, cells: impl Into<i64>) -> MemoryOperand {
+        MemoryOperand::with_base_displ(register, cells.into() * 8 * LANES as i64)
+    }
+
+    fn memory(&self, cell: Cell) -> MemoryOperand {
+        match self.ranges.iter().find(|(range, _)| *range == cell / NEAR) {
+            Some((range, register)) => {
+                Self::displaced(*register, i64::from(cell) - i64::from(range * NEAR + NEAR / 2))
+            }
+            None => Self::displaced(Register::RDI, cell),
+        }
     }
 
     pub(super) fn load(&mut self, to: usize, cell: Cell) -> Encoded {
         let code = self.pick(Code::EVEX_Vmovupd_zmm_k1z_zmmm512, Code::VEX_Vmovupd_ymm_ymmm256);
-        self.put(Instruction::with2(code, self.register(to), Self::memory(cell)))
+        self.put(Instruction::with2(code, self.register(to), self.memory(cell)))
     }
 
     pub(super) fn store(&mut self, cell: Cell, from: usize) -> Encoded {
         let code = self.pick(Code::EVEX_Vmovupd_zmmm512_k1z_zmm, Code::VEX_Vmovupd_ymmm256_ymm);
-        self.put(Instruction::with2(code, Self::memory(cell), self.register(from)))
+        self.put(Instruction::with2(code, self.memory(cell), self.register(from)))
     }
 
     fn two(&mut self, code: Code, to: usize, of: usize) -> Encoded {
@@ -110,7 +151,7 @@ impl Encoder {
         let [to, a] = [to, a].map(|number| self.register(number));
         self.put(match b {
             Place::Register(b) => Instruction::with3(code, to, a, self.register(b)),
-            Place::Cell(cell) => Instruction::with3(code, to, a, Self::memory(cell)),
+            Place::Cell(cell) => Instruction::with3(code, to, a, self.memory(cell)),
         })
     }
 

@@ -115,7 +115,7 @@ impl Code {
         const { assert!(size_of::<Lanes<S>>() == 8 * LANES) };
         // Unsafe because the compiler cannot see that bytes are a function.
         // SAFETY: `place` is the start of a function in `code`, between `Encoder::begin` and `Encoder::end`. The function has
-        // this calling convention, changes vector registers only, and has no branch before its return. The processor has its
+        // this calling convention, changes no registers but those that a function may change, and has no branch before its return. The processor has its
         // instructions: `run` has compared `width` with that of `S`, and a value of `S` exists only on such processors.
         let function: unsafe extern "sysv64" fn(*mut f64) =
             unsafe { std::mem::transmute(self.code.as_ptr().add(place)) };
@@ -159,7 +159,8 @@ fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<Part>> {
         let stored =
             |cell: u32| program.kept[cell as usize] || last_read[cell as usize] <= later.len();
         let lowered = lower::lower(program, own, stored, encoder.width());
-        parts.push(Part::Code(encoder.begin()));
+        let cells = lowered.values.iter().map(|value| value.cell);
+        parts.push(Part::Code(encoder.begin(cells).ok()?));
         registers::assign(lowered, encoder, program.cells).ok()?;
         encoder.end().ok()?;
         rest = later;

@@ -1,5 +1,7 @@
 //! Keeps values in registers: of those that must leave, the value whose next use is furthest away (L. A. Belady, IBM Systems
-//! Journal 5 (1966) 78, doi:10.1147/sj.52.0078). Each value has a cell of its own, where it waits.
+//! Journal 5 (1966) 78, doi:10.1147/sj.52.0078). A value that leaves waits in a cell that nothing else needs.
+
+use std::collections::BTreeSet;
 
 use super::encode::{Encoded, Encoder, NotEncoded, Place};
 use super::lower::{Id, Line, Lowered, Operation, Value};
@@ -14,12 +16,18 @@ struct Registers<'e> {
     /// The value in each register.
     holds: Vec<Option<Id>>,
     values: Vec<Held>,
+    /// Cells in which values wait that are not stored: those of all such values, of which few are needed at a time.
+    free: BTreeSet<Cell>,
 }
 
 /// Where a value is.
 struct Held {
     cell: Cell,
     is_in_memory: bool,
+    /// Whether its cell is stored in the end; before, the cell is its own.
+    is_stored: bool,
+    /// Whether it waits in a free cell.
+    is_waiting: bool,
     register: Option<usize>,
     /// The lines that read it, and how many of them are past.
     reads: Vec<u32>,
@@ -45,16 +53,24 @@ pub(super) fn assign(lowered: Lowered, encoder: &mut Encoder, cells: usize) -> E
     if lowered.values.iter().any(|value| value.cell as usize >= cells) {
         return Err(NotEncoded);
     }
+    let cell = |line: &Line| lowered.values[line.result as usize].cell;
+    let (stored, others): (Vec<&Line>, Vec<&Line>) =
+        lowered.lines.iter().partition(|line| line.stores);
+    let stored: BTreeSet<Cell> = stored.into_iter().map(cell).collect();
+    let others: BTreeSet<Cell> = others.into_iter().map(cell).collect();
+    let free = others.difference(&stored).copied().collect();
     let held = |value: Value| Held {
         cell: value.cell,
         is_in_memory: value.is_input,
+        is_stored: stored.contains(&value.cell),
+        is_waiting: false,
         register: None,
         reads: value.reads,
         past: 0,
     };
     let count = encoder.registers();
     let values = lowered.values.into_iter().map(held).collect();
-    let mut registers = Registers { encoder, holds: vec![None; count], values };
+    let mut registers = Registers { encoder, holds: vec![None; count], values, free };
     for (at, line) in (0..).zip(&lowered.lines) {
         registers.line(at, line)?;
     }
@@ -82,8 +98,12 @@ impl Registers<'_> {
         let (register, id) = furthest.0.ok_or(NotEncoded)?;
         let value = &mut self.values[id as usize];
         if !value.is_in_memory && value.next_read().is_some() {
-            self.encoder.store(value.cell, register)?;
+            if !value.is_stored {
+                value.cell = self.free.pop_first().ok_or(NotEncoded)?;
+                value.is_waiting = true;
+            }
             value.is_in_memory = true;
+            self.encoder.store(value.cell, register)?;
         }
         value.register = None;
         self.holds[register] = None;
@@ -228,10 +248,13 @@ impl Registers<'_> {
             while value.next_read().is_some_and(|read| read <= at) {
                 value.past += 1;
             }
-            if value.next_read().is_none()
-                && let Some(register) = value.register.take()
-            {
-                self.holds[register] = None;
+            if value.next_read().is_none() {
+                if let Some(register) = value.register.take() {
+                    self.holds[register] = None;
+                }
+                if std::mem::take(&mut value.is_waiting) {
+                    self.free.insert(value.cell);
+                }
             }
         }
         let value = &mut self.values[line.result as usize];

@@ -107,6 +107,7 @@ impl<S: Vector, const N: usize> Tuned<S, N> {
 impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     /// 5 over the highest frequency of the table in the turning frame, `1 + |ω|`. Hardly any step is as long.
     const LONGEST: f64 = 5.0 / std::f64::consts::FRAC_PI_2;
+    const OF_DISPLACEMENT: f64 = 1.0;
     type Flow = Flow<S, N>;
     type Room = Room<S, N>;
 

@@ -5,6 +5,7 @@ mod unknowns;
 
 use std::collections::HashMap;
 
+use super::SIDE_BY_SIDE;
 use super::operations::{Operation, Operations, RowProducts, Slot};
 use super::schedule::{reads_and_writes, sorted};
 use super::statics::{Static, StaticId, Statics};
@@ -94,7 +95,8 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Operations {
         contacts: contacts.collect(),
         guards: guards().map(slot).collect(),
         gaps: gaps().map(slot).collect(),
-        slots: compiler.slots as usize,
+        // Components are computed in groups.
+        slots: (compiler.slots as usize).max(graph.derivative.len().next_multiple_of(SIDE_BY_SIDE)),
         all: sorted(compiler.operations, components),
         statics: compiler.statics,
     }
