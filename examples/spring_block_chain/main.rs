@@ -103,7 +103,8 @@ impl System for Chain {
     fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
         let x: Vec<Expression<'r>> = (0..self.blocks).map(|_| recorder.state()).collect();
         let speed: Vec<Expression<'r>> = (0..self.blocks).map(|_| recorder.state()).collect();
-        let [belt_speed, coupling] = ["belt_speed", "coupling"].map(|name| recorder.parameter(name));
+        let [belt_speed, coupling] =
+            ["belt_speed", "coupling"].map(|name| recorder.parameter(name));
         let one = Expression::constant(1.0);
         let (mut velocity, mut acceleration) = (Vec::new(), Vec::new());
         let mut contacts = Vec::new();

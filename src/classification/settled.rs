@@ -170,6 +170,12 @@ fn has_settled(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<boo
     }
     let slope = jacobian(rate, &equilibrium, &steps)?;
     let family = family_dimension(&reduced, &slope)?;
+    // A steep law makes eigenvalues so large that their rounding errors hide the sign of a small one. The sign of the
+    // determinant tells whether their number right of the imaginary axis is odd.
+    let is_odd = slope.nrows() % 2 == 1;
+    if family == 0 && (slope.determinant() < 0.0) != is_odd {
+        return Some(false);
+    }
     let eigenvalues = Schur::try_new(slope, f64::EPSILON, 10_000)?.complex_eigenvalues();
     let stay: Vec<_> = eigenvalues.iter().filter(|value| value.re >= -NEUTRAL).collect();
     let is_zero = |value: &Complex<f64>| value.norm() <= NEUTRAL.sqrt() && value.re <= NEUTRAL;

@@ -186,6 +186,34 @@ impl Program {
 }
 
 impl Instruction {
+    /// Returns the instruction with other cells. Products of sums are those of the program.
+    pub(crate) fn renamed(self, at: impl Fn(Cell) -> Cell) -> Self {
+        match self {
+            Instruction::Sum { out, start, products } => {
+                Instruction::Sum { out: at(out), start: start.map(at), products }
+            }
+            Instruction::Quotient { out, of, by } => {
+                Instruction::Quotient { out: at(out), of: at(of), by: at(by) }
+            }
+            Instruction::SquareRoot { out, of } => {
+                Instruction::SquareRoot { out: at(out), of: at(of) }
+            }
+            Instruction::Size { out, of } => Instruction::Size { out: at(out), of: at(of) },
+            Instruction::Choice { out, less: [a, b], then, other } => Instruction::Choice {
+                out: at(out),
+                less: [at(a), at(b)],
+                then: at(then),
+                other: at(other),
+            },
+            Instruction::SineCosine { sine, cosine, of } => {
+                Instruction::SineCosine { sine: at(sine), cosine: at(cosine), of: at(of) }
+            }
+            Instruction::Function { out, function, of } => {
+                Instruction::Function { out: at(out), function, of: at(of) }
+            }
+        }
+    }
+
     /// Returns the cells that the instruction writes.
     pub(crate) fn writes(&self) -> impl Iterator<Item = Cell> {
         let (one, other) = match *self {

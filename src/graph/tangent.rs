@@ -78,7 +78,12 @@ impl Changes {
                 let change = of + offset;
                 let minus = self.builder.difference(None, &[[one, change]]);
                 let (less, then) = ([zero, of], change);
-                self.builder.add(Instruction::Choice { out: out + offset, less, then, other: minus });
+                self.builder.add(Instruction::Choice {
+                    out: out + offset,
+                    less,
+                    then,
+                    other: minus,
+                });
             }
             Instruction::Choice { out, less, then, other } => {
                 let zero = self.builder.number(0.0);

@@ -8,7 +8,7 @@
 use std::any::{Any, TypeId};
 
 use super::driven::{Turning, Turns};
-use super::recorded::{add_contact_inputs, equations, record_contact, record_state};
+use super::recorded::{RecordedGap, add_contact_inputs, equations, record_contact, record_state};
 use super::{
     Balancer, BallContact, ContactMode, Dual, Expression, Friction, Gap, GapEquations, Machine,
     Number, Recorder, RestForms, Structure, System, SystemEquations, Touching, pushes,
@@ -80,69 +80,13 @@ impl<const N: usize> Turns for BallsInContact<N> {
             .iter()
             .map(|_| [(); 2].map(|()| [(); 2].map(|()| recorder.input("push"))))
             .collect();
-        let turned = state.beta.map(Number::sin_cos);
-        let terms = balancer.ball_terms(&state, &contacts, &turned);
-        let table = balancer.table_equations(&state, &terms);
-        let one: Expression<'r> = Number::constant(1.0);
-        let zero: Expression<'r> = Number::constant(0.0);
-
-        // The acceleration of a ball, times its mass: its terms by the forces in the gaps, by the table, and the others.
-        let by_gap = |ball: usize, gap: usize| {
-            let sides = self.gaps[gap].contacts.iter().zip(pushes[gap]);
-            let own = sides.filter(|(contact, _)| **contact == ball);
-            own.fold(zero, |sum, (_, [along, outward])| {
-                sum + terms[ball].mobile * (along - contacts[ball].signed_friction * outward)
-            })
-        };
-        let over_mass: [_; N] = std::array::from_fn(|ball| one / balancer.balls[ball].mass);
-        let number = self.gaps.len();
-        let mut matrix = Vec::with_capacity(number + 2);
-        let mut right = Vec::with_capacity(number + 2);
-        for (gap, own) in self.gaps.iter().enumerate() {
-            let [behind, ahead] = own.contacts;
-            let between = |of: &dyn Fn(usize) -> Expression<'r>| {
-                of(ahead) * over_mass[ahead] - of(behind) * over_mass[behind]
-            };
-            let force = |other: usize| {
-                let open = if other == gap { one - closed[gap] } else { zero };
-                closed[gap] * between(&|ball| by_gap(ball, other)) + open
-            };
-            let mut row: Vec<_> = (0..number).map(force).collect();
-            row.extend([0, 1].map(|axis| closed[gap] * between(&|ball| terms[ball].along[axis])));
-            matrix.push(row);
-            right.push(closed[gap] * between(&|ball| terms[ball].held));
-        }
-        let on_table = |of: fn(&super::equations::BallTerms<Expression<'r>>) -> Expression<'r>,
-                        gap: usize| {
-            let balls = 0..N;
-            balls.fold(zero, |sum, ball| sum + of(&terms[ball]) * by_gap(ball, gap))
-        };
-        let [m_xx, m_xy, m_yx, m_yy] = table.matrix;
-        let mut row: Vec<_> = (0..number).map(|gap| -on_table(|term| term.sine, gap)).collect();
-        row.extend([one - m_xx, -m_xy]);
-        matrix.push(row);
-        let mut row: Vec<_> = (0..number).map(|gap| on_table(|term| term.cosine, gap)).collect();
-        row.extend([m_yx, one + m_yy]);
-        matrix.push(row);
-        right.extend(table.force);
-        let solution = recorder.solve(&matrix, &right);
-        let (gap_forces, table) = solution.split_at(number);
-
-        let pushed = |ball: usize| {
-            let sides = self.gaps.iter().zip(&pushes).zip(gap_forces);
-            let mut sum = [zero; 2];
-            for ((gap, pushes), force) in sides {
-                for (contact, push) in gap.contacts.iter().zip(pushes) {
-                    if *contact == ball {
-                        sum = [0, 1].map(|way| sum[way] + push[way] * *force);
-                    }
-                }
-            }
-            Some(sum)
-        };
-        let forces = balancer.forces_of_table([table[0], table[1]], &contacts, &terms, pushed);
+        let own = self.gaps.iter().zip(closed).zip(pushes);
+        let gaps: Vec<_> = own
+            .map(|((gap, closed), pushes)| RecordedGap { contacts: gap.contacts, closed, pushes })
+            .collect();
+        let (forces, gap_forces) = balancer.record_forces(recorder, &state, &contacts, &gaps);
         let derivative = balancer.derivative(&state, &contacts, &forces);
-        let gaps = self.gaps.iter().zip(gap_forces).map(|(gap, force)| {
+        let gaps = self.gaps.iter().zip(&gap_forces).map(|(gap, force)| {
             let [behind, ahead] = gap.contacts;
             GapEquations {
                 opening_acceleration: forces.beta_ddot[ahead] - forces.beta_ddot[behind],

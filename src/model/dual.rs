@@ -90,6 +90,10 @@ impl Elementary for Dual {
         self.value
     }
 
+    fn is_zero(self) -> bool {
+        self.value == 0.0 && self.slope == 0.0
+    }
+
     fn sqrt(self) -> Dual {
         let root = libm::sqrt(self.value);
         self.chain(root, 0.5 / root)

@@ -51,8 +51,6 @@ pub(super) struct BallTerms<T> {
     pub(super) cosine: T,
     /// `w² - r`.
     pub(super) pressed: T,
-    /// Its mass over `1 + 4J`; 0 where it sticks.
-    pub(super) mobile: T,
     /// `m β̈ = along · a - held` where it slips.
     pub(super) along: [T; 2],
     pub(super) held: T,
@@ -120,7 +118,6 @@ impl<const N: usize, T: Number> Balancer<N, T> {
                 sine,
                 cosine,
                 pressed,
-                mobile,
                 along: [
                     mobile * (sine + signed_friction * cosine),
                     mobile * (signed_friction * sine - cosine),

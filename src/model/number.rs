@@ -26,6 +26,8 @@ pub trait Number:
 pub trait Elementary: Number {
     /// The number without its slope.
     fn value(self) -> f64;
+    /// Whether it is zero, with its slope.
+    fn is_zero(self) -> bool;
     /// Square root.
     fn sqrt(self) -> Self;
     /// Exponential.
@@ -37,6 +39,10 @@ pub trait Elementary: Number {
 impl Elementary for f64 {
     fn value(self) -> f64 {
         self
+    }
+
+    fn is_zero(self) -> bool {
+        self == 0.0
     }
 
     fn sqrt(self) -> Self {

@@ -126,7 +126,8 @@ impl<const N: usize> Balancer<N> {
                 rolling_quadratic,
             };
             turning.map_or(at_constant_speed, |turning| {
-                let [inertia, diameter] = ["inertia", "diameter"].map(|name| recorder.parameter(name));
+                let [inertia, diameter] =
+                    ["inertia", "diameter"].map(|name| recorder.parameter(name));
                 // `2 J d ω`, or 0 (Newton).
                 let half = Expression::constant(-0.5);
                 let rolling_linear = half * rolling_quadratic * diameter * turning.speed;
@@ -158,33 +159,46 @@ impl<const N: usize> Balancer<N> {
     }
 }
 
+/// A gap between two balls whose force is an unknown of the equations of motion.
+pub(super) struct RecordedGap<'r> {
+    /// The ball behind and the ball ahead.
+    pub(super) contacts: [usize; 2],
+    /// 1 if it is closed, else 0.
+    pub(super) closed: Expression<'r>,
+    /// Tangential and normal force on each ball, over its mass, by a unit of the force.
+    pub(super) pushes: [[Expression<'r>; 2]; 2],
+}
+
 impl<'r, const N: usize> Balancer<N, Expression<'r>> {
-    /// Records the accelerations of the table and of the balls as unknowns of one linear system, and the forces that follow
-    /// from them.
-    fn record_forces(
+    /// Records the accelerations of the balls and of the table and the forces in gaps as unknowns of one linear system. Returns
+    /// the forces that follow from them, and those in the gaps.
+    pub(super) fn record_forces(
         &self,
         recorder: &'r Recorder,
         state: &State<N, Expression<'r>>,
         contacts: &[Contact<Expression<'r>>; N],
-    ) -> Forces<N, Expression<'r>> {
+        gaps: &[RecordedGap<'r>],
+    ) -> (Forces<N, Expression<'r>>, Vec<Expression<'r>>) {
         let terms = self.ball_terms(state, contacts, &state.beta.map(Number::sin_cos));
         let one = Expression::constant(1.0);
         let zero = Expression::constant(0.0);
-        let mut matrix = vec![vec![zero; N + 2]; N + 2];
+        // Balls, gaps, table: the order in which elimination adds the fewest entries.
+        let table = [N, N + 1].map(|place| place + gaps.len());
+        let mut matrix = vec![vec![zero; table[1] + 1]; table[1] + 1];
+        let mut right = vec![zero; table[1] + 1];
         let mut balls = [zero; 2];
-        let mut held = Vec::with_capacity(N);
         // What a ball that slips feels of the table's acceleration along the ring, and what a ball that sticks does.
         let felt = |i: usize| {
             let friction = contacts[i].signed_friction;
             let (sine, cosine) = (terms[i].sine, terms[i].cosine);
             [sine + friction * cosine, cosine - friction * sine]
         };
-        (matrix[0][0], matrix[1][1]) = (one, one);
+        table.iter().for_each(|row| matrix[*row][*row] = one);
         for (i, term) in terms.iter().enumerate() {
             let (ball, contact) = (&self.balls[i], &contacts[i]);
             let (sine, cosine) = (term.sine, term.cosine);
-            matrix[0][2 + i] = -(ball.mass * sine);
-            matrix[1][2 + i] = ball.mass * cosine;
+            matrix[table[0]][i] = -(ball.mass * sine);
+            matrix[table[1]][i] = ball.mass * cosine;
             balls[0] = balls[0] + cosine * term.outward;
             balls[1] = balls[1] + sine * term.outward;
             if let Some(euler) = term.euler {
@@ -193,29 +207,48 @@ impl<'r, const N: usize> Balancer<N, Expression<'r>> {
             }
             let mobility = ball.mobility * contact.free;
             let [felt_x, felt_y] = felt(i);
-            matrix[2 + i][0] = -(mobility * felt_x);
-            matrix[2 + i][1] = mobility * felt_y;
-            matrix[2 + i][2 + i] = one;
+            matrix[i][table[0]] = -(mobility * felt_x);
+            matrix[i][table[1]] = mobility * felt_y;
+            matrix[i][i] = one;
             let own = contact.signed_friction * term.pressed + contact.drag;
-            held.push(-(mobility * self.euler_force(i).map_or(own, |euler| own + euler)));
+            right[i] = -(mobility * self.euler_force(i).map_or(own, |euler| own + euler));
         }
-        let mut right = self.force_on_table(state, balls).to_vec();
-        right.extend(held);
-        let accelerations = recorder.accelerations(&matrix, &right);
-        let table = [accelerations[0], accelerations[1]];
+        for (row, gap) in (N..).zip(gaps) {
+            matrix[row][row] = one - gap.closed;
+            for ((ball, [along, outward]), side) in
+                gap.contacts.into_iter().zip(gap.pushes).zip([-1.0, 1.0])
+            {
+                let mobility = self.balls[ball].mobility * contacts[ball].free;
+                matrix[ball][row] =
+                    -(mobility * (along - contacts[ball].signed_friction * outward));
+                matrix[row][ball] = Expression::constant(side) * gap.closed;
+            }
+        }
+        [right[table[0]], right[table[1]]] = self.force_on_table(state, balls);
+        let unknowns = recorder.accelerations(&matrix, &right);
+        let in_gaps = unknowns[N..table[0]].to_vec();
+        let table = table.map(|place| unknowns[place]);
+        // The tangential or the normal force of all gaps on a ball.
+        let pushed = |ball: usize, way: usize| {
+            let sides = gaps.iter().zip(&in_gaps).flat_map(|(gap, force)| {
+                let sides = gap.contacts.into_iter().zip(gap.pushes);
+                sides.map(move |(contact, push)| (contact, push[way] * *force))
+            });
+            sides.filter(|(contact, _)| *contact == ball).fold(zero, |sum, (_, force)| sum + force)
+        };
         let normal = std::array::from_fn(|i| {
             let felt = terms[i].cosine * table[0] + terms[i].sine * table[1];
-            terms[i].pressed - felt
+            terms[i].pressed - felt + pushed(i, 1)
         });
         let friction = std::array::from_fn(|i| {
             let [felt_x, felt_y] = felt(i);
             let along = felt_x * table[0] - felt_y * table[1];
-            let along = self.euler_force(i).map_or(along, |euler| along - euler);
+            let along = self.euler_force(i).map_or(along, |euler| along - euler) + pushed(i, 0);
             let Contact { free, signed_friction, drag } = contacts[i];
             free * (signed_friction * normal[i] + drag) + (one - free) * along
         });
-        let beta_ddot = std::array::from_fn(|i| accelerations[2 + i]);
-        Forces { table_acceleration: table, beta_ddot, normal, friction }
+        let beta_ddot = std::array::from_fn(|i| unknowns[i]);
+        (Forces { table_acceleration: table, beta_ddot, normal, friction }, in_gaps)
     }
 }
 
@@ -230,7 +263,7 @@ impl<const N: usize> Turns for Balancer<N> {
         let contacts = std::array::from_fn(|i| {
             record_contact(recorder, &self.balls[i].friction, state.beta_dot[i])
         });
-        let forces = balancer.record_forces(recorder, &state, &contacts);
+        let (forces, _) = balancer.record_forces(recorder, &state, &contacts, &[]);
         equations(&state, &balancer.derivative(&state, &contacts, &forces), &forces, true)
     }
 

@@ -239,6 +239,10 @@ pub(super) fn solved<T: Elementary>(mut matrix: Entries<T>, mut right: Unknowns<
         }
         let inverse = matrix[column * size + column].reciprocal();
         for row in column + 1..size {
+            // Most entries of the equations of several bodies are zero.
+            if matrix[row * size + column].is_zero() {
+                continue;
+            }
             let factor = matrix[row * size + column] * inverse;
             for j in column + 1..size {
                 matrix[row * size + j] =
@@ -249,6 +253,9 @@ pub(super) fn solved<T: Elementary>(mut matrix: Entries<T>, mut right: Unknowns<
     }
     for row in (0..size).rev() {
         for column in row + 1..size {
+            if matrix[row * size + column].is_zero() {
+                continue;
+            }
             right[row] = right[row] - matrix[row * size + column] * right[column];
         }
         right[row] = right[row] * matrix[row * size + row].reciprocal();

@@ -185,7 +185,7 @@ fn slow_creep_is_not_settled() {
         for one in unstable {
             let beta = [0, 1].map(|ball| one.beta_rad.as_ref().unwrap()[ball]);
             let outcome = run_finely(machine.clone(), &resting(&machine, beta), end);
-            assert_eq!(outcome.evidence, Evidence::EndTime, "{one:?}");
+            assert_eq!(outcome.evidence, Evidence::EndTime, "{smoothing_speed} {one:?}");
         }
     }
     for (friction, end) in [

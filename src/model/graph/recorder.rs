@@ -219,11 +219,12 @@ impl Recorder {
         self.unknowns(matrix, right, false)
     }
 
-    /// Returns the accelerations `x` of coordinates, which solve the equations of motion `A x = b`.
+    /// Returns the accelerations `x` of coordinates, which solve the equations of motion `A x = b`. Reactions, such as the forces
+    /// in gaps, may be further unknowns.
     ///
-    /// Row `i` is the equation of coordinate `i`. Its diagonal entry, the factor of the coordinate's own acceleration, must not
-    /// be small beside the other entries of the row. Accelerations whose diagonal entry is the number 1 are eliminated first,
-    /// without a comparison of pivots.
+    /// Row `i` is the equation of coordinate `i`. Unknowns whose diagonal entry is the number 1 are eliminated first, without a
+    /// comparison of pivots: that entry must not be small beside the other entries of the row. The other unknowns are
+    /// eliminated with row exchanges, as by [`Recorder::solve`]. Of several, the first one is eliminated first.
     ///
     /// # Panics
     /// Panics if the matrix is not square: a system with such equations is a programming error.

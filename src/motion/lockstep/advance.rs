@@ -49,9 +49,7 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
     }
     let mut happened = Happened { told: g.told, ..Happened::default() };
     g.kernel.expand(&mut g.room, &g.state, displaced);
-    let part = if displaced { K::OF_DISPLACEMENT } else { 1.0 };
-    let longest = g.longest * c!(part);
-    let within = g.kernel.within_tolerance(&g.room, g.tolerance, g.next).min(longest);
+    let within = g.kernel.within_tolerance(&g.room, g.tolerance, g.next).min(g.longest);
     let left = g.until - g.time;
     let mut length = within.min(left);
     let mut failed = [None; LANES];

@@ -19,8 +19,6 @@ pub(super) trait Kernel<S: Vector>: Sized {
     /// visible in the next step, but displacements are not subject to the tolerance, and the terms of their series are
     /// accurate up to this length.
     const LONGEST: f64;
-    /// The part of the longest step over which displacements can be propagated.
-    const OF_DISPLACEMENT: f64;
     /// The components of a state of each lane.
     type Flow: Clone;
     /// The series of a step, of the motion and of a displacement.

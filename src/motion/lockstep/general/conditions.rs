@@ -17,12 +17,12 @@ use super::operations::Operations;
 use super::room::Series;
 use crate::motion::Phase;
 use crate::motion::cluster::HeldCluster;
+use crate::motion::lockstep::ORDER;
 use crate::motion::lockstep::held::held_until;
 use crate::motion::lockstep::kernel::Ends;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::pressure::Pressure;
 use crate::motion::lockstep::root_isolation::Polynomial;
-use crate::motion::lockstep::ORDER;
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::saltation::Condition;
 

@@ -122,8 +122,7 @@ impl<'a, S: Vector> Deciding<'a, S> {
             }
         }
         let at_rest = self.at_rest(phases);
-        let is_same =
-            |batch: &Batch<S>| batch.at_rest == at_rest && batch.phases[0][..] == *phases;
+        let is_same = |batch: &Batch<S>| batch.at_rest == at_rest && batch.phases[0][..] == *phases;
         let place = match scratch.batches.iter().position(is_same) {
             Some(place) => place,
             None => self.add_batch(scratch, phases, at_rest),
@@ -141,8 +140,9 @@ impl<'a, S: Vector> Deciding<'a, S> {
     /// Returns which contacts are at rest, as a bit mask.
     fn at_rest(&self, phases: &[Phase]) -> u64 {
         let mut mask = 0;
-        for contact in 0..self.general.speeds.len().min(64) {
-            let is_at_rest = match phases[contact] {
+        let contacts = self.general.speeds.len().min(64);
+        for (contact, phase) in phases[..contacts].iter().enumerate() {
+            let is_at_rest = match phase {
                 Phase::Stick | Phase::Transition(_) => true,
                 Phase::Slip(_) => self.equations.speed(contact) == 0.0,
                 Phase::Free | Phase::Open | Phase::Closed => false,

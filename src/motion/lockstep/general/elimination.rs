@@ -35,8 +35,7 @@ fn first_unknowns(is_entry: &[bool], units: &[bool]) -> Vec<usize> {
             left.iter().filter(is_other).copied().collect::<Vec<_>>()
         };
         let fill = |of: &&usize| others(**of, true).len() * others(**of, false).len();
-        // Of several, the last: exchangeable bodies, which stand last, are then eliminated alike.
-        let Some(&pivot) = left.iter().rev().filter(|of| units[**of]).min_by_key(fill) else {
+        let Some(&pivot) = left.iter().filter(|of| units[**of]).min_by_key(fill) else {
             break;
         };
         let [rows, columns] = [false, true].map(|by_row| others(pivot, by_row));
@@ -64,7 +63,8 @@ impl Elimination {
         order.extend(rest);
         let in_order = order.iter().flat_map(|row| order.iter().map(move |column| (row, column)));
         let entries = in_order.map(|(row, column)| entries[row * size + column]).collect();
-        let mut all = Elimination { order, entries, inverses: Vec::new(), exchanges: Vec::new(), last: None };
+        let mut all =
+            Elimination { order, entries, inverses: Vec::new(), exchanges: Vec::new(), last: None };
         for column in 0..certain {
             all.inverses.push(None);
             all.eliminate(builder, column);
@@ -99,7 +99,8 @@ impl Elimination {
     /// N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed., SIAM 2002, section 1.10).
     fn invert_last(&mut self, builder: &mut Builder) {
         let size = self.order.len();
-        let at = |row: usize, column: usize| self.entries[(size - 2 + row) * size + size - 2 + column];
+        let at =
+            |row: usize, column: usize| self.entries[(size - 2 + row) * size + size - 2 + column];
         let [a, b, c, d] = [at(0, 0), at(0, 1), at(1, 0), at(1, 1)];
         let diagonal = a.zip(d).map(|(a, d)| Product::plus([a, d]));
         let other = b.zip(c).map(|(b, c)| Product::minus([b, c]));

@@ -104,6 +104,7 @@ struct Compiled {
     normals: Runner,
     exact_screen: Option<(Runner, Screen)>,
     displacement: Runner,
+    tail: Runner,
     instant: Runner,
     decision: Runner,
     ahead: Runner,
@@ -147,6 +148,7 @@ impl Compiled {
             exact_screen: programs.exact_screen.map(screen),
             normals: Runner::new(programs.normals),
             displacement: Runner::new(programs.displacement),
+            tail: Runner::new(programs.tail),
             instant: Runner::new(programs.instant),
             decision: Runner::new(programs.decision),
             ahead: Runner::new(programs.ahead),
@@ -209,9 +211,8 @@ impl<S: Vector> General<S> {
 }
 
 impl<S: Vector> Kernel<S> for General<S> {
-    /// 5 over the highest frequency; the terms of a displacement that are left out are below 1e-5 of it.
+    /// 5 over the highest frequency.
     const LONGEST: f64 = 5.0 / std::f64::consts::FRAC_PI_2;
-    const OF_DISPLACEMENT: f64 = 0.7;
     type Flow = Flow<S>;
     type Room = Room<S>;
 
@@ -238,8 +239,8 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     fn room(&self, simd: S) -> Room<S> {
-        let Compiled { operations, motion, displacement, .. } = &*self.program;
-        let programs = [motion, displacement].map(Runner::program);
+        let Compiled { operations, motion, displacement, tail, .. } = &*self.program;
+        let programs = [motion, displacement, tail].map(Runner::program);
         Room::new(simd, operations, programs)
     }
 
@@ -462,7 +463,9 @@ impl<S: Vector> Kernel<S> for General<S> {
     #[inline(always)]
     fn carry(&self, room: &mut Room<S>, displacement: &Flow<S>, length: Lanes<S>) -> Flow<S> {
         room.start(&displacement.components, true);
+        room.memory[self.program.operations.length() as usize] = length;
         self.program.displacement.run(self.simd, &mut room.memory);
+        self.program.tail.run(self.simd, &mut room.memory);
         let mut moved = displacement.clone();
         self.flow_at(room.changes(), length, &mut moved);
         moved

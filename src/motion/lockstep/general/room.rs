@@ -29,9 +29,9 @@ pub(in crate::motion::lockstep) struct Room<S: Vector> {
 
 impl<S: Vector> Room<S> {
     /// Returns the memory of the programs of a step.
-    pub(super) fn new(simd: S, operations: &Operations, programs: [&Program; 2]) -> Self {
-        let [motion, displacement] = programs;
-        let mut memory = vec![Lanes::splat(simd, 0.0); displacement.cells];
+    pub(super) fn new(simd: S, operations: &Operations, programs: [&Program; 3]) -> Self {
+        let [motion, _, tail] = programs;
+        let mut memory = vec![Lanes::splat(simd, 0.0); tail.cells];
         for (cell, number) in programs.into_iter().flat_map(|program| program.numbers.iter()) {
             memory[*cell as usize] = Lanes::splat(simd, *number);
         }

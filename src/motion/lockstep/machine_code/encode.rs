@@ -169,9 +169,10 @@ impl Encoder {
     /// Clears the sign of each number.
     pub(super) fn size(&mut self, to: usize, of: usize) -> Encoded {
         let [shifts_left, shifts_right] = match self.width {
-            Width::Eight => {
-                [Code::EVEX_Vpsllq_zmm_k1z_zmmm512b64_imm8, Code::EVEX_Vpsrlq_zmm_k1z_zmmm512b64_imm8]
-            }
+            Width::Eight => [
+                Code::EVEX_Vpsllq_zmm_k1z_zmmm512b64_imm8,
+                Code::EVEX_Vpsrlq_zmm_k1z_zmmm512b64_imm8,
+            ],
             Width::Four => [Code::VEX_Vpsllq_ymm_ymm_imm8, Code::VEX_Vpsrlq_ymm_ymm_imm8],
         };
         for (code, from) in [(shifts_left, of), (shifts_right, to)] {

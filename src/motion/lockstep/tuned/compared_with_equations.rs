@@ -202,7 +202,7 @@ fn against_equations<const N: usize>(simd: impl Vector) {
     let length = Lanes::splat(simd, LENGTH);
     let Group { kernel, room, state, displacement, .. } = &mut group;
     kernel.expand(room, state, false);
-    let mut end: Flow<_, N> = state.clone();
+    let mut end: Flow<_, N> = *state;
     kernel.at(room, state, length, &mut end);
     let Room { series, displaced, .. } = &mut **room;
     let moved = carry(series, (&kernel.equations, None), displacement, length, displaced);

@@ -107,7 +107,6 @@ impl<S: Vector, const N: usize> Tuned<S, N> {
 impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     /// 5 over the highest frequency of the table in the turning frame, `1 + |ω|`. Hardly any step is as long.
     const LONGEST: f64 = 5.0 / std::f64::consts::FRAC_PI_2;
-    const OF_DISPLACEMENT: f64 = 1.0;
     type Flow = Flow<S, N>;
     type Room = Room<S, N>;
 
@@ -285,13 +284,7 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     }
 
     #[inline(always)]
-    fn at(
-        &self,
-        room: &Room<S, N>,
-        start: &Flow<S, N>,
-        time: Lanes<S>,
-        into: &mut Flow<S, N>,
-    ) {
+    fn at(&self, room: &Room<S, N>, start: &Flow<S, N>, time: Lanes<S>, into: &mut Flow<S, N>) {
         *into = room.series.at(&self.equations, start, time);
         if self.drive.is_some() {
             into.elapsed += time;

@@ -52,7 +52,8 @@ impl Expansion<'_> {
                 self.running.push(Running { of: of.clone(), sums });
                 // Sums with a factor in common stand together.
                 let factors = |one: &Running| one.of.factors[0];
-                let key = |one: &Running| (one.of.terms == Terms::Half, factors(one).1, factors(one).0);
+                let key =
+                    |one: &Running| (one.of.terms == Terms::Half, factors(one).1, factors(one).0);
                 self.running.sort_by_key(key);
                 self.running.iter().position(|running| running.of == of).unwrap_or(0)
             }

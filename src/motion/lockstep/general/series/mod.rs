@@ -7,6 +7,7 @@
 mod convolution;
 mod rules;
 mod screen;
+mod tail;
 mod unknowns;
 
 use std::collections::HashMap;
@@ -15,10 +16,10 @@ use super::elimination::Elimination;
 use super::operations::{Operation, Operations, Slot};
 use super::radius::Radii;
 use super::statics::StaticId;
-use convolution::Running;
-pub(super) use screen::Screen;
 use crate::graph::{Builder, Cell, Program, tangent};
 use crate::motion::lockstep::ORDER;
+use convolution::Running;
+pub(super) use screen::Screen;
 
 /// Coefficients of a series.
 pub(super) const TERMS: usize = ORDER + 2;
@@ -42,6 +43,8 @@ pub(super) struct Programs {
     pub(super) exact_screen: Option<(Program, Screen)>,
     /// Expands a displacement of the state; it runs after `displaced_motion`.
     pub(super) displacement: Program,
+    /// Adds the highest powers of the displacement; it runs after `displacement`.
+    pub(super) tail: Program,
     /// Computes what does not depend on the modes at one instant; it runs after `fixed`.
     pub(super) instant: Program,
     /// Computes rates and forces at one instant; it runs after `instant`.
@@ -94,10 +97,11 @@ impl Operations {
             let slots = self.contacts.iter().flatten();
             slots.map(|slot| self.coefficient(*slot, k)).collect::<Vec<_>>()
         };
-        let (screened, exactly) = (screen.cells(), exact.as_ref().map_or(Vec::new(), Screen::cells));
+        let (screened, exactly) =
+            (screen.cells(), exact.as_ref().map_or(Vec::new(), Screen::cells));
         let kept = in_motion.iter().chain(&normals).chain(&screened).chain(&exactly).copied();
         let all = builder.finish(kept.chain(forces(1)));
-        let states: Vec<Cell> = components.map(|slot| self.coefficient(slot, 0)).collect();
+        let states: Vec<Cell> = components.clone().map(|slot| self.coefficient(slot, 0)).collect();
         let of_modes = self.inputs[0].iter().chain(&self.discrete).map(|(id, _)| *id);
         let of_modes: Vec<Cell> = of_modes.map(|id| self.constant(id)).collect();
         let conditions = self.length()..self.cells() as Cell;
@@ -112,10 +116,17 @@ impl Operations {
             None => ((by_series, screen), None),
             Some(exact) => ((by_bounds, screen), Some((by_series, exact))),
         };
-        let displacement = tangent(&motion, states, moved.into_iter().flat_map(series));
+        // The highest coefficients of the components come with the powers above them.
+        let highest = components.clone().map(|slot| self.coefficient(slot, TERMS - 1));
+        let highest: Vec<Cell> = highest.collect();
+        let series = moved.into_iter().flat_map(series).filter(|cell| !highest.contains(cell));
+        let displacement = tangent(&motion, states, series);
         let mut displaced_motion = motion.clone();
+        let [of_rates] = expansion.parts([&rates.clone().collect::<Vec<_>>()]);
+        let tail = tail::tail(self, &of_rates, &displacement);
         for program in [&mut fixed, &mut modes, &mut displaced_motion] {
             program.keep_for(&displacement);
+            program.keep_for(&tail);
         }
         let at_instant = [forces(0), rates.collect()].concat();
         let [at_instant, ahead] = varying.parts([&at_instant, &forces(1)]);
@@ -129,6 +140,7 @@ impl Operations {
             screen,
             exact_screen,
             displacement,
+            tail,
             instant,
             decision,
             ahead,
@@ -219,16 +231,17 @@ impl Expansion<'_> {
         for (component, &rate) in (0..).zip(&self.of.rates) {
             // One product by a static number, which is computed once, instead of two.
             let single = self.of.all.iter().find_map(|operation| match operation {
-                Operation::Linear { out, constant: None, terms } if *out == rate => match terms[..] {
+                Operation::Linear { out, constant: None, terms } if *out == rate => match terms[..]
+                {
                     [(slot, factor)] => Some((slot, factor)),
                     _ => None,
                 },
                 _ => None,
             });
             let product = match single {
-                Some((slot, factor)) => self.term(slot, k).map(|term| {
-                    [self.builder.product(self.of.constant(factor), part), term]
-                }),
+                Some((slot, factor)) => self
+                    .term(slot, k)
+                    .map(|term| [self.builder.product(self.of.constant(factor), part), term]),
                 None => self.term(rate, k).map(|rate| [rate, part]),
             };
             self.set(component, k + 1, None, product.as_slice());

@@ -83,10 +83,10 @@ impl Expansion<'_> {
             for subtracts in [false, true] {
                 let part = |builder: &mut crate::graph::Builder, start, normal, friction| {
                     let out = builder.cell();
-                    let products = [Product::plus([limit, normal]), Product {
-                        factors: [one, friction],
-                        subtracts,
-                    }];
+                    let products = [
+                        Product::plus([limit, normal]),
+                        Product { factors: [one, friction], subtracts },
+                    ];
                     builder.combine(out, start, products);
                     out
                 };
@@ -145,8 +145,7 @@ impl Expansion<'_> {
     /// Returns the bounds of a series with coefficients up to the power `highest`.
     fn curve(&mut self, slot: Slot, highest: usize, powers: &Powers) -> Curve {
         let zero = self.builder.number(0.0);
-        let terms: Vec<_> =
-            (1..=highest).filter_map(|k| Some((k, self.term(slot, k)?))).collect();
+        let terms: Vec<_> = (1..=highest).filter_map(|k| Some((k, self.term(slot, k)?))).collect();
         let start = self.term(slot, 0).unwrap_or(zero);
         let sizes: Vec<[Cell; 2]> = terms
             .iter()
@@ -210,9 +209,8 @@ impl Expansion<'_> {
                 Rule::Series => {
                     let terms: Vec<_> =
                         (1..TERMS).filter_map(|k| Some((k, self.term(*slot, k)?))).collect();
-                    let product = |(k, term): &(usize, Cell)| {
-                        [self.builder.size(*term), powers.plain[*k]]
-                    };
+                    let product =
+                        |(k, term): &(usize, Cell)| [self.builder.size(*term), powers.plain[*k]];
                     let products: Vec<_> = terms.iter().rev().map(product).collect();
                     self.builder.sum(Some(zero), &products)
                 }

@@ -64,7 +64,8 @@ impl Expansion<'_> {
         for (row, &right) in right.iter().enumerate() {
             let mut products = Vec::new();
             for in_row in &in_rows[row] {
-                products.extend(known[&in_row.sum].map(|sum| [self.of.constant(in_row.factor), sum]));
+                products
+                    .extend(known[&in_row.sum].map(|sum| [self.of.constant(in_row.factor), sum]));
             }
             let residuals = self.own[place].residuals[row * size..][..size].to_vec();
             for (entry, residual) in matrix[row * size..].iter().zip(residuals) {
