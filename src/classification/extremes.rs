@@ -24,9 +24,8 @@ pub(super) struct Passed {
 impl Passed {
     /// Evaluates a step.
     pub(super) fn of(step: &LaneStep) -> Self {
-        let rates = |state: &[f64]| step.view.evaluator.rates(step.during(), state);
         let turn = |(index, contact): (usize, &ContactPlace)| {
-            let time = step.passes_through_zero(|state| rates(state)[contact.position])?;
+            let time = step.turns_back(contact.position)?;
             Some((time, index, step.unwrapped_at(time)[index]))
         };
         let turns = step.view.contacts.iter().enumerate().filter_map(turn).collect();

@@ -17,7 +17,7 @@ const FRICTION: f64 = 0.5;
 /// position, speed.
 fn shaken_block(recorder: &Recorder) -> SystemEquations<'_> {
     let [phase, _, speed] = [(); 3].map(|()| recorder.state());
-    let [force, frequency] = ["force", "frequency"].map(|name| recorder.input(name));
+    let [force, frequency] = ["force", "frequency"].map(|name| recorder.parameter(name));
     let (sine, _) = phase.sin_cos();
     let pull = force * sine;
     let [slips, direction] = ["slips", "direction"].map(|name| recorder.input(name));

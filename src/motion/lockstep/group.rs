@@ -246,7 +246,14 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
     }
 
     fn state_within(&self, lane: usize, after: f64) -> Components {
+        if after == 0.0 {
+            return self.kernel.lane(&self.before, lane);
+        }
         self.state_at(lane, after)
+    }
+
+    fn rate_within(&self, lane: usize, component: usize, after: f64) -> f64 {
+        self.rate_at(lane, component, after)
     }
 
     fn unwrapped_within(&self, lane: usize, after: f64) -> PerContact {

@@ -65,6 +65,15 @@ fn value(powers: &Powers, time: f64) -> f64 {
 }
 
 impl<S: Vector, K: Kernel<S>> Group<S, K> {
+    /// Returns the rate of change of a component at a time after the start of the latest step.
+    pub(super) fn rate_at(&self, lane: usize, component: usize, after: f64) -> f64 {
+        let powers = self.kernel.component(&self.room, lane, component, 0.0);
+        self.simd.vectorize(
+            #[inline(always)]
+            || value_and_rate(&powers, after).1,
+        )
+    }
+
     /// Returns a component at a time after the start of the latest step; `start` is the state there.
     pub(super) fn component_at(
         &self,

@@ -203,9 +203,17 @@ impl<S: Vector> General<S> {
             let count = SIDE_BY_SIDE.min(components - first);
             into.components[first..first + count].copy_from_slice(&sums[..count]);
         }
-        for contact in 0..into.speeds.len() {
-            let [speed, ..] = self.program.operations.contacts[contact];
-            into.speeds[contact] = self.sum(series, speed, time);
+        for first in (0..into.speeds.len()).step_by(SIDE_BY_SIDE) {
+            let contacts = &self.program.operations.contacts[first..into.speeds.len()];
+            let mut sums = [Lanes::splat(self.simd, 0.0); SIDE_BY_SIDE];
+            for k in (0..TERMS).rev() {
+                let terms = series.order(k);
+                for (sum, contact) in sums.iter_mut().zip(contacts) {
+                    *sum = sum.fused(time, terms[contact[0] as usize]);
+                }
+            }
+            let count = SIDE_BY_SIDE.min(contacts.len());
+            into.speeds[first..first + count].copy_from_slice(&sums[..count]);
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::graph::Program;
 pub(super) use interpreter::run as interpret;
 
 /// A program runs so often in the interpreter before its machine code is made, which takes about as long.
-const FIRST_RUNS: u32 = 300;
+const FIRST_RUNS: u32 = 100;
 
 /// A program with its machine code.
 #[derive(Debug)]
