@@ -32,7 +32,8 @@ pub(super) fn tail(operations: &Operations, rates: &Program, displacement: &Prog
         let latest = &powers[powers.len() - 1];
         let mut known: HashMap<Cell, Cell> = HashMap::new();
         for (state, power) in states.iter().zip(latest) {
-            known.extend(power.map(|power| (state + offset, power)));
+            let zero = builder.number(0.0);
+            known.insert(state + offset, power.unwrap_or(zero));
         }
         let changes = append(&mut builder, &linear, &mut known);
         let part = builder.number(1.0 / n as f64);
