@@ -3,6 +3,7 @@
 //! Modes of contacts and parameters are inputs of the expressions, so that lanes with other parameters in other modes
 //! share the operations.
 
+mod compiled;
 mod compiler;
 mod conditions;
 mod deciding;
@@ -16,7 +17,7 @@ mod statics;
 mod turning;
 
 use std::cell::RefCell;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use fearless_simd::{mask64x8, prelude::*};
 use smallvec::{SmallVec, smallvec};
@@ -25,8 +26,7 @@ use super::kernel::{Ends, Kernel, POWERS, Powers};
 use super::lane::Lane;
 use super::step_length::{longest_step, reciprocal};
 use super::{LANES, Lanes, ORDER};
-use crate::graph::{Cell, Instruction};
-use crate::model::{Components, Graph, PerStructure, System};
+use crate::model::{Components, Graph, System};
 use crate::motion::all_stick;
 use crate::motion::cluster::{HeldCluster, held_clusters};
 use crate::motion::evaluator::Evaluator;
@@ -36,16 +36,14 @@ use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::{Evaluated, InState};
 use crate::motion::saltation::Condition;
 use crate::motion::touching::InTouch;
+use compiled::{Compiled, compiled};
 use deciding::{Deciding, Scratch};
-use operations::{OfContact, OfGap, Operations, Slot};
+use operations::{OfContact, OfGap, Slot};
 use room::{Room, Series};
-use series::{Screen, TERMS};
+use series::TERMS;
 
 /// Bound on every component of the rate of change if everything is slow.
 const STILL: f64 = 1e-6;
-
-/// The largest number of systems without a structure whose equations are kept ready.
-const MOST_KNOWN: usize = 16;
 
 /// The number of sums that are computed together.
 const SIDE_BY_SIDE: usize = 4;
@@ -87,72 +85,6 @@ impl<S: Vector> Clone for Flow<S> {
     fn clone_from(&mut self, source: &Self) {
         self.components.copy_from_slice(&source.components);
         self.speeds.copy_from_slice(&source.speeds);
-    }
-}
-
-/// The equations of a system, ready to run.
-#[derive(Debug)]
-struct Compiled {
-    operations: Operations,
-    /// The cells of parameters, and of what depends on parameters alone.
-    parameters: Vec<Cell>,
-    fixed: Runner,
-    modes: Runner,
-    motion: Runner,
-    displaced_motion: Runner,
-    screen: (Runner, Screen),
-    normals: Runner,
-    exact_screen: Option<(Runner, Screen)>,
-    displacement: Runner,
-    tail: Runner,
-    instant: Runner,
-    decision: Runner,
-    ahead: Runner,
-}
-
-/// Returns recorded equations, ready to run. Equal systems share them.
-fn compiled(system: &dyn System, graph: &Arc<Graph>) -> Arc<Compiled> {
-    static COMPILED: PerStructure<Compiled> = PerStructure::new();
-    if system.structure().is_some() {
-        return COMPILED.get(system.structure(), || Compiled::new(graph));
-    }
-    // The latest equations of systems without a structure.
-    static LATEST: Mutex<Vec<(Arc<Graph>, Arc<Compiled>)>> = Mutex::new(Vec::new());
-    // A panic while the equations are locked leaves them complete.
-    let mut latest = LATEST.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((_, known)) = latest.iter().find(|(known, _)| known == graph) {
-        return Arc::clone(known);
-    }
-    let compiled = Arc::new(Compiled::new(graph));
-    latest.truncate(MOST_KNOWN - 1);
-    latest.insert(0, (Arc::clone(graph), Arc::clone(&compiled)));
-    compiled
-}
-
-impl Compiled {
-    fn new(graph: &Graph) -> Self {
-        let (operations, programs) = Operations::new(graph);
-        let parameters = operations.inputs[1].iter().map(|(cell, _)| *cell);
-        let computed = programs.fixed.instructions.iter().flat_map(Instruction::writes);
-        let read = computed.filter(|cell| programs.fixed.kept[*cell as usize]);
-        let parameters: Vec<Cell> = parameters.chain(read).collect();
-        let screen = |(program, screen)| (Runner::new(program), screen);
-        Compiled {
-            parameters,
-            operations,
-            fixed: Runner::new(programs.fixed),
-            modes: Runner::new(programs.modes),
-            motion: Runner::new(programs.motion),
-            displaced_motion: Runner::new(programs.displaced_motion),
-            screen: screen(programs.screen),
-            exact_screen: programs.exact_screen.map(screen),
-            normals: Runner::new(programs.normals),
-            displacement: Runner::new(programs.displacement),
-            tail: Runner::new(programs.tail),
-            instant: Runner::new(programs.instant),
-            decision: Runner::new(programs.decision),
-            ahead: Runner::new(programs.ahead),
-        }
     }
 }
 

@@ -1,0 +1,78 @@
+//! The programs of a recorded system, which equal systems share.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::operations::Operations;
+use super::series::Screen;
+use crate::graph::{Cell, Instruction};
+use crate::model::{Graph, PerStructure, System};
+use crate::motion::lockstep::run::Runner;
+
+/// The largest number of systems without a structure whose equations are kept ready.
+const MOST_KNOWN: usize = 16;
+
+/// The equations of a system, ready to run ([`super::series::Programs`]).
+#[derive(Debug)]
+pub(super) struct Compiled {
+    pub(super) operations: Operations,
+    /// The cells of parameters, and of what depends on parameters alone.
+    pub(super) parameters: Vec<Cell>,
+    pub(super) fixed: Runner,
+    pub(super) modes: Runner,
+    pub(super) motion: Runner,
+    pub(super) displaced_motion: Runner,
+    pub(super) screen: (Runner, Screen),
+    pub(super) normals: Runner,
+    pub(super) exact_screen: Option<(Runner, Screen)>,
+    pub(super) displacement: Runner,
+    pub(super) tail: Runner,
+    pub(super) instant: Runner,
+    pub(super) decision: Runner,
+    pub(super) ahead: Runner,
+}
+
+/// Returns recorded equations, ready to run. Equal systems share them.
+pub(super) fn compiled(system: &dyn System, graph: &Arc<Graph>) -> Arc<Compiled> {
+    static COMPILED: PerStructure<Compiled> = PerStructure::new();
+    if system.structure().is_some() {
+        return COMPILED.get(system.structure(), || Compiled::new(graph));
+    }
+    // The latest equations of systems without a structure.
+    static LATEST: Mutex<Vec<(Arc<Graph>, Arc<Compiled>)>> = Mutex::new(Vec::new());
+    // A panic while the equations are locked leaves them complete.
+    let mut latest = LATEST.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, known)) = latest.iter().find(|(known, _)| known == graph) {
+        return Arc::clone(known);
+    }
+    let compiled = Arc::new(Compiled::new(graph));
+    latest.truncate(MOST_KNOWN - 1);
+    latest.insert(0, (Arc::clone(graph), Arc::clone(&compiled)));
+    compiled
+}
+
+impl Compiled {
+    fn new(graph: &Graph) -> Self {
+        let (operations, programs) = Operations::new(graph);
+        let parameters = operations.inputs[1].iter().map(|(cell, _)| *cell);
+        let computed = programs.fixed.instructions.iter().flat_map(Instruction::writes);
+        let read = computed.filter(|cell| programs.fixed.kept[*cell as usize]);
+        let parameters: Vec<Cell> = parameters.chain(read).collect();
+        let screen = |(program, screen)| (Runner::new(program), screen);
+        Compiled {
+            parameters,
+            operations,
+            fixed: Runner::new(programs.fixed),
+            modes: Runner::new(programs.modes),
+            motion: Runner::new(programs.motion),
+            displaced_motion: Runner::new(programs.displaced_motion),
+            screen: screen(programs.screen),
+            exact_screen: programs.exact_screen.map(screen),
+            normals: Runner::new(programs.normals),
+            displacement: Runner::new(programs.displacement),
+            tail: Runner::new(programs.tail),
+            instant: Runner::new(programs.instant),
+            decision: Runner::new(programs.decision),
+            ahead: Runner::new(programs.ahead),
+        }
+    }
+}
