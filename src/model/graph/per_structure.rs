@@ -8,8 +8,11 @@ use crate::model::Structure;
 /// The most structures whose values are kept. There are more orders of eight balls along a ring than fit into memory.
 const MOST: usize = 32;
 
-/// The latest values of systems, by their structure, with the number of values before them.
-pub struct PerStructure<T>(LazyLock<RwLock<HashMap<Structure, (u64, Arc<T>)>>>);
+/// The latest values of systems, by their structure.
+pub struct PerStructure<T>(LazyLock<RwLock<Latest<T>>>);
+
+/// Values with their numbers, in the order in which they were computed.
+type Latest<T> = HashMap<Structure, (u64, Arc<T>)>;
 
 impl<T> PerStructure<T> {
     /// Returns a collection without values.
