@@ -166,7 +166,7 @@ impl Recorder {
     }
 
     /// Returns a new input that has the same value for all modes of contacts and gaps. What depends on such inputs alone is
-    /// computed once for each run.
+    /// computed once for each run. A run panics if the value differs between modes: such a system is a programming error.
     pub fn parameter(&self, name: impl Into<String>) -> Expression<'_> {
         let mut recording = self.0.borrow_mut();
         let index = recording.inputs.len() as u32;

@@ -62,6 +62,9 @@ impl<S: Vector> Scratch<S> {
     }
 
     /// Returns the inputs that depend on phases.
+    ///
+    /// # Panics
+    /// Panics if a parameter depends on phases: a system with such a parameter is a programming error.
     pub(super) fn inputs(
         &mut self,
         operations: &Operations,
@@ -72,6 +75,11 @@ impl<S: Vector> Scratch<S> {
         let place = known.iter().position(|(of, _)| of[..] == *phases).unwrap_or_else(|| {
             let modes: SmallVec<[_; 8]> = phases.iter().map(|phase| phase.mode()).collect();
             let all = system.inputs(&modes);
+            for (cell, input) in &operations.inputs[1] {
+                let [known, now] = [self.memory[*cell as usize][0], all[*input as usize]];
+                let is_same = known.to_bits() == now.to_bits();
+                assert!(is_same, "parameter {input} depends on modes: {known} and {now}");
+            }
             let of_modes = operations.inputs[0].iter().map(|(_, input)| all[*input as usize]);
             if known.len() == MOST_KNOWN {
                 known.clear();
