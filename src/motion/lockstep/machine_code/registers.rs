@@ -16,7 +16,7 @@ struct Registers<'e> {
     /// The value in each register.
     holds: Vec<Option<Id>>,
     values: Vec<Held>,
-    /// Cells in which values wait that are not stored: those of all such values, of which few are needed at a time.
+    /// The cells of values that no later code reads. A value that leaves its register waits in the lowest free one.
     free: BTreeSet<Cell>,
 }
 

@@ -10,8 +10,8 @@ use crate::graph::{Builder, Cell, Instruction, Product, Program, tangent};
 use crate::motion::lockstep::general::operations::{Operations, Slot};
 use crate::motion::lockstep::general::series::TERMS;
 
-/// Number of additional powers, the first of which is that of the highest coefficient of a position: the first power that is left
-/// out is `5^23 / 23!`, 5e-7, in the longest step.
+/// Number of additional powers, from the 17th to the 22nd. The 23rd power is left out: in the longest step, it is
+/// `5^23 / 23!`, 5e-7 of the displacement.
 const BEYOND: usize = 6;
 
 /// Returns the program that adds the higher powers to the highest coefficients of a displacement, for steps of a length that
