@@ -85,11 +85,11 @@ impl SimdLevel {
             Instructions::Neon(_) => None,
             Instructions::Baseline(_) => Baseline::WIDTH,
         };
-        let runs = match width {
-            Some(_) if machine_code::is_allowed() => "machine code",
-            _ => "interpreter",
-        };
-        format!("{} {runs}", self.name())
+        match width.filter(|_| machine_code::is_allowed()) {
+            None => format!("{} interpreter", self.name()),
+            Some(width) if width.widest() == width => format!("{} machine code", self.name()),
+            Some(_) => format!("{}, avx512 machine code", self.name()),
+        }
     }
 
     /// Returns empty lanes for a system.

@@ -7,8 +7,11 @@ use fearless_simd::prelude::*;
 use super::operations::{Operations, Slot};
 use super::series::Screen;
 use crate::graph::{Cell, Program};
-use crate::motion::lockstep::Lanes;
+use crate::motion::lockstep::{LANES, Lanes};
 use crate::motion::lockstep::vector::Vector;
+
+/// Bit mask of all lanes.
+const ALL_LANES: u64 = (1 << LANES) - 1;
 
 /// Work space of a step, with the results of the latest step.
 pub(in crate::motion::lockstep) struct Room<S: Vector> {
@@ -102,7 +105,7 @@ impl<S: Vector> Room<S> {
 
 #[inline(always)]
 fn below_zero<S: Vector>(number: Lanes<S>) -> u64 {
-    !number.simd_ge(Lanes::splat(number.simd, 0.0)).to_bitmask()
+    !number.simd_ge(Lanes::splat(number.simd, 0.0)).to_bitmask() & ALL_LANES
 }
 
 /// Power series in time in all lanes. The coefficients of one order stand side by side.

@@ -27,6 +27,31 @@ pub(super) enum Width {
     Four,
 }
 
+impl Width {
+    /// Returns whether the processor has the instructions.
+    fn is_here(self) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        return match self {
+            Width::Eight => is_x86_feature_detected!("avx512f"),
+            Width::Four => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+        };
+        #[cfg(not(target_arch = "x86_64"))]
+        false
+    }
+
+    /// Returns the width of code that runs beside vector instructions with code of this width. Processors before Ice Lake
+    /// have AVX-512 without all of its parts: code needs the first part alone. The environment variable
+    /// `STICKSLIP_INSTRUCTIONS=avx2` prevents it.
+    pub(super) fn widest(self) -> Width {
+        static HAS_EIGHT: OnceLock<bool> = OnceLock::new();
+        let has_eight = HAS_EIGHT.get_or_init(|| {
+            let asked = std::env::var_os("STICKSLIP_INSTRUCTIONS");
+            Width::Eight.is_here() && asked.is_none_or(|value| value != "avx2")
+        });
+        if *has_eight { Width::Eight } else { self }
+    }
+}
+
 /// The largest program with machine code, in bytes of code.
 const MOST_BYTES: usize = 1 << 24;
 
@@ -60,10 +85,10 @@ pub(super) struct Code {
 }
 
 impl Code {
-    /// Returns the machine code of a program; `None` where the system refuses executable memory, and for a program that is
-    /// too large.
+    /// Returns the machine code of a program; `None` where the processor lacks its instructions or the system refuses
+    /// executable memory, and for a program that is too large.
     pub(super) fn new(program: &Program, width: Width) -> Option<Self> {
-        if !is_allowed() {
+        if !is_allowed() || !width.is_here() {
             return None;
         }
         let mut encoder = Encoder::new(width);
@@ -81,10 +106,9 @@ impl Code {
     /// Runs the program on its cells.
     ///
     /// # Panics
-    /// Panics if there are fewer cells than the program has, or if the code is for other instructions than those of `S`.
+    /// Panics if there are fewer cells than the program has.
     pub(super) fn run<S: Vector>(&self, simd: S, memory: &mut [Lanes<S>]) {
         assert!(memory.len() >= self.cells, "a program needs all of its cells");
-        assert!(S::WIDTH == Some(self.width), "the code is for other instructions");
         for part in &self.parts {
             match *part {
                 Part::Code(place) => self.call(place, memory),
@@ -115,8 +139,8 @@ impl Code {
         const { assert!(size_of::<Lanes<S>>() == 8 * LANES) };
         // Unsafe because the compiler cannot see that bytes are a function.
         // SAFETY: `place` is the start of a function in `code`, between `Encoder::begin` and `Encoder::end`. The function has
-        // this calling convention, changes no registers but those that a function may change, and has no branch before its return. The processor has its
-        // instructions: `run` has compared `width` with that of `S`, and a value of `S` exists only on such processors.
+        // this calling convention, changes no registers but those that a function may change, and has no branch before its
+        // return. The processor has its instructions: `new` makes no other code.
         let function: unsafe extern "sysv64" fn(*mut f64) =
             unsafe { std::mem::transmute(self.code.as_ptr().add(place)) };
         let cells = memory.as_mut_ptr().cast::<f64>();

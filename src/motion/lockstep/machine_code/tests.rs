@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::Code;
+use super::{Code, Width};
 use crate::graph::{Builder, Cell, Function, Instruction, Product, Program, tangent};
 use crate::model::{Dual, Elementary, Number};
 use crate::motion::lockstep::run::interpret;
@@ -63,37 +63,35 @@ fn random_programs() {
     with_each_level!(simd => agree_with_the_interpreter(simd));
 }
 
-fn width_of<S: Vector>(_: &S) -> Option<super::Width> {
-    S::WIDTH
-}
-
 fn agree_with_the_interpreter(simd: impl Vector) {
-    let Some(width) = width_of(&simd) else { return };
+    let widths = [Width::Eight, Width::Four].into_iter().filter(|width| width.is_here());
+    let widths: Vec<_> = widths.collect();
     let mut random = ChaCha8Rng::seed_from_u64(17);
     for number in 0..PROGRAMS {
         let program = program(&mut random);
-        let start: Vec<_> = (0..program.cells)
+        let mut start: Vec<_> = (0..program.cells)
             .map(|_| {
                 let values = [(); LANES].map(|()| random.random_range(-2.0..2.0));
                 Lanes::from_slice(simd, &values)
             })
             .collect();
-        let [mut expected, mut found] = [start.clone(), start];
         for (cell, number) in program.numbers.iter() {
-            for memory in [&mut expected, &mut found] {
-                memory[*cell as usize] = Lanes::splat(simd, *number);
-            }
+            start[*cell as usize] = Lanes::splat(simd, *number);
         }
+        let mut expected = start.clone();
         interpret(simd, &program, &mut expected);
-        let code = Code::new(&program, width).expect("this system allows machine code");
-        code.run(simd, &mut found);
-        for cell in (0..program.cells).filter(|cell| program.kept[*cell]) {
-            for lane in 0..LANES {
-                let [one, other] = [expected[cell][lane], found[cell][lane]];
-                assert!(
-                    one.to_bits() == other.to_bits() || one.is_nan() && other.is_nan(),
-                    "program {number}, cell {cell}, lane {lane}: {one} and {other} {program:?}"
-                );
+        for width in &widths {
+            let mut found = start.clone();
+            let code = Code::new(&program, *width).expect("this system allows machine code");
+            code.run(simd, &mut found);
+            for cell in (0..program.cells).filter(|cell| program.kept[*cell]) {
+                for lane in 0..LANES {
+                    let [one, other] = [expected[cell][lane], found[cell][lane]];
+                    assert!(
+                        one.to_bits() == other.to_bits() || one.is_nan() && other.is_nan(),
+                        "program {number}, {width:?}, cell {cell}, lane {lane}: {one} and {other} {program:?}"
+                    );
+                }
             }
         }
     }

@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::Lanes;
-use super::machine_code::Code;
+use super::machine_code::{Code, Width};
 use super::vector::Vector;
 use crate::graph::Program;
 #[cfg(test)]
@@ -41,7 +41,7 @@ impl Runner {
     pub(super) fn run<S: Vector>(&self, simd: S, memory: &mut [Lanes<S>]) {
         // Which runs are interpreted does not affect their results.
         let is_new = self.runs.load(Ordering::Relaxed) < FIRST_RUNS;
-        let code = S::WIDTH.filter(|_| !is_new).and_then(|width| {
+        let code = S::WIDTH.filter(|_| !is_new).map(Width::widest).and_then(|width| {
             let code = &self.code[width as usize];
             code.get_or_init(|| Code::new(&self.program, width)).as_ref()
         });
