@@ -33,7 +33,7 @@ use crate::motion::evaluator::Evaluator;
 use crate::motion::lockstep::pressure::Pressure;
 use crate::motion::lockstep::run::Runner;
 use crate::motion::lockstep::vector::{Fused, Vector};
-use crate::motion::modes::{Evaluated, InState};
+use crate::motion::modes::InState;
 use crate::motion::saltation::Condition;
 use crate::motion::touching::InTouch;
 use compiled::{Compiled, compiled};
@@ -66,7 +66,7 @@ pub(super) struct General<S: Vector> {
     parameters: [Vec<f64>; LANES],
     /// Bit mask of lanes whose parameters are not yet in the room.
     is_new: u64,
-    scratch: [RefCell<Scratch<S>>; LANES],
+    scratch: [RefCell<Scratch>; LANES],
 }
 
 /// The components of a state in all lanes, with the sliding speeds.
@@ -103,7 +103,7 @@ impl<S: Vector> General<S> {
             stuck: 0,
             parameters: std::array::from_fn(|_| Vec::new()),
             is_new: 0,
-            scratch: std::array::from_fn(|_| RefCell::new(Scratch::new())),
+            scratch: Default::default(),
             graph,
             program,
         }
@@ -191,13 +191,13 @@ impl<S: Vector> Kernel<S> for General<S> {
         let modes: Vec<_> = own.phases.iter().map(|phase| phase.mode()).collect();
         let inputs = own.system.inputs(&modes);
         let scratch = self.scratch[lane].get_mut();
-        scratch.begin(self.simd, fixed.program());
+        scratch.begin(fixed.program());
         let memory = &mut scratch.memory;
         for (cell, input) in &operations.inputs[1] {
-            memory[*cell as usize] = Lanes::splat(self.simd, inputs[*input as usize]);
+            memory[*cell as usize] = inputs[*input as usize];
         }
         fixed.run(self.simd, memory);
-        self.parameters[lane] = parameters.iter().map(|cell| memory[*cell as usize][0]).collect();
+        self.parameters[lane] = parameters.iter().map(|cell| memory[*cell as usize]).collect();
         self.is_new |= 1 << lane;
     }
 
@@ -482,8 +482,7 @@ impl<S: Vector> Kernel<S> for General<S> {
         with: impl FnOnce(&dyn InState) -> R,
     ) -> R {
         let evaluator = self.evaluator(lane).expect("only lanes with a run are decided");
-        let equations = Evaluated::new(evaluator, state);
         let scratch = &mut *self.scratch[lane].borrow_mut();
-        with(&Deciding::new(self, own, equations, scratch))
+        with(&Deciding::new(self, (own, evaluator), state, scratch))
     }
 }

@@ -7,8 +7,8 @@ use fearless_simd::prelude::*;
 use super::operations::{Operations, Slot};
 use super::series::Screen;
 use crate::graph::{Cell, Program};
-use crate::motion::lockstep::{LANES, Lanes};
 use crate::motion::lockstep::vector::Vector;
+use crate::motion::lockstep::{LANES, Lanes};
 
 /// Bit mask of all lanes.
 const ALL_LANES: u64 = (1 << LANES) - 1;

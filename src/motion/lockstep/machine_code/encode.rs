@@ -6,7 +6,6 @@ use iced_x86::{Code, Encoder as Assembler, IcedError, Instruction, MemoryOperand
 
 use super::Width;
 use crate::graph::Cell;
-use crate::motion::lockstep::LANES;
 
 /// An operand.
 #[derive(Clone, Copy, Debug)]
@@ -20,12 +19,9 @@ pub(super) struct Encoder {
     assembler: Assembler,
     position: u64,
     width: Width,
-    /// Ranges of [`NEAR`] cells, and registers that point to their middles.
+    /// Ranges of [`Encoder::near`] cells, and registers that point to their middles.
     ranges: Vec<(Cell, Register)>,
 }
-
-/// The number of cells that short instructions of AVX-512 reach from a register.
-const NEAR: Cell = 256;
 
 /// Registers that a function may change, besides `rdi`.
 const POINTERS: [Register; 8] = [
@@ -67,7 +63,16 @@ impl Encoder {
     pub(super) fn registers(&self) -> usize {
         match self.width {
             Width::Eight => 32,
-            Width::Four => 16,
+            Width::Four | Width::One => 16,
+        }
+    }
+
+    /// Returns the number of cells that short instructions reach from a register.
+    fn near(&self) -> Option<Cell> {
+        match self.width {
+            Width::Eight => Some(256),
+            Width::Four => None,
+            Width::One => Some(32),
         }
     }
 
@@ -75,13 +80,13 @@ impl Encoder {
     pub(super) fn begin(&mut self, cells: impl Iterator<Item = Cell>) -> Encoded<usize> {
         let place = self.position as usize;
         self.ranges.clear();
-        if self.width == Width::Eight {
+        if let Some(near) = self.near() {
             let mut counts: BTreeMap<Cell, usize> = BTreeMap::new();
-            cells.for_each(|cell| *counts.entry(cell / NEAR).or_default() += 1);
+            cells.for_each(|cell| *counts.entry(cell / near).or_default() += 1);
             let mut counts: Vec<_> = counts.into_iter().collect();
             counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
             for ((range, _), register) in counts.into_iter().zip(POINTERS) {
-                let middle = Self::displaced(Register::RDI, range * NEAR + NEAR / 2);
+                let middle = self.displaced(Register::RDI, range * near + near / 2);
                 self.put(Instruction::with2(Code::Lea_r64_m, register, middle))?;
                 self.ranges.push((range, register));
             }
@@ -105,10 +110,11 @@ impl Encoder {
         Ok(())
     }
 
-    fn pick(&self, eight: Code, four: Code) -> Code {
+    fn pick(&self, [eight, four, one]: [Code; 3]) -> Code {
         match self.width {
             Width::Eight => eight,
             Width::Four => four,
+            Width::One => one,
         }
     }
 
@@ -116,35 +122,41 @@ impl Encoder {
         let first = match self.width {
             Width::Eight => Register::ZMM0,
             Width::Four => Register::YMM0,
+            Width::One => Register::XMM0,
         };
         first + number as u32
     }
 
-    fn displaced(register: Register, cells: impl Into<i64>) -> MemoryOperand {
-        MemoryOperand::with_base_displ(register, cells.into() * 8 * LANES as i64)
+    fn displaced(&self, register: Register, cells: impl Into<i64>) -> MemoryOperand {
+        MemoryOperand::with_base_displ(register, cells.into() * self.width.bytes() as i64)
     }
 
     fn memory(&self, cell: Cell) -> MemoryOperand {
-        match self.ranges.iter().find(|(range, _)| *range == cell / NEAR) {
+        let near = self.near().unwrap_or(Cell::MAX);
+        match self.ranges.iter().find(|(range, _)| *range == cell / near) {
             Some((range, register)) => {
-                Self::displaced(*register, i64::from(cell) - i64::from(range * NEAR + NEAR / 2))
+                self.displaced(*register, i64::from(cell) - i64::from(range * near + near / 2))
             }
-            None => Self::displaced(Register::RDI, cell),
+            None => self.displaced(Register::RDI, cell),
         }
     }
 
     pub(super) fn load(&mut self, to: usize, cell: Cell) -> Encoded {
-        let code = self.pick(Code::EVEX_Vmovupd_zmm_k1z_zmmm512, Code::VEX_Vmovupd_ymm_ymmm256);
+        let code = self.pick([
+            Code::EVEX_Vmovupd_zmm_k1z_zmmm512,
+            Code::VEX_Vmovupd_ymm_ymmm256,
+            Code::VEX_Vmovsd_xmm_m64,
+        ]);
         self.put(Instruction::with2(code, self.register(to), self.memory(cell)))
     }
 
     pub(super) fn store(&mut self, cell: Cell, from: usize) -> Encoded {
-        let code = self.pick(Code::EVEX_Vmovupd_zmmm512_k1z_zmm, Code::VEX_Vmovupd_ymmm256_ymm);
+        let code = self.pick([
+            Code::EVEX_Vmovupd_zmmm512_k1z_zmm,
+            Code::VEX_Vmovupd_ymmm256_ymm,
+            Code::VEX_Vmovsd_m64_xmm,
+        ]);
         self.put(Instruction::with2(code, self.memory(cell), self.register(from)))
-    }
-
-    fn two(&mut self, code: Code, to: usize, of: usize) -> Encoded {
-        self.put(Instruction::with2(code, self.register(to), self.register(of)))
     }
 
     fn three(&mut self, code: Code, to: usize, a: usize, b: Place) -> Encoded {
@@ -156,14 +168,24 @@ impl Encoder {
     }
 
     pub(super) fn copy(&mut self, to: usize, of: usize) -> Encoded {
-        let code = self.pick(Code::EVEX_Vmovapd_zmm_k1z_zmmm512, Code::VEX_Vmovapd_ymm_ymmm256);
-        self.two(code, to, of)
+        let code = self.pick([
+            Code::EVEX_Vmovapd_zmm_k1z_zmmm512,
+            Code::VEX_Vmovapd_ymm_ymmm256,
+            Code::VEX_Vmovapd_xmm_xmmm128,
+        ]);
+        self.put(Instruction::with2(code, self.register(to), self.register(of)))
     }
 
     pub(super) fn square_root(&mut self, to: usize, of: usize) -> Encoded {
-        let code =
-            self.pick(Code::EVEX_Vsqrtpd_zmm_k1z_zmmm512b64_er, Code::VEX_Vsqrtpd_ymm_ymmm256);
-        self.two(code, to, of)
+        let code = self.pick([
+            Code::EVEX_Vsqrtpd_zmm_k1z_zmmm512b64_er,
+            Code::VEX_Vsqrtpd_ymm_ymmm256,
+            Code::VEX_Vsqrtsd_xmm_xmm_xmmm64,
+        ]);
+        if self.width == Width::One {
+            return self.three(code, to, of, Place::Register(of));
+        }
+        self.put(Instruction::with2(code, self.register(to), self.register(of)))
     }
 
     /// Clears the sign of each number.
@@ -174,6 +196,7 @@ impl Encoder {
                 Code::EVEX_Vpsrlq_zmm_k1z_zmmm512b64_imm8,
             ],
             Width::Four => [Code::VEX_Vpsllq_ymm_ymm_imm8, Code::VEX_Vpsrlq_ymm_ymm_imm8],
+            Width::One => [Code::VEX_Vpsllq_xmm_xmm_imm8, Code::VEX_Vpsrlq_xmm_xmm_imm8],
         };
         for (code, from) in [(shifts_left, of), (shifts_right, to)] {
             let [to, from] = [to, from].map(|number| self.register(number));
@@ -183,31 +206,39 @@ impl Encoder {
     }
 
     pub(super) fn product(&mut self, to: usize, a: usize, b: Place) -> Encoded {
-        let code = self
-            .pick(Code::EVEX_Vmulpd_zmm_k1z_zmm_zmmm512b64_er, Code::VEX_Vmulpd_ymm_ymm_ymmm256);
+        let code = self.pick([
+            Code::EVEX_Vmulpd_zmm_k1z_zmm_zmmm512b64_er,
+            Code::VEX_Vmulpd_ymm_ymm_ymmm256,
+            Code::VEX_Vmulsd_xmm_xmm_xmmm64,
+        ]);
         self.three(code, to, a, b)
     }
 
     pub(super) fn quotient(&mut self, to: usize, of: usize, by: Place) -> Encoded {
-        let code = self
-            .pick(Code::EVEX_Vdivpd_zmm_k1z_zmm_zmmm512b64_er, Code::VEX_Vdivpd_ymm_ymm_ymmm256);
+        let code = self.pick([
+            Code::EVEX_Vdivpd_zmm_k1z_zmm_zmmm512b64_er,
+            Code::VEX_Vdivpd_ymm_ymm_ymmm256,
+            Code::VEX_Vdivsd_xmm_xmm_xmmm64,
+        ]);
         self.three(code, to, of, by)
     }
 
     /// Adds `a b` to a register, or subtracts it.
     pub(super) fn fused(&mut self, sum: usize, a: usize, b: Place, subtracts: bool) -> Encoded {
-        let code = if subtracts {
-            self.pick(
+        let codes = if subtracts {
+            [
                 Code::EVEX_Vfnmadd231pd_zmm_k1z_zmm_zmmm512b64_er,
                 Code::VEX_Vfnmadd231pd_ymm_ymm_ymmm256,
-            )
+                Code::VEX_Vfnmadd231sd_xmm_xmm_xmmm64,
+            ]
         } else {
-            self.pick(
+            [
                 Code::EVEX_Vfmadd231pd_zmm_k1z_zmm_zmmm512b64_er,
                 Code::VEX_Vfmadd231pd_ymm_ymm_ymmm256,
-            )
+                Code::VEX_Vfmadd231sd_xmm_xmm_xmmm64,
+            ]
         };
-        self.three(code, sum, a, b)
+        self.three(self.pick(codes), sum, a, b)
     }
 
     /// Writes the third register where the first is less than the second, else the fourth. `to` is none of them.
@@ -223,10 +254,13 @@ impl Encoder {
                 blend.set_op_mask(Register::K1);
                 self.put(Ok(blend))
             }
-            Width::Four => {
-                let compare = Code::VEX_Vcmppd_ymm_ymm_ymmm256_imm8;
+            Width::Four | Width::One => {
+                let [compare, blend] = if self.width == Width::Four {
+                    [Code::VEX_Vcmppd_ymm_ymm_ymmm256_imm8, Code::VEX_Vblendvpd_ymm_ymm_ymmm256_ymm]
+                } else {
+                    [Code::VEX_Vcmpsd_xmm_xmm_xmmm64_imm8, Code::VEX_Vblendvpd_xmm_xmm_xmmm128_xmm]
+                };
                 self.put(Instruction::with4(compare, to, a, b, LESS))?;
-                let blend = Code::VEX_Vblendvpd_ymm_ymm_ymmm256_ymm;
                 self.put(Instruction::with4(blend, to, other, then, to))
             }
         }

@@ -73,7 +73,7 @@ pub(super) struct Lowered {
 fn together(width: Width) -> usize {
     match width {
         Width::Eight => 16,
-        Width::Four => 6,
+        Width::Four | Width::One => 6,
     }
 }
 

@@ -12,9 +12,9 @@ use std::sync::OnceLock;
 
 use memmap2::{Mmap, MmapMut};
 
-use super::trigonometry::sin_cos;
+use super::LANES;
+use super::run::Numbers;
 use super::vector::Vector;
-use super::{LANES, Lanes};
 use crate::graph::{Instruction, Program};
 use encode::Encoder;
 
@@ -25,15 +25,27 @@ pub(super) enum Width {
     Eight,
     /// AVX2: half of the lanes in each of 16 registers; the code runs twice.
     Four,
+    /// AVX2: one number in each of 16 registers, for the cells of one run.
+    One,
 }
 
 impl Width {
+    /// Returns the size of a cell.
+    const fn bytes(self) -> usize {
+        match self {
+            Width::Eight | Width::Four => 8 * LANES,
+            Width::One => 8,
+        }
+    }
+
     /// Returns whether the processor has the instructions.
     fn is_here(self) -> bool {
         #[cfg(target_arch = "x86_64")]
         return match self {
             Width::Eight => is_x86_feature_detected!("avx512f"),
-            Width::Four => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            Width::Four | Width::One => {
+                is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
+            }
         };
         #[cfg(not(target_arch = "x86_64"))]
         false
@@ -106,48 +118,43 @@ impl Code {
     /// Runs the program on its cells.
     ///
     /// # Panics
-    /// Panics if there are fewer cells than the program has.
-    pub(super) fn run<S: Vector>(&self, simd: S, memory: &mut [Lanes<S>]) {
+    /// Panics if there are fewer cells than the program has, or if they have another size than those of the code.
+    pub(super) fn run<S: Vector, T: Numbers<S>>(&self, simd: S, memory: &mut [T]) {
         assert!(memory.len() >= self.cells, "a program needs all of its cells");
+        assert!(self.width.bytes() == size_of::<T>(), "the code is for other cells");
         for part in &self.parts {
             match *part {
-                Part::Code(place) => self.call(place, memory),
+                Part::Code(place) => self.call(place, memory.as_mut_ptr().cast()),
                 Part::Call(Instruction::SineCosine { sine, cosine, of }) => {
                     let angle = memory[of as usize];
                     let (s, c) = simd.vectorize(
                         #[inline(always)]
-                        || sin_cos(angle),
+                        || angle.sine_cosine(simd),
                     );
                     memory[sine as usize] = s;
                     memory[cosine as usize] = c;
                 }
                 Part::Call(Instruction::Function { out, function, of }) => {
-                    let mut value = memory[of as usize];
-                    for lane in 0..LANES {
-                        value[lane] = function.of(value[lane]);
-                    }
-                    memory[out as usize] = value;
+                    memory[out as usize] = memory[of as usize].image(function);
                 }
                 Part::Call(_) => {}
             }
         }
     }
 
-    /// Runs the code at a place.
+    /// Runs the code at a place; `run` has checked the cells.
     #[allow(unsafe_code)]
-    fn call<S: Vector>(&self, place: usize, memory: &mut [Lanes<S>]) {
-        const { assert!(size_of::<Lanes<S>>() == 8 * LANES) };
+    fn call(&self, place: usize, cells: *mut f64) {
         // Unsafe because the compiler cannot see that bytes are a function.
         // SAFETY: `place` is the start of a function in `code`, between `Encoder::begin` and `Encoder::end`. The function has
         // this calling convention, changes no registers but those that a function may change, and has no branch before its
         // return. The processor has its instructions: `new` makes no other code.
         let function: unsafe extern "sysv64" fn(*mut f64) =
             unsafe { std::mem::transmute(self.code.as_ptr().add(place)) };
-        let cells = memory.as_mut_ptr().cast::<f64>();
         // Unsafe because the function reads and writes memory by address.
-        // SAFETY: the function reads and writes cells below `self.cells` (`registers::assign` refuses others), and `run` has
-        // checked that `memory` has as many, each of eight numbers. Code for half of the lanes reads and writes the first four
-        // numbers of a cell from the pointer on.
+        // SAFETY: the function reads and writes cells below `self.cells` (`registers::assign` refuses others), each of
+        // `Width::bytes` bytes, and `run`, the only caller, has checked that its cells are as many and as large. Code for half
+        // of the lanes reads and writes the first four numbers of a cell from the pointer on.
         unsafe {
             function(cells);
             if self.width == Width::Four {

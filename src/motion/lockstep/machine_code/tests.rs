@@ -63,6 +63,11 @@ fn random_programs() {
     with_each_level!(simd => agree_with_the_interpreter(simd));
 }
 
+fn assert_same([one, other]: [f64; 2], of: impl Fn() -> String) {
+    let same = one.to_bits() == other.to_bits() || one.is_nan() && other.is_nan();
+    assert!(same, "{one} and {other} in program {}", of());
+}
+
 fn agree_with_the_interpreter(simd: impl Vector) {
     let widths = [Width::Eight, Width::Four].into_iter().filter(|width| width.is_here());
     let widths: Vec<_> = widths.collect();
@@ -86,12 +91,24 @@ fn agree_with_the_interpreter(simd: impl Vector) {
             code.run(simd, &mut found);
             for cell in (0..program.cells).filter(|cell| program.kept[*cell]) {
                 for lane in 0..LANES {
-                    let [one, other] = [expected[cell][lane], found[cell][lane]];
-                    assert!(
-                        one.to_bits() == other.to_bits() || one.is_nan() && other.is_nan(),
-                        "program {number}, {width:?}, cell {cell}, lane {lane}: {one} and {other} {program:?}"
-                    );
+                    let both = [expected[cell][lane], found[cell][lane]];
+                    assert_same(both, || {
+                        format!("{number}, {width:?}, {cell}, {lane} {program:?}")
+                    });
                 }
+            }
+        }
+        let mut interpreted: Vec<f64> = start.iter().map(|all| all[0]).collect();
+        let mut found = interpreted.clone();
+        interpret(simd, &program, &mut interpreted);
+        if let Some(code) = Code::new(&program, Width::One) {
+            code.run(simd, &mut found);
+        } else {
+            found.clone_from(&interpreted);
+        }
+        for cell in (0..program.cells).filter(|cell| program.kept[*cell]) {
+            for one in [interpreted[cell], found[cell]] {
+                assert_same([expected[cell][0], one], || format!("{number}, {cell} {program:?}"));
             }
         }
     }

@@ -2,17 +2,16 @@
 
 use fearless_simd::prelude::*;
 
+use super::Numbers;
 use crate::graph::{Instruction, Product, Program};
-use crate::motion::lockstep::trigonometry::sin_cos;
-use crate::motion::lockstep::vector::{Fused, Vector};
-use crate::motion::lockstep::{LANES, Lanes};
+use crate::motion::lockstep::vector::Vector;
 
 /// Runs a program on its cells.
 #[inline(never)]
-pub(in crate::motion::lockstep) fn run<S: Vector>(
+pub(in crate::motion::lockstep) fn run<S: Vector, T: Numbers<S>>(
     simd: S,
     program: &Program,
-    memory: &mut [Lanes<S>],
+    memory: &mut [T],
 ) {
     simd.vectorize(
         #[inline(always)]
@@ -25,7 +24,12 @@ pub(in crate::motion::lockstep) fn run<S: Vector>(
 }
 
 #[inline(always)]
-fn step<S: Vector>(simd: S, program: &Program, memory: &mut [Lanes<S>], instruction: &Instruction) {
+fn step<S: Vector, T: Numbers<S>>(
+    simd: S,
+    program: &Program,
+    memory: &mut [T],
+    instruction: &Instruction,
+) {
     macro_rules! at {
         ($cell:expr) => {
             memory[$cell as usize]
@@ -40,31 +44,25 @@ fn step<S: Vector>(simd: S, program: &Program, memory: &mut [Lanes<S>], instruct
                     products.next();
                     at!(*a) * at!(*b)
                 }
-                (None, []) => Lanes::splat(simd, 0.0),
+                (None, []) => T::of(simd, 0.0),
             };
             for &Product { factors: [a, b], subtracts } in products {
                 let a = at!(a);
-                sum = if subtracts { -a } else { a }.fused(at!(b), sum);
+                sum = if subtracts { -a } else { a }.times_plus(at!(b), sum);
             }
             at!(out) = sum;
         }
         Instruction::Quotient { out, of, by } => at!(out) = at!(of) / at!(by),
-        Instruction::SquareRoot { out, of } => at!(out) = at!(of).sqrt(),
-        Instruction::Size { out, of } => at!(out) = at!(of).abs(),
+        Instruction::SquareRoot { out, of } => at!(out) = at!(of).root(),
+        Instruction::Size { out, of } => at!(out) = at!(of).size(),
         Instruction::Choice { out, less: [a, b], then, other } => {
-            at!(out) = at!(a).simd_lt(at!(b)).select(at!(then), at!(other));
+            at!(out) = T::choice([at!(a), at!(b)], at!(then), at!(other));
         }
         Instruction::SineCosine { sine, cosine, of } => {
-            let (s, c) = sin_cos(at!(of));
+            let (s, c) = at!(of).sine_cosine(simd);
             at!(sine) = s;
             at!(cosine) = c;
         }
-        Instruction::Function { out, function, of } => {
-            let mut value = at!(of);
-            for lane in 0..LANES {
-                value[lane] = function.of(value[lane]);
-            }
-            at!(out) = value;
-        }
+        Instruction::Function { out, function, of } => at!(out) = at!(of).image(function),
     }
 }

@@ -1,17 +1,18 @@
-//! Runs a program in all lanes: as machine code where the processor and the system allow it, otherwise in an interpreter.
+//! Runs a program, in all lanes or for one run: as machine code where the processor and the system allow it, otherwise in an interpreter.
 //! Both compute the same bits.
 
 mod interpreter;
+mod numbers;
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use super::Lanes;
-use super::machine_code::{Code, Width};
+use super::machine_code::Code;
 use super::vector::Vector;
 use crate::graph::Program;
 #[cfg(test)]
 pub(super) use interpreter::run as interpret;
+pub(super) use numbers::Numbers;
 
 /// A program runs so often in the interpreter before its machine code is made, which takes about as long.
 const FIRST_RUNS: u32 = 100;
@@ -21,7 +22,7 @@ const FIRST_RUNS: u32 = 100;
 pub(super) struct Runner {
     program: Program,
     /// The machine code for each width, where it is possible.
-    code: [OnceLock<Option<Code>>; 2],
+    code: [OnceLock<Option<Code>>; 3],
     /// The number of runs in the interpreter, up to [`FIRST_RUNS`].
     runs: AtomicU32,
 }
@@ -38,10 +39,10 @@ impl Runner {
     }
 
     /// Runs the program on its cells.
-    pub(super) fn run<S: Vector>(&self, simd: S, memory: &mut [Lanes<S>]) {
+    pub(super) fn run<S: Vector, T: Numbers<S>>(&self, simd: S, memory: &mut [T]) {
         // Which runs are interpreted does not affect their results.
         let is_new = self.runs.load(Ordering::Relaxed) < FIRST_RUNS;
-        let code = S::WIDTH.filter(|_| !is_new).map(Width::widest).and_then(|width| {
+        let code = T::width().filter(|_| !is_new).and_then(|width| {
             let code = &self.code[width as usize];
             code.get_or_init(|| Code::new(&self.program, width)).as_ref()
         });
