@@ -167,6 +167,19 @@ impl Program {
         }
     }
 
+    /// Moves elementary functions of cells that the program does not write to its begin, where they stand together.
+    pub(crate) fn with_functions_first(mut self) -> Self {
+        let mut written = vec![false; self.cells];
+        let cells = self.instructions.iter().flat_map(Instruction::writes);
+        cells.for_each(|cell| written[cell as usize] = true);
+        self.instructions.sort_by_key(|instruction| match instruction {
+            Instruction::SineCosine { of, .. } => u8::from(written[*of as usize]),
+            Instruction::Function { of, .. } => u8::from(written[*of as usize]),
+            _ => 1,
+        });
+        self
+    }
+
     /// Removes the instructions whose results nobody reads.
     pub(crate) fn without_unused(mut self) -> Self {
         let mut used = self.kept.clone();

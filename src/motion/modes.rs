@@ -8,8 +8,8 @@ use crate::model::{Components, Dual, Friction, Method};
 
 /// A system in one state, for which the phases of its contacts are decided.
 pub(super) trait InState {
-    /// Returns the friction of a contact.
-    fn friction(&self, contact: usize) -> &Friction;
+    /// Returns the static coefficient of friction of a contact.
+    fn limit(&self, contact: usize) -> f64;
     /// Returns the sliding speed of a contact.
     fn speed(&self, contact: usize) -> f64;
     /// Returns the forces for assumed phases.
@@ -94,8 +94,8 @@ impl<'a> Evaluated<'a> {
 }
 
 impl InState for Evaluated<'_> {
-    fn friction(&self, contact: usize) -> &Friction {
-        self.evaluator.system().friction(contact)
+    fn limit(&self, contact: usize) -> f64 {
+        self.evaluator.system().friction(contact).limit
     }
 
     fn speed(&self, contact: usize) -> f64 {
@@ -169,14 +169,16 @@ pub(super) fn resolve_modes<R>(
     let contacts = || (0..open.len()).filter(|&contact| open[contact]);
     for _ in 0..phases.len() + 3 {
         let forces = system.forces(phases);
-        let exchanged = |contact| Some((contact, better(&forces, phases, contact)?));
-        let exchanged: SmallVec<[(usize, Phase); 8]> = contacts().filter_map(exchanged).collect();
-        if exchanged.is_empty() {
+        let mut exchanged = phases.clone();
+        for contact in contacts() {
+            if let Some(phase) = better(&forces, phases, contact) {
+                exchanged[contact] = phase;
+            }
+        }
+        if exchanged == *phases {
             return then(&forces);
         }
-        for (contact, phase) in exchanged {
-            phases[contact] = phase;
-        }
+        *phases = exchanged;
     }
     for mut combination in 0..combinations(contacts().count())? {
         for contact in contacts() {
@@ -287,7 +289,7 @@ pub(super) fn is_finite(contact: &ContactForces) -> bool {
 /// Returns the remaining friction of a sticking contact, `μ_s f_n - |f_w|`.
 pub(super) fn stick_reserve(system: &dyn InState, forces: &Forces, contact: usize) -> f64 {
     let ContactForces { normal, friction, .. } = forces[contact];
-    system.friction(contact).limit * normal - friction.abs()
+    system.limit(contact) * normal - friction.abs()
 }
 
 /// Returns an error for forces that are not finite and for normal forces that pull.

@@ -85,7 +85,7 @@ pub(super) fn saltation(
             (Phase::Transition(sign), 1) => sign * forces.acceleration.slope,
             (Phase::Stick, which @ (0 | 1)) => {
                 let sign = if which == 0 { 1.0 } else { -1.0 };
-                let limit = system.friction(contact).limit;
+                let limit = system.limit(contact);
                 limit * forces.normal.slope - sign * forces.friction.slope
             }
             _ => forces.normal.slope,

@@ -43,6 +43,9 @@ impl<S: Vector> GapLanes<S> {
         let bit = 1 << lane;
         self.any &= !bit;
         self.irregular &= !bit;
+        if !own.has_gaps {
+            return;
+        }
         let Some(touching) = own.system.touching() else { return };
         let gaps = touching.gaps();
         let contacts = self.distances.len();
@@ -63,6 +66,9 @@ impl<S: Vector> GapLanes<S> {
 
 /// Returns whether any contacts of a run are at each other, by their positions.
 pub(super) fn any_touch(own: &Lane, position: impl Fn(usize) -> f64) -> bool {
+    if !own.has_gaps {
+        return false;
+    }
     let gaps = own.system.touching().map_or(&[][..], |touching| touching.gaps());
     gaps.iter().any(|gap| gap.width(gap.contacts.map(&position)) <= TOUCHING)
 }

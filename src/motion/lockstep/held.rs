@@ -30,7 +30,7 @@ pub(super) fn held_until<S: Vector>(
     (length, slack): (f64, f64),
 ) -> Option<f64> {
     let forces: Vec<[Powers; 2]> = cluster.contacts.iter().map(|one| series(*one)).collect();
-    let limit = |contact: usize| own.system.friction(contact).limit;
+    let limit = |contact: usize| own.limits[contact];
     let place = |contact: usize| cluster.contacts.iter().position(|one| *one == contact);
     let at = |part: f64| -> Holding {
         let values = |contact: usize| {

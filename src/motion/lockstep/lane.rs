@@ -23,7 +23,11 @@ pub(crate) struct Lane {
     pub(super) system: Arc<dyn System>,
     pub(super) settings: Settings,
     pub(super) margins: Margins,
-    /// Whether stick and slip have a unique decision in all states.
+    /// What the system says of itself: its static coefficients of friction, the size of its forces, whether it has gaps, and
+    /// whether stick and slip have a unique decision in all states.
+    pub(super) limits: PerContact,
+    pub(super) force_scale: f64,
+    pub(super) has_gaps: bool,
     pub(super) surely_one_solution: bool,
     pub(super) slow: f64,
     /// Width within which events are located.
@@ -166,6 +170,9 @@ impl Saved {
         }
         let mut lane = Lane {
             margins: Margins::new(&settings, force_scale),
+            limits: (0..contacts).map(|contact| system.friction(contact).limit).collect(),
+            force_scale,
+            has_gaps: !without_gaps,
             settings,
             surely_one_solution,
             slow: match settings.method {

@@ -13,8 +13,9 @@
 //! For all lanes it is first shown which conditions certainly hold ([`super::series::Screen`]); the remaining lanes are examined
 //! one at a time.
 
-use super::operations::Operations;
-use super::room::Series;
+use super::compiled::Compiled;
+use super::room::Room;
+use super::series::Bound;
 use crate::motion::Phase;
 use crate::motion::cluster::HeldCluster;
 use crate::motion::lockstep::ORDER;
@@ -43,20 +44,22 @@ pub(super) fn of_contact(phase: Phase, limit: f64, [band, slack, aim]: [f64; 3])
 #[inline(never)]
 pub(super) fn first_event<S: Vector>(
     simd: S,
-    series: Series<'_, S>,
-    program: &Operations,
+    room: &Room<S>,
+    program: &Compiled,
     (own, lane, length): (&Lane, usize, f64),
     (pressures, clusters): (&[Pressure<S>], &[HeldCluster]),
-    (doubts, force_doubts): (&[u64], &[u64]),
     ignored: &[Condition],
 ) -> Ends {
     let mut first = Ends::Nothing;
     let band = own.margins.band;
     let aim = 0.5 * own.width;
     let slack = own.margins.slack + aim;
-    let (of_contacts, others) = doubts.split_at(program.contacts.len());
-    let (of_events, of_gaps) = others.split_at(program.guards.len());
-    for (gap, (force, pressure)) in program.gaps.iter().zip(pressures).enumerate() {
+    let series = room.series();
+    let Compiled { operations, screen, exact_screen, .. } = program;
+    let (_, screen) = exact_screen.as_ref().filter(|_| room.is_exact).unwrap_or(screen);
+    let (of_contacts, others) = room.doubts.split_at(operations.contacts.len());
+    let (of_events, of_gaps) = others.split_at(operations.guards.len());
+    for (gap, (force, pressure)) in operations.gaps.iter().zip(pressures).enumerate() {
         let failed = Condition::Pressed(gap);
         if of_gaps[gap] & 1 << lane != 0 && !ignored.contains(&failed) {
             let (weight, offset) = (pressure.weight[lane], pressure.offset[lane]);
@@ -69,7 +72,7 @@ pub(super) fn first_event<S: Vector>(
         let failed = Condition::Held(cluster.contacts[0]);
         if cluster.contacts.iter().any(is_doubtful) && !ignored.contains(&failed) {
             let series = |contact: usize| {
-                let [_, _, normal, friction] = program.contacts[contact];
+                let [_, _, normal, friction] = operations.contacts[contact];
                 [normal, friction].map(|slot| {
                     std::array::from_fn(|k| if k < ORDER { series.of(slot)[k][lane] } else { 0.0 })
                 })
@@ -81,42 +84,43 @@ pub(super) fn first_event<S: Vector>(
             }
         }
     }
-    for (contact, slots) in program.contacts.iter().enumerate() {
+    for (contact, slots) in operations.contacts.iter().enumerate() {
         if of_contacts[contact] & 1 << lane == 0 {
             continue;
         }
         let [speed, acceleration, normal, friction] =
             slots.map(|slot| move |k: usize| series.of(slot)[k][lane]);
-        let mut examine = |which: usize, condition: Polynomial| {
+        let mut examine = |bound: Bound, which: usize, condition: &dyn Fn() -> Polynomial| {
             let failed = Condition::Contact { contact, which };
-            if !ignored.contains(&failed) {
-                first.or(simd, &condition, None, failed);
+            if room.may_fail(&screen.contacts[contact], bound, lane) && !ignored.contains(&failed) {
+                first.or(simd, &condition(), None, failed);
             }
         };
         match own.phases[contact] {
             Phase::Slip(direction) => {
-                examine(0, polynomial(length, aim - band, ORDER, |k| direction * speed(k)));
+                let slips = |k| direction * speed(k);
+                examine(Bound::Slips, 0, &|| polynomial(length, aim - band, ORDER, slips));
             }
             Phase::Transition(direction) => {
-                examine(0, polynomial(length, aim + band, ORDER, |k| -(direction * speed(k))));
+                let inside = |k| -(direction * speed(k));
+                examine(Bound::Slips, 0, &|| polynomial(length, aim + band, ORDER, inside));
                 let forwards = |k| direction * acceleration(k);
-                examine(1, polynomial(length, slack, ORDER - 1, forwards));
+                examine(Bound::Slips, 1, &|| polynomial(length, slack, ORDER - 1, forwards));
             }
+            // Contacts that touch are held together.
             Phase::Stick if clusters.iter().any(|one| one.contacts.contains(&contact)) => {}
             Phase::Stick => {
-                let limit = own.system.friction(contact).limit;
-                for (which, sign) in [1.0, -1.0].into_iter().enumerate() {
-                    let held = |k| limit * normal(k) - sign * friction(k);
-                    examine(which, polynomial(length, slack, ORDER - 1, held));
+                let limit = own.limits[contact];
+                let held = |sign: f64| move |k| limit * normal(k) - sign * friction(k);
+                for (which, bound, sign) in [(0, Bound::Forward, 1.0), (1, Bound::Backward, -1.0)] {
+                    examine(bound, which, &|| polynomial(length, slack, ORDER - 1, held(sign)));
                 }
             }
             Phase::Free | Phase::Open | Phase::Closed => {}
         }
-        if force_doubts[contact] & 1 << lane != 0 {
-            examine(2, polynomial(length, aim, ORDER - 1, normal));
-        }
+        examine(Bound::Closed, 2, &|| polynomial(length, aim, ORDER - 1, normal));
     }
-    for (event, guard) in program.guards.iter().enumerate() {
+    for (event, guard) in operations.guards.iter().enumerate() {
         if of_events[event] & 1 << lane != 0 {
             let guard = polynomial(length, 0.0, ORDER - 1, |k| series.of(*guard)[k][lane]);
             first.or(simd, &guard, None, Condition::Event(event));

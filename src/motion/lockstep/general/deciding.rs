@@ -6,7 +6,7 @@ use std::cell::RefCell;
 use super::operations::Operations;
 use super::{Compiled, General};
 use crate::graph::Program;
-use crate::model::{Components, Dual, Friction, System};
+use crate::model::{Components, Dual, System};
 use crate::motion::evaluator::{ContactForces, Evaluator, Forces};
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::vector::Vector;
@@ -134,8 +134,8 @@ impl<'a, S: Vector> Deciding<'a, S> {
 }
 
 impl<S: Vector> InState for Deciding<'_, S> {
-    fn friction(&self, contact: usize) -> &Friction {
-        self.own.system.friction(contact)
+    fn limit(&self, contact: usize) -> f64 {
+        self.own.limits[contact]
     }
 
     fn speed(&self, contact: usize) -> f64 {
@@ -186,6 +186,6 @@ impl<S: Vector> InState for Deciding<'_, S> {
     }
 
     fn force_scale(&self) -> f64 {
-        self.own.system.force_scale()
+        self.own.force_scale
     }
 }

@@ -40,7 +40,7 @@ use compiled::{Compiled, compiled};
 use deciding::{Deciding, Scratch};
 use operations::{OfContact, OfGap, Slot};
 use room::{Room, Series};
-use series::TERMS;
+use series::{Bound, TERMS};
 
 /// Bound on every component of the rate of change if everything is slow.
 const STILL: f64 = 1e-6;
@@ -219,14 +219,13 @@ impl<S: Vector> Kernel<S> for General<S> {
         }
         let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
         for contact in 0..self.speeds.len() {
-            let limit = own.system.friction(contact).limit;
-            let numbers = conditions::of_contact(own.phases[contact], limit, margins);
+            let numbers = conditions::of_contact(own.phases[contact], own.limits[contact], margins);
             let first = operations.of_contact(contact, OfContact::Sign);
             for (cell, number) in (first..).zip(numbers) {
                 room.set(cell, lane, number);
             }
         }
-        let evaluator = self.evaluators[lane].as_ref();
+        let evaluator = self.evaluators[lane].as_ref().filter(|_| own.has_gaps);
         let Some(in_touch) = evaluator.and_then(|one| InTouch::new(one, own.settings)) else {
             return;
         };
@@ -255,7 +254,11 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     fn lane(&self, flow: &Flow<S>, lane: usize) -> Components {
-        flow.components.iter().map(|of_all| of_all[lane]).collect()
+        let mut components = Components::from_elem(0.0, flow.components.len());
+        for (component, of_all) in components.iter_mut().zip(&flow.components) {
+            *component = of_all[lane];
+        }
+        components
     }
 
     fn set_lane(&self, flow: &mut Flow<S>, lane: usize, components: &[f64]) {
@@ -359,13 +362,16 @@ impl<S: Vector> Kernel<S> for General<S> {
             normals.run(self.simd, &mut room.memory);
         }
         program.run(self.simd, &mut room.memory);
+        room.is_exact = false;
         let any = room.screened(screen);
         let Some((program, exact)) = exact_screen else { return any };
-        if room.force_doubts.iter().any(|doubt| *doubt != 0) {
+        if any != 0 && room.below_zero(screen.forces.iter().copied()) != 0 {
             // Lanes in doubt are examined with the series of the normal forces.
             normals.run(self.simd, &mut room.memory);
-            if room.below_zero(&screen.closed) != 0 {
+            let closed = screen.contacts.iter().map(|cells| cells[Bound::Closed as usize]);
+            if room.below_zero(closed) != 0 {
                 program.run(self.simd, &mut room.memory);
+                room.is_exact = true;
                 return room.screened(exact);
             }
         }
@@ -380,19 +386,9 @@ impl<S: Vector> Kernel<S> for General<S> {
         length: f64,
         ignored: &[Condition],
     ) -> Ends {
-        let doubts = (&room.doubts[..], &room.force_doubts[..]);
         let in_lane = (own, lane, length);
         let of_gaps = (&self.pressures[..], &self.held[lane][..]);
-        let operations = &self.program.operations;
-        conditions::first_event(
-            self.simd,
-            room.series(),
-            operations,
-            in_lane,
-            of_gaps,
-            doubts,
-            ignored,
-        )
+        conditions::first_event(self.simd, room, &self.program, in_lane, of_gaps, ignored)
     }
 
     #[inline(always)]

@@ -5,7 +5,7 @@ use std::ops::Index;
 use fearless_simd::prelude::*;
 
 use super::operations::{Operations, Slot};
-use super::series::Screen;
+use super::series::{Bound, Screen};
 use crate::graph::{Cell, Program};
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::lockstep::{LANES, Lanes};
@@ -26,8 +26,8 @@ pub(in crate::motion::lockstep) struct Room<S: Vector> {
     slots: usize,
     /// The lanes in which a condition of each contact may fail, then those in which each event may happen.
     pub(super) doubts: Vec<u64>,
-    /// The lanes in which a force of each contact may be beyond its limits.
-    pub(super) force_doubts: Vec<u64>,
+    /// Whether the latest bounds of the conditions are those with the series of the normal forces.
+    pub(super) is_exact: bool,
 }
 
 impl<S: Vector> Room<S> {
@@ -47,7 +47,7 @@ impl<S: Vector> Room<S> {
             first: operations.coefficient(0, 0) as usize,
             slots: operations.slots,
             doubts: vec![0; conditions.into_iter().sum()],
-            force_doubts: vec![0; operations.contacts.len()],
+            is_exact: false,
         }
     }
 
@@ -67,20 +67,24 @@ impl<S: Vector> Room<S> {
     #[inline(always)]
     pub(super) fn screened(&mut self, screen: &Screen) -> u64 {
         let mut any = 0;
-        let doubts = [&mut self.doubts, &mut self.force_doubts];
-        for (doubts, cells) in doubts.into_iter().zip([&screen.all, &screen.forces]) {
-            for (doubt, cell) in doubts.iter_mut().zip(cells) {
-                *doubt = below_zero(self.memory[*cell as usize]);
-                any |= *doubt;
-            }
+        for (doubt, cell) in self.doubts.iter_mut().zip(&screen.all) {
+            *doubt = below_zero(self.memory[*cell as usize]);
+            any |= *doubt;
         }
         any
     }
 
     /// Returns the lanes in which one of these numbers is negative, or not a number.
     #[inline(always)]
-    pub(super) fn below_zero(&self, cells: &[Cell]) -> u64 {
-        cells.iter().fold(0, |any, cell| any | below_zero(self.memory[*cell as usize]))
+    pub(super) fn below_zero(&self, cells: impl IntoIterator<Item = Cell>) -> u64 {
+        cells.into_iter().fold(0, |any, cell| any | below_zero(self.memory[cell as usize]))
+    }
+
+    /// Returns whether a condition of a contact may fail in a lane.
+    #[inline(always)]
+    pub(super) fn may_fail(&self, cells: &[Cell; 4], bound: Bound, lane: usize) -> bool {
+        let least = self.memory[cells[bound as usize] as usize][lane];
+        least < 0.0 || least.is_nan()
     }
 
     /// Returns the series of the motion.

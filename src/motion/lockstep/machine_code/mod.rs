@@ -15,7 +15,7 @@ use memmap2::{Mmap, MmapMut};
 use super::LANES;
 use super::run::Numbers;
 use super::vector::Vector;
-use crate::graph::{Instruction, Program};
+use crate::graph::{Cell, Function, Instruction, Program};
 use encode::Encoder;
 
 /// The widths of vector registers.
@@ -79,12 +79,14 @@ pub(super) fn is_allowed() -> bool {
 }
 
 /// A part of a program.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum Part {
     /// Machine code, by its place.
     Code(usize),
-    /// An elementary function of one number at a time.
-    Call(Instruction),
+    /// Sines and cosines: their cells, and those of the angles.
+    Turns(Vec<[Cell; 3]>),
+    /// Another elementary function, of a cell.
+    Function { out: Cell, function: Function, of: Cell },
 }
 
 /// The machine code of a program.
@@ -123,21 +125,15 @@ impl Code {
         assert!(memory.len() >= self.cells, "a program needs all of its cells");
         assert!(self.width.bytes() == size_of::<T>(), "the code is for other cells");
         for part in &self.parts {
-            match *part {
-                Part::Code(place) => self.call(place, memory.as_mut_ptr().cast()),
-                Part::Call(Instruction::SineCosine { sine, cosine, of }) => {
-                    let angle = memory[of as usize];
-                    let (s, c) = simd.vectorize(
-                        #[inline(always)]
-                        || angle.sine_cosine(simd),
-                    );
-                    memory[sine as usize] = s;
-                    memory[cosine as usize] = c;
+            match part {
+                Part::Code(place) => self.call(*place, memory.as_mut_ptr().cast()),
+                Part::Turns(turns) => simd.vectorize(
+                    #[inline(always)]
+                    || T::sines_cosines(simd, memory, turns),
+                ),
+                Part::Function { out, function, of } => {
+                    memory[*out as usize] = memory[*of as usize].image(*function);
                 }
-                Part::Call(Instruction::Function { out, function, of }) => {
-                    memory[out as usize] = memory[of as usize].image(function);
-                }
-                Part::Call(_) => {}
             }
         }
     }
@@ -169,7 +165,7 @@ fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<Part>> {
     let is_call = |instruction: &Instruction| {
         matches!(instruction, Instruction::SineCosine { .. } | Instruction::Function { .. })
     };
-    let mut parts = Vec::new();
+    let mut parts: Vec<Part> = Vec::new();
     let mut rest = &program.instructions[..];
     // The last read of each cell, counted in instructions that are left.
     let mut last_read = vec![usize::MAX; program.cells];
@@ -179,8 +175,25 @@ fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<Part>> {
         }
     }
     while let Some(first) = rest.first() {
+        match *first {
+            Instruction::SineCosine { sine, cosine, of } => {
+                let turn = [sine, cosine, of];
+                match parts.last_mut() {
+                    // Sines and cosines do not depend on each other, unless one is the angle of the next.
+                    Some(Part::Turns(turns))
+                        if turns.iter().all(|[s, c, _]| *s != of && *c != of) =>
+                    {
+                        turns.push(turn);
+                    }
+                    _ => parts.push(Part::Turns(vec![turn])),
+                }
+            }
+            Instruction::Function { out, function, of } => {
+                parts.push(Part::Function { out, function, of });
+            }
+            _ => {}
+        }
         if is_call(first) {
-            parts.push(Part::Call(*first));
             rest = &rest[1..];
             continue;
         }

@@ -59,9 +59,7 @@ fn step<S: Vector, T: Numbers<S>>(
             at!(out) = T::choice([at!(a), at!(b)], at!(then), at!(other));
         }
         Instruction::SineCosine { sine, cosine, of } => {
-            let (s, c) = at!(of).sine_cosine(simd);
-            at!(sine) = s;
-            at!(cosine) = c;
+            T::sines_cosines(simd, memory, &[[sine, cosine, of]]);
         }
         Instruction::Function { out, function, of } => at!(out) = at!(of).image(function),
     }

@@ -30,6 +30,7 @@ pub(super) struct Runner {
 impl Runner {
     /// Returns a program without machine code.
     pub(super) fn new(program: Program) -> Self {
+        let program = program.with_functions_first();
         Runner { program, code: Default::default(), runs: AtomicU32::new(0) }
     }
 

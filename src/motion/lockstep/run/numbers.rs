@@ -4,7 +4,7 @@ use std::ops::{Div, Mul, Neg};
 
 use fearless_simd::prelude::*;
 
-use crate::graph::Function;
+use crate::graph::{Cell, Function};
 use crate::motion::lockstep::machine_code::Width;
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Vector};
@@ -26,8 +26,8 @@ pub(in crate::motion::lockstep) trait Numbers<S: Vector>:
     fn size(self) -> Self;
     /// Returns `then` where `less[0] < less[1]`, and `other` elsewhere.
     fn choice(less: [Self; 2], then: Self, other: Self) -> Self;
-    /// Returns sine and cosine.
-    fn sine_cosine(self, simd: S) -> (Self, Self);
+    /// Writes sines and cosines to cells; each of `turns` names both cells and that of the angle, which is none of the others.
+    fn sines_cosines(simd: S, memory: &mut [Self], turns: &[[Cell; 3]]);
     /// Returns the value of an elementary function.
     fn image(self, function: Function) -> Self;
 }
@@ -63,8 +63,12 @@ impl<S: Vector> Numbers<S> for Lanes<S> {
     }
 
     #[inline(always)]
-    fn sine_cosine(self, _simd: S) -> (Self, Self) {
-        sin_cos(self)
+    fn sines_cosines(_simd: S, memory: &mut [Self], turns: &[[Cell; 3]]) {
+        for [sine, cosine, of] in turns {
+            let (s, c) = sin_cos(memory[*of as usize]);
+            memory[*sine as usize] = s;
+            memory[*cosine as usize] = c;
+        }
     }
 
     fn image(mut self, function: Function) -> Self {
@@ -106,9 +110,19 @@ impl<S: Vector> Numbers<S> for f64 {
     }
 
     #[inline(always)]
-    fn sine_cosine(self, simd: S) -> (Self, Self) {
-        let (sine, cosine) = sin_cos(Lanes::splat(simd, self));
-        (sine[0], cosine[0])
+    fn sines_cosines(simd: S, memory: &mut [Self], turns: &[[Cell; 3]]) {
+        for turns in turns.chunks(LANES) {
+            // A vector of the angles of one run, not of lanes.
+            let mut angles = Lanes::splat(simd, 0.0);
+            for (place, [_, _, of]) in turns.iter().enumerate() {
+                angles[place] = memory[*of as usize];
+            }
+            let (sines, cosines) = sin_cos(angles);
+            for (place, [sine, cosine, _]) in turns.iter().enumerate() {
+                memory[*sine as usize] = sines[place];
+                memory[*cosine as usize] = cosines[place];
+            }
+        }
     }
 
     fn image(self, function: Function) -> Self {

@@ -82,8 +82,8 @@ fn of_contacts<const N: usize, T: Copy>(
 }
 
 impl<const N: usize> InState for InPlace<'_, N> {
-    fn friction(&self, contact: usize) -> &Friction {
-        &self.balancer.balls[contact].friction
+    fn limit(&self, contact: usize) -> f64 {
+        self.balancer.balls[contact].friction.limit
     }
 
     fn speed(&self, contact: usize) -> f64 {

@@ -19,7 +19,7 @@ use super::statics::StaticId;
 use crate::graph::{Builder, Cell, Program, tangent};
 use crate::motion::lockstep::ORDER;
 use convolution::Running;
-pub(super) use screen::Screen;
+pub(super) use screen::{Bound, Screen};
 
 /// Coefficients of a series.
 pub(super) const TERMS: usize = ORDER + 2;

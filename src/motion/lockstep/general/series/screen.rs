@@ -15,8 +15,8 @@ use crate::motion::lockstep::root_isolation::FOURTH;
 pub(in crate::motion::lockstep::general) struct Screen {
     /// Whether the series of the normal forces must be known.
     pub(in crate::motion::lockstep::general) needs_normals: bool,
-    /// The lower bounds of the normal force of each contact.
-    pub(in crate::motion::lockstep::general) closed: Vec<Cell>,
+    /// The lower bounds of the conditions of each contact ([`Bound`]).
+    pub(in crate::motion::lockstep::general) contacts: Vec<[Cell; 4]>,
     /// The least of the conditions of the forces of each contact.
     pub(in crate::motion::lockstep::general) forces: Vec<Cell>,
     /// The least of all conditions of each contact, of each event, and of each gap.
@@ -26,8 +26,21 @@ pub(in crate::motion::lockstep::general) struct Screen {
 impl Screen {
     /// Returns all cells.
     pub(super) fn cells(&self) -> Vec<Cell> {
-        [&self.closed[..], &self.forces, &self.all].concat()
+        [self.contacts.as_flattened(), &self.forces, &self.all].concat()
     }
+}
+
+/// The place of a condition's lower bound among those of a contact.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::motion::lockstep::general) enum Bound {
+    /// It slips, or is in transition.
+    Slips,
+    /// It is held against a forward force.
+    Forward,
+    /// It is held against a backward force.
+    Backward,
+    /// The normal force does not pull.
+    Closed,
 }
 
 /// Values and slopes of a function at both ends of a step whose length is the unit of time, and a bound of its fourth
@@ -75,12 +88,13 @@ impl Expansion<'_> {
             let slips = self.least(&slips);
             let [normal, friction] = [&normals[contact], &frictions[contact]];
             let closed = self.scaled(one, one, normal, number(OfContact::Aim));
-            let mut forces = self.least(&closed);
-            screen.closed.push(forces);
+            let closed = self.least(&closed);
+            let mut forces = closed;
+            let mut bounds = [slips, closed, closed, closed];
             // Friction holds a contact that sticks against both directions.
             let limit = number(OfContact::Limit);
             let bound = self.builder.sum(Some(friction.bound), &[[limit, normal.bound]]);
-            for subtracts in [false, true] {
+            for (place, subtracts) in [(Bound::Backward, false), (Bound::Forward, true)] {
                 let part = |builder: &mut crate::graph::Builder, start, normal, friction| {
                     let out = builder.cell();
                     let products = [
@@ -104,8 +118,10 @@ impl Expansion<'_> {
                 let held = self.least(&held);
                 let zero = self.builder.number(0.0);
                 let held = self.builder.choice([zero, number(OfContact::Stuck)], held, one);
+                bounds[place as usize] = held;
                 forces = self.builder.smaller(held, forces);
             }
+            screen.contacts.push(bounds);
             screen.forces.push(forces);
             screen.all.push(self.builder.smaller(slips, forces));
         }
