@@ -19,6 +19,8 @@ pub(super) struct Encoder {
     assembler: Assembler,
     position: u64,
     width: Width,
+    /// Whether the last register contains all bits but the sign.
+    has_mask: bool,
     /// Ranges of [`Encoder::near`] cells, and registers that point to their middles.
     ranges: Vec<(Cell, Register)>,
 }
@@ -52,19 +54,29 @@ const LESS: u32 = 0x11;
 
 impl Encoder {
     pub(super) fn new(width: Width) -> Self {
-        Encoder { assembler: Assembler::new(64), position: 0, width, ranges: Vec::new() }
+        let assembler = Assembler::new(64);
+        Encoder { assembler, position: 0, width, has_mask: false, ranges: Vec::new() }
     }
 
     pub(super) fn width(&self) -> Width {
         self.width
     }
 
-    /// Returns the number of vector registers.
+    /// Returns the number of vector registers for values.
     pub(super) fn registers(&self) -> usize {
+        self.all_registers() - usize::from(self.has_mask)
+    }
+
+    fn all_registers(&self) -> usize {
         match self.width {
             Width::Eight => 32,
             Width::Four | Width::One => 16,
         }
+    }
+
+    /// Returns the register with all bits but the sign.
+    fn mask(&self) -> Register {
+        self.register(self.all_registers() - 1)
     }
 
     /// Returns the number of cells that short instructions reach from a register.
@@ -76,9 +88,37 @@ impl Encoder {
         }
     }
 
-    /// Begins a function that reads and writes these cells, and returns its place.
-    pub(super) fn begin(&mut self, cells: impl Iterator<Item = Cell>) -> Encoded<usize> {
+    /// Begins a function that reads and writes these cells, and returns its place. Only a function that is said to do so
+    /// computes sizes.
+    pub(super) fn begin(
+        &mut self,
+        cells: impl Iterator<Item = Cell>,
+        has_sizes: bool,
+    ) -> Encoded<usize> {
         let place = self.position as usize;
+        self.has_mask = has_sizes;
+        if has_sizes {
+            let mask = self.mask();
+            let ones = match self.width {
+                Width::Eight => {
+                    let code = Code::EVEX_Vpternlogq_zmm_k1z_zmm_zmmm512b64_imm8;
+                    Instruction::with4(code, mask, mask, mask, 0xff_u32)
+                }
+                Width::Four => {
+                    Instruction::with3(Code::VEX_Vpcmpeqd_ymm_ymm_ymmm256, mask, mask, mask)
+                }
+                Width::One => {
+                    Instruction::with3(Code::VEX_Vpcmpeqd_xmm_xmm_xmmm128, mask, mask, mask)
+                }
+            };
+            self.put(ones)?;
+            let shift = self.pick([
+                Code::EVEX_Vpsrlq_zmm_k1z_zmmm512b64_imm8,
+                Code::VEX_Vpsrlq_ymm_ymm_imm8,
+                Code::VEX_Vpsrlq_xmm_xmm_imm8,
+            ]);
+            self.put(Instruction::with3(shift, mask, mask, 1_u32))?;
+        }
         self.ranges.clear();
         if let Some(near) = self.near() {
             let mut counts: BTreeMap<Cell, usize> = BTreeMap::new();
@@ -189,20 +229,13 @@ impl Encoder {
     }
 
     /// Clears the sign of each number.
-    pub(super) fn size(&mut self, to: usize, of: usize) -> Encoded {
-        let [shifts_left, shifts_right] = match self.width {
-            Width::Eight => [
-                Code::EVEX_Vpsllq_zmm_k1z_zmmm512b64_imm8,
-                Code::EVEX_Vpsrlq_zmm_k1z_zmmm512b64_imm8,
-            ],
-            Width::Four => [Code::VEX_Vpsllq_ymm_ymm_imm8, Code::VEX_Vpsrlq_ymm_ymm_imm8],
-            Width::One => [Code::VEX_Vpsllq_xmm_xmm_imm8, Code::VEX_Vpsrlq_xmm_xmm_imm8],
-        };
-        for (code, from) in [(shifts_left, of), (shifts_right, to)] {
-            let [to, from] = [to, from].map(|number| self.register(number));
-            self.put(Instruction::with3(code, to, from, 1_u32))?;
-        }
-        Ok(())
+    pub(super) fn size(&mut self, to: usize, of: Place) -> Encoded {
+        let code = self.pick([
+            Code::EVEX_Vpandq_zmm_k1z_zmm_zmmm512b64,
+            Code::VEX_Vandpd_ymm_ymm_ymmm256,
+            Code::VEX_Vandpd_xmm_xmm_xmmm128,
+        ]);
+        self.three(code, to, self.all_registers() - 1, of)
     }
 
     pub(super) fn product(&mut self, to: usize, a: usize, b: Place) -> Encoded {
@@ -239,6 +272,26 @@ impl Encoder {
             ]
         };
         self.three(self.pick(codes), sum, a, b)
+    }
+
+    /// Writes `a` where it is less than `b`, and `b` elsewhere, also where one of them is not a number.
+    pub(super) fn smaller(&mut self, to: usize, a: usize, b: Place) -> Encoded {
+        let code = self.pick([
+            Code::EVEX_Vminpd_zmm_k1z_zmm_zmmm512b64_sae,
+            Code::VEX_Vminpd_ymm_ymm_ymmm256,
+            Code::VEX_Vminsd_xmm_xmm_xmmm64,
+        ]);
+        self.three(code, to, a, b)
+    }
+
+    /// Writes `a` where it is greater than `b`, and `b` elsewhere, also where one of them is not a number.
+    pub(super) fn larger(&mut self, to: usize, a: usize, b: Place) -> Encoded {
+        let code = self.pick([
+            Code::EVEX_Vmaxpd_zmm_k1z_zmm_zmmm512b64_sae,
+            Code::VEX_Vmaxpd_ymm_ymm_ymmm256,
+            Code::VEX_Vmaxsd_xmm_xmm_xmmm64,
+        ]);
+        self.three(code, to, a, b)
     }
 
     /// Writes the third register where the first is less than the second, else the fourth. `to` is none of them.

@@ -23,6 +23,10 @@ pub(super) enum Operation {
     Size(Id),
     /// The third where the first is less than the second, else the fourth.
     Choice([Id; 4]),
+    /// The first where it is less than the second, else the second.
+    Smaller([Id; 2]),
+    /// The first where it is greater than the second, else the second.
+    Larger([Id; 2]),
     /// A copy of a value for another cell.
     Copy(Id),
 }
@@ -31,9 +35,10 @@ impl Operation {
     /// Returns the values that the operation reads.
     pub(super) fn reads(&self) -> impl Iterator<Item = Id> + use<> {
         let all: [Option<Id>; 4] = match *self {
-            Operation::Product([a, b]) | Operation::Quotient([a, b]) => {
-                [Some(a), Some(b), None, None]
-            }
+            Operation::Product([a, b])
+            | Operation::Quotient([a, b])
+            | Operation::Smaller([a, b])
+            | Operation::Larger([a, b]) => [Some(a), Some(b), None, None],
             Operation::Fused { factors: [a, b], sum, .. } => [Some(a), Some(b), Some(sum), None],
             Operation::SquareRoot(a) | Operation::Size(a) | Operation::Copy(a) => {
                 [Some(a), None, None, None]
@@ -183,7 +188,15 @@ impl<F: Fn(Cell) -> bool> Lowering<F> {
             Instruction::Size { out, of } => (out, Operation::Size(self.at(of))),
             Instruction::SquareRoot { out, of } => (out, Operation::SquareRoot(self.at(of))),
             Instruction::Choice { out, less: [a, b], then, other } => {
-                (out, Operation::Choice([a, b, then, other].map(|cell| self.at(cell))))
+                let of = [a, b, then, other].map(|cell| self.at(cell));
+                let operation = if [then, other] == [a, b] {
+                    Operation::Smaller([of[0], of[1]])
+                } else if [then, other] == [b, a] {
+                    Operation::Larger([of[1], of[0]])
+                } else {
+                    Operation::Choice(of)
+                };
+                (out, operation)
             }
             // Sums are lowered together; the host computes functions.
             Instruction::Sum { .. }

@@ -17,6 +17,7 @@ use super::run::Numbers;
 use super::vector::Vector;
 use crate::graph::{Cell, Function, Instruction, Program};
 use encode::Encoder;
+use lower::{Line, Operation};
 
 /// The widths of vector registers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -204,7 +205,9 @@ fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<Part>> {
             |cell: u32| program.kept[cell as usize] || last_read[cell as usize] <= later.len();
         let lowered = lower::lower(program, own, stored, encoder.width());
         let cells = lowered.values.iter().map(|value| value.cell);
-        parts.push(Part::Code(encoder.begin(cells).ok()?));
+        let is_size = |line: &Line| matches!(line.operation, Operation::Size(_));
+        let has_sizes = lowered.lines.iter().any(is_size);
+        parts.push(Part::Code(encoder.begin(cells, has_sizes).ok()?));
         registers::assign(lowered, encoder, program.cells).ok()?;
         encoder.end().ok()?;
         rest = later;

@@ -181,11 +181,17 @@ impl Registers<'_> {
                 self.encoder.product(result, a, b)?;
                 result
             }
-            Operation::Quotient([of, by]) => {
+            Operation::Quotient([of, by])
+            | Operation::Smaller([of, by])
+            | Operation::Larger([of, by]) => {
                 let of_in = self.load(of, &mut keep)?;
                 let by_at = self.place(by, at, &mut keep)?;
                 let result = self.result(&[of, by], at, &keep)?;
-                self.encoder.quotient(result, of_in, by_at)?;
+                match line.operation {
+                    Operation::Smaller(_) => self.encoder.smaller(result, of_in, by_at)?,
+                    Operation::Larger(_) => self.encoder.larger(result, of_in, by_at)?,
+                    _ => self.encoder.quotient(result, of_in, by_at)?,
+                }
                 result
             }
             Operation::Fused { factors, sum, subtracts } => {
@@ -215,7 +221,7 @@ impl Registers<'_> {
                 result
             }
             Operation::Size(of) => {
-                let register = self.load(of, &mut keep)?;
+                let register = Place::Register(self.load(of, &mut keep)?);
                 let result = self.result(&[of], at, &keep)?;
                 self.encoder.size(result, register)?;
                 result

@@ -1,7 +1,5 @@
 //! Runs a program instruction by instruction.
 
-use fearless_simd::prelude::*;
-
 use super::Numbers;
 use crate::graph::{Instruction, Product, Program};
 use crate::motion::lockstep::vector::Vector;

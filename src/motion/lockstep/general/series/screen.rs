@@ -52,6 +52,13 @@ struct Curve {
     bound: Cell,
 }
 
+/// What is known of a normal force.
+enum Normal {
+    /// A lower bound.
+    AtLeast(Cell),
+    Over(Curve),
+}
+
 /// Powers of the length of a step, with factors.
 struct Powers {
     /// `h^k`
@@ -67,9 +74,14 @@ impl Expansion<'_> {
     pub(super) fn screen(&mut self, radii: Option<&Radii>) -> Screen {
         let of: &Operations = self.of;
         let powers = self.powers();
-        let normals: Vec<Curve> = match radii {
-            Some(radii) => self.least_normals(radii, &powers),
-            None => of.contacts.iter().map(|one| self.curve(one[2], ORDER - 1, &powers)).collect(),
+        let normals: Vec<Normal> = match radii {
+            Some(radii) => {
+                self.least_normals(radii, &powers).into_iter().map(Normal::AtLeast).collect()
+            }
+            None => {
+                let curve = |one: &[Slot; 4]| self.curve(one[2], ORDER - 1, &powers);
+                of.contacts.iter().map(curve).map(Normal::Over).collect()
+            }
         };
         let speeds: Vec<_> =
             of.contacts.iter().map(|one| self.curve(one[0], ORDER, &powers)).collect();
@@ -86,35 +98,46 @@ impl Expansion<'_> {
             let size = self.builder.size(sign);
             let slips = self.scaled(sign, size, &speeds[contact], number(OfContact::Offset));
             let slips = self.least(&slips);
-            let [normal, friction] = [&normals[contact], &frictions[contact]];
-            let closed = self.scaled(one, one, normal, number(OfContact::Aim));
-            let closed = self.least(&closed);
+            let (normal, friction) = (&normals[contact], &frictions[contact]);
+            let aim = number(OfContact::Aim);
+            let closed = match normal {
+                Normal::AtLeast(least) => self.builder.sum(Some(aim), &[[one, *least]]),
+                Normal::Over(curve) => {
+                    let closed = self.scaled(one, one, curve, aim);
+                    self.least(&closed)
+                }
+            };
             let mut forces = closed;
             let mut bounds = [slips, closed, closed, closed];
             // Friction holds a contact that sticks against both directions.
-            let limit = number(OfContact::Limit);
-            let bound = self.builder.sum(Some(friction.bound), &[[limit, normal.bound]]);
+            let [limit, slack] = [OfContact::Limit, OfContact::Slack].map(number);
             for (place, subtracts) in [(Bound::Backward, false), (Bound::Forward, true)] {
-                let part = |builder: &mut crate::graph::Builder, start, normal, friction| {
+                let builder = &mut self.builder;
+                let mut part = |start: Option<Cell>, normal: Option<Cell>, friction: Cell| {
                     let out = builder.cell();
-                    let products = [
-                        Product::plus([limit, normal]),
-                        Product { factors: [one, friction], subtracts },
-                    ];
-                    builder.combine(out, start, products);
+                    let normal = normal.map(|normal| Product::plus([limit, normal]));
+                    let friction = Product { factors: [one, friction], subtracts };
+                    builder.combine(out, start, normal.into_iter().chain([friction]));
                     out
                 };
-                let slack = Some(number(OfContact::Slack));
-                let builder = &mut self.builder;
-                let held = Curve {
-                    values: std::array::from_fn(|end| {
-                        part(builder, slack, normal.values[end], friction.values[end])
-                    }),
-                    changes: std::array::from_fn(|end| {
-                        part(builder, None, normal.changes[end], friction.changes[end])
-                    }),
-                    bound,
+                let ends = [0, 1];
+                let (values, changes) = match normal {
+                    Normal::AtLeast(least) => (
+                        ends.map(|end| part(Some(slack), Some(*least), friction.values[end])),
+                        ends.map(|end| part(None, None, friction.changes[end])),
+                    ),
+                    Normal::Over(curve) => (
+                        ends.map(|i| part(Some(slack), Some(curve.values[i]), friction.values[i])),
+                        ends.map(|i| part(None, Some(curve.changes[i]), friction.changes[i])),
+                    ),
                 };
+                let bound = match normal {
+                    Normal::AtLeast(_) => friction.bound,
+                    Normal::Over(curve) => {
+                        builder.sum(Some(friction.bound), &[[limit, curve.bound]])
+                    }
+                };
+                let held = Curve { values, changes, bound };
                 let held = self.least(&held);
                 let zero = self.builder.number(0.0);
                 let held = self.builder.choice([zero, number(OfContact::Stuck)], held, one);
@@ -215,8 +238,8 @@ impl Expansion<'_> {
         builder.smaller(ends, inner)
     }
 
-    /// Returns lower bounds of the normal forces, as constants.
-    fn least_normals(&mut self, radii: &Radii, powers: &Powers) -> Vec<Curve> {
+    /// Returns lower bounds of the normal forces.
+    fn least_normals(&mut self, radii: &Radii, powers: &Powers) -> Vec<Cell> {
         let zero = self.builder.number(0.0);
         let mut of = vec![zero; self.of.slots];
         for (slot, rule) in &radii.rules {
@@ -253,8 +276,7 @@ impl Expansion<'_> {
         let normals = slots.map(|slot| {
             let start = self.start(slot);
             let one = self.builder.number(1.0);
-            let least = self.builder.difference(Some(start), &[[one, of[slot as usize]]]);
-            Curve { values: [least; 2], changes: [zero; 2], bound: zero }
+            self.builder.difference(Some(start), &[[one, of[slot as usize]]])
         });
         normals.collect()
     }
