@@ -74,7 +74,8 @@ impl SimdLevel {
         }
     }
 
-    /// Returns how programs run with these instructions: `avx512 machine code`, or `baseline interpreter`.
+    /// Returns how programs run with these instructions: `avx512 machine code`, or `baseline interpreter`. Where vectors are
+    /// those of AVX2 and the machine code is not, `avx2, avx512 machine code`.
     pub fn path(self) -> String {
         let width = match self.0 {
             #[cfg(target_arch = "x86_64")]
