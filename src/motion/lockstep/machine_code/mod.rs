@@ -123,11 +123,9 @@ impl Code {
     /// # Panics
     /// Panics if there are fewer cells than the program has, or if they have another size than those of the code.
     pub(super) fn run<S: Vector, T: Numbers<S>>(&self, simd: S, memory: &mut [T]) {
-        assert!(memory.len() >= self.cells, "a program needs all of its cells");
-        assert!(self.width.bytes() == size_of::<T>(), "the code is for other cells");
         for part in &self.parts {
             match part {
-                Part::Code(place) => self.call(*place, memory.as_mut_ptr().cast()),
+                Part::Code(place) => self.call(*place, memory),
                 Part::Turns(turns) => simd.vectorize(
                     #[inline(always)]
                     || T::sines_cosines(simd, memory, turns),
@@ -139,19 +137,23 @@ impl Code {
         }
     }
 
-    /// Runs the code at a place; `run` has checked the cells.
+    /// Runs the code at a place.
     #[allow(unsafe_code)]
-    fn call(&self, place: usize, cells: *mut f64) {
+    fn call<S: Vector, T: Numbers<S>>(&self, place: usize, memory: &mut [T]) {
+        assert!(memory.len() >= self.cells, "a program needs all of its cells");
+        assert!(self.width.bytes() == size_of::<T>(), "the code is for other cells");
         // Unsafe because the compiler cannot see that bytes are a function.
         // SAFETY: `place` is the start of a function in `code`, between `Encoder::begin` and `Encoder::end`. The function has
         // this calling convention, changes no registers but those that a function may change, and has no branch before its
         // return. The processor has its instructions: `new` makes no other code.
         let function: unsafe extern "sysv64" fn(*mut f64) =
             unsafe { std::mem::transmute(self.code.as_ptr().add(place)) };
+        let cells = memory.as_mut_ptr().cast::<f64>();
         // Unsafe because the function reads and writes memory by address.
         // SAFETY: the function reads and writes cells below `self.cells` (`registers::assign` refuses others), each of
-        // `Width::bytes` bytes, and `run`, the only caller, has checked that its cells are as many and as large. Code for half
-        // of the lanes reads and writes the first four numbers of a cell from the pointer on.
+        // `Width::bytes` bytes; the comparisons above hold that `memory` has as many, each as large. Cells consist of numbers
+        // (`Numbers` has no other types). Code for half of the lanes reads and writes the first four numbers of a cell from the
+        // pointer on.
         unsafe {
             function(cells);
             if self.width == Width::Four {
