@@ -14,6 +14,7 @@ mod cycles;
 mod equilibrium_histogram;
 mod equilibrium_set;
 mod escape;
+mod estimates;
 mod frictionless;
 mod identical_balls;
 mod interval;
@@ -51,6 +52,10 @@ pub use cycles::{CycleGroup, CycleRange, CycleRole};
 pub use equilibrium_histogram::{BINS, EquilibriumHistogram, HistogramBin, bin, bin_edges};
 pub use equilibrium_set::{EquilibriumSet, Resolution, set_fraction};
 pub use escape::{EscapeRate, escape_rate, rate_interval};
+pub use estimates::{
+    Estimate, RunResult, Sample, above, at_rest_by, estimate_difference, estimate_ratio, mean,
+    median_time_to_rest, quantile, standard_deviation, worst,
+};
 pub use frictionless::{
     FrictionlessEquilibrium, FrictionlessKind, HIGH_DRAG, frictionless_equilibria,
 };

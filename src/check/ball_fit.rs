@@ -1,8 +1,6 @@
 //! Whether balls have room in the ring: angles that balls occupy, their density, and how often positions of rest
 //! overlap without contact between balls.
 
-use std::f64::consts::PI;
-
 use crate::analysis::{REPLICATES, RestForm, sample};
 use crate::model::{Ball, Machine, wrap_to_pi};
 
@@ -17,12 +15,7 @@ pub fn occupied_angle(machine: &Machine) -> f64 {
 
 /// Returns the density of a ball as a homogeneous sphere, kg/m³.
 pub fn density_kg_m3(ball: &Ball) -> f64 {
-    ball.mass_kg / sphere_volume_m3(ball.diameter_m)
-}
-
-/// Returns the volume of a sphere, m³.
-pub(super) fn sphere_volume_m3(diameter_m: f64) -> f64 {
-    PI / 6.0 * diameter_m.powi(3)
+    ball.mass_kg / ball.volume_m3()
 }
 
 /// Samples per scramble, which makes 4096 positions.

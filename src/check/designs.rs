@@ -51,9 +51,7 @@ impl ExaminedDesign {
 /// Returns the values of a design in words, as `stiffness_n_m 9500, ring steel`.
 pub(super) fn described(study: &Study, values: &[DesignValue]) -> String {
     let each = study.variables().iter().zip(values);
-    let text = |(variable, value): (&Variable, &DesignValue)| {
-        format!("{} {}", variable.name(), variable.describe(*value))
-    };
+    let text = |(variable, value): (&Variable, &DesignValue)| variable.in_words(*value);
     each.map(text).collect::<Vec<_>>().join(", ")
 }
 
@@ -93,9 +91,8 @@ pub(super) fn extreme_designs(
             }
         }
         let each = study.variables().iter().zip(&values).zip(&matters);
-        let words = each.filter(|(_, matters)| **matters).map(|((variable, value), _)| {
-            format!("{} {}", variable.name(), variable.describe(*value))
-        });
+        let words = each.filter(|(_, matters)| **matters);
+        let words = words.map(|((variable, value), _)| variable.in_words(*value));
         ExtremeDesign { value: best, words: words.collect::<Vec<_>>().join(", ") }
     };
     Some([extreme(-1.0), extreme(1.0)])

@@ -4,16 +4,16 @@
 
 use std::f64::consts::TAU;
 
-use super::ball_fit::{BallPositions, density_kg_m3, occupied_angle, sphere_volume_m3};
+use super::ball_fit::{BallPositions, density_kg_m3, occupied_angle};
 use super::closed_form::capacity_kg_m;
 use super::slips::{LIMITS, Limit, has_mass_of_template};
 use super::warning::Finding;
 use crate::analysis::{Balance, RestForm, reference_amplitude};
-use crate::model::{Ball, Block, Dimension, FrictionLaw, Ground, LawParameter, Machine, Model};
+use crate::model::{
+    Ball, Block, Dimension, FrictionLaw, Ground, LawParameter, Machine, Model, STEEL_KG_M3,
+};
 use crate::study::{ListedParameter, Study, describe_number};
 
-/// Density of steel, kg/m³.
-const STEEL_KG_M3: f64 = 7850.0;
 /// Densities of solid balls, from light plastics to tungsten and platinum, kg/m³.
 const DENSITIES_KG_M3: [f64; 2] = [500.0, 25_000.0];
 /// Friction coefficients other than 0.
@@ -153,7 +153,7 @@ impl At<'_> {
         } else {
             return None;
         };
-        let steel_kg = STEEL_KG_M3 * sphere_volume_m3(ball.diameter_m);
+        let steel_kg = STEEL_KG_M3 * ball.volume_m3();
         let mass = self.key("ball_mass_kg", Some(number));
         let diameter = self.key("ball_diameter_m", Some(number));
         let is_default = of("ball_mass_kg").any(|one| one.is_default);

@@ -196,7 +196,7 @@ fn rows(
     let (hash, seed) = (&study.hash()[..12], study.seed());
     let mut rows = vec![
         ("study", format!("{} (hash {hash}, seed {seed})", study.name())),
-        ("model", format!("{what}, {friction} friction, natural frequency {natural} rad/s")),
+        ("model", format!("{what}, {friction} friction, natural frequency {natural}")),
         ("swept", names(study.swept())),
         ("uncertain", names(study.uncertain()) + &sampled_together(study)),
     ];
@@ -226,14 +226,16 @@ fn rows(
     rows
 }
 
-/// Returns the natural frequencies of the points, with uncertain parameters at their medians, in rad/s.
+/// Returns the natural frequencies of the points, with uncertain parameters at their medians.
 fn natural_frequency(study: &Study) -> String {
     let points = points_to_examine(study.point_count(), most_points(study)).into_iter();
     let each = points.map(|point| study.point(point).model().natural_frequency_rad_s());
     let [low, high] = each
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], one| [low.min(one), high.max(one)]);
-    let [least, most] = [low, high].map(|one| format!("{one:.3}"));
-    if least == most { least } else { format!("{least} to {most}") }
+    let unit = study.units().speed();
+    let [least, most] = [low, high].map(|one| format!("{:.3}", unit.of(one)));
+    let range = if least == most { least } else { format!("{least} to {most}") };
+    format!("{range} {}", unit.symbol)
 }
 
 /// Returns how the uncertain parameters are sampled together, in parentheses; empty if their draws are independent.

@@ -1,10 +1,11 @@
 //! The lines below the closed forms of `check`: what the columns mean, and what the points have in common.
 
 use crate::check::{BalancerFacts, is_held_everywhere, short};
+use crate::study::Unit;
 
 /// Explains the columns, and states the worst rest, the points below the natural frequency or with
 /// too much friction, and the direction of the axis, in words.
-pub(super) fn legend(balancers: &[(u64, &BalancerFacts)]) -> String {
+pub(super) fn legend(balancers: &[(u64, &BalancerFacts)], speed: &Unit) -> String {
     let mut text = "set: fraction of all ball positions at which friction holds the balls; worst rest: the largest \
                     amplitude there;\noverlap: fraction of these positions in which balls overlap; balance: stability \
                     of the balancing position without friction\n"
@@ -43,11 +44,11 @@ pub(super) fn legend(balancers: &[(u64, &BalancerFacts)]) -> String {
              the balancing position\n"
         );
     }
-    text + &on_a_horizontal_axis(balancers)
+    text + &on_a_horizontal_axis(balancers, speed)
 }
 
 /// Says that the axis is vertical, and what gravity does on a horizontal one, at the point with the most gravity.
-fn on_a_horizontal_axis(balancers: &[(u64, &BalancerFacts)]) -> String {
+fn on_a_horizontal_axis(balancers: &[(u64, &BalancerFacts)], speed: &Unit) -> String {
     let ratio = |(point_id, facts): &(u64, &BalancerFacts)| {
         Some((facts.gravity_over_friction?, *point_id, facts.speed_rad_s()))
     };
@@ -58,8 +59,9 @@ fn on_a_horizontal_axis(balancers: &[(u64, &BalancerFacts)]) -> String {
     let point = if balancers.len() == 1 { String::new() } else { format!(" at point {point_id}") };
     format!(
         "the axis is vertical: the model leaves gravity out. On a horizontal axis, gravity is {} % of the friction\n\
-         μ ω² R that holds a ball{point}, and no ball stays at rest below sqrt(g/(μ R)) = {} rad/s\n",
+         μ ω² R that holds a ball{point}, and no ball stays at rest below sqrt(g/(μ R)) = {} {}\n",
         short(100.0 * ratio),
-        short(speed_rad_s * ratio.sqrt())
+        short(speed.of(speed_rad_s * ratio.sqrt())),
+        speed.symbol,
     )
 }

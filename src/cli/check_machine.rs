@@ -3,23 +3,30 @@
 use serde_json::{Value, json};
 
 use crate::check::short;
-use crate::study::{ListedParameter, ParameterValue, Study};
+use crate::study::{ListedParameter, ParameterValue, Study, Unit, short_name};
 use crate::text_table::text_table;
 
 /// Returns the parameters as lines of text.
 pub(super) fn machine_text(study: &Study) -> String {
-    let row =
-        |one: ListedParameter| vec![String::new(), one.name.clone(), value(&one), origin(&one)];
+    let row = |one: ListedParameter| {
+        let unit = study.units().of_parameter(&one.name);
+        let name = match unit {
+            Some(_) => short_name(&one.name, one.unit),
+            None => one.name.clone(),
+        };
+        vec![String::new(), name, value(&one, unit), origin(&one, unit)]
+    };
     let rows: Vec<Vec<String>> = study.parameters().into_iter().map(row).collect();
     format!("machine ({})\n{}", study.model().kind().name, text_table(&rows, &[0, 1, 2, 3]))
 }
 
 /// Returns the value with its unit, or the range of a value that is swept or part of a design.
-fn value(parameter: &ListedParameter) -> String {
-    let unit = match parameter.unit {
+fn value(parameter: &ListedParameter, shown: Option<&Unit>) -> String {
+    let unit = match shown.map_or(parameter.unit, |unit| unit.symbol.as_str()) {
         "" | "1" => String::new(),
         unit => format!(" {unit}"),
     };
+    let long = |value: f64| long(shown.map_or(value, |unit| unit.of(value)));
     let swept = parameter.swept.as_ref().and_then(|swept| swept.range);
     match (parameter.design.or(swept), parameter.value) {
         (Some([low, high]), _) if low == high => format!("{}{unit}", long(low)),
@@ -36,7 +43,7 @@ fn long(number: f64) -> String {
 }
 
 /// Returns the origin of the value in words; nothing if the study gives a fixed value.
-fn origin(parameter: &ListedParameter) -> String {
+fn origin(parameter: &ListedParameter, shown: Option<&Unit>) -> String {
     let mut words = Vec::new();
     if parameter.is_default && !parameter.is_varied() {
         words.push("(default)".to_owned());
@@ -49,7 +56,8 @@ fn origin(parameter: &ListedParameter) -> String {
         words.push("design".to_owned());
     }
     if let Some(uncertain) = parameter.uncertain {
-        let [low, high] = uncertain.range.map(short);
+        let shown = shown.filter(|_| !uncertain.factor);
+        let [low, high] = uncertain.range.map(|end| short(shown.map_or(end, |unit| unit.of(end))));
         let what = if uncertain.factor { "uncertain, times" } else { "uncertain, median;" };
         words.push(format!("{what} {low} to {high} in 95 % of the runs"));
     }

@@ -8,12 +8,13 @@ use crate::analysis::{Balance, Stability};
 use crate::check::{
     BalancerFacts, BallPositions, BlockFacts, ExaminedDesign, RestFacts, points_to_examine, short,
 };
-use crate::study::{DesignValue, Point, Study, Variable};
+use crate::study::{DesignValue, Point, Study, Unit, Variable, VariedParameter};
 use crate::text_table::text_table;
 
 /// The closed forms at some points of a sweep, with uncertain parameters at their medians.
 pub(super) struct ClosedForms {
-    names: Vec<String>,
+    swept: Vec<VariedParameter>,
+    units: ShownUnits,
     /// The number of points of the sweep.
     points: u64,
     /// Whether any parameter is uncertain.
@@ -62,7 +63,11 @@ impl ClosedForms {
         let points = points_to_examine(study.point_count(), most);
         let at: Vec<(Point, Facts)> = points.into_iter().filter_map(facts).collect();
         ClosedForms {
-            names: study.swept().iter().map(|column| column.name.clone()).collect(),
+            swept: study.swept().to_vec(),
+            units: ShownUnits {
+                speed: study.units().speed(),
+                vibration: study.units().vibration(),
+            },
             points: study.point_count(),
             uncertain: !study.uncertain().is_empty(),
             design: design.map(|design| (design.words(), design_json(design))),
@@ -88,22 +93,30 @@ impl ClosedForms {
         if balancers.is_empty() {
             let is_block = |(_, facts): &(Point, Facts)| matches!(facts, Facts::Block(_));
             let all = if self.at.iter().all(is_block) { 3 } else { 1 };
-            return text + &self.table(&BLOCK_COLUMNS[..all]);
+            let columns: Vec<String> = BLOCK_COLUMNS[..all].iter().map(|&one| one.into()).collect();
+            return text + &self.table(&columns);
         }
-        let mut text = text + &self.table(&BALANCER_COLUMNS) + &legend(&balancers);
-        if self.at.iter().any(|(_, facts)| facts.cells().iter().any(|cell| cell.contains(RANGE))) {
+        let mut text = text
+            + &self.table(&balancer_columns(&self.units))
+            + &legend(&balancers, &self.units.speed);
+        if self
+            .at
+            .iter()
+            .any(|(_, facts)| facts.cells(&self.units).iter().any(|cell| cell.contains(RANGE)))
+        {
             text += "(a .. b): the values at the quantiles 2.5 % (a) and 97.5 % (b) of uncertain friction\n";
         }
         text
     }
 
-    fn table(&self, columns: &[&str]) -> String {
-        let head = ["point"].into_iter().chain(self.names.iter().map(String::as_str));
-        let head = head.chain(columns.iter().copied()).map(str::to_owned).collect();
+    fn table(&self, columns: &[String]) -> String {
+        let mut head = vec!["point".to_owned()];
+        head.extend(self.swept.iter().map(VariedParameter::shown_name));
+        head.extend(columns.iter().cloned());
         let rows = self.at.iter().zip(&self.shown).map(|((point, facts), shown)| {
             let mut row = vec![point.point_id.to_string()];
             row.extend(shown.iter().cloned());
-            row.extend(facts.cells());
+            row.extend(facts.cells(&self.units));
             row
         });
         text_table(&[head].into_iter().chain(rows).collect::<Vec<_>>(), &[])
@@ -112,7 +125,7 @@ impl ClosedForms {
     /// Returns the facts as JSON.
     pub(super) fn json(&self) -> Value {
         let point = |(point, facts): &(Point, Facts)| {
-            let mut object = point_keys(point.point_id, &self.names, &point.swept);
+            let mut object = point_keys(point.point_id, &self.swept, &point.swept);
             for (key, value) in facts.entries() {
                 object[key] = value;
             }
@@ -168,21 +181,31 @@ const RANGE: &str = " .. ";
 
 const BLOCK_COLUMNS: [&str; 3] = ["natural [rad/s]", "static reach [m]", "belt [m/s]"];
 
-const BALANCER_COLUMNS: [&str; 9] = [
-    "natural [rad/s]",
-    "speed/natural",
-    "capacity [g mm]",
-    "/imbalance",
-    "set",
-    "worst rest [µm]",
-    "no balls [µm]",
-    "overlap",
-    "balance",
-];
+/// The units of speeds of rotation and of vibration.
+struct ShownUnits {
+    speed: Unit,
+    vibration: Unit,
+}
+
+/// Returns the names of the columns of a balancer.
+fn balancer_columns(units: &ShownUnits) -> Vec<String> {
+    let ShownUnits { speed, vibration } = units;
+    vec![
+        format!("natural [{}]", speed.symbol),
+        "speed/natural".to_owned(),
+        "capacity [g mm]".to_owned(),
+        "/imbalance".to_owned(),
+        "set".to_owned(),
+        format!("worst rest [{}]", vibration.symbol),
+        format!("no balls [{}]", vibration.symbol),
+        "overlap".to_owned(),
+        "balance".to_owned(),
+    ]
+}
 
 impl Facts {
     /// Returns the cells of a row of the table.
-    fn cells(&self) -> Vec<String> {
+    fn cells(&self, units: &ShownUnits) -> Vec<String> {
         match self {
             Facts::Other { natural_frequency_rad_s } => {
                 vec![format!("{natural_frequency_rad_s:.2}")]
@@ -193,7 +216,7 @@ impl Facts {
                 facts.belt_speed_m_s.map_or_else(none, short),
             ],
             Facts::Balancer(facts, range) => {
-                let rest = |value: fn(&RestFacts) -> Option<f64>| {
+                let rest = |value: &dyn Fn(&RestFacts) -> Option<f64>| {
                     let nominal = facts.rest.as_ref().and_then(value).map_or_else(none, short);
                     let ends = range.as_ref().map(|[low, high]| [value(low), value(high)]);
                     match ends.map(|ends| ends.map(|end| end.map_or_else(none, short))) {
@@ -204,16 +227,16 @@ impl Facts {
                     }
                 };
                 vec![
-                    format!("{:.2}", facts.natural_frequency_rad_s),
+                    format!("{:.2}", units.speed.of(facts.natural_frequency_rad_s)),
                     format!("{:.3}", facts.speed_ratio),
                     short(facts.capacity_kg_m * GRAM_MILLIMETRES),
                     short(facts.capacity_ratio()),
-                    rest(|rest| Some(rounded(rest.set_fraction))),
-                    rest(|rest| rest.max_amplitude_m.map(|amplitude| amplitude * MICROMETRES)),
+                    rest(&|rest| Some(rounded(rest.set_fraction))),
+                    rest(&|rest| rest.max_amplitude_m.map(|one| units.vibration.of(one))),
                     facts
                         .amplitude_without_balls_m
-                        .map_or_else(none, |one| short(one * MICROMETRES)),
-                    rest(|rest| rest.overlapping_fraction.map(rounded)),
+                        .map_or_else(none, |one| short(units.vibration.of(one))),
+                    rest(&|rest| rest.overlapping_fraction.map(rounded)),
                     balance(facts),
                 ]
             }
@@ -257,8 +280,6 @@ impl Facts {
 
 /// g mm in one kg m.
 const GRAM_MILLIMETRES: f64 = 1e6;
-/// µm in one m.
-const MICROMETRES: f64 = 1e6;
 
 fn none() -> String {
     "-".to_owned()

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::analysis::{RunUp, run_ups};
 use crate::check::{points_to_examine, short};
-use crate::study::Study;
+use crate::study::{Study, Unit};
 
 /// The most points whose run-ups are compared.
 const MOST_POINTS: u64 = 1000;
@@ -37,17 +37,19 @@ pub(super) fn run_up_rows(study: &Study) -> Vec<(&'static str, String)> {
     let (point_id, all) = longest_slipping(study);
     let at = point_id.map(|id| format!(" (point {id}, where they slip longest)"));
     let at = at.unwrap_or_default();
-    all.iter().map(|one| ("run-up", format!("{}{at}", words(one)))).collect()
+    let unit = study.units().speed();
+    all.iter().map(|one| ("run-up", format!("{}{at}", words(one, &unit)))).collect()
 }
 
-fn words(run_up: &RunUp) -> String {
+fn words(run_up: &RunUp, unit: &Unit) -> String {
     let RunUp { time_s, speed_rad_s, acceleration_rad_s2, followed_rad_s2, slipping_fraction } =
         run_up;
-    let [from, to] = speed_rad_s.map(short);
+    let [from, to] = speed_rad_s.map(|speed| short(unit.of(speed)));
+    let symbol = &unit.symbol;
     let [begin, end] = time_s.map(short);
     let [slow, fast] = followed_rad_s2.map(short);
     let change = format!(
-        "{from} to {to} rad/s from {begin} to {end} s, at most {} rad/s²",
+        "{from} to {to} {symbol} from {begin} to {end} s, at most {} rad/s²",
         short(*acceleration_rad_s2)
     );
     let followed =

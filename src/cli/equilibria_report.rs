@@ -7,14 +7,14 @@ use serde_json::{Value, json};
 use super::point_keys::{merged, point_keys};
 use super::points_table::MOST_LINES;
 use crate::analysis::{FrictionlessEquilibrium, FrictionlessKind, Stability};
-use crate::study::Study;
+use crate::study::{Study, VariedParameter};
 use crate::table::SetSummaryRow;
 use crate::text_table::text_table;
 
 /// The part of the result that is printed.
 pub struct Report {
     study: String,
-    names: Vec<String>,
+    swept: Vec<VariedParameter>,
     points: Vec<(SetSummaryRow, Vec<&'static str>)>,
     /// The values of the swept parameters of each of these points.
     shown: Vec<Vec<String>>,
@@ -39,7 +39,7 @@ impl Report {
     pub fn new(study: &Study, keep_all: bool, own_speeds: bool) -> Self {
         Report {
             study: study.name().to_owned(),
-            names: study.swept().iter().map(|column| column.name.clone()).collect(),
+            swept: study.swept().to_vec(),
             points: Vec::new(),
             shown: Vec::new(),
             more: 0,
@@ -89,7 +89,7 @@ impl Report {
     pub fn text(&self) -> String {
         let sampled = self.points.iter().any(|(row, _)| row.set.fraction_interval.is_some());
         let mut header = vec!["point".to_owned()];
-        header.extend(self.names.iter().cloned());
+        header.extend(self.swept.iter().map(VariedParameter::shown_name));
         header.push("fraction".to_owned());
         let touching = self.points.iter().any(|(row, _)| row.set.touching_fraction.is_some());
         if touching {
@@ -171,7 +171,7 @@ impl Report {
     pub fn json(&self, options: &Value, directory: &Path) -> Value {
         let point = |(row, stable): &(SetSummaryRow, Vec<&str>)| {
             let SetSummaryRow { point, set, .. } = row;
-            let keys = point_keys(point.point_id, &self.names, &point.swept);
+            let keys = point_keys(point.point_id, &self.swept, &point.swept);
             let facts = json!({
                 "grid_positions": set.positions,
                 "fraction": set.fraction,

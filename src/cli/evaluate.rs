@@ -1,5 +1,6 @@
 //! `stickslip evaluate`: computes responses of designs for optimisers.
 
+use std::io::{self, IsTerminal};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
@@ -8,7 +9,10 @@ use clap::Args;
 use super::arguments::{StudyArgument, ThreadsArgument};
 use super::evaluate_server::serve;
 use super::exit::{CliError, End};
-use super::output::new_table;
+use super::new_table::NewTable;
+use super::output::{csv_header, csv_rows, print};
+use super::printed_columns::estimate_columns;
+use crate::analysis::Estimate;
 use crate::classification::Label;
 use crate::counted::counted;
 use crate::engine::{Parts, Planned, Progress, Show, WorkerPool, say, stop_on_signals};
@@ -17,9 +21,11 @@ use crate::responses::{
 };
 use crate::study::{DesignValue, Study};
 use crate::table::provenance;
+use crate::text_table::text_table;
 
 const EXAMPLES: &str = "\
 Examples:
+  stickslip evaluate studies/design.yaml --designs studies/designs.csv
   stickslip evaluate studies/design.yaml --designs studies/designs.csv --out responses.parquet
   echo '{\"id\": 1, \"speed_rad_s\": -216, \"balls\": 2, \"material\": \"steel\"}' | stickslip evaluate studies/design.yaml --designs -
 
@@ -28,8 +34,9 @@ Computes the responses of each design. A design sets the variables that the stud
 its sweep has its own row or answer. All designs share start states and draws, so that differences between \
 designs are more precise than their values. `audit` and `expect` are ignored.
 
-With --out the responses go to a Parquet file with a row per design and point. With --designs - the command is \
-a server: it reads one JSON object per line from standard input and answers each with one line, in order, \
+The table of responses has a row per design and point. With --out it goes to a Parquet file, or to a CSV file if the \
+name ends in .csv. Otherwise it goes to standard output, as CSV; on a terminal as aligned columns with rounded \
+numbers. With --designs - the command is a server: it reads one JSON object per line from standard input and answers each with one line, in order, \
 until its input ends or its output is closed. The answer to an invalid request is an object with `error`. \
 `stickslip optimize` searches for the best design with the same responses.";
 
@@ -44,7 +51,7 @@ pub struct EvaluateArguments {
     #[arg(long, value_name = "FILE")]
     designs: PathBuf,
 
-    /// Parquet file to write, such as responses.parquet; required unless --designs is -
+    /// Parquet or CSV file to write, such as responses.parquet or responses.csv
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
 
@@ -63,52 +70,86 @@ pub struct EvaluateArguments {
 pub fn evaluate(arguments: &EvaluateArguments) -> Result<End, CliError> {
     let study = arguments.study.load_and_warn(arguments.quiet)?;
     check(arguments, &study)?;
-    match &arguments.out {
-        None => serve(&study, &arguments.threads.start()?, &stop_on_signals()),
+    if is_server(arguments) {
+        return serve(&study, &arguments.threads.start()?, &stop_on_signals());
+    }
+    let designs = study.designs(&arguments.designs)?;
+    let columns = response_columns(&study);
+    let mut table = match &arguments.out {
         Some(out) => {
-            let designs = study.designs(&arguments.designs)?;
-            let columns = response_columns(&study);
-            let mut table = new_table(out, columns, &provenance(&study, "responses"))?;
-            let show = if arguments.quiet { Show::Nothing } else { Show::auto() };
-            let (workers, stop) = (arguments.threads.start()?, stop_on_signals());
-            let Some(answers) = compute(&study, &designs, &workers, &stop, show)? else {
-                table.abandon()?;
-                say("interrupted; nothing is written");
-                return Ok(End::Interrupted);
-            };
-            let mut failed = 0;
-            for answer in answers {
-                failed += answer.counts.of(Label::Failed);
-                table.push(answer)?;
-            }
-            table.finish()?;
-            if !arguments.quiet {
-                let of = counted(designs.len(), "design");
-                say(&format!("responses of {of} in {}", out.display()));
-                if designs.len() > MOST_DESIGNS {
-                    say(&format!(
-                        "more than {MOST_DESIGNS} designs: `discontinuous` is not computed"
-                    ));
-                }
-            }
-            Ok(if failed > 0 { End::RunsFailed } else { End::Well })
+            Some(NewTable::create(out, response_columns(&study), &provenance(&study, "responses"))?)
+        }
+        None => None,
+    };
+    let show = if arguments.quiet { Show::Nothing } else { Show::auto() };
+    let (workers, stop) = (arguments.threads.start()?, stop_on_signals());
+    let Some(answers) = compute(&study, &designs, &workers, &stop, show)? else {
+        table.map_or(Ok(()), NewTable::abandon)?;
+        say("interrupted; nothing is written");
+        return Ok(End::Interrupted);
+    };
+    let failed: u64 = answers.iter().map(|answer| answer.counts.of(Label::Failed)).sum();
+    if let Some(mut table) = table.take() {
+        answers.into_iter().try_for_each(|answer| table.push(answer))?;
+        table.finish()?;
+    } else if io::stdout().is_terminal() {
+        print(&printed(&study, &answers))?;
+    } else {
+        print(&(csv_header(&columns)? + &csv_rows(&columns, &answers)?))?;
+    }
+    if !arguments.quiet {
+        if let Some(out) = &arguments.out {
+            let of = counted(designs.len(), "design");
+            say(&format!("responses of {of} in {}", out.display()));
+        }
+        if designs.len() > MOST_DESIGNS {
+            say(&format!("more than {MOST_DESIGNS} designs: `discontinuous` is not computed"));
         }
     }
+    Ok(if failed > 0 { End::RunsFailed } else { End::Well })
+}
+
+/// Returns whether the command answers requests.
+fn is_server(arguments: &EvaluateArguments) -> bool {
+    arguments.designs.as_os_str() == "-"
+}
+
+/// Returns the answers as aligned columns: variables, point of the sweep, responses with their intervals, and failed runs.
+fn printed(study: &Study, answers: &[Answer]) -> String {
+    let swept = |answer: &Answer| study.shown(&answer.swept);
+    let mut header = vec![["".to_owned(), "design".to_owned()]];
+    let variables = study.variables().iter();
+    header.extend(variables.map(|variable| [String::new(), variable.name().to_owned()]));
+    header.extend(study.swept().iter().map(|swept| [String::new(), swept.shown_name()]));
+    let estimates: Vec<&[Estimate]> = answers.iter().map(|one| one.estimates.as_slice()).collect();
+    let responses = estimate_columns(study.responses(), &estimates, study.units());
+    header.extend(responses.iter().map(|column| column.header.clone()));
+    header.push(["".to_owned(), "failed".to_owned()]);
+    let row = |(row, answer): (usize, &Answer)| {
+        let values = study.variables().iter().zip(&answer.values);
+        let mut cells = vec![answer.design.to_string()];
+        cells.extend(values.map(|(variable, value)| variable.describe(*value)));
+        cells.extend(swept(answer));
+        cells.extend(responses.iter().filter_map(|column| column.cells.get(row).cloned()));
+        cells.push(answer.counts.of(Label::Failed).to_string());
+        cells
+    };
+    let mut lines: Vec<Vec<String>> = [0, 1]
+        .map(|line| header.iter().map(|header| header[line].clone()).collect())
+        .into_iter()
+        .collect();
+    lines.extend(answers.iter().enumerate().map(row));
+    text_table(&lines, &[])
 }
 
 /// Checks the combination of study and arguments.
 fn check(arguments: &EvaluateArguments, study: &Study) -> Result<(), CliError> {
-    let usage = |text: String| Err(CliError::Usage(text));
     check_answerable(study, &arguments.study.study).map_err(CliError::Usage)?;
-    let requests = arguments.designs.as_os_str() == "-";
     match &arguments.out {
-        Some(_) if requests => usage(
+        Some(_) if is_server(arguments) => Err(CliError::Usage(
             "--out: answers to requests go to standard output\n  allowed: --out with a table of designs"
                 .to_owned(),
-        ),
-        None if !requests => usage(
-            "--out is missing\n  allowed: the name of a new Parquet file, or --designs -".to_owned(),
-        ),
+        )),
         _ => Ok(()),
     }
 }

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::point_keys::{point_keys, swept_text};
 use crate::check::spread;
 use crate::model::{ExistenceVerdict, SAFE_FRICTION};
-use crate::study::{ParameterValue, Point, Study};
+use crate::study::{ParameterValue, Point, Study, VariedParameter};
 
 /// The largest product of the number of points and `3^N` for `N` balls; of larger sweeps, evenly spread points are
 /// examined.
@@ -18,7 +18,7 @@ const MOST_NAMED: usize = 20;
 /// A point at which stick and slip do not always have exactly one solution.
 struct Failing {
     point_id: u64,
-    names: Vec<String>,
+    columns: Vec<VariedParameter>,
     swept: Vec<ParameterValue>,
     shown: Vec<String>,
     least_minor: f64,
@@ -75,7 +75,7 @@ impl Existence {
         if self.named.len() < MOST_NAMED {
             self.named.push(Failing {
                 point_id: point.point_id,
-                names: study.swept().iter().map(|column| column.name.clone()).collect(),
+                columns: study.swept().to_vec(),
                 shown: study.shown(&point.swept),
                 swept: point.swept.clone(),
                 least_minor,
@@ -154,7 +154,7 @@ impl Existence {
 
 impl Failing {
     fn text(&self) -> String {
-        let swept = swept_text(&self.names, &self.shown);
+        let swept = swept_text(&self.columns, &self.shown);
         let position: Vec<String> = self
             .position
             .iter()
@@ -179,7 +179,7 @@ impl Failing {
     }
 
     fn json(&self) -> Value {
-        let mut object = point_keys(self.point_id, &self.names, &self.swept);
+        let mut object = point_keys(self.point_id, &self.columns, &self.swept);
         let position = self.position.iter();
         let position: Vec<Value> =
             position.map(|(ball, angle)| json!({"ball": ball, "beta_rad": angle})).collect();

@@ -1,17 +1,16 @@
 //! `stickslip expand`: writes the cases of a study without computing them.
 
-use std::io;
 use std::path::PathBuf;
 
 use clap::Args;
 
 use super::arguments::StudyArgument;
 use super::exit::{CliError, End};
-use super::output::{Reader, csv_line, new_table, print};
+use super::new_table::NewTable;
+use super::output::{Reader, csv_header, csv_rows, print};
 use crate::engine::Shard;
 use crate::study::PlannedRun;
-use crate::table::cell::cell_text;
-use crate::table::column::{Columns, batch, schema};
+use crate::table::column::Columns;
 use crate::table::{planned_columns, provenance};
 
 const EXAMPLES: &str = "\
@@ -30,8 +29,8 @@ pub struct ExpandArguments {
     #[command(flatten)]
     study: StudyArgument,
 
-    /// Parquet file to write, such as cases.parquet, or a directory of files above 524,288 cases; without --out the
-    /// cases go to standard output as CSV
+    /// Parquet or CSV file to write, such as cases.parquet (above 524,288 cases a directory of Parquet files); without
+    /// --out the cases go to standard output as CSV
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
 
@@ -57,7 +56,7 @@ pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
     let mut cases = arguments.shard.run_ids(&study).map(|run_id| study.planned_run(run_id));
     match &arguments.out {
         Some(path) => {
-            let mut table = new_table(path, columns, &provenance(&study, "cases"))?;
+            let mut table = NewTable::create(path, columns, &provenance(&study, "cases"))?;
             for case in cases {
                 table.push(case)?;
             }
@@ -65,18 +64,13 @@ pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
             Ok(End::Well)
         }
         None => {
-            let names: Vec<String> =
-                schema(&columns).fields().iter().map(|field| field.name().clone()).collect();
-            let mut reader = print(&(names.join(",") + "\n"))?;
+            let mut reader = print(&csv_header(&columns)?)?;
             while reader != Reader::Gone {
                 let rows: Vec<PlannedRun> = cases.by_ref().take(PIECE).collect();
                 if rows.is_empty() {
                     break;
                 }
-                let batch = batch(&columns, &rows).map_err(io::Error::other)?;
-                let line =
-                    |row| csv_line(batch.columns().iter().map(|column| cell_text(column, row, "")));
-                reader = print(&(0..rows.len()).map(line).collect::<io::Result<String>>()?)?;
+                reader = print(&csv_rows(&columns, &rows)?)?;
             }
             Ok(End::Well)
         }

@@ -6,6 +6,7 @@ mod check_legend;
 mod check_machine;
 mod check_points;
 mod check_run_up;
+mod compare;
 mod completions;
 mod cost;
 mod design_cost;
@@ -21,6 +22,7 @@ mod failures;
 mod identify;
 mod merge;
 mod new;
+mod new_table;
 mod optimize;
 mod output;
 mod point_keys;
@@ -61,6 +63,7 @@ Examples:
   stickslip replay results/night 17                     the motion of one run
   stickslip summary results/night                       print the table of results
   stickslip report results/night                        write a page of figures
+  stickslip compare results/before results/after        how two answers differ
   stickslip verify studies/smoke.yaml                   compute it and check its expectations
 
 Exit codes:
@@ -87,6 +90,7 @@ enum Command {
     Merge(merge::MergeArguments),
     Replay(replay::ReplayArguments),
     Summary(summary::SummaryArguments),
+    Compare(compare::CompareArguments),
     Report(report::ReportArguments),
     Check(check::CheckArguments),
     Expand(expand::ExpandArguments),
@@ -136,6 +140,7 @@ pub fn run_with(registry: Registry, arguments: impl IntoIterator<Item = OsString
         Command::Merge(arguments) => merge::merge(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),
         Command::Summary(arguments) => summary::summary(&arguments),
+        Command::Compare(arguments) => compare::compare(&arguments),
         Command::Report(arguments) => report::report(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Expand(arguments) => expand::expand(&arguments),

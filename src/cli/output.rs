@@ -1,12 +1,10 @@
-//! Standard output, which holds data only and whose reader may stop reading, messages on standard error, and new tables.
+//! Standard output, which holds data only and whose reader may stop reading, messages on standard error, and CSV.
 
 use std::io::{self, Write};
-use std::path::Path;
 
-use super::exit::CliError;
 use crate::sanitize::{harmless, harmless_json};
-use crate::table::TableWriter;
-use crate::table::column::Column;
+use crate::table::cell::cell_text;
+use crate::table::column::{Column, batch};
 
 /// Whether standard output still has a reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,39 +47,6 @@ fn write(text: &str) -> io::Result<Reader> {
     }
 }
 
-/// Endings of names whose files are expected to have another format than Parquet.
-const OTHER_FORMATS: [&str; 5] = ["csv", "tsv", "json", "xlsx", "xls"];
-
-/// Starts a table in a new Parquet file, which the user has named.
-///
-/// # Errors
-/// Returns an error if the name is one of another format, or if the file exists or cannot be created.
-pub fn new_table<R>(
-    path: &Path,
-    columns: Vec<Column<R>>,
-    provenance: &str,
-) -> Result<TableWriter<R>, CliError> {
-    let refused =
-        |problem: String, allowed| CliError::Usage(format!("{problem}\n  allowed: {allowed}"));
-    if path.exists() {
-        let problem = format!("{}: exists already", path.display());
-        return Err(refused(problem, "the name of a new file"));
-    }
-    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
-    if OTHER_FORMATS.iter().any(|other| ending.eq_ignore_ascii_case(other)) {
-        let problem = format!("{}: the file is written as Parquet", path.display());
-        let found = format!("a name that ends in .{ending}");
-        let allowed = format!(
-            "a name that ends in .parquet, such as {}",
-            path.with_extension("parquet").display()
-        );
-        return Err(CliError::refusal(problem, found, allowed));
-    }
-    let allowed = "the name of a new file in a directory that can be written to";
-    TableWriter::create(path, columns, provenance)
-        .map_err(|error| refused(error.to_string(), allowed))
-}
-
 /// Returns cells as one line of CSV.
 ///
 /// # Errors
@@ -91,4 +56,22 @@ pub fn csv_line(cells: impl IntoIterator<Item = String>) -> io::Result<String> {
     writer.write_record(cells)?;
     let bytes = writer.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// Returns the names of columns as one line of CSV.
+///
+/// # Errors
+/// Returns an error if the line cannot be written.
+pub fn csv_header<R>(columns: &[Column<R>]) -> io::Result<String> {
+    csv_line(columns.iter().map(|column| column.name().to_owned()))
+}
+
+/// Returns rows as lines of CSV, with every bit of a number; a missing value is an empty cell.
+///
+/// # Errors
+/// Returns an error if the lines cannot be written.
+pub fn csv_rows<R>(columns: &[Column<R>], rows: &[R]) -> io::Result<String> {
+    let batch = batch(columns, rows).map_err(io::Error::other)?;
+    let line = |row| csv_line(batch.columns().iter().map(|column| cell_text(column, row, "")));
+    (0..rows.len()).map(line).collect()
 }

@@ -17,11 +17,6 @@ pub fn three_digits(value: f64) -> String {
     format!("{value:.0$}", digits.clamp(0, 3) as usize)
 }
 
-/// Returns a length in µm.
-pub fn micrometres(metres: f64) -> String {
-    three_digits(1e6 * metres)
-}
-
 /// Returns a fraction in %, which is rounded to 0 or 100 only if it has that value.
 pub fn percent(fraction: f64) -> String {
     let rounded = format!("{:.1}", 100.0 * fraction);
@@ -32,24 +27,20 @@ pub fn percent(fraction: f64) -> String {
     }
 }
 
-/// Returns a point as one line of text, with the values of its swept parameters as `shown`. With `own_machines` the
-/// amplitude without balls is a median over the runs.
-pub fn point_line(
-    names: &[String],
-    shown: &[String],
-    point: &PointFacts,
-    own_machines: bool,
-) -> String {
-    let mut line =
-        format!("point {}{}: {} runs", point.point_id, swept_text(names, shown), point.runs);
+/// Returns a point as one line of text. With `own_machines` the amplitude without balls is a median over the runs.
+pub fn point_line(study: &Study, point: &PointFacts, own_machines: bool) -> String {
+    let swept = swept_text(study.swept(), &study.shown(&point.swept));
+    let mut line = format!("point {}{swept}: {} runs", point.point_id, point.runs);
+    let unit = study.units().vibration();
+    let (vibration, unit) = (|metres: f64| three_digits(unit.of(metres)), &unit.symbol);
     if let Some([worse, ..]) = point.residual.worse_than_without_balls {
-        let [_, median, p95] = point.amplitude_m.map(|metres| metres.map(micrometres));
+        let [_, median, p95] = point.amplitude_m.map(|metres| metres.map(vibration));
         if let (Some(median), Some(p95)) = (median, p95) {
-            line += &format!(", vibration {median} µm (95 % of the runs: {p95} µm)");
+            line += &format!(", vibration {median} {unit} (95 % of the runs: {p95} {unit})");
         }
         if let Some(without) = point.residual.amplitude_without_balls_m {
             let median = if own_machines { " (median)" } else { "" };
-            line += &format!(", without balls {} µm{median}", micrometres(without));
+            line += &format!(", without balls {} {unit}{median}", vibration(without));
         }
         line += &format!("; {} % of the runs vibrate more than without balls", percent(worse));
     }

@@ -1,17 +1,19 @@
 //! The table of points on the terminal, in Markdown and as JSON.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde_json::{Value, json};
 
 use super::point_keys::{merged, point_keys};
 use super::point_words::{InWords, point_line};
-use super::printed_columns::{PrintedColumn, printed_columns};
+use super::printed_columns::{PrintedColumn, printed_columns, response_columns};
 use crate::analysis::AuditCounts;
 use crate::classification::Label;
 use crate::counted::counted;
 use crate::report::{Fraction, PointFacts};
-use crate::study::{Precision, Study};
+use crate::responses::responses_json;
+use crate::study::{Precision, Response, Study, Units, VariedParameter};
 use crate::table::{Table, TableError};
 use crate::text_table::text_table;
 
@@ -21,7 +23,7 @@ pub const MOST_LINES: usize = 40;
 /// The points of a result: the first `most` of them in full, and the number of the others.
 #[derive(Clone, Debug)]
 pub struct PointsTable {
-    names: Vec<String>,
+    swept: Vec<VariedParameter>,
     rows: Vec<PointFacts>,
     /// The values of the swept parameters of each of these points.
     shown: Vec<Vec<String>>,
@@ -32,7 +34,9 @@ pub struct PointsTable {
     precision: Option<Precision>,
     points: u64,
     not_precise: u64,
+    units: Units,
     in_words: InWords,
+    responses: Vec<Response>,
     /// Whether the directory of the results has a `points.parquet` with these points.
     pub is_saved: bool,
 }
@@ -40,9 +44,9 @@ pub struct PointsTable {
 impl PointsTable {
     /// Creates an empty table that stores at most `most` points.
     pub fn new(study: &Study, most: usize) -> Self {
-        let names = study.swept().iter().map(|column| column.name.clone()).collect();
         PointsTable {
-            names,
+            swept: study.swept().to_vec(),
+            units: study.units().clone(),
             rows: Vec::new(),
             shown: Vec::new(),
             most,
@@ -53,6 +57,7 @@ impl PointsTable {
             points: 0,
             not_precise: 0,
             in_words: InWords::new(study),
+            responses: study.responses().to_vec(),
             is_saved: true,
         }
     }
@@ -69,8 +74,7 @@ impl PointsTable {
 
     /// Returns a point as one line of text.
     pub fn sentence(&self, study: &Study, point: &PointFacts) -> String {
-        let shown = study.shown(&point.swept);
-        point_line(&self.names, &shown, point, self.in_words.own_machines)
+        point_line(study, point, self.in_words.own_machines)
     }
 
     /// Adds a point of the study.
@@ -112,29 +116,67 @@ impl PointsTable {
 
     /// Returns the table as text, aligned to the right, and what it says in words.
     pub fn text(&self) -> String {
-        let columns = self.columns();
-        let header = |line: usize| columns.iter().map(move |column| column.header[line].clone());
-        let mut lines: Vec<Vec<String>> = vec![header(0).collect(), header(1).collect()];
-        lines.extend(self.cells(&columns));
-        text_table(&lines, &[]) + &self.more_line("") + &self.in_words.text()
+        let table = |columns: &[PrintedColumn]| {
+            let header = |line: usize| columns.iter().map(move |one| one.header[line].clone());
+            let mut lines: Vec<Vec<String>> = vec![header(0).collect(), header(1).collect()];
+            lines.extend(self.cells(columns));
+            text_table(&lines, &[])
+        };
+        let mut text = table(&self.columns()) + &self.more_line("") + &self.in_words.text();
+        if let Some(columns) = self.response_columns() {
+            text += &format!("\n{}{}", table(&columns), self.about_responses("\n"));
+        }
+        text
     }
 
     /// Returns the table in Markdown, and what it says in words.
     pub fn markdown(&self) -> String {
-        let columns = self.columns();
         let line = |cells: &[String]| {
             let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
             format!("| {} |\n", cells.join(" | "))
         };
-        let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
-        let mut text = line(&names) + &line(&vec!["--:".to_owned(); columns.len()]);
-        text.extend(self.cells(&columns).iter().map(|cells| line(cells)));
-        text += &self.more_line("\n");
-        match self.in_words.text() {
-            words if words.is_empty() => text,
+        let table = |columns: &[PrintedColumn]| {
+            let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
+            let mut text = line(&names) + &line(&vec!["--:".to_owned(); columns.len()]);
+            text.extend(self.cells(columns).iter().map(|cells| line(cells)));
+            text
+        };
+        let mut text = table(&self.columns()) + &self.more_line("\n");
+        let words = self.in_words.text();
+        if !words.is_empty() {
             // A blank line separates paragraphs.
-            words => text + "\n" + &words.lines().collect::<Vec<_>>().join("\n\n") + "\n",
+            text += &format!("\n{}\n", words.lines().collect::<Vec<_>>().join("\n\n"));
         }
+        if let Some(columns) = self.response_columns() {
+            text += &format!("\n{}\n{}", table(&columns), self.about_responses("\n\n"));
+        }
+        text
+    }
+
+    fn response_columns(&self) -> Option<Vec<PrintedColumn>> {
+        let has_responses = !self.responses.is_empty();
+        has_responses.then(|| {
+            response_columns((&self.rows, &self.swept, &self.shown), &self.responses, &self.units)
+        })
+    }
+
+    /// Returns what each response means, and why values are missing.
+    fn about_responses(&self, end: &str) -> String {
+        let mut text = String::new();
+        for (index, response) in self.responses.iter().enumerate() {
+            text += &format!(
+                "{}: {}{end}",
+                response.name,
+                response.meaning_in(&self.units.vibration())
+            );
+            let estimates = self.rows.iter().filter_map(|row| row.responses.get(index));
+            let missing = estimates.filter(|estimate| estimate.value.is_none());
+            let reasons: BTreeSet<&str> = missing.filter_map(|one| one.reason.as_deref()).collect();
+            for reason in reasons {
+                text += &format!("{} is missing where {reason}{end}", response.name);
+            }
+        }
+        text
     }
 
     /// Returns a line with the number of points that are not printed; empty if all are.
@@ -153,7 +195,8 @@ impl PointsTable {
     }
 
     fn columns(&self) -> Vec<PrintedColumn> {
-        printed_columns(&self.rows, &self.names, &self.shown, self.balls, self.audit)
+        let vibration = self.balls.then(|| self.units.vibration());
+        printed_columns((&self.rows, &self.swept, &self.shown), vibration.as_ref(), self.audit)
     }
 
     /// Returns the cells of each point.
@@ -188,7 +231,7 @@ impl PointsTable {
 
     /// Returns a point as JSON.
     pub fn point_json(&self, row: &PointFacts) -> Value {
-        let mut object = point_keys(row.point_id, &self.names, &row.swept);
+        let mut object = point_keys(row.point_id, &self.swept, &row.swept);
         object["runs"] = json!(row.runs);
         let [_, median, p95] = row.amplitude_m;
         object["amplitude_p50_m"] = json!(median);
@@ -227,6 +270,9 @@ impl PointsTable {
             object["audit_flip_high"] = json!(audit.interval().1);
         }
         object["set_fraction"] = json!(row.set_fraction);
+        if !self.responses.is_empty() {
+            object["responses"] = responses_json(&self.responses, &row.responses);
+        }
         object
     }
 }

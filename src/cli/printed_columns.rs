@@ -1,10 +1,11 @@
 //! The columns of the printed table of points: residual vibration first, then rests and the other
 //! endings. A column that says nothing about the printed points is left out.
 
-use super::point_words::{micrometres, percent, three_digits};
-use crate::analysis::AuditCounts;
+use super::point_words::{percent, three_digits};
+use crate::analysis::{AuditCounts, Estimate};
 use crate::classification::Label;
 use crate::report::{Fraction, PointFacts};
+use crate::study::{Response, Unit, Units, VariedParameter};
 
 /// The cell of a value that a point does not have.
 const MISSING: &str = "-";
@@ -23,26 +24,34 @@ pub struct PrintedColumn {
     pub cells: Vec<String>,
 }
 
-/// Returns the columns of points, with the swept parameters of these names and their values as `shown` for each point.
-pub fn printed_columns(
-    rows: &[PointFacts],
-    names: &[String],
-    shown: &[Vec<String>],
-    balls: bool,
-    audit: bool,
-) -> Vec<PrintedColumn> {
+/// Points, the swept parameters, and their values as text at each point.
+type Points<'a> = (&'a [PointFacts], &'a [VariedParameter], &'a [Vec<String>]);
+
+/// Returns the number of the point and the swept parameters.
+fn key_columns<'a>((rows, swept, shown): Points<'a>) -> Columns<'a> {
     let mut columns = Columns { rows, list: Vec::new() };
     columns.add(["", "point"], "point", |row| row.point_id.to_string());
-    for (index, name) in names.iter().enumerate() {
-        let [top, bottom] = in_two_lines(name);
+    for (index, parameter) in swept.iter().enumerate() {
+        let name = parameter.shown_name();
+        let [top, bottom] = in_two_lines(&name);
         columns.list.push(PrintedColumn {
             header: [top, bottom].map(str::to_owned),
             name: name.clone(),
             cells: shown.iter().map(|row| row.get(index).cloned().unwrap_or_default()).collect(),
         });
     }
-    if balls {
-        add_vibration(&mut columns);
+    columns
+}
+
+/// Returns the columns of points; those of vibration in this unit, if the model has them.
+pub fn printed_columns(
+    points: Points<'_>,
+    vibration: Option<&Unit>,
+    audit: bool,
+) -> Vec<PrintedColumn> {
+    let mut columns = key_columns(points);
+    if let Some(unit) = vibration {
+        add_vibration(&mut columns, unit);
     }
     add_rests(&mut columns);
     add_other_endings(&mut columns);
@@ -53,6 +62,60 @@ pub fn printed_columns(
         });
     }
     columns.list
+}
+
+/// Returns the columns of the responses of points, each response with its 95 % interval.
+pub fn response_columns(
+    points: Points<'_>,
+    responses: &[Response],
+    units: &Units,
+) -> Vec<PrintedColumn> {
+    let mut columns = key_columns(points).list;
+    let estimates: Vec<&[Estimate]> = points.0.iter().map(|row| row.responses.as_slice()).collect();
+    columns.extend(estimate_columns(responses, &estimates, units));
+    columns
+}
+
+/// Returns the columns of responses with their 95 % intervals; `rows` holds one estimate per response in each row.
+pub fn estimate_columns(
+    responses: &[Response],
+    rows: &[&[Estimate]],
+    units: &Units,
+) -> Vec<PrintedColumn> {
+    let mut columns = Vec::new();
+    for (index, response) in responses.iter().enumerate() {
+        let shown = response.shown_unit(units);
+        let unit = &shown.symbol;
+        let text = |value: f64| match unit.as_str() {
+            "%" => percent(value),
+            _ => three_digits(shown.of(value)),
+        };
+        let interval = |estimate: &Estimate| match (estimate.low, estimate.high) {
+            (Some(low), Some(high)) => Some(format!("{}-{}", text(low), text(high))),
+            (Some(low), None) => Some(format!("≥ {}", text(low))),
+            (None, Some(high)) => Some(format!("≤ {}", text(high))),
+            (None, None) => None,
+        };
+        let cells = |cell: &dyn Fn(&Estimate) -> Option<String>| {
+            let cell = |row: &&[Estimate]| row.get(index).and_then(cell);
+            rows.iter().map(|row| cell(row).unwrap_or_else(|| MISSING.to_owned())).collect()
+        };
+        let Response { name, .. } = response;
+        columns.push(PrintedColumn {
+            header: match in_two_lines(name) {
+                ["", name] => [name.to_owned(), format!("[{unit}]")],
+                [top, bottom] => [top.to_owned(), format!("{bottom} [{unit}]")],
+            },
+            name: format!("{name} [{unit}]"),
+            cells: cells(&|estimate| estimate.value.map(text)),
+        });
+        columns.push(PrintedColumn {
+            header: ["95 %", "interval"].map(str::to_owned),
+            name: format!("{name}, 95 % interval"),
+            cells: cells(&interval),
+        });
+    }
+    columns
 }
 
 /// A list of columns that is being made.
@@ -85,16 +148,16 @@ impl Columns<'_> {
     }
 }
 
-fn add_vibration(columns: &mut Columns<'_>) {
-    columns.add_known(["vibration", "[µm]"], "median vibration [µm]", |row| {
-        row.amplitude_m[1].map(micrometres)
-    });
-    columns.add_known(["95 %", "[µm]"], "95 % of the runs [µm]", |row| {
-        row.amplitude_m[2].map(micrometres)
-    });
-    columns.add_known(["no balls", "[µm]"], "without balls [µm]", |row| {
-        row.residual.amplitude_without_balls_m.map(micrometres)
-    });
+fn add_vibration(columns: &mut Columns<'_>, unit: &Unit) {
+    let symbol = format!("[{}]", unit.symbol);
+    let mut add = |top: &str, name: &str, metres: fn(&PointFacts) -> Option<f64>| {
+        columns.add_known([top, &symbol], &format!("{name} {symbol}"), |row| {
+            metres(row).map(|metres| three_digits(unit.of(metres)))
+        });
+    };
+    add("vibration", "median vibration", |row| row.amplitude_m[1]);
+    add("95 %", "95 % of the runs", |row| row.amplitude_m[2]);
+    add("no balls", "without balls", |row| row.residual.amplitude_without_balls_m);
     columns.add_known(["worse", "[%]"], "worse than without balls [%]", |row| {
         row.residual.worse_than_without_balls.map(|[worse, ..]| percent(worse))
     });

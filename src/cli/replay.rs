@@ -155,7 +155,12 @@ impl Report<'_> {
         let Report { out, study, replay: Replay { record, recording, .. }, .. } = self;
         let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
         match io::stdout().is_terminal() {
-            true => terminal_text(model, &record.outcome, recording, &out.join(SWITCHES)),
+            true => terminal_text(
+                (model, study.units()),
+                &record.outcome,
+                recording,
+                &out.join(SWITCHES),
+            ),
             false => switch_log(model, recording, usize::MAX),
         }
     }

@@ -3,11 +3,12 @@
 
 use std::path::Path;
 
-use super::point_words::micrometres;
+use super::point_words::three_digits;
 use crate::classification::{Outcome, Recording, StageOutcome, Switch, Touch, TouchingOutcome};
 use crate::counted::counted;
 use crate::model::{Machine, Model, SlidingSpeed};
 use crate::report::time_text;
+use crate::study::Units;
 use crate::table::phase_name;
 use crate::text_table::text_table;
 
@@ -69,7 +70,7 @@ pub fn switch_log(model: &Model, recording: &Recording, most: usize) -> String {
 /// Returns the summary for a terminal: the ending, the final positions, the vibration, how balls touched, and the first
 /// switches and touches; `file` is the table of all switches.
 pub fn terminal_text(
-    model: &Model,
+    (model, units): (&Model, &Units),
     outcome: &Outcome,
     recording: &Recording,
     file: &Path,
@@ -78,7 +79,7 @@ pub fn terminal_text(
     let end = outcome.end_time_s.map(|end| format!(" at {end:.4} s")).unwrap_or_default();
     let mut rows = vec![("ending", format!("{label} ({evidence}){end}"))];
     if let (Some(machine), Some(last)) = (model.ball_balancer(), outcome.stages.last()) {
-        rows.extend(stage_rows(machine, outcome, last));
+        rows.extend(stage_rows((machine, units), outcome, last));
     }
     if let Some(positions) = &outcome.position {
         let angles = model.kind().sliding_speed == SlidingSpeed::RadS;
@@ -94,7 +95,7 @@ pub fn terminal_text(
         });
         rows.push((name, shown.collect::<Vec<_>>().join(", ")));
     }
-    rows.extend(outcome.amplitude_m.map(|metres| ("vibration", micrometres(metres) + " µm")));
+    rows.extend(outcome.amplitude_m.map(|metres| ("vibration", vibration(units, metres))));
     let all = recording.switches.len();
     rows.push(("switches", counted(all as u64, "change") + " between stick and slip"));
     rows.extend(outcome.touching.map(|touching| ("contact", touching_words(model, touching))));
@@ -117,13 +118,15 @@ pub fn terminal_text(
 
 /// Returns the rows on the stages of a run: the last one, since when the balls rest, and the largest vibration of all.
 fn stage_rows(
-    machine: &Machine,
+    (machine, units): (&Machine, &Units),
     outcome: &Outcome,
     last: &StageOutcome,
 ) -> Vec<(&'static str, String)> {
     let begin_s = last.time_s[0];
     let speed = machine.disc_motion();
-    let at = |time_s: f64| format!("{time_s:.4} s, at {:.4} rad/s", speed.speed_rad_s(time_s));
+    let unit = units.speed();
+    let shown = |time_s: f64| unit.of(speed.speed_rad_s(time_s));
+    let at = |time_s: f64| format!("{time_s:.4} s, at {:.4} {}", shown(time_s), unit.symbol);
     let stages = outcome.stages.len();
     // A run that fails may not reach the last stage.
     let is_last = begin_s >= machine.last_stage_begins_s();
@@ -137,10 +140,15 @@ fn stage_rows(
         ("rest since", format!("{since_s:.4} s, {when}"))
     }));
     rows.extend(outcome.peak.map(|peak| {
-        let words = format!("{} µm at {}", micrometres(peak.amplitude_m), at(peak.time_s));
+        let words = format!("{} at {}", vibration(units, peak.amplitude_m), at(peak.time_s));
         ("largest vibration", words)
     }));
     rows
+}
+
+fn vibration(units: &Units, metres: f64) -> String {
+    let unit = units.vibration();
+    format!("{} {}", three_digits(unit.of(metres)), unit.symbol)
 }
 
 /// Returns how the balls of a run touched.
@@ -181,7 +189,7 @@ mod tests {
         recording.switches.resize(25, one);
         let text = |recording: &Recording| {
             terminal_text(
-                study.model(),
+                (study.model(), study.units()),
                 &record.outcome,
                 recording,
                 Path::new("b/switches.parquet"),
@@ -214,7 +222,8 @@ mod tests {
             let study = Study::parse(Path::new("a.yaml"), text).expect("a valid study");
             let (record, recording) = record(&study, 0, None, 1_000_000);
             let file = Path::new("b/switches.parquet");
-            let shown = terminal_text(study.model(), &record.outcome, &recording, file);
+            let shown =
+                terminal_text((study.model(), study.units()), &record.outcome, &recording, file);
             let stage = "\nlast stage         number 2, from 0.5000 s, at -216.3772 rad/s\n";
             assert!(shown.contains(stage), "{shown}");
             let outcome = &record.outcome;
@@ -240,7 +249,8 @@ mod tests {
         let touching = record.outcome.touching.expect("contact");
         let rows = recording.switches.len() + recording.touches.len();
         let file = Path::new("b/switches.parquet");
-        let shown = terminal_text(study.model(), &record.outcome, &recording, file);
+        let shown =
+            terminal_text((study.model(), study.units()), &record.outcome, &recording, file);
         let words = format!("\ncontact       {} impacts, balls touch for ", touching.impacts);
         assert!(touching.impacts > 1 && touching.time_s > 0.0 && shown.contains(&words), "{shown}");
         let end = if touching.at_end { "also at the end\n" } else { "no contact at the end\n" };

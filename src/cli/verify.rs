@@ -161,9 +161,7 @@ impl Findings<'_> {
         entry["expected"] = json!([low, high]);
         entry["met"] = met.into();
         self.json.push(entry);
-        let names: Vec<String> =
-            self.study.swept().iter().map(|column| column.name.clone()).collect();
-        let swept = swept_text(&names, &self.study.shown(&point.swept));
+        let swept = swept_text(self.study.swept(), &self.study.shown(&point.swept));
         self.lines += &format!(
             "{}  point {}{swept}: {what} {}, expected {low} to {high}\n",
             if met { "met    " } else { "NOT MET" },

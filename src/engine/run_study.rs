@@ -24,7 +24,7 @@ use crate::classification::Outcome;
 use crate::model::{Case, Model, Simulation};
 use crate::motion::{Cancellation, SimdLevel};
 use crate::study::Study;
-use crate::table::{PointRow, Results, ResultsError, RunRecord};
+use crate::table::{PointRow, ResponseSamples, Results, ResultsError, RunRecord};
 
 /// Receives runs and points in the order of the study.
 pub trait Sink: Send {
@@ -269,29 +269,40 @@ impl<'a> StudyRun<'a> {
     }
 }
 
+/// The finished runs of a point.
+struct PointRuns<'a> {
+    point_id: u64,
+    runs: PointAccumulator,
+    responses: ResponseSamples<'a>,
+}
+
 /// Passes runs to the sink and collects them point by point.
 struct PointCollector<'a, S> {
     study: &'a Study,
     sink: &'a mut S,
-    point: Option<(u64, PointAccumulator)>,
+    point: Option<PointRuns<'a>>,
     counts: LabelCounts,
 }
 
 impl<S: Sink> PointCollector<'_, S> {
     /// Returns the runs of the last point so far.
     fn so_far(&self) -> Option<&PointAccumulator> {
-        self.point.as_ref().map(|(_, runs)| runs)
+        self.point.as_ref().map(|point| &point.runs)
     }
 
     fn add_all(&mut self, records: Vec<RunRecord>) -> Result<(), S::Error> {
         for record in records {
             let point_id = record.planned.point_id;
-            if self.point.as_ref().is_some_and(|(current, _)| *current != point_id) {
+            if self.point.as_ref().is_some_and(|point| point.point_id != point_id) {
                 self.close_point()?;
             }
-            let start = || (point_id, PointAccumulator::new(self.study.point(point_id).cells));
-            let (_, point) = self.point.get_or_insert_with(start);
-            point.add(record.observed());
+            let point = self.point.get_or_insert_with(|| {
+                let cells = self.study.point(point_id).cells;
+                let responses = ResponseSamples::new(self.study.responses(), cells);
+                PointRuns { point_id, runs: PointAccumulator::new(cells), responses }
+            });
+            point.runs.add(record.observed());
+            point.responses.add(&record);
             self.counts.add(record.outcome.label());
             self.sink.run(record)?;
         }
@@ -300,10 +311,10 @@ impl<S: Sink> PointCollector<'_, S> {
 
     fn close_point(&mut self) -> Result<(), S::Error> {
         match self.point.take() {
-            Some((point_id, runs)) => {
+            Some(PointRuns { point_id, runs, responses }) => {
                 let point = self.study.point(point_id);
                 let detail = runs.detail(observed_times_s(self.study.simulation(), point.model()));
-                let row = PointRow::new(&point, runs.summary());
+                let row = PointRow::new(&point, runs.summary(), responses.estimates());
                 self.sink.point(row, detail)
             }
             None => Ok(()),

@@ -7,6 +7,7 @@ use super::inference::{Inference, Inferred};
 use super::posterior::{Marginal, Posterior};
 use super::warnings::{is_accurate, warnings};
 use crate::optimize::short;
+use crate::study::VariedParameter;
 use crate::text_table::text_table;
 
 /// The model does not explain the measured runs if the smallest probability over all sites, corrected for their number, is
@@ -117,7 +118,7 @@ fn fit_in_words(inference: &Inference, inferred: &Inferred) -> String {
     let Inference { study, sites, .. } = *inference;
     let has_stages = study.has_stages();
     let mut head = vec!["point".to_owned()];
-    head.extend(study.swept().iter().map(|one| one.name.clone()));
+    head.extend(study.swept().iter().map(VariedParameter::shown_name));
     head.extend(has_stages.then(|| "stage".to_owned()));
     head.extend(["rests", "moving", "predicted rests [%]", "p"].map(str::to_owned));
     let mut rows = vec![head];

@@ -14,7 +14,7 @@ pub(super) static KIND: ModelKind = ModelKind {
     default: || Model::BallBalancer(Machine { balls: vec![Ball::default()], ..Machine::default() }),
 };
 
-const PARAMETERS: [ParameterDescriptor; 22] = [
+const PARAMETERS: [ParameterDescriptor; 24] = [
     ParameterDescriptor {
         name: "table_mass_kg",
         unit: "kg",
@@ -52,6 +52,15 @@ const PARAMETERS: [ParameterDescriptor; 22] = [
         field: Field::Machine(|machine| &mut machine.imbalance_radius_m),
     },
     ParameterDescriptor {
+        name: "imbalance_kg_m",
+        unit: "kg m",
+        meaning: "product of mass and radius of the imbalance, in place of its mass",
+        field: Field::OfMachine {
+            number: |machine| &mut machine.imbalance_kg_m,
+            determines: "imbalance_mass_kg",
+        },
+    },
+    ParameterDescriptor {
         name: "ring_runout_m",
         unit: "m",
         meaning: "distance of the ring's centre from the disc's centre",
@@ -74,6 +83,12 @@ const PARAMETERS: [ParameterDescriptor; 22] = [
         unit: "m",
         meaning: "diameter",
         field: Field::Ball(|ball| &mut ball.diameter_m),
+    },
+    ParameterDescriptor {
+        name: "ball_density_kg_m3",
+        unit: "kg/m3",
+        meaning: "density, in place of the mass",
+        field: Field::OfBall { number: |ball| &mut ball.density_kg_m3, determines: "ball_mass_kg" },
     },
     ParameterDescriptor {
         name: "friction_coefficient",

@@ -91,6 +91,20 @@ pub enum Field {
     Machine(fn(&mut Machine) -> &mut f64),
     /// A number of each ball.
     Ball(fn(&mut Ball) -> &mut f64),
+    /// A number of each ball that determines another parameter, if it is given: a density determines the mass.
+    OfBall {
+        /// The number; `None` if it is not given.
+        number: fn(&mut Ball) -> &mut Option<f64>,
+        /// The other parameter.
+        determines: &'static str,
+    },
+    /// A number of a machine that determines another parameter, if it is given.
+    OfMachine {
+        /// The number; `None` if it is not given.
+        number: fn(&mut Machine) -> &mut Option<f64>,
+        /// The other parameter.
+        determines: &'static str,
+    },
     /// A number of a block; `None` if its support has none.
     Block(fn(&mut Block) -> Option<&mut f64>),
     /// A number of the contact between balls, for balls with contact.
@@ -179,14 +193,37 @@ impl ParameterDescriptor {
 
     /// Returns whether each ball has a value of its own.
     pub fn is_of_each_ball(&self) -> bool {
-        matches!(self.field, Field::Ball(_))
+        matches!(self.field, Field::Ball(_) | Field::OfBall { .. })
+    }
+
+    /// Returns whether a model has a value; only a parameter that determines another one may have none.
+    pub fn is_given(&self, model: &mut Model) -> bool {
+        match (self.field, model) {
+            (Field::OfMachine { number, .. }, Model::BallBalancer(machine)) => {
+                number(machine).is_some()
+            }
+            (Field::OfBall { number, .. }, Model::BallBalancer(machine)) => {
+                machine.balls.iter_mut().any(|ball| number(ball).is_some())
+            }
+            _ => true,
+        }
+    }
+
+    /// Returns the parameter that this one determines, if it is given.
+    pub fn determines(&self) -> Option<&'static str> {
+        match self.field {
+            Field::OfBall { determines, .. } | Field::OfMachine { determines, .. } => {
+                Some(determines)
+            }
+            _ => None,
+        }
     }
 
     /// Returns the word for what has a value of its own each: balls, ramps and plateaus of the speed profile, or kicks;
     /// `None` for a parameter with one value.
     pub fn member(&self) -> Option<&'static str> {
         match self.field {
-            Field::Ball(_) => Some("ball"),
+            Field::Ball(_) | Field::OfBall { .. } => Some("ball"),
             Field::Ramp(_) => Some("ramp"),
             Field::Hold => Some("plateau"),
             Field::Kick(_) => Some("kick"),
@@ -254,12 +291,19 @@ impl ParameterDescriptor {
                 kicks.filter(|(number, _)| is_meant(*number)).map(|(_, kick)| field(kick)).collect()
             }
             (Field::Machine(field), Model::BallBalancer(machine)) => vec![field(machine)],
+            (Field::OfMachine { number, .. }, Model::BallBalancer(machine)) => {
+                vec![number(machine).get_or_insert(0.0)]
+            }
             (Field::Contact(field), Model::BallBalancer(machine)) => {
                 machine.contact.as_mut().map(field).into_iter().collect()
             }
             (Field::Block(field), Model::Block(block)) => field(block).into_iter().collect(),
             (Field::Own { .. } | Field::Count { .. }, Model::Own(own)) => {
                 own.number_mut(self).into_iter().collect()
+            }
+            (Field::OfBall { number, .. }, Model::BallBalancer(machine)) => {
+                let balls = (1..).zip(&mut machine.balls).filter(|(place, _)| is_meant(*place));
+                balls.map(|(_, ball)| number(ball).get_or_insert(0.0)).collect()
             }
             (Field::Ball(field), Model::BallBalancer(machine)) => {
                 let balls = (1..).zip(&mut machine.balls);

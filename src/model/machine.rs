@@ -23,6 +23,9 @@ pub struct Ball {
     /// Coefficient of friction between ball and ring (rolling resistance), dimensionless; the
     /// kinetic one if the law also has a static one. Not used by the viscous law.
     pub friction_coefficient: f64,
+    /// Density of the homogeneous sphere, kg/m³, if it determines the mass (see [`Machine::derive`]).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density_kg_m3: Option<f64>,
 }
 
 /// How the normal force between ball and ring is derived.
@@ -72,6 +75,9 @@ pub struct Machine {
     pub imbalance_mass_kg: f64,
     /// Distance of the imbalance from the disc's centre, m.
     pub imbalance_radius_m: f64,
+    /// Product of mass and radius of the imbalance, kg m, if it determines the mass (see [`Machine::derive`]).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub imbalance_kg_m: Option<f64>,
     /// Distance of the ring's centre from the disc's centre, m.
     pub ring_runout_m: f64,
     /// Direction of the ring's centre from the disc's centre, an angle from the imbalance, rad.
@@ -95,7 +101,12 @@ pub struct Machine {
 impl Default for Ball {
     /// A steel ball of 3 mm, as in the thesis (table 3.2).
     fn default() -> Self {
-        Ball { mass_kg: 1.4e-4, diameter_m: 3.0e-3, friction_coefficient: 2.75e-3 }
+        Ball {
+            mass_kg: 1.4e-4,
+            diameter_m: 3.0e-3,
+            friction_coefficient: 2.75e-3,
+            density_kg_m3: None,
+        }
     }
 }
 
@@ -109,6 +120,7 @@ impl Default for Machine {
             ring_radius_m: 1.15e-2,
             imbalance_mass_kg: 5.6e-5,
             imbalance_radius_m: 3.7e-2,
+            imbalance_kg_m: None,
             ring_runout_m: 0.0,
             ring_runout_angle_rad: 0.0,
             speed_rad_s: -216.3772,
@@ -122,7 +134,30 @@ impl Default for Machine {
     }
 }
 
+impl Ball {
+    /// Returns the volume, m³.
+    pub fn volume_m3(&self) -> f64 {
+        std::f64::consts::PI / 6.0 * self.diameter_m.powi(3)
+    }
+
+    /// Sets the mass to that of the density, if there is one.
+    pub fn derive(&mut self) {
+        if let Some(density_kg_m3) = self.density_kg_m3 {
+            self.mass_kg = density_kg_m3 * self.volume_m3();
+        }
+    }
+}
+
 impl Machine {
+    /// Sets the masses that other values determine: those of balls with a density, and that of an imbalance that is given
+    /// as a product.
+    pub fn derive(&mut self) {
+        self.balls.iter_mut().for_each(Ball::derive);
+        if let Some(imbalance_kg_m) = self.imbalance_kg_m {
+            self.imbalance_mass_kg = imbalance_kg_m / self.imbalance_radius_m;
+        }
+    }
+
     /// Checks that all values have a physical meaning. Rejected are non-finite values, masses,
     /// lengths and stiffness that are not positive, a negative imbalance, damping or friction, and
     /// fewer than one or more than [`MAX_BALLS`] balls.
@@ -142,6 +177,7 @@ impl Machine {
         ] {
             positive(name, value)?;
         }
+        self.imbalance_kg_m.map_or(Ok(()), |product| not_negative("imbalance_kg_m", product))?;
         not_negative("imbalance_mass_kg", self.imbalance_mass_kg)?;
         not_negative("damping_n_s_m", self.damping_n_s_m)?;
         not_negative("ring_runout_m", self.ring_runout_m)?;
@@ -161,6 +197,9 @@ impl Machine {
                     ..invalid
                 }
             };
+            if let Some(density_kg_m3) = ball.density_kg_m3 {
+                positive("ball_density_kg_m3", density_kg_m3).map_err(of_ball("kg/m3"))?;
+            }
             positive("ball_mass_kg", ball.mass_kg).map_err(of_ball("kg"))?;
             positive("ball_diameter_m", ball.diameter_m).map_err(of_ball("m"))?;
             not_negative("friction_coefficient", ball.friction_coefficient).map_err(of_ball(""))?;

@@ -9,10 +9,11 @@ use serde_json::{Value, json};
 use thiserror::Error;
 
 use super::evaluation::{Evaluation, Origin};
+use crate::analysis::Estimate;
 use crate::analysis::LabelCounts;
 use crate::classification::Label;
+use crate::responses::Answer;
 use crate::responses::columns::answer_columns;
-use crate::responses::{Answer, Estimate};
 use crate::study::{DesignValue, Study, changed_keys};
 use crate::table::column::{Column, Columns};
 use crate::table::{Batch, Kind, Table, TableError};

@@ -11,8 +11,9 @@ use super::evaluation::Evaluation;
 use super::goal::{Goal, values};
 use super::pareto::pareto_front;
 use super::search::Search;
+use crate::analysis::Estimate;
 use crate::classification::Label;
-use crate::responses::{Answer, Design, Estimate, respond};
+use crate::responses::{Answer, Design, respond};
 use crate::study::{AmplitudeKind, DesignValue, Measure, Response};
 
 /// The role of a design in the finalists.

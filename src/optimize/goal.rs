@@ -2,7 +2,8 @@
 
 use super::evaluation::Evaluation;
 use super::over_points::over_points;
-use crate::responses::{Answer, Estimate};
+use crate::analysis::Estimate;
+use crate::responses::Answer;
 use crate::study::{Limit, Objective, Optimization, OverPoints, Study};
 
 /// A response over all points of the sweep.

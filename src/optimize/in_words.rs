@@ -1,17 +1,8 @@
-//! Estimates and limits as text: amplitudes in µm, and every number with its unit.
+//! Estimates and limits as text, every number with its unit.
 
 use super::goal::Goal;
-use crate::responses::Estimate;
-use crate::study::{Limit, Study};
-
-/// Returns the unit in which a quantity is shown, empty for a pure number, and the factor from the SI unit.
-pub fn shown_unit(unit: &str) -> (&str, f64) {
-    match unit {
-        "m" => ("µm", 1e6),
-        "1" => ("", 1.0),
-        other => (other, 1.0),
-    }
-}
+use crate::analysis::Estimate;
+use crate::study::{Limit, Study, Unit};
 
 /// Returns a number with four significant digits.
 pub(crate) fn short(number: f64) -> String {
@@ -33,20 +24,19 @@ fn significant_digits(number: f64) -> String {
 }
 
 /// Returns a value with its unit, such as `2.310 µm`.
-pub(super) fn value_in_words(value: f64, unit: &str) -> String {
-    let (unit, factor) = shown_unit(unit);
-    let blank = if unit.is_empty() { "" } else { " " };
-    format!("{}{blank}{unit}", short(factor * value))
+pub(super) fn value_in_words(value: f64, unit: &Unit) -> String {
+    let Unit { symbol, .. } = unit;
+    let blank = if symbol.is_empty() { "" } else { " " };
+    format!("{}{blank}{symbol}", short(unit.of(value)))
 }
 
 /// Returns an estimate in words, such as `2.310 µm (2.100 to 2.500)`.
-pub(super) fn estimate_in_words(estimate: &Estimate, unit: &str) -> String {
+pub(super) fn estimate_in_words(estimate: &Estimate, unit: &Unit) -> String {
     let Some(value) = estimate.value else {
         let reason = estimate.reason.as_deref().unwrap_or("not known");
         return format!("none: {reason}");
     };
-    let (_, factor) = shown_unit(unit);
-    let end = |end: Option<f64>| end.map_or_else(|| "?".to_owned(), |end| short(factor * end));
+    let end = |end: Option<f64>| end.map_or_else(|| "?".to_owned(), |end| short(unit.of(end)));
     format!("{} ({} to {})", value_in_words(value, unit), end(estimate.low), end(estimate.high))
 }
 
@@ -60,10 +50,10 @@ pub fn unmet_limits(study: &Study, goal: &Goal, estimates: &[Estimate]) -> Vec<S
             return None;
         }
         let response = study.responses().get(limit.response)?;
-        let found = estimate_in_words(estimate, response.unit());
+        let unit = study.units().of_response(response.unit());
+        let found = estimate_in_words(estimate, &unit);
         let relation = if limit.least { "at least" } else { "at most" };
-        let (unit, factor) = shown_unit(response.unit());
-        let bound = format!("{} {unit}", significant_digits(factor * limit.value));
+        let bound = format!("{} {}", significant_digits(unit.of(limit.value)), unit.symbol);
         Some(format!("{} is {found}, allowed: {relation} {}", response.name, bound.trim_end()))
     };
     goal.limits().iter().filter_map(unmet).collect()

@@ -6,7 +6,6 @@
 //! the number of threads does not matter. The estimate of the best design is biased by the selection; therefore its
 //! reported responses come from other and more runs.
 
-mod comparison;
 mod criterion;
 mod evaluation;
 mod evaluations_table;
@@ -31,13 +30,12 @@ mod suggest;
 mod surrogate;
 mod tables;
 
-pub use comparison::{estimate_difference, estimate_ratio};
 pub use evaluation::{Evaluation, Origin};
 pub use evaluations_table::{EvaluationsError, evaluation_columns, read_evaluations, search_facts};
 pub use finalists::{Finalist, FinalistRole, Finalists, final_runs, finalists};
 pub use goal::{Goal, Quantity};
 pub(crate) use in_words::short;
-pub use in_words::{shown_unit, unmet_limits};
+pub use in_words::unmet_limits;
 pub use into_directory::{Optimize, Optimized};
 pub use notes::{Bound, notes, on_bounds, use_of_balls};
 pub use pareto::pareto_front;

@@ -1,7 +1,7 @@
 //! Notes on a result that a reader should not miss: values on the bound of their range, and balls without use.
 
 use super::finalists::Finalist;
-use crate::responses::Estimate;
+use crate::analysis::Estimate;
 use crate::study::{DesignValue, Study, Values};
 
 /// Distance to a bound, as a fraction of the range, within which a value lies on the bound.
@@ -123,8 +123,8 @@ fn percent(fraction: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::{Bound, on_bounds, use_of_balls};
+    use crate::analysis::Estimate;
     use crate::optimize::space::study_with_four_variables;
-    use crate::responses::Estimate;
     use crate::study::DesignValue;
 
     #[test]

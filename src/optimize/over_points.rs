@@ -1,6 +1,6 @@
 //! Combines the estimates at the points of a sweep into one.
 
-use crate::responses::Estimate;
+use crate::analysis::Estimate;
 use crate::study::OverPoints;
 
 /// Returns the worst estimate or the mean; unknown if one of the estimates is.

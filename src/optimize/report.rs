@@ -4,7 +4,6 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use super::comparison::{estimate_difference, estimate_ratio};
 use super::evaluation::Evaluation;
 use super::finalists::{Finalist, FinalistRole, Finalists};
 use super::goal::Goal;
@@ -12,7 +11,8 @@ use super::in_words::{estimate_in_words, short, unmet_limits, value_in_words};
 use super::notes::{notes, on_bounds};
 use super::search::{Search, SearchEnd};
 use super::sensitivity::Sensitivity;
-use crate::responses::{Estimate, estimate_json};
+use crate::analysis::{Estimate, estimate_difference, estimate_ratio};
+use crate::responses::estimate_json;
 use crate::study::{DesignValue, Optimization, Study};
 use crate::text_table::text_table;
 
@@ -34,7 +34,7 @@ pub fn optimum_json(
             let (best, other) = (best.estimates.get(*quantity)?, other.estimates.get(*quantity)?);
             Some(json!({
                 "response": study.responses().get(objective.response)?.name,
-                "difference": estimate_json(&estimate_difference(best, other)),
+                "difference": estimate_json(&estimate_difference(best, other, 0.0)),
                 "ratio": estimate_json(&estimate_ratio(best, other)),
             }))
         };
@@ -120,8 +120,10 @@ fn design_json(study: &Study, values: &[DesignValue]) -> Value {
 /// Returns design values in words.
 fn design_in_words(study: &Study, values: &[DesignValue]) -> String {
     let each = study.variables().iter().zip(values);
-    let each = each
-        .map(|(variable, value)| format!("{} = {}", variable.name(), variable.describe(*value)));
+    let each = each.map(|(variable, value)| match variable.shown_unit() {
+        "" => format!("{} = {}", variable.name(), variable.describe(*value)),
+        _ => variable.in_words(*value).replacen(' ', " = ", 1),
+    });
     each.collect::<Vec<_>>().join(", ")
 }
 
@@ -146,8 +148,10 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
             let value = goal.objectives().first().and_then(|(quantity, _)| all[index][*quantity]);
             let unit = |index: usize| study.responses().get(index).map_or("1", |one| one.unit());
             let unit = goal.objectives().first().map_or("1", |(_, one)| unit(one.response));
-            let value =
-                value.map_or_else(|| "no value".to_owned(), |value| value_in_words(value, unit));
+            let value = value.map_or_else(
+                || "no value".to_owned(),
+                |value| value_in_words(value, &study.units().of_response(unit)),
+            );
             let what = if grade == 0 { "best so far" } else { "limits not met yet; nearest" };
             // Writing to a string cannot fail.
             let _ = write!(line, "; {what}: {value} (design {index})");
@@ -159,7 +163,11 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
 fn estimates_in_words(study: &Study, goal: &Goal, estimates: &[Estimate]) -> String {
     let each = goal.quantities().iter().zip(estimates).filter_map(|(quantity, estimate)| {
         let response = study.responses().get(quantity.response)?;
-        Some(format!("{} {}", response.name, estimate_in_words(estimate, response.unit())))
+        Some(format!(
+            "{} {}",
+            response.name,
+            estimate_in_words(estimate, &study.units().of_response(response.unit()))
+        ))
     });
     each.collect::<Vec<_>>().join(", ")
 }
@@ -175,7 +183,10 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
         let estimates = goal.quantities().iter().zip(&one.estimates);
         let rows = estimates.filter_map(|(quantity, estimate)| {
             let response = study.responses().get(quantity.response)?;
-            Some(vec![format!("  {}", response.name), estimate_in_words(estimate, response.unit())])
+            Some(vec![
+                format!("  {}", response.name),
+                estimate_in_words(estimate, &study.units().of_response(response.unit())),
+            ])
         });
         text += &text_table(&rows.collect::<Vec<_>>(), &[0, 1]);
         let failed = match one.failed_runs() {
@@ -207,9 +218,12 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
             let both = best.estimates.get(*quantity).zip(other.estimates.get(*quantity));
             let response = study.responses().get(objective.response);
             if let Some(((best, other), response)) = both.zip(response) {
-                let difference =
-                    estimate_in_words(&estimate_difference(best, other), response.unit());
-                let ratio = estimate_in_words(&estimate_ratio(best, other), "1");
+                let unit = study.units().of_response(response.unit());
+                let difference = estimate_in_words(&estimate_difference(best, other, 0.0), &unit);
+                let ratio = estimate_in_words(
+                    &estimate_ratio(best, other),
+                    &study.units().of_response("1"),
+                );
                 let _ = writeln!(text, "{}: difference {difference}", response.name);
                 let _ = writeln!(text, "{}: ratio {ratio}", response.name);
             }

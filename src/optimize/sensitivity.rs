@@ -12,8 +12,9 @@ use super::sobol_indices::{Indices, pick_freeze_sample, sobol_indices};
 use super::space::Space;
 use super::suggest::{TrainingValues, training_values};
 use super::surrogate::Surrogate;
+use crate::analysis::Estimate;
 use crate::classification::Label;
-use crate::responses::{Answer, Design, Estimate, respond_in_order};
+use crate::responses::{Answer, Design, respond_in_order};
 use crate::study::{DesignValue, SensitivityFrom};
 
 /// The indices of a variable for a response; one row of `sensitivities.parquet`.

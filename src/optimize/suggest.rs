@@ -11,7 +11,7 @@ use super::proposal::{Design, by_criterion};
 use super::quantity_scale::QuantityScale;
 use super::space::Space;
 use super::surrogate::table;
-use crate::responses::Estimate;
+use crate::analysis::Estimate;
 
 /// Number of designs whose criterion is computed at a time.
 const AT_A_TIME: usize = 64;

@@ -4,8 +4,9 @@ use super::finalists::{Finalist, FinalistRole};
 use super::goal::Goal;
 use super::sensitivity::Sensitivity;
 use crate::responses::Answer;
-use crate::responses::columns::{add_estimate, add_variables, answer_columns};
+use crate::responses::columns::{add_variables, answer_columns};
 use crate::study::{Optimization, Study};
+use crate::table::add_estimate;
 use crate::table::column::{Column, Columns};
 
 /// Returns the columns of `finalists.parquet`: one row per design of the finalists and point of the sweep. `design` is

@@ -2,6 +2,7 @@
 
 mod animation;
 pub mod chart;
+mod comparison;
 mod data;
 mod figures;
 mod optimum;
@@ -14,6 +15,7 @@ mod stored_run;
 mod write;
 
 pub use animation::{animation, frames, time_text};
+pub use comparison::{ComparedPoint, ComparedQuantity, ComparedResults, Comparison, compare};
 pub use data::{Budget, Fraction, IncompletePoints, PointFacts, ReportData, ResultTables};
 pub use figures::of_results;
 pub use optimum::{OptimumData, notes, of_search};

@@ -2,10 +2,10 @@
 
 use serde_json::{Map, Value, json};
 
-use super::estimate::Estimate;
 use super::respond::Answer;
+use crate::analysis::Estimate;
 use crate::classification::Label;
-use crate::study::{ParameterValue, Study};
+use crate::study::{ParameterValue, Response, Study};
 
 /// Returns the answer to a request. For a study with a single point it holds `responses`, `runs`, `failed` and
 /// `discontinuous`, otherwise `points`, a list of such objects with the swept parameters of each point.
@@ -45,14 +45,17 @@ pub(crate) fn estimate_json(estimate: &Estimate) -> Value {
     })
 }
 
+/// Returns responses with their estimates as an object.
+pub(crate) fn responses_json(responses: &[Response], estimates: &[Estimate]) -> Value {
+    let each = responses.iter().zip(estimates);
+    let each = each.map(|(response, estimate)| (response.name.clone(), estimate_json(estimate)));
+    Value::Object(each.collect())
+}
+
 fn point_json(study: &Study, answer: &Answer) -> Map<String, Value> {
-    let responses = study
-        .responses()
-        .iter()
-        .zip(&answer.estimates)
-        .map(|(response, estimate)| (response.name.clone(), estimate_json(estimate)));
     let mut object = Map::new();
-    object.insert("responses".to_owned(), Value::Object(responses.collect()));
+    let responses = responses_json(study.responses(), &answer.estimates);
+    object.insert("responses".to_owned(), responses);
     object.insert("runs".to_owned(), json!(answer.counts.total()));
     object.insert("failed".to_owned(), json!(answer.counts.of(Label::Failed)));
     object.insert("discontinuous".to_owned(), json!(answer.discontinuous));

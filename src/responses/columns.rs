@@ -1,9 +1,9 @@
 //! Columns of `responses.parquet`: one row per design and point of the sweep.
 
-use super::estimate::Estimate;
 use super::respond::Answer;
 use crate::classification::Label;
 use crate::study::{DesignValue, ParameterKind, ParameterValue, Study};
+use crate::table::add_estimate;
 use crate::table::column::{Column, Columns};
 
 /// Returns the answer of a row.
@@ -58,26 +58,6 @@ pub(crate) fn answer_columns<R: 'static>(study: &Study, of: OfRow<R>) -> Vec<Col
         });
     }
     list.finish()
-}
-
-/// Adds the columns of an estimate: value, standard error, interval, and the reason for missing values.
-pub(crate) fn add_estimate<R: 'static>(
-    list: &mut Columns<R>,
-    name: &str,
-    unit: &str,
-    meaning: &str,
-    of: impl Fn(&R) -> Option<&Estimate> + Copy + Send + Sync + 'static,
-) {
-    let mut number = |suffix: &str, meaning: &str, part: fn(&Estimate) -> Option<f64>| {
-        list.number(format!("{name}{suffix}"), unit, move |row| of(row).and_then(part))
-            .meaning(meaning);
-    };
-    number("", meaning, |estimate| estimate.value);
-    number("_standard_error", "its standard error", |estimate| estimate.standard_error);
-    number("_low", "lower end of its 95 % interval", |estimate| estimate.low);
-    number("_high", "upper end of its 95 % interval", |estimate| estimate.high);
-    list.text(format!("{name}_reason"), move |row| Some(of(row)?.reason.as_ref()?.to_string()))
-        .meaning("why one of these values is missing");
 }
 
 /// Adds one column per variable of a design.

@@ -2,31 +2,20 @@
 //!
 //! A design is the study with values for its variables. The runs of all designs have the same start states and the
 //! same draws of uncertain parameters, because draws are keyed by names and not by designs (common random numbers).
-//! Estimates are pure functions of the results of the runs.
 
-mod amplitude;
 mod answer_json;
 pub(crate) mod columns;
 mod discontinuity;
-mod estimate;
-mod moments;
 mod neighbours;
-mod probability;
 mod request;
 mod respond;
 mod respond_to_all;
-mod rest_time;
-mod sample_quantile;
 
-pub use amplitude::{mean, quantile, standard_deviation, worst};
-pub(crate) use answer_json::estimate_json;
 pub use answer_json::to_json;
+pub(crate) use answer_json::{estimate_json, responses_json};
 pub use columns::response_columns;
 pub use discontinuity::{MOST_DESIGNS, discontinuous};
-pub use estimate::{Estimate, RunResult, Sample};
 pub use neighbours::Neighbours;
-pub use probability::{above, at_rest_by};
 pub use request::{Request, RequestError};
 pub use respond::{Answer, Design, respond, respond_in_order};
 pub use respond_to_all::{check_answerable, respond_to_all, run_count};
-pub use rest_time::median_time_to_rest;

@@ -3,18 +3,11 @@
 use std::borrow::Cow;
 use std::sync::atomic::AtomicBool;
 
-use super::amplitude::{mean, quantile, standard_deviation, worst};
-use super::estimate::{Estimate, RunResult, Sample};
-use super::probability::{above, at_rest_by};
-use super::rest_time::median_time_to_rest;
-use crate::analysis::LabelCounts;
+use crate::analysis::{Estimate, LabelCounts};
 use crate::classification::Label;
 use crate::engine::WorkerPool;
-use crate::study::{AmplitudeKind, DesignValue, Measure, ParameterValue, Response, Study};
-use crate::table::RunRecord;
-
-const NO_REFERENCE: &str =
-    "the machine without balls does not vibrate, so that no amplitude is relative to it";
+use crate::study::{DesignValue, ParameterValue, Response, Study};
+use crate::table::{ResponseSamples, RunRecord};
 
 /// The responses of a design at one point of the sweep.
 #[derive(Clone, Debug, PartialEq)]
@@ -160,63 +153,19 @@ fn queue_length(points: &[PointRuns]) -> usize {
 /// Returns the answer of a design at a point from its runs there.
 fn answer(design: &Design, responses: &[Response], at: &PointRuns, runs: &[RunRecord]) -> Answer {
     let point = at.study.point(at.point_id);
-    let sample = |amplitude| Sample {
-        cells: point.cells,
-        runs: runs.iter().map(|run| observed(run, amplitude)).collect(),
-    };
-    let residual = sample(AmplitudeKind::Residual);
-    let relative = sample(AmplitudeKind::RelativeResidual);
-    let peak = sample(AmplitudeKind::Peak);
-    let estimate = |response: &Response| match response.amplitude {
-        AmplitudeKind::Residual => estimate(response.measure, &residual),
-        AmplitudeKind::RelativeResidual if lacks_reference(&residual, &relative) => {
-            Estimate::unknown(NO_REFERENCE)
-        }
-        AmplitudeKind::RelativeResidual => estimate(response.measure, &relative),
-        AmplitudeKind::Peak => estimate(response.measure, &peak),
-    };
+    let mut samples = ResponseSamples::new(responses, point.cells);
     let mut counts = LabelCounts::default();
-    runs.iter().for_each(|run| counts.add(run.outcome.label()));
+    for run in runs {
+        samples.add(run);
+        counts.add(run.outcome.label());
+    }
     Answer {
         design: design.number,
         values: design.values.to_vec(),
         point_id: at.point_id,
         swept: point.swept.clone(),
-        estimates: responses.iter().map(estimate).collect(),
+        estimates: samples.estimates(),
         counts,
         discontinuous: None,
-    }
-}
-
-/// Returns whether runs have amplitudes, but none that is relative to the machine without balls.
-fn lacks_reference(residual: &Sample, relative: &Sample) -> bool {
-    let has_amplitude = |sample: &Sample| sample.runs.iter().any(|run| run.amplitude.is_some());
-    has_amplitude(residual) && !has_amplitude(relative)
-}
-
-fn observed(run: &RunRecord, amplitude: AmplitudeKind) -> RunResult {
-    let RunRecord { planned, outcome, .. } = run;
-    RunResult {
-        cell: planned.cell,
-        label: outcome.label(),
-        amplitude: match amplitude {
-            AmplitudeKind::Residual => outcome.amplitude_m,
-            AmplitudeKind::RelativeResidual => run.relative_amplitude(),
-            AmplitudeKind::Peak => outcome.peak.map(|peak| peak.amplitude_m),
-        },
-        time_to_rest_s: outcome.time_to_rest_s,
-        end_time_s: outcome.observed_s(),
-    }
-}
-
-fn estimate(measure: Measure, sample: &Sample) -> Estimate {
-    match measure {
-        Measure::Mean => mean(sample),
-        Measure::StandardDeviation => standard_deviation(sample),
-        Measure::Quantile(fraction) => quantile(sample, fraction),
-        Measure::Worst => worst(sample),
-        Measure::Above(limit) => above(sample, limit),
-        Measure::AtRestBy(time_s) => at_rest_by(sample, time_s),
-        Measure::MedianTimeToRest => median_time_to_rest(sample),
     }
 }

@@ -51,6 +51,8 @@ pub use plan::planned_study::{PlannedRun, Point, Study};
 pub use plan::precision::{Precision, Sampling};
 pub use plan::repeated_points::RepeatedPoints;
 pub use plan::response::{AmplitudeKind, Measure, Response};
+pub(crate) use plan::units::short_name;
+pub use plan::units::{Unit, Units};
 pub use plan::variable::{DesignValue, Values, Variable};
 pub use schema::json_schema;
 pub use template::Template;

@@ -249,7 +249,7 @@ fn difference(directory: &Path, name: &str, entry: &FileEntry) -> io::Result<Opt
 }
 
 fn another_study() -> String {
-    format!("{STUDY}, by another name of the study or other expectations")
+    format!("{STUDY}, by another name of the study, other expectations or other responses")
 }
 
 /// Returns the size of a regular file below a directory, without following links.

@@ -1,10 +1,11 @@
 //! `points.parquet`: one row per point of the sweep.
 
 use super::column::{Column, Columns};
+use super::estimate::add_estimate;
 use super::point_key::add_point_id;
 use super::runs::add_swept;
 use crate::analysis::{
-    HalfWidths, PointSummary, ResidualVibration, set_fraction, touching_set_fraction,
+    Estimate, HalfWidths, PointSummary, ResidualVibration, set_fraction, touching_set_fraction,
 };
 use crate::classification::Label;
 use crate::model::{ExistenceVerdict, Machine};
@@ -26,6 +27,8 @@ pub struct PointRow {
     pub swept: Vec<ParameterValue>,
     /// Summary of its runs.
     pub summary: PointSummary,
+    /// One estimate per response, in the order of [`Study::responses`].
+    pub responses: Vec<Estimate>,
     /// Fraction of all ball positions that are equilibria.
     pub set_fraction: Option<f64>,
     /// Fraction of the positions in which two balls touch that are equilibria.
@@ -36,11 +39,12 @@ pub struct PointRow {
 
 impl PointRow {
     /// Creates the row of a point.
-    pub fn new(point: &Point, summary: PointSummary) -> Self {
+    pub fn new(point: &Point, summary: PointSummary, responses: Vec<Estimate>) -> Self {
         PointRow {
             point_id: point.point_id,
             swept: point.swept.clone(),
             summary,
+            responses,
             set_fraction: point.model().ball_balancer().and_then(set_fraction),
             touching_set_fraction: point.model().ball_balancer().and_then(touching_set_fraction),
             // Nothing is proven for balls that touch.
@@ -110,6 +114,10 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         let touches = study.model().ball_balancer().is_some_and(|one| one.contact.is_some());
         add_machine(&mut list, touches);
         add_residual_vibration(&mut list);
+    }
+    for (index, response) in study.responses().iter().enumerate() {
+        let (name, unit, meaning) = (response.column(), response.unit(), response.meaning());
+        add_estimate(&mut list, &name, unit, &meaning, move |row| row.responses.get(index));
     }
     list.finish()
 }

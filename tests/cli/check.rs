@@ -506,7 +506,7 @@ fn gravity_on_a_horizontal_axis_is_named() {
                  speed: 10000 rpm}}\n";
     scratch.write("a.yaml", study(model, ""));
     let text = "the axis is vertical: the model leaves gravity out. On a horizontal axis, gravity is 25.55 % of the \
-                friction\nμ ω² R that holds a ball, and no ball stays at rest below sqrt(g/(μ R)) = 529.3 rad/s\n";
+                friction\nμ ω² R that holds a ball, and no ball stays at rest below sqrt(g/(μ R)) = 5054 rpm\n";
     assert_has(&scratch.well("check a.yaml"), &[text]);
     let sweep = "sweep: [{grid: {friction_coefficient: [1.0e-3, 2.75e-3]}}]\n";
     let static_friction =

@@ -116,9 +116,14 @@ fn a_file_is_never_overwritten() {
 }
 
 #[test]
-fn a_file_that_is_named_csv_is_refused() {
+fn the_ending_of_the_name_chooses_the_format() {
     let scratch = Scratch::new();
     scratch.write("a.yaml", study());
-    let parts = ["cases.csv: the file is written as Parquet", "such as cases.parquet"];
-    scratch.refused("expand a.yaml --out cases.csv", &parts);
+    let parts = ["cases.xlsx: the file is written as Parquet or CSV", "such as cases.parquet"];
+    scratch.refused("expand a.yaml --out cases.xlsx", &parts);
+    let printed = scratch.well("expand a.yaml");
+    assert_eq!(scratch.well("expand a.yaml --out cases.csv"), "");
+    assert_eq!(std::fs::read_to_string(scratch.path("cases.csv")).unwrap(), printed);
+    assert!(scratch.files().keys().all(|path| !path.ends_with("stickslip-partial")));
+    scratch.refused("expand a.yaml --out cases.csv", &["cases.csv: exists already"]);
 }

@@ -92,11 +92,14 @@ fn draws_of_the_machine_without_balls_are_explained() {
     }
 }
 
-/// Speeds in rpm have few digits on the terminal and in figures, and all digits in JSON.
+/// Speeds from rpm have few digits on the terminal and in figures in rad/s, too, and all digits in JSON.
 #[test]
 fn swept_values_have_few_digits() {
     let scratch = Scratch::new();
-    scratch.write("a.yaml", study(AT_ONCE, "sweep: [{grid: {speed: [2000 rpm, 3000 rpm]}}]\n"));
+    scratch.write(
+        "a.yaml",
+        study(AT_ONCE, "sweep: [{grid: {speed: [2000 rpm, 3000 rpm]}}]\nunits: {speed: rad/s}\n"),
+    );
     let ran = scratch.stickslip("run a.yaml --out out");
     for text in [scratch.well("check a.yaml"), ran.out, scratch.well("summary out")] {
         assert_has(&text, &["209.44", "314.159"]);

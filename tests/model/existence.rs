@@ -12,6 +12,7 @@ fn extreme(draws: &mut TestRng, balls: usize, most_friction: f64) -> Machine {
         mass_kg: 0.05 + draws.uniform(),
         diameter_m: 3e-3,
         friction_coefficient: most_friction * draws.uniform(),
+        ..Ball::default()
     };
     let balls = (0..balls).map(|_| ball()).collect();
     let table_mass_kg = 1e-3 + 0.3 * draws.uniform() * draws.uniform();

@@ -108,8 +108,12 @@ impl<const N: usize> Turning<N> {
 /// The energy that table and balls gain in a ramp is the work of motor, dampers and friction.
 #[test]
 fn the_motors_work_accounts_for_the_energy_through_a_ramp() {
-    let ball =
-        |mass_kg: f64, diameter_m: f64| Ball { mass_kg, diameter_m, friction_coefficient: 0.05 };
+    let ball = |mass_kg: f64, diameter_m: f64| Ball {
+        mass_kg,
+        diameter_m,
+        friction_coefficient: 0.05,
+        ..Ball::default()
+    };
     let machine = Machine { balls: vec![ball(3e-3, 3e-3), ball(1e-3, 2e-3)], ..Machine::default() };
     let start = Start::of_balancer([0.01, -0.02], &[1.0, 3.5], [0.0; 2], &[0.0; 2]);
     for (shape, from, to, over_s, ring_runout_m) in [

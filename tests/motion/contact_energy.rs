@@ -104,6 +104,7 @@ fn work_accounts_for_the_energy_of_balls_in_contact() {
         mass_kg: 1.4e-4 * mass,
         diameter_m,
         friction_coefficient: 2.75e-3,
+        ..Ball::default()
     };
     let machine = |speed_rad_s: f64, balls: Vec<Ball>, friction_coefficient: f64| Machine {
         speed_rad_s,

@@ -1,8 +1,7 @@
 //! Intervals of differences and ratios: published examples and coverage.
 
 use crate::support::TestRng;
-use stickslip::optimize::{estimate_difference, estimate_ratio};
-use stickslip::responses::Estimate;
+use stickslip::analysis::{Estimate, estimate_difference, estimate_ratio};
 
 fn estimate(value: f64, low: f64, high: f64) -> Estimate {
     let ends = [Some(low), Some(high)];
@@ -14,7 +13,7 @@ fn estimate(value: f64, low: f64, high: f64) -> Estimate {
 #[test]
 fn difference_of_fractions() {
     let [one, other] = [estimate(5.0 / 56.0, 0.03873, 0.19258), estimate(0.0, 0.0, 0.11697)];
-    let found = estimate_difference(&one, &other);
+    let found = estimate_difference(&one, &other, 0.0);
     assert!((found.low.unwrap() + 0.0381).abs() < 2e-4, "{found:?}");
     assert!((found.high.unwrap() - 0.1926).abs() < 2e-4, "{found:?}");
 }
@@ -41,7 +40,8 @@ fn coverage() {
         let [x, y] = [5.0 + 0.5 * draws.normal(), 4.0 + 0.2 * draws.normal()];
         let one = estimate(x, x - 1.96 * 0.5, x + 1.96 * 0.5);
         let other = estimate(y, y - 1.96 * 0.2, y + 1.96 * 0.2);
-        let all = [(estimate_difference(&one, &other), 1.0), (estimate_ratio(&one, &other), 1.25)];
+        let all =
+            [(estimate_difference(&one, &other, 0.0), 1.0), (estimate_ratio(&one, &other), 1.25)];
         for (count, (found, truth)) in held.iter_mut().zip(all) {
             *count += u32::from(found.low.unwrap() <= truth && truth <= found.high.unwrap());
         }

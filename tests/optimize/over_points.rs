@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use stickslip::analysis::Estimate;
 use stickslip::analysis::LabelCounts;
 use stickslip::optimize::Goal;
-use stickslip::responses::{Answer, Estimate};
+use stickslip::responses::Answer;
 use stickslip::study::OverPoints::{self, Mean, Worst};
 use stickslip::study::{Objective, Optimization, SensitivityFrom, Study};
 

@@ -2,7 +2,7 @@
 
 use super::sample;
 use crate::support::TestRng;
-use stickslip::responses::{Estimate, mean, quantile, standard_deviation, worst};
+use stickslip::analysis::{Estimate, mean, quantile, standard_deviation, worst};
 
 fn near(found: Option<f64>, expected: f64) {
     let found = found.expect("a number");

@@ -9,8 +9,8 @@ mod probability;
 mod rest_time;
 mod sample_quantile;
 
+use stickslip::analysis::{RunResult, Sample};
 use stickslip::classification::Label;
-use stickslip::responses::{RunResult, Sample};
 
 /// Returns runs with these amplitudes, which take turns in the cells; `None` is a failed run.
 fn sample(amplitudes: &[Option<f64>], cells: Option<u64>) -> Sample {

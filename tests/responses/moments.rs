@@ -1,7 +1,7 @@
 //! Student's interval of means against printed tables.
 
 use super::sample;
-use stickslip::responses::{Sample, mean};
+use stickslip::analysis::{Sample, mean};
 
 /// Returns half of the width of the interval of the mean over its standard error.
 fn standard_errors(sample: &Sample) -> f64 {

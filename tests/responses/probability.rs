@@ -1,8 +1,8 @@
 //! Probabilities of rest and of large amplitudes, with failed and censored runs.
 
+use stickslip::analysis::{RunResult, Sample, above, at_rest_by};
 use stickslip::analysis::{Z_95, wilson};
 use stickslip::classification::Label;
-use stickslip::responses::{RunResult, Sample, above, at_rest_by};
 
 fn run(label: Label, time_to_rest_s: Option<f64>, end: f64) -> RunResult {
     let amplitude = (label != Label::Failed).then_some(end);

@@ -1,7 +1,7 @@
 //! The median time to rest with runs that never rest.
 
+use stickslip::analysis::{RunResult, Sample, median_time_to_rest};
 use stickslip::classification::Label;
-use stickslip::responses::{RunResult, Sample, median_time_to_rest};
 
 fn sample(rests: u32, cycles: u32) -> Sample {
     let rest = |time: u32| RunResult {

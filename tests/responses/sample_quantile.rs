@@ -1,7 +1,7 @@
 //! Quantiles with intervals and standard errors: tables, resamples and bimodal samples.
 
 use crate::support::TestRng;
-use stickslip::responses::{Sample, quantile};
+use stickslip::analysis::{Sample, quantile};
 
 fn sample(amplitudes: &[f64]) -> Sample {
     let amplitudes: Vec<Option<f64>> = amplitudes.iter().copied().map(Some).collect();

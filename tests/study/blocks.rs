@@ -10,7 +10,7 @@ fn studies() -> Vec<Value> {
     let stratified = json!({"stratified": {"parts_per_axis": 2, "samples_per_cell": 3}});
     let monte_carlo = json!({"monte_carlo": {"samples": 4}});
     let balancer = json!({
-        "schema": 1, "name": "a", "seed": 5,
+        "schema": 1, "name": "a", "seed": 5, "units": {"speed": "rpm", "vibration": "mm"},
         "model": {
             "kind": "ball_balancer",
             "parameters": {

@@ -15,6 +15,7 @@ mod contact;
 mod correlations;
 mod design_tables;
 mod designs;
+mod determined;
 mod distributions;
 mod endings;
 mod identify;

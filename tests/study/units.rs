@@ -1,6 +1,8 @@
 //! Values with units: the same study as with SI keys, to the last bit, and errors that name key, unit and remedy.
 
-use stickslip::study::{ParameterValue, Study};
+use std::path::Path;
+
+use stickslip::study::{ParameterValue, Study, VariedParameter};
 
 use super::{machine_at, parse, study};
 
@@ -28,7 +30,11 @@ fn refused(text: &str, line: usize, key: &str, found: &str, allowed: &str) {
 #[track_caller]
 fn same(with_units: &str, si: &str) {
     let [with_units, si] = [with_units, si].map(study);
-    assert_eq!(with_units.resolved_yaml(), si.resolved_yaml());
+    // The last key names the units that the study writes.
+    let without_units =
+        |study: &Study| study.resolved_yaml().split("\nunits:").next().unwrap().to_owned();
+    let [one, other] = [&with_units, &si].map(without_units);
+    assert_eq!(one.trim_end(), other.trim_end());
     assert_eq!(with_units.hash(), si.hash());
     for run in 0..si.run_count() {
         assert_eq!(with_units.planned_run(run), si.planned_run(run), "run {run}");
@@ -328,4 +334,86 @@ fn ranges_without_meaning_are_refused() {
     let many = "{from: 0, to: 1, count: 600000}";
     let two = format!("sweep: [{{zip: {{speed_rad_s: {many}, damping_n_s_m: {many}}}}}]\n");
     refused(&text("", &two), 7, "sweep[0].zip.damping_n_s_m", "600000 values", "in all ranges");
+}
+
+/// `units` chooses how a parameter is shown; else the first unit that the study writes does.
+#[test]
+fn people_read_the_units_of_the_study() {
+    let text = |units: &str| {
+        format!(
+            "schema: 1\nname: a\nseed: 1\nmodel: {{kind: ball_balancer, parameters: {{ball_mass: 0.2 g, table_mass: 0.4 kg}}}}\n\
+             sweep: [{{grid: {{speed: [-3000 rpm], ball_mass: [0.1 g, 0.2 g]}}}}]\n\
+             uncertain: {{table_mass_kg: {{normal: {{mean: 0.4, std_dev: 0.01}}}}}}\n\
+             initial_conditions: {{design: {{monte_carlo: {{samples: 2}}}}}}\n{units}"
+        )
+    };
+    let parse = |units: &str| Study::parse(Path::new("a.yaml"), text(units));
+    let names = |units: &str| -> Vec<String> {
+        let study = parse(units).unwrap();
+        let again = Study::parse(Path::new("b.yaml"), study.resolved_yaml()).unwrap();
+        let shown = |study: &Study| {
+            let names = study.swept().iter().chain(study.uncertain());
+            let names: Vec<String> = names.map(VariedParameter::shown_name).collect();
+            (names, study.shown(&study.point(1).swept), study.units().vibration().symbol)
+        };
+        assert_eq!(shown(&study), shown(&again), "{}", study.resolved_yaml());
+        assert_eq!(study.hash(), again.hash());
+        let (mut names, values, vibration) = shown(&study);
+        names.extend(values);
+        names.push(vibration);
+        names
+    };
+    let written = ["speed [rpm]", "ball_mass [g]", "table_mass_kg", "-3000", "0.2", "µm"];
+    assert_eq!(names(""), written);
+    let chosen = ["speed [rev/s]", "ball_mass [mg]", "table_mass [mg]", "-50", "200", "mm"];
+    assert_eq!(names("units: {mass: mg, speed: rev/s, vibration: mm}\n"), chosen);
+    let one = ["speed [rpm]", "ball_mass [mg]", "table_mass_kg", "-3000", "200", "µm"];
+    assert_eq!(names("units: {ball_mass: mg}\n"), one);
+    assert_eq!(parse("").unwrap().hash(), parse("units: {mass: g}\n").unwrap().hash());
+    for (units, parts) in [
+        ("units: {sped: rpm}\n", ["units.sped", "speed (did you mean this?)"]),
+        ("units: {speed: mm}\n", ["units.speed", "a speed of rotation, such as"]),
+        ("units: {mass: grams}\n", ["units.mass", "unknown unit"]),
+    ] {
+        let error = parse(units).unwrap_err().to_string();
+        for part in parts {
+            assert!(error.contains(part), "no {part:?} in {error}");
+        }
+    }
+}
+
+/// A column with a unit in its name has the values of the SI column.
+#[test]
+fn columns_may_have_units() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = |table: &str| {
+        format!(
+            "schema: 1\nname: a\nseed: 1\nmodel: {{kind: ball_balancer}}\nsweep: [{{table: {table}}}]\n\
+             initial_conditions: {{design: {{monte_carlo: {{samples: 2}}}}}}\n"
+        )
+    };
+    let study = |csv: &str| {
+        std::fs::write(folder.path().join("t.csv"), csv).unwrap();
+        Study::parse(&folder.path().join("a.yaml"), text("t.csv"))
+    };
+    let swept = |study: Study| (study.point(0).swept, study.point(1).swept);
+    let plain = study("speed_rad_s,ball_mass_kg\n-100,1.1e-4\n-200,1.3e-4\n").unwrap();
+    let units = study("speed_rad_s [rad/s],ball_mass [g]\n-100,0.11\n-200,0.13\n").unwrap();
+    assert_eq!(swept(units), swept(plain));
+    let inline = "{columns: [\"speed [rpm]\"], rows: [[-3000], [-6000]]}";
+    let (one, _) = swept(Study::parse(Path::new("a.yaml"), text(inline)).unwrap());
+    let ParameterValue::Number(speed) = one[0] else { panic!("a number") };
+    assert!((speed + 100.0 * std::f64::consts::PI).abs() < 1e-12);
+    for (header, parts) in [
+        ("speed [mm]", ["column speed [mm]", "a speed of rotation, such as"]),
+        ("speed [rpn]", ["unknown unit", "rpm (did you mean this?)"]),
+        ("sped [rpm]", ["unknown column", "speed_rad_s"]),
+        ("speed_rad_s,speed [rpm]", ["a column given twice", "each column once"]),
+    ] {
+        let row = if header.contains(',') { "1,2" } else { "1" };
+        let error = study(&format!("{header}\n{row}\n")).unwrap_err().to_string();
+        for part in parts {
+            assert!(error.contains(part), "no {part:?} in {error}");
+        }
+    }
 }

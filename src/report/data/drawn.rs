@@ -31,7 +31,7 @@ pub struct DrawnRuns {
     pub amplitude_m: Vec<f64>,
     /// Time to rest, s; infinite for runs that did not come to rest.
     pub time_to_rest_s: Vec<f64>,
-    /// The drawn values, parameter by parameter in the order of [`Study::uncertain`].
+    /// The drawn values, parameter by parameter in the order of [`Study::uncertain`], in the units that the study chooses.
     pub values: Vec<Vec<f64>>,
 }
 
@@ -91,8 +91,8 @@ pub fn read(
             runs.amplitude_m.push(amplitude);
             let time = batch.number("time_to_rest_s", row)?;
             runs.time_to_rest_s.push(time.unwrap_or(f64::INFINITY));
-            for (column, value) in runs.values.iter_mut().zip(values) {
-                column.push(value);
+            for ((column, value), parameter) in runs.values.iter_mut().zip(values).zip(parameters) {
+                column.push(parameter.shown_number(value));
             }
         }
     }

@@ -27,7 +27,7 @@ pub use time_to_rest::RestCurve;
 
 use super::chart::{Axis, AxisKind};
 use crate::classification::Label;
-use crate::study::Study;
+use crate::study::{Study, Unit};
 use crate::table::{Manifest, Table, TableError};
 
 /// The longest name of a curve in a legend, in characters.
@@ -146,6 +146,14 @@ pub struct ReportData<'a> {
 }
 
 impl<'a> ReportData<'a> {
+    /// Returns the unit of amplitudes: that of vibration, or m for a model without vibration.
+    pub fn amplitude_unit(&self) -> Unit {
+        match self.study.model().kind().offers.vibration {
+            true => self.study.units().vibration(),
+            false => Unit { symbol: "m".to_owned(), si: 1.0 },
+        }
+    }
+
     /// Reads the tables of a results directory.
     ///
     /// # Errors

@@ -5,18 +5,7 @@ use crate::study::{ParameterValue, Study, VariedParameter};
 
 /// Returns the name of a parameter in words, without its unit.
 fn words(parameter: &VariedParameter) -> String {
-    let unit: String = parameter
-        .unit
-        .to_lowercase()
-        .chars()
-        .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
-        .collect();
-    let name = parameter.name.strip_suffix(&format!("_{unit}")).unwrap_or(&parameter.name);
-    name.replace('_', " ")
-}
-
-fn unit(parameter: &VariedParameter) -> &str {
-    if parameter.unit == "1" { "" } else { parameter.unit }
+    parameter.short_name().replace('_', " ")
 }
 
 /// Returns the values of the swept parameters of a point as text; a negative number has a minus sign, not a hyphen.
@@ -33,7 +22,7 @@ pub fn said(study: &Study, values: &[ParameterValue]) -> Vec<String> {
 pub fn axis_of(parameter: &VariedParameter) -> Axis {
     Axis {
         name: words(parameter),
-        unit: unit(parameter).to_owned(),
+        unit: parameter.shown_unit().to_owned(),
         range: None,
         kind: AxisKind::Linear,
     }
@@ -41,7 +30,7 @@ pub fn axis_of(parameter: &VariedParameter) -> Axis {
 
 /// Returns the names of the values of [`short`], as `speed [rad/s], friction coefficient`.
 pub fn short_axis(study: &Study) -> Axis {
-    let name = |parameter: &VariedParameter| match unit(parameter) {
+    let name = |parameter: &VariedParameter| match parameter.shown_unit() {
         "" => words(parameter),
         unit => format!("{} [{unit}]", words(parameter)),
     };
@@ -62,7 +51,7 @@ pub fn heading(study: &Study, values: &[ParameterValue], wanted: impl Fn(usize) 
     let values = said(study, values);
     let parts = study.swept().iter().zip(&values).enumerate();
     let part = |(index, (parameter, value)): (usize, (&VariedParameter, &String))| {
-        let unit = unit(parameter);
+        let unit = parameter.shown_unit();
         let space = if unit.is_empty() { "" } else { " " };
         wanted(index).then(|| format!("{} {}{space}{unit}", words(parameter), value))
     };

@@ -1,10 +1,10 @@
 //! The values of a point, from its finished runs or from a row of `points.parquet`.
 
-use crate::analysis::{AuditCounts, HalfWidths, ResidualVibration};
+use crate::analysis::{AuditCounts, Estimate, HalfWidths, ResidualVibration};
 use crate::classification::Label;
 use crate::report::data::heading;
 use crate::study::{ParameterValue, Study};
-use crate::table::{Batch, Kind, PointRow, Table, TableError};
+use crate::table::{Batch, Kind, PointRow, Table, TableError, estimate_kinds, read_estimate};
 
 /// The largest number of points in memory; of larger sweeps every second, third and so on is read.
 const MOST_POINTS: u64 = 50_000;
@@ -53,6 +53,8 @@ pub struct PointFacts {
     pub audit: AuditCounts,
     /// The rate of flips and its interval.
     pub flip_rate: Option<[f64; 3]>,
+    /// One estimate per response of the study.
+    pub responses: Vec<Estimate>,
 }
 
 const TIMES: [&str; 4] =
@@ -94,7 +96,7 @@ pub fn read(study: &Study, table: &Table) -> Result<Vec<PointFacts>, TableError>
 impl PointFacts {
     /// Returns the values of a point whose runs have finished.
     pub fn of(study: &Study, row: &PointRow) -> Self {
-        let PointRow { point_id, swept, summary, set_fraction, .. } = row;
+        let PointRow { point_id, swept, summary, set_fraction, responses, .. } = row;
         let (counts, runs) = (&summary.counts, summary.counts.total());
         let intervals = counts.intervals();
         let mut labels = Label::ALL.map(|label| Fraction::of(counts.of(label), runs));
@@ -119,6 +121,7 @@ impl PointFacts {
             set_fraction: *set_fraction,
             audit,
             flip_rate: audit.flip_rate().map(|rate| [rate, flip_low, flip_high]),
+            responses: responses.clone(),
         }
     }
 
@@ -141,7 +144,10 @@ impl PointFacts {
         let balancer = balancer.chain(&RELATIVE).chain(&WORSE).chain(&GRADES);
         let numbers = numbers.chain(balancer.filter(|_| balls)).copied();
         let numbers = numbers.chain(low.iter().chain(&high).map(String::as_str));
+        let responses: Vec<(String, Kind)> =
+            study.responses().iter().flat_map(|one| estimate_kinds(&one.column())).collect();
         let mut columns: Vec<(&str, Kind)> = counts.map(|name| (name, Kind::Count)).collect();
+        columns.extend(responses.iter().map(|(name, kind)| (name.as_str(), *kind)));
         columns.extend(numbers.map(|name| (name, Kind::Number)));
         columns.extend([(METHOD, Kind::Text), (PRECISE, Kind::Boolean)]);
         for batch in table.read(&columns)? {
@@ -178,6 +184,8 @@ impl PointFacts {
         let residual = if balls { residual(batch, row)? } else { ResidualVibration::default() };
         let swept =
             if point_id < study.point_count() { study.point(point_id).swept } else { Vec::new() };
+        let responses = study.responses().iter();
+        let responses = responses.map(|one| read_estimate(batch, &one.column(), row));
         let [p25, p50, p75, p95] = TIMES.map(number);
         let [p05, median, p95_m] = AMPLITUDES.map(number);
         Ok(PointFacts {
@@ -199,6 +207,7 @@ impl PointFacts {
                 rest_flips: count(COUNTS[4])?,
             },
             flip_rate: flip_rate.map(|((rate, low), high)| [rate, low, high]),
+            responses: responses.collect::<Result<_, _>>()?,
         })
     }
 

@@ -170,9 +170,8 @@ pub fn amplitudes(data: &ReportData<'_>) -> Option<Figure> {
     // Mixes the run numbers again to draw a subsample of a subsample.
     let mixed = |run: u64| run.wrapping_mul(0x2545_f491_4f6c_dd1d).rotate_left(29);
     let is_shown = |run: u64| scattered(mixed(run), one_in);
-    let (unit, factor) =
-        if data.study.model().kind().offers.vibration { ("µm", 1e6) } else { ("m", 1.0) };
-    let y = axis("amplitude", unit);
+    let unit = data.amplitude_unit();
+    let y = axis("amplitude", &unit.symbol);
     let mut panels = Vec::new();
     let mut drawn = 0;
     for (point, runs) in &chosen {
@@ -190,14 +189,15 @@ pub fn amplitudes(data: &ReportData<'_>) -> Option<Figure> {
                         .filter(is)
                         .filter(|place| runs.run_id.get(*place).is_some_and(|run| is_shown(*run)))
                         .collect();
-                    let of = |column: &[f64], factor: f64| -> Vec<f64> {
-                        let known = places.iter().filter_map(|place| column.get(*place));
-                        known.map(|value| factor * value).collect()
+                    let of = |column: &[f64]| -> Vec<f64> {
+                        places.iter().filter_map(|place| column.get(*place).copied()).collect()
                     };
                     let run_ids = places.iter().filter_map(|place| runs.run_id.get(*place));
                     let tooltips =
                         Tooltips { run_ids: run_ids.copied().collect(), ..Tooltips::default() };
-                    let (x, y) = (of(values, 1.0), of(&runs.amplitude_m, factor));
+                    let amplitudes =
+                        of(&runs.amplitude_m).into_iter().map(|metres| unit.of(metres));
+                    let (x, y) = (of(values), amplitudes.collect());
                     let mark = Mark::Dots { symbol: small(label), x, y, tooltips };
                     (!places.is_empty())
                         .then(|| Layer::new(&label_words(label), label_colour(label), mark))

@@ -13,6 +13,7 @@ use crate::report::chart::{
     Axis, AxisKind, Colour, ColourScale, Layer, Mark, Symbol, TooltipColumn, TooltipValues,
     Tooltips,
 };
+use crate::study::Unit;
 
 /// The largest number of cells of the raster per axis: about half of a screen's pixels, in 50 kB of the page.
 const MOST_CELLS: usize = 192;
@@ -44,8 +45,8 @@ pub fn angle_axis(ball: usize) -> Axis {
 
 /// Returns the layers of a machine's equilibrium set; `None` unless the machine has two balls, turns, and has a
 /// position of rest (a suspension without damping has none at its resonance).
-/// The rasters of `panels` such sets together have at most `most` cells.
-pub fn set_layers(machine: &Machine, panels: usize, most: usize) -> Option<SetLayers> {
+/// Amplitudes are in this unit. The rasters of `panels` such sets together have at most `most` cells.
+pub fn set_layers(machine: &Machine, unit: &Unit, panels: usize, most: usize) -> Option<SetLayers> {
     let each = (most as f64 / panels.max(1) as f64).sqrt() as usize;
     let cells = each.clamp(FEWEST_CELLS, MOST_CELLS);
     let form = RestForm::new(machine)?;
@@ -63,7 +64,7 @@ pub fn set_layers(machine: &Machine, panels: usize, most: usize) -> Option<SetLa
         grid.fill(2 * first + 1, &mut row);
         for second in 0..cells {
             let rest = grid.at(&row, 2 * second + 1);
-            let amplitude = 1e6 * rest.amplitude_m;
+            let amplitude = unit.of(rest.amplitude_m);
             extend(&mut everywhere, amplitude);
             let apart = wrap_to_pi(TAU * (second as f64 - first as f64) / cells as f64).abs();
             if rest.in_set() && apart >= contact {
@@ -73,9 +74,9 @@ pub fn set_layers(machine: &Machine, panels: usize, most: usize) -> Option<SetLa
         }
     }
     let range = rounded(if in_set[0] <= in_set[1] { in_set } else { everywhere })?;
-    let scale = ColourScale { name: "amplitude [µm]".to_owned(), range };
+    let scale = ColourScale { name: format!("amplitude [{}]", unit.symbol), range };
     let set = Layer::new("", Colour::Scale, Mark::Raster { size: [cells; 2], values });
-    Some(SetLayers { scale, set, frictionless: frictionless(machine)? })
+    Some(SetLayers { scale, set, frictionless: frictionless(machine, unit)? })
 }
 
 fn extend(range: &mut [f64; 2], value: f64) {
@@ -99,7 +100,7 @@ fn nice(step: f64) -> f64 {
 }
 
 /// Returns the equilibria without friction; for identical balls also with the balls exchanged.
-fn frictionless(machine: &Machine) -> Option<Vec<Layer>> {
+fn frictionless(machine: &Machine, unit: &Unit) -> Option<Vec<Layer>> {
     let found = frictionless_equilibria(machine, HIGH_DRAG)?;
     let identical = groups_of_identical(&machine.balls).len() == 1;
     let layer = |name: &str, symbol, stable: bool| {
@@ -114,11 +115,11 @@ fn frictionless(machine: &Machine) -> Option<Vec<Layer>> {
             })
             .collect();
         let words = places.iter().map(|(one, _)| one.kind.name().to_owned()).collect();
-        let amplitudes = places.iter().map(|(one, _)| 1e6 * one.amplitude_m()).collect();
+        let amplitudes = places.iter().map(|(one, _)| unit.of(one.amplitude_m())).collect();
         let column = |name: &str, values| TooltipColumn { name: name.to_owned(), values };
         let columns = vec![
             column("kind", TooltipValues::Words(words)),
-            column("amplitude [µm]", TooltipValues::Numbers(amplitudes)),
+            column(&format!("amplitude [{}]", unit.symbol), TooltipValues::Numbers(amplitudes)),
         ];
         let mark = Mark::Dots {
             symbol,

@@ -2,7 +2,7 @@
 
 use crate::classification::Label;
 use crate::report::chart::{Axis, AxisKind, Colour, Layer, Mark, Symbol, Tooltips};
-use crate::report::data::{PointFacts, RunSample};
+use crate::report::data::{PointFacts, ReportData, RunSample};
 use crate::study::Study;
 
 /// Returns an axis with its quantity and unit.
@@ -96,15 +96,15 @@ impl Estimate {
 }
 
 /// Returns the tooltips of runs at these places of a sample, besides their angles.
-pub fn run_tooltips(runs: &RunSample, places: &[usize]) -> Tooltips {
-    let of = |values: &[f64], factor: f64| -> Vec<f64> {
-        at_places(values, places).map(|value| factor * value).collect()
-    };
+pub fn run_tooltips(data: &ReportData<'_>, places: &[usize]) -> Tooltips {
+    let (runs, unit) = (&data.runs, data.amplitude_unit());
+    let of = |values: &[f64]| -> Vec<f64> { at_places(values, places).collect() };
+    let amplitudes = of(&runs.amplitude_m).into_iter().map(|metres| unit.of(metres)).collect();
     let run_ids = places.iter().filter_map(|&place| runs.run_id.get(place).copied()).collect();
     let columns = [
-        ("amplitude [µm]", of(&runs.amplitude_m, 1e6)),
-        ("friction margin", of(&runs.friction_margin, 1.0)),
-        ("time to rest [s]", of(&runs.time_to_rest_s, 1.0)),
+        (&*format!("amplitude [{}]", unit.symbol), amplitudes),
+        ("friction margin", of(&runs.friction_margin)),
+        ("time to rest [s]", of(&runs.time_to_rest_s)),
     ];
     Tooltips { run_ids, ..Tooltips::numbers(columns) }
 }

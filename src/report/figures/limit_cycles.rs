@@ -4,6 +4,7 @@ use super::layers::{Estimate, axis};
 use super::sweep_axis::{Group, SweepAxis};
 use crate::report::chart::{Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
 use crate::report::data::{CycleFacts, QUANTITIES, ReportData};
+use crate::study::Unit;
 
 /// The largest number of classes; those with the most runs are shown.
 const MOST_CLASSES: usize = 8;
@@ -36,10 +37,15 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     };
     let mut panels = Vec::new();
     for group in groups.iter().take(data.budget.details) {
-        for (place, (name, unit, _)) in QUANTITIES.iter().enumerate() {
+        for (place, (name, si, _)) in QUANTITIES.iter().enumerate() {
             let mut layers = Vec::new();
+            let unit = match *si {
+                "m" => data.amplitude_unit(),
+                "rad/s" => data.study.units().speed(),
+                si => Unit { symbol: si.to_owned(), si: 1.0 },
+            };
             for (index, (class, _)) in classes.iter().enumerate() {
-                layers.extend(branch(cycles, group, class, (place, index)));
+                layers.extend(branch(cycles, group, class, (place, &unit, index)));
             }
             if place == QUANTITIES.len() - 1 && !layers.is_empty() {
                 let label = "stable below".to_owned();
@@ -52,7 +58,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             panels.push(Panel {
                 title: group.title.clone(),
                 part: (*name).to_owned(),
-                ..Panel::new(x.clone(), axis(name, unit), layers)
+                ..Panel::new(x.clone(), axis(name, &unit.symbol), layers)
             });
         }
     }
@@ -83,13 +89,14 @@ fn branch(
     cycles: &[CycleFacts],
     group: &Group<'_>,
     class: &str,
-    (quantity, index): (usize, usize),
+    (quantity, unit, index): (usize, &Unit, usize),
 ) -> Vec<Layer> {
     let known = group.points.iter().filter_map(|(x, point)| {
         let of_class =
             |cycle: &&CycleFacts| cycle.point_id == point.point_id && cycle.class == class;
         let cycle = cycles.iter().find(of_class)?;
-        let [value, low, high] = *cycle.values.get(quantity)?;
+        let values = cycle.values.get(quantity)?;
+        let [value, low, high] = values.map(|value| value.map(|value| unit.of(value)));
         let value = value?;
         let (low, high) = (low.unwrap_or(value), high.unwrap_or(value));
         Some((Estimate { x: *x, value, low, high }, cycle))

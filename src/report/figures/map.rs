@@ -26,7 +26,7 @@ const SHOWN: [Shown; 4] = [
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let axes = SweepAxis::all(data, LEAST);
     let [across, up, ..] = &axes[..] else { return None };
-    let values = |column| distinct(&data.points, column);
+    let values = |column| distinct(data, column);
     let (mut x_values, mut y_values) = (values(across.column)?, values(up.column)?);
     // With too many cells, only every second, third and so on value of each parameter is shown.
     let mut one_in = 1;
@@ -43,7 +43,8 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     // One map for each combination of the other parameters.
     let mut planes: Vec<(String, Vec<Placed<'_>>)> = Vec::new();
     for point in &data.points {
-        let places = number(point, across.column).zip(number(point, up.column));
+        let at = |axis: &SweepAxis| number(data.study, point, axis.column);
+        let places = at(across).zip(at(up));
         let Some((x, y)) = places.filter(|(x, y)| on(&x_values, *x) && on(&y_values, *y)) else {
             continue;
         };

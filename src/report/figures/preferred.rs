@@ -104,7 +104,7 @@ fn counted(data: &ReportData<'_>, point: &PointFacts) -> String {
 /// Returns dots of the runs at rest with two columns of the sample.
 fn dots(data: &ReportData<'_>, point: &PointFacts, x: &[f64], y: &[f64]) -> Layer {
     let runs = places(&data.runs, point.point_id, Some(Label::Equilibrium));
-    let tooltips = run_tooltips(&data.runs, &runs);
+    let tooltips = run_tooltips(data, &runs);
     run_dots((&label_words(Label::Equilibrium), Colour::Ink, Symbol::Dot), (x, y), &runs, tooltips)
 }
 
@@ -120,7 +120,8 @@ fn pair(data: &ReportData<'_>, point: &PointFacts, [first, second]: [usize; 2]) 
     let model = (point.point_id < study.point_count()).then(|| study.point(point.point_id));
     let machine = model.as_ref().and_then(|point| point.model().ball_balancer());
     let (panels, cells) = (data.detailed.len(), data.budget.cells);
-    let set = machine.and_then(|machine| set_layers(machine, panels, cells));
+    let set =
+        machine.and_then(|machine| set_layers(machine, &data.amplitude_unit(), panels, cells));
     let overlap =
         machine.map_or_else(Vec::new, |machine| overlap::layers(machine, [first, second]));
     let (scale, layers) = match set {
@@ -137,11 +138,13 @@ fn pair(data: &ReportData<'_>, point: &PointFacts, [first, second]: [usize; 2]) 
 fn one_contact(data: &ReportData<'_>, point: &PointFacts) -> Panel {
     let runs = &data.runs;
     let place = runs.position.first().map_or(&[][..], Vec::as_slice);
-    let amplitude: Vec<f64> = runs.amplitude_m.iter().map(|value| 1e6 * value).collect();
+    let amplitude_unit = data.amplitude_unit();
+    let amplitude: Vec<f64> =
+        runs.amplitude_m.iter().map(|metres| amplitude_unit.of(*metres)).collect();
     let unit = data.study.model().position_column(0).1;
     let (x, y, over): (Axis, Axis, &[f64]) = match data.study.model().ball_balancer() {
         None => (axis("position at rest", unit), axis("time to rest", "s"), &runs.time_to_rest_s),
-        Some(_) => (angle_axis(1), axis("amplitude", "µm"), &amplitude),
+        Some(_) => (angle_axis(1), axis("amplitude", &amplitude_unit.symbol), &amplitude),
     };
     let mut layer = dots(data, point, place, over);
     layer.colour = label_colour(Label::Equilibrium);

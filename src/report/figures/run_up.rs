@@ -3,7 +3,7 @@
 use super::layers::{axis, significant};
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
 use crate::report::data::{Motion, ReportData, RunUp, SampledRun};
-use crate::study::Study;
+use crate::study::{Study, Unit};
 
 /// The number of decades of an axis of amplitudes at most.
 const DECADES: i32 = 5;
@@ -49,7 +49,9 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
 /// Returns the panels of a point.
 fn panels_of(study: &Study, point_id: u64, runs: &[SampledRun]) -> Vec<Panel> {
     let time = || axis("time", "s");
-    let amplitude = amplitude_axis(runs);
+    let units = (study.units().vibration(), study.units().speed());
+    let (vibration, speed_unit) = &units;
+    let amplitude = amplitude_axis(runs, vibration);
     let part = |part: &str, x: Axis, y: Axis, layers: Vec<Layer>| Panel {
         part: part.to_owned(),
         ..Panel::new(x, y, layers)
@@ -64,55 +66,59 @@ fn panels_of(study: &Study, point_id: u64, runs: &[SampledRun]) -> Vec<Panel> {
         layers
     };
     // An amplitude of 0, which a logarithmic axis does not show, breaks the line.
-    let micrometres = |motion: &Motion, place: usize| match motion.amplitude_m[place] {
-        metres if metres > 0.0 => 1e6 * metres,
+    let shown = |motion: &Motion, place: usize| match motion.amplitude_m[place] {
+        metres if metres > 0.0 => vibration.of(metres),
         _ => f64::NAN,
     };
-    let mut layers = over_time(&micrometres);
-    layers.push(peaks(runs, &|run| run.peak.time_s));
+    let mut layers = over_time(&shown);
+    layers.push(peaks(runs, &units, &|run| run.peak.time_s));
     let mut panels = vec![part("amplitude over time", time(), amplitude.clone(), layers)];
-    let speed_of = |motion: &Motion, place: usize| motion.disc.speed_rad_s(motion.time_s[place]);
+    let disc_speed = |motion: &Motion, time_s: f64| speed_unit.of(motion.disc.speed_rad_s(time_s));
+    let speed_of = |motion: &Motion, place: usize| disc_speed(motion, motion.time_s[place]);
     let is_ramp = |run: &SampledRun| (0..run.motion.time_s.len()).any(|at| run.motion.is_ramp(at));
     if runs.iter().any(is_ramp) {
         let line = |run: &SampledRun| {
             let point = |place: usize| match run.motion.is_ramp(place) {
-                true => [speed_of(&run.motion, place), micrometres(&run.motion, place)],
+                true => [speed_of(&run.motion, place), shown(&run.motion, place)],
                 false => [f64::NAN; 2],
             };
             (0..run.motion.time_s.len()).map(point).collect()
         };
         let mut layers = lines(runs, &line);
         layers.extend(resonance(study, point_id, runs));
-        layers.push(peaks(runs, &|run| run.motion.disc.speed_rad_s(run.peak.time_s)));
+        layers.push(peaks(runs, &units, &|run| disc_speed(&run.motion, run.peak.time_s)));
         let name = "amplitude over the speed of the disc";
-        panels.push(part(name, axis("speed of the disc", "rad/s"), amplitude, layers));
+        panels.push(part(name, axis("speed of the disc", &speed_unit.symbol), amplitude, layers));
         let layers = over_time(&speed_of);
         let name = "speed of the disc over time";
-        panels.push(part(name, time(), axis("speed of the disc", "rad/s"), layers));
+        panels.push(part(name, time(), axis("speed of the disc", &speed_unit.symbol), layers));
     }
     let balls = runs.iter().map(|run| run.motion.ball_speed_rad_s.len()).max().unwrap_or(0);
     for ball in 0..balls {
         let speed = |motion: &Motion, place: usize| {
-            motion.ball_speed_rad_s.get(ball).map_or(f64::NAN, |speeds| speeds[place])
+            motion
+                .ball_speed_rad_s
+                .get(ball)
+                .map_or(f64::NAN, |speeds| speed_unit.of(speeds[place]))
         };
         let name = format!("speed of ball {} over time", ball + 1);
-        let y = axis(&format!("speed of ball {}", ball + 1), "rad/s");
+        let y = axis(&format!("speed of ball {}", ball + 1), &speed_unit.symbol);
         panels.push(part(&name, time(), y, over_time(&speed)));
     }
     panels
 }
 
 /// Returns the axis of all amplitudes of some runs, by decades.
-fn amplitude_axis(runs: &[SampledRun]) -> Axis {
+fn amplitude_axis(runs: &[SampledRun], unit: &Unit) -> Axis {
     let all = || {
         let values = runs
             .iter()
             .flat_map(|run| run.motion.amplitude_m.iter().copied().chain([run.peak.amplitude_m]));
-        values.map(|metres| 1e6 * metres).filter(|value| *value > 0.0 && value.is_finite())
+        values.map(|metres| unit.of(metres)).filter(|value| *value > 0.0 && value.is_finite())
     };
     let least = all().fold(f64::INFINITY, f64::min);
     let most = all().fold(0.0, f64::max);
-    let axis = axis("amplitude", "µm");
+    let axis = axis("amplitude", &unit.symbol);
     if most <= 0.0 {
         return axis;
     }
@@ -137,19 +143,23 @@ fn lines(runs: &[SampledRun], line: &dyn Fn(&SampledRun) -> Vec<[f64; 2]>) -> Ve
 }
 
 /// Returns the largest amplitude of each run as a dot.
-fn peaks(runs: &[SampledRun], x: &dyn Fn(&SampledRun) -> f64) -> Layer {
+fn peaks(
+    runs: &[SampledRun],
+    (vibration, speed): &(Unit, Unit),
+    x: &dyn Fn(&SampledRun) -> f64,
+) -> Layer {
     let column = |of: &dyn Fn(&SampledRun) -> f64| runs.iter().map(of).collect::<Vec<f64>>();
     let tooltips = Tooltips {
         run_ids: runs.iter().map(|run| run.peak.run_id).collect(),
         ..Tooltips::numbers([
             ("time [s]", column(&|run| run.peak.time_s)),
             (
-                "speed of the disc [rad/s]",
-                column(&|run| run.motion.disc.speed_rad_s(run.peak.time_s)),
+                &*format!("speed of the disc [{}]", speed.symbol),
+                column(&|run| speed.of(run.motion.disc.speed_rad_s(run.peak.time_s))),
             ),
         ])
     };
-    let y = column(&|run| 1e6 * run.peak.amplitude_m);
+    let y = column(&|run| vibration.of(run.peak.amplitude_m));
     let mark = Mark::Dots { symbol: Symbol::Diamond, x: column(x), y, tooltips };
     Layer::new("largest amplitude", Colour::Ink, mark)
 }
@@ -179,8 +189,11 @@ fn resonance(study: &Study, point_id: u64, runs: &[SampledRun]) -> Option<Layer>
     let natural = point.model().natural_frequency_rad_s();
     let sign = point.model().ball_balancer()?.speed_rad_s.signum();
     let passes = |run: &SampledRun| run.motion.disc.fastest_rad_s() > natural;
-    let mark =
-        Mark::Rule { upright: true, at: sign * natural, label: "natural frequency".to_owned() };
+    let mark = Mark::Rule {
+        upright: true,
+        at: study.units().speed().of(sign * natural),
+        label: "natural frequency".to_owned(),
+    };
     runs.iter().all(passes).then(|| Layer::new("", Colour::Faint, mark))
 }
 
@@ -192,12 +205,16 @@ fn words(data: &ReportData<'_>, points: &[(u64, Vec<SampledRun>)]) -> String {
             .iter()
             .max_by(|one, other| one.peak.amplitude_m.total_cmp(&other.peak.amplitude_m))?;
         let peak = &most.peak;
-        let speed = significant(most.motion.disc.speed_rad_s(peak.time_s));
+        let unit = data.study.units().speed();
+        let speed = significant(unit.of(most.motion.disc.speed_rad_s(peak.time_s)));
+        let vibration = data.study.units().vibration();
         Some(format!(
-            "{title}: the largest amplitude is {} µm, in run {} after {} s, at {speed} rad/s",
-            significant(1e6 * peak.amplitude_m),
+            "{title}: the largest amplitude is {} {}, in run {} after {} s, at {speed} {}",
+            significant(vibration.of(peak.amplitude_m)),
+            vibration.symbol,
             peak.run_id,
             significant(peak.time_s),
+            unit.symbol,
         ))
     };
     points.iter().filter_map(sentence).collect::<Vec<_>>().join("; ")

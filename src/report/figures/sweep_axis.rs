@@ -2,7 +2,7 @@
 
 use crate::report::chart::{Axis, AxisKind};
 use crate::report::data::{PointFacts, ReportData, axis_of, heading};
-use crate::study::ParameterValue;
+use crate::study::{ParameterValue, Study};
 
 /// A swept parameter as an axis.
 pub struct SweepAxis {
@@ -20,18 +20,20 @@ pub struct Group<'a> {
     pub points: Vec<(f64, &'a PointFacts)>,
 }
 
-/// Returns the value of a swept parameter at a point; `None` if it is not a number.
-pub fn number(point: &PointFacts, column: usize) -> Option<f64> {
+/// Returns the value of a swept parameter at a point, in the unit that the study chooses; `None` if it is not a number.
+pub fn number(study: &Study, point: &PointFacts, column: usize) -> Option<f64> {
     match point.swept.get(column) {
-        Some(ParameterValue::Number(number)) => Some(*number),
+        Some(ParameterValue::Number(number)) => {
+            Some(study.swept().get(column)?.shown_number(*number))
+        }
         _ => None,
     }
 }
 
 /// Returns the distinct numbers of a swept parameter, ascending; `None` if a value is not a number.
-pub fn distinct(points: &[PointFacts], column: usize) -> Option<Vec<f64>> {
-    let mut values: Vec<f64> =
-        points.iter().map(|point| number(point, column)).collect::<Option<_>>()?;
+pub fn distinct(data: &ReportData<'_>, column: usize) -> Option<Vec<f64>> {
+    let of_point = |point| number(data.study, point, column);
+    let mut values: Vec<f64> = data.points.iter().map(of_point).collect::<Option<_>>()?;
     values.sort_by(f64::total_cmp);
     values.dedup();
     Some(values)
@@ -51,7 +53,7 @@ impl SweepAxis {
         let columns = data.study.swept().iter().enumerate();
         let mut axes: Vec<(usize, SweepAxis)> = columns
             .filter_map(|(column, parameter)| {
-                let values = distinct(&data.points, column)?;
+                let values = distinct(data, column)?;
                 // All panels share the full range of the sweep.
                 let (from, to) = (values.first()?, values.last()?);
                 let decades = is_by_decades(&values);
@@ -75,7 +77,7 @@ impl SweepAxis {
         let mut groups: Vec<Group<'a>> = Vec::new();
         let mut places = std::collections::HashMap::new();
         for point in &data.points {
-            let Some(value) = number(point, self.column) else { continue };
+            let Some(value) = number(data.study, point, self.column) else { continue };
             let title = heading(data.study, &point.swept, |column| column != self.column);
             let next = groups.len();
             let place = *places.entry(title.clone()).or_insert(next);

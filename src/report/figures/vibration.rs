@@ -9,11 +9,6 @@ use crate::report::data::{PointFacts, ReportData};
 /// The title of the panels with the fraction of runs that the balls make worse.
 const WORSE: &str = "runs that vibrate more than without balls";
 
-/// The unit of amplitudes, and its factor from metres.
-fn unit(data: &ReportData<'_>) -> (&'static str, f64) {
-    if data.study.model().kind().offers.vibration { ("µm", 1e6) } else { ("m", 1.0) }
-}
-
 /// Plots median and 95 % quantile of the amplitude, and the amplitude without balls, over the sweep; and the fraction of
 /// the runs that vibrate more than without balls.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
@@ -63,15 +58,16 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
 
 /// Returns a sentence for each point in detail.
 fn words(data: &ReportData<'_>) -> String {
-    let (unit, factor) = unit(data);
+    let shown = data.amplitude_unit();
+    let unit = &shown.symbol;
     let sentences = data.details().filter_map(|point| {
-        let [_, median, p95] = point.amplitude_m.map(|value| value.map(|value| factor * value));
+        let [_, median, p95] = point.amplitude_m.map(|value| value.map(|value| shown.of(value)));
         let mut sentence = format!("{}: {} {unit}", point.title, significant(median?));
         if let Some(p95) = p95 {
             sentence += &format!(" (95 % of the runs: {} {unit} or less)", significant(p95));
         }
         if let Some(without) = point.residual.amplitude_without_balls_m {
-            sentence += &format!(", {} {unit} without balls", significant(factor * without));
+            sentence += &format!(", {} {unit} without balls", significant(shown.of(without)));
         }
         if let Some(worse) = worse_fraction(point) {
             let worse = 100.0 * worse;
@@ -84,15 +80,15 @@ fn words(data: &ReportData<'_>) -> String {
 
 /// Returns the axis of all amplitudes, from 0 or by decades.
 fn amplitude_axis(data: &ReportData<'_>) -> Axis {
-    let (unit, factor) = unit(data);
+    let unit = data.amplitude_unit();
     let of_point = |point: &PointFacts| {
         let [_, median, p95] = point.amplitude_m;
         [median, p95, point.residual.amplitude_without_balls_m]
     };
-    let values = data.points.iter().flat_map(of_point).flatten().map(|value| factor * value);
+    let values = data.points.iter().flat_map(of_point).flatten().map(|value| unit.of(value));
     let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
     values.sort_by(f64::total_cmp);
-    let axis = axis("amplitude", unit);
+    let axis = axis("amplitude", &unit.symbol);
     match values.last() {
         Some(_) if is_by_decades(&values) => Axis { kind: AxisKind::Logarithmic, ..axis },
         Some(most) if *most > 0.0 => Axis { range: Some([0.0, 1.06 * most]), ..axis },
@@ -101,7 +97,7 @@ fn amplitude_axis(data: &ReportData<'_>) -> Axis {
 }
 
 fn amplitude_layers(data: &ReportData<'_>, points: &[(f64, &PointFacts)]) -> Vec<Layer> {
-    let (_, factor) = unit(data);
+    let unit = data.amplitude_unit();
     let median = |point: &PointFacts| point.amplitude_m[1];
     let p95 = |point: &PointFacts| point.amplitude_m[2];
     let without = |point: &PointFacts| point.residual.amplitude_without_balls_m;
@@ -114,7 +110,7 @@ fn amplitude_layers(data: &ReportData<'_>, points: &[(f64, &PointFacts)]) -> Vec
         let known = points.iter().filter_map(|(x, point)| Some((*x, *point, value(point)?)));
         let known: Vec<(f64, &PointFacts, f64)> = known.collect();
         let (x, y): (Vec<f64>, Vec<f64>) =
-            known.iter().map(|(x, _, value)| (*x, factor * value)).unzip();
+            known.iter().map(|(x, _, value)| (*x, unit.of(*value))).unzip();
         let column = |of: &dyn Fn(&PointFacts) -> f64| {
             known.iter().map(|(_, point, _)| of(point)).collect::<Vec<f64>>()
         };

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use crate::analysis::Estimate;
 use crate::optimize::{Evaluation, EvaluationsError, Goal, read_evaluations};
-use crate::responses::Estimate;
-use crate::study::{Optimization, Study};
+use crate::study::{Optimization, Study, Unit};
 use crate::table::{Batch, FILES, FileList, Kind, Table, TableError};
 
 /// The results of a search.
@@ -130,8 +130,10 @@ impl OptimumData {
     }
 
     /// Returns name and unit of a response.
-    pub fn response(&self, index: usize) -> (&str, &'static str) {
-        self.study.responses().get(index).map_or(("", "1"), |one| (&*one.name, one.unit()))
+    pub fn response(&self, index: usize) -> (&str, Unit) {
+        let response = self.study.responses().get(index);
+        let (name, unit) = response.map_or(("", "1"), |one| (&*one.name, one.unit()));
+        (name, self.study.units().of_response(unit))
     }
 
     /// Returns the values of the goal's quantities of a design.

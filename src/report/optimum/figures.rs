@@ -2,7 +2,7 @@
 
 use super::data::OptimumData;
 use super::indices::indices;
-use crate::optimize::{Evaluation, shown_unit};
+use crate::optimize::Evaluation;
 use crate::report::chart::{
     Axis, Colour, Figure, Layer, Mark, Panel, Symbol, TooltipColumn, TooltipValues, Tooltips,
 };
@@ -40,8 +40,7 @@ fn evaluated(data: &OptimumData) -> Vec<Evaluated<'_>> {
 /// Returns the axis of an objective, and the factor of its values.
 fn objective_axis(data: &OptimumData, objective: &Objective) -> (Axis, f64) {
     let (name, unit) = data.response(objective.response);
-    let (unit, factor) = shown_unit(unit);
-    (axis(name, unit), factor)
+    (axis(name, &unit.symbol), unit.si.recip())
 }
 
 /// Returns the data of designs: their numbers, variables and origins.
@@ -54,12 +53,9 @@ fn design_tooltips(data: &OptimumData, designs: &[&Evaluated<'_>], numbers: bool
     }
     for (index, variable) in data.study.variables().iter().enumerate() {
         let of = |one: &&Evaluated<'_>| one.evaluation.values.get(index).copied();
-        let name = match variable.unit() {
-            None | Some("1") => variable.name().to_owned(),
-            Some(unit) => format!("{} [{unit}]", variable.name()),
-        };
+        let name = variable.shown_name();
         let number = |value: Option<DesignValue>| match value {
-            Some(DesignValue::Number(number)) => number,
+            Some(DesignValue::Number(number)) => variable.shown_number(number),
             _ => f64::NAN,
         };
         let word = |value: Option<DesignValue>| {

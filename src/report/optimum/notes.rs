@@ -3,10 +3,10 @@
 use serde_json::Value;
 
 use super::data::OptimumData;
+use crate::analysis::Estimate;
 use crate::counted::counted;
 use crate::optimize::use_of_balls;
 use crate::report::figures::significant;
-use crate::responses::Estimate;
 use crate::study::{AmplitudeKind, Measure};
 
 /// The distance to a bound, relative to the range, below which an optimum lies on the bound: designs are rounded to six
@@ -59,11 +59,12 @@ fn on_bounds(data: &OptimumData) -> Vec<String> {
             (_, true) => "upper",
             _ => return None,
         };
-        let unit = match variable.unit() {
-            None | Some("1") => String::new(),
-            Some(unit) => format!(" {unit}"),
+        let unit = match variable.shown_unit() {
+            "" => String::new(),
+            unit => format!(" {unit}"),
         };
-        let [value, from, to] = [value, from, to].map(significant);
+        let shown = |number| significant(variable.shown_number(number));
+        let [value, from, to] = [value, from, to].map(shown);
         Some(format!(
             "{} = {value}{unit} lies on the {which} bound of its range ({from} to {to}{unit}): a better design may lie \
              beyond it.",

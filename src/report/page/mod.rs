@@ -6,6 +6,7 @@
 mod html;
 mod optimum;
 mod points;
+mod responses;
 mod tables;
 
 use std::path::Path;
@@ -40,6 +41,9 @@ pub fn page(directory: &Path, data: &ReportData<'_>, figures: &[Figure]) -> Stri
     body.line("</header>");
     body.line("<nav aria-label=\"Parts of this page\"><ul>");
     body.line("<li><a href=\"#points\">Points</a></li>");
+    if !data.study.responses().is_empty() {
+        body.line("<li><a href=\"#responses\">Responses</a></li>");
+    }
     for figure in figures {
         body.line(&format!(
             "<li><a href=\"#{}-title\">{}</a></li>",
@@ -51,6 +55,7 @@ pub fn page(directory: &Path, data: &ReportData<'_>, figures: &[Figure]) -> Stri
     body.line("<li><a href=\"#study\">Study</a></li>");
     body.line("</ul></nav>\n<main>");
     points::points(&mut body, directory, data);
+    responses::responses(&mut body, data);
     drawn_figures(&mut body, figures);
     tables::other_parameters(&mut body, data);
     tables::notable(&mut body, directory, data);

@@ -7,7 +7,6 @@ use serde_json::Value;
 use super::html::{Html, escaped};
 use super::{assembled, drawn_figures, study_section};
 use crate::counted::counted;
-use crate::optimize::shown_unit;
 use crate::report::chart::Figure;
 use crate::report::figures::significant;
 use crate::report::optimum::{OptimumData, notes};
@@ -49,10 +48,9 @@ fn facts(body: &mut Html, data: &OptimumData) {
     let limits = data.optimization.limits.iter().map(|limit| {
         let relation = if limit.least { "at least" } else { "at most" };
         let (_, unit) = data.response(limit.response);
-        let (unit, factor) = shown_unit(unit);
-        let value = significant(factor * limit.value);
+        let value = significant(unit.of(limit.value));
         let what = described(data, limit.response);
-        format!("{what} {relation} {value} {unit}").trim_end().to_owned()
+        format!("{what} {relation} {value} {}", unit.symbol).trim_end().to_owned()
     });
     let limits: Vec<String> = limits.collect();
     let ended = data.optimum.as_ref().and_then(|optimum| optimum["search"]["ended"].as_str());
@@ -80,7 +78,9 @@ fn facts(body: &mut Html, data: &OptimumData) {
 /// Returns name and meaning of a response.
 fn described(data: &OptimumData, response: usize) -> String {
     let found = data.study.responses().get(response);
-    found.map_or_else(String::new, |one| format!("{} ({})", one.name, one.meaning()))
+    found.map_or_else(String::new, |one| {
+        format!("{} ({})", one.name, one.meaning_in(&data.study.units().vibration()))
+    })
 }
 
 /// Adds the table of the best design and the reference design.
@@ -113,8 +113,11 @@ fn best(body: &mut Html, data: &OptimumData) {
             continue;
         }
         let (name, unit) = data.response(index);
-        let (unit, factor) = shown_unit(unit);
-        let title = if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") };
+        let title = match unit.symbol.as_str() {
+            "" => name.to_owned(),
+            symbol => format!("{name} [{symbol}]"),
+        };
+        let factor = unit.si.recip();
         let mut row = cells(title, &|design| estimate(&design["responses"][name], factor));
         row.extend(ratios.map(|ratios| {
             let of = ratios.iter().find(|ratio| ratio["response"] == name);
@@ -127,11 +130,14 @@ fn best(body: &mut Html, data: &OptimumData) {
         row
     };
     for variable in data.study.variables() {
-        let title = match variable.unit() {
-            None | Some("1") => variable.name().to_owned(),
-            Some(unit) => format!("{} [{unit}]", variable.name()),
+        let title = variable.shown_name();
+        let cell = |design: &Value| match &design["values"][variable.name()] {
+            Value::Number(number) => {
+                value(&number.as_f64().map(|number| variable.shown_number(number)).into())
+            }
+            other => value(other),
         };
-        rows.push(pad(cells(title, &|design| value(&design["values"][variable.name()]))));
+        rows.push(pad(cells(title, &cell)));
     }
     rows.push(pad(cells("meets all limits".to_owned(), &|design| {
         if design["limits_met"] == true { "yes" } else { "no" }.to_owned()

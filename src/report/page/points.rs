@@ -8,7 +8,7 @@ use crate::classification::Label;
 use crate::report::data::{Fraction, PeakOfRun, PointFacts, ReportData, said};
 use crate::report::figures::{label_words, significant};
 use crate::sanitize::shell_word;
-use crate::study::{ParameterKind, Study};
+use crate::study::{ParameterKind, Study, VariedParameter};
 
 /// The number of rows above which a table is folded.
 const SHORT_TABLE: usize = 24;
@@ -44,10 +44,6 @@ const OPTIONAL: [Optional; 4] = [
     },
 ];
 
-fn micro(metres: Option<f64>) -> String {
-    written(metres.map(|value| 1e6 * value))
-}
-
 fn percent(fraction: Option<f64>) -> String {
     fraction.map_or_else(|| "–".to_owned(), |value| format!("{:.1}", 100.0 * value))
 }
@@ -56,15 +52,22 @@ fn percent(fraction: Option<f64>) -> String {
 pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     body.line("<section aria-labelledby=\"points\"><h2 id=\"points\">Points</h2>");
     let study = data.study;
+    let swept: Vec<String> = study.swept().iter().map(VariedParameter::shown_name).collect();
     let mut head = vec!["point"];
-    head.extend(study.swept().iter().map(|parameter| parameter.name.as_str()));
+    head.extend(swept.iter().map(String::as_str));
     let balls = study.model().kind().offers.vibration;
+    let (vibration, speed) = (study.units().vibration(), study.units().speed());
+    let with_unit = |name: &str| format!("{name} [{}]", vibration.symbol);
+    let vibration_names = ["median amplitude", "95 % quantile", "no balls"].map(with_unit);
+    let stage_names =
+        [with_unit("largest amplitude of a run"), format!("at the speed [{}]", speed.symbol)];
+    let shown = |metres: Option<f64>| written(metres.map(|metres| vibration.of(metres)));
     if balls {
-        head.extend(["median amplitude [µm]", "95 % quantile [µm]", "no balls [µm]"]);
+        head.extend(vibration_names.iter().map(String::as_str));
     }
     let stages = study.has_stages();
     if stages {
-        head.extend(["largest amplitude of a run [µm]", "at the speed [rad/s]"]);
+        head.extend(stage_names.iter().map(String::as_str));
     }
     let optional: Vec<Optional> = OPTIONAL
         .into_iter()
@@ -104,12 +107,13 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
         cells.extend(said(study, &point.swept).iter().map(|value| escaped(value)));
         if balls {
             let [_, median, p95] = point.amplitude_m;
-            cells.extend([median, p95, point.residual.amplitude_without_balls_m].map(micro));
+            cells.extend([median, p95, point.residual.amplitude_without_balls_m].map(shown));
         }
         if stages {
             let peak = data.run_up.largest.get(&point.point_id);
-            let speed = peak.and_then(|peak| disc_speed(study, peak));
-            cells.extend([micro(peak.map(|peak| peak.amplitude_m)), written(speed)]);
+            let at_speed = peak.and_then(|peak| disc_speed(study, peak));
+            let at_speed = at_speed.map(|rad_s| speed.of(rad_s));
+            cells.extend([shown(peak.map(|peak| peak.amplitude_m)), written(at_speed)]);
         }
         cells.extend(optional.iter().map(|one| (one.text)((one.value)(point))));
         let Fraction { fraction, low, high, .. } = point.equilibrium;

@@ -1,6 +1,7 @@
 //! The study file as it is written: YAML with places, its types, the tables it names, and its text with all defaults.
 
 pub mod balls;
+mod column_units;
 pub mod contact_file;
 pub(in crate::study) mod decode;
 pub mod distribution_file;

@@ -18,13 +18,16 @@ type Dimension = [i32; 4];
 type Symbol = (&'static str, Dimension, f64);
 
 /// What each SI unit of a key measures, with two examples.
-const MEASURED: [(&str, &str); 8] = [
+const MEASURED: [(&str, &str); 11] = [
     ("kg", "a mass, such as 0.056 kg or 56 g"),
     ("m", "a length, such as 0.006 m or 6 mm"),
     ("s", "a time, such as 15 s or 0.25 min"),
     ("N", "a force, such as 10 N or 0.01 kN"),
     ("N/m", "a stiffness, such as 10700 N/m or 10.7 N/mm"),
     ("N s/m", "a viscous damping, such as 1.28 N s/m or 1280 g/s"),
+    ("kg/m3", "a density, such as 7810 kg/m^3 or 7.81 g/cm^3"),
+    ("kg m", "a product of mass and radius, such as 4e-5 kg m or 40 g mm"),
+    ("rad", "an angle, such as 0.5 rad or 30 deg"),
     ("rad/s", "a speed of rotation, such as 628.3 rad/s or 6000 rpm"),
     ("m/s", "a speed, such as 0.1 m/s or 100 mm/s"),
 ];
@@ -143,6 +146,25 @@ pub(crate) fn convert(text: &str, si_unit: &str) -> Result<f64, Fault> {
     Err(Fault::new("not a finite number", found(), "a finite number"))
 }
 
+/// How numbers in a unit become numbers in an SI unit.
+pub(crate) struct Conversion(Vec<(Symbol, i32)>);
+
+impl Conversion {
+    /// Creates the conversion.
+    ///
+    /// # Errors
+    /// Returns a fault if the unit is unknown or has another dimension than the SI unit.
+    pub(crate) fn new(unit: &str, si_unit: &str) -> Result<Conversion, Fault> {
+        convert(&format!("1 {unit}"), si_unit)?;
+        Ok(Conversion(factors(unit).unwrap_or_default()))
+    }
+
+    /// Converts a number.
+    pub(crate) fn of(&self, number: f64) -> f64 {
+        product(&format!("{number:e}"), &self.0)
+    }
+}
+
 fn factors_of_si(unit: &str) -> Vec<(Symbol, i32)> {
     factors(unit).unwrap_or_default()
 }
@@ -208,7 +230,8 @@ fn unknown(unit: &str, symbol: &str, si_unit: &str) -> Fault {
 /// Returns an unknown symbol, or an empty text if the form is wrong.
 fn factors(unit: &str) -> Result<Vec<(Symbol, i32)>, String> {
     let symbols = symbols();
-    let unit = unit.replace('μ', "µ").replace('²', "^2").replace("rpm", "rev/min");
+    let unit =
+        unit.replace('μ', "µ").replace('²', "^2").replace('³', "^3").replace("rpm", "rev/min");
     let mut all = Vec::new();
     for (place, part) in unit.split('/').enumerate() {
         let mut words = part.split(|blank: char| blank.is_whitespace() || "*·⋅".contains(blank));
@@ -218,7 +241,13 @@ fn factors(unit: &str) -> Result<Vec<(Symbol, i32)>, String> {
             return Err(String::new());
         }
         for word in words {
-            let (name, power) = word.split_once('^').unwrap_or((word, "1"));
+            // `m3` is a power, too.
+            let digit = word.len() - usize::from(word.ends_with(['2', '3']));
+            let (name, power) = match word.split_once('^') {
+                Some(parts) => parts,
+                None if digit < word.len() => word.split_at(digit),
+                None => (word, "1"),
+            };
             let power = power.parse::<i32>().ok().filter(|power| (-9..=9).contains(power));
             let power = power.ok_or_else(String::new)?;
             let symbol = symbols.iter().find(|(symbol, ..)| *symbol == name);

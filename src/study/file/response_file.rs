@@ -70,8 +70,9 @@ pub enum ResponseFile {
     },
     /// Probability of an amplitude above a limit.
     AmplitudeAbove {
-        /// The limit, at least 0, m; with `relative`, dimensionless.
-        #[schemars(extend("minimum" = 0))]
+        /// The limit, at least 0: a number in m, or a value with a unit, such as `20 µm`; with `relative`, a number without
+        /// a unit.
+        #[schemars(schema_with = "schema::length_limit")]
         limit: f64,
         /// Whether each amplitude is divided by the amplitude of the same machine without balls;
         /// the default is `false`.

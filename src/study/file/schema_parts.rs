@@ -10,6 +10,7 @@ use super::distribution_file::DistributionFile;
 use super::identify_file::PriorFile;
 use super::parameters_file::{BALLS, is_before_balls, parameter_keys};
 use super::response_file::VariableFile;
+use super::schema_units::QUANTITY;
 use super::table_folders::MAX_VALUES;
 use super::values::Range;
 use crate::model::{
@@ -17,6 +18,7 @@ use crate::model::{
     NormalForce, ProfilePart, Ramp, RampShape, SpeedProfile, model_kinds,
 };
 use crate::study::plan::parameter::{MOST_MEMBERS, Parameter};
+use crate::study::plan::units::QUANTITIES;
 use crate::study::sampling::initial_box::{axes_in_words, axis_names, general_axes};
 
 /// The labels of runs that can be continued.
@@ -68,6 +70,23 @@ pub(in crate::study) fn priors(generator: &mut SchemaGenerator) -> Schema {
     schema.insert("minProperties".to_owned(), 1.into());
     schema.insert("maxProperties".to_owned(), 8.into());
     schema
+}
+
+/// Returns the schema of units by quantity, or by parameter without its unit.
+pub(in crate::study) fn units(_: &mut SchemaGenerator) -> Schema {
+    let unit = |(name, si): &(&str, &str)| {
+        let description = format!("The unit of each {name}, instead of {si}.");
+        ((*name).to_owned(), json!({ "type": "string", "description": description }))
+    };
+    let properties: Map<String, Value> = QUANTITIES.iter().map(unit).collect();
+    json_schema!({
+        "type": "object", "properties": properties, "additionalProperties": { "type": "string" }
+    })
+}
+
+/// Returns the schema of a limit of an amplitude.
+pub(in crate::study) fn length_limit(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "anyOf": [{ "type": "number", "minimum": 0 }, { "type": "string", "pattern": QUANTITY }] })
 }
 
 /// Returns the schema of a range of values.
@@ -164,6 +183,7 @@ fn parameter_in_words(name: &str, schema: &Value) -> String {
         let default = Parameter::find(name, &model)
             .map(|parameter| parameter.get(&model, &Ball::default()).to_string());
         let Some(default) = default.or_else(number) else { continue };
+        let default = if own.determines().is_some() { "none".to_owned() } else { default };
         let meaning = (format!("{}{each}", own.meaning), default);
         if !meanings.contains(&meaning) {
             meanings.push(meaning);

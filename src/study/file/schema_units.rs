@@ -3,10 +3,12 @@
 use serde_json::{Map, Value, json};
 
 use super::quantity::measured;
-use super::unit_keys::{WITHOUT_UNIT, split_unit};
+use super::unit_keys::{DENSITY, MATERIAL, WITHOUT_UNIT, split_unit};
+use crate::model::MATERIALS;
 
 /// A number with a unit; the program checks the unit.
-const QUANTITY: &str = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*[A-Za-zµμ°].*$";
+pub(super) const QUANTITY: &str =
+    r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*[A-Za-zµμ°].*$";
 
 /// The ending of the name of a definition with values with units.
 const WITH_UNITS: &str = "WithUnits";
@@ -87,12 +89,17 @@ fn doubled(
             }
             (short.to_owned(), with_unit)
         });
+        let material = if si == DENSITY { materials(&value) } else { None };
         // `normal_force` is a word or, for a block, a force.
         match all.get_mut(&si) {
             Some(other) => *other = json!({ "anyOf": [other, value] }),
             None => {
                 all.insert(si.clone(), value);
             }
+        }
+        if let Some(material) = material {
+            pairs.push([si.clone(), MATERIAL.to_owned()]);
+            all.insert(MATERIAL.to_owned(), material);
         }
         if let Some((short, value)) = short {
             let known = pairs.iter().any(|[_, other]| *other == short);
@@ -107,6 +114,19 @@ fn doubled(
         }
     }
     (all, pairs)
+}
+
+/// Returns a schema of numbers as one of names of materials; `None` for a distribution or a range.
+fn materials(schema: &Value) -> Option<Value> {
+    let names: Vec<&str> = MATERIALS.iter().map(|material| material.name).collect();
+    let name = json!({ "type": "string", "enum": names, "description": "Material of the balls." });
+    let is_list = |form: &Value| form["type"] == "array";
+    match schema.get("anyOf").and_then(Value::as_array) {
+        Some(forms) if forms.iter().any(is_list) => {
+            Some(json!({ "type": "array", "items": name, "minItems": 1 }))
+        }
+        _ => (schema["type"] == "number").then_some(name),
+    }
 }
 
 /// Lets an object have one of two keys only; a required key may be either.

@@ -3,7 +3,8 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use crate::study::error::{Fault, Location, StudyError, list_names, shorten};
+use crate::study::error::{Fault, Location, StudyError, shorten};
+use crate::study::file::column_units::KnownColumn;
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::table_folders::{MAX_VALUES, TableFolders};
 use crate::study::file::values::{Entry, InlineTable, TableSource};
@@ -78,9 +79,10 @@ impl<'a> Rows<'a> {
                 return Err(path.key("rows").item(row).refuse_value(fault));
             }
         }
-        check_columns(&table.columns, allowed)
+        let known = known_columns(&table.columns, allowed)
             .map_err(|(column, fault)| path.key("columns").item(column).refuse_value(fault))?;
-        let (columns, rows) = (table.columns.clone(), table.rows.clone());
+        let mut rows = table.rows.clone();
+        let columns = converted(known, &mut rows);
         Rows { columns, rows, origin: Origin::Inline(path.clone()) }.not_empty()
     }
 
@@ -135,7 +137,7 @@ impl<'a> Rows<'a> {
         allowed: &[String],
         empty: impl Fn() -> Result<Entry, Fault>,
     ) -> Result<Rows<'a>, StudyError> {
-        let columns = |columns: &[String]| check_columns(columns, allowed);
+        let columns = |columns: &[String]| known_columns(columns, allowed).map(|_| ());
         let refuse = |Refusal { line, row, column, fault }| {
             StudyError::new(name, line.map(at_line), key(row, column.as_deref()), *fault, None)
         };
@@ -157,7 +159,13 @@ impl<'a> Rows<'a> {
         let entries = |(row, cells): (usize, Vec<Cell>)| {
             cells.into_iter().zip(&columns).map(|cell| entry(row, cell)).collect()
         };
-        let rows = rows.into_iter().enumerate().map(entries).collect::<Result<_, _>>()?;
+        let mut rows: Vec<_> =
+            rows.into_iter().enumerate().map(entries).collect::<Result<_, _>>()?;
+        // The reader has called `known_columns` with the same names.
+        let known = known_columns(&columns, allowed).map_err(|(column, fault)| {
+            file.refuse(None, columns.get(column).map(String::as_str), fault)
+        })?;
+        let columns = converted(known, &mut rows);
         Rows { columns, rows, origin: Origin::File(file) }.not_empty()
     }
 
@@ -217,23 +225,32 @@ fn key(row: Option<usize>, column: Option<&str>) -> String {
     row.into_iter().chain(column).collect::<Vec<_>>().join(", ")
 }
 
-/// Checks the column names.
+/// Returns the columns with these names.
 ///
 /// # Errors
 /// Returns the index and the fault of the first column that is unknown or given twice.
-fn check_columns(columns: &[String], allowed: &[String]) -> Result<(), (usize, Fault)> {
+fn known_columns(
+    columns: &[String],
+    allowed: &[String],
+) -> Result<Vec<KnownColumn>, (usize, Fault)> {
     let mut seen = HashSet::new();
-    for (index, column) in columns.iter().enumerate() {
-        if !allowed.contains(column) {
-            let fault = Fault::new("unknown column", shorten(column), list_names(column, allowed));
+    let known = |(index, written): (usize, &String)| {
+        let known = KnownColumn::of(written, allowed).map_err(|fault| (index, fault))?;
+        if !seen.insert(known.name.clone()) {
+            let fault = Fault::new("a column given twice", written, "each column once");
             return Err((index, fault));
         }
-        if !seen.insert(column) {
-            let fault = Fault::new("a column given twice", column, "each column once");
-            return Err((index, fault));
-        }
+        Ok(known)
+    };
+    columns.iter().enumerate().map(known).collect()
+}
+
+/// Converts the numbers of all columns, and returns the SI names of the columns.
+fn converted(known: Vec<KnownColumn>, rows: &mut [Vec<Entry>]) -> Vec<String> {
+    for (index, column) in known.iter().enumerate() {
+        column.convert(rows, index);
     }
-    Ok(())
+    known.into_iter().map(|column| column.name).collect()
 }
 
 /// Returns the fault of a number that is not finite.

@@ -1,18 +1,21 @@
 //! Keys without a unit, such as `speed: 6000 rpm` beside `speed_rad_s: 628.3`: each becomes the SI key before the file is
 //! decoded, so that the rest of the program knows SI keys only.
 
-use crate::study::error::{Fault, Location, StudyError};
+use crate::model::{MATERIALS, Material};
+use crate::study::error::{Fault, Location, StudyError, list_names, shorten};
 use crate::study::file::key_path::{KeyPath, Segment};
 use crate::study::file::quantity::{convert, decimal_comma, measured, split_number};
 use crate::study::file::schema_parts::{axes_of, parameters_of};
 use crate::study::file::yaml_tree::{Content, Node, Source};
 
 /// The endings of SI keys with their units; a longer ending stands before the shorter one that it contains.
-const ENDINGS: [(&str, &str); 8] = [
+const ENDINGS: [(&str, &str); 10] = [
     ("_n_s_m", "N s/m"),
     ("_rad_s", "rad/s"),
     ("_n_m", "N/m"),
     ("_m_s", "m/s"),
+    ("_kg_m3", "kg/m3"),
+    ("_kg_m", "kg m"),
     ("_kg", "kg"),
     ("_m", "m"),
     ("_n", "N"),
@@ -47,6 +50,15 @@ const PLACES: [(&str, &[&str]); 21] = [
     ("identify.parameters", &[]),
 ];
 
+/// The places of keys for a number in SI units or a value with a unit, with the key and the unit. Such a key has no SI
+/// form, because its number has no unit where `relative` is true.
+const NUMBERS_OR_UNITS: [(&str, &str, &str); 1] = [("responses.*.amplitude_above", "limit", "m")];
+
+/// The key that takes names of materials in place of densities.
+pub(super) const MATERIAL: &str = "ball_material";
+/// The parameter that a material gives.
+pub(super) const DENSITY: &str = "ball_density_kg_m3";
+
 /// Keys below a parameter whose values do not have its unit.
 pub(crate) const WITHOUT_UNIT: [&str; 4] = ["count", "spacing", "times", "weights"];
 
@@ -67,14 +79,41 @@ pub(in crate::study) fn read_units(source: &mut Source) -> Result<(), StudyError
         coordinates: coordinates_of(kind.map_or("", Node::name)),
         choices: names_of_choices(&source.root),
         renamed: Vec::new(),
+        units: Vec::new(),
+        restitution: None,
         path: KeyPath::default(),
     };
     let nothing = Node { place: source.root.place, content: Content::Nothing };
     let mut root = std::mem::replace(&mut source.root, nothing);
-    let result = PLACES.iter().try_for_each(|place| reading.place(&mut root, place));
+    let result =
+        PLACES.iter().try_for_each(|place| reading.place(&mut root, place)).and_then(|()| {
+            let mut each = NUMBERS_OR_UNITS.iter();
+            each.try_for_each(|(place, key, unit)| {
+                reading.number_or_unit(&mut root, place, key, unit)
+            })
+        });
+    if let Some(restitution) = reading.restitution {
+        add_restitution(&mut root, restitution);
+    }
     source.root = root;
     source.renamed = reading.renamed;
+    source.units = reading.units;
     result.map_err(|Wrong { place, fault }| source.refuse_at(place, &reading.path, fault))
+}
+
+/// Gives the contact of balls the restitution of their material, unless it has its own.
+fn add_restitution(root: &mut Node, restitution: f64) {
+    let Content::Map(entries) = &mut root.content else { return };
+    let model = entries.iter_mut().find(|(key, _)| key.name() == "model");
+    let Some(Content::Map(entries)) = model.map(|(_, model)| &mut model.content) else { return };
+    let contact = entries.iter_mut().find(|(key, _)| key.name() == "contact");
+    let Some((_, Node { place, content: Content::Map(law) })) = contact else { return };
+    let own = ["restitution", "material_restitution"];
+    if law.iter().all(|(key, _)| !own.contains(&key.name())) {
+        let node = |content| Node { place: *place, content };
+        let key = node(Content::Text("material_restitution".to_owned()));
+        law.push((key, node(Content::Number(restitution))));
+    }
 }
 
 /// Returns the names of the coordinates of this kind of model that end with a unit, and those of a block.
@@ -110,6 +149,10 @@ struct Reading {
     choices: Vec<String>,
     /// The places of renamed keys, with their names in the file.
     renamed: Vec<(Location, String)>,
+    /// The first unit of each parameter, as in [`Source::units`].
+    units: Vec<(String, String, &'static str)>,
+    /// The coefficient of restitution of the balls' material.
+    restitution: Option<f64>,
     /// Where the reading is.
     path: KeyPath,
 }
@@ -130,19 +173,57 @@ impl Reading {
             own => own.iter().map(|&key| key.to_owned()).collect(),
         };
         let steps: Vec<&str> = place.split('.').collect();
-        self.visit(root, &steps, &names)
+        self.visit(root, &steps, &mut |reading, node| reading.keys(node, &names))
     }
 
-    fn visit(&mut self, node: &mut Node, steps: &[&str], names: &[String]) -> Result<(), Wrong> {
+    fn number_or_unit(
+        &mut self,
+        root: &mut Node,
+        place: &str,
+        key: &str,
+        unit: &str,
+    ) -> Result<(), Wrong> {
+        let steps: Vec<&str> = place.split('.').collect();
+        self.visit(root, &steps, &mut |reading, node| {
+            let relative = node.get("relative").map(|node| &node.content);
+            let relative = matches!(relative, Some(Content::Truth(true)));
+            let Content::Map(entries) = &mut node.content else { return Ok(()) };
+            let Some((_, value)) = entries.iter_mut().find(|(other, _)| other.name() == key) else {
+                return Ok(());
+            };
+            let Content::Text(text) = &value.content else { return Ok(()) };
+            reading.path.0.push(Segment::Key(key.to_owned()));
+            let number = match relative {
+                true => Err(Fault::new(
+                    "a value with a unit, although `relative` is true",
+                    value.describe(),
+                    "a number, the amplitude over that without balls; or `relative: false`",
+                )),
+                false => convert(text, unit),
+            };
+            value.content =
+                Content::Number(number.map_err(|fault| Wrong { place: value.place, fault })?);
+            reading.path.0.pop();
+            Ok(())
+        })
+    }
+
+    /// Calls a function for each node at a place.
+    fn visit(
+        &mut self,
+        node: &mut Node,
+        steps: &[&str],
+        at: &mut dyn FnMut(&mut Reading, &mut Node) -> Result<(), Wrong>,
+    ) -> Result<(), Wrong> {
         let Some((step, rest)) = steps.split_first() else {
-            return self.keys(node, names);
+            return at(self, node);
         };
         match &mut node.content {
             Content::Map(entries) => {
                 for (key, value) in entries {
                     if *step == "*" || key.name() == *step {
                         self.path.0.push(Segment::Key(key.name().to_owned()));
-                        self.visit(value, rest, names)?;
+                        self.visit(value, rest, at)?;
                         self.path.0.pop();
                     }
                 }
@@ -150,7 +231,7 @@ impl Reading {
             Content::List(items) if *step == "*" => {
                 for (index, item) in items.iter_mut().enumerate() {
                     self.path.0.push(Segment::Item(index));
-                    self.visit(item, rest, names)?;
+                    self.visit(item, rest, at)?;
                     self.path.0.pop();
                 }
             }
@@ -178,7 +259,9 @@ impl Reading {
                 let (short, unit) = split_unit(si)?;
                 (si == &written || short == written).then_some(UnitKey { si, short, unit })
             });
-            let Some(known) = known else { continue };
+            let takes_materials = written == MATERIAL && names.iter().any(|si| si == DENSITY);
+            let material = UnitKey { si: DENSITY, short: MATERIAL, unit: "kg/m3" };
+            let Some(known) = known.or(takes_materials.then_some(material)) else { continue };
             self.path.0.push(Segment::Key(written.clone()));
             if written == known.si {
                 self.check_numbers(value, &known)?;
@@ -202,7 +285,15 @@ impl Reading {
     /// Replaces the values with units below a key by numbers in SI units.
     fn convert(&mut self, node: &mut Node, key: &UnitKey<'_>) -> Result<(), Wrong> {
         let number = match &node.content {
-            Content::Text(text) => Some(convert(text, key.unit)),
+            Content::Text(text) if key.short == MATERIAL => Some(self.density(text)),
+            Content::Natural(_) | Content::Number(_) if key.short == MATERIAL => {
+                let allowed = format!("a material, or `{DENSITY}` for a density");
+                Some(Err(Fault::new("not a material", node.describe(), allowed)))
+            }
+            Content::Text(text) => {
+                self.note_unit(text, key);
+                Some(convert(text, key.unit))
+            }
             Content::Nothing => {
                 let allowed = measured(key.unit);
                 Some(Err(Fault::new("a value is missing", node.describe(), allowed)))
@@ -227,6 +318,33 @@ impl Reading {
                 }
                 Err(Wrong { place: node.place, fault })
             }
+        }
+    }
+
+    /// Returns the density of a material.
+    fn density(&mut self, name: &str) -> Result<f64, Fault> {
+        let material = Material::named(name).ok_or_else(|| {
+            let names: Vec<&str> = MATERIALS.iter().map(|material| material.name).collect();
+            Fault::new("unknown material", shorten(name), list_names(name, &names))
+        })?;
+        if self.path.to_string() == format!("model.parameters.{MATERIAL}") {
+            self.restitution = material.restitution;
+        }
+        Ok(material.density_kg_m3)
+    }
+
+    /// Notes the unit of a parameter, or of a speed of rotation.
+    fn note_unit(&mut self, text: &str, key: &UnitKey<'_>) {
+        let short = match key.unit {
+            _ if self.parameters.iter().any(|name| name == key.si) => key.short,
+            "rad/s" => "speed",
+            _ => return,
+        };
+        let Some((_, unit)) = split_number(text).filter(|(_, unit)| !unit.is_empty()) else {
+            return;
+        };
+        if self.units.iter().all(|(other, ..)| other != short) {
+            self.units.push((short.to_owned(), unit.to_owned(), key.unit));
         }
     }
 

@@ -61,6 +61,8 @@ pub(crate) struct Source {
     pub root: Node,
     /// The places of replaced keys, with their names in the file.
     pub renamed: Vec<(Location, String)>,
+    /// The first unit of each key with a unit: the key without its unit, the unit as it is written, and the SI unit.
+    pub units: Vec<(String, String, &'static str)>,
 }
 
 impl Source {
@@ -73,7 +75,7 @@ impl Source {
         match parsed(&text, DuplicateKeyPolicy::Error) {
             Ok(root) => {
                 let file = file.to_path_buf();
-                let source = Source { file, text, root, renamed: Vec::new() };
+                let source = Source { file, text, root, renamed: Vec::new(), units: Vec::new() };
                 source.check_top()?;
                 source.check_finite()?;
                 Ok(source)

@@ -17,6 +17,7 @@ pub(in crate::study) mod run_numbers;
 pub(in crate::study) mod shown_values;
 pub(in crate::study) mod sweep;
 pub(in crate::study) mod uncertain_draws;
+pub(in crate::study) mod units;
 pub(in crate::study) mod variable;
 pub(in crate::study) mod with_design;
 pub(in crate::study) mod written;

@@ -11,6 +11,7 @@ use crate::model::{
 use crate::study::error::Fault;
 use crate::study::file::parameters_file::BALLS;
 use crate::study::file::yaml_tree::describe_number;
+use crate::study::plan::units::{Unit, Units, short_name};
 
 /// The value of a parameter at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +41,7 @@ pub enum ParameterKind {
 }
 
 /// A parameter that differs between points or runs, as a column of a table.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct VariedParameter {
     /// Name, as in the study file and in tables.
     pub name: String,
@@ -50,6 +51,44 @@ pub struct VariedParameter {
     pub meaning: String,
     /// Whether the values are numbers or words.
     pub kind: ParameterKind,
+    /// The unit in which people read the values, if it is not `unit`.
+    pub shown: Option<Unit>,
+}
+
+impl VariedParameter {
+    /// Returns the parameter with the unit that a study chooses for it.
+    pub(in crate::study) fn shown_in(self, units: &Units) -> Self {
+        let chosen =
+            units.of_parameter(&self.name).filter(|unit| unit.symbol != self.unit).cloned();
+        VariedParameter { shown: chosen, ..self }
+    }
+
+    /// Returns the name without its unit, such as `ball_mass_1` for `ball_mass_1_kg`.
+    pub fn short_name(&self) -> String {
+        short_name(&self.name, self.unit)
+    }
+
+    /// Returns the name for people: that of tables, or with the chosen unit, such as `speed [rpm]`.
+    pub fn shown_name(&self) -> String {
+        match &self.shown {
+            Some(unit) => format!("{} [{}]", self.short_name(), unit.symbol),
+            None => self.name.clone(),
+        }
+    }
+
+    /// Returns the unit in which people read the values; empty for dimensionless numbers and words.
+    pub fn shown_unit(&self) -> &str {
+        match &self.shown {
+            Some(unit) => &unit.symbol,
+            None if self.unit == "1" => "",
+            None => self.unit,
+        }
+    }
+
+    /// Returns a value as people read it.
+    pub fn shown_number(&self, value: f64) -> f64 {
+        self.shown.as_ref().map_or(value, |unit| unit.of(value))
+    }
 }
 
 /// The largest number of members of one kind: balls, ramps and plateaus of a speed profile, and kicks.
@@ -114,7 +153,7 @@ impl Parameter {
     }
 
     /// Returns the name without the number of a ball.
-    fn general_name(self) -> &'static str {
+    pub(in crate::study) fn general_name(self) -> &'static str {
         match self.definition {
             Definition::Model(own) => own.name,
             Definition::Law(law, speed) => law.name(speed),
@@ -161,6 +200,19 @@ impl Parameter {
     pub fn is_number(self) -> bool {
         match self.definition {
             Definition::Model(own) => own.is_number(),
+            Definition::Law(..) | Definition::Balls => true,
+        }
+    }
+
+    /// Returns whether the parameter determines another one, so that a model may have no value of it.
+    pub fn determines_another(self) -> bool {
+        matches!(self.definition, Definition::Model(own) if own.determines().is_some())
+    }
+
+    /// Returns whether a model has a value of the parameter.
+    pub fn is_given(self, model: &Model) -> bool {
+        match self.definition {
+            Definition::Model(own) => own.is_given(&mut model.clone()),
             Definition::Law(..) | Definition::Balls => true,
         }
     }
@@ -220,7 +272,13 @@ impl Parameter {
     /// Returns the column of the parameter in a table.
     pub fn column(self) -> VariedParameter {
         let kind = if self.is_number() { ParameterKind::Number } else { ParameterKind::Text };
-        VariedParameter { name: self.name(), unit: self.unit(), meaning: self.meaning(), kind }
+        VariedParameter {
+            name: self.name(),
+            unit: self.unit(),
+            meaning: self.meaning(),
+            kind,
+            shown: None,
+        }
     }
 
     /// Sets the value in a model; a value of the wrong kind changes nothing. A number of balls removes the last balls.
@@ -233,6 +291,9 @@ impl Parameter {
             }
             ParameterValue::Number(number) => {
                 self.fields(model).into_iter().for_each(|field| *field = number);
+                if let Some(machine) = model.ball_balancer_mut() {
+                    machine.derive();
+                }
             }
             ParameterValue::Text(text) => {
                 let force = NormalForce::named(text);
@@ -262,6 +323,7 @@ impl Parameter {
         if let Some(field) = self.of_all_balls(general) {
             *field = number;
         }
+        general.derive();
     }
 
     /// Returns the value in a model; `general` contains the default values of the balls.
@@ -283,11 +345,13 @@ impl Parameter {
     /// Returns the number of a ball that a parameter of all balls sets.
     fn of_all_balls(self, ball: &mut Ball) -> Option<&mut f64> {
         match self.definition {
-            Definition::Model(ParameterDescriptor { field: Field::Ball(field), .. })
-                if self.member.is_none() =>
-            {
+            _ if self.member.is_some() => None,
+            Definition::Model(ParameterDescriptor { field: Field::Ball(field), .. }) => {
                 Some(field(ball))
             }
+            Definition::Model(ParameterDescriptor {
+                field: Field::OfBall { number, .. }, ..
+            }) => Some(number(ball).get_or_insert(0.0)),
             _ => None,
         }
     }

@@ -86,8 +86,13 @@ impl Study {
     }
 
     fn lists(&self, parameter: Parameter) -> bool {
-        if parameter.is_unused(&self.base.model) {
+        if parameter.is_unused(&self.base.model)
+            || self.determined.contains(&parameter.general_name())
+        {
             return false;
+        }
+        if parameter.determines_another() && !parameter.is_given(&self.base.model) {
+            return self.varies(parameter);
         }
         match parameter.general() {
             // Each ramp, plateau and kick has its own values.

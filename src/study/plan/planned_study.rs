@@ -13,6 +13,7 @@ use crate::study::plan::parameter::{Parameter, ParameterValue, VariedParameter};
 use crate::study::plan::precision::{Precision, Sampling};
 use crate::study::plan::response::Response;
 use crate::study::plan::sweep::{Block, Listing, PointSampling};
+use crate::study::plan::units::Units;
 use crate::study::plan::variable::Variable;
 use crate::study::plan::written::Written;
 use crate::study::resolve::model::Base;
@@ -50,6 +51,9 @@ pub struct Study {
     /// Copies of this study, one for each number of balls that a design may have, in ascending
     /// order.
     pub(in crate::study) by_balls: Vec<Study>,
+    /// The parameters that others determine, such as the mass of a ball whose density is given.
+    pub(in crate::study) determined: Vec<&'static str>,
+    pub(in crate::study) units: Units,
     pub(in crate::study) resolved: ResolvedFile,
     /// The study file as it is written, for messages about its keys.
     pub(in crate::study) written: Arc<Written>,
@@ -213,6 +217,11 @@ impl Study {
     /// Returns the columns of the swept parameters of all blocks, in order of first appearance.
     pub fn swept(&self) -> &[VariedParameter] {
         &self.swept
+    }
+
+    /// Returns the units in which people read results.
+    pub fn units(&self) -> &Units {
+        &self.units
     }
 
     /// Returns the columns of the uncertain parameters, in the order of the model's parameters.

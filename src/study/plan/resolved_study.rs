@@ -34,7 +34,7 @@ impl Study {
 
     /// Returns the SHA-256 hash, in hexadecimal, of everything that determines the runs. It
     /// excludes the name, format and comments of the file, and the keys `name`, `expect`, `design`,
-    /// `responses`, `optimize` and `identify`.
+    /// `responses`, `optimize`, `identify` and `units`.
     pub fn hash(&self) -> String {
         let compute = || {
             let file = self.resolved.file.clone();
@@ -45,6 +45,7 @@ impl Study {
                 responses: None,
                 optimize: None,
                 identify: None,
+                units: None,
                 ..file
             };
             // Ranges of all balls concern designs; the balls of this study have their own ranges.

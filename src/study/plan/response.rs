@@ -1,6 +1,8 @@
 //! Responses: the quantities that are estimated for a design.
 
 use crate::study::file::yaml_tree::describe_number;
+use crate::study::plan::shown_values::six_digits;
+use crate::study::plan::units::{Unit, Units};
 
 /// The estimated quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +45,11 @@ pub enum AmplitudeKind {
     Peak,
 }
 
+impl AmplitudeKind {
+    /// All kinds.
+    pub const ALL: [AmplitudeKind; 3] = [Self::Residual, Self::RelativeResidual, Self::Peak];
+}
+
 /// Suffixes of the columns that accompany the value of a response.
 pub(crate) const SUFFIXES: [&str; 4] = ["_standard_error", "_low", "_high", "_reason"];
 
@@ -66,6 +73,11 @@ pub(in crate::study) const RESERVED_COLUMNS: [&str; 15] = [
 ];
 
 impl Response {
+    /// Returns the name of the column in `points.parquet`, where other columns could have the name of the response.
+    pub fn column(&self) -> String {
+        format!("response_{}", self.name)
+    }
+
     /// Returns the unit of the value; `1` if it is dimensionless.
     pub fn unit(&self) -> &'static str {
         match self.measure {
@@ -76,14 +88,30 @@ impl Response {
         }
     }
 
-    /// Returns the meaning of the value.
+    /// Returns the unit in which people read the value.
+    pub fn shown_unit(&self, units: &Units) -> Unit {
+        let (symbol, si) = match (self.measure, self.unit()) {
+            (Measure::Above(_) | Measure::AtRestBy(_), _) => ("%", 0.01),
+            (_, "m") => return units.vibration(),
+            (_, "1") => ("ratio", 1.0),
+            (_, unit) => (unit, 1.0),
+        };
+        Unit { symbol: symbol.to_owned(), si }
+    }
+
+    /// Returns the meaning of the value, with a limit in m.
     pub fn meaning(&self) -> String {
-        let (amplitude, unit) = match self.amplitude {
-            AmplitudeKind::Residual => ("residual amplitude", " m"),
+        self.meaning_in(&Unit { symbol: "m".to_owned(), si: 1.0 })
+    }
+
+    /// Returns the meaning of the value, with a limit in this unit.
+    pub fn meaning_in(&self, length: &Unit) -> String {
+        let amplitude = match self.amplitude {
+            AmplitudeKind::Residual => "residual amplitude",
             AmplitudeKind::RelativeResidual => {
-                ("residual amplitude over the amplitude without balls", "")
+                "residual amplitude over the amplitude without balls"
             }
-            AmplitudeKind::Peak => ("peak amplitude", " m"),
+            AmplitudeKind::Peak => "peak amplitude",
         };
         match self.measure {
             Measure::Mean => format!("mean {amplitude}"),
@@ -93,8 +121,11 @@ impl Response {
             }
             Measure::Worst => format!("largest {amplitude} of all runs"),
             Measure::Above(limit) => {
-                let limit = describe_number(limit);
-                format!("probability of a {amplitude} above {limit}{unit}")
+                let limit = match self.amplitude {
+                    AmplitudeKind::RelativeResidual => describe_number(limit),
+                    _ => format!("{} {}", six_digits(length.of(limit)), length.symbol),
+                };
+                format!("probability of a {amplitude} above {limit}")
             }
             Measure::AtRestBy(time) => {
                 format!("probability of being at rest by {} s", describe_number(time))

@@ -2,7 +2,7 @@
 //! sweep stay different.
 
 use crate::study::file::yaml_tree::describe_number;
-use crate::study::plan::parameter::{Parameter, ParameterValue};
+use crate::study::plan::parameter::{Parameter, ParameterValue, VariedParameter};
 use crate::study::plan::planned_study::Study;
 
 /// Numbers up to this length, in characters, are shown with all digits. Longer ones are results of a conversion, such
@@ -14,34 +14,39 @@ const DIGITS: usize = 6;
 const ALL_DIGITS: usize = 17;
 
 impl Study {
-    /// Returns the values of the swept parameters of a point as text for terminals and figures. Tables, JSON and the
-    /// resolved file have all digits.
+    /// Returns the values of the swept parameters of a point as text for terminals and figures, in the units that the study
+    /// chooses. Tables, JSON and the resolved file are in SI units and have all digits.
     pub fn shown(&self, swept: &[ParameterValue]) -> Vec<String> {
         let digits = self.shown_digits.get_or_init(|| {
-            self.swept_parameters.iter().map(|parameter| self.digits_of(*parameter)).collect()
+            let each = self.swept_parameters.iter().zip(&self.swept);
+            each.map(|(parameter, column)| self.digits_of(*parameter, column)).collect()
         });
         let digits = digits.iter().copied().chain(std::iter::repeat(DIGITS));
-        swept
-            .iter()
-            .zip(digits)
-            .map(|(value, digits)| match value {
-                ParameterValue::Number(number) => shown(*number, digits),
-                ParameterValue::Text(text) => (*text).to_owned(),
-            })
-            .collect()
+        let columns = self.swept.iter().zip(digits);
+        let each = swept.iter().zip(columns);
+        each.map(|(value, (column, digits))| match value {
+            ParameterValue::Number(number) => shown(column.shown_number(*number), digits),
+            ParameterValue::Text(text) => (*text).to_owned(),
+        })
+        .collect()
     }
 
     /// Returns the number of digits that keeps the values of a swept parameter different.
-    fn digits_of(&self, parameter: Parameter) -> usize {
+    fn digits_of(&self, parameter: Parameter, column: &VariedParameter) -> usize {
         let lists = self.blocks.iter().filter_map(|block| block.list(parameter));
         // A block that does not sweep the parameter has its base value.
         let own = self.base.value(parameter);
         let numbers = lists.flatten().chain([&own]).filter_map(|value| match value {
-            ParameterValue::Number(number) => Some(*number),
+            ParameterValue::Number(number) => Some(column.shown_number(*number)),
             ParameterValue::Text(_) => None,
         });
         fewest_digits(numbers.collect())
     }
+}
+
+/// Returns a number with six significant digits, if it is long.
+pub(in crate::study) fn six_digits(number: f64) -> String {
+    shown(number, DIGITS)
 }
 
 /// Returns the fewest digits, from six on, with which different numbers have different texts.

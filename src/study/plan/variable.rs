@@ -3,12 +3,16 @@
 use crate::study::error::{Fault, list_names, shorten};
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::Parameter;
+use crate::study::plan::shown_values::six_digits;
+use crate::study::plan::units::Unit;
 
 /// A variable of a design.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
     pub(in crate::study) name: String,
     pub(in crate::study) domain: Domain,
+    /// The unit in which people read the values of a parameter, if the study chooses one.
+    pub(in crate::study) shown: Option<Unit>,
 }
 
 /// The values that a variable accepts.
@@ -63,6 +67,42 @@ impl Variable {
             Domain::Parameter { parameter, .. } => Some(parameter.unit()),
             Domain::Balls { .. } => Some("1"),
             Domain::Choices(_) => None,
+        }
+    }
+
+    /// Returns the unit in which people read the values; empty for a pure number and for choices.
+    pub fn shown_unit(&self) -> &str {
+        match (&self.shown, self.unit()) {
+            (Some(unit), _) => &unit.symbol,
+            (None, None | Some("1")) => "",
+            (None, Some(unit)) => unit,
+        }
+    }
+
+    /// Returns the name with the unit in which people read the values, such as `speed [rpm]`.
+    pub fn shown_name(&self) -> String {
+        match (&self.domain, self.shown_unit()) {
+            (_, "") => self.name.clone(),
+            (Domain::Parameter { parameter, .. }, unit) => {
+                format!("{} [{unit}]", parameter.column().short_name())
+            }
+            (_, unit) => format!("{} [{unit}]", self.name),
+        }
+    }
+
+    /// Returns a number as people read it.
+    pub fn shown_number(&self, value: f64) -> f64 {
+        self.shown.as_ref().map_or(value, |unit| unit.of(value))
+    }
+
+    /// Returns a value in words, such as `speed_rad_s 300`, `speed 3000 rpm` or `material steel`.
+    pub fn in_words(&self, value: DesignValue) -> String {
+        let text = self.describe(value);
+        match (&self.domain, &self.shown) {
+            (Domain::Parameter { parameter, .. }, Some(unit)) => {
+                format!("{} {text} {}", parameter.column().short_name(), unit.symbol)
+            }
+            _ => format!("{} {text}", self.name),
         }
     }
 
@@ -187,14 +227,17 @@ impl Variable {
         }
     }
 
-    /// Returns the name of a choice, or the text of a number.
+    /// Returns the name of a choice, or the text of a number in the unit in which people read it.
     pub fn describe(&self, value: DesignValue) -> String {
         match (value, &self.domain) {
             (DesignValue::Choice(index), Domain::Choices(choices)) => {
                 choices.get(index).map(|(name, _)| name.clone()).unwrap_or_default()
             }
             (DesignValue::Choice(index), _) => index.to_string(),
-            (DesignValue::Number(number), _) => describe_number(number),
+            (DesignValue::Number(number), _) => match &self.shown {
+                Some(unit) => six_digits(unit.of(number)),
+                None => describe_number(number),
+            },
         }
     }
 }

@@ -2,6 +2,7 @@
 
 pub(in crate::study) mod contact;
 pub(in crate::study) mod counts;
+pub(in crate::study) mod determined;
 pub(in crate::study) mod expectations;
 pub(in crate::study) mod extend;
 pub(in crate::study) mod friction;
@@ -20,5 +21,6 @@ pub(in crate::study) mod stages;
 pub(in crate::study) mod sweep;
 pub(in crate::study) mod uncertain;
 pub(in crate::study) mod uncertain_sampling;
+pub(in crate::study) mod units;
 pub(in crate::study) mod variables;
 pub(in crate::study) mod whole_study;

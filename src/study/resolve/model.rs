@@ -219,14 +219,18 @@ impl Base {
         counts.filter_map(value)
     }
 
-    /// Returns the model in the form of a study file, with all values.
-    pub fn to_file(&self) -> ModelFile {
+    /// Returns the model in the form of a study file, with all values except those that others determine.
+    pub fn to_file(&self, determined: &[&str]) -> ModelFile {
         let kind = self.model.kind();
         let mut parameters = ParametersFile::default();
         let numbers = kind.parameters.iter().filter(|one| one.is_number() && !one.has_own_key());
         for parameter in numbers {
             let own = Parameter::find(parameter.name, &self.model);
             let own = own.map(|own| own.get(&self.model, &self.general));
+            let is_given = parameter.is_given(&mut self.model.clone());
+            if determined.contains(&parameter.name) || !is_given {
+                continue;
+            }
             if let Some(ParameterValue::Number(number)) = own {
                 parameters.numbers.insert(parameter.name, number);
             }
@@ -372,14 +376,18 @@ fn own_value(ball: &BallFile, general: &str) -> Option<f64> {
     match general {
         "ball_mass_kg" => ball.mass_kg,
         "ball_diameter_m" => ball.diameter_m,
-        _ => ball.friction_coefficient,
+        "friction_coefficient" => ball.friction_coefficient,
+        _ => None,
     }
 }
 
 fn overlay(general: Ball, own: &BallFile) -> Ball {
-    Ball {
+    let mut ball = Ball {
         mass_kg: own.mass_kg.unwrap_or(general.mass_kg),
         diameter_m: own.diameter_m.unwrap_or(general.diameter_m),
         friction_coefficient: own.friction_coefficient.unwrap_or(general.friction_coefficient),
-    }
+        density_kg_m3: general.density_kg_m3,
+    };
+    ball.derive();
+    ball
 }

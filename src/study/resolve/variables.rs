@@ -43,7 +43,11 @@ pub(crate) fn resolve_variables(
             }
             set.push(parameter);
         }
-        variables.push(Variable { name: name.clone(), domain });
+        let shown = match &domain {
+            Domain::Parameter { parameter, .. } => parameter.column().shown_in(&study.units).shown,
+            _ => None,
+        };
+        variables.push(Variable { name: name.clone(), domain, shown });
     }
     Ok(variables)
 }

@@ -27,6 +27,7 @@ use crate::study::plan::precision::Precision;
 use crate::study::plan::sweep::Listing;
 use crate::study::plan::variable::Variable;
 use crate::study::plan::written::Written;
+use crate::study::resolve::determined::determined;
 use crate::study::resolve::expectations::resolve_expectations;
 use crate::study::resolve::identification::resolve_identification;
 use crate::study::resolve::model::{Base, check_parameters};
@@ -42,6 +43,7 @@ use crate::study::resolve::stages::check_kicks;
 use crate::study::resolve::sweep::{ResolvedBlock, resolve_block};
 use crate::study::resolve::uncertain::resolve_uncertain;
 use crate::study::resolve::uncertain_sampling::UncertainSampling;
+use crate::study::resolve::units::{resolve_units, units_to_file};
 use crate::study::resolve::variables::resolve_variables;
 use crate::study::sampling::initial_box::InitialBox;
 
@@ -171,14 +173,17 @@ fn resolve(
         &uncertain_parameters,
         written.seed,
     )?;
-    let column = |parameter: &Parameter| parameter.column();
+    let units = resolve_units(source, written.units.as_ref(), base.model.kind().name)?;
+    let column = |parameter: &Parameter| parameter.column().shown_in(&units);
     let uncertain: Vec<VariedParameter> =
-        uncertain_parameters.iter().map(|one| one.parameter.column()).collect();
+        uncertain_parameters.iter().map(|one| column(&one.parameter)).collect();
+    let kind = base.model.kind();
+    let determined = determined(source, kind, written, &swept_parameters)?;
     let resolved = StudyFile {
         schema: SCHEMA,
         name: written.name.clone(),
         seed: written.seed,
-        model: base.to_file(),
+        model: base.to_file(&determined),
         sweep: written
             .sweep
             .is_some()
@@ -197,6 +202,7 @@ fn resolve(
         responses: written.responses.clone(),
         optimize: written.optimize.clone(),
         identify: written.identify.clone(),
+        units: units_to_file(&units),
     };
     let setting = Setting {
         base: &base,
@@ -226,6 +232,8 @@ fn resolve(
         optimization: None,
         identification: None,
         by_balls: Vec::new(),
+        determined,
+        units: units.clone(),
         resolved: ResolvedFile::new(resolved),
         written: Arc::default(),
     };

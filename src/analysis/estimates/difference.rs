@@ -1,13 +1,13 @@
-//! Intervals of the difference and the ratio of two estimates from independent samples, recovered from the intervals
-//! of the estimates.
+//! Intervals of the difference and the ratio of two estimates, recovered from the intervals of the estimates.
 
-use crate::responses::Estimate;
+use super::estimate::Estimate;
 
-/// Estimates `one - other` (G. Y. Zou, A. Donner, Stat. Med. 27 (2008) 1693, doi:10.1002/sim.3095). The standard
-/// error is that of independent samples.
-pub fn estimate_difference(one: &Estimate, other: &Estimate) -> Estimate {
+/// Estimates `one - other` of two estimates with this correlation, which is 0 for independent samples (G. Y. Zou, Psychol.
+/// Methods 12 (2007) 399, doi:10.1037/1082-989X.12.4.399; G. Y. Zou, A. Donner, Stat. Med. 27 (2008) 1693,
+/// doi:10.1002/sim.3095).
+pub fn estimate_difference(one: &Estimate, other: &Estimate, correlation: f64) -> Estimate {
     let Some((x, y)) = one.value.zip(other.value) else { return unknown(one, other) };
-    let root = |a: f64, b: f64| (a * a + b * b).sqrt();
+    let root = |a: f64, b: f64| (a * a + b * b - 2.0 * correlation * a * b).max(0.0).sqrt();
     let half_width = |end: Option<f64>, opposite: Option<f64>| {
         end.zip(opposite).map(|(end, opposite)| root(x - end, y - opposite))
     };

@@ -1,0 +1,15 @@
+//! Estimates from a sample of runs, with standard errors and 95 % intervals: pure functions of the results of the runs.
+
+mod amplitude;
+mod difference;
+mod estimate;
+mod moments;
+mod probability;
+mod rest_time;
+mod sample_quantile;
+
+pub use amplitude::{mean, quantile, standard_deviation, worst};
+pub use difference::{estimate_difference, estimate_ratio};
+pub use estimate::{Estimate, RunResult, Sample};
+pub use probability::{above, at_rest_by};
+pub use rest_time::median_time_to_rest;

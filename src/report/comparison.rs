@@ -1,0 +1,362 @@
+//! How the results of two studies differ: points with equal swept values, and for each quantity both estimates and their
+//! difference with its interval.
+//!
+//! If both studies have the same start states at a point, their runs are pairs (common random numbers), and the interval of a
+//! difference accounts for the correlation of each pair.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use super::data::heading;
+use crate::analysis::{Estimate, estimate_difference};
+use crate::classification::Label;
+use crate::study::{AmplitudeKind, Measure, ParameterValue, Response, Study, Unit, changed_keys};
+use crate::table::{Batch, Kind, Table, TableError, estimate_kinds, read_estimate};
+
+/// Swept values of two studies are equal if they differ by at most this part.
+const AGREEMENT: f64 = 1e-9;
+
+/// The study and the tables of a directory of results.
+pub struct ComparedResults<'a> {
+    /// The study.
+    pub study: &'a Study,
+    /// `points.parquet`.
+    pub points: &'a Table,
+    /// `runs.parquet`.
+    pub runs: &'a Table,
+}
+
+/// The differences of two studies; a difference is that of the second study from the first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// The keys that differ, with both values.
+    pub changed_keys: Vec<String>,
+    /// The points that both studies have.
+    pub points: Vec<ComparedPoint>,
+    /// The number of points of each study without a counterpart.
+    pub without_counterpart: [u64; 2],
+}
+
+/// A point that both studies have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ComparedPoint {
+    /// Its numbers in both studies.
+    pub point_ids: [u64; 2],
+    /// The swept values in words, in the units of the first study; empty without a common swept parameter.
+    pub title: String,
+    /// Whether the runs of both studies have the same start states.
+    pub paired: bool,
+    /// The quantities.
+    pub quantities: Vec<ComparedQuantity>,
+}
+
+/// A quantity of a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ComparedQuantity {
+    /// Its name: that of a response, or of columns of `points.parquet`.
+    pub name: String,
+    /// The unit in which people read it.
+    pub unit: Unit,
+    /// The estimates of both studies.
+    pub estimates: [Estimate; 2],
+    /// The second estimate minus the first.
+    pub difference: Estimate,
+}
+
+/// What a run contributes to an estimate, for the correlation of two estimates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Contribution {
+    /// Whether it rests.
+    Rest,
+    /// Whether it vibrates more than without balls.
+    Worse,
+    /// What it contributes to a response.
+    Response(Measure, AmplitudeKind),
+}
+
+/// A quantity of both studies.
+struct Quantity {
+    name: String,
+    unit: Unit,
+    /// The columns of the value and of both ends of its interval.
+    columns: Columns,
+    contribution: Contribution,
+}
+
+enum Columns {
+    /// Value, lower and upper end.
+    Three([&'static str; 3]),
+    /// Those of a response.
+    Estimate(String),
+}
+
+/// A run as comparisons see it.
+#[derive(Clone, Copy, Debug)]
+struct ComparedRun {
+    /// Hash of the start state.
+    start: u64,
+    label: Option<Label>,
+    /// By [`AmplitudeKind`].
+    amplitudes: [f64; 3],
+    time_to_rest_s: f64,
+}
+
+/// A point with its estimates and runs.
+struct Point {
+    point_id: u64,
+    swept: Vec<ParameterValue>,
+    estimates: Vec<Estimate>,
+    runs: Vec<ComparedRun>,
+}
+
+/// Compares the results of two studies.
+///
+/// # Errors
+/// Returns an error if a table lacks a column or cannot be read.
+pub fn compare(results: [&ComparedResults<'_>; 2]) -> Result<Comparison, TableError> {
+    let studies = results.map(|one| one.study);
+    let [first, second] = studies;
+    let quantities = quantities(studies);
+    let [one, other] = results.map(|one| points(one, &quantities));
+    let (one, other) = (one?, other?);
+    let mut compared = Vec::new();
+    let mut has_counterpart = vec![false; other.len()];
+    for point in &one {
+        let mut equal = other.iter().enumerate();
+        let Some((place, counterpart)) = equal.find(|(_, other)| agree(studies, point, other))
+        else {
+            continue;
+        };
+        has_counterpart[place] = true;
+        compared.push(compared_point(first, second, &quantities, [point, counterpart]));
+    }
+    let missing = has_counterpart.iter().filter(|has| !**has).count();
+    Ok(Comparison {
+        changed_keys: changed_keys(first, second),
+        without_counterpart: [(one.len() - compared.len()) as u64, missing as u64],
+        points: compared,
+    })
+}
+
+fn quantities([first, second]: [&Study; 2]) -> Vec<Quantity> {
+    let percent = || Unit { symbol: "%".to_owned(), si: 0.01 };
+    let three = |name: &str, unit, columns, contribution| Quantity {
+        name: name.to_owned(),
+        unit,
+        columns: Columns::Three(columns),
+        contribution,
+    };
+    let rest = ["equilibrium_fraction", "ci_low", "ci_high"];
+    let mut list = vec![three("at rest", percent(), rest, Contribution::Rest)];
+    let quantile =
+        |fraction| Contribution::Response(Measure::Quantile(fraction), AmplitudeKind::Residual);
+    if [first, second].iter().all(|study| study.model().kind().offers.vibration) {
+        let unit = || first.units().vibration();
+        let median = ["amplitude_p50_m", "amplitude_p50_low_m", "amplitude_p50_high_m"];
+        let most = ["amplitude_p95_m", "amplitude_p95_low_m", "amplitude_p95_high_m"];
+        let worse = [
+            "worse_than_without_balls_fraction",
+            "worse_than_without_balls_low",
+            "worse_than_without_balls_high",
+        ];
+        list.push(three("median vibration", unit(), median, quantile(0.5)));
+        list.push(three("95 % of the runs", unit(), most, quantile(0.95)));
+        list.push(three("worse than without balls", percent(), worse, Contribution::Worse));
+    }
+    let common = first.responses().iter().filter(|one| second.responses().contains(one));
+    list.extend(common.map(|response: &Response| Quantity {
+        name: response.name.clone(),
+        unit: response.shown_unit(first.units()),
+        columns: Columns::Estimate(response.column()),
+        contribution: Contribution::Response(response.measure, response.amplitude),
+    }));
+    list
+}
+
+/// Reads the points and their runs.
+fn points(results: &ComparedResults<'_>, list: &[Quantity]) -> Result<Vec<Point>, TableError> {
+    let ComparedResults { study, points, runs } = results;
+    let mut wanted = vec![("point_id".to_owned(), Kind::Count)];
+    for quantity in list {
+        match &quantity.columns {
+            Columns::Three(names) => {
+                wanted.extend(names.map(|name| (name.to_owned(), Kind::Number)));
+            }
+            Columns::Estimate(name) => wanted.extend(estimate_kinds(name)),
+        }
+    }
+    let mut all: Vec<Point> = Vec::new();
+    read(points, &wanted, |batch, row| {
+        let point_id = batch.count("point_id", row)?.unwrap_or_default();
+        let estimate = |quantity: &Quantity| match &quantity.columns {
+            Columns::Three(names) => {
+                let [value, low, high] = names.map(|name| batch.number(name, row));
+                Ok(Estimate { value: value?, low: low?, high: high?, ..Estimate::default() })
+            }
+            Columns::Estimate(name) => read_estimate(batch, name, row),
+        };
+        let estimates = list.iter().map(estimate).collect::<Result<_, TableError>>()?;
+        if point_id < study.point_count() {
+            let swept = study.point(point_id).swept;
+            all.push(Point { point_id, swept, estimates, runs: Vec::new() });
+        }
+        Ok(())
+    })?;
+    let names: Vec<String> = runs.columns().iter().map(|(name, _)| name.clone()).collect();
+    let starts: Vec<&String> = names.iter().filter(|name| name.starts_with("initial_")).collect();
+    let amplitudes = ["amplitude_m", "relative_amplitude", "peak_amplitude_m"];
+    let has = |name: &str| names.iter().any(|own| own == name);
+    let mut wanted = vec![("point_id".to_owned(), Kind::Count), ("label".to_owned(), Kind::Text)];
+    let numbers = starts.iter().map(|name| name.as_str()).chain(["time_to_rest_s"]);
+    let numbers = numbers.chain(amplitudes.into_iter().filter(|name| has(name)));
+    wanted.extend(numbers.map(|name| (name.to_owned(), Kind::Number)));
+    let mut place = 0;
+    read(runs, &wanted, |batch, row| {
+        let point_id = batch.count("point_id", row)?.unwrap_or_default();
+        // Runs are in the order of the points.
+        while all.get(place).is_some_and(|point| point.point_id < point_id) {
+            place += 1;
+        }
+        let Some(point) = all.get_mut(place).filter(|point| point.point_id == point_id) else {
+            return Ok(());
+        };
+        let mut start = DefaultHasher::new();
+        for name in &starts {
+            batch.number(name, row)?.unwrap_or(f64::NAN).to_bits().hash(&mut start);
+        }
+        let label = batch.text("label", row)?.unwrap_or_default();
+        let number = |name: &str| match has(name) {
+            true => Ok(batch.number(name, row)?.unwrap_or(f64::NAN)),
+            false => Ok::<_, TableError>(f64::NAN),
+        };
+        let [residual, relative, peak] = amplitudes.map(number);
+        point.runs.push(ComparedRun {
+            start: start.finish(),
+            label: Label::ALL.into_iter().find(|one| one.name() == label),
+            amplitudes: [residual?, relative?, peak?],
+            time_to_rest_s: batch.number("time_to_rest_s", row)?.unwrap_or(f64::INFINITY),
+        });
+        Ok(())
+    })?;
+    Ok(all)
+}
+
+/// Reads columns of a table row by row.
+fn read(
+    table: &Table,
+    wanted: &[(String, Kind)],
+    mut take: impl FnMut(&Batch, usize) -> Result<(), TableError>,
+) -> Result<(), TableError> {
+    let wanted: Vec<(&str, Kind)> =
+        wanted.iter().map(|(name, kind)| (name.as_str(), *kind)).collect();
+    for batch in table.read(&wanted)? {
+        let batch = batch?;
+        (0..batch.rows).try_for_each(|row| take(&batch, row))?;
+    }
+    Ok(())
+}
+
+/// Returns whether two points have equal values of all parameters that both studies sweep.
+fn agree([first, second]: [&Study; 2], one: &Point, other: &Point) -> bool {
+    first.swept().iter().zip(&one.swept).all(|(column, value)| {
+        let place = second.swept().iter().position(|own| own.name == column.name);
+        match (value, place.and_then(|place| other.swept.get(place))) {
+            (_, None) => true,
+            (ParameterValue::Number(a), Some(ParameterValue::Number(b))) => {
+                (a - b).abs() <= AGREEMENT * a.abs().max(b.abs())
+            }
+            (a, Some(b)) => a == b,
+        }
+    })
+}
+
+fn compared_point(
+    first: &Study,
+    second: &Study,
+    list: &[Quantity],
+    [one, other]: [&Point; 2],
+) -> ComparedPoint {
+    let starts = |point: &Point| point.runs.iter().map(|run| run.start).collect::<Vec<_>>();
+    let paired = !one.runs.is_empty() && starts(one) == starts(other);
+    let quantity = |(place, quantity): (usize, &Quantity)| {
+        let estimates = [one, other].map(|point| point.estimates[place].clone());
+        let [before, after] = &estimates;
+        let correlation = if paired {
+            let [a, b] = [(one, before), (other, after)].map(|(point, estimate)| {
+                contributions(quantity.contribution, &point.runs, estimate)
+            });
+            correlation(&a, &b)
+        } else {
+            0.0
+        };
+        ComparedQuantity {
+            name: quantity.name.clone(),
+            unit: quantity.unit.clone(),
+            difference: estimate_difference(after, before, correlation),
+            estimates,
+        }
+    };
+    let is_common = |column: usize| {
+        let name = first.swept().get(column).map(|own| &own.name);
+        second.swept().iter().any(|own| Some(&own.name) == name)
+    };
+    ComparedPoint {
+        point_ids: [one.point_id, other.point_id],
+        title: heading(first, &one.swept, is_common),
+        paired,
+        quantities: list.iter().enumerate().map(quantity).collect(),
+    }
+}
+
+/// Returns what each run contributes to an estimate; a run without a result contributes no number.
+fn contributions(of: Contribution, runs: &[ComparedRun], estimate: &Estimate) -> Vec<f64> {
+    let value = estimate.value.unwrap_or(f64::NAN);
+    let indicator = |holds: bool| f64::from(u8::from(holds));
+    let each = |run: &ComparedRun| {
+        let above = |amplitude: f64, limit: f64| match amplitude.is_nan() {
+            true => f64::NAN,
+            false => indicator(amplitude > limit),
+        };
+        if run.label == Some(Label::Failed) {
+            return f64::NAN;
+        }
+        let (measure, kind) = match of {
+            Contribution::Rest => return indicator(run.label == Some(Label::Equilibrium)),
+            Contribution::Worse => {
+                return above(run.amplitudes[AmplitudeKind::RelativeResidual as usize], 1.0);
+            }
+            Contribution::Response(measure, kind) => (measure, kind),
+        };
+        let amplitude = run.amplitudes[kind as usize];
+        match measure {
+            Measure::Mean | Measure::StandardDeviation => amplitude,
+            Measure::Quantile(_) => above(amplitude, value),
+            Measure::Above(limit) => above(amplitude, limit),
+            Measure::AtRestBy(time_s) => indicator(run.time_to_rest_s <= time_s),
+            Measure::MedianTimeToRest => indicator(run.time_to_rest_s <= value),
+            Measure::Worst => f64::NAN,
+        }
+    };
+    let mut all: Vec<f64> = runs.iter().map(each).collect();
+    if let Contribution::Response(Measure::StandardDeviation, _) = of {
+        let known = || all.iter().copied().filter(|one| one.is_finite());
+        let mean = known().sum::<f64>() / known().count().max(1) as f64;
+        all.iter_mut().for_each(|one| *one = (*one - mean).powi(2));
+    }
+    all
+}
+
+/// Returns the correlation of the pairs of finite numbers; 0 if one of them does not vary.
+fn correlation(one: &[f64], other: &[f64]) -> f64 {
+    let pairs = || one.iter().zip(other).filter(|(a, b)| a.is_finite() && b.is_finite());
+    let count = pairs().count().max(1) as f64;
+    let mean = |pick: fn((&f64, &f64)) -> f64| pairs().map(pick).sum::<f64>() / count;
+    let (a, b) = (mean(|(a, _)| *a), mean(|(_, b)| *b));
+    let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
+    for (x, y) in pairs() {
+        aa += (x - a) * (x - a);
+        bb += (y - b) * (y - b);
+        ab += (x - a) * (y - b);
+    }
+    let scale = (aa * bb).sqrt();
+    if scale > 0.0 { (ab / scale).clamp(-1.0, 1.0) } else { 0.0 }
+}

@@ -1,0 +1,68 @@
+//! Parameters that determine others: a density determines the mass of a ball. A study gives one of the two, wherever it does.
+
+use std::collections::HashSet;
+
+use crate::model::{ModelKind, ParameterDescriptor};
+use crate::study::error::{Fault, StudyError};
+use crate::study::file::balls::Balls;
+use crate::study::file::study_file::StudyFile;
+use crate::study::file::yaml_tree::Source;
+use crate::study::plan::parameter::{MOST_MEMBERS, Parameter};
+
+/// Returns the names of the parameters that others determine, which are then no parameters of the study.
+///
+/// # Errors
+/// Returns an error if the study also gives, sweeps, draws, designs or infers one of them.
+pub(crate) fn determined(
+    source: &Source,
+    kind: &'static ModelKind,
+    written: &StudyFile,
+    swept: &[Parameter],
+) -> Result<Vec<&'static str>, StudyError> {
+    let mentioned = mentioned(written, swept);
+    let place_of = |own: &ParameterDescriptor| {
+        let members = (1..=MOST_MEMBERS).map(|member| own.name_of_member(member));
+        let names: HashSet<String> = members.chain([own.name.to_owned()]).collect();
+        mentioned.iter().find(|(_, name)| names.contains(name))
+    };
+    let mut all = Vec::new();
+    for own in kind.parameters {
+        let Some(name) = own.determines() else { continue };
+        let Some((_, written)) = place_of(own) else { continue };
+        let other = kind.parameters.iter().find(|other| other.name == name);
+        if let Some((place, given)) = other.and_then(place_of) {
+            let fault = Fault::new(
+                format!("`{written}` determines `{given}`"),
+                format!("both `{written}` and `{given}`"),
+                "one of the two",
+            );
+            return Err(source.path(place).refuse_value(fault));
+        }
+        all.push(name);
+    }
+    Ok(all)
+}
+
+/// Returns all parameters that the study gives, sweeps, draws, designs or infers, with the place in the file.
+fn mentioned(written: &StudyFile, swept: &[Parameter]) -> Vec<(&'static str, String)> {
+    let mut all: Vec<(&'static str, String)> = Vec::new();
+    let parameters = written.model.parameters.as_ref();
+    if let Some(parameters) = parameters {
+        all.extend(parameters.numbers.keys().map(|name| ("model.parameters", (*name).to_owned())));
+        if let Some(Balls::Each(balls)) = &parameters.balls {
+            let has_mass = balls.iter().any(|ball| ball.mass_kg.is_some());
+            all.extend(has_mass.then(|| ("model.parameters.balls", "ball_mass_kg".to_owned())));
+        }
+    }
+    all.extend(swept.iter().map(|parameter| ("sweep", parameter.name())));
+    let uncertain = written.uncertain.iter().flat_map(|names| names.keys());
+    all.extend(uncertain.map(|name| ("uncertain", name.clone())));
+    for (name, variable) in written.design.iter().flatten() {
+        all.push(("design", name.clone()));
+        let choices = variable.choices.iter().flatten().flat_map(|(_, values)| values.keys());
+        all.extend(choices.map(|name| ("design", name.clone())));
+    }
+    let inferred = written.identify.iter().flat_map(|identify| identify.parameters.keys());
+    all.extend(inferred.map(|name| ("identify.parameters", name.clone())));
+    all
+}

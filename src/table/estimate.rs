@@ -1,0 +1,50 @@
+//! The columns of an estimate: value, standard error, 95 % interval, and the reason for missing values.
+
+use super::batch::Batch;
+use super::column::Columns;
+use super::table_error::TableError;
+use crate::analysis::Estimate;
+use crate::tabular::Kind;
+
+/// The numbers of an estimate: the end of the column's name, its meaning, and the number.
+type Part = (&'static str, &'static str, fn(&Estimate) -> Option<f64>);
+
+const PARTS: [Part; 4] = [
+    ("", "", |estimate| estimate.value),
+    ("_standard_error", "its standard error", |estimate| estimate.standard_error),
+    ("_low", "lower end of its 95 % interval", |estimate| estimate.low),
+    ("_high", "upper end of its 95 % interval", |estimate| estimate.high),
+];
+
+const REASON: &str = "_reason";
+
+/// Adds the columns of an estimate; `meaning` is that of its value.
+pub(crate) fn add_estimate<R: 'static>(
+    list: &mut Columns<R>,
+    name: &str,
+    unit: &str,
+    meaning: &str,
+    of: impl Fn(&R) -> Option<&Estimate> + Copy + Send + Sync + 'static,
+) {
+    for (ending, words, part) in PARTS {
+        list.number(format!("{name}{ending}"), unit, move |row| of(row).and_then(part))
+            .meaning(if words.is_empty() { meaning } else { words });
+    }
+    list.text(format!("{name}{REASON}"), move |row| Some(of(row)?.reason.as_ref()?.to_string()))
+        .meaning("why one of these values is missing");
+}
+
+/// Returns the columns of an estimate with their kinds.
+pub(crate) fn estimate_kinds(name: &str) -> [(String, Kind); 5] {
+    let number = |(ending, ..): Part| (format!("{name}{ending}"), Kind::Number);
+    let [value, error, low, high] = PARTS.map(number);
+    [value, error, low, high, (format!("{name}{REASON}"), Kind::Text)]
+}
+
+/// Reads an estimate from a row.
+pub(crate) fn read_estimate(batch: &Batch, name: &str, row: usize) -> Result<Estimate, TableError> {
+    let [value, standard_error, low, high] =
+        PARTS.map(|(ending, ..)| batch.number(&format!("{name}{ending}"), row));
+    let reason = batch.text(&format!("{name}{REASON}"), row)?.map(Into::into);
+    Ok(Estimate { value: value?, standard_error: standard_error?, low: low?, high: high?, reason })
+}
