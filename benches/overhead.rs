@@ -133,7 +133,7 @@ fn points(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("closing a point");
     group.bench_function("its tables", |bencher| bencher.iter(|| runs.detail([16.5; 2])));
     group.bench_function("its row", |bencher| {
-        bencher.iter(|| PointRow::new(&point, runs.clone().summary()));
+        bencher.iter(|| PointRow::new(&point, runs.clone().summary(), Vec::new()));
     });
 }
 

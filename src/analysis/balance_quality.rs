@@ -9,16 +9,21 @@ use nalgebra::Complex;
 
 use crate::model::Machine;
 
-/// Returns the residual unbalance with the balls at the angles `beta` from the imbalance, kg m:
-/// `U = |m_I e + Σ m_i (ε + L exp(iβ_i))|`, with the runout `ε` of the ring.
+/// Returns the size of [`residual_unbalance_vector`], kg m.
 pub fn residual_unbalance(machine: &Machine, beta: &[f64]) -> f64 {
+    residual_unbalance_vector(machine, beta).norm()
+}
+
+/// Returns the residual unbalance with the balls at the angles `beta` from the imbalance, kg m:
+/// `m_I e + Σ m_i (ε + L exp(iβ_i))`, with the runout `ε` of the ring; its real part points towards the imbalance.
+pub fn residual_unbalance_vector(machine: &Machine, beta: &[f64]) -> Complex<f64> {
     let imbalance = Complex::from(machine.imbalance_mass_kg * machine.imbalance_radius_m);
     let balls = machine.balls.iter().zip(beta);
     let balls = balls
         .map(|(ball, &angle)| Complex::from_polar(ball.mass_kg * machine.ring_radius_m, angle));
     let total: f64 = machine.balls.iter().map(|ball| ball.mass_kg).sum();
     let runout = Complex::from_polar(total * machine.ring_runout_m, machine.ring_runout_angle_rad);
-    (imbalance + runout + balls.sum::<Complex<f64>>()).norm()
+    imbalance + runout + balls.sum::<Complex<f64>>()
 }
 
 /// Returns the balance quality grade with the balls at the angles `beta` from the imbalance, mm/s:

@@ -1,5 +1,6 @@
 //! Values of a machine that are probably written in another unit, such as mm, N/mm or g, and a ball that is new by half.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::LazyLock;
 
@@ -31,7 +32,7 @@ const LENGTHS: &str = "; lengths are in m, not in mm";
 
 /// The limits. The deflection of a suspension by the weight that it carries measures its softness, whatever the direction of
 /// the springs; 0.7 times the radius of the ring is that of a washing machine on suspension rods.
-pub(super) const LIMITS: [Limit; 4] = [
+pub(super) const LIMITS: [Limit; 6] = [
     Limit {
         kind: "length",
         parameters: &["ring_radius_m"],
@@ -66,6 +67,32 @@ pub(super) const LIMITS: [Limit; 4] = [
         remark: "; the stiffness is in N/m, not in N/mm, and masses are in kg, not in g",
     },
     Limit {
+        kind: "stiff_suspension",
+        parameters: &["stiffness_n_m", "table_mass_kg"],
+        is_exceeded: |machine| machine.natural_frequency_rad_s() > STIFFEST_RAD_S,
+        problem: "the suspension is unusually stiff for the mass that it carries",
+        found: |machine| {
+            let natural = machine.natural_frequency_rad_s();
+            let [stiffness, mass, hertz] =
+                [machine.stiffness_n_m, machine.total_mass_kg(), natural / TAU].map(short);
+            format!("{stiffness} N/m and {mass} kg, a natural frequency of {hertz} Hz")
+        },
+        remedy: "a natural frequency of at most 5000 Hz",
+        remark: "; the stiffness is in N/m and masses are in kg",
+    },
+    Limit {
+        kind: "heavy_balls",
+        parameters: &["ball_mass_kg", "table_mass_kg"],
+        is_exceeded: |machine| balls_kg(machine) > machine.table_mass_kg,
+        problem: "the balls together are heavier than the table",
+        found: |machine| {
+            let [balls, table] = [balls_kg(machine), machine.table_mass_kg].map(short);
+            format!("balls of {balls} kg on a table of {table} kg")
+        },
+        remedy: "balls that are lighter than the table",
+        remark: "; masses are in kg, not in g",
+    },
+    Limit {
         kind: "overdamped_suspension",
         parameters: &["damping_n_s_m"],
         is_exceeded: |machine| machine.damping_n_s_m > 2.0 * critical_damping_n_s_m(machine),
@@ -82,6 +109,13 @@ pub(super) const LIMITS: [Limit; 4] = [
         remark: "; the damping is in N s/m, not in g/s",
     },
 ];
+
+/// The highest usual natural frequency, rad/s.
+const STIFFEST_RAD_S: f64 = 5000.0 * TAU;
+
+fn balls_kg(machine: &Machine) -> f64 {
+    machine.balls.iter().map(|ball| ball.mass_kg).sum()
+}
 
 fn deflection_m(machine: &Machine) -> f64 {
     GRAVITY_M_S2 * machine.total_mass_kg() / machine.stiffness_n_m

@@ -7,12 +7,14 @@ use serde_json::{Value, json};
 
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
-use super::point_words::{NamedPoints, percent, three_digits};
 use super::points_table::MOST_LINES;
 use crate::analysis::Estimate;
 use crate::counted::counted;
 use crate::engine::{Readable, readable_results};
-use crate::report::{ComparedQuantity, ComparedResults, Comparison, compare as compare_results};
+use crate::report::{
+    ComparedQuantity, ComparedResults, Comparison, NamedPoints, compare as compare_results,
+    percent, three_digits,
+};
 use crate::responses::estimate_json;
 use crate::sanitize::shown_path;
 use crate::table::Table;

@@ -30,7 +30,6 @@ mod point_words;
 mod points_table;
 mod printed_columns;
 mod range;
-mod remedies;
 mod replay;
 mod replay_text;
 mod report;

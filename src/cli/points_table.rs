@@ -6,12 +6,12 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::point_keys::{merged, point_keys};
-use super::point_words::{InWords, point_line};
+use super::point_words::point_line;
 use super::printed_columns::{PrintedColumn, printed_columns, response_columns};
 use crate::analysis::AuditCounts;
 use crate::classification::Label;
 use crate::counted::counted;
-use crate::report::{Fraction, PointFacts};
+use crate::report::{Conclusion, Fraction, PointFacts};
 use crate::responses::responses_json;
 use crate::study::{Precision, Response, Study, Units, VariedParameter};
 use crate::table::{Table, TableError};
@@ -35,7 +35,7 @@ pub struct PointsTable {
     points: u64,
     not_precise: u64,
     units: Units,
-    in_words: InWords,
+    conclusion: Conclusion,
     responses: Vec<Response>,
     /// Whether the directory of the results has a `points.parquet` with these points.
     pub is_saved: bool,
@@ -56,7 +56,7 @@ impl PointsTable {
             precision: study.precision(),
             points: 0,
             not_precise: 0,
-            in_words: InWords::new(study),
+            conclusion: Conclusion::new(study),
             responses: study.responses().to_vec(),
             is_saved: true,
         }
@@ -74,13 +74,13 @@ impl PointsTable {
 
     /// Returns a point as one line of text.
     pub fn sentence(&self, study: &Study, point: &PointFacts) -> String {
-        point_line(study, point, self.in_words.own_machines)
+        point_line(study, point, self.conclusion.own_machines)
     }
 
     /// Adds a point of the study.
     pub fn push(&mut self, study: &Study, point: PointFacts) {
         self.points += 1;
-        self.in_words.add(study, &point);
+        self.conclusion.add(study, &point);
         self.not_precise += u64::from(point.precise == Some(false));
         let AuditCounts { runs, flips, rest_flips } = point.audit;
         self.flips.runs = self.flips.runs.saturating_add(runs);
@@ -122,7 +122,7 @@ impl PointsTable {
             lines.extend(self.cells(columns));
             text_table(&lines, &[])
         };
-        let mut text = table(&self.columns()) + &self.more_line("") + &self.in_words.text();
+        let mut text = table(&self.columns()) + &self.more_line("") + &self.conclusion.text();
         if let Some(columns) = self.response_columns() {
             text += &format!("\n{}{}", table(&columns), self.about_responses("\n"));
         }
@@ -142,7 +142,7 @@ impl PointsTable {
             text
         };
         let mut text = table(&self.columns()) + &self.more_line("\n");
-        let words = self.in_words.text();
+        let words = self.conclusion.text();
         if !words.is_empty() {
             // A blank line separates paragraphs.
             text += &format!("\n{}\n", words.lines().collect::<Vec<_>>().join("\n\n"));

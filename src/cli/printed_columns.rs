@@ -1,10 +1,9 @@
 //! The columns of the printed table of points: residual vibration first, then rests and the other
 //! endings. A column that says nothing about the printed points is left out.
 
-use super::point_words::{percent, three_digits};
 use crate::analysis::{AuditCounts, Estimate};
 use crate::classification::Label;
-use crate::report::{Fraction, PointFacts};
+use crate::report::{Fraction, PointFacts, percent, three_digits};
 use crate::study::{Response, Unit, Units, VariedParameter};
 
 /// The cell of a value that a point does not have.

@@ -3,11 +3,10 @@
 
 use std::path::Path;
 
-use super::point_words::three_digits;
 use crate::classification::{Outcome, Recording, StageOutcome, Switch, Touch, TouchingOutcome};
 use crate::counted::counted;
 use crate::model::{Machine, Model, SlidingSpeed};
-use crate::report::time_text;
+use crate::report::{three_digits, time_text};
 use crate::study::Units;
 use crate::table::phase_name;
 use crate::text_table::text_table;

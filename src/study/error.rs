@@ -8,8 +8,8 @@ use crate::sanitize::shown_path;
 use crate::study::file::unit_keys::split_unit;
 pub(crate) use crate::tabular::Fault;
 
-/// Why a study cannot be used: one message with file, line, key, the value found and the values
-/// allowed.
+/// Why a study cannot be used: a message with file, line, key, the value found and the values allowed, and the messages of
+/// further errors that do not depend on it.
 ///
 /// An example of the printed message:
 ///
@@ -29,6 +29,7 @@ struct Message {
     key: String,
     fault: Fault,
     snippet: Option<String>,
+    others: Vec<StudyError>,
 }
 
 /// A position in a text.
@@ -60,12 +61,23 @@ impl StudyError {
             key,
             fault,
             snippet: line_text.map(shorten),
+            others: Vec::new(),
         }))
     }
 
     /// Returns this message with another fault at the same place.
     pub(crate) fn with_fault(self, fault: Fault) -> StudyError {
         StudyError(Box::new(Message { fault, ..*self.0 }))
+    }
+
+    /// Returns this message with the messages of further errors.
+    pub(crate) fn with_others(self, others: Vec<StudyError>) -> StudyError {
+        StudyError(Box::new(Message { others, ..*self.0 }))
+    }
+
+    /// Returns the further errors of the study that do not depend on this one, in the order of their lines.
+    pub fn others(&self) -> &[StudyError] {
+        &self.0.others
     }
 
     /// Returns the faulty file: the study file or a table that it names.
@@ -125,7 +137,7 @@ impl fmt::Display for StudyError {
         if let (Some(place), Some(snippet)) = (message.place, &message.snippet) {
             write!(out, "\n  {} | {snippet}", place.line)?;
         }
-        Ok(())
+        message.others.iter().try_for_each(|other| write!(out, "\n{other}"))
     }
 }
 

@@ -68,7 +68,7 @@ fn slips_are_warnings_with_their_key_and_line() {
             &["ball_density"],
             "model.parameters.ball_mass_kg",
             14,
-            "a steel ball of this diameter has 0.000111 kg",
+            "a steel ball of this diameter has 0.0001104 kg",
         ),
         (
             &[diameter("ball_diameter_m: 3")],
@@ -506,7 +506,7 @@ fn gravity_on_a_horizontal_axis_is_named() {
                  speed: 10000 rpm}}\n";
     scratch.write("a.yaml", study(model, ""));
     let text = "the axis is vertical: the model leaves gravity out. On a horizontal axis, gravity is 25.55 % of the \
-                friction\nμ ω² R that holds a ball, and no ball stays at rest below sqrt(g/(μ R)) = 5054 rpm\n";
+                friction\nμ ω² R that holds a ball, and no ball stays at rest below sqrt(g/(μ R)) = 5055 rpm\n";
     assert_has(&scratch.well("check a.yaml"), &[text]);
     let sweep = "sweep: [{grid: {friction_coefficient: [1.0e-3, 2.75e-3]}}]\n";
     let static_friction =

@@ -107,6 +107,12 @@ fn responses_are_printed_in_the_units_of_the_study() {
     scratch.well("report out");
     let page = std::fs::read_to_string(scratch.path("out-report.html")).unwrap();
     assert_has(&page, &["<h2 id=\"responses\">Responses</h2>", "speed [rev/s]", "vibration [mm]"]);
+    // The page begins with the sentences of the terminal.
+    let sentence = ended.out.lines().find(|line| line.starts_with("At ")).unwrap();
+    let conclusion = page.find("<h2 id=\"conclusion\">").unwrap();
+    let (place, points) = (page.find(sentence).unwrap(), page.find("<h2 id=\"points\">").unwrap());
+    assert!(conclusion < place && place < points);
+    assert_has(&page, &["<p>The median amplitude is between "]);
     assert_has(&scratch.well("check a.yaml"), &["natural [rev/s]", "ring_radius", "11.5 mm"]);
 }
 

@@ -66,6 +66,8 @@ fn parameters_have_fields_of_their_own() {
 fn names_are_unique_and_have_units() {
     let endings = [
         ("kg", "_kg"),
+        ("kg/m3", "_kg_m3"),
+        ("kg m", "_kg_m"),
         ("m", "_m"),
         ("s", "_s"),
         ("rad", "_rad"),

@@ -77,6 +77,11 @@ fn convergence_is_the_least_value_so_far() {
         assert_eq!(*value, so_far, "design {design}");
     }
     assert_eq!(points.last().unwrap()[0], 7.0);
+    let panel = &figure(&figures, "variables").panels[0];
+    let Mark::Dots { x, y, .. } = &panel.layers[0].mark else { panic!("dots") };
+    let stiffness: Vec<f64> =
+        numbers(&table, "stiffness_n_m").into_iter().map(Option::unwrap).collect();
+    assert_eq!((x, y), (&stiffness, &times));
     // Everything depends on the only variable.
     let indices = figure(&figures, "sobol-indices");
     assert!(indices.panels.iter().any(|panel| panel.part == "stop"));

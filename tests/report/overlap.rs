@@ -4,14 +4,16 @@ use std::f64::consts::TAU;
 use std::fs;
 
 use arrow::array::AsArray;
-use stickslip::analysis::touching_set_fraction;
+use stickslip::analysis::{residual_unbalance, touching_set_fraction};
 use stickslip::model::wrap_to_pi;
 use stickslip::report::chart::{Figure, Mark, Panel};
 use stickslip::report::{Budget, of_results};
 use stickslip::study::Study;
 
 use super::reported;
-use crate::cli::support::{AT_ONCE, Scratch, assert_has, column, counts, study_text, words};
+use crate::cli::support::{
+    AT_ONCE, Scratch, assert_has, column, counts, numbers, study_text, words,
+};
 
 const CONTACT: &str =
     "model: {kind: ball_balancer, contact: {}, parameters: {speed_rad_s: -173.1803}}\n";
@@ -118,18 +120,32 @@ fn rests_that_touch_are_counted() {
     assert_has(&page, &["rests that touch", &format!(">{touch} of {}<", rests.len())]);
 }
 
-/// Pairs of three balls have a band, but no equilibria on its edges: these depend on the third ball.
+/// Three balls have no plane of angles: the panel shows the imbalance that remains.
 #[test]
-fn pairs_of_three_balls_have_a_band() {
-    let model = "model: {kind: ball_balancer, contact: {}, parameters: {balls: 3, friction_coefficient: 1.0}}\n\
-                 sweep: [{zip: {ball_diameter_2_m: [6.0e-3]}}]\n";
-    let (_, figure) = figure(&Scratch::new(), 1, 2.0, model);
-    assert_eq!(figure.panels.len(), 3);
-    assert_has(&figure.caption, &["Δ = 15.0° to 22.6° lies", "On its edges they touch."]);
-    for panel in &figure.panels {
-        assert_eq!(marks(panel, "balls would overlap").len(), 3);
-        assert!(marks(panel, "equilibria of balls that touch").is_empty());
+fn three_balls_show_what_remains_of_the_imbalance() {
+    let model = "model: {kind: ball_balancer, parameters: {balls: 3, friction_coefficient: 1.0}}\n";
+    let scratch = Scratch::new();
+    let (study, figure) = figure(&scratch, 2, 2.0, model);
+    assert_eq!(figure.panels.len(), 1);
+    let panel = &figure.panels[0];
+    assert_eq!((panel.x.unit.as_str(), panel.y.unit.as_str()), ("g mm", "g mm"));
+    let [Mark::Dots { x, y, tooltips, .. }] = marks(panel, "equilibrium")[..] else {
+        panic!("dots")
+    };
+    let runs = scratch.table("out", "runs");
+    let angles = ["beta_1_rad", "beta_2_rad", "beta_3_rad"].map(|name| numbers(&runs, name));
+    let case = study.planned_run(0).case.unwrap();
+    let machine = case.model.ball_balancer().unwrap();
+    for ((x, y), run) in x.iter().zip(y).zip(&tooltips.run_ids) {
+        let beta = angles.each_ref().map(|angles| angles[*run as usize].unwrap());
+        let expected = 1e6 * residual_unbalance(machine, &beta);
+        assert!((x.hypot(*y) / expected - 1.0).abs() < 1e-9, "{x} {y} {expected}");
     }
+    let [Mark::Line { points, .. }] = marks(panel, "as large as without balls")[..] else {
+        panic!("a circle")
+    };
+    let without = 1e6 * machine.imbalance_mass_kg * machine.imbalance_radius_m;
+    assert!(points.iter().all(|[x, y]| (x.hypot(*y) / without - 1.0).abs() < 1e-12));
 }
 
 #[test]

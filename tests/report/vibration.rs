@@ -1,6 +1,7 @@
 //! The first figure: residual vibration over the sweep, and without balls.
 
 use serde_json::Value;
+use stickslip::analysis::{Z_95, wilson};
 use stickslip::report::chart::{Figure, Layer, Mark, Panel};
 use stickslip::report::{Budget, of_results};
 
@@ -50,12 +51,25 @@ fn figures_compare_each_run_with_its_own_machine() {
     assert_eq!(abscissae, relative);
     let worse = number("worse_than_without_balls_fraction");
     let words = format!("{:.1} % of the runs vibrate more than without balls", 100.0 * worse);
-    for figure in [of("vibration"), distribution] {
-        assert!(figure.alternative.contains(&words), "no {words} in {}", figure.alternative);
-    }
+    let said = &distribution.alternative;
+    assert!(said.contains(&words), "no {words} in {said}");
     let above = relative.iter().filter(|one| **one > 1.0).count();
     assert_eq!(above as f64 / relative.len() as f64, worse);
-    assert!(of("vibration").caption.contains("is the median over the runs; each run has its own"));
+    assert!(distribution.caption.contains("the run's own machine without balls"));
+
+    // A single point has no curves of one dot, but the probability of each amplitude with its band.
+    assert!(figures.iter().all(|figure| !["vibration", "fractions"].contains(&figure.id.as_str())));
+    let exceedance = &of("exceedance").panels[0];
+    let Mark::Band { x, low, high, .. } = &exceedance.layers[0].mark else { panic!() };
+    let Mark::Steps { points: steps } = &exceedance.layers[1].mark else { panic!() };
+    let amplitudes: Vec<f64> =
+        numbers(&runs, "amplitude_m").into_iter().map(Option::unwrap).collect();
+    assert_eq!(steps.len(), 40);
+    for (step, [at, fraction]) in steps.iter().enumerate() {
+        let above = amplitudes.iter().filter(|metres| 1e6 * **metres > *at).count() as u64;
+        assert_eq!((*fraction, x[step]), (above as f64 / 40.0, *at));
+        assert_eq!((low[step], high[step]), wilson(above, 40, Z_95));
+    }
 }
 
 #[test]

@@ -18,6 +18,7 @@ mod designs;
 mod determined;
 mod distributions;
 mod endings;
+mod further_errors;
 mod identify;
 mod models;
 mod numbers_of_balls;

@@ -34,7 +34,11 @@ fn every_numeric_parameter_can_be_a_variable() {
                 let nominal = format!(
                     "{plain}uncertain: {{{name}: {{times: {{choice: {{values: [1]}}}}}}}}\n"
                 );
-                let nominal = parse(&nominal).map(|study| study.planned_run(0).uncertain[0]);
+                // The default machine has no density.
+                let nominal = match name.starts_with("ball_density") && kind == "ball_balancer" {
+                    true => Ok(7000.0),
+                    false => parse(&nominal).map(|study| study.planned_run(0).uncertain[0]),
+                };
                 let number = match &nominal {
                     Err(error) if error.problem().starts_with("not a parameter of") => continue,
                     Err(_) => 1.0,

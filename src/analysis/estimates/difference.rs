@@ -9,7 +9,7 @@ pub fn estimate_difference(one: &Estimate, other: &Estimate, correlation: f64) -
     let Some((x, y)) = one.value.zip(other.value) else { return unknown(one, other) };
     let root = |a: f64, b: f64| (a * a + b * b - 2.0 * correlation * a * b).max(0.0).sqrt();
     let half_width = |end: Option<f64>, opposite: Option<f64>| {
-        end.zip(opposite).map(|(end, opposite)| root(x - end, y - opposite))
+        end.zip(opposite).map(|(end, opposite)| root((x - end).abs(), (y - opposite).abs()))
     };
     Estimate {
         value: Some(x - y),

@@ -55,7 +55,7 @@ pub fn set_layers(machine: &Machine, unit: &Unit, panels: usize, most: usize) ->
     }
     // Every second point of a grid with half the spacing is the centre of a cell.
     let grid = SetGrid::new(&form, 2 * cells)?;
-    let contact = contact_angle_rad(machine, [1, 2]).unwrap_or(0.0);
+    let contact = contact_angle_rad(machine).unwrap_or(0.0);
     let mut values = vec![f64::NAN; cells * cells];
     let mut row = GridRow::default();
     let (mut in_set, mut everywhere) = ([f64::INFINITY, 0.0], [f64::INFINITY, 0.0]);

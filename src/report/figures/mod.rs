@@ -5,6 +5,7 @@ mod basins;
 mod diagnostics;
 mod drawn;
 mod equilibrium_set;
+mod exceedance;
 mod fractions;
 mod layers;
 mod limit_cycles;
@@ -12,6 +13,7 @@ mod map;
 mod over_sweep;
 mod overlap;
 mod preferred;
+mod residual_imbalance;
 mod run_up;
 mod sweep_axis;
 mod time_to_rest;
@@ -25,14 +27,19 @@ use super::data::ReportData;
 
 /// Returns all figures that these results allow, in reading order.
 pub fn of_results(data: &ReportData<'_>) -> Vec<Figure> {
+    // Over a single point, these would be curves of one dot; the table of points has their values.
+    let several = |figure: fn(&ReportData<'_>) -> Option<Figure>| {
+        (data.point_count > 1).then(|| figure(data)).flatten()
+    };
     let figures = [
-        vibration::figure(data),
+        several(vibration::figure),
         run_up::figure(data),
         amplitudes::figure(data),
+        exceedance::figure(data),
         drawn::correlations(data),
         drawn::amplitudes(data),
         map::figure(data),
-        fractions::figure(data),
+        several(fractions::figure),
         time_to_rest::figure(data),
         preferred::figure(data),
         basins::figure(data),

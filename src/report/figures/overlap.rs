@@ -11,17 +11,17 @@ use crate::report::data::ReportData;
 /// Number of positions in which two balls touch that are examined: one per degree of each way round the ring.
 const POSITIONS: usize = 720;
 
-/// Returns the angle Δ at which two balls with contact touch, counted from 1; `None` without contact.
-pub fn contact_angle_rad(machine: &Machine, balls: [usize; 2]) -> Option<f64> {
+/// Returns the angle Δ at which two balls with contact touch; `None` without contact, and for another number of balls.
+pub fn contact_angle_rad(machine: &Machine) -> Option<f64> {
     machine.contact?;
-    let [one, other] = balls.map(|ball| machine.balls.get(ball - 1));
-    Some(machine.contact_angle_rad(one?, other?))
+    let [one, other] = &machine.balls[..] else { return None };
+    Some(machine.contact_angle_rad(one, other))
 }
 
-/// Returns the band `|β₂ - β₁| < Δ`, modulo a turn, in which two balls of a machine would overlap, and the equilibria on its
-/// edges if the machine has no other balls; nothing without contact.
-pub fn layers(machine: &Machine, balls: [usize; 2]) -> Vec<Layer> {
-    let Some(contact) = contact_angle_rad(machine, balls) else { return Vec::new() };
+/// Returns the band `|β₂ - β₁| < Δ`, modulo a turn, in which the two balls of a machine would overlap, and the equilibria on
+/// its edges; nothing without contact.
+pub fn layers(machine: &Machine) -> Vec<Layer> {
+    let Some(contact) = contact_angle_rad(machine) else { return Vec::new() };
     let far = TAU - contact;
     // The band along the diagonal, and its continuation in two corners.
     let parts = [
@@ -43,10 +43,9 @@ pub fn layers(machine: &Machine, balls: [usize; 2]) -> Vec<Layer> {
 }
 
 /// Returns the positions in which two balls touch, first those with ball 2 ahead of ball 1 and then those with ball 2 behind,
-/// each with whether it is an equilibrium with the force between the balls; `None` for more balls and for a disc that stands
-/// still.
+/// each with whether it is an equilibrium with the force between the balls; `None` for a disc that stands still.
 fn touching_positions(machine: &Machine, contact: f64) -> Option<Vec<([f64; 2], bool)>> {
-    let form = RestForm::new(machine).filter(|form| form.mass.len() == 2 && form.speed != 0.0)?;
+    let form = RestForm::new(machine).filter(|form| form.speed != 0.0)?;
     let position = |number: usize| {
         let first = number as f64 / POSITIONS as f64 * 2.0 * TAU;
         let second = if first < TAU { first + contact } else { first - contact };
@@ -74,14 +73,9 @@ fn held_parts(positions: &[([f64; 2], bool)]) -> Vec<[f64; 2]> {
 pub fn sentences(data: &ReportData<'_>) -> String {
     let study = data.study;
     let known = data.details().filter(|point| point.point_id < study.point_count());
-    let angles = known.flat_map(|point| {
+    let angles = known.filter_map(|point| {
         let point = study.point(point.point_id);
-        let machine = point.model().ball_balancer();
-        let balls = machine.map_or(0, |machine| machine.balls.len());
-        let pairs =
-            (1..balls).flat_map(|first| (first + 1..=balls).map(move |other| [first, other]));
-        let angles = pairs.filter_map(|pair| contact_angle_rad(machine?, pair));
-        angles.map(f64::to_degrees).collect::<Vec<f64>>()
+        Some(contact_angle_rad(point.model().ball_balancer()?)?.to_degrees())
     });
     let [low, high] = angles
         .fold([f64::INFINITY, 0.0_f64], |[low, high], angle| [low.min(angle), high.max(angle)]);
@@ -90,16 +84,8 @@ pub fn sentences(data: &ReportData<'_>) -> String {
     }
     let [from, to] = [low, high].map(|angle| format!("{angle:.1}°"));
     let angle = if from == to { from } else { format!("{from} to {to}") };
-    let of_two = match study.numbers_of_balls().into_inner() {
-        (2, 2) => {
-            " On its edges they touch, and the force between them adds the equilibria drawn there."
-        }
-        (fewest, most) if fewest <= 2 && most >= 2 => {
-            " On its edges they touch, and the force between two balls without a third adds the equilibria drawn there."
-        }
-        _ => " On its edges they touch.",
-    };
     format!(
-        " Shaded band: the balls would overlap, because less than Δ = {angle} lies between their centres.{of_two}"
+        " Shaded band: two balls would overlap, because less than Δ = {angle} lies between their centres. On its edges they \
+         touch, and the force between them adds the equilibria drawn there."
     )
 }

@@ -3,31 +3,24 @@
 use std::collections::BTreeSet;
 
 use super::equilibrium_set::{SetLayers, angle_axis, set_layers};
-use super::layers::{axis, label_colour, label_words, places, run_dots, run_tooltips, subscript};
-use super::overlap;
+use super::layers::{axis, label_colour, label_words, places, run_dots, run_tooltips};
+use super::{overlap, residual_imbalance};
 use crate::classification::Label;
 use crate::report::chart::{Axis, Colour, Figure, Layer, Panel, Symbol};
 use crate::report::data::{PointFacts, ReportData};
 
-/// The largest number of pairs of balls of a point.
-const MOST_PAIRS: usize = 6;
-/// About the largest number of panels.
-const MOST_PANELS: usize = 240;
-
-/// Plots a panel for each point; with three or more balls, for each point and pair of balls.
+/// Plots a panel for each point: angles of one or two balls, and the residual imbalance with three or more balls.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let numbers: BTreeSet<usize> = data.details().map(|point| data.balls_of(point)).collect();
-    let most = (MOST_PANELS / data.detailed.len().max(1)).clamp(1, MOST_PAIRS);
     let panels: Vec<Panel> = data
         .details()
         .flat_map(|point| match data.balls_of(point) {
             0 if data.study.model().contacts() > 1 => Vec::new(),
             0 | 1 => vec![one_contact(data, point)],
-            2 => vec![pair(data, point, [1, 2])],
-            balls => {
-                let pairs = (1..balls)
-                    .flat_map(|first| (first + 1..=balls).map(move |second| [first, second]));
-                pairs.take(most).map(|of| pair(data, point, of)).collect()
+            2 => vec![pair(data, point)],
+            _ => {
+                let panel = residual_imbalance::panel(data, point).into_iter();
+                panel.map(|panel| Panel { title: counted(data, point), ..panel }).collect()
             }
         })
         .collect();
@@ -50,15 +43,12 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let set = match (numbers.contains(&2), overlap.is_empty()) {
         (true, true) => data.without_draws("Set, colours, stars and circles are those"),
         (true, false) => data.without_draws("Set, colours, stars, circles and band are those"),
-        (false, true) => String::new(),
-        (false, false) => data.without_draws("The band is that"),
+        (false, _) if numbers.last().is_some_and(|balls| *balls > 2) => {
+            data.without_draws("The masses and radii of the imbalance are those")
+        }
+        (false, _) => String::new(),
     };
-    let pairs = numbers.iter().filter(|balls| **balls > 2).filter_map(|balls| {
-        let all = balls * (balls - 1) / 2;
-        (most < all).then(|| format!(" {most} of {all} pairs of balls are shown."))
-    });
-    let pairs: String = pairs.collect();
-    let left_out = format!("{overlap}{set}{pairs}{}{}", data.left_out(), data.runs.left_out());
+    let left_out = format!("{overlap}{set}{}{}", data.left_out(), data.runs.left_out());
     let title = match numbers.contains(&0) {
         true => "Where the block comes to rest",
         false => "Preferred equilibria",
@@ -87,9 +77,12 @@ fn caption(numbers: &BTreeSet<usize>) -> String {
         _ => {
             let of_one =
                 if one { " One ball: its angle and the amplitude of the table." } else { "" };
-            let of_two = if two { format!(" Two balls: c{SET}") } else { String::new() };
+            let of_two =
+                if two { format!(" Two balls: their angles; c{SET}") } else { String::new() };
             format!(
-                "Each dot is a run at the angles where two of its balls came to rest.{of_one}{of_two}"
+                "Each dot is a run at rest. Three or more balls: the imbalance that remains, as a vector of the disc; the \
+                 star is the balanced machine, and on the dashed circle the imbalance is as large as without \
+                 balls.{of_one}{of_two}"
             )
         }
     }
@@ -108,13 +101,9 @@ fn dots(data: &ReportData<'_>, point: &PointFacts, x: &[f64], y: &[f64]) -> Laye
     run_dots((&label_words(Label::Equilibrium), Colour::Ink, Symbol::Dot), (x, y), &runs, tooltips)
 }
 
-fn pair(data: &ReportData<'_>, point: &PointFacts, [first, second]: [usize; 2]) -> Panel {
+fn pair(data: &ReportData<'_>, point: &PointFacts) -> Panel {
     let column = |ball: usize| data.runs.position.get(ball - 1).map_or(&[][..], Vec::as_slice);
-    let part = match data.balls_of(point) {
-        2 => String::new(),
-        _ => format!("β{} and β{}", subscript(first), subscript(second)),
-    };
-    let dots = dots(data, point, column(first), column(second));
+    let dots = dots(data, point, column(1), column(2));
     // The set is computed from the study alone; a point that the study lacks has no set.
     let study = data.study;
     let model = (point.point_id < study.point_count()).then(|| study.point(point.point_id));
@@ -122,8 +111,7 @@ fn pair(data: &ReportData<'_>, point: &PointFacts, [first, second]: [usize; 2]) 
     let (panels, cells) = (data.detailed.len(), data.budget.cells);
     let set =
         machine.and_then(|machine| set_layers(machine, &data.amplitude_unit(), panels, cells));
-    let overlap =
-        machine.map_or_else(Vec::new, |machine| overlap::layers(machine, [first, second]));
+    let overlap = machine.map_or_else(Vec::new, overlap::layers);
     let (scale, layers) = match set {
         Some(SetLayers { scale, set, frictionless }) => {
             let above = overlap.into_iter().chain([dots]).chain(frictionless);
@@ -131,8 +119,8 @@ fn pair(data: &ReportData<'_>, point: &PointFacts, [first, second]: [usize; 2]) 
         }
         None => (None, overlap.into_iter().chain([dots]).collect()),
     };
-    let (x, y) = (angle_axis(first), angle_axis(second));
-    Panel { title: counted(data, point), part, scale, ..Panel::new(x, y, layers) }
+    let (x, y) = (angle_axis(1), angle_axis(2));
+    Panel { title: counted(data, point), scale, ..Panel::new(x, y, layers) }
 }
 
 fn one_contact(data: &ReportData<'_>, point: &PointFacts) -> Panel {

@@ -2,6 +2,7 @@
 
 use super::data::OptimumData;
 use super::indices::indices;
+use super::over_variables::over_variables;
 use crate::optimize::Evaluation;
 use crate::report::chart::{
     Axis, Colour, Figure, Layer, Mark, Panel, Symbol, TooltipColumn, TooltipValues, Tooltips,
@@ -9,23 +10,26 @@ use crate::report::chart::{
 use crate::report::figures::{axis, significant};
 use crate::study::{DesignValue, Objective, Variable};
 
-const MET: &str = "meets all limits";
-const NOT_MET: &str = "does not meet all limits";
+pub(super) const MET: &str = "meets all limits";
+pub(super) const NOT_MET: &str = "does not meet all limits";
 
 /// Returns all figures of a search, in reading order.
 pub fn of_search(data: &OptimumData) -> Vec<Figure> {
-    [convergence(data), front(data), indices(data)].into_iter().flatten().collect()
+    [convergence(data), front(data), over_variables(data), indices(data)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// An evaluated design with its values of the objectives.
-struct Evaluated<'a> {
+pub(super) struct Evaluated<'a> {
     design: usize,
-    evaluation: &'a Evaluation,
-    objectives: Vec<Option<f64>>,
-    met: bool,
+    pub evaluation: &'a Evaluation,
+    pub objectives: Vec<Option<f64>>,
+    pub met: bool,
 }
 
-fn evaluated(data: &OptimumData) -> Vec<Evaluated<'_>> {
+pub(super) fn evaluated(data: &OptimumData) -> Vec<Evaluated<'_>> {
     let mut designs = Vec::new();
     for (design, evaluation) in data.evaluations.iter().enumerate() {
         let values = data.values(evaluation);
@@ -38,13 +42,17 @@ fn evaluated(data: &OptimumData) -> Vec<Evaluated<'_>> {
 }
 
 /// Returns the axis of an objective, and the factor of its values.
-fn objective_axis(data: &OptimumData, objective: &Objective) -> (Axis, f64) {
+pub(super) fn objective_axis(data: &OptimumData, objective: &Objective) -> (Axis, f64) {
     let (name, unit) = data.response(objective.response);
     (axis(name, &unit.symbol), unit.si.recip())
 }
 
 /// Returns the data of designs: their numbers, variables and origins.
-fn design_tooltips(data: &OptimumData, designs: &[&Evaluated<'_>], numbers: bool) -> Tooltips {
+pub(super) fn design_tooltips(
+    data: &OptimumData,
+    designs: &[&Evaluated<'_>],
+    numbers: bool,
+) -> Tooltips {
     let mut columns = Vec::new();
     let mut add = |name: String, values| columns.push(TooltipColumn { name, values });
     if numbers {

@@ -4,6 +4,7 @@ mod data;
 mod figures;
 mod indices;
 mod notes;
+mod over_variables;
 
 pub use data::OptimumData;
 pub use figures::of_search;

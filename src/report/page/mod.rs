@@ -3,6 +3,7 @@
 //! The file contains style, script, the charting library (Apache ECharts, see `assets/echarts-LICENSE`) and the
 //! data. Its content security policy forbids all network requests.
 
+mod conclusion;
 mod html;
 mod optimum;
 mod points;
@@ -54,6 +55,7 @@ pub fn page(directory: &Path, data: &ReportData<'_>, figures: &[Figure]) -> Stri
     body.line("<li><a href=\"#notable\">List of failed and flipped runs</a></li>");
     body.line("<li><a href=\"#study\">Study</a></li>");
     body.line("</ul></nav>\n<main>");
+    conclusion::conclusion(&mut body, data);
     points::points(&mut body, directory, data);
     responses::responses(&mut body, data);
     drawn_figures(&mut body, figures);

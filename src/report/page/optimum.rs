@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use super::conclusion::conclusion_of_search;
 use super::html::{Html, escaped};
 use super::{assembled, drawn_figures, study_section};
 use crate::counted::counted;
@@ -31,6 +32,7 @@ pub fn optimum_page(directory: &Path, data: &OptimumData, figures: &[Figure]) ->
     }
     body.line("<li><a href=\"#study\">Study</a></li>");
     body.line("</ul></nav>\n<main>");
+    conclusion_of_search(&mut body, data);
     best(&mut body, data);
     drawn_figures(&mut body, figures);
     let place = shown_path(&directory.join("evaluations.parquet"));

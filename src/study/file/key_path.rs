@@ -18,6 +18,19 @@ pub(crate) enum Segment {
 pub(crate) struct KeyPath(pub Vec<Segment>);
 
 impl KeyPath {
+    /// Returns the path with this text; `None` if a part of it is no key and no item.
+    pub fn parse(text: &str) -> Option<KeyPath> {
+        let mut steps = Vec::new();
+        for part in text.split('.') {
+            let (key, items) = part.split_at(part.find('[').unwrap_or(part.len()));
+            steps.push(Segment::Key(key.to_owned()));
+            for item in items.split_terminator(']') {
+                steps.push(Segment::Item(item.strip_prefix('[')?.parse().ok()?));
+            }
+        }
+        Some(KeyPath(steps))
+    }
+
     /// Creates the path of the keys in `keys`, which are joined by dots.
     pub fn of(keys: &str) -> KeyPath {
         KeyPath(keys.split('.').map(|key| Segment::Key(key.to_owned())).collect())

@@ -208,21 +208,25 @@ impl Node {
         }
     }
 
-    /// Inserts a value at the path of a missing key, if this tree has a map there.
-    pub fn insert(&mut self, path: &KeyPath, value: Node) {
-        let Some((Segment::Key(name), above)) = path.0.split_last() else { return };
+    /// Returns the value at a path.
+    pub fn at_mut(&mut self, path: &[Segment]) -> Option<&mut Node> {
         let mut node = self;
-        for step in above {
-            let below = match (step, &mut node.content) {
+        for step in path {
+            node = match (step, &mut node.content) {
                 (Segment::Key(name), Content::Map(entries)) => {
                     entries.iter_mut().find(|(key, _)| key.name() == name).map(|(_, value)| value)
                 }
                 (Segment::Item(index), Content::List(items)) => items.get_mut(*index),
                 _ => None,
-            };
-            let Some(below) = below else { return };
-            node = below;
+            }?;
         }
+        Some(node)
+    }
+
+    /// Inserts a value at the path of a missing key, if this tree has a map there.
+    pub fn insert(&mut self, path: &KeyPath, value: Node) {
+        let Some((Segment::Key(name), above)) = path.0.split_last() else { return };
+        let Some(node) = self.at_mut(above) else { return };
         // A placeholder with a key is a map with this key alone.
         if let Content::Placeholder = node.content {
             node.content = Content::Map(Vec::new());

@@ -58,6 +58,12 @@ impl Units {
         self.0.get(VIBRATION).cloned().unwrap_or_else(default)
     }
 
+    /// Returns the unit of imbalances.
+    pub fn imbalance(&self) -> Unit {
+        let default = || Unit { symbol: "g mm".to_owned(), si: 1e-6 };
+        self.0.get("imbalance").cloned().unwrap_or_else(default)
+    }
+
     /// Returns the unit of a response with this SI unit; without a symbol for pure numbers.
     pub fn of_response(&self, si: &str) -> Unit {
         match si {

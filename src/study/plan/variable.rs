@@ -4,7 +4,7 @@ use crate::study::error::{Fault, list_names, shorten};
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::Parameter;
 use crate::study::plan::shown_values::six_digits;
-use crate::study::plan::units::Unit;
+use crate::study::plan::units::{Unit, short_name};
 
 /// A variable of a design.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,14 +79,16 @@ impl Variable {
         }
     }
 
+    /// Returns the name without a unit.
+    pub fn short_name(&self) -> String {
+        short_name(&self.name, self.unit().unwrap_or_default())
+    }
+
     /// Returns the name with the unit in which people read the values, such as `speed [rpm]`.
     pub fn shown_name(&self) -> String {
-        match (&self.domain, self.shown_unit()) {
-            (_, "") => self.name.clone(),
-            (Domain::Parameter { parameter, .. }, unit) => {
-                format!("{} [{unit}]", parameter.column().short_name())
-            }
-            (_, unit) => format!("{} [{unit}]", self.name),
+        match self.shown_unit() {
+            "" => self.name.clone(),
+            unit => format!("{} [{unit}]", self.short_name()),
         }
     }
 
@@ -98,11 +100,9 @@ impl Variable {
     /// Returns a value in words, such as `speed_rad_s 300`, `speed 3000 rpm` or `material steel`.
     pub fn in_words(&self, value: DesignValue) -> String {
         let text = self.describe(value);
-        match (&self.domain, &self.shown) {
-            (Domain::Parameter { parameter, .. }, Some(unit)) => {
-                format!("{} {text} {}", parameter.column().short_name(), unit.symbol)
-            }
-            _ => format!("{} {text}", self.name),
+        match &self.shown {
+            Some(unit) => format!("{} {text} {}", self.short_name(), unit.symbol),
+            None => format!("{} {text}", self.name),
         }
     }
 

@@ -6,6 +6,7 @@ pub(in crate::study) mod determined;
 pub(in crate::study) mod expectations;
 pub(in crate::study) mod extend;
 pub(in crate::study) mod friction;
+pub(in crate::study) mod further_errors;
 pub(in crate::study) mod identification;
 pub(in crate::study) mod model;
 pub(in crate::study) mod names;

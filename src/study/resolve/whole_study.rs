@@ -11,6 +11,7 @@ use crate::study::error::{Fault, StudyError};
 use crate::study::file::balls::Balls;
 use crate::study::file::decode::decode;
 use crate::study::file::distribution_file::DistributionFile;
+use crate::study::file::key_path::KeyPath;
 use crate::study::file::ranges::expand_ranges;
 use crate::study::file::read_file::read_text;
 use crate::study::file::resolved_yaml::{ResolvedFile, block_text};
@@ -29,6 +30,7 @@ use crate::study::plan::variable::Variable;
 use crate::study::plan::written::Written;
 use crate::study::resolve::determined::determined;
 use crate::study::resolve::expectations::resolve_expectations;
+use crate::study::resolve::further_errors::{Found, leave_out, with_further_errors};
 use crate::study::resolve::identification::resolve_identification;
 use crate::study::resolve::model::{Base, check_parameters};
 use crate::study::resolve::names::check_study_name;
@@ -102,16 +104,39 @@ impl Study {
         text: String,
         directories: &[PathBuf],
     ) -> Result<Study, StudyError> {
-        let folders = TableFolders::new(file, directories)?;
-        let mut source = Source::new(file, text)?;
-        check_schema(&source)?;
-        expand_ranges(&mut source)?;
-        read_units(&mut source)?;
-        check_parameters(&source)?;
-        let written: StudyFile = decode(&source)?;
-        let study = resolve(&source, &written, &folders)?;
-        Ok(Study { written: Arc::new(Written::of(file, &source, &written)), ..study })
+        let is_short = text.len() <= MOST_REREAD;
+        let copy = if is_short { text.clone() } else { String::new() };
+        read(file, text, directories, &[]).map_err(|(_, error)| match is_short {
+            true => with_further_errors(error, |without| {
+                read(file, copy.clone(), directories, without).map(|_| ())
+            }),
+            false => error,
+        })
     }
+}
+
+/// The longest study that is read again for further errors, in bytes.
+const MOST_REREAD: usize = 100_000;
+
+/// Reads a study without some of its keys.
+fn read(
+    file: &Path,
+    text: String,
+    directories: &[PathBuf],
+    without: &[KeyPath],
+) -> Result<Study, (Found, StudyError)> {
+    let in_key = |error| (Found::InKey, error);
+    let folders = TableFolders::new(file, directories).map_err(in_key)?;
+    let mut source = Source::new(file, text).map_err(in_key)?;
+    without.iter().for_each(|path| leave_out(&mut source.root, path));
+    check_schema(&source).map_err(in_key)?;
+    expand_ranges(&mut source).map_err(in_key)?;
+    read_units(&mut source).map_err(in_key)?;
+    check_parameters(&source).map_err(in_key)?;
+    let written: StudyFile = decode(&source).map_err(in_key)?;
+    let between = |error| (Found::BetweenKeys, error);
+    let study = resolve(&source, &written, &folders).map_err(between)?;
+    Ok(Study { written: Arc::new(Written::of(file, &source, &written)), ..study })
 }
 
 /// Checks the version first, because the keys of another version may be unknown.

@@ -1,11 +1,11 @@
 //! What to change where most runs vibrate more than without balls, and where many runs are undecided, as far as closed
 //! forms and counts tell.
 
-use super::point_words::NamedPoints;
+use super::data::PointFacts;
+use super::words::NamedPoints;
 use crate::check::Obstacle;
 use crate::classification::{FoundEndings, Label, found_endings};
 use crate::model::{Endings, Model};
-use crate::report::PointFacts;
 use crate::study::Study;
 
 /// The fraction of undecided runs from which a longer simulation is proposed.

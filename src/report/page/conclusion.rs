@@ -1,0 +1,130 @@
+//! What the results say, at the begin of a page: the sentences of the terminal, and what changes the answer most.
+
+use super::html::Html;
+use crate::analysis::RankCorrelation;
+use crate::report::conclusion::Conclusion;
+use crate::report::data::{DrawnRuns, PointFacts, ReportData};
+use crate::report::figures::significant;
+use crate::report::optimum::OptimumData;
+
+/// Correlations below this are no influence.
+const LEAST_CORRELATION: f64 = 0.2;
+
+/// Adds the conclusion of a study; nothing if there is none.
+pub fn conclusion(body: &mut Html, data: &ReportData<'_>) {
+    let mut conclusion = Conclusion::new(data.study);
+    data.points.iter().for_each(|point| conclusion.add(data.study, point));
+    let text = conclusion.text();
+    let mut sentences: Vec<String> = text.lines().map(str::to_owned).collect();
+    sentences.extend(along_the_sweep(data));
+    let influence = |of: &dyn Fn(&DrawnRuns, usize) -> Option<RankCorrelation>, what: &str| {
+        strongest(data, of).map(|(name, point, found)| {
+            let RankCorrelation { value, low, high } = found;
+            let direction = if value > 0.0 { "increases" } else { "decreases" };
+            let point = if data.point_count > 1 { format!(" at {point}") } else { String::new() };
+            format!(
+                "Of the uncertain parameters, {name} changes {what} most: it {direction} with it (rank correlation {}, \
+                 95 % interval {} to {}{point}).",
+                signed(value),
+                signed(low),
+                signed(high),
+            )
+        })
+    };
+    sentences.extend(influence(&|runs, index| runs.with_amplitude(index), "the amplitude"));
+    sentences.extend(influence(&|runs, index| runs.with_time_to_rest(index), "the time to rest"));
+    add(body, &sentences);
+}
+
+fn add(body: &mut Html, sentences: &[String]) {
+    if sentences.is_empty() {
+        return;
+    }
+    body.line("<section class=\"conclusion\" aria-labelledby=\"conclusion\"><h2 id=\"conclusion\">Conclusion</h2>");
+    sentences.iter().for_each(|sentence| body.element("p", "", sentence));
+    body.line("</section>");
+}
+
+fn signed(value: f64) -> String {
+    format!("{value:.2}").replace('-', "\u{2212}")
+}
+
+/// Returns a sentence on the least and the largest median amplitude of all points.
+fn along_the_sweep(data: &ReportData<'_>) -> Option<String> {
+    let median = |point: &PointFacts| point.amplitude_m[1];
+    let known = || data.points.iter().filter_map(|point| Some((point, median(point)?)));
+    let least = known().min_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    let most = known().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    let unit = data.amplitude_unit();
+    let text = |(point, value): (&PointFacts, f64)| {
+        format!("{} {} ({})", significant(unit.of(value)), unit.symbol, point.title)
+    };
+    (least.1 < most.1)
+        .then(|| format!("The median amplitude is between {} and {}.", text(least), text(most)))
+}
+
+/// Returns the uncertain parameter with the strongest rank correlation, whose interval excludes 0, with the point.
+fn strongest(
+    data: &ReportData<'_>,
+    of: &dyn Fn(&DrawnRuns, usize) -> Option<RankCorrelation>,
+) -> Option<(String, String, RankCorrelation)> {
+    let title = |id: u64| {
+        let point = data.points.iter().find(|point| point.point_id == id);
+        point.map_or_else(String::new, |point| point.title.clone())
+    };
+    let each = data.study.uncertain().iter().enumerate().flat_map(|(index, parameter)| {
+        let points = data.drawn.points.iter();
+        points.filter_map(move |(id, runs)| Some((parameter, *id, of(runs, index)?)))
+    });
+    let sure = each.filter(|(_, _, found)| {
+        found.value.abs() >= LEAST_CORRELATION && (found.low > 0.0 || found.high < 0.0)
+    });
+    let (parameter, id, found) =
+        sure.max_by(|(.., one), (.., other)| one.value.abs().total_cmp(&other.value.abs()))?;
+    Some((parameter.short_name().replace('_', " "), title(id), found))
+}
+
+/// Adds the conclusion of a search: the best design, what it achieves, and the variable that matters most.
+pub fn conclusion_of_search(body: &mut Html, data: &OptimumData) {
+    let mut sentences = Vec::new();
+    if let Some(best) = data.design("best") {
+        let values = data.study.variables().iter().filter_map(|variable| {
+            let value = &best["values"][variable.name()];
+            let text = match value.as_f64() {
+                Some(number) => significant(variable.shown_number(number)),
+                None => value.as_str()?.to_owned(),
+            };
+            let name = variable.short_name().replace('_', " ");
+            Some(format!("{name} {text} {}", variable.shown_unit()).trim_end().to_owned())
+        });
+        let values: Vec<String> = values.collect();
+        sentences.push(format!("The best design has {}.", values.join(", ")));
+        for objective in &data.optimization.objectives {
+            let (name, unit) = data.response(objective.response);
+            let estimate = &best["responses"][name];
+            let number = |key: &str| Some(significant(unit.of(estimate[key].as_f64()?)));
+            let Some(value) = number("value") else { continue };
+            let interval = match (number("low"), number("high")) {
+                (Some(low), Some(high)) => format!(" (95 % interval {low} to {high})"),
+                _ => String::new(),
+            };
+            let symbol = &unit.symbol;
+            let value = format!("{value} {symbol}");
+            sentences.push(format!("Its {name} is {}{interval}.", value.trim_end()));
+        }
+    }
+    for objective in &data.optimization.objectives {
+        let (name, _) = data.response(objective.response);
+        let of_response = data.sensitivities.iter().filter(|one| one.response == name);
+        let known = of_response.filter_map(|one| Some((one, one.total[0]?)));
+        if let Some((one, total)) = known.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
+            sentences.push(format!(
+                "Over the whole range of designs, {} changes {name} most: it takes part in {:.0} % of its variance \
+                 (total Sobol' index).",
+                one.variable.replace('_', " "),
+                100.0 * total.clamp(0.0, 1.0)
+            ));
+        }
+    }
+    add(body, &sentences);
+}

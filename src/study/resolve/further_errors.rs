@@ -1,0 +1,91 @@
+//! The further errors of a wrong study: each faulty key is left out in turn, and the rest is read again.
+//!
+//! An error that could follow from a key that was left out is not listed: one at the same key or above it, and, after keys on
+//! which others depend, one that is found between keys.
+
+use crate::study::error::StudyError;
+use crate::study::file::key_path::{KeyPath, Segment};
+use crate::study::file::yaml_tree::{Content, Node};
+
+/// The largest number of errors that are listed.
+const MOST: usize = 20;
+
+/// Keys on which checks of other keys depend.
+const OTHERS_DEPEND_ON: [&str; 7] = [
+    "schema",
+    "model.kind",
+    "model.friction",
+    "model.speed_profile",
+    "model.protocol",
+    "simulation",
+    "initial_conditions",
+];
+
+/// Where an error was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Found {
+    /// In the text, or in a key or value alone.
+    InKey,
+    /// Between keys, or in a table.
+    BetweenKeys,
+}
+
+/// Returns the error with all further errors; `read` reads the study without these keys.
+pub(crate) fn with_further_errors(
+    first: StudyError,
+    read: impl Fn(&[KeyPath]) -> Result<(), (Found, StudyError)>,
+) -> StudyError {
+    let mut left_out = Vec::new();
+    let mut others: Vec<StudyError> = Vec::new();
+    let mut last = first.clone();
+    while others.len() + 1 < MOST {
+        let Some(path) = faulty_key(&last) else { break };
+        left_out.push(path);
+        let Err((found, error)) = read(&left_out) else { break };
+        let is_consequence = match faulty_key(&error) {
+            Some(path) => left_out.iter().any(|other| other.0.starts_with(&path.0)),
+            None => true,
+        };
+        let depends = || left_out.iter().any(|path| others_depend_on(&path.to_string()));
+        if is_consequence || found == Found::BetweenKeys && depends() {
+            break;
+        }
+        others.push(error.clone());
+        last = error;
+    }
+    others.sort_by_key(|error| (error.line(), error.column()));
+    first.with_others(others)
+}
+
+fn others_depend_on(key: &str) -> bool {
+    OTHERS_DEPEND_ON.iter().any(|name| key == *name || key.starts_with(&format!("{name}.")))
+}
+
+/// Returns the path of the faulty key, without an item of a list at its end; `None` if there is no such key in the file.
+fn faulty_key(error: &StudyError) -> Option<KeyPath> {
+    let is_missing = error.problem().starts_with("missing key");
+    if error.key().is_empty() || error.line().is_none() || is_missing {
+        return None;
+    }
+    let mut path = KeyPath::parse(error.key())?;
+    while let Some(Segment::Item(_)) = path.0.last() {
+        path.0.pop();
+    }
+    (!path.0.is_empty()).then_some(path)
+}
+
+/// Leaves a key out of a tree. A top-level key that every study needs gets a value instead.
+pub(crate) fn leave_out(root: &mut Node, path: &KeyPath) {
+    let Some((Segment::Key(name), above)) = path.0.split_last() else { return };
+    let needed = match (name.as_str(), above.is_empty()) {
+        ("schema", true) => Some(Content::Natural(1)),
+        ("name", true) => Some(Content::Text("study".to_owned())),
+        ("seed", true) => Some(Content::Natural(0)),
+        _ => None,
+    };
+    let Some(Node { content: Content::Map(entries), .. }) = root.at_mut(above) else { return };
+    match (entries.iter_mut().find(|(key, _)| key.name() == name), needed) {
+        (Some((_, value)), Some(needed)) => value.content = needed,
+        _ => entries.retain(|(key, _)| key.name() != name),
+    }
+}
