@@ -28,6 +28,9 @@ pub(super) struct Limit {
     pub remark: &'static str,
 }
 
+/// The kind of warning of balls that are heavier than the table.
+pub(super) const HEAVY_BALLS: &str = "heavy_balls";
+
 const LENGTHS: &str = "; lengths are in m, not in mm";
 
 /// The limits. The deflection of a suspension by the weight that it carries measures its softness, whatever the direction of
@@ -81,7 +84,7 @@ pub(super) const LIMITS: [Limit; 6] = [
         remark: "; the stiffness is in N/m and masses are in kg",
     },
     Limit {
-        kind: "heavy_balls",
+        kind: HEAVY_BALLS,
         parameters: &["ball_mass_kg", "table_mass_kg"],
         is_exceeded: |machine| balls_kg(machine) > machine.table_mass_kg,
         problem: "the balls together are heavier than the table",

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use super::ball_fit::{BallPositions, density_kg_m3, occupied_angle};
 use super::closed_form::capacity_kg_m;
-use super::slips::{LIMITS, Limit, has_mass_of_template};
+use super::slips::{HEAVY_BALLS, LIMITS, Limit, has_mass_of_template};
 use super::warning::Finding;
 use crate::analysis::{Balance, RestForm, reference_amplitude};
 use crate::model::{
@@ -43,13 +43,17 @@ pub(super) fn findings(
     let mut all: Vec<Finding> = fits.collect();
     let has_room = all.is_empty();
     let balls = || machine.balls.iter().zip(1..);
-    all.extend(balls().find_map(|(ball, number)| at.density(ball, number)));
+    let density = balls().find_map(|(ball, number)| at.density(ball, number));
+    let is_dense = density.is_some();
+    all.extend(density);
     all.extend(balls().find_map(|(ball, number)| {
         at.friction(&machine.friction, ball.friction_coefficient, Some(number))
     }));
     all.extend(at.speed(machine));
     all.extend(at.profile(machine));
-    all.extend(LIMITS.iter().filter_map(|limit| at.limit(machine, limit)));
+    // A density of no material explains heavy balls.
+    let limits = LIMITS.iter().filter(|limit| !(is_dense && limit.kind == HEAVY_BALLS));
+    all.extend(limits.filter_map(|limit| at.limit(machine, limit)));
     all.extend(at.balance(machine));
     all.extend(at.runout(machine));
     all.extend(at.elastic_contact(machine));

@@ -57,17 +57,21 @@ impl Conclusion {
         }
     }
 
-    /// Returns the sentences, one per line.
+    /// Returns the sentences below the table of points, one per line: first what its columns mean.
     pub fn text(&self) -> String {
+        let notes = [self.about_draws(), self.about_grades()].into_iter().flatten();
+        notes.chain(self.sentences()).map(|line| line + "\n").collect()
+    }
+
+    /// Returns the sentences on the answer of the study.
+    pub fn sentences(&self) -> Vec<String> {
         let lines = [
-            self.about_draws(),
-            self.about_grades(),
             self.vibration(),
             self.remedies.of_vibration(self.compared),
             self.remedies.of_undecided(),
             self.overlaps(),
         ];
-        lines.into_iter().flatten().map(|line| line + "\n").collect()
+        lines.into_iter().flatten().collect()
     }
 
     fn about_draws(&self) -> Option<String> {

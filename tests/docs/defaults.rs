@@ -87,6 +87,8 @@ fn defaults_on_the_page_are_those_of_the_program() {
 fn units_on_the_page_are_those_of_the_schema() {
     let schema = json_schema();
     let units = [
+        ("_kg_m3", "kg/m3"),
+        ("_kg_m", "kg m"),
         ("_kg", "kg"),
         ("_n_s_m", "N s/m"),
         ("_n_m", "N/m"),

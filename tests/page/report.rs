@@ -661,8 +661,8 @@ fn searches_have_pages() {
     let Some(mut browser) = Browser::start() else { return };
     let made = Made::new();
     for (directory, objectives, ids) in [
-        ("one", "stop", &["convergence", "sobol-indices"][..]),
-        ("two", "[stop, far]", &["convergence", "pareto", "sobol-indices"]),
+        ("one", "stop", &["convergence", "variables", "sobol-indices"][..]),
+        ("two", "[stop, far]", &["convergence", "pareto", "variables", "sobol-indices"]),
     ] {
         let file = search_page(&made, objectives, directory);
         for view in [LAPTOP, DARK, View { width: 390, ..LAPTOP }] {

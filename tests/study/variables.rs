@@ -35,7 +35,9 @@ fn every_numeric_parameter_can_be_a_variable() {
                     "{plain}uncertain: {{{name}: {{times: {{choice: {{values: [1]}}}}}}}}\n"
                 );
                 // The default machine has no density.
-                let nominal = match name.starts_with("ball_density") && kind == "ball_balancer" {
+                let densities =
+                    ["ball_density_kg_m3", "ball_density_1_kg_m3", "ball_density_2_kg_m3"];
+                let nominal = match densities.contains(&name.as_str()) && kind == "ball_balancer" {
                     true => Ok(7000.0),
                     false => parse(&nominal).map(|study| study.planned_run(0).uncertain[0]),
                 };

@@ -51,7 +51,7 @@ pub fn panel(data: &ReportData<'_>, point: &PointFacts) -> Option<Panel> {
         rests,
         Layer::new("balanced", Colour::Series(0), balanced),
     ];
-    let (x, y) = (plane("residual imbalance towards the imbalance"), plane("across"));
+    let (x, y) = (plane("along the imbalance"), plane("across the imbalance"));
     Some(Panel::new(x, y, layers))
 }
 

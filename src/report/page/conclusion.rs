@@ -6,6 +6,7 @@ use crate::report::conclusion::Conclusion;
 use crate::report::data::{DrawnRuns, PointFacts, ReportData};
 use crate::report::figures::significant;
 use crate::report::optimum::OptimumData;
+use crate::study::Unit;
 
 /// Correlations below this are no influence.
 const LEAST_CORRELATION: f64 = 0.2;
@@ -14,25 +15,31 @@ const LEAST_CORRELATION: f64 = 0.2;
 pub fn conclusion(body: &mut Html, data: &ReportData<'_>) {
     let mut conclusion = Conclusion::new(data.study);
     data.points.iter().for_each(|point| conclusion.add(data.study, point));
-    let text = conclusion.text();
-    let mut sentences: Vec<String> = text.lines().map(str::to_owned).collect();
-    sentences.extend(along_the_sweep(data));
+    let mut sentences = conclusion.sentences();
+    let unit = data.amplitude_unit();
+    sentences.extend(range(data, "The median amplitude", &unit, &|point| point.amplitude_m[1]));
+    for (index, response) in data.study.responses().iter().enumerate() {
+        let unit = response.shown_unit(data.study.units());
+        let name = format!("The response {}", response.name);
+        let value = |point: &PointFacts| point.responses.get(index)?.value;
+        sentences.extend(range(data, &name, &unit, &value));
+    }
     let influence = |of: &dyn Fn(&DrawnRuns, usize) -> Option<RankCorrelation>, what: &str| {
         strongest(data, of).map(|(name, point, found)| {
             let RankCorrelation { value, low, high } = found;
             let direction = if value > 0.0 { "increases" } else { "decreases" };
             let point = if data.point_count > 1 { format!(" at {point}") } else { String::new() };
             format!(
-                "Of the uncertain parameters, {name} changes {what} most: it {direction} with it (rank correlation {}, \
-                 95 % interval {} to {}{point}).",
+                "{what} depends most on {name}, of all uncertain parameters, and {direction} with it (rank correlation \
+                 {}, 95 % interval {} to {}{point}).",
                 signed(value),
                 signed(low),
                 signed(high),
             )
         })
     };
-    sentences.extend(influence(&|runs, index| runs.with_amplitude(index), "the amplitude"));
-    sentences.extend(influence(&|runs, index| runs.with_time_to_rest(index), "the time to rest"));
+    sentences.extend(influence(&|runs, index| runs.with_amplitude(index), "The amplitude"));
+    sentences.extend(influence(&|runs, index| runs.with_time_to_rest(index), "The time to rest"));
     add(body, &sentences);
 }
 
@@ -49,18 +56,25 @@ fn signed(value: f64) -> String {
     format!("{value:.2}").replace('-', "\u{2212}")
 }
 
-/// Returns a sentence on the least and the largest median amplitude of all points.
-fn along_the_sweep(data: &ReportData<'_>) -> Option<String> {
-    let median = |point: &PointFacts| point.amplitude_m[1];
-    let known = || data.points.iter().filter_map(|point| Some((point, median(point)?)));
+/// Returns a sentence on a value, or on its least and its largest one over all points.
+fn range(
+    data: &ReportData<'_>,
+    name: &str,
+    unit: &Unit,
+    value: &dyn Fn(&PointFacts) -> Option<f64>,
+) -> Option<String> {
+    let known = || data.points.iter().filter_map(|point| Some((point, value(point)?)));
     let least = known().min_by(|(_, a), (_, b)| a.total_cmp(b))?;
     let most = known().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
-    let unit = data.amplitude_unit();
-    let text = |(point, value): (&PointFacts, f64)| {
-        format!("{} {} ({})", significant(unit.of(value)), unit.symbol, point.title)
+    let text = |value: f64| match unit.symbol.as_str() {
+        "ratio" => significant(value),
+        symbol => format!("{} {symbol}", significant(unit.of(value))),
     };
-    (least.1 < most.1)
-        .then(|| format!("The median amplitude is between {} and {}.", text(least), text(most)))
+    let at = |(point, value): (&PointFacts, f64)| format!("{} ({})", text(value), point.title);
+    Some(match least.1 < most.1 {
+        true => format!("{name} is between {} and {}.", at(least), at(most)),
+        false => format!("{name} is {}.", text(least.1)),
+    })
 }
 
 /// Returns the uncertain parameter with the strongest rank correlation, whose interval excludes 0, with the point.

@@ -146,6 +146,12 @@
   }
 
   // ---- a panel as options of the library ---------------------------------------------------------
+  // Two angles, or a plane of two axes with the same unit and ends.
+  function isSquare({ x, y }) {
+    const same = x.unit && x.unit === y.unit && x.range && y.range && x.range.join() === y.range.join();
+    return (x.kind === 'angle' && y.kind === 'angle') || Boolean(same);
+  }
+
   function axisOf(axis, vertical, square) {
     const named = axis.kind === 'names';
     const title = axis.name + (axis.unit ? ' [' + axis.unit + ']' : '');
@@ -409,7 +415,7 @@
       this.element.insertBefore(side, caption);
       this.element.insertBefore(this.picked, caption);
       this.box.addEventListener('keydown', (event) => this.key(event));
-      const square = this.spec.panels.some((p) => p.x.kind === 'angle' && p.y.kind === 'angle');
+      const square = this.spec.panels.some(isSquare);
       this.box.classList.toggle('square', square);
       // The legend is built before the figure is drawn, so that the keyboard can reach it.
       this.drawLegend(this.panel());
@@ -436,7 +442,7 @@
         .filter(({ layer }) => !layer.name || !this.hidden.has(layer.name));
     }
     option(panel) {
-      const square = panel.x.kind === 'angle' && panel.y.kind === 'angle';
+      const square = isSquare(panel);
       const bottom = slanted(panel.x) ? 104 : 56;
       // Without dots, the tooltip shows the values of the curves at the pointer's abscissa.
       const curves = panel.layers.every(({ mark }) => ['line', 'steps', 'band', 'rule'].includes(mark));
@@ -458,7 +464,7 @@
     // Saves the panel, as zoomed, in the light theme with title, legend and colour bar.
     save(format) {
       const panel = this.panel();
-      const square = panel.x.kind === 'angle' && panel.y.kind === 'angle';
+      const square = isSquare(panel);
       const [width, height] = square ? [760, 710] : [900, 560];
       const zoomed = this.chart ? this.window() : [[0, 100], [0, 100]];
       document.documentElement.dataset.paper = 'true';
