@@ -214,7 +214,7 @@ fn slips_are_warnings_with_their_key_and_line() {
             "model.parameters.ball_mass_kg",
             14,
             "the mass of a ball of this diameter, with the mass in kg and the diameter in m; a steel ball of this \
-             diameter has 0.0005138 kg",
+             diameter has 0.0005112 kg",
         ),
         // The ball of the template `machine` with another diameter.
         (

@@ -115,7 +115,7 @@ fn units_on_the_page_are_those_of_the_schema() {
             }
         }
     }
-    assert_eq!(compared, 21 + 5);
+    assert_eq!(compared, 23 + 5);
 }
 
 /// The default box of start states on the page is that of the schema.

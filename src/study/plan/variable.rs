@@ -234,10 +234,7 @@ impl Variable {
                 choices.get(index).map(|(name, _)| name.clone()).unwrap_or_default()
             }
             (DesignValue::Choice(index), _) => index.to_string(),
-            (DesignValue::Number(number), _) => match &self.shown {
-                Some(unit) => six_digits(unit.of(number)),
-                None => describe_number(number),
-            },
+            (DesignValue::Number(number), _) => six_digits(self.shown_number(number)),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The further errors of a wrong study: each faulty key is left out in turn, and the rest is read again.
 //!
-//! An error that could follow from a key that was left out is not listed: one at the same key or above it, and, after keys on
-//! which others depend, one that is found between keys.
+//! An error that could follow from a key that was left out is not listed: one at the same key or above it, and one that is
+//! found between keys and depends on such a key.
 
 use crate::study::error::StudyError;
 use crate::study::file::key_path::{KeyPath, Segment};
@@ -10,15 +10,15 @@ use crate::study::file::yaml_tree::{Content, Node};
 /// The largest number of errors that are listed.
 const MOST: usize = 20;
 
-/// Keys on which checks of other keys depend.
-const OTHERS_DEPEND_ON: [&str; 7] = [
-    "schema",
-    "model.kind",
-    "model.friction",
-    "model.speed_profile",
-    "model.protocol",
-    "simulation",
-    "initial_conditions",
+/// Keys on which checks of other keys depend, with these other keys.
+const DEPENDENT: [(&str, &[&str]); 7] = [
+    ("model.kind", &[""]),
+    ("model.friction", &["model.parameters", "sweep", "uncertain", "design", "identify"]),
+    ("model.parameters.balls", &["initial_conditions", "sweep", "uncertain", "design"]),
+    ("model.speed_profile", &["model", "simulation", "sweep", "uncertain", "responses"]),
+    ("model.protocol", &["model", "simulation", "sweep", "uncertain", "responses"]),
+    ("simulation", &["model", "responses", "precision", "audit"]),
+    ("initial_conditions", &["sweep"]),
 ];
 
 /// Where an error was found.
@@ -43,11 +43,12 @@ pub(crate) fn with_further_errors(
         left_out.push(path);
         let Err((found, error)) = read(&left_out) else { break };
         let is_consequence = match faulty_key(&error) {
-            Some(path) => left_out.iter().any(|other| other.0.starts_with(&path.0)),
+            Some(path) => left_out.iter().any(|other| {
+                other.0.starts_with(&path.0) || found == Found::BetweenKeys && depends(&path, other)
+            }),
             None => true,
         };
-        let depends = || left_out.iter().any(|path| others_depend_on(&path.to_string()));
-        if is_consequence || found == Found::BetweenKeys && depends() {
+        if is_consequence {
             break;
         }
         others.push(error.clone());
@@ -57,8 +58,14 @@ pub(crate) fn with_further_errors(
     first.with_others(others)
 }
 
-fn others_depend_on(key: &str) -> bool {
-    OTHERS_DEPEND_ON.iter().any(|name| key == *name || key.starts_with(&format!("{name}.")))
+/// Returns whether a check of one key depends on another key.
+fn depends(one: &KeyPath, other: &KeyPath) -> bool {
+    let below = |path: &KeyPath, key: &str| {
+        path.to_string()
+            .strip_prefix(key)
+            .is_some_and(|rest| key.is_empty() || rest.is_empty() || rest.starts_with(['.', '[']))
+    };
+    DEPENDENT.iter().any(|(key, keys)| below(other, key) && keys.iter().any(|key| below(one, key)))
 }
 
 /// Returns the path of the faulty key, without an item of a list at its end; `None` if there is no such key in the file.
