@@ -8,7 +8,9 @@ use super::values::{findings, has_room, short};
 use super::warning::{Finding, Warning};
 use crate::model::InvalidParameter;
 use crate::optimize::Space;
-use crate::study::{ListedParameter, ParameterValue, Study};
+use crate::study::{
+    AmplitudeKind, ListedParameter, Measure, ParameterValue, Response, Study, describe_number,
+};
 
 /// The number of points above which fewer designs are examined.
 const MANY_POINTS: u64 = 50;
@@ -33,6 +35,7 @@ pub fn warnings(study: &Study) -> Vec<Warning> {
     found.extend(mostly_defaults(study));
     found.extend(invalid_draws(design.map_or(study, |design| &design.study)));
     found.extend(repeated_points(study));
+    found.extend(unreachable_limits(study));
     found.into_iter().map(|finding| finding.in_file(study)).collect()
 }
 
@@ -233,6 +236,25 @@ fn invalid_draws(study: &Study) -> Option<Finding> {
             first.allowed
         ),
     })
+}
+
+/// Warns of a limit of an amplitude that no run exceeds, for example a limit in µm as a number.
+fn unreachable_limits(study: &Study) -> Vec<Finding> {
+    let Some(machine) = study.model().ball_balancer() else { return Vec::new() };
+    let radius_m = machine.ring_radius_m;
+    let far = |response: &Response| match response.measure {
+        Measure::Above(limit) if response.amplitude != AmplitudeKind::RelativeResidual => {
+            (limit > radius_m).then(|| Finding {
+                kind: "limit",
+                key: format!("responses.{}.amplitude_above.limit", response.name),
+                problem: "the limit of an amplitude is above the radius of the ring".to_owned(),
+                found: format!("{} m", describe_number(limit)),
+                remedy: "a limit in m, or with a unit, such as 20 µm".to_owned(),
+            })
+        }
+        _ => None,
+    };
+    study.responses().iter().filter_map(far).collect()
 }
 
 /// Warns of points that the sweep lists twice.

@@ -67,7 +67,8 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         return Ok(end);
     }
     let cost = Cost::of(&study);
-    let designs = DesignCost::of(&study);
+    let has_variables = !study.variables().is_empty();
+    let designs = has_variables.then(|| DesignCost::of(&study)).flatten();
     let existence = arguments.existence.then(|| Existence::of(&study));
     let design = ExaminedDesign::of(&study);
     let described = design.as_ref().map_or(&study, |design| &design.study);
@@ -200,8 +201,10 @@ fn rows(
         ("swept", names(study.swept())),
         ("uncertain", names(study.uncertain()) + &sampled_together(study)),
     ];
-    if !(study.variables().is_empty() && study.responses().is_empty()) {
+    if !study.variables().is_empty() {
         rows.push(("design", listed(study.variables().iter().map(Variable::name).collect())));
+    }
+    if !study.responses().is_empty() {
         let responses = study.responses().iter().map(|one| one.name.as_str());
         rows.push(("responses", listed(responses.collect())));
     }

@@ -159,18 +159,18 @@ fn conclusions(comparison: &Comparison) -> String {
     };
     let mut text = String::new();
     for (place, quantity) in first.quantities.iter().enumerate() {
-        let (mut rises, mut falls) = (NamedPoints::default(), NamedPoints::default());
+        let [mut rises, mut falls, mut unknown] = [(); 3].map(|()| NamedPoints::default());
         for point in points {
             let Some(Estimate { low, high, .. }) =
                 point.quantities.get(place).map(|one| &one.difference)
             else {
                 continue;
             };
-            if low.is_some_and(|low| low > 0.0) {
-                rises.add(point.point_ids[0]);
-            }
-            if high.is_some_and(|high| high < 0.0) {
-                falls.add(point.point_ids[0]);
+            match (low, high) {
+                (Some(low), _) if *low > 0.0 => rises.add(point.point_ids[0]),
+                (_, Some(high)) if *high < 0.0 => falls.add(point.point_ids[0]),
+                (Some(_), Some(_)) => {}
+                _ => unknown.add(point.point_ids[0]),
             }
         }
         let all = points.len();
@@ -179,7 +179,11 @@ fn conclusions(comparison: &Comparison) -> String {
             (_, 1) => Some(verb.to_owned()),
             (count, _) => Some(format!("{verb} at {count} of {all} points ({})", named.text())),
         };
-        let parts = [verb(rises.count, &rises, "rises"), verb(falls.count, &falls, "falls")];
+        let parts = [
+            verb(rises.count, &rises, "rises"),
+            verb(falls.count, &falls, "falls"),
+            verb(unknown.count, &unknown, "has no interval, because the runs are too few,"),
+        ];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
         let what = match parts.is_empty() {
             true => "no difference is shown".to_owned(),

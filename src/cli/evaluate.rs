@@ -119,7 +119,7 @@ fn printed(study: &Study, answers: &[Answer]) -> String {
     let swept = |answer: &Answer| study.shown(&answer.swept);
     let mut header = vec![["".to_owned(), "design".to_owned()]];
     let variables = study.variables().iter();
-    header.extend(variables.map(|variable| [String::new(), variable.name().to_owned()]));
+    header.extend(variables.map(|variable| [String::new(), variable.shown_name()]));
     header.extend(study.swept().iter().map(|swept| [String::new(), swept.shown_name()]));
     let estimates: Vec<&[Estimate]> = answers.iter().map(|one| one.estimates.as_slice()).collect();
     let responses = estimate_columns(study.responses(), &estimates, study.units());

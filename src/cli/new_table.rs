@@ -8,7 +8,7 @@ use tempfile::NamedTempFile;
 use super::exit::CliError;
 use super::output::{csv_header, csv_rows};
 use crate::table::column::Column;
-use crate::table::{TableWriter, WriteError};
+use crate::table::{TableWriter, WriteError, temporary_file};
 
 /// Endings of names whose files are expected to have a format that this program does not write.
 const OTHER_FORMATS: [&str; 4] = ["tsv", "json", "xlsx", "xls"];
@@ -125,12 +125,7 @@ impl<R> NewTable<R> {
 
 impl<R> CsvTable<R> {
     fn create(path: &Path, columns: Vec<Column<R>>) -> io::Result<Self> {
-        let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let mut file = tempfile::Builder::new()
-            .prefix(&format!("{name}."))
-            .suffix(".stickslip-partial")
-            .tempfile_in(directory.unwrap_or(Path::new(".")))?;
+        let mut file = temporary_file(path)?;
         file.write_all(csv_header(&columns)?.as_bytes())?;
         Ok(CsvTable { path: path.to_owned(), columns, rows: Vec::new(), file })
     }

@@ -57,6 +57,7 @@ const PARAMETERS: [ParameterDescriptor; 24] = [
         meaning: "product of mass and radius of the imbalance, in place of its mass",
         field: Field::OfMachine {
             number: |machine| &mut machine.imbalance_kg_m,
+            following: |machine| machine.imbalance_mass_kg * machine.imbalance_radius_m,
             determines: "imbalance_mass_kg",
         },
     },
@@ -88,7 +89,11 @@ const PARAMETERS: [ParameterDescriptor; 24] = [
         name: "ball_density_kg_m3",
         unit: "kg/m3",
         meaning: "density, in place of the mass",
-        field: Field::OfBall { number: |ball| &mut ball.density_kg_m3, determines: "ball_mass_kg" },
+        field: Field::OfBall {
+            number: |ball| &mut ball.density_kg_m3,
+            following: |ball| ball.mass_kg / ball.volume_m3(),
+            determines: "ball_mass_kg",
+        },
     },
     ParameterDescriptor {
         name: "friction_coefficient",

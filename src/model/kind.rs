@@ -95,6 +95,8 @@ pub enum Field {
     OfBall {
         /// The number; `None` if it is not given.
         number: fn(&mut Ball) -> &mut Option<f64>,
+        /// Its value that follows from the other parameter.
+        following: fn(&Ball) -> f64,
         /// The other parameter.
         determines: &'static str,
     },
@@ -102,6 +104,8 @@ pub enum Field {
     OfMachine {
         /// The number; `None` if it is not given.
         number: fn(&mut Machine) -> &mut Option<f64>,
+        /// Its value that follows from the other parameter.
+        following: fn(&Machine) -> f64,
         /// The other parameter.
         determines: &'static str,
     },
@@ -291,8 +295,9 @@ impl ParameterDescriptor {
                 kicks.filter(|(number, _)| is_meant(*number)).map(|(_, kick)| field(kick)).collect()
             }
             (Field::Machine(field), Model::BallBalancer(machine)) => vec![field(machine)],
-            (Field::OfMachine { number, .. }, Model::BallBalancer(machine)) => {
-                vec![number(machine).get_or_insert(0.0)]
+            (Field::OfMachine { number, following, .. }, Model::BallBalancer(machine)) => {
+                let value = following(machine);
+                vec![number(machine).get_or_insert(value)]
             }
             (Field::Contact(field), Model::BallBalancer(machine)) => {
                 machine.contact.as_mut().map(field).into_iter().collect()
@@ -301,9 +306,13 @@ impl ParameterDescriptor {
             (Field::Own { .. } | Field::Count { .. }, Model::Own(own)) => {
                 own.number_mut(self).into_iter().collect()
             }
-            (Field::OfBall { number, .. }, Model::BallBalancer(machine)) => {
+            (Field::OfBall { number, following, .. }, Model::BallBalancer(machine)) => {
                 let balls = (1..).zip(&mut machine.balls).filter(|(place, _)| is_meant(*place));
-                balls.map(|(_, ball)| number(ball).get_or_insert(0.0)).collect()
+                let of_ball = |(_, ball): (usize, &'a mut Ball)| {
+                    let value = following(ball);
+                    number(ball).get_or_insert(value)
+                };
+                balls.map(of_ball).collect()
             }
             (Field::Ball(field), Model::BallBalancer(machine)) => {
                 let balls = (1..).zip(&mut machine.balls);

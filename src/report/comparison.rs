@@ -4,6 +4,7 @@
 //! If both studies have the same start states at a point, their runs are pairs (common random numbers), and the interval of a
 //! difference accounts for the correlation of each pair.
 
+use std::collections::{BTreeSet, HashMap};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use super::data::heading;
@@ -11,9 +12,6 @@ use crate::analysis::{Estimate, estimate_difference};
 use crate::classification::Label;
 use crate::study::{AmplitudeKind, Measure, ParameterValue, Response, Study, Unit, changed_keys};
 use crate::table::{Batch, Kind, Table, TableError, estimate_kinds, read_estimate};
-
-/// Swept values of two studies are equal if they differ by at most this part.
-const AGREEMENT: f64 = 1e-9;
 
 /// The study and the tables of a directory of results.
 pub struct ComparedResults<'a> {
@@ -94,6 +92,8 @@ enum Columns {
 struct ComparedRun {
     /// Hash of the start state.
     start: u64,
+    /// Number of its cell.
+    cell: u64,
     label: Option<Label>,
     /// By [`AmplitudeKind`].
     amplitudes: [f64; 3],
@@ -118,16 +118,18 @@ pub fn compare(results: [&ComparedResults<'_>; 2]) -> Result<Comparison, TableEr
     let quantities = quantities(studies);
     let [one, other] = results.map(|one| points(one, &quantities));
     let (one, other) = (one?, other?);
+    let swept = first.swept().iter().chain(second.swept());
+    let names: BTreeSet<&str> = swept.map(|column| column.name.as_str()).collect();
+    let keys = other.iter().enumerate();
+    let keys: HashMap<String, usize> =
+        keys.filter_map(|(place, point)| Some((key(second, point, &names)?, place))).collect();
     let mut compared = Vec::new();
     let mut has_counterpart = vec![false; other.len()];
     for point in &one {
-        let mut equal = other.iter().enumerate();
-        let Some((place, counterpart)) = equal.find(|(_, other)| agree(studies, point, other))
-        else {
-            continue;
-        };
+        let place = key(first, point, &names).and_then(|key| keys.get(&key).copied());
+        let Some(place) = place.filter(|place| !has_counterpart[*place]) else { continue };
         has_counterpart[place] = true;
-        compared.push(compared_point(first, second, &quantities, [point, counterpart]));
+        compared.push(compared_point(first, second, &quantities, [point, &other[place]]));
     }
     let missing = has_counterpart.iter().filter(|has| !**has).count();
     Ok(Comparison {
@@ -206,6 +208,7 @@ fn points(results: &ComparedResults<'_>, list: &[Quantity]) -> Result<Vec<Point>
     let amplitudes = ["amplitude_m", "relative_amplitude", "peak_amplitude_m"];
     let has = |name: &str| names.iter().any(|own| own == name);
     let mut wanted = vec![("point_id".to_owned(), Kind::Count), ("label".to_owned(), Kind::Text)];
+    wanted.push(("cell".to_owned(), Kind::Count));
     let numbers = starts.iter().map(|name| name.as_str()).chain(["time_to_rest_s"]);
     let numbers = numbers.chain(amplitudes.into_iter().filter(|name| has(name)));
     wanted.extend(numbers.map(|name| (name.to_owned(), Kind::Number)));
@@ -231,6 +234,7 @@ fn points(results: &ComparedResults<'_>, list: &[Quantity]) -> Result<Vec<Point>
         let [residual, relative, peak] = amplitudes.map(number);
         point.runs.push(ComparedRun {
             start: start.finish(),
+            cell: batch.count("cell", row)?.unwrap_or_default(),
             label: Label::ALL.into_iter().find(|one| one.name() == label),
             amplitudes: [residual?, relative?, peak?],
             time_to_rest_s: batch.number("time_to_rest_s", row)?.unwrap_or(f64::INFINITY),
@@ -255,18 +259,14 @@ fn read(
     Ok(())
 }
 
-/// Returns whether two points have equal values of all parameters that both studies sweep.
-fn agree([first, second]: [&Study; 2], one: &Point, other: &Point) -> bool {
-    first.swept().iter().zip(&one.swept).all(|(column, value)| {
-        let place = second.swept().iter().position(|own| own.name == column.name);
-        match (value, place.and_then(|place| other.swept.get(place))) {
-            (_, None) => true,
-            (ParameterValue::Number(a), Some(ParameterValue::Number(b))) => {
-                (a - b).abs() <= AGREEMENT * a.abs().max(b.abs())
-            }
-            (a, Some(b)) => a == b,
-        }
-    })
+/// Returns the values of these parameters at a point, rounded, as a key; `None` if the study lacks one of them.
+fn key(study: &Study, point: &Point, names: &BTreeSet<&str>) -> Option<String> {
+    let at = study.point(point.point_id);
+    let value = |name: &&str| match study.value_at(&at, name)? {
+        ParameterValue::Number(number) => Some(format!("{number:.9e};")),
+        ParameterValue::Text(text) => Some(format!("{text};")),
+    };
+    names.iter().map(value).collect()
 }
 
 fn compared_point(
@@ -284,7 +284,10 @@ fn compared_point(
             let [a, b] = [(one, before), (other, after)].map(|(point, estimate)| {
                 contributions(quantity.contribution, &point.runs, estimate)
             });
-            correlation(&a, &b)
+            let is_stratified = first.point(one.point_id).cells.is_some();
+            let cell = |run: &ComparedRun| if is_stratified { run.cell } else { 0 };
+            let cells: Vec<u64> = one.runs.iter().map(cell).collect();
+            correlation(&cells, &a, &b)
         } else {
             0.0
         };
@@ -345,17 +348,22 @@ fn contributions(of: Contribution, runs: &[ComparedRun], estimate: &Estimate) ->
     all
 }
 
-/// Returns the correlation of the pairs of finite numbers; 0 if one of them does not vary.
-fn correlation(one: &[f64], other: &[f64]) -> f64 {
-    let pairs = || one.iter().zip(other).filter(|(a, b)| a.is_finite() && b.is_finite());
-    let count = pairs().count().max(1) as f64;
-    let mean = |pick: fn((&f64, &f64)) -> f64| pairs().map(pick).sum::<f64>() / count;
-    let (a, b) = (mean(|(a, _)| *a), mean(|(_, b)| *b));
+/// Returns the correlation of the pairs of finite numbers within their cells; 0 if one of them does not vary.
+fn correlation(cells: &[u64], one: &[f64], other: &[f64]) -> f64 {
+    let pairs = || {
+        let pairs = cells.iter().zip(one.iter().zip(other));
+        pairs.filter(|(_, (a, b))| a.is_finite() && b.is_finite())
+    };
+    let mut sums: HashMap<u64, [f64; 3]> = HashMap::new();
+    for (cell, (a, b)) in pairs() {
+        let [count, sum, other] = sums.entry(*cell).or_default();
+        (*count, *sum, *other) = (*count + 1.0, *sum + a, *other + b);
+    }
     let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
-    for (x, y) in pairs() {
-        aa += (x - a) * (x - a);
-        bb += (y - b) * (y - b);
-        ab += (x - a) * (y - b);
+    for (cell, (a, b)) in pairs() {
+        let [count, sum, other] = sums[cell];
+        let (x, y) = (a - sum / count, b - other / count);
+        (aa, bb, ab) = (aa + x * x, bb + y * y, ab + x * y);
     }
     let scale = (aa * bb).sqrt();
     if scale > 0.0 { (ab / scale).clamp(-1.0, 1.0) } else { 0.0 }

@@ -3,8 +3,11 @@
 /// The largest number of points that a sentence names.
 const MOST_NAMED: usize = 10;
 
-/// Returns a positive number with three significant digits and at most three decimals.
+/// Returns a positive number with three significant digits and at most three decimals, or with an exponent below 0.001.
 pub fn three_digits(value: f64) -> String {
+    if value > 0.0 && value < 1e-3 {
+        return format!("{value:.2e}");
+    }
     let digits = if value > 0.0 { 2 - value.log10().floor() as i32 } else { 0 };
     format!("{value:.0$}", digits.clamp(0, 3) as usize)
 }

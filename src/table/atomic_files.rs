@@ -49,7 +49,7 @@ pub(super) fn temporary_directory(target: &Path) -> io::Result<TempDir> {
 
 /// Creates an empty file beside `target` for this process; other processes may read it after the
 /// rename.
-fn temporary_file(target: &Path) -> io::Result<NamedTempFile> {
+pub(crate) fn temporary_file(target: &Path) -> io::Result<NamedTempFile> {
     beside(target, |builder, parent| {
         #[cfg(unix)]
         {

@@ -52,7 +52,7 @@ mod writer;
 
 pub use crate::tabular::{Kind, Values};
 pub use atomic_files::{clear_temporaries, write_atomically, write_once};
-pub(crate) use atomic_files::{is_one_of, is_own};
+pub(crate) use atomic_files::{is_one_of, is_own, temporary_file};
 pub use batch::Batch;
 pub use cycles::{CycleRow, cycle_columns};
 pub use durable_directories::{is_inside, make_directory, make_inside, sync_directory};

@@ -63,6 +63,15 @@ fn common_start_states_make_differences_precise() {
     let width = |of: &Value| of["high"].as_f64().unwrap() - of["low"].as_f64().unwrap();
     assert!(width(wide) > width(found), "{wide} {found}");
     assert_eq!(scratch.files(), before);
+    // A point of a sweep is that of a study whose parameter has this value.
+    let plain = study("d", 3, "speed_rad_s: -216", "-216")
+        .replace("sweep: [{grid: {speed_rad_s: [-216]}}]\n", "");
+    scratch.write("d.yaml", plain);
+    scratch.well("run d.yaml --out d --quiet");
+    let found = json(&scratch, "compare d a --json");
+    assert_eq!(found["points"].as_array().unwrap().len(), 1);
+    assert_eq!(found["points"][0]["point_ids"], serde_json::json!([0, 1]));
+    assert_eq!(quantity(&found["points"][0], "mean")["difference"]["value"], 0.0);
 }
 
 #[test]

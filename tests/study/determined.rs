@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use stickslip::study::DesignValue;
+use stickslip::study::{DesignValue, ParameterValue};
 
 use super::{machine_at, parse, study};
 
@@ -49,6 +49,26 @@ fn the_mass_follows_the_diameter() {
     let machine = machine_at(&study(&text(balls, "")), 0);
     near(machine.balls[0].mass_kg, sphere_kg(2500.0, 4e-3));
     near(machine.balls[1].mass_kg, sphere_kg(2500.0, 3e-3));
+}
+
+/// A factor multiplies the density or imbalance that follows from the mass, if the study gives neither; a point of another
+/// block has that value.
+#[test]
+fn values_that_are_not_given_follow_from_the_masses() {
+    let factor = "times: {choice: {values: [2]}}";
+    let uncertain =
+        format!("uncertain: {{ball_density_kg_m3: {{{factor}}}, imbalance_kg_m: {{{factor}}}}}\n");
+    let case = study(&text("", &uncertain)).planned_run(0).case.unwrap();
+    let machine = case.model.ball_balancer().unwrap();
+    near(machine.balls[1].mass_kg, 2.0 * 1.4e-4);
+    near(machine.imbalance_mass_kg, 2.0 * 5.6e-5);
+    let blocks = "sweep: [{grid: {ball_density_kg_m3: [7000]}}, {grid: {speed_rad_s: [-160]}}]\n";
+    let blocks = study(&text("", blocks));
+    let [ParameterValue::Number(density), _] = blocks.point(1).swept[..] else {
+        panic!("a number")
+    };
+    near(sphere_kg(density, 3e-3), 1.4e-4);
+    near(machine_at(&blocks, 1).balls[0].mass_kg, 1.4e-4);
 }
 
 #[test]
@@ -98,7 +118,12 @@ fn a_study_gives_one_of_the_two() {
     assert!(!plain.resolved_yaml().contains("density"));
     assert!(!plain.resolved_yaml().contains("imbalance_kg_m"));
     for (parameters, rest, key, found) in [
-        ("ball_material: steel, ball_mass: 1 g", "", "model.parameters", "ball_mass_kg"),
+        (
+            "ball_material: steel, ball_mass: 1 g",
+            "",
+            "model.parameters.ball_mass",
+            "both `ball_material` and `ball_mass`",
+        ),
         ("ball_density: 7 g/cm^3, balls: [{mass: 1 g}]", "", "balls", "ball_mass_kg"),
         (
             "ball_material: steel",
@@ -111,6 +136,12 @@ fn a_study_gives_one_of_the_two() {
             "uncertain: {imbalance_mass_kg: {normal: {mean: 1e-4, std_dev: 1e-5}}}\n",
             "uncertain",
             "imbalance_mass_kg",
+        ),
+        (
+            "ball_material: steel, ball_density: 7 g/cm^3",
+            "",
+            "ball_density",
+            "`ball_material` in line 6",
         ),
         ("ball_material: stel", "", "ball_material", "stel"),
         ("ball_material: 7810", "", "ball_material", "7810"),

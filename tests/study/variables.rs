@@ -34,13 +34,7 @@ fn every_numeric_parameter_can_be_a_variable() {
                 let nominal = format!(
                     "{plain}uncertain: {{{name}: {{times: {{choice: {{values: [1]}}}}}}}}\n"
                 );
-                // The default machine has no density.
-                let densities =
-                    ["ball_density_kg_m3", "ball_density_1_kg_m3", "ball_density_2_kg_m3"];
-                let nominal = match densities.contains(&name.as_str()) && kind == "ball_balancer" {
-                    true => Ok(7000.0),
-                    false => parse(&nominal).map(|study| study.planned_run(0).uncertain[0]),
-                };
+                let nominal = parse(&nominal).map(|study| study.planned_run(0).uncertain[0]);
                 let number = match &nominal {
                     Err(error) if error.problem().starts_with("not a parameter of") => continue,
                     Err(_) => 1.0,

@@ -27,7 +27,7 @@ pub use time_to_rest::RestCurve;
 
 use super::chart::{Axis, AxisKind};
 use crate::classification::Label;
-use crate::study::{Study, Unit};
+use crate::study::{Study, Unit, VariedParameter};
 use crate::table::{Manifest, Table, TableError};
 
 /// The longest name of a curve in a legend, in characters.
@@ -251,8 +251,8 @@ impl<'a> ReportData<'a> {
         if self.study.uncertain().is_empty() {
             return String::new();
         }
-        let names: Vec<&str> =
-            self.study.uncertain().iter().map(|parameter| parameter.name.as_str()).collect();
+        let words = |parameter: &VariedParameter| parameter.short_name().replace('_', " ");
+        let names: Vec<String> = self.study.uncertain().iter().map(words).collect();
         format!(" {statement}; each run has its own {}.", names.join(", "))
     }
 

@@ -20,11 +20,11 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     for point in data.details() {
         let mut values = amplitudes(data, point);
         values.iter_mut().for_each(|metres| *metres = unit.of(*metres));
-        let Some(middle) = values.get(values.len() / 2) else { continue };
+        let Some(median) = point.amplitude_m[1].filter(|_| !values.is_empty()) else { continue };
         sentences.push(format!(
             "{}: half of the runs vibrate more than {} {}",
             point.title,
-            significant(*middle),
+            significant(unit.of(median)),
             unit.symbol
         ));
         curves.push((point, exceedance(&values, data.budget.steps)));
@@ -74,24 +74,26 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     })
 }
 
-/// Returns the positive amplitudes of a point's runs in the sample, m, ascending.
+/// Returns the amplitudes of a point's runs in the sample, m, ascending.
 fn amplitudes(data: &ReportData<'_>, point: &PointFacts) -> Vec<f64> {
     let runs = data.runs.point_id.iter().zip(&data.runs.amplitude_m);
-    let own = runs.filter(|(id, amplitude)| **id == point.point_id && **amplitude > 0.0);
+    let own = runs.filter(|(id, amplitude)| **id == point.point_id && amplitude.is_finite());
     let mut values: Vec<f64> = own.map(|(_, amplitude)| *amplitude).collect();
     values.sort_by(f64::total_cmp);
     values
 }
 
-/// Returns at most `most` points of the curve of ascending values.
+/// Returns at most `most` points of the curve of ascending values; an amplitude of 0 has no place on a logarithmic axis.
 fn exceedance(ascending: &[f64], most: usize) -> Exceedance {
-    let all = ascending.len() as u64;
+    let all = ascending.len();
+    let still = ascending.partition_point(|value| *value <= 0.0);
     let at = |rank: usize| {
-        let above = all - rank as u64 - 1;
-        let (low, high) = wilson(above, all, Z_95);
-        Some([*ascending.get(rank)?, above as f64 / all as f64, low, high])
+        let value = *ascending.get(still + rank)?;
+        let above = all - ascending.partition_point(|other| *other <= value);
+        let (low, high) = wilson(above as u64, all as u64, Z_95);
+        Some([value, above as f64 / all as f64, low, high])
     };
-    evenly(ascending.len(), most).into_iter().filter_map(at).collect()
+    evenly(all - still, most).into_iter().filter_map(at).collect()
 }
 
 /// Returns the absolute limits of the study's responses, m.

@@ -20,7 +20,8 @@ pub fn conclusion(body: &mut Html, data: &ReportData<'_>) {
     sentences.extend(range(data, "The median amplitude", &unit, &|point| point.amplitude_m[1]));
     for (index, response) in data.study.responses().iter().enumerate() {
         let unit = response.shown_unit(data.study.units());
-        let name = format!("The response {}", response.name);
+        let meaning = response.meaning_in(&data.study.units().vibration());
+        let name = format!("The response {} ({meaning})", response.name);
         let value = |point: &PointFacts| point.responses.get(index)?.value;
         sentences.extend(range(data, &name, &unit, &value));
     }

@@ -187,7 +187,9 @@ pub(crate) fn decimal_comma(text: &str) -> Option<Fault> {
 }
 
 /// Units of each quantity that consist of several symbols.
-const COMPOUND: [(&str, &[&str]); 5] = [
+const COMPOUND: [(&str, &[&str]); 7] = [
+    ("kg m", &["g mm", "kg mm", "kg m", "g cm"]),
+    ("kg/m3", &["kg/m^3", "g/cm^3"]),
     ("N/m", &["N/m", "N/mm", "kN/m", "kg/s^2"]),
     ("N s/m", &["N s/m", "N s/mm", "kg/s", "g/s"]),
     ("rad/s", &["rpm", "rad/s", "deg/s", "rev/s", "rev/min"]),

@@ -249,6 +249,7 @@ impl Reading {
         let Content::Map(entries) = &mut node.content else { return Ok(()) };
         let places: Vec<(String, usize)> =
             entries.iter().map(|(key, _)| (key.name().to_owned(), key.place.line)).collect();
+        let mut read: Vec<(String, String, usize)> = Vec::new();
         for entry in entries {
             let (key, value) = entry;
             let written = key.name().to_owned();
@@ -262,6 +263,16 @@ impl Reading {
             let takes_materials = written == MATERIAL && names.iter().any(|si| si == DENSITY);
             let material = UnitKey { si: DENSITY, short: MATERIAL, unit: "kg/m3" };
             let Some(known) = known.or(takes_materials.then_some(material)) else { continue };
+            if let Some((_, other, line)) = read.iter().find(|(si, ..)| si == known.si) {
+                let found =
+                    format!("`{written}` in line {} and `{other}` in line {line}", key.place.line);
+                let fault = Fault::new("given twice", found, "one of the two keys");
+                self.path.0.push(Segment::Key(written));
+                return Err(Wrong { place: key.place, fault });
+            }
+            if written != known.si {
+                read.push((known.si.to_owned(), written.clone(), key.place.line));
+            }
             self.path.0.push(Segment::Key(written.clone()));
             if written == known.si {
                 self.check_numbers(value, &known)?;

@@ -350,8 +350,12 @@ impl Parameter {
                 Some(field(ball))
             }
             Definition::Model(ParameterDescriptor {
-                field: Field::OfBall { number, .. }, ..
-            }) => Some(number(ball).get_or_insert(0.0)),
+                field: Field::OfBall { number, following, .. },
+                ..
+            }) => {
+                let value = following(ball);
+                Some(number(ball).get_or_insert(value))
+            }
             _ => None,
         }
     }

@@ -227,6 +227,13 @@ impl Study {
     /// Returns the key that sets a parameter at a point, such as `sweep[0].grid.speed_rad_s`. `ball`, from 1, selects
     /// a ball for a parameter of balls. The key is that of `model.parameters` if nothing sets the parameter.
     pub fn key_of(&self, general: &str, ball: Option<usize>, point_id: u64) -> String {
+        if self.determined.contains(&general) {
+            let parameters = self.base.model.kind().parameters.iter();
+            let mut given = parameters.filter(|own| own.determines() == Some(general));
+            if let Some(own) = given.next() {
+                return self.key_of(own.name, ball, point_id);
+            }
+        }
         let of_all = Parameter::find(general, &self.base.model);
         let of_ball = ball.and_then(|ball| Some(of_all?.of_one_member(ball).name()));
         let names: Vec<&str> = of_ball.as_deref().into_iter().chain([general]).collect();

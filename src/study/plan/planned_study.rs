@@ -335,6 +335,15 @@ impl Study {
         }
     }
 
+    /// Returns the value of a parameter at a point, with uncertain parameters at their medians; `None` if the model does not
+    /// have the parameter.
+    pub fn value_at(&self, point: &Point, name: &str) -> Option<ParameterValue> {
+        if let Some(place) = self.swept.iter().position(|column| column.name == name) {
+            return point.swept.get(place).copied();
+        }
+        Some(Parameter::find(name, point.model())?.get(point.model(), &self.base.general))
+    }
+
     /// Returns the base model with these values and, unless they set the number of balls, with that of the study file.
     /// Values of all balls are set before those of one ball.
     pub(in crate::study) fn model_with(&self, values: &[(Parameter, ParameterValue)]) -> Model {

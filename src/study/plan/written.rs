@@ -124,6 +124,8 @@ fn given(model: &ModelFile) -> HashSet<String> {
     };
     let mut given: HashSet<String> = names(&values["parameters"]).into_iter().collect();
     given.extend(names(&values).into_iter().filter(|name| name != "parameters"));
+    let law = names(&values["contact"]).into_iter();
+    given.extend(law.map(|name| format!("contact_{}", name.trim_start_matches("material_"))));
     // The last change of a speed profile gives the speed of the machine.
     let last = model.speed_profile.iter().flatten().rev().find_map(|part| match part {
         ProfilePartFile::HoldS(_) => None,

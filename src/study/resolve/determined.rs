@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use crate::model::{ModelKind, ParameterDescriptor};
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::balls::Balls;
+use crate::study::file::key_path::KeyPath;
 use crate::study::file::study_file::StudyFile;
 use crate::study::file::yaml_tree::Source;
 use crate::study::plan::parameter::{MOST_MEMBERS, Parameter};
@@ -28,15 +29,22 @@ pub(crate) fn determined(
     let mut all = Vec::new();
     for own in kind.parameters {
         let Some(name) = own.determines() else { continue };
-        let Some((_, written)) = place_of(own) else { continue };
+        let Some((own_section, written)) = place_of(own) else { continue };
         let other = kind.parameters.iter().find(|other| other.name == name);
-        if let Some((place, given)) = other.and_then(place_of) {
+        if let Some((section, given)) = other.and_then(place_of) {
+            let as_written = |section: &str, name: &str| {
+                let path = KeyPath::of(&format!("{section}.{name}"));
+                let path = source.as_written(&path).to_string();
+                path.rsplit('.').next().unwrap_or(name).to_owned()
+            };
+            let [one, two] = [(own_section, written), (section, given)]
+                .map(|(section, name)| as_written(section, name));
             let fault = Fault::new(
-                format!("`{written}` determines `{given}`"),
-                format!("both `{written}` and `{given}`"),
+                format!("`{one}` determines `{two}`"),
+                format!("both `{one}` and `{two}`"),
                 "one of the two",
             );
-            return Err(source.path(place).refuse_value(fault));
+            return Err(source.path(section).key(given).refuse_key(fault));
         }
         all.push(name);
     }

@@ -13,7 +13,7 @@ const MOST: usize = 20;
 /// Keys on which checks of other keys depend, with these other keys.
 const DEPENDENT: [(&str, &[&str]); 7] = [
     ("model.kind", &[""]),
-    ("model.friction", &["model.parameters", "sweep", "uncertain", "design", "identify"]),
+    ("model.friction", &["sweep", "uncertain", "design", "identify"]),
     ("model.parameters.balls", &["initial_conditions", "sweep", "uncertain", "design"]),
     ("model.speed_profile", &["model", "simulation", "sweep", "uncertain", "responses"]),
     ("model.protocol", &["model", "simulation", "sweep", "uncertain", "responses"]),
@@ -39,7 +39,7 @@ pub(crate) fn with_further_errors(
     let mut others: Vec<StudyError> = Vec::new();
     let mut last = first.clone();
     while others.len() + 1 < MOST {
-        let Some(path) = faulty_key(&last) else { break };
+        let Some(path) = faulty_key(&last).filter(|path| !left_out.contains(path)) else { break };
         left_out.push(path);
         let Err((found, error)) = read(&left_out) else { break };
         let is_consequence = match faulty_key(&error) {
@@ -48,13 +48,14 @@ pub(crate) fn with_further_errors(
             }),
             None => true,
         };
-        if is_consequence {
-            break;
+        if !is_consequence {
+            others.push(error.clone());
         }
-        others.push(error.clone());
         last = error;
     }
+    others.push(first);
     others.sort_by_key(|error| (error.line(), error.column()));
+    let first = others.remove(0);
     first.with_others(others)
 }
 

@@ -28,8 +28,16 @@ pub(crate) fn resolve_units(
     for (key, symbol) in written.into_iter().flatten() {
         let path = path.key(key);
         let Some((_, si)) = known().find(|(name, _)| name == key) else {
-            let names: Vec<&str> = known().map(|(name, _)| *name).collect();
-            let allowed = list_names(key, &names);
+            let mut names: Vec<&str> = known().map(|(name, _)| *name).collect();
+            names.dedup();
+            // All names are compared, and only the nearest one and the quantities are listed.
+            let all = list_names(key, &names);
+            let nearest = all.split_once(" (did you mean this?)").map(|(name, _)| name);
+            let own: Vec<&str> = QUANTITIES.iter().map(|(name, _)| *name).collect();
+            let allowed = match nearest.filter(|name| !own.contains(name)) {
+                Some(name) => format!("{name} (did you mean this?), {}", own.join(", ")),
+                None => format!("{}, or a parameter without its unit", list_names(key, &own)),
+            };
             let problem = "neither a quantity nor a parameter with a unit";
             return Err(path.refuse_key(Fault::new(problem, shorten(key), allowed)));
         };
