@@ -12,7 +12,7 @@ use stickslip::classification::{Outcome, simulate};
 use stickslip::engine::{EngineOptions, Progress, Sink, compute, run_study_with};
 use stickslip::model::{Case, Machine};
 use stickslip::study::Study;
-use stickslip::table::{PointRow, RunRecord, TableWriter, run_columns};
+use stickslip::table::{PointRow, ResponseSamples, RunRecord, TableWriter, run_columns};
 
 /// Returns a study of the thesis's machine, with this design and further lines.
 fn study(design: &str, more: &str) -> Study {
@@ -133,7 +133,8 @@ fn points(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("closing a point");
     group.bench_function("its tables", |bencher| bencher.iter(|| runs.detail([16.5; 2])));
     group.bench_function("its row", |bencher| {
-        bencher.iter(|| PointRow::new(&point, runs.clone().summary(), Vec::new()));
+        let none = ResponseSamples::new(&[], None);
+        bencher.iter(|| PointRow::new(&point, runs.clone().summary(), &none));
     });
 }
 

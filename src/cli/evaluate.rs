@@ -11,8 +11,7 @@ use super::evaluate_server::serve;
 use super::exit::{CliError, End};
 use super::new_table::NewTable;
 use super::output::{csv_header, csv_rows, print};
-use super::printed_columns::estimate_columns;
-use crate::analysis::Estimate;
+use super::printed_columns::{Estimates, estimate_columns};
 use crate::classification::Label;
 use crate::counted::counted;
 use crate::engine::{Parts, Planned, Progress, Show, WorkerPool, say, stop_on_signals};
@@ -121,7 +120,8 @@ fn printed(study: &Study, answers: &[Answer]) -> String {
     let variables = study.variables().iter();
     header.extend(variables.map(|variable| [String::new(), variable.shown_name()]));
     header.extend(study.swept().iter().map(|swept| [String::new(), swept.shown_name()]));
-    let estimates: Vec<&[Estimate]> = answers.iter().map(|one| one.estimates.as_slice()).collect();
+    let estimates: Vec<Estimates<'_>> =
+        answers.iter().map(|one| (&one.estimates[..], &[][..])).collect();
     let responses = estimate_columns(study.responses(), &estimates, study.units());
     header.extend(responses.iter().map(|column| column.header.clone()));
     header.push(["".to_owned(), "failed".to_owned()]);

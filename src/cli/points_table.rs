@@ -272,6 +272,10 @@ impl PointsTable {
         object["set_fraction"] = json!(row.set_fraction);
         if !self.responses.is_empty() {
             object["responses"] = responses_json(&self.responses, &row.responses);
+            let without = self.responses.iter().zip(&row.responses_without_balls);
+            for (response, value) in without.filter(|(one, _)| one.has_value_without_balls()) {
+                object["responses"][&response.name]["without_balls"] = json!(value);
+            }
         }
         object
     }

@@ -70,15 +70,19 @@ pub fn response_columns(
     units: &Units,
 ) -> Vec<PrintedColumn> {
     let mut columns = key_columns(points).list;
-    let estimates: Vec<&[Estimate]> = points.0.iter().map(|row| row.responses.as_slice()).collect();
-    columns.extend(estimate_columns(responses, &estimates, units));
+    let rows: Vec<Estimates<'_>> =
+        points.0.iter().map(|row| (&row.responses[..], &row.responses_without_balls[..])).collect();
+    columns.extend(estimate_columns(responses, &rows, units));
     columns
 }
 
-/// Returns the columns of responses with their 95 % intervals; `rows` holds one estimate per response in each row.
+/// One estimate per response, and the values for machines without balls, if they are known.
+pub type Estimates<'a> = (&'a [Estimate], &'a [Option<f64>]);
+
+/// Returns the columns of responses in rows, with their 95 % intervals and the values without balls.
 pub fn estimate_columns(
     responses: &[Response],
-    rows: &[&[Estimate]],
+    rows: &[Estimates<'_>],
     units: &Units,
 ) -> Vec<PrintedColumn> {
     let mut columns = Vec::new();
@@ -96,7 +100,7 @@ pub fn estimate_columns(
             (None, None) => None,
         };
         let cells = |cell: &dyn Fn(&Estimate) -> Option<String>| {
-            let cell = |row: &&[Estimate]| row.get(index).and_then(cell);
+            let cell = |(row, _): &Estimates<'_>| row.get(index).and_then(cell);
             rows.iter().map(|row| cell(row).unwrap_or_else(|| MISSING.to_owned())).collect()
         };
         let Response { name, .. } = response;
@@ -113,6 +117,15 @@ pub fn estimate_columns(
             name: format!("{name}, 95 % interval"),
             cells: cells(&interval),
         });
+        let without = |(_, without): &Estimates<'_>| without.get(index).copied().flatten();
+        if rows.iter().any(|row| without(row).is_some()) {
+            let cell = |row| without(row).map_or_else(|| MISSING.to_owned(), text);
+            columns.push(PrintedColumn {
+                header: ["no balls".to_owned(), format!("[{unit}]")],
+                name: format!("{name} without balls [{unit}]"),
+                cells: rows.iter().map(cell).collect(),
+            });
+        }
     }
     columns
 }

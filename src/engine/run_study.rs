@@ -314,7 +314,7 @@ impl<S: Sink> PointCollector<'_, S> {
             Some(PointRuns { point_id, runs, responses }) => {
                 let point = self.study.point(point_id);
                 let detail = runs.detail(observed_times_s(self.study.simulation(), point.model()));
-                let row = PointRow::new(&point, runs.summary(), responses.estimates());
+                let row = PointRow::new(&point, runs.summary(), &responses);
                 self.sink.point(row, detail)
             }
             None => Ok(()),

@@ -3,6 +3,7 @@
 use super::column::{Column, Columns};
 use super::estimate::add_estimate;
 use super::point_key::add_point_id;
+use super::response_samples::ResponseSamples;
 use super::runs::add_swept;
 use crate::analysis::{
     Estimate, HalfWidths, PointSummary, ResidualVibration, set_fraction, touching_set_fraction,
@@ -29,6 +30,8 @@ pub struct PointRow {
     pub summary: PointSummary,
     /// One estimate per response, in the order of [`Study::responses`].
     pub responses: Vec<Estimate>,
+    /// The value of each response for the machines without balls, if they have one.
+    pub responses_without_balls: Vec<Option<f64>>,
     /// Fraction of all ball positions that are equilibria.
     pub set_fraction: Option<f64>,
     /// Fraction of the positions in which two balls touch that are equilibria.
@@ -39,12 +42,13 @@ pub struct PointRow {
 
 impl PointRow {
     /// Creates the row of a point.
-    pub fn new(point: &Point, summary: PointSummary, responses: Vec<Estimate>) -> Self {
+    pub fn new(point: &Point, summary: PointSummary, samples: &ResponseSamples<'_>) -> Self {
         PointRow {
             point_id: point.point_id,
             swept: point.swept.clone(),
             summary,
-            responses,
+            responses: samples.estimates(),
+            responses_without_balls: samples.values_without_balls(),
             set_fraction: point.model().ball_balancer().and_then(set_fraction),
             touching_set_fraction: point.model().ball_balancer().and_then(touching_set_fraction),
             // Nothing is proven for balls that touch.
@@ -115,9 +119,16 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         add_machine(&mut list, touches);
         add_residual_vibration(&mut list);
     }
+    let balls = study.model().kind().offers.vibration;
     for (index, response) in study.responses().iter().enumerate() {
         let (name, unit, meaning) = (response.column(), response.unit(), response.meaning());
         add_estimate(&mut list, &name, unit, &meaning, move |row| row.responses.get(index));
+        if balls && response.has_value_without_balls() {
+            list.number(response.column_without_balls(), unit, move |row| {
+                row.responses_without_balls.get(index).copied().flatten()
+            })
+            .meaning("its value for each run's own machine without balls");
+        }
     }
     list.finish()
 }

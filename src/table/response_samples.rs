@@ -3,7 +3,7 @@
 use super::run_record::RunRecord;
 use crate::analysis::{
     Estimate, RunResult, Sample, above, at_rest_by, mean, median_time_to_rest, quantile,
-    standard_deviation, worst,
+    reference_amplitude, standard_deviation, worst,
 };
 use crate::study::{AmplitudeKind, Measure, Response};
 
@@ -17,6 +17,8 @@ pub struct ResponseSamples<'a> {
     of: Vec<(AmplitudeKind, Sample)>,
     /// Whether any run has a residual amplitude.
     has_amplitude: bool,
+    /// The runs with the amplitudes of their own machines without balls.
+    without_balls: Sample,
 }
 
 impl<'a> ResponseSamples<'a> {
@@ -25,15 +27,21 @@ impl<'a> ResponseSamples<'a> {
         let is_measured = |kind| responses.iter().any(|response| response.amplitude == kind);
         let measured = AmplitudeKind::ALL.into_iter().filter(|kind| is_measured(*kind));
         let empty = |kind| (kind, Sample { cells, runs: Vec::new() });
-        ResponseSamples { responses, of: measured.map(empty).collect(), has_amplitude: false }
+        ResponseSamples {
+            responses,
+            of: measured.map(empty).collect(),
+            has_amplitude: false,
+            without_balls: Sample { cells, runs: Vec::new() },
+        }
     }
 
     /// Adds a run.
     pub fn add(&mut self, run: &RunRecord) {
         let RunRecord { planned, outcome, .. } = run;
         self.has_amplitude |= outcome.amplitude_m.is_some();
+        let machine = planned.case.as_ref().ok().and_then(|case| case.model.ball_balancer());
         for (kind, sample) in &mut self.of {
-            sample.runs.push(RunResult {
+            let result = RunResult {
                 cell: planned.cell,
                 label: outcome.label(),
                 amplitude: match kind {
@@ -43,13 +51,28 @@ impl<'a> ResponseSamples<'a> {
                 },
                 time_to_rest_s: outcome.time_to_rest_s,
                 end_time_s: outcome.observed_s(),
-            });
+            };
+            if let (AmplitudeKind::Residual, Some(machine)) = (&*kind, machine) {
+                let amplitude = outcome.amplitude_m.and_then(|_| reference_amplitude(machine));
+                self.without_balls.runs.push(RunResult { amplitude, ..result });
+            }
+            sample.runs.push(result);
         }
     }
 
     /// Returns one estimate per response.
     pub fn estimates(&self) -> Vec<Estimate> {
         self.responses.iter().map(|response| self.estimate(response)).collect()
+    }
+
+    /// Returns the value of each response of a residual amplitude, in m, for the machines of the runs without balls.
+    pub fn values_without_balls(&self) -> Vec<Option<f64>> {
+        let value = |response: &Response| {
+            let has_value =
+                response.has_value_without_balls() && !self.without_balls.runs.is_empty();
+            has_value.then(|| estimate_of(response.measure, &self.without_balls).value).flatten()
+        };
+        self.responses.iter().map(value).collect()
     }
 
     fn estimate(&self, response: &Response) -> Estimate {
@@ -61,14 +84,18 @@ impl<'a> ResponseSamples<'a> {
         if *kind == AmplitudeKind::RelativeResidual && self.has_amplitude && !has_amplitude {
             return Estimate::unknown(NO_REFERENCE);
         }
-        match response.measure {
-            Measure::Mean => mean(sample),
-            Measure::StandardDeviation => standard_deviation(sample),
-            Measure::Quantile(fraction) => quantile(sample, fraction),
-            Measure::Worst => worst(sample),
-            Measure::Above(limit) => above(sample, limit),
-            Measure::AtRestBy(time_s) => at_rest_by(sample, time_s),
-            Measure::MedianTimeToRest => median_time_to_rest(sample),
-        }
+        estimate_of(response.measure, sample)
+    }
+}
+
+fn estimate_of(measure: Measure, sample: &Sample) -> Estimate {
+    match measure {
+        Measure::Mean => mean(sample),
+        Measure::StandardDeviation => standard_deviation(sample),
+        Measure::Quantile(fraction) => quantile(sample, fraction),
+        Measure::Worst => worst(sample),
+        Measure::Above(limit) => above(sample, limit),
+        Measure::AtRestBy(time_s) => at_rest_by(sample, time_s),
+        Measure::MedianTimeToRest => median_time_to_rest(sample),
     }
 }

@@ -184,7 +184,7 @@ fn figures_say_what_they_leave_out() {
     let failed = counts(&points, "failed_runs");
     assert!(failed[0] > 0);
     assert_has(&text, &[format!("Failed runs are not shown: {} of 20 at speed", failed[0])]);
-    assert_has(&text, &["is the median over the runs; each run has its own ball_mass_kg."]);
+    assert_has(&text, &["is the median over the runs; each run has its own ball mass."]);
     let data = data(&text);
     let curve = figure(&data, "time-to-rest")["panels"][0]["layers"][0]["name"].as_str().unwrap();
     assert!(curve.ends_with(&format!("({} failed)", failed[0])), "{curve}");

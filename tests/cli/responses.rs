@@ -50,6 +50,20 @@ fn a_point_has_the_responses_of_the_same_design() {
         assert_eq!(found, expected, "{name}");
     }
     assert!(known > 25, "{known}");
+    // Without balls, each run has the amplitude of its own machine: that of `relative_amplitude`.
+    let runs = scratch.table("out", "runs");
+    let of = |name: &str| numbers(&runs, name).into_iter().map(Option::unwrap).collect::<Vec<_>>();
+    let (amplitude, relative) = (of("amplitude_m"), of("relative_amplitude"));
+    let without: Vec<f64> = amplitude.iter().zip(&relative).map(|(own, part)| own / part).collect();
+    let first = &without[..24];
+    let number =
+        |name: &str| numbers(&points, &format!("response_{name}_without_balls"))[0].unwrap();
+    assert!((number("vibration") / (first.iter().sum::<f64>() / 24.0) - 1.0).abs() < 1e-12);
+    let above = first.iter().filter(|metres| **metres > 60e-6).count();
+    assert_eq!(number("above"), above as f64 / 24.0);
+    let columns = points.schema();
+    assert!(columns.column_with_name("response_ratio_without_balls").is_none());
+    assert!(columns.column_with_name("response_rest_without_balls").is_none());
     // The same answers as text: CSV, as the output is no terminal, and the same file.
     let printed = scratch.well("evaluate b.yaml --designs d.csv --quiet");
     scratch.well("evaluate b.yaml --designs d.csv --out r.csv --quiet");
@@ -69,6 +83,7 @@ fn responses_are_printed_in_the_units_of_the_study() {
     let printed = scratch.well("run a.yaml --out out");
     let points = scratch.table("out", "points");
     let parts = [
+        "no balls",
         "speed [rpm]",
         "-2000",
         "-1600",

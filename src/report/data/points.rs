@@ -3,7 +3,7 @@
 use crate::analysis::{AuditCounts, Estimate, HalfWidths, ResidualVibration};
 use crate::classification::Label;
 use crate::report::data::heading;
-use crate::study::{ParameterValue, Study};
+use crate::study::{ParameterValue, Response, Study};
 use crate::table::{Batch, Kind, PointRow, Table, TableError, estimate_kinds, read_estimate};
 
 /// The largest number of points in memory; of larger sweeps every second, third and so on is read.
@@ -55,6 +55,8 @@ pub struct PointFacts {
     pub flip_rate: Option<[f64; 3]>,
     /// One estimate per response of the study.
     pub responses: Vec<Estimate>,
+    /// The value of each response for the machines without balls, if they have one.
+    pub responses_without_balls: Vec<Option<f64>>,
 }
 
 const TIMES: [&str; 4] =
@@ -122,6 +124,7 @@ impl PointFacts {
             audit,
             flip_rate: audit.flip_rate().map(|rate| [rate, flip_low, flip_high]),
             responses: responses.clone(),
+            responses_without_balls: row.responses_without_balls.clone(),
         }
     }
 
@@ -148,6 +151,10 @@ impl PointFacts {
             study.responses().iter().flat_map(|one| estimate_kinds(&one.column())).collect();
         let mut columns: Vec<(&str, Kind)> = counts.map(|name| (name, Kind::Count)).collect();
         columns.extend(responses.iter().map(|(name, kind)| (name.as_str(), *kind)));
+        let without_balls = study.responses().iter().filter(|one| one.has_value_without_balls());
+        let without_balls: Vec<String> =
+            without_balls.filter(|_| balls).map(Response::column_without_balls).collect();
+        columns.extend(without_balls.iter().map(|name| (name.as_str(), Kind::Number)));
         columns.extend(numbers.map(|name| (name, Kind::Number)));
         columns.extend([(METHOD, Kind::Text), (PRECISE, Kind::Boolean)]);
         for batch in table.read(&columns)? {
@@ -184,6 +191,11 @@ impl PointFacts {
         let residual = if balls { residual(batch, row)? } else { ResidualVibration::default() };
         let swept =
             if point_id < study.point_count() { study.point(point_id).swept } else { Vec::new() };
+        let without_balls =
+            study.responses().iter().map(|one| match balls && one.has_value_without_balls() {
+                true => number(&one.column_without_balls()),
+                false => Ok(None),
+            });
         let responses = study.responses().iter();
         let responses = responses.map(|one| read_estimate(batch, &one.column(), row));
         let [p25, p50, p75, p95] = TIMES.map(number);
@@ -208,6 +220,7 @@ impl PointFacts {
             },
             flip_rate: flip_rate.map(|((rate, low), high)| [rate, low, high]),
             responses: responses.collect::<Result<_, _>>()?,
+            responses_without_balls: without_balls.collect::<Result<_, _>>()?,
         })
     }
 

@@ -24,6 +24,11 @@ pub fn conclusion(body: &mut Html, data: &ReportData<'_>) {
         let name = format!("The response {} ({meaning})", response.name);
         let value = |point: &PointFacts| point.responses.get(index)?.value;
         sentences.extend(range(data, &name, &unit, &value));
+        let [only] = &data.points[..] else { continue };
+        let without = only.responses_without_balls.get(index).copied().flatten();
+        sentences.extend(without.map(|value| {
+            format!("Without balls, it would be {} {}.", significant(unit.of(value)), unit.symbol)
+        }));
     }
     let influence = |of: &dyn Fn(&DrawnRuns, usize) -> Option<RankCorrelation>, what: &str| {
         strongest(data, of).map(|(name, point, found)| {

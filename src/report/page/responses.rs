@@ -5,7 +5,7 @@ use super::tables::MOST_ROWS;
 use crate::analysis::Estimate;
 use crate::report::data::{PointFacts, ReportData, said};
 use crate::report::figures::significant;
-use crate::study::{Unit, VariedParameter};
+use crate::study::{Response, Unit, VariedParameter};
 
 /// Adds the table; nothing if the study has no responses.
 pub fn responses(body: &mut Html, data: &ReportData<'_>) {
@@ -15,16 +15,20 @@ pub fn responses(body: &mut Html, data: &ReportData<'_>) {
     }
     body.line("<section aria-labelledby=\"responses\"><h2 id=\"responses\">Responses</h2>");
     let units: Vec<Unit> = responses.iter().map(|one| one.shown_unit(study.units())).collect();
+    let balls = study.model().kind().offers.vibration;
+    let is_known = |response: &Response| balls && response.has_value_without_balls();
     let mut head = vec!["point".to_owned()];
     head.extend(study.swept().iter().map(VariedParameter::shown_name));
     for (response, unit) in responses.iter().zip(&units) {
         head.extend([format!("{} [{}]", response.name, unit.symbol), "95 % interval".to_owned()]);
+        head.extend(is_known(response).then(|| format!("no balls [{}]", unit.symbol)));
     }
     let head: Vec<&str> = head.iter().map(String::as_str).collect();
     let row = |point: &PointFacts| {
         let mut cells = vec![point.point_id.to_string()];
         cells.extend(said(study, &point.swept).iter().map(|value| escaped(value)));
-        for (estimate, unit) in point.responses.iter().zip(&units) {
+        let estimates = point.responses.iter().zip(&point.responses_without_balls);
+        for (((estimate, without), unit), response) in estimates.zip(&units).zip(responses) {
             let written = |value: f64| significant(unit.of(value));
             cells.push(match (estimate.value, &estimate.reason) {
                 (Some(value), _) => written(value),
@@ -32,6 +36,9 @@ pub fn responses(body: &mut Html, data: &ReportData<'_>) {
                 (None, None) => "–".to_owned(),
             });
             cells.push(format!("<span class=\"interval\">{}</span>", interval(estimate, written)));
+            let without =
+                is_known(response).then(|| without.map_or_else(|| "–".to_owned(), written));
+            cells.extend(without);
         }
         cells
     };

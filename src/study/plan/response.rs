@@ -51,7 +51,8 @@ impl AmplitudeKind {
 }
 
 /// Suffixes of the columns that accompany the value of a response.
-pub(crate) const SUFFIXES: [&str; 4] = ["_standard_error", "_low", "_high", "_reason"];
+pub(crate) const SUFFIXES: [&str; 5] =
+    ["_standard_error", "_low", "_high", "_reason", "_without_balls"];
 
 /// Names of columns that result tables use themselves.
 pub(in crate::study) const RESERVED_COLUMNS: [&str; 15] = [
@@ -76,6 +77,17 @@ impl Response {
     /// Returns the name of the column in `points.parquet`, where other columns could have the name of the response.
     pub fn column(&self) -> String {
         format!("response_{}", self.name)
+    }
+
+    /// Returns the name of the column with the value for machines without balls.
+    pub fn column_without_balls(&self) -> String {
+        format!("{}_without_balls", self.column())
+    }
+
+    /// Returns whether the machine without balls has a value, too: a response of a residual amplitude that is not relative.
+    pub fn has_value_without_balls(&self) -> bool {
+        let is_time = matches!(self.measure, Measure::AtRestBy(_) | Measure::MedianTimeToRest);
+        self.amplitude == AmplitudeKind::Residual && !is_time
     }
 
     /// Returns the unit of the value; `1` if it is dimensionless.
