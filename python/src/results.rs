@@ -8,6 +8,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::classification::Label;
+use stickslip::cli::{MOST_LINES, PointsTable};
 use stickslip::engine::{Readable, readable_results, results_study};
 use stickslip::report::{Replay, write_report};
 use stickslip::study::Study;
@@ -64,6 +65,8 @@ pub struct Results {
     complete: bool,
     place: Option<Place>,
     tables: [OnceLock<MemoryTable>; 6],
+    /// The points in Markdown.
+    summary: OnceLock<String>,
     /// Of a study whose runs have stages.
     stages: Option<OnceLock<MemoryTable>>,
 }
@@ -121,6 +124,26 @@ impl Results {
     #[getter]
     fn stages(&self, py: Python<'_>) -> PyResult<Option<Table>> {
         self.stages.as_ref().map(|slot| self.in_slot(py, slot, STAGES_TABLE)).transpose()
+    }
+
+    /// The points in Markdown, as ``stickslip summary --markdown`` prints them: the most important columns in the units of
+    /// the study, the responses, and the conclusion in words. A notebook shows it for results.
+    fn summary(&self, py: Python<'_>) -> PyResult<String> {
+        if let (None, Some(place)) = (self.summary.get(), &self.place) {
+            let readable = Arc::clone(&place.readable);
+            let read = move |_: &AtomicBool| {
+                let Readable { tables, manifest, study, .. } = &*readable;
+                let points = table::Table::open(tables, manifest, "points")?;
+                Ok::<_, Trouble>(PointsTable::read(study, &points, MOST_LINES)?.markdown())
+            };
+            let text = wait(py, read)??;
+            return Ok(self.summary.get_or_init(|| text).clone());
+        }
+        Ok(self.summary.get().cloned().unwrap_or_default())
+    }
+
+    fn _repr_markdown_(&self, py: Python<'_>) -> PyResult<String> {
+        self.summary(py)
     }
 
     /// Number of runs by label: equilibrium, limit_cycle, irregular, undecided, failed.
@@ -292,6 +315,7 @@ impl Results {
         runs_of: impl Fn(Label) -> u64,
         tables: [MemoryTable; 6],
         stages: Option<MemoryTable>,
+        summary: String,
     ) -> Self {
         Results {
             study,
@@ -300,6 +324,7 @@ impl Results {
             complete: true,
             place: None,
             tables: tables.map(OnceLock::from),
+            summary: OnceLock::from(summary),
             stages: stages.map(OnceLock::from),
         }
     }
@@ -315,6 +340,7 @@ impl Results {
             labels,
             complete: manifest.complete,
             tables: Default::default(),
+            summary: OnceLock::new(),
             stages: study.has_stages().then(OnceLock::new),
             study,
             place: Some(Place { directory, readable: Arc::new(readable) }),

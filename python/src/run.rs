@@ -6,9 +6,11 @@ use std::sync::atomic::AtomicBool;
 
 use arrow_schema::ArrowError;
 use stickslip::analysis::PointDetail;
+use stickslip::cli::{MOST_LINES, PointsTable};
 use stickslip::engine::{
     EngineOptions, OutputDir, Parts, Planned, Progress, Readable, Ready, Show, Sink, run_study,
 };
+use stickslip::report::PointFacts;
 use stickslip::study::Study;
 use stickslip::table::{
     self, Circumstances, MemoryResults, MemoryTables, PointRow, ResultsError, RunRecord,
@@ -36,14 +38,17 @@ impl Run {
     /// Returns an error if the threads cannot be started.
     pub fn in_memory(self, study: &Arc<Study>, stop: &AtomicBool) -> Result<Results, Trouble> {
         let mut tables = MemoryResults::new(study);
+        let mut summary = PointsTable::new(study, MOST_LINES);
+        summary.is_saved = false;
         let progress = Progress::begin(self.planned(study), self.show.clone());
-        let mut sink = InMemory(&mut tables);
+        let mut sink = InMemory(study, &mut tables, &mut summary);
         let ended = run_study(study, self.options(), stop, &progress, None, &mut sink);
         progress.close();
         let totals = ended?;
         let MemoryTables { tables, stages } = tables.finish()?;
         let study = (Arc::clone(study), self.file);
-        Ok(Results::in_memory(study, |label| totals.counts.of(label), tables, stages))
+        let runs_of = |label| totals.counts.of(label);
+        Ok(Results::in_memory(study, runs_of, tables, stages, summary.markdown()))
     }
 
     /// Runs a study into a directory, like the command line.
@@ -103,18 +108,19 @@ impl Run {
     }
 }
 
-/// Collects runs and points in memory.
-struct InMemory<'a>(&'a mut MemoryResults);
+/// Collects runs and points in memory, and the points as people read them.
+struct InMemory<'a>(&'a Study, &'a mut MemoryResults, &'a mut PointsTable);
 
 impl Sink for InMemory<'_> {
     type Error = ArrowError;
 
     fn run(&mut self, record: RunRecord) -> Result<(), ArrowError> {
-        self.0.push_run(record)
+        self.1.push_run(record)
     }
 
     fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ArrowError> {
-        self.0.push_point(point, detail)
+        self.2.push(self.0, PointFacts::of(self.0, &point));
+        self.1.push_point(point, detail)
     }
 }
 

@@ -330,7 +330,7 @@ def test_equilibrium_surface(tmp_path):
     assert axes.get_zlim() == pytest.approx((0.0, 15.0)) and axes.get_xlim()[1] == pytest.approx(
         2 * np.pi, rel=0.05
     )
-    assert "goes up to 15.0 µm" in figure.alternative
+    assert "goes up to 15 µm" in figure.alternative
     assert "Without balls it is 12.0 µm." in figure.alternative
     assert entries(figure) == ["amplitude without balls: 12.0 µm"]
 

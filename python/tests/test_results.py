@@ -29,6 +29,29 @@ def test_finished_results(small, small_results):
         pickle.dumps(small.run())
 
 
+def test_units_of_the_study(tmp_path, program):
+    """The summary and the figures are in the units in which the study is written; the tables are in SI units."""
+    text = (
+        "schema: 1\nname: rpm\nseed: 5\nmodel: {kind: ball_balancer, parameters: {balls: 1}}\n"
+        "units: {vibration: mm}\n"
+        "sweep: [{grid: {speed: [-1500 rpm, -2000 rpm]}}]\n"
+        "initial_conditions: {design: {monte_carlo: {samples: 8}}}\nsimulation: {end_time_s: 0.5}\n"
+    )
+    study = stickslip.Study.from_text(text)
+    in_memory = study.run()
+    in_files = study.run(tmp_path / "out")
+    summary = in_memory.summary()
+    assert summary == in_files.summary() == in_files._repr_markdown_()
+    assert summary in program("summary", tmp_path / "out", "--format", "markdown").stdout
+    assert "| speed [rpm] |" in summary and "-1500" in summary and "[mm]" in summary
+    assert min(in_files.points["speed_rad_s"]) == pytest.approx(-209.4395102)
+    figure = in_files.plot("ending_fractions")
+    assert figure.axes[0].get_xlabel() == "speed [rpm]"
+    assert figure.axes[0].containers[0][0].get_xydata()[:, 0].tolist() == [-2000.0, -1500.0]
+    titles = [axes.get_title() for axes in in_files.plot("basins").axes]
+    assert any("−2000\u00a0rpm" in title for title in titles), titles
+
+
 def files(folder):
     return {path.relative_to(folder): path.stat().st_size for path in folder.rglob("*") if path.is_file()}
 

@@ -21,12 +21,15 @@ pub(super) struct Limit {
     /// What is unusual.
     pub problem: &'static str,
     /// The quantity in words.
-    pub found: fn(&Machine) -> String,
+    pub found: fn(&Machine, Said<'_>) -> String,
     /// The limit in words.
     pub remedy: &'static str,
     /// A remark on the unit, for a study that writes none.
     pub remark: &'static str,
 }
+
+/// Returns the value of a parameter with its unit.
+pub(super) type Said<'a> = &'a dyn Fn(&str, f64) -> String;
 
 /// The kind of warning of balls that are heavier than the table.
 pub(super) const HEAVY_BALLS: &str = "heavy_balls";
@@ -41,7 +44,9 @@ pub(super) const LIMITS: [Limit; 6] = [
         parameters: &["ring_radius_m"],
         is_exceeded: |machine| machine.ring_radius_m > 2.0,
         problem: "a ring that is larger than usual",
-        found: |machine| format!("a radius of {} m", short(machine.ring_radius_m)),
+        found: |machine, said| {
+            format!("a radius of {}", said("ring_radius_m", machine.ring_radius_m))
+        },
         remedy: "at most 2 m",
         remark: LENGTHS,
     },
@@ -50,7 +55,7 @@ pub(super) const LIMITS: [Limit; 6] = [
         parameters: &["imbalance_radius_m"],
         is_exceeded: |machine| machine.imbalance_radius_m > 2.0,
         problem: "an imbalance that is farther from the axis than usual",
-        found: |machine| format!("{} m", short(machine.imbalance_radius_m)),
+        found: |machine, said| said("imbalance_radius_m", machine.imbalance_radius_m),
         remedy: "at most 2 m",
         remark: LENGTHS,
     },
@@ -59,11 +64,12 @@ pub(super) const LIMITS: [Limit; 6] = [
         parameters: &["stiffness_n_m", "table_mass_kg"],
         is_exceeded: |machine| deflection_m(machine) > 2.0 * machine.ring_radius_m,
         problem: "the suspension is unusually soft for the mass that it carries",
-        found: |machine| {
-            let [stiffness, mass, deflection_m] =
-                [machine.stiffness_n_m, machine.total_mass_kg(), deflection_m(machine)].map(short);
+        found: |machine, said| {
             format!(
-                "{stiffness} N/m and {mass} kg, whose weight would deflect it by {deflection_m} m"
+                "{} and {}, whose weight would deflect it by {}",
+                said("stiffness_n_m", machine.stiffness_n_m),
+                said("table_mass_kg", machine.total_mass_kg()),
+                said("ring_radius_m", deflection_m(machine))
             )
         },
         remedy: "a deflection of at most twice the radius of the ring",
@@ -74,11 +80,13 @@ pub(super) const LIMITS: [Limit; 6] = [
         parameters: &["stiffness_n_m", "table_mass_kg"],
         is_exceeded: |machine| machine.natural_frequency_rad_s() > STIFFEST_RAD_S,
         problem: "the suspension is unusually stiff for the mass that it carries",
-        found: |machine| {
-            let natural = machine.natural_frequency_rad_s();
-            let [stiffness, mass, hertz] =
-                [machine.stiffness_n_m, machine.total_mass_kg(), natural / TAU].map(short);
-            format!("{stiffness} N/m and {mass} kg, a natural frequency of {hertz} Hz")
+        found: |machine, said| {
+            format!(
+                "{} and {}, a natural frequency of {} Hz",
+                said("stiffness_n_m", machine.stiffness_n_m),
+                said("table_mass_kg", machine.total_mass_kg()),
+                short(machine.natural_frequency_rad_s() / TAU)
+            )
         },
         remedy: "a natural frequency of at most 5000 Hz",
         remark: "; the stiffness is in N/m and masses are in kg",
@@ -88,9 +96,12 @@ pub(super) const LIMITS: [Limit; 6] = [
         parameters: &["ball_mass_kg", "table_mass_kg"],
         is_exceeded: |machine| balls_kg(machine) > machine.table_mass_kg,
         problem: "the balls together are heavier than the table",
-        found: |machine| {
-            let [balls, table] = [balls_kg(machine), machine.table_mass_kg].map(short);
-            format!("balls of {balls} kg on a table of {table} kg")
+        found: |machine, said| {
+            format!(
+                "balls of {} on a table of {}",
+                said("ball_mass_kg", balls_kg(machine)),
+                said("table_mass_kg", machine.table_mass_kg)
+            )
         },
         remedy: "balls that are lighter than the table",
         remark: "; masses are in kg, not in g",
@@ -100,12 +111,11 @@ pub(super) const LIMITS: [Limit; 6] = [
         parameters: &["damping_n_s_m"],
         is_exceeded: |machine| machine.damping_n_s_m > 2.0 * critical_damping_n_s_m(machine),
         problem: "the suspension is damped so strongly that the table cannot oscillate",
-        found: |machine| {
-            let ratio = machine.damping_n_s_m / critical_damping_n_s_m(machine);
+        found: |machine, said| {
             format!(
-                "{} N s/m, {} times the critical damping",
-                short(machine.damping_n_s_m),
-                short(ratio)
+                "{}, {} times the critical damping",
+                said("damping_n_s_m", machine.damping_n_s_m),
+                short(machine.damping_n_s_m / critical_damping_n_s_m(machine))
             )
         },
         remedy: "at most twice the critical damping 2 sqrt(k M)",

@@ -90,6 +90,12 @@ impl At<'_> {
         short.filter(|_| is_with_unit).unwrap_or(name)
     }
 
+    /// Returns the value of a parameter with the unit in which the study shows it.
+    fn said(&self, name: &str, value: f64) -> String {
+        let unit = self.study.units().shown(name);
+        format!("{} {}", short(unit.of(value)), unit.symbol)
+    }
+
     /// Returns a remark on the unit of a number, unless the study writes the unit of this key itself.
     fn remark(&self, key: &str, remark: &'static str) -> &'static str {
         if self.study.key_with_unit(key).is_some() { "" } else { remark }
@@ -105,9 +111,9 @@ impl At<'_> {
             kind: "ball_beyond_ring",
             problem: "a ball reaches the centre of the ring".to_owned(),
             found: format!(
-                "a ball diameter of {} m, while the centres of the balls are {} m from the centre of the ring",
-                short(diameter_m),
-                short(radius_m)
+                "a ball diameter of {}, while the centres of the balls are {} from the centre of the ring",
+                self.said("ball_diameter_m", diameter_m),
+                self.said("ring_radius_m", radius_m)
             ),
             remedy: format!(
                 "{} below twice {}{}",
@@ -131,9 +137,9 @@ impl At<'_> {
             key: self.key("ball_diameter_m", Some(1)),
             problem: "the balls do not fit side by side into the ring".to_owned(),
             found: format!(
-                "{balls} balls of {} m in a ring of radius {} m occupy {:.0}° of 360°",
-                short(machine.balls.first()?.diameter_m),
-                short(machine.ring_radius_m),
+                "{balls} balls of {} in a ring of radius {} occupy {:.0}° of 360°",
+                self.said("ball_diameter_m", machine.balls.first()?.diameter_m),
+                self.said("ring_radius_m", machine.ring_radius_m),
                 occupied.to_degrees()
             ),
             remedy: format!(
@@ -172,9 +178,9 @@ impl At<'_> {
             key,
             problem: problem.to_owned(),
             found: format!(
-                "a ball of {} kg with a diameter of {} m, which is {} kg/m³",
-                short(ball.mass_kg),
-                short(ball.diameter_m),
+                "a ball of {} with a diameter of {}, which is {} kg/m³",
+                self.said("ball_mass_kg", ball.mass_kg),
+                self.said("ball_diameter_m", ball.diameter_m),
                 short(density)
             ),
             remedy: format!(
@@ -259,7 +265,7 @@ impl At<'_> {
         (limit.is_exceeded)(machine).then(|| Finding {
             kind: limit.kind,
             problem: limit.problem.to_owned(),
-            found: (limit.found)(machine),
+            found: (limit.found)(machine, &|name, value| self.said(name, value)),
             remedy: format!("{}{}", limit.remedy, self.remark(&key, limit.remark)),
             key,
         })
@@ -321,9 +327,9 @@ impl At<'_> {
                       and the table then vibrates with the runout as its amplitude"
                 .to_owned(),
             found: format!(
-                "a runout of {} m, and an amplitude without balls of {} m",
-                short(runout_m),
-                short(without_balls_m)
+                "a runout of {}, and an amplitude without balls of {}",
+                self.said("ring_runout_m", runout_m),
+                self.said("ring_runout_m", without_balls_m)
             ),
             remedy: format!(
                 "{} below the amplitude without balls{}",

@@ -15,7 +15,6 @@ use crate::report::{
     ComparedQuantity, ComparedResults, Comparison, NamedPoints, compare as compare_results,
     percent, three_digits,
 };
-use crate::responses::estimate_json;
 use crate::sanitize::shown_path;
 use crate::table::Table;
 use crate::text_table::text_table;
@@ -66,7 +65,11 @@ pub fn compare(arguments: &CompareArguments) -> Result<End, CliError> {
     let comparison = compare_results([&one, &other])?;
     if arguments.json {
         let directories = directories.map(|directory| directory.display().to_string());
-        print_json(&format!("{:#}\n", in_json(&comparison, &directories)))?;
+        let mut result = json!({"directories": directories});
+        if let (Some(keys), Value::Object(found)) = (result.as_object_mut(), json!(comparison)) {
+            keys.extend(found);
+        }
+        print_json(&format!("{result:#}\n"))?;
         return Ok(End::Well);
     }
     let title = |name: &str, directory: &PathBuf, results: &Readable| {
@@ -80,7 +83,7 @@ pub fn compare(arguments: &CompareArguments) -> Result<End, CliError> {
 }
 
 fn in_words(comparison: &Comparison) -> String {
-    let Comparison { changed_keys, points, without_counterpart } = comparison;
+    let Comparison { changed_keys, points, points_without_counterpart } = comparison;
     let mut text = match changed_keys.is_empty() {
         true => "both studies have the same keys and values\n".to_owned(),
         false => "keys that differ\n".to_owned(),
@@ -114,7 +117,7 @@ fn in_words(comparison: &Comparison) -> String {
     }
     text += "\n";
     text += &conclusions(comparison);
-    for (which, without) in ["first", "second"].iter().zip(without_counterpart) {
+    for (which, without) in ["first", "second"].iter().zip(points_without_counterpart) {
         if *without > 0 {
             let points = counted(*without, "point");
             text += &format!("{points} of the {which} study: the other study has no such point.\n");
@@ -125,7 +128,7 @@ fn in_words(comparison: &Comparison) -> String {
 
 /// Returns name, both values, the difference and its interval.
 fn cells(quantity: &ComparedQuantity) -> Vec<String> {
-    let ComparedQuantity { name, unit, estimates, difference } = quantity;
+    let ComparedQuantity { name, unit, first, second, difference } = quantity;
     let known = |value: Option<f64>, text: &dyn Fn(f64) -> String| {
         value.map_or_else(|| "-".to_owned(), text)
     };
@@ -137,7 +140,6 @@ fn cells(quantity: &ComparedQuantity) -> Vec<String> {
         let sign = if value < 0.0 { "-" } else { "+" };
         format!("{sign}{}", three_digits(unit.of(value.abs())))
     };
-    let [first, second] = estimates;
     let Estimate { low, high, .. } = difference;
     vec![
         format!("{name} [{}]", unit.symbol),
@@ -191,7 +193,7 @@ fn conclusions(comparison: &Comparison) -> String {
         };
         text += &format!("{}: {what}.\n", quantity.name);
     }
-    let paired = points.iter().filter(|point| point.paired).count();
+    let paired = points.iter().filter(|point| point.same_start_states).count();
     text + match paired {
         0 => {
             "The runs of the studies have different start states: the intervals are those of independent samples.\n"
@@ -201,33 +203,4 @@ fn conclusions(comparison: &Comparison) -> String {
         }
         _ => "At some points the runs of both studies have the same start states.\n",
     }
-}
-
-fn in_json(comparison: &Comparison, directories: &[String; 2]) -> Value {
-    let Comparison { changed_keys, points, without_counterpart } = comparison;
-    let quantity = |one: &ComparedQuantity| {
-        json!({
-            "name": one.name,
-            "first": estimate_json(&one.estimates[0]),
-            "second": estimate_json(&one.estimates[1]),
-            "difference": estimate_json(&one.difference),
-        })
-    };
-    let points: Vec<Value> = points
-        .iter()
-        .map(|point| {
-            json!({
-                "point_ids": point.point_ids,
-                "title": point.title,
-                "same_start_states": point.paired,
-                "quantities": point.quantities.iter().map(quantity).collect::<Vec<_>>(),
-            })
-        })
-        .collect();
-    json!({
-        "directories": directories,
-        "changed_keys": changed_keys,
-        "points_without_counterpart": without_counterpart,
-        "points": points,
-    })
 }

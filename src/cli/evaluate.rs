@@ -11,10 +11,10 @@ use super::evaluate_server::serve;
 use super::exit::{CliError, End};
 use super::new_table::NewTable;
 use super::output::{csv_header, csv_rows, print};
-use super::printed_columns::{Estimates, estimate_columns};
 use crate::classification::Label;
 use crate::counted::counted;
 use crate::engine::{Parts, Planned, Progress, Show, WorkerPool, say, stop_on_signals};
+use crate::report::{Estimates, estimate_columns};
 use crate::responses::{
     Answer, MOST_DESIGNS, check_answerable, respond_to_all, response_columns, run_count,
 };

@@ -28,7 +28,6 @@ mod output;
 mod point_keys;
 mod point_words;
 mod points_table;
-mod printed_columns;
 mod range;
 mod replay;
 mod replay_text;
@@ -48,6 +47,7 @@ use clap::{Parser, Subcommand};
 pub use check::check_json;
 pub use exit::{CliError, End};
 pub use output::print_message;
+pub use points_table::{MOST_LINES, PointsTable};
 
 use crate::engine::{say, show_messages, survive_file_size_limit};
 use crate::model::Registry;

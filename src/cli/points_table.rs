@@ -7,11 +7,12 @@ use serde_json::{Value, json};
 
 use super::point_keys::{merged, point_keys};
 use super::point_words::point_line;
-use super::printed_columns::{PrintedColumn, printed_columns, response_columns};
 use crate::analysis::AuditCounts;
 use crate::classification::Label;
 use crate::counted::counted;
-use crate::report::{Conclusion, Fraction, PointFacts};
+use crate::report::{
+    Conclusion, Fraction, PointFacts, PrintedColumn, printed_columns, response_columns,
+};
 use crate::responses::responses_json;
 use crate::study::{Precision, Response, Study, Units, VariedParameter};
 use crate::table::{Table, TableError};

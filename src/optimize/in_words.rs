@@ -15,7 +15,7 @@ pub(crate) fn short(number: f64) -> String {
 }
 
 /// Returns a number with at most four significant digits, without zeros at the end of a fraction.
-fn significant_digits(number: f64) -> String {
+pub(crate) fn significant_digits(number: f64) -> String {
     let text = short(number);
     match text.contains('.') && !text.contains('e') {
         true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),

@@ -46,16 +46,24 @@ pub fn on_bounds(study: &Study, values: &[DesignValue]) -> Vec<Bound> {
 
 /// Returns what a reader should know about the best design, a sentence each.
 pub fn notes(study: &Study, best: &Finalist) -> Vec<String> {
-    let on_bound = |bound: Bound| {
-        let Bound { variable, which, range: [from, to] } = bound;
-        format!(
-            "`{variable}` lies on the {which} bound of its range ({from} to {to}); a wider range may contain a \
-             better design."
-        )
-    };
-    let mut notes: Vec<String> = on_bounds(study, &best.values).into_iter().map(on_bound).collect();
+    let mut notes = bounds_in_words(study, &best.values);
     notes.extend(use_of_balls(&best.relative_amplitudes));
     notes
+}
+
+/// Returns a sentence for each value of a design that lies on a bound of its range.
+pub fn bounds_in_words(study: &Study, values: &[DesignValue]) -> Vec<String> {
+    let sentence = |Bound { variable, which, range }: Bound| {
+        let of_name = study.variables().iter().find(|one| one.name() == variable)?;
+        let (name, unit) = of_name.name_and_unit();
+        let [from, to] = range.map(|end| of_name.describe(DesignValue::Number(end)));
+        let range = format!("{from} to {to} {unit}");
+        Some(format!(
+            "`{name}` lies on the {which} bound of its range ({}); a wider range may contain a better design.",
+            range.trim_end()
+        ))
+    };
+    on_bounds(study, values).into_iter().filter_map(sentence).collect()
 }
 
 /// Returns a sentence if the mean amplitudes at the points of the sweep, divided by those without balls, show that the

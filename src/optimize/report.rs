@@ -12,7 +12,6 @@ use super::notes::{notes, on_bounds};
 use super::search::{Search, SearchEnd};
 use super::sensitivity::Sensitivity;
 use crate::analysis::{Estimate, estimate_difference, estimate_ratio};
-use crate::responses::estimate_json;
 use crate::study::{DesignValue, Optimization, Study};
 use crate::text_table::text_table;
 
@@ -34,8 +33,8 @@ pub fn optimum_json(
             let (best, other) = (best.estimates.get(*quantity)?, other.estimates.get(*quantity)?);
             Some(json!({
                 "response": study.responses().get(objective.response)?.name,
-                "difference": estimate_json(&estimate_difference(best, other, 0.0)),
-                "ratio": estimate_json(&estimate_ratio(best, other)),
+                "difference": estimate_difference(best, other, 0.0),
+                "ratio": estimate_ratio(best, other),
             }))
         };
         Some(goal.objectives().iter().filter_map(of).collect::<Vec<Value>>())
@@ -87,14 +86,14 @@ fn final_json(study: &Study, goal: &Goal, one: &Finalist) -> Value {
     let responses: serde_json::Map<String, Value> = estimates
         .filter_map(|(quantity, estimate)| {
             let name = study.responses().get(quantity.response)?.name.clone();
-            Some((name, estimate_json(estimate)))
+            Some((name, json!(estimate)))
         })
         .collect();
     json!({
         "design": one.design,
         "values": design_json(study, &one.values),
         "responses": responses,
-        "relative_amplitudes": one.relative_amplitudes.iter().map(estimate_json).collect::<Vec<_>>(),
+        "relative_amplitudes": one.relative_amplitudes,
         "on_bounds": on_bounds(study, &one.values)
             .into_iter()
             .map(|bound| json!({"variable": bound.variable, "bound": bound.which}))

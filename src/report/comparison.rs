@@ -7,11 +7,13 @@
 use std::collections::{BTreeSet, HashMap};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
+use serde::Serialize;
+
 use super::data::heading;
 use crate::analysis::{Estimate, estimate_difference};
 use crate::classification::Label;
 use crate::study::{AmplitudeKind, Measure, ParameterValue, Response, Study, Unit, changed_keys};
-use crate::table::{Batch, Kind, Table, TableError, estimate_kinds, read_estimate};
+use crate::table::{Batch, Kind, Table, TableError};
 
 /// The study and the tables of a directory of results.
 pub struct ComparedResults<'a> {
@@ -24,38 +26,41 @@ pub struct ComparedResults<'a> {
 }
 
 /// The differences of two studies; a difference is that of the second study from the first.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// The keys that differ, with both values.
     pub changed_keys: Vec<String>,
     /// The points that both studies have.
     pub points: Vec<ComparedPoint>,
     /// The number of points of each study without a counterpart.
-    pub without_counterpart: [u64; 2],
+    pub points_without_counterpart: [u64; 2],
 }
 
 /// A point that both studies have.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComparedPoint {
     /// Its numbers in both studies.
     pub point_ids: [u64; 2],
     /// The swept values in words, in the units of the first study; empty without a common swept parameter.
     pub title: String,
     /// Whether the runs of both studies have the same start states.
-    pub paired: bool,
+    pub same_start_states: bool,
     /// The quantities.
     pub quantities: Vec<ComparedQuantity>,
 }
 
 /// A quantity of a point.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComparedQuantity {
     /// Its name: that of a response, or of columns of `points.parquet`.
     pub name: String,
     /// The unit in which people read it.
+    #[serde(skip)]
     pub unit: Unit,
-    /// The estimates of both studies.
-    pub estimates: [Estimate; 2],
+    /// The estimate of the first study.
+    pub first: Estimate,
+    /// The estimate of the second study.
+    pub second: Estimate,
     /// The second estimate minus the first.
     pub difference: Estimate,
 }
@@ -76,15 +81,8 @@ struct Quantity {
     name: String,
     unit: Unit,
     /// The columns of the value and of both ends of its interval.
-    columns: Columns,
+    columns: [String; 3],
     contribution: Contribution,
-}
-
-enum Columns {
-    /// Value, lower and upper end.
-    Three([&'static str; 3]),
-    /// Those of a response.
-    Estimate(String),
 }
 
 /// A run as comparisons see it.
@@ -134,21 +132,21 @@ pub fn compare(results: [&ComparedResults<'_>; 2]) -> Result<Comparison, TableEr
     let missing = has_counterpart.iter().filter(|has| !**has).count();
     Ok(Comparison {
         changed_keys: changed_keys(first, second),
-        without_counterpart: [(one.len() - compared.len()) as u64, missing as u64],
+        points_without_counterpart: [(one.len() - compared.len()) as u64, missing as u64],
         points: compared,
     })
 }
 
 fn quantities([first, second]: [&Study; 2]) -> Vec<Quantity> {
     let percent = || Unit { symbol: "%".to_owned(), si: 0.01 };
-    let three = |name: &str, unit, columns, contribution| Quantity {
+    let quantity = |name: &str, unit, columns: [&str; 3], contribution| Quantity {
         name: name.to_owned(),
         unit,
-        columns: Columns::Three(columns),
+        columns: columns.map(str::to_owned),
         contribution,
     };
     let rest = ["equilibrium_fraction", "ci_low", "ci_high"];
-    let mut list = vec![three("at rest", percent(), rest, Contribution::Rest)];
+    let mut list = vec![quantity("at rest", percent(), rest, Contribution::Rest)];
     let quantile =
         |fraction| Contribution::Response(Measure::Quantile(fraction), AmplitudeKind::Residual);
     if [first, second].iter().all(|study| study.model().kind().offers.vibration) {
@@ -160,15 +158,15 @@ fn quantities([first, second]: [&Study; 2]) -> Vec<Quantity> {
             "worse_than_without_balls_low",
             "worse_than_without_balls_high",
         ];
-        list.push(three("median vibration", unit(), median, quantile(0.5)));
-        list.push(three("95 % of the runs", unit(), most, quantile(0.95)));
-        list.push(three("worse than without balls", percent(), worse, Contribution::Worse));
+        list.push(quantity("median vibration", unit(), median, quantile(0.5)));
+        list.push(quantity("95 % of the runs", unit(), most, quantile(0.95)));
+        list.push(quantity("worse than without balls", percent(), worse, Contribution::Worse));
     }
     let common = first.responses().iter().filter(|one| second.responses().contains(one));
     list.extend(common.map(|response: &Response| Quantity {
         name: response.name.clone(),
         unit: response.shown_unit(first.units()),
-        columns: Columns::Estimate(response.column()),
+        columns: ["", "_low", "_high"].map(|end| response.column() + end),
         contribution: Contribution::Response(response.measure, response.amplitude),
     }));
     list
@@ -178,23 +176,15 @@ fn quantities([first, second]: [&Study; 2]) -> Vec<Quantity> {
 fn points(results: &ComparedResults<'_>, list: &[Quantity]) -> Result<Vec<Point>, TableError> {
     let ComparedResults { study, points, runs } = results;
     let mut wanted = vec![("point_id".to_owned(), Kind::Count)];
-    for quantity in list {
-        match &quantity.columns {
-            Columns::Three(names) => {
-                wanted.extend(names.map(|name| (name.to_owned(), Kind::Number)));
-            }
-            Columns::Estimate(name) => wanted.extend(estimate_kinds(name)),
-        }
-    }
+    let columns = list.iter().flat_map(|quantity| quantity.columns.clone());
+    wanted.extend(columns.map(|name| (name, Kind::Number)));
     let mut all: Vec<Point> = Vec::new();
     read(points, &wanted, |batch, row| {
         let point_id = batch.count("point_id", row)?.unwrap_or_default();
-        let estimate = |quantity: &Quantity| match &quantity.columns {
-            Columns::Three(names) => {
-                let [value, low, high] = names.map(|name| batch.number(name, row));
-                Ok(Estimate { value: value?, low: low?, high: high?, ..Estimate::default() })
-            }
-            Columns::Estimate(name) => read_estimate(batch, name, row),
+        let estimate = |quantity: &Quantity| {
+            let [value, low, high] =
+                quantity.columns.each_ref().map(|name| batch.number(name, row));
+            Ok(Estimate { value: value?, low: low?, high: high?, ..Estimate::default() })
         };
         let estimates = list.iter().map(estimate).collect::<Result<_, TableError>>()?;
         if point_id < study.point_count() {
@@ -278,8 +268,7 @@ fn compared_point(
     let starts = |point: &Point| point.runs.iter().map(|run| run.start).collect::<Vec<_>>();
     let paired = !one.runs.is_empty() && starts(one) == starts(other);
     let quantity = |(place, quantity): (usize, &Quantity)| {
-        let estimates = [one, other].map(|point| point.estimates[place].clone());
-        let [before, after] = &estimates;
+        let [before, after] = [one, other].map(|point| &point.estimates[place]);
         let correlation = if paired {
             let [a, b] = [(one, before), (other, after)].map(|(point, estimate)| {
                 contributions(quantity.contribution, &point.runs, estimate)
@@ -295,7 +284,8 @@ fn compared_point(
             name: quantity.name.clone(),
             unit: quantity.unit.clone(),
             difference: estimate_difference(after, before, correlation),
-            estimates,
+            first: before.clone(),
+            second: after.clone(),
         }
     };
     let is_common = |column: usize| {
@@ -305,7 +295,7 @@ fn compared_point(
     ComparedPoint {
         point_ids: [one.point_id, other.point_id],
         title: heading(first, &one.swept, is_common),
-        paired,
+        same_start_states: paired,
         quantities: list.iter().enumerate().map(quantity).collect(),
     }
 }

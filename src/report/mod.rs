@@ -10,6 +10,7 @@ mod optimum;
 mod overwrite;
 mod packed;
 mod page;
+mod printed_columns;
 mod remedies;
 mod replay;
 mod replay_animation;
@@ -25,6 +26,9 @@ pub use figures::of_results;
 pub use optimum::{OptimumData, notes, of_search};
 pub use overwrite::beside;
 pub use page::{OWN, optimum_page, page};
+pub use printed_columns::{
+    Estimates, PrintedColumn, estimate_columns, printed_columns, response_columns,
+};
 pub use replay::{MOST_INSTANTS, Replay, SWITCHES};
 pub use replay_animation::ANIMATION;
 pub use words::{NamedPoints, percent, three_digits};

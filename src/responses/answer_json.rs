@@ -34,21 +34,10 @@ pub fn to_json(study: &Study, id: &Value, answers: &[Answer]) -> Value {
     Value::Object(answer)
 }
 
-/// Returns an estimate as an object.
-pub(crate) fn estimate_json(estimate: &Estimate) -> Value {
-    json!({
-        "value": estimate.value,
-        "standard_error": estimate.standard_error,
-        "low": estimate.low,
-        "high": estimate.high,
-        "reason": estimate.reason,
-    })
-}
-
 /// Returns responses with their estimates as an object.
 pub(crate) fn responses_json(responses: &[Response], estimates: &[Estimate]) -> Value {
     let each = responses.iter().zip(estimates);
-    let each = each.map(|(response, estimate)| (response.name.clone(), estimate_json(estimate)));
+    let each = each.map(|(response, estimate)| (response.name.clone(), json!(estimate)));
     Value::Object(each.collect())
 }
 

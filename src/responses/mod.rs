@@ -11,8 +11,8 @@ mod request;
 mod respond;
 mod respond_to_all;
 
+pub(crate) use answer_json::responses_json;
 pub use answer_json::to_json;
-pub(crate) use answer_json::{estimate_json, responses_json};
 pub use columns::response_columns;
 pub use discontinuity::{MOST_DESIGNS, discontinuous};
 pub use neighbours::Neighbours;

@@ -3,7 +3,7 @@
 //! It contains only what determines the data, without times or host, so that equal studies have
 //! identical data files.
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use crate::study::Study;
 
@@ -38,5 +38,17 @@ fn facts(study: &Study, table: &str) -> Value {
         "study_hash": study.hash(),
         "seed": study.seed(),
         "study_yaml": study.resolved_yaml(),
+        "shown_units": shown_units(study),
     })
+}
+
+/// Returns the units in which people read swept parameters and vibration, each with its value in SI units, by name.
+fn shown_units(study: &Study) -> Map<String, Value> {
+    let units = study.units();
+    let swept = study.swept().iter();
+    let swept =
+        swept.filter_map(|one| Some((one.name.clone(), units.of_parameter(&one.name)?.clone())));
+    let all = swept
+        .chain([("speed".to_owned(), units.speed()), ("vibration".to_owned(), units.vibration())]);
+    all.map(|(name, unit)| (name, json!([unit.symbol, unit.si]))).collect()
 }

@@ -114,7 +114,7 @@ fn all_kinds_of_studies_have_a_page() {
         (one.replace('N', "1"), ["preferred-equilibria", "basins"]),
         (one.replace('N', "4"), ["preferred-equilibria", "basins"]),
         ("model: {kind: block_on_spring}\n".to_owned(), ["preferred-equilibria", "time-to-rest"]),
-        (belt.to_owned(), ["limit-cycles", "residual-amplitude"]),
+        (belt.to_owned(), ["limit-cycles", "exceedance"]),
     ] {
         let scratch = Scratch::new();
         let design = "initial_conditions: {design: {monte_carlo: {samples: 30}}}\n";

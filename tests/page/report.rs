@@ -260,7 +260,7 @@ fn figures_show_what_is_in_the_tables() {
     let rows: Vec<Vec<String>> = serde_json::from_value(rows).unwrap();
     assert_eq!(rows.len(), 6);
     for (row, fraction) in rows.iter().zip(&fraction) {
-        assert!(row.contains(&format!("{fraction:.4}")), "{fraction} not in {row:?}");
+        assert!(row.contains(&format!("{:.1}", 100.0 * fraction)), "{fraction} not in {row:?}");
     }
     assert_eq!(page.faults(), [""; 0]);
 }
@@ -661,8 +661,12 @@ fn searches_have_pages() {
     let Some(mut browser) = Browser::start() else { return };
     let made = Made::new();
     for (directory, objectives, ids) in [
-        ("one", "stop", &["convergence", "variables", "sobol-indices"][..]),
-        ("two", "[stop, far]", &["convergence", "pareto", "variables", "sobol-indices"]),
+        ("one", "stop", &["convergence", "variables", "parallel-coordinates", "sobol-indices"][..]),
+        (
+            "two",
+            "[stop, far]",
+            &["convergence", "pareto", "variables", "parallel-coordinates", "sobol-indices"],
+        ),
     ] {
         let file = search_page(&made, objectives, directory);
         for view in [LAPTOP, DARK, View { width: 390, ..LAPTOP }] {

@@ -3,7 +3,7 @@
 use std::fs;
 
 use serde_json::json;
-use stickslip::report::chart::{Figure, Layer, Mark};
+use stickslip::report::chart::{AxisKind, Figure, Layer, Mark};
 use stickslip::report::{OptimumData, notes, of_search};
 
 use crate::cli::support::{Scratch, numbers};
@@ -105,6 +105,31 @@ fn two_objectives_have_a_front() {
     };
     assert_eq!((x, y), (&of("relative", 1.0), &of("mean", 1e6)));
     assert_eq!(figure(&figures, "convergence").panels.len(), 2);
+
+    // A line for each design over the axes of all variables and objectives, from the least to the largest value.
+    let panel = &figure(&figures, "parallel-coordinates").panels[0];
+    let evaluations = scratch.table("out", "evaluations");
+    let columns = ["ball_mass_kg", "stiffness_n_m", "relative", "mean"].map(|name| {
+        let values = numbers(&evaluations, name).into_iter().map(Option::unwrap);
+        let values: Vec<f64> = values.collect();
+        let [low, high] =
+            [f64::min, f64::max].map(|pick| values.iter().copied().reduce(pick).unwrap());
+        values.into_iter().map(|value| (value - low) / (high - low)).collect::<Vec<f64>>()
+    });
+    let lines: Vec<f64> = panel.layers[1..]
+        .iter()
+        .filter_map(|layer| match &layer.mark {
+            Mark::Line { points, .. } => Some(points.iter().map(|[_, y]| *y)),
+            _ => None,
+        })
+        .flatten()
+        .collect();
+    assert_eq!(lines.len(), 6 * 5);
+    for (design, line) in lines.chunks(5).enumerate() {
+        let expected = columns.each_ref().map(|column| column[design]);
+        assert!(line.iter().zip(expected).all(|(y, value)| (y - value).abs() < 1e-9), "{line:?}");
+    }
+    assert!(matches!(&panel.x.kind, AxisKind::Names(names) if names[1].starts_with("stiffness: ")));
 }
 
 /// Notes depend on the values of the best design alone.
@@ -138,7 +163,7 @@ optimize: {minimize: mean, designs: 4, start_designs: 4, finalists: 1}
     assert!(unclear.len() == 1 && unclear[0].contains("cannot be distinguished"), "{unclear:?}");
     for (stiffness, bound) in [(9.0e3, "lower"), (12.0e3, "upper")] {
         let found = set(stiffness, [0.6, 0.7, 0.8]);
-        let words = format!("lies on the {bound} bound of its range (9000 to 12000 N/m)");
+        let words = format!("lies on the {bound} bound of its range (9000 to 12000)");
         assert!(found.len() == 1 && found[0].contains(&words), "{found:?}");
     }
 }

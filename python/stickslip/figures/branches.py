@@ -31,7 +31,7 @@ _KINDS = {
 
 
 def frictionless_branches(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) -> Paper:
-    """Draws the ball angles [rad] of the equilibria without dry friction over the speed of the disc [rad/s].
+    """Draws the ball angles [rad] of the equilibria without dry friction over the speed of the disc.
 
     Each kind has a panel: A1+ and A1− with all balls together, A2 with two balls opposite each other, B1
     balanced, and further kinds for three or more balls. Stable branches are solid; unstable branches are dashed
@@ -50,13 +50,16 @@ def frictionless_branches(directory: Source, *, width: Optional[Width] = None, s
         raise table.nothing(f"it is also swept over {', '.join(other)}", remedy)
     angles = [name for name in table.columns if name.startswith("beta_") and name.endswith("_rad")]
     read = table.read(["speed_rad_s", "kind", "stability", *angles])
+    unit, si = table.shown("speed")
+    read["speed_rad_s"] = read["speed_rad_s"] / si
     speeds = np.unique(read["speed_rad_s"])
     if speeds.size < 3:
         raise table.nothing(f"it has {speeds.size} speeds, and branches need three", remedy)
     # The speed's magnitude increases to the right for either direction of rotation.
     clockwise = bool(speeds[-1] <= 0)
     sign = -1.0 if clockwise else 1.0
-    natural = natural_frequency_rad_s(table.parameters)
+    natural_rad_s = natural_frequency_rad_s(table.parameters)
+    natural = None if natural_rad_s is None else natural_rad_s / si
     beta = np.array([read[name].astype(float) for name in angles])
     exists = np.all(np.isfinite(beta), axis=0)
     stable = read["stability"] == "stable"
@@ -101,7 +104,7 @@ def frictionless_branches(directory: Source, *, width: Optional[Width] = None, s
                 axes.plot([], [], color=colour, label=name)
             angle_axis(axes, "y", "angle of the balls")
             axes.set_xlim(float(np.min(sign * speeds)), float(np.max(sign * speeds)))
-            axes.set_xlabel(f"speed of the disc {'−ω' if clockwise else 'ω'} [rad/s]")
+            axes.set_xlabel(f"speed of the disc {'−ω' if clockwise else 'ω'} [{unit}]")
             if natural is not None:
                 axes.axvline(natural, color=FAINT, linewidth=0.7, linestyle=(0, (4, 2)), zorder=1)
                 axes.annotate(

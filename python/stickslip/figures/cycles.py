@@ -20,14 +20,14 @@ __all__ = ["limit_cycle_branches"]
 #: Largest number of classes shown; these have the most runs.
 _MOST_CLASSES = 8
 
-#: Name, unit, factor, and the columns of a value and its range.
+#: Name, unit or the name of a unit that the study chooses, and the columns of a value and its range.
 _QUANTITIES = (
-    ("fraction of the runs", "", 1.0, ("fraction", "ci_low", "ci_high")),
-    ("period", "s", 1.0, ("period_s", "period_low_s", "period_high_s")),
-    ("RMS amplitude", "µm", 1e6, ("amplitude_rms_m", "amplitude_rms_low_m", "amplitude_rms_high_m")),
-    ("amplitude", "m", 1.0, ("amplitude_m", "amplitude_low_m", "amplitude_high_m")),
-    ("speed of ball 1", "rad/s", 1.0, ("mean_speed_1_rad_s", "min_speed_1_rad_s", "max_speed_1_rad_s")),
-    ("largest multiplier", "", 1.0, ("largest_multiplier",)),
+    ("fraction of the runs", "", ("fraction", "ci_low", "ci_high")),
+    ("period", "s", ("period_s", "period_low_s", "period_high_s")),
+    ("RMS amplitude", "vibration", ("amplitude_rms_m", "amplitude_rms_low_m", "amplitude_rms_high_m")),
+    ("amplitude", "m", ("amplitude_m", "amplitude_low_m", "amplitude_high_m")),
+    ("speed of ball 1", "speed", ("mean_speed_1_rad_s", "min_speed_1_rad_s", "max_speed_1_rad_s")),
+    ("largest multiplier", "", ("largest_multiplier",)),
 )
 
 
@@ -41,8 +41,8 @@ def limit_cycle_branches(
     """Draws limit cycles over the swept parameter, with one branch per class and one panel per quantity.
 
     The quantities are the fraction of a point's runs that end on the class, with Wilson's 95 % interval; the
-    period [s], the amplitude (root mean square of the table [µm], or amplitude of a block [m]) and the mean speed of
-    ball 1 [rad/s], each with its range over the runs or the cycle; and the largest modulus of the Floquet
+    period [s], the amplitude (root mean square of the table, or amplitude of a block) and the mean speed of
+    ball 1, in the units of the study, each with its range over the runs or the cycle; and the largest modulus of the Floquet
     multipliers, which is below 1 for a stable cycle. The abscissa is the swept numeric parameter with the most
     values, or the points. docs/methods.md explains the names of the classes. Compare figure 5.15 of the thesis.
 
@@ -52,7 +52,7 @@ def limit_cycle_branches(
     results = Directory(directory)
     sweep = Sweep(results)
     table = results.table("cycles")
-    shown_quantities = [one for one in _QUANTITIES if one[3][0] in table.columns]
+    shown_quantities = [one for one in _QUANTITIES if one[2][0] in table.columns]
     table.need([column for *_, columns in shown_quantities for column in columns])
     read = table.read(
         ["point_id", "class", "runs", *(column for *_, columns in shown_quantities for column in columns)]
@@ -77,7 +77,8 @@ def limit_cycle_branches(
         rows = [row for row in rows if row in chosen]
         place_of = {int(sweep.ids[row]): over.values[row] if over else float(k) for k, row in enumerate(rows)}
         of_group = np.isin(read["point_id"], list(place_of))
-        for name, unit, factor, columns in shown_quantities:
+        for name, quantity, columns in shown_quantities:
+            unit, si = table.shown(quantity) if quantity in ("vibration", "speed") else (quantity, 1.0)
             if not np.any(np.isfinite(read[columns[0]][of_group])):
                 continue
 
@@ -85,7 +86,7 @@ def limit_cycle_branches(
                 axes: Axes,
                 name: str = name,
                 unit: str = unit,
-                factor: float = factor,
+                si: float = si,
                 columns: tuple[str, ...] = columns,
                 place_of: dict[int, float] = place_of,
                 rows: list[int] = rows,
@@ -96,7 +97,7 @@ def limit_cycle_branches(
                         continue
                     x = np.array([place_of[int(point)] for point in read["point_id"][of]])
                     order = np.argsort(x, kind="stable")
-                    y, low, high = (factor * read[(columns * 3)[k]][of][order] for k in range(3))
+                    y, low, high = (read[(columns * 3)[k]][of][order] / si for k in range(3))
                     interval(
                         axes,
                         x[order],

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from . import runs, words
 from .panels import Panel, angle_axis, lay_out
-from .sets import SCALE_NAME, EquilibriumSets
+from .sets import EquilibriumSets
 from .paper import INK, LABELS, Paper, Width
 from .sweep import Sweep
 from .tables import Directory, FiguresError, Source
@@ -40,9 +40,9 @@ def preferred_equilibria(
 
     For two balls, each run at rest is a dot. If ``equilibria`` is the directory of `stickslip equilibria` for the same
     study (stored in the results as `study.yaml`), the background is the equilibrium set with the amplitude of the
-    table [µm]; otherwise it is the histogram of `equilibrium_histogram.parquet`, the percentage of the point's runs
+    table, in the unit of the study; otherwise it is the histogram of `equilibrium_histogram.parquet`, the percentage of the point's runs
     at rest in each bin [%]. For more balls, each pair has a panel. For one ball, the axes are its angle and the
-    amplitude [µm]; for a block, the position [m] and the time to rest [s]. `equilibrium_histogram.parquet` contains
+    amplitude; for a block, the position [m] and the time to rest [s]. `equilibrium_histogram.parquet` contains
     the confidence intervals of the bins. See figures 5.7 to 5.9 of the thesis.
 
     If the sweep sets the number of balls, all points shown must have the same number; without ``points``, these are the
@@ -106,7 +106,7 @@ def preferred_equilibria(
                 second = at_rest[(more or places)[pair[1] if not more else 0]][of_point].astype(float)
                 axes.plot(
                     first,
-                    1e6 * second if balls == 1 else second,
+                    second / sweep.table.shown("vibration")[1] if balls == 1 else second,
                     linestyle="none",
                     marker="o",
                     markersize=size,
@@ -120,7 +120,7 @@ def preferred_equilibria(
                 else:
                     angle_axis(axes, "x", f"angle of ball {pair[0] + 1}")
                     if balls == 1:
-                        axes.set_ylabel(SCALE_NAME)
+                        axes.set_ylabel(sweep.amplitude)
                     else:
                         angle_axis(axes, "y", f"angle of ball {pair[1] + 1}")
                 return mappable
@@ -128,7 +128,7 @@ def preferred_equilibria(
             said = f"{counts[row]:.0f} of {sweep.runs[row]:.0f} at rest".replace(" ", "\u00a0")
             if balls > 2:
                 said += f", β{words.subscript(pair[0] + 1)} and β{words.subscript(pair[1] + 1)}"
-            scale = {"set": SCALE_NAME, "histogram": "runs at rest per bin [%]"}.get(behind, "")
+            scale = {"set": sweep.amplitude, "histogram": "runs at rest per bin [%]"}.get(behind, "")
             keys = [dot, *(sets.keys() if sets is not None else [])]
             aspect = 1.0 if balls > 1 else 0.75
             panels.append(Panel(draw, sweep.named(row) + said, aspect, scale=scale, keys=keys))

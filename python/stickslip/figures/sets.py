@@ -24,20 +24,19 @@ __all__ = ["EquilibriumSets", "Grid", "equilibrium_set"]
 _MOST_CELLS = 256
 #: Approximate largest number of amplitude bands.
 _BANDS = 12
-SCALE_NAME = "amplitude [µm]"
 
 
 @dataclass
 class Grid:
     """Positions on a grid over one turn: rows belong to angles of ball 1, columns to angles of ball 2."""
 
-    amplitude_um: Numbers
+    amplitude: Numbers
     margin: Numbers
 
     @property
     def identical_balls(self) -> bool:
         """Whether the balls are identical, so that exchanging them changes nothing."""
-        return bool(np.allclose(self.amplitude_um, self.amplitude_um.T, rtol=1e-6, atol=1e-9))
+        return bool(np.allclose(self.amplitude, self.amplitude.T, rtol=1e-6, atol=1e-9))
 
     def closed(self, values: Numbers, most: int = _MOST_CELLS) -> tuple[Numbers, Numbers]:
         """Returns the angles and values of a coarser grid that contains both 0 and 2π."""
@@ -47,8 +46,8 @@ class Grid:
 
     def levels(self) -> Numbers:
         """Returns equidistant amplitudes that enclose the set's, with a step of 1, 2 or 5 times a power of ten."""
-        held = self.amplitude_um[self.margin >= 0]
-        held = held if held.size else self.amplitude_um
+        held = self.amplitude[self.margin >= 0]
+        held = held if held.size else self.amplitude
         low, high = float(held.min()), float(held.max())
         step = nice(max((high - low) / _BANDS, 1e-9 * high, 1e-30))
         return step * np.arange(np.floor(low / step), np.floor(high / step) + 2)
@@ -118,7 +117,8 @@ class EquilibriumSets:
             )
         order = np.lexsort((second, first))
         margin = np.nan_to_num(margin, nan=-1e3, neginf=-1e3).clip(min=-1e3)
-        return Grid(1e6 * amplitude[order].reshape(side, side), margin[order].reshape(side, side))
+        amplitude /= self.positions.shown("vibration")[1]
+        return Grid(amplitude[order].reshape(side, side), margin[order].reshape(side, side))
 
     def frictionless(self, row: int) -> Optional[dict[str, NDArray[Any]]]:
         """Returns the equilibria without friction of a point, or None without a table of the points."""
@@ -140,7 +140,7 @@ class EquilibriumSets:
         if np.any(held):
             # The abscissa is the angle of ball 1. Amplitudes far from the set would be covered and are not drawn.
             angle, amplitude = grid.closed(
-                np.where(_widened(held), grid.amplitude_um, np.nan), _MOST_CELLS // 2
+                np.where(_widened(held), grid.amplitude, np.nan), _MOST_CELLS // 2
             )
             shown = np.ma.masked_invalid(amplitude.T)
             axes.contourf(angle, angle, shown, levels=levels, cmap=SCALE, norm=norm, zorder=0)
@@ -214,7 +214,7 @@ def equilibrium_set(
 ) -> Paper:
     """Draws the equilibrium set of two balls: the angles [rad] at which dry friction holds both.
 
-    The colour is the amplitude of the table's vibration [µm] with the balls at rest there; white positions are not
+    The colour is the amplitude of the table's vibration, in the unit of the study, with the balls at rest there; white positions are not
     equilibria. Stars and circles are the stable and unstable equilibria without friction. Each point of the sweep
     has a panel. The grid of `equilibrium_positions.parquet` contains closed forms without sampling errors and is drawn
     with at most 256 cells per axis. See figures 5.3 to 5.5 of the thesis.
@@ -234,7 +234,7 @@ def equilibrium_set(
             angle_axis(axes, "y", "angle of ball 2")
             return mappable
 
-        panels.append(Panel(draw, sets.sweep.title(row), 1.0, scale=SCALE_NAME, keys=sets.keys()))
+        panels.append(Panel(draw, sets.sweep.title(row), 1.0, scale=sets.sweep.amplitude, keys=sets.keys()))
     told = [
         f"{sets.sweep.named(row)}{100 * sets.summary['fraction'][row]:.1f} % of all positions are equilibria"
         for row in rows

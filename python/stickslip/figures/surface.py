@@ -11,7 +11,7 @@ from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 
 from .panels import Panel, lay_out
-from .sets import SCALE_NAME, EquilibriumSets, nice
+from .sets import EquilibriumSets, nice
 from .paper import SCALE, SERIES, Paper, Width
 from .tables import Source
 
@@ -22,7 +22,7 @@ _CELLS = 128
 
 
 def equilibrium_surface(directory: Source, *, width: Optional[Width] = None, point: int = 0) -> Paper:
-    """Draws the amplitude [µm] over the equilibrium set of two balls as a surface over their angles [rad].
+    """Draws the amplitude, in the unit of the study, over the equilibrium set of two balls as a surface over their angles [rad].
 
     Positions in the holes are not equilibria. The dashed plane is the amplitude of the same machine without balls, if
     it is bounded. The amplitudes are closed forms without statistical errors, drawn on a
@@ -34,15 +34,17 @@ def equilibrium_surface(directory: Source, *, width: Optional[Width] = None, poi
     sets = EquilibriumSets(directory)
     (row,) = sets.sweep.details([point])
     grid = sets.grid(row)
-    angle, amplitude = grid.closed(grid.amplitude_um, _CELLS)
+    angle, amplitude = grid.closed(grid.amplitude, _CELLS)
     _, margin = grid.closed(grid.margin, _CELLS)
     highest = float(amplitude[margin >= 0].max()) if np.any(margin >= 0) else float(amplitude.max())
     step = nice(highest / 6)
     top = step * np.ceil(highest / step - 1e-9)
-    without = 1e6 * float(sets.sweep.numbers(["amplitude_without_balls_m"])["amplitude_without_balls_m"][row])
+    unit, si = sets.sweep.table.shown("vibration")
+    column = "amplitude_without_balls_m"
+    without = float(sets.sweep.numbers([column])[column][row]) / si
     keys = []
     if without <= top:
-        name = f"amplitude without balls: {without:.1f} µm"
+        name = f"amplitude without balls: {without:.4g} {unit}"
         keys = [Line2D([], [], color=SERIES[1], linestyle=(0, (4, 2)), label=name)]
 
     def draw(axes: Axes) -> ScalarMappable:
@@ -96,13 +98,13 @@ def equilibrium_surface(directory: Source, *, width: Optional[Width] = None, poi
         axes.xaxis.labelpad = axes.yaxis.labelpad = -4
         return ScalarMappable(norm, SCALE)
 
-    said = f" Without balls it is {without:.1f} µm." if np.isfinite(without) else ""
+    said = f" Without balls it is {without:.4g} {unit}." if np.isfinite(without) else ""
     title = sets.sweep.title(row)
     return lay_out(
-        [Panel(draw, title, scale=SCALE_NAME, keys=keys, in_space=True)],
+        [Panel(draw, title, scale=sets.sweep.amplitude, keys=keys, in_space=True)],
         title="Amplitude over the equilibrium set",
         caption="Amplitude of the table over the angles at which dry friction holds both balls; dashed: amplitude "
         "without balls.",
-        alternative=f"The amplitude goes up to {highest:.1f} µm.{said}",
+        alternative=f"The amplitude goes up to {highest:.4g} {unit}.{said}",
         width=width,
     )

@@ -80,7 +80,8 @@ class Sweep:
         own = self.table.columns[: self.table.columns.index(first)]
         self.parameters = [column for column in own if column != "point_id"]
         read = self.table.read([*(["point_id"] if "point_id" in own else []), *self.parameters])
-        self.values = {column: read[column] for column in self.parameters}
+        #: The values of the swept parameters in the units in which the study shows them.
+        self.values = {column: self._in_shown_unit(column, read[column]) for column in self.parameters}
         self.ids: NDArray[Any] = read.get("point_id", np.zeros(self.table.rows, dtype=np.int64)).astype(
             np.int64
         )
@@ -104,12 +105,21 @@ class Sweep:
         """Number of failed runs of each point."""
         return self.numbers(["failed_runs"])["failed_runs"]
 
+    @property
+    def amplitude(self) -> str:
+        """The label of an axis of amplitudes: `amplitude [µm]`."""
+        return words.axis("amplitude", self.table.shown("vibration")[0])
+
     def unit(self, column: str) -> str:
-        """Returns the unit of a swept parameter."""
-        return self.table.unit(column)
+        """Returns the unit in which the study shows a swept parameter."""
+        return self.table.shown(column)[0]
+
+    def _in_shown_unit(self, column: str, values: NDArray[Any]) -> NDArray[Any]:
+        si = self.table.shown(column)[1]
+        return values if si == 1.0 else np.array([float(f"{value / si:.12g}") for value in values])
 
     def _words(self, column: str) -> str:
-        return words.parameter(column, self.unit(column))
+        return words.parameter(column, self.table.unit(column))
 
     def title(self, row: int, without: Iterable[str] = ()) -> str:
         """Returns the parameters of a point: `speed −216.3772 rad/s, friction coefficient 0.00275`."""

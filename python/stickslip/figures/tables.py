@@ -235,6 +235,12 @@ class Table:
         unit = (self.schema.field(column).metadata or {}).get(b"unit", b"").decode()
         return "" if unit.split(" ")[:1] == ["1"] else unit
 
+    def shown(self, name: str) -> tuple[str, float]:
+        """Returns the unit in which the study shows a swept parameter, "speed" or "vibration", and its value in SI."""
+        defaults = {"speed": ("rad/s", 1.0), "vibration": ("µm", 1e-6)}
+        symbol, si = self.about.get("shown_units", {}).get(name) or defaults.get(name) or (self.unit(name), 1.0)
+        return str(symbol), float(si)
+
     def need(self, columns: Sequence[str]) -> None:
         """Raises FiguresError if a column is missing."""
         missing = [column for column in columns if column not in self.schema.names]

@@ -24,9 +24,9 @@ CONTACT = "#bbbbbb"
 def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) -> Paper:
     """Draws the motion of a run over time [s], from `trajectory.parquet` of `stickslip replay`.
 
-    For balls, the panels show their angles from the imbalance [rad], their speeds relative to the ring [rad/s], and
-    the position x, y of the disc's centre [µm] in the frame that rotates with the disc, x towards the imbalance; for a
-    disc that starts or a table that is kicked, also the speed of the disc [rad/s]. For a block, they show position [m],
+    For balls, the panels show their angles from the imbalance [rad], their speeds relative to the ring, and
+    the position x, y of the disc's centre in the frame that rotates with the disc, x towards the imbalance; for a
+    disc that starts or a table that is kicked, also the speed of the disc, each in the unit of the study. For a block, they show position [m],
     sliding speed [m/s] and friction force [N]. The curves end with the record; the
     record of a run that comes to permanent rest ends at that time. With contact between balls, the panel of the angles
     marks where two balls touch, and crosses between the balls mark impacts from `touches.parquet`. Long records are reduced to the extreme values in
@@ -38,23 +38,24 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
     table = Directory(directory).table("trajectory")
     balls = sum(1 for name in table.columns if name.startswith("beta_unwrapped_"))
     numbers = range(1, balls + 1)
-    quantities: list[tuple[str, str, list[str], float]] = [
-        ("angle of the balls", "rad", [f"beta_{ball}_rad" for ball in numbers], 1.0),
-        ("speed of the balls", "rad/s", [f"ball_speed_{ball}_rad_s" for ball in numbers], 1.0),
-        ("x of the table", "µm", ["x_m"], 1e6),
-        ("y of the table", "µm", ["y_m"], 1e6),
+    speed, vibration = table.shown("speed"), table.shown("vibration")
+    quantities: list[tuple[str, tuple[str, float], list[str]]] = [
+        ("angle of the balls", ("rad", 1.0), [f"beta_{ball}_rad" for ball in numbers]),
+        ("speed of the balls", speed, [f"ball_speed_{ball}_rad_s" for ball in numbers]),
+        ("x of the table", vibration, ["x_m"]),
+        ("y of the table", vibration, ["y_m"]),
     ]
     starts = "speed_rad_s" in table.columns
     if starts:
-        quantities.append(("speed of the disc", "rad/s", ["speed_rad_s"], 1.0))
+        quantities.append(("speed of the disc", speed, ["speed_rad_s"]))
     if not balls:
         quantities = [
-            ("position", "m", ["position_m"], 1.0),
-            ("sliding speed", "m/s", ["sliding_speed_m_s"], 1.0),
-            ("friction force", "N", ["friction_n"], 1.0),
+            ("position", ("m", 1.0), ["position_m"]),
+            ("sliding speed", ("m/s", 1.0), ["sliding_speed_m_s"]),
+            ("friction force", ("N", 1.0), ["friction_n"]),
         ]
     gaps = [name for name in table.columns if re.fullmatch(r"touching_\d+_\d+", name)]
-    read = table.read(["time_s", *(column for *_, columns, _ in quantities for column in columns), *gaps])
+    read = table.read(["time_s", *(column for *_, columns in quantities for column in columns), *gaps])
     time = read["time_s"].astype(float)
     if time.size < 2 or not time[-1] > time[0]:
         raise table.nothing(
@@ -63,19 +64,19 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
     # Balls side by side have the same curve.
     beside = balls == 2 and all(
         np.array_equal(read[first], read[second], equal_nan=True)
-        for first, second in (columns for *_, columns, _ in quantities[:2])
+        for first, second in (columns for *_, columns in quantities[:2])
     )
     panels = []
-    for name, unit, columns, factor in quantities:
+    for name, (unit, si), columns in quantities:
 
         def draw(
             axes: Axes,
             name: str = name,
             unit: str = unit,
             columns: list[str] = columns,
-            factor: float = factor,
+            si: float = si,
         ) -> None:
-            values = [factor * read[column].astype(float) for column in columns]
+            values = [read[column].astype(float) / si for column in columns]
             if len(values) == 2 and beside:
                 values, named = values[:1], ["balls 1 and 2, side by side"]
             else:

@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use serde::Serialize;
+
 use crate::classification::Label;
 
 /// The results of one run that responses use.
@@ -43,7 +45,7 @@ impl Sample {
 }
 
 /// An estimated response with its 95 % interval.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Estimate {
     /// The value; `None` if the runs do not determine it.
     pub value: Option<f64>,

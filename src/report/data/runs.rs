@@ -20,9 +20,9 @@ pub struct RunSample {
     pub of: u64,
     /// About one in this many runs is in the sample.
     pub one_in: u64,
-    /// Amplitudes at the end of the runs of each point, divided by that of the run's own machine without balls, or in m for
-    /// a model without balls: of all runs that have one, or of about one in [`Self::amplitude_one_in`].
-    pub amplitudes: BTreeMap<u64, Vec<f64>>,
+    /// Amplitudes at the end of the runs of each point, in m and relative to that of the run's own machine without balls: of
+    /// all runs that have one, or of about one in [`Self::amplitude_one_in`].
+    pub amplitudes: BTreeMap<u64, [Vec<f64>; 2]>,
     /// About one in this many amplitudes is in `amplitudes`.
     pub amplitude_one_in: u64,
     /// Number of rests at which balls touch, of all runs of each point; empty without contact between balls.
@@ -63,6 +63,7 @@ pub struct Notable {
 }
 
 const TOUCHING: &str = "touching_at_end";
+const RELATIVE: &str = "relative_amplitude";
 const NUMBERS: [&str; 3] = ["amplitude_m", "friction_margin", "time_to_rest_s"];
 
 /// Reads at most `most` runs of the points `shown`, the failed and flipped ones among all runs, and how many rests touch at
@@ -96,8 +97,7 @@ pub fn read(
     }
     wanted.extend(NUMBERS.map(|name| (name, Kind::Number)));
     let balls = model.kind().offers.vibration;
-    let distributed = if balls { "relative_amplitude" } else { NUMBERS[0] };
-    wanted.extend(balls.then_some((distributed, Kind::Number)));
+    wanted.extend(balls.then_some((RELATIVE, Kind::Number)));
     wanted.extend(positions.iter().chain(&starts).map(|name| (name.as_str(), Kind::Number)));
 
     let of = shown.iter().map(|point| point.runs).fold(0, u64::saturating_add);
@@ -107,7 +107,7 @@ pub fn read(
         of,
         one_in,
         amplitude_one_in,
-        amplitudes: shown.iter().map(|point| (point.point_id, Vec::new())).collect(),
+        amplitudes: shown.iter().map(|point| (point.point_id, Default::default())).collect(),
         touching_rests: match contact {
             true => points.iter().map(|point| (point.point_id, 0)).collect(),
             false => BTreeMap::new(),
@@ -149,9 +149,12 @@ pub fn read(
             {
                 *rests += 1;
             }
-            let Some(amplitudes) = sample.amplitudes.get_mut(&point_id) else { continue };
+            let Some([absolute, relative]) = sample.amplitudes.get_mut(&point_id) else { continue };
             if scattered(run_id, amplitude_one_in) {
-                amplitudes.extend(batch.number(distributed, row)?);
+                absolute.extend(batch.number(NUMBERS[0], row)?);
+                if balls {
+                    relative.extend(batch.number(RELATIVE, row)?);
+                }
             }
             if scattered(run_id, one_in) {
                 chosen.push(row);

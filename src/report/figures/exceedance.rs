@@ -1,92 +1,124 @@
-//! Figure: the probability that the vibration exceeds a limit, over the limit, with its 95 % band.
+//! Figure: the probability that a run's amplitude exceeds a value, with its 95 % band: in the unit of vibration, and relative
+//! to the amplitude without balls.
 
 use super::layers::{CurveOf, axis, few_each, fraction_axis, significant};
 use crate::analysis::{Z_95, wilson};
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel};
-use crate::report::data::{PointFacts, ReportData, evenly};
-use crate::study::{AmplitudeKind, Measure};
+use crate::report::data::{ReportData, evenly};
+use crate::study::{AmplitudeKind, Measure, Response, Unit};
 
 /// Points of a curve with its band: amplitude, fraction above it, lower and upper end.
 type Exceedance = Vec<[f64; 4]>;
 
-/// Plots the fraction of each point's runs above an amplitude; `None` for a model without vibration.
+/// Plots the fraction of each point's runs above an amplitude, absolute and relative; only absolute for a model without
+/// vibration.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
-    if !data.study.model().kind().offers.vibration {
+    let vibrates = data.study.model().kind().offers.vibration;
+    let shown = data.amplitude_unit();
+    let ratio = Unit { symbol: String::new(), si: 1.0 };
+    let mut panels = panels(data, AmplitudeKind::Residual, &shown);
+    if vibrates {
+        panels.extend(self::panels(data, AmplitudeKind::RelativeResidual, &ratio));
+    }
+    if panels.is_empty() {
         return None;
     }
-    let unit = data.amplitude_unit();
-    let mut sentences = Vec::new();
-    let mut curves: Vec<CurveOf<'_, Exceedance>> = Vec::new();
-    for point in data.details() {
-        let mut values = amplitudes(data, point);
-        values.iter_mut().for_each(|metres| *metres = unit.of(*metres));
-        let Some(median) = point.amplitude_m[1].filter(|_| !values.is_empty()) else { continue };
-        sentences.push(format!(
-            "{}: half of the runs vibrate more than {} {}",
-            point.title,
-            significant(unit.of(median)),
-            unit.symbol
-        ));
-        curves.push((point, exceedance(&values, data.budget.steps)));
-    }
-    if curves.is_empty() {
-        return None;
-    }
-    let limits: Vec<f64> = limits(data).map(|metres| unit.of(metres)).collect();
-    let layers = |few: &[CurveOf<'_, Exceedance>]| -> Vec<Layer> {
-        let curve = |(place, (point, points)): (usize, &CurveOf<'_, Exceedance>)| {
-            let column = |part: usize| points.iter().map(|point| point[part]).collect();
-            let band = Mark::Band { x: column(0), low: column(2), high: column(3), steps: true };
-            let steps = points.iter().map(|[x, fraction, ..]| [*x, *fraction]).collect();
-            let name = data.curve_name(point);
-            let colour = Colour::Series(place);
-            [
-                Layer::new(&name, colour, band),
-                Layer::new(&name, colour, Mark::Steps { points: steps }),
-            ]
-        };
-        let rule = |at: &f64| {
-            let label = format!("limit {} {}", significant(*at), unit.symbol);
-            Layer::new("", Colour::Ink, Mark::Rule { upright: true, at: *at, label })
-        };
-        few.iter().enumerate().flat_map(curve).chain(limits.iter().map(rule)).collect()
-    };
-    let x = Axis { kind: AxisKind::Logarithmic, ..axis("amplitude", &unit.symbol) };
-    let y = fraction_axis("fraction of runs above");
-    let panel = |(part, few)| Panel { part, ..Panel::new(x.clone(), y.clone(), layers(few)) };
-    let panels: Vec<Panel> = few_each(&curves).into_iter().map(panel).collect();
-    let of_limits =
-        if limits.is_empty() { "" } else { " Rules: the limits of the study's responses." };
+    let sentences = data.details().filter_map(|point| {
+        let median = significant(shown.of(point.amplitude_m[1]?));
+        let worse = point.residual.worse_than_without_balls;
+        let worse = worse.map(|[worse, ..]| {
+            format!(", and {:.1} % of the runs vibrate more than without balls", 100.0 * worse)
+        });
+        let (title, unit) = (&point.title, &shown.symbol);
+        Some(format!(
+            "{title}: half of the runs have an amplitude above {median} {unit}{}",
+            worse.unwrap_or_default()
+        ))
+    });
+    let has_limits = limits(data.study.responses(), AmplitudeKind::Residual).next().is_some();
     Some(Figure {
         id: "exceedance".to_owned(),
-        title: "Probability of exceeding a vibration".to_owned(),
+        title: "Probability of exceeding an amplitude".to_owned(),
         caption: format!(
-            "Fraction of a point's runs whose amplitude at the end is above a value, with its 95 % band (Wilson, for each \
-             value separately).{of_limits}{}{}{}{}",
+            "Fraction of a point's runs, at rest or moving, whose amplitude at the end is above a value, with its 95 % \
+             band (Wilson, for each value separately).{}{}{}{}{}{}",
+            if has_limits { " Rules: the limits of the study's responses." } else { "" },
             data.failures_left_out(),
+            if vibrates {
+                data.with_draws(
+                    "A relative amplitude is relative to that of the run's own machine without balls",
+                )
+            } else {
+                String::new()
+            },
             data.left_out(),
-            data.runs.left_out(),
             data.curve_names(),
+            match data.runs.amplitude_one_in {
+                1 => String::new(),
+                one_in => format!(" Subsample: about one in {one_in} runs of these points counts."),
+            }
         ),
-        alternative: sentences.join("; "),
+        alternative: sentences.collect::<Vec<_>>().join("; "),
         one_at_a_time: panels.len() > 1,
         panels,
     })
 }
 
-/// Returns the amplitudes of a point's runs in the sample, m, ascending.
-fn amplitudes(data: &ReportData<'_>, point: &PointFacts) -> Vec<f64> {
-    let runs = data.runs.point_id.iter().zip(&data.runs.amplitude_m);
-    let own = runs.filter(|(id, amplitude)| **id == point.point_id && amplitude.is_finite());
-    let mut values: Vec<f64> = own.map(|(_, amplitude)| *amplitude).collect();
-    values.sort_by(f64::total_cmp);
-    values
+/// Returns the panels of a few curves each.
+fn panels(data: &ReportData<'_>, kind: AmplitudeKind, unit: &Unit) -> Vec<Panel> {
+    let is_relative = kind == AmplitudeKind::RelativeResidual;
+    let is_logarithmic = data.study.model().kind().offers.vibration;
+    let mut curves: Vec<CurveOf<'_, Exceedance>> = Vec::new();
+    for point in data.details() {
+        let held = data.runs.amplitudes.get(&point.point_id);
+        let held = held.into_iter().flat_map(|held| &held[usize::from(is_relative)]);
+        let mut values: Vec<f64> = held.map(|value| unit.of(*value)).collect();
+        values.sort_by(f64::total_cmp);
+        if !values.is_empty() {
+            curves.push((point, exceedance(&values, is_logarithmic, data.budget.steps)));
+        }
+    }
+    let mut rules: Vec<(f64, String)> = limits(data.study.responses(), kind)
+        .map(|limit| unit.of(limit))
+        .map(|at| (at, format!("limit {} {}", significant(at), unit.symbol).trim_end().to_owned()))
+        .collect();
+    if is_relative {
+        rules.retain(|(at, _)| *at != 1.0);
+        rules.push((1.0, "without balls".to_owned()));
+    }
+    let layers = |few: &[CurveOf<'_, Exceedance>]| -> Vec<Layer> {
+        let curve = |(place, (point, points)): (usize, &CurveOf<'_, Exceedance>)| {
+            let column = |part: usize| points.iter().map(|point| point[part]).collect();
+            let band = Mark::Band { x: column(0), low: column(2), high: column(3), steps: true };
+            let steps = points.iter().map(|[x, fraction, ..]| [*x, *fraction]).collect();
+            [band, Mark::Steps { points: steps }]
+                .map(|mark| Layer::new(&data.curve_name(point), Colour::Series(place), mark))
+        };
+        let rule = |(at, label): &(f64, String)| {
+            let mark = Mark::Rule { upright: true, at: *at, label: label.clone() };
+            Layer::new("", Colour::Ink, mark)
+        };
+        few.iter().enumerate().flat_map(curve).chain(rules.iter().map(rule)).collect()
+    };
+    let x = match is_relative {
+        true => axis("residual amplitude / amplitude without balls", ""),
+        false => axis("amplitude at the end", &unit.symbol),
+    };
+    let kind = if is_logarithmic { AxisKind::Logarithmic } else { AxisKind::Linear };
+    let x = Axis { kind, ..x };
+    let y = fraction_axis("fraction of runs above");
+    let panel = |(points, few): (String, _)| {
+        let what = if is_relative { "relative to no balls" } else { "amplitude" };
+        let part = if points.is_empty() { what.to_owned() } else { format!("{what}, {points}") };
+        Panel { part, ..Panel::new(x.clone(), y.clone(), layers(few)) }
+    };
+    few_each(&curves).into_iter().filter(|(_, few)| !few.is_empty()).map(panel).collect()
 }
 
 /// Returns at most `most` points of the curve of ascending values; an amplitude of 0 has no place on a logarithmic axis.
-fn exceedance(ascending: &[f64], most: usize) -> Exceedance {
+fn exceedance(ascending: &[f64], is_logarithmic: bool, most: usize) -> Exceedance {
     let all = ascending.len();
-    let still = ascending.partition_point(|value| *value <= 0.0);
+    let still = if is_logarithmic { ascending.partition_point(|one| *one <= 0.0) } else { 0 };
     let at = |rank: usize| {
         let value = *ascending.get(still + rank)?;
         let above = all - ascending.partition_point(|other| *other <= value);
@@ -96,10 +128,10 @@ fn exceedance(ascending: &[f64], most: usize) -> Exceedance {
     evenly(all - still, most).into_iter().filter_map(at).collect()
 }
 
-/// Returns the absolute limits of the study's responses, m.
-fn limits(data: &ReportData<'_>) -> impl Iterator<Item = f64> {
-    data.study.responses().iter().filter_map(|response| match response.measure {
-        Measure::Above(limit) if response.amplitude == AmplitudeKind::Residual => Some(limit),
+/// Returns the limits of the study's responses to amplitudes of this kind.
+fn limits(responses: &[Response], kind: AmplitudeKind) -> impl Iterator<Item = f64> {
+    responses.iter().filter_map(move |response| match response.measure {
+        Measure::Above(limit) if response.amplitude == kind => Some(limit),
         _ => None,
     })
 }

@@ -1,6 +1,5 @@
 //! The figures of a report, as data that the page's script draws.
 
-mod amplitudes;
 mod basins;
 mod diagnostics;
 mod drawn;
@@ -20,7 +19,7 @@ mod time_to_rest;
 mod vibration;
 
 pub use drawn::shown_parameters;
-pub use layers::{axis, label_words, significant};
+pub use layers::{axis, significant};
 
 use super::chart::Figure;
 use super::data::ReportData;
@@ -34,7 +33,6 @@ pub fn of_results(data: &ReportData<'_>) -> Vec<Figure> {
     let figures = [
         several(vibration::figure),
         run_up::figure(data),
-        amplitudes::figure(data),
         exceedance::figure(data),
         drawn::correlations(data),
         drawn::amplitudes(data),

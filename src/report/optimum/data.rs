@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::analysis::Estimate;
 use crate::optimize::{Evaluation, EvaluationsError, Goal, read_evaluations};
-use crate::study::{Optimization, Study, Unit};
+use crate::study::{Optimization, Study, Unit, Variable};
 use crate::table::{Batch, FILES, FileList, Kind, Table, TableError};
 
 /// The results of a search.
@@ -134,6 +134,12 @@ impl OptimumData {
         let response = self.study.responses().get(index);
         let (name, unit) = response.map_or(("", "1"), |one| (&*one.name, one.unit()));
         (name, self.study.units().of_response(unit))
+    }
+
+    /// Returns the name of a variable in words, without its unit.
+    pub fn variable_in_words(&self, name: &str) -> String {
+        let variable = self.study.variables().iter().find(|one| one.name() == name);
+        variable.map_or_else(|| name.to_owned(), Variable::short_name).replace('_', " ")
     }
 
     /// Returns the values of the goal's quantities of a design.

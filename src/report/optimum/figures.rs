@@ -3,6 +3,7 @@
 use super::data::OptimumData;
 use super::indices::indices;
 use super::over_variables::over_variables;
+use super::parallel::parallel_coordinates;
 use crate::optimize::Evaluation;
 use crate::report::chart::{
     Axis, Colour, Figure, Layer, Mark, Panel, Symbol, TooltipColumn, TooltipValues, Tooltips,
@@ -15,10 +16,16 @@ pub(super) const NOT_MET: &str = "does not meet all limits";
 
 /// Returns all figures of a search, in reading order.
 pub fn of_search(data: &OptimumData) -> Vec<Figure> {
-    [convergence(data), front(data), over_variables(data), indices(data)]
-        .into_iter()
-        .flatten()
-        .collect()
+    [
+        convergence(data),
+        front(data),
+        over_variables(data),
+        parallel_coordinates(data),
+        indices(data),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// An evaluated design with its values of the objectives.

@@ -20,7 +20,8 @@ pub fn indices(data: &OptimumData) -> Option<Figure> {
     for response in responses {
         let rows: Vec<&SensitivityFacts> =
             data.sensitivities.iter().filter(|one| one.response == response).collect();
-        let names: Vec<String> = rows.iter().map(|one| one.variable.replace('_', " ")).collect();
+        let names: Vec<String> =
+            rows.iter().map(|one| data.variable_in_words(&one.variable)).collect();
         let mut layers =
             bars("first order", Colour::Series(0), -BARS[0], &rows, |one| one.first_order);
         layers.extend(bars("total", Colour::Series(1), BARS[0], &rows, |one| one.total));
@@ -31,7 +32,7 @@ pub fn indices(data: &OptimumData) -> Option<Figure> {
         if let Some((one, value)) = known.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
             sentences.push(format!(
                 "{response}: {} has the largest total index, {value:.2}",
-                one.variable
+                data.variable_in_words(&one.variable)
             ));
         }
         let x = Axis {

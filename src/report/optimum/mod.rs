@@ -5,6 +5,7 @@ mod figures;
 mod indices;
 mod notes;
 mod over_variables;
+mod parallel;
 
 pub use data::OptimumData;
 pub use figures::of_search;

@@ -5,13 +5,8 @@ use serde_json::Value;
 use super::data::OptimumData;
 use crate::analysis::Estimate;
 use crate::counted::counted;
-use crate::optimize::use_of_balls;
-use crate::report::figures::significant;
-use crate::study::{AmplitudeKind, Measure};
-
-/// The distance to a bound, relative to the range, below which an optimum lies on the bound: designs are rounded to six
-/// digits.
-const ON_BOUND: f64 = 1e-5;
+use crate::optimize::{bounds_in_words, use_of_balls};
+use crate::study::{AmplitudeKind, DesignValue, Measure, Variable};
 
 /// Returns sentences about the best design; empty if nothing is remarkable.
 pub fn notes(data: &OptimumData) -> Vec<String> {
@@ -26,7 +21,14 @@ pub fn notes(data: &OptimumData) -> Vec<String> {
             if unmet.is_empty() { String::new() } else { format!(": {}", unmet.join("; ")) };
         notes.push(format!("The best design does not meet all limits in its final runs{unmet}."));
     }
-    notes.extend(on_bounds(data));
+    if let Some(best) = data.design("best") {
+        let value = |variable: &Variable| {
+            let number = best["values"][variable.name()].as_f64();
+            number.map_or(DesignValue::Choice(0), DesignValue::Number)
+        };
+        let values: Vec<DesignValue> = data.study.variables().iter().map(value).collect();
+        notes.extend(bounds_in_words(&data.study, &values));
+    }
     notes.extend(compared_with_no_balls(data));
     notes
 }
@@ -45,33 +47,6 @@ fn unfinished(data: &OptimumData) -> String {
         "The search is not finished: {done} of {} are evaluated, and the final runs are missing. {continues}",
         counted(all, "design")
     )
-}
-
-/// Names the variables whose best value lies on a bound of its range.
-fn on_bounds(data: &OptimumData) -> Vec<String> {
-    let Some(best) = data.design("best") else { return Vec::new() };
-    let sentence = |variable: &crate::study::Variable| {
-        let [from, to] = variable.range().filter(|[from, to]| from < to)?;
-        let value = best["values"][variable.name()].as_f64()?;
-        let near = |end: f64| (value - end).abs() <= ON_BOUND * (to - from);
-        let which = match (near(from), near(to)) {
-            (true, _) => "lower",
-            (_, true) => "upper",
-            _ => return None,
-        };
-        let unit = match variable.shown_unit() {
-            "" => String::new(),
-            unit => format!(" {unit}"),
-        };
-        let shown = |number| significant(variable.shown_number(number));
-        let [value, from, to] = [value, from, to].map(shown);
-        Some(format!(
-            "{} = {value}{unit} lies on the {which} bound of its range ({from} to {to}{unit}): a better design may lie \
-             beyond it.",
-            variable.name()
-        ))
-    };
-    data.study.variables().iter().filter_map(sentence).collect()
 }
 
 /// Says whether the amplitudes of the best design, relative to those without balls, show no improvement at some point.

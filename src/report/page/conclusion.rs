@@ -141,7 +141,7 @@ pub fn conclusion_of_search(body: &mut Html, data: &OptimumData) {
             sentences.push(format!(
                 "Over the whole range of designs, {} changes {name} most: it takes part in {:.0} % of its variance \
                  (total Sobol' index).",
-                one.variable.replace('_', " "),
+                data.variable_in_words(&one.variable),
                 100.0 * total.clamp(0.0, 1.0)
             ));
         }

@@ -1,5 +1,6 @@
 //! Builds HTML from escaped text.
 
+use crate::report::printed_columns::PrintedColumn;
 use crate::sanitize::is_acted_on;
 
 /// An HTML text that grows line by line.
@@ -36,9 +37,29 @@ impl Html {
         self.line("</tbody></table></div>");
     }
 
+    /// Adds a table of printed columns; `text` lists those that are aligned to the left.
+    pub fn columns(&mut self, columns: &[PrintedColumn], text: &[usize]) {
+        let head: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+        let rows = columns.first().map_or(0, |column| column.cells.len());
+        let cell = |row: usize| move |column: &PrintedColumn| escaped(&range(&column.cells[row]));
+        let rows: Vec<Vec<String>> =
+            (0..rows).map(|row| columns.iter().map(cell(row)).collect()).collect();
+        self.table(&head, &rows, text);
+    }
+
     /// Returns the text.
     pub fn text(self) -> String {
         self.0
+    }
+}
+
+/// Returns a cell with a dash between the ends of a range, such as `1.0–2.5`.
+fn range(cell: &str) -> String {
+    let is_hyphen =
+        |(place, _): &(usize, &str)| cell[..*place].ends_with(|c: char| c.is_ascii_digit());
+    match cell.match_indices('-').find(is_hyphen) {
+        Some((place, _)) => format!("{}–{}", &cell[..place], &cell[place + 1..]),
+        None => cell.to_owned(),
     }
 }
 

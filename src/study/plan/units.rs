@@ -52,6 +52,13 @@ impl Units {
         own.or_else(|| self.0.get(quantity(si)?))
     }
 
+    /// Returns the unit in which a parameter is shown.
+    pub fn shown(&self, name: &str) -> Unit {
+        let si = || split_unit(name).map_or("", |(_, si)| si);
+        let default = || Unit { symbol: si().to_owned(), si: 1.0 };
+        self.of_parameter(name).cloned().unwrap_or_else(default)
+    }
+
     /// Returns the unit of the amplitudes of vibration: µm unless the study chooses another one.
     pub fn vibration(&self) -> Unit {
         let default = || Unit { symbol: "µm".to_owned(), si: 1e-6 };

@@ -99,10 +99,15 @@ impl Variable {
 
     /// Returns a value in words, such as `speed_rad_s 300`, `speed 3000 rpm` or `material steel`.
     pub fn in_words(&self, value: DesignValue) -> String {
-        let text = self.describe(value);
+        let (name, unit) = self.name_and_unit();
+        format!("{name} {} {unit}", self.describe(value)).trim_end().to_owned()
+    }
+
+    /// Returns the name without a unit and the unit that the study chooses, or the whole name and no unit.
+    pub fn name_and_unit(&self) -> (String, &str) {
         match &self.shown {
-            Some(unit) => format!("{} {text} {}", self.short_name(), unit.symbol),
-            None => format!("{} {text}", self.name),
+            Some(unit) => (self.short_name(), &unit.symbol),
+            None => (self.name.clone(), ""),
         }
     }
 

@@ -1,9 +1,10 @@
-//! The columns of the printed table of points: residual vibration first, then rests and the other
-//! endings. A column that says nothing about the printed points is left out.
+//! The columns of the tables of points and responses, on the terminal, in Markdown and on the page: residual vibration first,
+//! then rests and the other endings. A column that says nothing about the points is left out.
 
+use super::data::{Fraction, PointFacts};
+use super::words::{percent, three_digits};
 use crate::analysis::{AuditCounts, Estimate};
 use crate::classification::Label;
-use crate::report::{Fraction, PointFacts, percent, three_digits};
 use crate::study::{Response, Unit, Units, VariedParameter};
 
 /// The cell of a value that a point does not have.
@@ -134,6 +135,13 @@ pub fn estimate_columns(
 struct Columns<'a> {
     rows: &'a [PointFacts],
     list: Vec<PrintedColumn>,
+}
+
+impl PrintedColumn {
+    /// Returns a column with the header in one line only.
+    pub fn new(name: &str, cells: Vec<String>) -> Self {
+        PrintedColumn { header: Default::default(), name: name.to_owned(), cells }
+    }
 }
 
 impl Columns<'_> {
