@@ -1,7 +1,7 @@
 //! The balance quality that is left with the balls at rest, as the grade G of ISO 21940-11.
 //!
-//! ISO 21940-11:2016 grades a rotor by the product of its specific unbalance and its speed, in
-//! mm/s. The specific unbalance is the residual unbalance divided by the mass of the rotor. The
+//! ISO 21940-11:2016 grades a rotor by the product of its specific imbalance and its speed, in
+//! mm/s. The specific imbalance is the residual imbalance divided by the mass of the rotor. The
 //! model knows only the whole vibrating mass, so that this grade is smaller than that of the rotor
 //! alone by the ratio of the two masses.
 
@@ -9,14 +9,14 @@ use nalgebra::Complex;
 
 use crate::model::Machine;
 
-/// Returns the size of [`residual_unbalance_vector`], kg m.
-pub fn residual_unbalance(machine: &Machine, beta: &[f64]) -> f64 {
-    residual_unbalance_vector(machine, beta).norm()
+/// Returns the size of [`residual_imbalance_vector`], kg m.
+pub fn residual_imbalance(machine: &Machine, beta: &[f64]) -> f64 {
+    residual_imbalance_vector(machine, beta).norm()
 }
 
-/// Returns the residual unbalance with the balls at the angles `beta` from the imbalance, kg m:
+/// Returns the residual imbalance with the balls at the angles `beta` from the imbalance, kg m:
 /// `m_I e + Σ m_i (ε + L exp(iβ_i))`, with the runout `ε` of the ring; its real part points towards the imbalance.
-pub fn residual_unbalance_vector(machine: &Machine, beta: &[f64]) -> Complex<f64> {
+pub fn residual_imbalance_vector(machine: &Machine, beta: &[f64]) -> Complex<f64> {
     let imbalance = Complex::from(machine.imbalance_mass_kg * machine.imbalance_radius_m);
     let balls = machine.balls.iter().zip(beta);
     let balls = balls
@@ -29,6 +29,6 @@ pub fn residual_unbalance_vector(machine: &Machine, beta: &[f64]) -> Complex<f64
 /// Returns the balance quality grade with the balls at the angles `beta` from the imbalance, mm/s:
 /// `G = U |ω| / M`, with the whole vibrating mass `M`, which includes the imbalance and the balls.
 pub fn balance_quality_grade(machine: &Machine, beta: &[f64]) -> f64 {
-    let specific_unbalance_m = residual_unbalance(machine, beta) / machine.total_mass_kg();
+    let specific_unbalance_m = residual_imbalance(machine, beta) / machine.total_mass_kg();
     1e3 * specific_unbalance_m * machine.speed_rad_s.abs()
 }

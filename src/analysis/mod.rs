@@ -45,7 +45,7 @@ mod value_counts;
 
 pub use audit::AuditCounts;
 pub use balance::Balance;
-pub use balance_quality::{balance_quality_grade, residual_unbalance, residual_unbalance_vector};
+pub use balance_quality::{balance_quality_grade, residual_imbalance, residual_imbalance_vector};
 pub use basin_entropy::Basins;
 pub use cycle_class::{CycleClass, Role};
 pub use cycles::{CycleGroup, CycleRange, CycleRole};

@@ -1,4 +1,5 @@
-//! Values of a machine that are probably written in another unit, such as mm, N/mm or g, and a ball that is new by half.
+//! Values of a machine that are probably written in another unit, such as mm, N/mm or g, and a ball with the mass of
+//! a template but another diameter.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -89,7 +90,7 @@ pub(super) const LIMITS: [Limit; 6] = [
             )
         },
         remedy: "a natural frequency of at most 5000 Hz",
-        remark: "; the stiffness is in N/m and masses are in kg",
+        remark: "; the stiffness is in N/m, and masses are in kg, not in t",
     },
     Limit {
         kind: HEAVY_BALLS,
@@ -98,7 +99,7 @@ pub(super) const LIMITS: [Limit; 6] = [
         problem: "the balls together are heavier than the table",
         found: |machine, said| {
             format!(
-                "balls of {} on a table of {}",
+                "balls with a total mass of {} on a table of {}",
                 said("ball_mass_kg", balls_kg(machine)),
                 said("table_mass_kg", machine.table_mass_kg)
             )

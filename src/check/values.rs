@@ -287,12 +287,13 @@ impl At<'_> {
         if Balance::of(&form) != Balance::Nowhere {
             return None;
         }
-        let capacity = capacity_kg_m(machine) * GRAM_MILLIMETRES;
+        let unit = self.study.units().imbalance();
+        let capacity = capacity_kg_m(machine);
         // With a runout of the ring, the imbalance that the balls feel.
         let own = machine.imbalance_mass_kg * machine.imbalance_radius_m;
         let felt = form.imbalance.norm() * machine.total_mass_kg() * machine.ring_radius_m;
         let has_runout = machine.ring_runout_m != 0.0;
-        let imbalance = GRAM_MILLIMETRES * if has_runout { felt } else { own };
+        let imbalance = if has_runout { felt } else { own };
         let (problem, remedy) = if capacity < imbalance {
             let remedy =
                 format!("more or heavier balls, or a larger {}", self.name("ring_radius_m"));
@@ -307,11 +308,12 @@ impl At<'_> {
             key: self.key("ball_mass_kg", None),
             problem: problem.to_owned(),
             found: format!(
-                "ball masses times {} are {} g mm, and the imbalance{} is {} g mm",
+                "ball masses times {} are {} {symbol}, and the imbalance{} is {} {symbol}",
                 self.name("ring_radius_m"),
-                short(capacity),
+                short(unit.of(capacity)),
                 if has_runout { " with the runout of the ring" } else { "" },
-                short(imbalance)
+                short(unit.of(imbalance)),
+                symbol = unit.symbol
             ),
             remedy,
         })
@@ -372,9 +374,6 @@ impl At<'_> {
 
 /// A remark for a study that writes speeds in rad/s.
 pub(super) const RPM: &str = "; 1 rpm is 0.10472 rad/s";
-
-/// g mm in one kg m.
-const GRAM_MILLIMETRES: f64 = 1e6;
 
 /// Formats a number with at most four significant digits.
 pub(crate) fn short(number: f64) -> String {

@@ -35,7 +35,7 @@ pub fn warnings(study: &Study) -> Vec<Warning> {
     found.extend(mostly_defaults(study));
     found.extend(invalid_draws(design.map_or(study, |design| &design.study)));
     found.extend(repeated_points(study));
-    found.extend(unreachable_limits(study));
+    found.extend(distant_limits(study));
     found.into_iter().map(|finding| finding.in_file(study)).collect()
 }
 
@@ -238,17 +238,24 @@ fn invalid_draws(study: &Study) -> Option<Finding> {
     })
 }
 
-/// Warns of a limit of an amplitude that no run exceeds, for example a limit in µm as a number.
-fn unreachable_limits(study: &Study) -> Vec<Finding> {
+/// Warns of an amplitude limit above the radius of the ring, for example a limit in µm that is written as a number.
+fn distant_limits(study: &Study) -> Vec<Finding> {
     let Some(machine) = study.model().ball_balancer() else { return Vec::new() };
     let radius_m = machine.ring_radius_m;
+    let (unit, radius) = (study.units().vibration(), study.units().shown("ring_radius_m"));
     let far = |response: &Response| match response.measure {
         Measure::Above(limit) if response.amplitude != AmplitudeKind::RelativeResidual => {
             (limit > radius_m).then(|| Finding {
                 kind: "limit",
                 key: format!("responses.{}.amplitude_above.limit", response.name),
                 problem: "the limit of an amplitude is above the radius of the ring".to_owned(),
-                found: format!("{} m", describe_number(limit)),
+                found: format!(
+                    "a limit of {} {}, and a ring with a radius of {} {}",
+                    describe_number(unit.of(limit)),
+                    unit.symbol,
+                    short(radius.of(radius_m)),
+                    radius.symbol
+                ),
                 remedy: "a limit in m, or with a unit, such as 20 µm".to_owned(),
             })
         }

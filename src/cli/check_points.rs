@@ -8,13 +8,13 @@ use crate::analysis::{Balance, Stability};
 use crate::check::{
     BalancerFacts, BallPositions, BlockFacts, ExaminedDesign, RestFacts, points_to_examine, short,
 };
-use crate::study::{DesignValue, Point, Study, Unit, Variable, VariedParameter};
+use crate::study::{DesignValue, Point, Study, Units, Variable, VariedParameter};
 use crate::text_table::text_table;
 
 /// The closed forms at some points of a sweep, with uncertain parameters at their medians.
 pub(super) struct ClosedForms {
     swept: Vec<VariedParameter>,
-    units: ShownUnits,
+    units: Units,
     /// The number of points of the sweep.
     points: u64,
     /// Whether any parameter is uncertain.
@@ -64,10 +64,7 @@ impl ClosedForms {
         let at: Vec<(Point, Facts)> = points.into_iter().filter_map(facts).collect();
         ClosedForms {
             swept: study.swept().to_vec(),
-            units: ShownUnits {
-                speed: study.units().speed(),
-                vibration: study.units().vibration(),
-            },
+            units: study.units().clone(),
             points: study.point_count(),
             uncertain: !study.uncertain().is_empty(),
             design: design.map(|design| (design.words(), design_json(design))),
@@ -93,12 +90,15 @@ impl ClosedForms {
         if balancers.is_empty() {
             let is_block = |(_, facts): &(Point, Facts)| matches!(facts, Facts::Block(_));
             let all = if self.at.iter().all(is_block) { 3 } else { 1 };
-            let columns: Vec<String> = BLOCK_COLUMNS[..all].iter().map(|&one| one.into()).collect();
-            return text + &self.table(&columns);
+            let of_block = [("natural", SPEED), ("static reach", REACH), ("belt", BELT)];
+            let column = |(words, name): &(&str, &str)| {
+                format!("{words} [{}]", self.units.shown(name).symbol)
+            };
+            return text + &self.table(&of_block[..all].iter().map(column).collect::<Vec<_>>());
         }
         let mut text = text
             + &self.table(&balancer_columns(&self.units))
-            + &legend(&balancers, &self.units.speed);
+            + &legend(&balancers, &self.units.speed());
         if self
             .at
             .iter()
@@ -179,21 +179,18 @@ fn balancer((point, facts): &(Point, Facts)) -> Option<(u64, &BalancerFacts)> {
 /// The separator of the two values in parentheses.
 const RANGE: &str = " .. ";
 
-const BLOCK_COLUMNS: [&str; 3] = ["natural [rad/s]", "static reach [m]", "belt [m/s]"];
-
-/// The units of speeds of rotation and of vibration.
-struct ShownUnits {
-    speed: Unit,
-    vibration: Unit,
-}
+/// Names with the units of a speed of rotation, a length and a speed.
+const SPEED: &str = "speed_rad_s";
+const REACH: &str = "static_reach_m";
+const BELT: &str = "belt_speed_m_s";
 
 /// Returns the names of the columns of a balancer.
-fn balancer_columns(units: &ShownUnits) -> Vec<String> {
-    let ShownUnits { speed, vibration } = units;
+fn balancer_columns(units: &Units) -> Vec<String> {
+    let [speed, vibration, imbalance] = [units.speed(), units.vibration(), units.imbalance()];
     vec![
         format!("natural [{}]", speed.symbol),
         "speed/natural".to_owned(),
-        "capacity [g mm]".to_owned(),
+        format!("capacity [{}]", imbalance.symbol),
         "/imbalance".to_owned(),
         "set".to_owned(),
         format!("worst rest [{}]", vibration.symbol),
@@ -205,15 +202,15 @@ fn balancer_columns(units: &ShownUnits) -> Vec<String> {
 
 impl Facts {
     /// Returns the cells of a row of the table.
-    fn cells(&self, units: &ShownUnits) -> Vec<String> {
+    fn cells(&self, units: &Units) -> Vec<String> {
         match self {
             Facts::Other { natural_frequency_rad_s } => {
-                vec![format!("{natural_frequency_rad_s:.2}")]
+                vec![format!("{:.2}", units.speed().of(*natural_frequency_rad_s))]
             }
             Facts::Block(facts) => vec![
-                format!("{:.2}", facts.natural_frequency_rad_s),
-                short(facts.static_reach_m),
-                facts.belt_speed_m_s.map_or_else(none, short),
+                format!("{:.2}", units.speed().of(facts.natural_frequency_rad_s)),
+                short(units.shown(REACH).of(facts.static_reach_m)),
+                facts.belt_speed_m_s.map_or_else(none, |one| short(units.shown(BELT).of(one))),
             ],
             Facts::Balancer(facts, range) => {
                 let rest = |value: &dyn Fn(&RestFacts) -> Option<f64>| {
@@ -227,15 +224,15 @@ impl Facts {
                     }
                 };
                 vec![
-                    format!("{:.2}", units.speed.of(facts.natural_frequency_rad_s)),
+                    format!("{:.2}", units.speed().of(facts.natural_frequency_rad_s)),
                     format!("{:.3}", facts.speed_ratio),
-                    short(facts.capacity_kg_m * GRAM_MILLIMETRES),
+                    short(units.imbalance().of(facts.capacity_kg_m)),
                     short(facts.capacity_ratio()),
                     rest(&|rest| Some(rounded(rest.set_fraction))),
-                    rest(&|rest| rest.max_amplitude_m.map(|one| units.vibration.of(one))),
+                    rest(&|rest| rest.max_amplitude_m.map(|one| units.vibration().of(one))),
                     facts
                         .amplitude_without_balls_m
-                        .map_or_else(none, |one| short(units.vibration.of(one))),
+                        .map_or_else(none, |one| short(units.vibration().of(one))),
                     rest(&|rest| rest.overlapping_fraction.map(rounded)),
                     balance(facts),
                 ]

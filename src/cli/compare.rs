@@ -24,11 +24,11 @@ Examples:
   stickslip compare results/steel results/ceramic
   stickslip compare results/before results/after --json
 
-Prints the keys in which the two studies differ, and for each point that both have (equal values of the parameters \
-that both sweep) the fraction of runs at rest, the vibration, and the responses that both studies define alike, with \
-the difference second - first and its 95 % confidence interval. If the runs of both studies have the same start \
-states (the same seed and sampling), the interval accounts for it: such differences are more precise than their \
-values. The command computes no run and changes nothing.";
+Prints the keys in which the two studies differ, and for each point that both have (equal values of all parameters \
+that one of them sweeps) the fraction of runs at rest, the vibration, and the responses that both studies define \
+alike, with the difference second - first and its 95 % confidence interval. If the runs of both studies have the same \
+start states (the same seed and sampling), the interval accounts for the correlation of the pairs. The command \
+computes no run and changes nothing.";
 
 /// Say how the results of two studies differ, with intervals of the differences
 #[derive(Clone, Debug, Args)]
@@ -153,7 +153,7 @@ fn cells(quantity: &ComparedQuantity) -> Vec<String> {
     ]
 }
 
-/// Says for each quantity at which points it certainly rises or falls.
+/// Says for each quantity at which points the interval of the difference lies above or below 0.
 fn conclusions(comparison: &Comparison) -> String {
     let points = &comparison.points;
     let Some(first) = points.first() else {
@@ -184,11 +184,12 @@ fn conclusions(comparison: &Comparison) -> String {
         let parts = [
             verb(rises.count, &rises, "rises"),
             verb(falls.count, &falls, "falls"),
-            verb(unknown.count, &unknown, "has no interval, because the runs are too few,"),
+            verb(unknown.count, &unknown, "has no complete 95 % interval"),
         ];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
         let what = match parts.is_empty() {
-            true => "no difference is shown".to_owned(),
+            true if all == 1 => "the 95 % interval of the difference contains 0".to_owned(),
+            true => "the 95 % intervals of all differences contain 0".to_owned(),
             false => parts.join(" and "),
         };
         text += &format!("{}: {what}.\n", quantity.name);
@@ -199,7 +200,7 @@ fn conclusions(comparison: &Comparison) -> String {
             "The runs of the studies have different start states: the intervals are those of independent samples.\n"
         }
         _ if paired == points.len() => {
-            "The runs of both studies have the same start states, which makes the differences more precise.\n"
+            "The runs of both studies have the same start states; the intervals account for the correlation of the pairs.\n"
         }
         _ => "At some points the runs of both studies have the same start states.\n",
     }

@@ -1,4 +1,5 @@
-//! A new table in a file that the user names: CSV if the name ends in `.csv`, else Parquet.
+//! A new table in a file that the user names: CSV if the name ends in `.csv`, otherwise Parquet; the endings of other formats
+//! are refused.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -50,7 +51,8 @@ impl<R> NewTable<R> {
         }
         let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
         if OTHER_FORMATS.iter().any(|other| ending.eq_ignore_ascii_case(other)) {
-            let problem = format!("{}: the file is written as Parquet or CSV", path.display());
+            let problem =
+                format!("{}: stickslip writes tables as Parquet or CSV only", path.display());
             let found = format!("a name that ends in .{ending}");
             let [parquet, csv] = ["parquet", "csv"].map(|ending| path.with_extension(ending));
             let allowed = format!(

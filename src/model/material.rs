@@ -15,10 +15,10 @@ const fn material(name: &'static str, density_kg_m3: f64, restitution: Option<f6
     Material { name, density_kg_m3, restitution }
 }
 
-/// The materials. Densities are those that standards and manufacturers of balls give: bearing steel 100Cr6 (ISO 683-17) and
-/// X105CrMo17, silicon nitride (ISO 26602), zirconia stabilised with yttria, alumina of 99.5 %, tungsten carbide with 6 %
-/// cobalt (ISO 3290-2), soda-lime glass, CuZn39Pb3. Restitution: steel, W. Goldsmith, Impact, Arnold 1960 (0.9 or more at low
-/// speeds); glass, S. F. Foerster and others, Phys. Fluids 6 (1994) 1108, doi:10.1063/1.868282 (0.97).
+/// The materials. Densities are nominal values of manufacturers of balls: bearing steel 100Cr6 and X105CrMo17, silicon nitride,
+/// zirconia stabilised with yttria, alumina of 99.5 %, tungsten carbide with 6 % cobalt, soda-lime glass, CuZn39Pb3.
+/// Restitution: hardened steel, W. Goldsmith, Impact, Arnold 1960 (0.9 or more at low speeds); glass, S. F. Foerster and
+/// others, Phys. Fluids 6 (1994) 1108, doi:10.1063/1.868282 (0.97).
 pub const MATERIALS: [Material; 8] = [
     material("steel", STEEL_KG_M3, Some(0.9)),
     material("stainless_steel", 7650.0, Some(0.9)),

@@ -2,21 +2,19 @@
 //!
 //! A search continues from this table: all its further steps are a function of the table and of the study.
 
-use std::borrow::Cow;
 use std::path::Path;
 
 use serde_json::{Value, json};
 use thiserror::Error;
 
 use super::evaluation::{Evaluation, Origin};
-use crate::analysis::Estimate;
 use crate::analysis::LabelCounts;
 use crate::classification::Label;
 use crate::responses::Answer;
 use crate::responses::columns::answer_columns;
 use crate::study::{DesignValue, Study, changed_keys};
 use crate::table::column::{Column, Columns};
-use crate::table::{Batch, Kind, Table, TableError};
+use crate::table::{Batch, Kind, Table, TableError, estimate_kinds, read_estimate};
 
 /// Returns the columns of `evaluations.parquet`: one row per design and point of the sweep.
 pub fn evaluation_columns(study: &Study) -> Vec<Column<(Origin, Answer)>> {
@@ -172,7 +170,6 @@ fn grouped_by_design(study: &Study, rows: Vec<(Origin, Answer)>) -> Option<Vec<E
 
 /// More runs than any design has.
 const MOST_RUNS: u64 = 1 << 60;
-const PARTS: [&str; 4] = ["", "_standard_error", "_low", "_high"];
 
 fn columns_to_read(study: &Study) -> Vec<(String, Kind)> {
     let mut columns: Vec<(String, Kind)> =
@@ -185,8 +182,7 @@ fn columns_to_read(study: &Study) -> Vec<(String, Kind)> {
     }
     columns.extend(Label::ALL.map(|label| (label.name().to_owned(), Kind::Count)));
     for response in study.responses() {
-        columns.extend(PARTS.map(|part| (format!("{}{part}", response.name), Kind::Number)));
-        columns.push((format!("{}_reason", response.name), Kind::Text));
+        columns.extend(estimate_kinds(&response.name));
     }
     columns
 }
@@ -208,20 +204,15 @@ fn read_row(study: &Study, batch: &Batch, index: usize) -> Option<(Origin, Answe
     for label in Label::ALL {
         counts.add_many(label, count(label.name()).filter(|count| *count < MOST_RUNS)?);
     }
-    let estimates = study.responses().iter().map(|response| {
-        let [value, standard_error, low, high] =
-            PARTS.map(|part| number(&format!("{}{part}", response.name)));
-        let reason = text(&format!("{}_reason", response.name));
-        let reason = reason.map(|text| Cow::Owned(text.to_owned()));
-        Estimate { value, standard_error, low, high, reason }
-    });
+    let responses = study.responses().iter();
+    let estimates = responses.map(|response| read_estimate(batch, &response.name, index).ok());
     let point_id = count("point_id").filter(|point| *point < study.point_count())?;
     let answer = Answer {
         design: count("design")?,
         values,
         point_id,
         swept: study.point(point_id).swept,
-        estimates: estimates.collect(),
+        estimates: estimates.collect::<Option<_>>()?,
         counts,
         discontinuous: None,
     };

@@ -52,7 +52,7 @@ pub struct ComparedPoint {
 /// A quantity of a point.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComparedQuantity {
-    /// Its name: that of a response, or of columns of `points.parquet`.
+    /// The name of a response, or the words of a quantity, such as `median vibration`.
     pub name: String,
     /// The unit in which people read it.
     #[serde(skip)]
@@ -80,8 +80,8 @@ enum Contribution {
 struct Quantity {
     name: String,
     unit: Unit,
-    /// The columns of the value and of both ends of its interval.
-    columns: [String; 3],
+    /// The columns of the value, of both ends of its interval and, for a response, of its standard error.
+    columns: Vec<String>,
     contribution: Contribution,
 }
 
@@ -93,7 +93,7 @@ struct ComparedRun {
     /// Number of its cell.
     cell: u64,
     label: Option<Label>,
-    /// By [`AmplitudeKind`].
+    /// Amplitudes, indexed by [`AmplitudeKind`]; NaN if missing.
     amplitudes: [f64; 3],
     time_to_rest_s: f64,
 }
@@ -142,7 +142,7 @@ fn quantities([first, second]: [&Study; 2]) -> Vec<Quantity> {
     let quantity = |name: &str, unit, columns: [&str; 3], contribution| Quantity {
         name: name.to_owned(),
         unit,
-        columns: columns.map(str::to_owned),
+        columns: columns.map(str::to_owned).into(),
         contribution,
     };
     let rest = ["equilibrium_fraction", "ci_low", "ci_high"];
@@ -166,7 +166,7 @@ fn quantities([first, second]: [&Study; 2]) -> Vec<Quantity> {
     list.extend(common.map(|response: &Response| Quantity {
         name: response.name.clone(),
         unit: response.shown_unit(first.units()),
-        columns: ["", "_low", "_high"].map(|end| response.column() + end),
+        columns: ["", "_low", "_high", "_standard_error"].map(|end| response.column() + end).into(),
         contribution: Contribution::Response(response.measure, response.amplitude),
     }));
     list
@@ -182,9 +182,18 @@ fn points(results: &ComparedResults<'_>, list: &[Quantity]) -> Result<Vec<Point>
     read(points, &wanted, |batch, row| {
         let point_id = batch.count("point_id", row)?.unwrap_or_default();
         let estimate = |quantity: &Quantity| {
-            let [value, low, high] =
-                quantity.columns.each_ref().map(|name| batch.number(name, row));
-            Ok(Estimate { value: value?, low: low?, high: high?, ..Estimate::default() })
+            let number = |place: usize| match quantity.columns.get(place) {
+                Some(name) => batch.number(name, row),
+                None => Ok(None),
+            };
+            let (value, low, high) = (number(0)?, number(1)?, number(2)?);
+            Ok::<_, TableError>(Estimate {
+                value,
+                low,
+                high,
+                standard_error: number(3)?,
+                reason: None,
+            })
         };
         let estimates = list.iter().map(estimate).collect::<Result<_, TableError>>()?;
         if point_id < study.point_count() {

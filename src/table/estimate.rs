@@ -11,9 +11,9 @@ type Part = (&'static str, &'static str, fn(&Estimate) -> Option<f64>);
 
 const PARTS: [Part; 4] = [
     ("", "", |estimate| estimate.value),
-    ("_standard_error", "its standard error", |estimate| estimate.standard_error),
-    ("_low", "lower end of its 95 % interval", |estimate| estimate.low),
-    ("_high", "upper end of its 95 % interval", |estimate| estimate.high),
+    ("_standard_error", "standard error of", |estimate| estimate.standard_error),
+    ("_low", "lower end of the 95 % interval of", |estimate| estimate.low),
+    ("_high", "upper end of the 95 % interval of", |estimate| estimate.high),
 ];
 
 const REASON: &str = "_reason";
@@ -27,11 +27,15 @@ pub(crate) fn add_estimate<R: 'static>(
     of: impl Fn(&R) -> Option<&Estimate> + Copy + Send + Sync + 'static,
 ) {
     for (ending, words, part) in PARTS {
-        list.number(format!("{name}{ending}"), unit, move |row| of(row).and_then(part))
-            .meaning(if words.is_empty() { meaning } else { words });
+        list.number(format!("{name}{ending}"), unit, move |row| of(row).and_then(part)).meaning(
+            match words {
+                "" => meaning.to_owned(),
+                words => format!("{words} {name}"),
+            },
+        );
     }
     list.text(format!("{name}{REASON}"), move |row| Some(of(row)?.reason.as_ref()?.to_string()))
-        .meaning("why one of these values is missing");
+        .meaning(format!("why the value, standard error or interval of {name} is missing"));
 }
 
 /// Returns the columns of an estimate with their kinds.

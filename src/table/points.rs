@@ -127,7 +127,7 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
             list.number(response.column_without_balls(), unit, move |row| {
                 row.responses_without_balls.get(index).copied().flatten()
             })
-            .meaning("its value for each run's own machine without balls");
+            .meaning(format!("value of {name} for the machines of the runs without balls"));
         }
     }
     list.finish()

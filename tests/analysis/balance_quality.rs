@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use stickslip::analysis::{RestForm, balance_quality_grade, overlaps, residual_unbalance};
+use stickslip::analysis::{RestForm, balance_quality_grade, overlaps, residual_imbalance};
 use stickslip::model::{Ball, Machine};
 
 fn relative_error(found: f64, expected: f64) -> f64 {
@@ -20,12 +20,12 @@ fn one_ball_balances_an_imbalance_of_its_own_size() {
     let Machine { imbalance_mass_kg, imbalance_radius_m, ring_radius_m, .. } = Machine::default();
     let imbalance = imbalance_mass_kg * imbalance_radius_m;
     let machine = machine(&[imbalance / ring_radius_m]);
-    assert!(residual_unbalance(&machine, &[PI]) < 1e-15 * imbalance);
+    assert!(residual_imbalance(&machine, &[PI]) < 1e-15 * imbalance);
     assert!(balance_quality_grade(&machine, &[PI]) < 1e-14);
     assert!(!overlaps(&machine, &[PI]));
-    assert!(relative_error(residual_unbalance(&machine, &[0.0]), 2.0 * imbalance) < 1e-14);
+    assert!(relative_error(residual_imbalance(&machine, &[0.0]), 2.0 * imbalance) < 1e-14);
     // Two vectors of the same length with an angle of 60 degrees between their directions.
-    let found = residual_unbalance(&machine, &[2.0 * PI / 3.0]);
+    let found = residual_imbalance(&machine, &[2.0 * PI / 3.0]);
     assert!(relative_error(found, imbalance) < 1e-14);
 }
 

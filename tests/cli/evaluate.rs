@@ -316,7 +316,7 @@ fn tables_and_studies_that_make_no_sense_are_refused() {
     scratch.refused("evaluate balls.yaml --designs d.csv --out d.csv", &["exists already"]);
     for name in ["r.tsv", "r.JSON", "r.xlsx"] {
         let arguments = format!("evaluate balls.yaml --designs d.csv --out {name}");
-        scratch.refused(&arguments, &[name, "written as Parquet or CSV", "r.parquet"]);
+        scratch.refused(&arguments, &[name, "as Parquet or CSV only", "r.parquet"]);
     }
     scratch.refused("evaluate balls.yaml --designs - --out r.parquet", &["standard output"]);
     for (from, to, parts) in [

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::fs;
 
 use arrow::array::AsArray;
-use stickslip::analysis::{residual_unbalance, touching_set_fraction};
+use stickslip::analysis::{residual_imbalance, touching_set_fraction};
 use stickslip::model::wrap_to_pi;
 use stickslip::report::chart::{Figure, Mark, Panel};
 use stickslip::report::{Budget, of_results};
@@ -138,7 +138,7 @@ fn three_balls_show_what_remains_of_the_imbalance() {
     let machine = case.model.ball_balancer().unwrap();
     for ((x, y), run) in x.iter().zip(y).zip(&tooltips.run_ids) {
         let beta = angles.each_ref().map(|angles| angles[*run as usize].unwrap());
-        let expected = 1e6 * residual_unbalance(machine, &beta);
+        let expected = 1e6 * residual_imbalance(machine, &beta);
         assert!((x.hypot(*y) / expected - 1.0).abs() < 1e-9, "{x} {y} {expected}");
     }
     let [Mark::Line { points, .. }] = marks(panel, "as large as without balls")[..] else {

@@ -20,7 +20,8 @@ __all__ = ["limit_cycle_branches"]
 #: Largest number of classes shown; these have the most runs.
 _MOST_CLASSES = 8
 
-#: Name, unit or the name of a unit that the study chooses, and the columns of a value and its range.
+#: Name; SI unit, or `vibration` or `speed` for the unit of the study; columns of the value and of both ends of its
+#: range.
 _QUANTITIES = (
     ("fraction of the runs", "", ("fraction", "ci_low", "ci_high")),
     ("period", "s", ("period_s", "period_low_s", "period_high_s")),
@@ -42,9 +43,10 @@ def limit_cycle_branches(
 
     The quantities are the fraction of a point's runs that end on the class, with Wilson's 95 % interval; the
     period [s], the amplitude (root mean square of the table, or amplitude of a block) and the mean speed of
-    ball 1, in the units of the study, each with its range over the runs or the cycle; and the largest modulus of the Floquet
-    multipliers, which is below 1 for a stable cycle. The abscissa is the swept numeric parameter with the most
-    values, or the points. docs/methods.md explains the names of the classes. Compare figure 5.15 of the thesis.
+    ball 1, in the units of the study, each with its range over the runs or the cycle; and the largest modulus
+    of the Floquet multipliers, which is below 1 for a stable cycle. The abscissa is the swept numeric
+    parameter with the most values, or the points. docs/methods.md explains the names of the classes. Compare
+    figure 5.15 of the thesis.
 
     ``width``: "single" (90 mm) or "double" (180 mm); ``points``: numbers of the points to show; ``sheet``:
     which sheet of twelve panels, from 1. Raises FiguresError if no run ended in a limit cycle.

@@ -38,12 +38,13 @@ def preferred_equilibria(
 ) -> Paper:
     """Draws preferred equilibria: the angles from the imbalance [rad] at which the balls of each run came to rest.
 
-    For two balls, each run at rest is a dot. If ``equilibria`` is the directory of `stickslip equilibria` for the same
-    study (stored in the results as `study.yaml`), the background is the equilibrium set with the amplitude of the
-    table, in the unit of the study; otherwise it is the histogram of `equilibrium_histogram.parquet`, the percentage of the point's runs
-    at rest in each bin [%]. For more balls, each pair has a panel. For one ball, the axes are its angle and the
-    amplitude; for a block, the position [m] and the time to rest [s]. `equilibrium_histogram.parquet` contains
-    the confidence intervals of the bins. See figures 5.7 to 5.9 of the thesis.
+    For two balls, each run at rest is a dot. If ``equilibria`` is the directory of `stickslip equilibria` for
+    the same study (stored in the results as `study.yaml`), the background is the equilibrium set with the
+    amplitude of the table, in the unit of the study; otherwise it is the histogram of
+    `equilibrium_histogram.parquet`, the percentage of the point's runs at rest in each bin [%]. For more
+    balls, each pair has a panel. For one ball, the axes are its angle and the amplitude; for a block, the
+    position [m] and the time to rest [s]. `equilibrium_histogram.parquet` contains the confidence intervals
+    of the bins. See figures 5.7 to 5.9 of the thesis.
 
     If the sweep sets the number of balls, all points shown must have the same number; without ``points``, these are the
     points with two balls, or with the largest number.

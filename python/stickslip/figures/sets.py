@@ -214,10 +214,11 @@ def equilibrium_set(
 ) -> Paper:
     """Draws the equilibrium set of two balls: the angles [rad] at which dry friction holds both.
 
-    The colour is the amplitude of the table's vibration, in the unit of the study, with the balls at rest there; white positions are not
-    equilibria. Stars and circles are the stable and unstable equilibria without friction. Each point of the sweep
-    has a panel. The grid of `equilibrium_positions.parquet` contains closed forms without sampling errors and is drawn
-    with at most 256 cells per axis. See figures 5.3 to 5.5 of the thesis.
+    The colour is the amplitude of the table's vibration, in the unit of the study, with the balls at rest
+    there; white positions are not equilibria. Stars and circles are the stable and unstable equilibria
+    without friction. Each point of the sweep has a panel. The grid of `equilibrium_positions.parquet`
+    contains closed forms without sampling errors and is drawn with at most 256 cells per axis. See figures
+    5.3 to 5.5 of the thesis.
 
     ``width``: "single" (90 mm) or "double" (180 mm); ``points``: numbers of the points to show; ``sheet``:
     which sheet of twelve panels, from 1. Raises FiguresError if the directory was not written by

@@ -22,9 +22,9 @@ _CELLS = 128
 
 
 def equilibrium_surface(directory: Source, *, width: Optional[Width] = None, point: int = 0) -> Paper:
-    """Draws the amplitude, in the unit of the study, over the equilibrium set of two balls as a surface over their angles [rad].
+    """Draws the amplitude over the equilibrium set of two balls as a surface over their angles [rad].
 
-    Positions in the holes are not equilibria. The dashed plane is the amplitude of the same machine without balls, if
+    The amplitude is in the unit of the study. Positions in the holes are not equilibria. The dashed plane is the amplitude of the same machine without balls, if
     it is bounded. The amplitudes are closed forms without statistical errors, drawn on a
     grid of 128 cells per axis. See figure 5.2 of the thesis.
 

@@ -25,12 +25,13 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
     """Draws the motion of a run over time [s], from `trajectory.parquet` of `stickslip replay`.
 
     For balls, the panels show their angles from the imbalance [rad], their speeds relative to the ring, and
-    the position x, y of the disc's centre in the frame that rotates with the disc, x towards the imbalance; for a
-    disc that starts or a table that is kicked, also the speed of the disc, each in the unit of the study. For a block, they show position [m],
-    sliding speed [m/s] and friction force [N]. The curves end with the record; the
-    record of a run that comes to permanent rest ends at that time. With contact between balls, the panel of the angles
-    marks where two balls touch, and crosses between the balls mark impacts from `touches.parquet`. Long records are reduced to the extreme values in
-    1,200 equal intervals of time. See figures 5.6 and 5.15 of the thesis.
+    the position x, y of the disc's centre in the frame that rotates with the disc, x towards the imbalance;
+    for a disc that starts or a table that is kicked, also the speed of the disc, each in the unit of the
+    study. For a block, they show position [m], sliding speed [m/s] and friction force [N]. The curves end
+    with the record; the record of a run that comes to permanent rest ends at that time. With contact between
+    balls, the panel of the angles marks where two balls touch, and crosses between the balls mark impacts
+    from `touches.parquet`. Long records are reduced to the extreme values in 1,200 equal intervals of time.
+    See figures 5.6 and 5.15 of the thesis.
 
     ``width``: "single" (90 mm) or "double" (180 mm). Raises FiguresError if the directory has no
     `trajectory.parquet` or if the table has fewer than two times.

@@ -35,14 +35,20 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             worse.unwrap_or_default()
         ))
     });
-    let has_limits = limits(data.study.responses(), AmplitudeKind::Residual).next().is_some();
+    let kinds = [AmplitudeKind::Residual, AmplitudeKind::RelativeResidual];
+    let has_limits =
+        kinds.iter().any(|kind| limits(data.study.responses(), *kind).next().is_some());
     Some(Figure {
         id: "exceedance".to_owned(),
         title: "Probability of exceeding an amplitude".to_owned(),
         caption: format!(
             "Fraction of a point's runs, at rest or moving, whose amplitude at the end is above a value, with its 95 % \
              band (Wilson, for each value separately).{}{}{}{}{}{}",
-            if has_limits { " Rules: the limits of the study's responses." } else { "" },
+            if has_limits {
+                " Vertical lines are the limits of the study's responses."
+            } else {
+                ""
+            },
             data.failures_left_out(),
             if vibrates {
                 data.with_draws(
@@ -108,7 +114,8 @@ fn panels(data: &ReportData<'_>, kind: AmplitudeKind, unit: &Unit) -> Vec<Panel>
     let x = Axis { kind, ..x };
     let y = fraction_axis("fraction of runs above");
     let panel = |(points, few): (String, _)| {
-        let what = if is_relative { "relative to no balls" } else { "amplitude" };
+        let what =
+            if is_relative { "relative to the amplitude without balls" } else { "amplitude" };
         let part = if points.is_empty() { what.to_owned() } else { format!("{what}, {points}") };
         Panel { part, ..Panel::new(x.clone(), y.clone(), layers(few)) }
     };

@@ -80,9 +80,9 @@ fn caption(numbers: &BTreeSet<usize>) -> String {
             let of_two =
                 if two { format!(" Two balls: their angles; c{SET}") } else { String::new() };
             format!(
-                "Each dot is a run at rest. Three or more balls: the imbalance that remains, as a vector of the disc; the \
-                 star is the balanced machine, and on the dashed circle the imbalance is as large as without \
-                 balls.{of_one}{of_two}"
+                "Each dot is a run at rest. For three and more balls, the axes are the components of the residual imbalance in \
+                 the frame of the disc. The star marks a balanced machine. On the dashed circle, the residual imbalance is \
+                 as large as the imbalance without balls.{of_one}{of_two}"
             )
         }
     }

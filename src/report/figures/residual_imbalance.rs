@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use super::layers::{axis, label_words, places, run_dots, run_tooltips};
-use crate::analysis::residual_unbalance_vector;
+use crate::analysis::residual_imbalance_vector;
 use crate::classification::Label;
 use crate::model::Machine;
 use crate::report::chart::{Axis, Colour, Layer, Mark, Panel, Symbol, Tooltips};
@@ -51,7 +51,7 @@ pub fn panel(data: &ReportData<'_>, point: &PointFacts) -> Option<Panel> {
         rests,
         Layer::new("balanced", Colour::Series(0), balanced),
     ];
-    let (x, y) = (plane("along the imbalance"), plane("across the imbalance"));
+    let (x, y) = (plane("residual imbalance parallel to the imbalance"), plane("perpendicular"));
     Some(Panel::new(x, y, layers))
 }
 
@@ -64,7 +64,7 @@ fn vectors(data: &ReportData<'_>, machine: &Machine) -> Vec<[f64; 2]> {
                 positions.get(ball).and_then(|all| all.get(place)).copied().unwrap_or(f64::NAN)
             })
             .collect();
-        let residual = residual_unbalance_vector(machine, &beta);
+        let residual = residual_imbalance_vector(machine, &beta);
         [residual.re, residual.im]
     };
     (0..data.runs.run_id.len()).map(vector).collect()

@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::analysis::Estimate;
 use crate::optimize::{Evaluation, EvaluationsError, Goal, read_evaluations};
 use crate::study::{Optimization, Study, Unit, Variable};
-use crate::table::{Batch, FILES, FileList, Kind, Table, TableError};
+use crate::table::{FILES, FileList, Kind, Table, TableError, estimate_kinds, read_estimate};
 
 /// The results of a search.
 #[derive(Clone, Debug)]
@@ -156,10 +156,11 @@ impl OptimumData {
     fn read_finalists(&self, table: &Table) -> Result<Vec<DesignFacts>, TableError> {
         let names: Vec<String> =
             self.study.responses().iter().map(|response| response.name.clone()).collect();
-        let columns = estimate_columns(&names);
+        let columns: Vec<(String, Kind)> =
+            names.iter().flat_map(|name| estimate_kinds(name)).collect();
         let mut wanted =
             vec![("role", Kind::Text), ("design", Kind::Count), ("point_id", Kind::Count)];
-        wanted.extend(columns.iter().map(|name| (name.as_str(), Kind::Number)));
+        wanted.extend(columns.iter().map(|(name, kind)| (name.as_str(), *kind)));
         let mut rows = Vec::new();
         for batch in table.read(&wanted)? {
             let batch = batch?;
@@ -170,7 +171,7 @@ impl OptimumData {
                     point_id: batch.count("point_id", row)?.unwrap_or(0),
                     estimates: names
                         .iter()
-                        .map(|name| estimate(&batch, name, row))
+                        .map(|name| read_estimate(&batch, name, row))
                         .collect::<Result<_, _>>()?,
                 });
             }
@@ -182,10 +183,11 @@ impl OptimumData {
         let objectives = self.optimization.objectives.iter();
         let names: Vec<String> =
             objectives.map(|objective| self.response(objective.response).0.to_owned()).collect();
-        let columns = estimate_columns(&names);
+        let columns: Vec<(String, Kind)> =
+            names.iter().flat_map(|name| estimate_kinds(name)).collect();
         let mut wanted =
             vec![("design", Kind::Count), ("met", Kind::Boolean), ("on_front", Kind::Boolean)];
-        wanted.extend(columns.iter().map(|name| (name.as_str(), Kind::Number)));
+        wanted.extend(columns.iter().map(|(name, kind)| (name.as_str(), *kind)));
         let mut rows = Vec::new();
         for batch in table.read(&wanted)? {
             let batch = batch?;
@@ -194,7 +196,7 @@ impl OptimumData {
                     design: batch.count("design", row)?,
                     objectives: names
                         .iter()
-                        .map(|name| estimate(&batch, name, row))
+                        .map(|name| read_estimate(&batch, name, row))
                         .collect::<Result<_, _>>()?,
                     met: batch.truth("met", row)? == Some(true),
                     on_front: batch.truth("on_front", row)? == Some(true),
@@ -206,15 +208,6 @@ impl OptimumData {
 }
 
 const ENDS: [&str; 3] = ["", "_low", "_high"];
-
-fn estimate_columns(names: &[String]) -> Vec<String> {
-    names.iter().flat_map(|name| ENDS.map(|end| format!("{name}{end}"))).collect()
-}
-
-fn estimate(batch: &Batch, name: &str, row: usize) -> Result<Estimate, TableError> {
-    let [value, low, high] = ENDS.map(|end| batch.number(&format!("{name}{end}"), row));
-    Ok(Estimate { value: value?, low: low?, high: high?, ..Estimate::default() })
-}
 
 fn read_sensitivities(table: &Table) -> Result<Vec<SensitivityFacts>, TableError> {
     let indices = ["first_order", "total"];
@@ -228,8 +221,8 @@ fn read_sensitivities(table: &Table) -> Result<Vec<SensitivityFacts>, TableError
         for row in 0..batch.rows {
             let text = |name: &str| Ok::<_, TableError>(batch.text(name, row)?.unwrap_or_default());
             let index = |name: &str| {
-                let Estimate { value, low, high, .. } = estimate(&batch, name, row)?;
-                Ok::<_, TableError>([value, low, high])
+                let [value, low, high] = ENDS.map(|end| batch.number(&format!("{name}{end}"), row));
+                Ok::<_, TableError>([value?, low?, high?])
             };
             rows.push(SensitivityFacts {
                 response: text("response")?,

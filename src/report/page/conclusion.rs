@@ -1,4 +1,4 @@
-//! What the results say, at the begin of a page: the sentences of the terminal, and what changes the answer most.
+//! What the results say, at the top of a page: the sentences of the terminal, and what changes the answer most.
 
 use super::html::Html;
 use crate::analysis::RankCorrelation;
@@ -8,7 +8,7 @@ use crate::report::figures::significant;
 use crate::report::optimum::OptimumData;
 use crate::study::Unit;
 
-/// Correlations below this are no influence.
+/// The conclusion names no rank correlation that is smaller in size.
 const LEAST_CORRELATION: f64 = 0.2;
 
 /// Adds the conclusion of a study; nothing if there is none.
@@ -27,20 +27,22 @@ pub fn conclusion(body: &mut Html, data: &ReportData<'_>) {
         let [only] = &data.points[..] else { continue };
         let without = only.responses_without_balls.get(index).copied().flatten();
         sentences.extend(without.map(|value| {
-            format!("Without balls, it would be {} {}.", significant(unit.of(value)), unit.symbol)
+            format!(
+                "Without balls, the response {} is {} {}.",
+                response.name,
+                significant(unit.of(value)),
+                unit.symbol
+            )
         }));
     }
     let influence = |of: &dyn Fn(&DrawnRuns, usize) -> Option<RankCorrelation>, what: &str| {
         strongest(data, of).map(|(name, point, found)| {
             let RankCorrelation { value, low, high } = found;
-            let direction = if value > 0.0 { "increases" } else { "decreases" };
-            let point = if data.point_count > 1 { format!(" at {point}") } else { String::new() };
+            let point = if data.point_count > 1 { format!("At {point}, ") } else { String::new() };
+            let [value, low, high] = [value, low, high].map(signed);
             format!(
-                "{what} depends most on {name}, of all uncertain parameters, and {direction} with it (rank correlation \
-                 {}, 95 % interval {} to {}{point}).",
-                signed(value),
-                signed(low),
-                signed(high),
+                "{point}{what} has its strongest rank correlation with the uncertain parameter {name}: {value} (95 % interval \
+                 {low} to {high})."
             )
         })
     };
@@ -130,7 +132,10 @@ pub fn conclusion_of_search(body: &mut Html, data: &OptimumData) {
             };
             let symbol = &unit.symbol;
             let value = format!("{value} {symbol}");
-            sentences.push(format!("Its {name} is {}{interval}.", value.trim_end()));
+            sentences.push(format!(
+                "The objective {name} of this design is {}{interval}.",
+                value.trim_end()
+            ));
         }
     }
     for objective in &data.optimization.objectives {
@@ -138,10 +143,10 @@ pub fn conclusion_of_search(body: &mut Html, data: &OptimumData) {
         let of_response = data.sensitivities.iter().filter(|one| one.response == name);
         let known = of_response.filter_map(|one| Some((one, one.total[0]?)));
         if let Some((one, total)) = known.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
+            let variable = data.variable_in_words(&one.variable);
             sentences.push(format!(
-                "Over the whole range of designs, {} changes {name} most: it takes part in {:.0} % of its variance \
-                 (total Sobol' index).",
-                data.variable_in_words(&one.variable),
+                "Over the whole range of designs, {variable} has the largest total Sobol' index of {name}: {variable} and its \
+                 interactions cause {:.0} % of the variance of {name}.",
                 100.0 * total.clamp(0.0, 1.0)
             ));
         }

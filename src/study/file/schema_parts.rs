@@ -75,7 +75,15 @@ pub(in crate::study) fn priors(generator: &mut SchemaGenerator) -> Schema {
 /// Returns the schema of units by quantity, or by parameter without its unit.
 pub(in crate::study) fn units(_: &mut SchemaGenerator) -> Schema {
     let unit = |(name, si): &(&str, &str)| {
-        let description = format!("The unit of each {name}, instead of {si}.");
+        let description = match *name {
+            "vibration" => "Unit in which people read amplitudes; the default is µm.".to_owned(),
+            "imbalance" => {
+                "Unit in which people read each imbalance; the default is g mm.".to_owned()
+            }
+            _ => format!(
+                "Unit in which people read each {name}; the default is the unit that the study writes, otherwise {si}."
+            ),
+        };
         ((*name).to_owned(), json!({ "type": "string", "description": description }))
     };
     let properties: Map<String, Value> = QUANTITIES.iter().map(unit).collect();

@@ -67,8 +67,8 @@ pub struct StudyFile {
     pub optimize: Option<OptimizeFile>,
     /// Parameters that `stickslip identify` infers from measured positions of rest.
     pub identify: Option<IdentifyFile>,
-    /// Units in which terminals, reports and figures show values, by quantity or by parameter without its unit; by default
-    /// the units that the study writes. Files of results and JSON are in SI units.
+    /// Units in which terminals, reports, notebooks and figures show values, by quantity or by parameter without its unit; by
+    /// default the units that the study writes (vibration: µm). Files of results and JSON are in SI units.
     #[serde(default)]
     #[schemars(schema_with = "schema::units")]
     pub units: Option<IndexMap<String, String>>,

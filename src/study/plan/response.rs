@@ -84,7 +84,8 @@ impl Response {
         format!("{}_without_balls", self.column())
     }
 
-    /// Returns whether the machine without balls has a value, too: a response of a residual amplitude that is not relative.
+    /// Returns whether the response also has a value for the machine without balls: every response of the absolute residual
+    /// amplitude, but not of time.
     pub fn has_value_without_balls(&self) -> bool {
         let is_time = matches!(self.measure, Measure::AtRestBy(_) | Measure::MedianTimeToRest);
         self.amplitude == AmplitudeKind::Residual && !is_time

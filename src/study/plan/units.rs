@@ -33,7 +33,7 @@ pub struct Unit {
 impl Unit {
     /// Returns a value in SI units in this unit.
     pub fn of(&self, value_si: f64) -> f64 {
-        // A product with a whole number is rounded once.
+        // If 1/si is a whole number, the product has one rounding error; the quotient would have two, because 1e-6 is rounded.
         let per_si = self.si.recip();
         if per_si.fract() == 0.0 { per_si * value_si } else { value_si / self.si }
     }

@@ -151,7 +151,7 @@ impl Code {
         let cells = memory.as_mut_ptr().cast::<f64>();
         // Unsafe because the function reads and writes memory by address.
         // SAFETY: the function reads and writes cells below `self.cells` (`registers::assign` refuses others), each of
-        // `Width::bytes` bytes; the comparisons above hold that `memory` has as many, each as large. Cells consist of numbers
+        // `Width::bytes` bytes; the assertions above ensure that `memory` has at least `self.cells` cells of this size. Cells consist of numbers
         // (`Numbers` has no other types). Code for half of the lanes reads and writes the first four numbers of a cell from the
         // pointer on.
         unsafe {
