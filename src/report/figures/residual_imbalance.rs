@@ -51,7 +51,7 @@ pub fn panel(data: &ReportData<'_>, point: &PointFacts) -> Option<Panel> {
         rests,
         Layer::new("balanced", Colour::Series(0), balanced),
     ];
-    let (x, y) = (plane("residual imbalance parallel to the imbalance"), plane("perpendicular"));
+    let (x, y) = (plane("parallel to the imbalance"), plane("perpendicular to it"));
     Some(Panel::new(x, y, layers))
 }
 
