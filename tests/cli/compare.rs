@@ -95,7 +95,10 @@ fn differences_are_said_in_words() {
     let same = scratch.well("compare a a");
     assert_has(
         &same,
-        &["both studies have the same keys and values\n", "mean: the 95 % interval of the difference contains 0.\n"],
+        &[
+            "both studies have the same keys and values\n",
+            "mean: the 95 % interval of the difference contains 0.\n",
+        ],
     );
     scratch.refused("compare a none", &["none: this directory does not exist"]);
 }

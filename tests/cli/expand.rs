@@ -119,7 +119,8 @@ fn a_file_is_never_overwritten() {
 fn the_ending_of_the_name_chooses_the_format() {
     let scratch = Scratch::new();
     scratch.write("a.yaml", study());
-    let parts = ["cases.xlsx: stickslip writes tables as Parquet or CSV only", "such as cases.parquet"];
+    let parts =
+        ["cases.xlsx: stickslip writes tables as Parquet or CSV only", "such as cases.parquet"];
     scratch.refused("expand a.yaml --out cases.xlsx", &parts);
     let printed = scratch.well("expand a.yaml");
     assert_eq!(scratch.well("expand a.yaml --out cases.csv"), "");

@@ -1,6 +1,6 @@
 //! What the results say, at the top of a page: the sentences of the terminal, and what changes the answer most.
 
-use super::html::Html;
+use super::html::{Html, escaped};
 use crate::analysis::RankCorrelation;
 use crate::report::conclusion::Conclusion;
 use crate::report::data::{DrawnRuns, PointFacts, ReportData};
@@ -38,16 +38,19 @@ pub fn conclusion(body: &mut Html, data: &ReportData<'_>) {
     let influence = |of: &dyn Fn(&DrawnRuns, usize) -> Option<RankCorrelation>, what: &str| {
         strongest(data, of).map(|(name, point, found)| {
             let RankCorrelation { value, low, high } = found;
-            let point = if data.point_count > 1 { format!("At {point}, ") } else { String::new() };
+            let (at, the) = match data.point_count {
+                1 => (String::new(), "The"),
+                _ => (format!("At {point}, "), "the"),
+            };
             let [value, low, high] = [value, low, high].map(signed);
             format!(
-                "{point}{what} has its strongest rank correlation with the uncertain parameter {name}: {value} (95 % interval \
+                "{at}{the} {what} has its strongest rank correlation with the uncertain parameter {name}: {value} (95 % interval \
                  {low} to {high})."
             )
         })
     };
-    sentences.extend(influence(&|runs, index| runs.with_amplitude(index), "The amplitude"));
-    sentences.extend(influence(&|runs, index| runs.with_time_to_rest(index), "The time to rest"));
+    sentences.extend(influence(&|runs, index| runs.with_amplitude(index), "amplitude"));
+    sentences.extend(influence(&|runs, index| runs.with_time_to_rest(index), "time to rest"));
     add(body, &sentences);
 }
 
@@ -56,7 +59,15 @@ fn add(body: &mut Html, sentences: &[String]) {
         return;
     }
     body.line("<section class=\"conclusion\" aria-labelledby=\"conclusion\"><h2 id=\"conclusion\">Conclusion</h2>");
-    sentences.iter().for_each(|sentence| body.element("p", "", sentence));
+    for sentence in sentences {
+        // Every second part is a command in backticks.
+        let parts = sentence.split('`').map(escaped).enumerate();
+        let parts = parts.map(|(place, part)| match place % 2 {
+            0 => part,
+            _ => format!("<code>{part}</code>"),
+        });
+        body.line(&format!("<p>{}</p>", parts.collect::<String>()));
+    }
     body.line("</section>");
 }
 

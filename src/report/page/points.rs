@@ -62,7 +62,7 @@ fn disc_speed(study: &Study, peak: &PeakOfRun) -> Option<f64> {
     Some(case.model.ball_balancer()?.disc_motion().speed_rad_s(peak.time_s))
 }
 
-/// Returns the columns that only the page has: the largest vibration of a run, the 95 % quantile of G, rests that touch, and
+/// Returns the columns that only the page has: the largest vibration of a run, rests that touch, and
 /// the fraction of all positions that are positions of rest.
 fn further_columns(data: &ReportData<'_>, rows: &[PointFacts]) -> Vec<PrintedColumn> {
     let (study, vibration) = (data.study, data.study.units().vibration());
@@ -84,9 +84,6 @@ fn further_columns(data: &ReportData<'_>, rows: &[PointFacts]) -> Vec<PrintedCol
             Some(significant(speed.of(disc_speed(study, peak(point)?)?)))
         });
     }
-    add("95 % quantile of G [mm/s]", &|point| {
-        point.residual.balance_quality_grade_mm_s[1].map(significant)
-    });
     add("rests that touch", &|point| {
         data.touching_rests(point).map(|rests| format!("{rests} of {}", point.equilibrium.runs))
     });
