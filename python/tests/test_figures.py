@@ -331,8 +331,8 @@ def test_equilibrium_surface(tmp_path):
         2 * np.pi, rel=0.05
     )
     assert "goes up to 15 µm" in figure.alternative
-    assert "Without balls it is 12.0 µm." in figure.alternative
-    assert entries(figure) == ["amplitude without balls: 12.0 µm"]
+    assert "Without balls it is 12 µm." in figure.alternative
+    assert entries(figure) == ["amplitude without balls: 12 µm"]
 
 
 def test_numbers_of_the_machine():

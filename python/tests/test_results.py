@@ -48,7 +48,7 @@ def test_units_of_the_study(tmp_path, program):
     figure = in_files.plot("ending_fractions")
     assert figure.axes[0].get_xlabel() == "speed [rpm]"
     assert figure.axes[0].containers[0][0].get_xydata()[:, 0].tolist() == [-2000.0, -1500.0]
-    titles = [axes.get_title() for axes in in_files.plot("basins").axes]
+    titles = [axes.get_title(loc="left") for axes in in_files.plot("basins").axes]
     assert any("−2000\u00a0rpm" in title for title in titles), titles
 
 
