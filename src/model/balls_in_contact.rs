@@ -7,6 +7,8 @@
 
 use std::any::{Any, TypeId};
 
+use smallvec::SmallVec;
+
 use super::driven::{Turning, Turns};
 use super::recorded::{RecordedGap, add_contact_inputs, equations, record_contact, record_state};
 use super::{
@@ -99,10 +101,11 @@ impl<const N: usize> Turns for BallsInContact<N> {
 
     fn inputs_turning(&self, modes: &[ContactMode], turning: bool) -> Vec<f64> {
         let mut inputs = self.balancer.parameter_inputs(turning);
+        inputs.reserve(16 * N);
         for (ball, mode) in self.balancer.balls.iter().zip(modes) {
             add_contact_inputs(&mut inputs, *mode, &ball.friction);
         }
-        let pushes: Vec<_> = pushes(&self.gaps, modes).collect();
+        let pushes: SmallVec<[_; 8]> = pushes(&self.gaps, modes).collect();
         inputs.extend(pushes.iter().map(|pushes| if pushes.is_some() { 1.0 } else { 0.0 }));
         // Without a force, the pushes do not matter.
         for (gap, pushes) in self.gaps.iter().zip(&pushes) {

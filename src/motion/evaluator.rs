@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 
 use super::in_one_state::Affected;
 use super::{Phase, Phases};
-use crate::model::{Components, Dual, Elementary, Graph, Node, NodeId, Number, System};
+use crate::model::{Components, Dual, Elementary, Graph, Node, NodeId, Number, Solve, System};
 
 /// Speed, acceleration and forces of one contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,13 +97,15 @@ impl Evaluator {
 
     /// Returns speeds, accelerations and forces of all contacts in a state.
     pub fn forces(&self, phases: &[Phase], state: &[f64]) -> Forces {
-        forces(&self.graph, &self.values::<f64>(phases, |component| state[component]))
+        let values = self.values::<f64>(phases, |component| state[component]);
+        forces(&self.graph, |node| values[node as usize])
     }
 
     /// Returns speeds, accelerations and forces of all contacts in a state and their changes along a direction.
     pub fn forces_along(&self, phases: &[Phase], state: &[f64], direction: &[f64]) -> Forces<Dual> {
         let component = |i: usize| Dual { value: state[i], slope: direction[i] };
-        forces(&self.graph, &self.values(phases, component))
+        let values = self.values(phases, component);
+        forces(&self.graph, |node| values[node as usize])
     }
 
     /// Returns the state after an event, from the state before it.
@@ -135,16 +137,17 @@ impl Evaluator {
     }
 
     /// Returns the values of all nodes.
-    pub(super) fn values<T: Elementary>(
+    pub(super) fn values<T: Solved>(
         &self,
         phases: &[Phase],
         state: impl Fn(usize) -> T,
     ) -> SmallVec<[T; 128]> {
         let inputs = self.inputs(phases);
         let mut values = SmallVec::with_capacity(self.graph.nodes.len());
-        let mut solution = Solution::none();
+        let mut solution = Solution::new();
         for node in &self.graph.nodes {
-            values.push(self.value(node, &values, &inputs, &state, &mut solution));
+            let input = |index: usize| T::constant(inputs[index]);
+            values.push(self.value(node, &values, input, &state, &mut solution));
         }
         values
     }
@@ -156,18 +159,18 @@ impl Evaluator {
 
     /// Returns the value of a node from those of the nodes before it.
     #[inline]
-    pub(super) fn value<T: Elementary>(
+    pub(super) fn value<T: Solved>(
         &self,
         node: &Node,
         values: &[T],
-        inputs: &[f64],
+        input: impl Fn(usize) -> T,
         state: impl Fn(usize) -> T,
         solution: &mut Solution<T>,
     ) -> T {
         let at = |node: NodeId| -> T { values[node as usize] };
         match *node {
             Node::Constant(value) => T::constant(value),
-            Node::Input(index) => T::constant(inputs[index as usize]),
+            Node::Input(index) => input(index as usize),
             Node::State(component) | Node::Discrete(component) => state(component as usize),
             Node::Sum(one, other) => at(one) + at(other),
             Node::Difference(one, other) => at(one) - at(other),
@@ -181,16 +184,44 @@ impl Evaluator {
             Node::ArcTangent(one, _) => at(one).atan(),
             Node::Solution { solve, row } => {
                 if solution.solve != Some(solve) {
-                    let system = &self.graph.solves[solve as usize];
-                    let matrix = system.matrix.iter().map(|node| at(*node)).collect();
-                    let right = system.right.iter().map(|node| at(*node)).collect();
-                    *solution = Solution { solve: Some(solve), unknowns: solved(matrix, right) };
+                    let Solve { matrix, right, .. } = &self.graph.solves[solve as usize];
+                    solution.solve = Some(solve);
+                    T::solve(matrix, right, at, &mut solution.unknowns);
                 }
                 solution.unknowns[row as usize]
             }
         }
     }
 }
+
+/// Numbers for which linear systems are solved.
+pub(super) trait Solved: Elementary {
+    /// Computes the unknowns of a linear system from the nodes of its matrix and its right side.
+    fn solve(
+        matrix: &[NodeId],
+        right: &[NodeId],
+        at: impl Fn(NodeId) -> Self,
+        unknowns: &mut Unknowns<Self>,
+    );
+}
+
+macro_rules! solved_one_by_one {
+    ($($number:ty),*) => {$(
+        impl Solved for $number {
+            fn solve(
+                matrix: &[NodeId],
+                right: &[NodeId],
+                at: impl Fn(NodeId) -> Self,
+                unknowns: &mut Unknowns<Self>,
+            ) {
+                let of = |nodes: &[NodeId]| nodes.iter().map(|node| at(*node)).collect();
+                *unknowns = solved(of(matrix), right.iter().map(|node| at(*node)).collect());
+            }
+        }
+    )*};
+}
+
+solved_one_by_one!(f64, Dual);
 
 /// The solution of the latest linear system.
 pub(super) struct Solution<T> {
@@ -199,23 +230,23 @@ pub(super) struct Solution<T> {
 }
 
 impl<T> Solution<T> {
-    pub(super) fn none() -> Self {
+    pub(super) fn new() -> Self {
         Solution { solve: None, unknowns: SmallVec::new() }
     }
 }
 
-pub(super) fn forces<T: Number>(graph: &Graph, values: &[T]) -> Forces<T> {
+pub(super) fn forces<T: Number>(graph: &Graph, at: impl Fn(NodeId) -> T) -> Forces<T> {
     let contact = |nodes: &[NodeId; 4]| {
-        let [speed, acceleration, normal, friction] = nodes.map(|node| values[node as usize]);
+        let [speed, acceleration, normal, friction] = nodes.map(&at);
         ContactForces { speed, acceleration, normal, friction }
     };
     graph.contacts.iter().map(contact).collect()
 }
 
-/// The entries of a matrix, row by row, without an allocation for up to four unknowns.
-pub(super) type Entries<T> = SmallVec<[T; 16]>;
+/// The entries of a matrix, row by row, without an allocation for up to eight unknowns.
+pub(super) type Entries<T> = SmallVec<[T; 64]>;
 /// The unknowns of a linear system, or its right side.
-pub(super) type Unknowns<T> = SmallVec<[T; 4]>;
+pub(super) type Unknowns<T> = SmallVec<[T; 8]>;
 
 /// A pivot is small, and another row takes its place, if its share of the largest entry of its row is below this fraction of
 /// the other row's share. The order of well-posed equations then remains, and rounding errors grow little.

@@ -27,10 +27,10 @@ const UNDECIDED: f64 = 1e3;
 const MOST_TRIED: usize = 1 << 16;
 
 /// Two numbers for each gap: one for the contact, one for the friction.
-pub(super) type Pairs<T> = SmallVec<[T; 4]>;
+pub(super) type Pairs<T> = SmallVec<[T; 16]>;
 
 /// The coefficients of all impulses, and the right side.
-type Equation<T> = SmallVec<[T; 5]>;
+type Equation<T> = SmallVec<[T; 17]>;
 
 /// How a gap takes part in an impact.
 #[derive(Clone, Copy, Debug)]

@@ -1,12 +1,17 @@
 //! The recorded equations of a system in one state, for several assumptions about the phases.
 
+use std::array::from_fn;
+use std::ops::{Add, Mul, Neg, Sub};
 use std::sync::{Arc, PoisonError};
 
 use smallvec::SmallVec;
 
-use super::evaluator::{Forces, GapForces, Solution, forces};
-use super::{Evaluator, Phase};
-use crate::model::NodeId;
+use super::evaluator::{Forces, GapForces, SMALL_PIVOT, Solution, Solved, Unknowns, forces};
+use super::{Evaluator, Phase, Phases};
+use crate::model::{Elementary, NodeId, Number};
+
+/// The number of assumptions that are computed together.
+pub(super) const TOGETHER: usize = 8;
 
 /// The nodes that phases affect, as far as they are known.
 #[derive(Debug, Default)]
@@ -15,6 +20,10 @@ pub(super) struct Affected {
     varying: Vec<bool>,
     /// The nodes that depend on these inputs, operands first.
     nodes: Vec<NodeId>,
+    /// Whether each node is one of them.
+    is_affected: Vec<bool>,
+    /// Their operands that do not depend on these inputs.
+    others: Vec<NodeId>,
 }
 
 impl Evaluator {
@@ -25,6 +34,7 @@ impl Evaluator {
             state,
             inputs: Vec::new(),
             values: Vec::new(),
+            together: Vec::new(),
             affected: self.affected(),
         }
     }
@@ -36,8 +46,16 @@ impl Evaluator {
 
     /// Finds the nodes that depend on inputs that vary, and remembers them for other states.
     fn affected_by(&self, varying: Vec<bool>) -> Arc<Affected> {
-        let nodes = self.graph().depending_on(&varying);
-        let affected = Arc::new(Affected { varying, nodes });
+        let graph = self.graph();
+        let nodes = graph.depending_on(&varying);
+        let mut is_affected = vec![false; graph.nodes.len()];
+        nodes.iter().for_each(|node| is_affected[*node as usize] = true);
+        let operands =
+            nodes.iter().flat_map(|node| graph.nodes[*node as usize].operands(&graph.solves));
+        let mut others: Vec<NodeId> = operands.filter(|one| !is_affected[*one as usize]).collect();
+        others.sort_unstable();
+        others.dedup();
+        let affected = Arc::new(Affected { varying, nodes, is_affected, others });
         *self.affected.lock().unwrap_or_else(PoisonError::into_inner) = Arc::clone(&affected);
         affected
     }
@@ -50,6 +68,8 @@ pub struct InOneState<'a> {
     state: &'a [f64],
     inputs: Vec<f64>,
     values: Vec<f64>,
+    /// The values of the nodes for several assumptions; only those of affected nodes and of their operands are known.
+    together: Vec<Several>,
     affected: Arc<Affected>,
 }
 
@@ -57,12 +77,51 @@ impl InOneState<'_> {
     /// Returns forces and accelerations of all contacts and gaps.
     pub fn forces_and_gaps(&mut self, phases: &[Phase]) -> (Forces, SmallVec<[GapForces; 8]>) {
         self.assume(phases);
+        self.read(|node| self.values[node as usize])
+    }
+
+    /// Returns forces and accelerations of all contacts and gaps for each of some assumptions, to rounding.
+    pub(super) fn forces_of_several(
+        &mut self,
+        assumed: &[Phases],
+    ) -> SmallVec<[(Forces, SmallVec<[GapForces; 8]>); TOGETHER]> {
+        let Some(first) = assumed.first() else { return SmallVec::new() };
+        if self.values.is_empty() {
+            self.assume(first);
+        }
+        let inputs: SmallVec<[Vec<f64>; TOGETHER]> =
+            assumed.iter().map(|phases| self.evaluator.inputs(phases)).collect();
+        inputs.iter().for_each(|inputs| self.find_affected(inputs));
+        let graph = self.evaluator.graph();
+        if self.together.is_empty() {
+            self.together.resize(graph.nodes.len(), Several::constant(0.0));
+        }
+        for &node in &self.affected.others {
+            self.together[node as usize] = Several::constant(self.values[node as usize]);
+        }
+        let input =
+            |input: usize| Several(from_fn(|place| inputs[place.min(inputs.len() - 1)][input]));
+        let mut solution = Solution::new();
+        for &place in &self.affected.nodes {
+            let node = &graph.nodes[place as usize];
+            let state = |component: usize| Several::constant(self.state[component]);
+            self.together[place as usize] =
+                self.evaluator.value(node, &self.together, input, state, &mut solution);
+        }
+        let value = |place: usize, node: NodeId| match self.affected.is_affected[node as usize] {
+            true => self.together[node as usize].0[place],
+            false => self.values[node as usize],
+        };
+        (0..assumed.len()).map(|place| self.read(|node| value(place, node))).collect()
+    }
+
+    fn read(&self, at: impl Fn(NodeId) -> f64) -> (Forces, SmallVec<[GapForces; 8]>) {
         let graph = self.evaluator.graph();
         let gap = |nodes: &[NodeId; 2]| {
-            let [opening_acceleration, force] = nodes.map(|node| self.values[node as usize]);
+            let [opening_acceleration, force] = nodes.map(&at);
             GapForces { opening_acceleration, force }
         };
-        (forces(graph, &self.values), graph.gaps.iter().map(gap).collect())
+        (forces(graph, &at), graph.gaps.iter().map(gap).collect())
     }
 
     /// Computes all nodes for these phases.
@@ -74,19 +133,225 @@ impl InOneState<'_> {
             self.inputs = inputs;
             return;
         }
+        self.find_affected(&inputs);
+        let mut solution = Solution::new();
+        for &place in &self.affected.nodes {
+            let node = &self.evaluator.graph().nodes[place as usize];
+            let state = |component: usize| self.state[component];
+            self.values[place as usize] = self.evaluator.value(
+                node,
+                &self.values,
+                |input| inputs[input],
+                state,
+                &mut solution,
+            );
+        }
+        self.inputs = inputs;
+    }
+
+    /// Finds the nodes that these inputs affect, unless they are known.
+    fn find_affected(&mut self, inputs: &[f64]) {
         let known = |input: usize| self.affected.varying.get(input) == Some(&true);
         let varies = |input: usize| inputs[input] != self.inputs[input];
         if (0..inputs.len()).any(|input| varies(input) && !known(input)) {
             let varying = (0..inputs.len()).map(|input| varies(input) || known(input)).collect();
             self.affected = self.evaluator.affected_by(varying);
         }
-        let mut solution = Solution::none();
-        for &place in &self.affected.nodes {
-            let node = &self.evaluator.graph().nodes[place as usize];
-            let state = |component: usize| self.state[component];
-            self.values[place as usize] =
-                self.evaluator.value(node, &self.values, &inputs, state, &mut solution);
+    }
+}
+
+/// A number for each of several assumptions.
+#[derive(Clone, Copy, Debug)]
+struct Several([f64; TOGETHER]);
+
+impl Several {
+    fn each(self, of: impl Fn(f64) -> f64) -> Self {
+        Several(self.0.map(of))
+    }
+
+    fn with(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
+        Several(from_fn(|place| of(self.0[place], other.0[place])))
+    }
+}
+
+impl Add for Several {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        self.with(other, |one, other| one + other)
+    }
+}
+
+impl Sub for Several {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self.with(other, |one, other| one - other)
+    }
+}
+
+impl Mul for Several {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        self.with(other, |one, other| one * other)
+    }
+}
+
+impl Neg for Several {
+    type Output = Self;
+    fn neg(self) -> Self {
+        self.each(|one| -one)
+    }
+}
+
+impl Number for Several {
+    fn constant(value: f64) -> Self {
+        Several([value; TOGETHER])
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        (self.each(|one| Number::sin_cos(one).0), self.each(|one| Number::sin_cos(one).1))
+    }
+
+    fn reciprocal(self) -> Self {
+        self.each(Number::reciprocal)
+    }
+}
+
+impl Elementary for Several {
+    /// Returns the number of the first assumption.
+    fn value(self) -> f64 {
+        self.0[0]
+    }
+
+    fn is_zero(self) -> bool {
+        self.0 == [0.0; TOGETHER]
+    }
+
+    fn sqrt(self) -> Self {
+        self.each(Elementary::sqrt)
+    }
+
+    fn exp(self) -> Self {
+        self.each(Elementary::exp)
+    }
+
+    fn atan(self) -> Self {
+        self.each(Elementary::atan)
+    }
+}
+
+impl Solved for Several {
+    /// Eliminates as [`solved`] does; each assumption exchanges the rows with its own small pivots.
+    fn solve(
+        matrix: &[NodeId],
+        right: &[NodeId],
+        at: impl Fn(NodeId) -> Self,
+        unknowns: &mut Unknowns<Self>,
+    ) {
+        let size = right.len();
+        let mut matrix: Vec<Several> = matrix.iter().map(|node| at(*node)).collect();
+        *unknowns = right.iter().map(|node| at(*node)).collect();
+        let right = unknowns;
+        let sizes = |one: Several| one.each(f64::abs);
+        let largest = |row: &[Several]| {
+            row.iter().fold(Several::constant(0.0), |most, one| most.with(sizes(*one), f64::max))
+        };
+        let mut scales: SmallVec<[Several; 16]> = matrix.chunks(size.max(1)).map(largest).collect();
+        for column in 0..size {
+            for row in column + 1..size {
+                let entry = matrix[row * size + column];
+                if entry.is_zero() {
+                    continue;
+                }
+                let own = sizes(matrix[column * size + column]) * scales[row];
+                let other = Several::constant(SMALL_PIVOT) * sizes(entry) * scales[column];
+                let is_small = from_fn(|place| own.0[place] < other.0[place]);
+                if is_small.contains(&true) {
+                    let (above, below) = matrix.split_at_mut(row * size);
+                    let upper = &mut above[column * size..][..size];
+                    upper
+                        .iter_mut()
+                        .zip(below)
+                        .for_each(|(one, other)| exchange(is_small, one, other));
+                    let (above, below) = right.split_at_mut(row);
+                    exchange(is_small, &mut above[column], &mut below[0]);
+                    let (above, below) = scales.split_at_mut(row);
+                    exchange(is_small, &mut above[column], &mut below[0]);
+                }
+            }
+            let inverse = matrix[column * size + column].reciprocal();
+            for row in column + 1..size {
+                let entry = matrix[row * size + column];
+                if entry.is_zero() {
+                    continue;
+                }
+                let factor = entry * inverse;
+                let (above, below) = matrix.split_at_mut(row * size);
+                let known = &above[column * size..][column + 1..size];
+                for (own, known) in below[column + 1..size].iter_mut().zip(known) {
+                    if !known.is_zero() {
+                        *own = *own - factor * *known;
+                    }
+                }
+                right[row] = right[row] - factor * right[column];
+            }
         }
-        self.inputs = inputs;
+        for row in (0..size).rev() {
+            for column in row + 1..size {
+                let entry = matrix[row * size + column];
+                if !entry.is_zero() {
+                    right[row] = right[row] - entry * right[column];
+                }
+            }
+            right[row] = right[row] * matrix[row * size + row].reciprocal();
+        }
+    }
+}
+
+/// Exchanges the numbers of the assumptions that are marked.
+fn exchange(marked: [bool; TOGETHER], one: &mut Several, other: &mut Several) {
+    let pairs = one.0.iter_mut().zip(&mut other.0).zip(marked);
+    pairs.filter(|(_, marked)| *marked).for_each(|((one, other), _)| std::mem::swap(one, other));
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::TOGETHER;
+    use crate::model::{BallContact, BallsInContact, Machine};
+    use crate::motion::modes::is_finite;
+    use crate::motion::{Direction, Evaluator, Phase, Phases};
+
+    /// Several assumptions together have the forces of each alone, to the last bit, whatever rows each of them exchanges.
+    #[test]
+    fn several_assumptions_have_the_forces_of_each() {
+        let mut machine = Machine::default();
+        machine.balls = vec![machine.balls[0]; 4];
+        let contact = BallContact { restitution: 0.4, friction_coefficient: 0.1 };
+        let beta = [0.3, 0.9, 1.5, 2.1];
+        let system = BallsInContact::<4>::new(&machine, &contact, &beta).expect("four balls");
+        let evaluator = Evaluator::new(Arc::new(system));
+        let state = [0.1, -0.2, 0.3, 0.1, 0.3, 0.9, 1.5, 2.1, 0.0, 0.0, 0.0, 0.0];
+        let [forward, backward] = [Direction::Forward, Direction::Backward].map(Phase::Slip);
+        let phases = |number: usize| -> Phases {
+            let of_contact =
+                |ball: u32| [Phase::Stick, forward, backward][number / 3_usize.pow(ball) % 3];
+            let of_gap =
+                |gap: u32| [Phase::Open, Phase::Closed][number / 81 / 2_usize.pow(gap) % 2];
+            (0..4).map(of_contact).chain((0..4).map(of_gap)).collect()
+        };
+        let all: Vec<Phases> = (0..1296).map(phases).collect();
+        let mut together = evaluator.in_state(&state);
+        let mut closed = 0;
+        for some in all.chunks(TOGETHER - 1) {
+            for (phases, found) in some.iter().zip(together.forces_of_several(some)) {
+                let alone = evaluator.in_state(&state).forces_and_gaps(phases);
+                closed += alone.1.iter().filter(|gap| gap.force != 0.0).count();
+                if alone.0.iter().all(is_finite) {
+                    assert_eq!(found, alone, "{phases:?}");
+                }
+            }
+        }
+        assert!(closed > 500, "{closed} forces in gaps");
     }
 }

@@ -57,7 +57,7 @@ pub enum Phase {
 }
 
 /// The phases of all contacts, and after these of all gaps.
-pub type Phases = SmallVec<[Phase; 8]>;
+pub type Phases = SmallVec<[Phase; 16]>;
 
 /// A number for each contact.
 pub type PerContact = SmallVec<[f64; 8]>;

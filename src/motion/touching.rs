@@ -14,12 +14,16 @@ use smallvec::SmallVec;
 use super::cluster::{HeldCluster, held_clusters};
 use super::evaluator::{ContactForces, Forces, GapForces};
 use super::impact::{Impact, impact};
+use super::in_one_state::TOGETHER;
 use super::modes::{check_forces, first_phases, is_finite, only_motion};
 use super::{Direction, Evaluator, Failure, Phase, Phases, Settings, event_driven, switch_model};
 use crate::model::{Components, Dual, Gap, Holding, Method, TOUCHING, Touching};
 
 /// The most combinations that are tried.
 const MOST_TRIED: usize = 100_000;
+
+/// So few combinations are computed one by one.
+const FEW: usize = 3;
 
 /// A system whose contacts may touch, for decisions in one state.
 pub(super) struct InTouch<'a> {
@@ -197,13 +201,32 @@ impl<'a> InTouch<'a> {
         let given = phases.clone();
         let all = self.combinations(phases, fixed)?;
         let mut equations = self.evaluator.in_state(state);
-        let (decided, forces) = only_motion(&given, all, |candidate| {
-            if !self.is_consistent(candidate) {
+        let fits = |candidate: &Phases, (forces, gaps): &(Forces, SmallVec<[GapForces; 8]>)| {
+            let fit = || self.fits(candidate, &given, (forces, gaps), fixed, slack);
+            !forces.iter().all(is_finite) || fit()
+        };
+        // The given combination is tried first, alone.
+        let is_given = |one: &Phases| *one == given;
+        let is_consistent = all.iter().any(is_given);
+        let others: Vec<Phases> = all.into_iter().filter(|one| !is_given(one)).collect();
+        // Most combinations do not fit. Those that fit to rounding are computed once more, alone.
+        let mut likely: Vec<Phases> = Vec::new();
+        for some in others.chunks(TOGETHER) {
+            if some.len() < FEW {
+                likely.extend_from_slice(some);
+                continue;
+            }
+            let forces = equations.forces_of_several(some);
+            let fit =
+                some.iter().zip(&forces).filter(|(candidate, forces)| fits(candidate, forces));
+            likely.extend(fit.map(|(candidate, _)| candidate.clone()));
+        }
+        let (decided, forces) = only_motion(&given, likely.into_iter(), |candidate| {
+            if !is_consistent && *candidate == given {
                 return None;
             }
-            let (forces, gaps) = equations.forces_and_gaps(candidate);
-            let fits = || self.fits(candidate, &given, (&forces, &gaps), fixed, slack);
-            (!forces.iter().all(is_finite) || fits()).then_some(forces)
+            let found = equations.forces_and_gaps(candidate);
+            fits(candidate, &found).then_some(found.0)
         })?;
         *phases = decided;
         check_forces(&forces)
@@ -217,37 +240,41 @@ impl<'a> InTouch<'a> {
         }
     }
 
-    /// Returns all combinations of the phases that are open to decision.
-    fn combinations(
+    /// Returns all consistent combinations of the phases that are open to decision.
+    fn combinations(&self, given: &Phases, fixed: &[usize]) -> Result<Vec<Phases>, Failure> {
+        let mut all = Vec::new();
+        self.combine(&mut Phases::new(), given, fixed, &mut all)?;
+        Ok(all)
+    }
+
+    /// Adds the consistent combinations that begin with some phases.
+    fn combine(
         &self,
-        phases: &Phases,
+        begun: &mut Phases,
+        given: &Phases,
         fixed: &[usize],
-    ) -> Result<impl Iterator<Item = Phases> + use<'_>, Failure> {
-        let contacts = self.contacts();
-        let mut all = vec![Phases::new()];
-        for (place, phase) in phases.iter().enumerate() {
-            let choices: SmallVec<[Phase; 3]> = match phase {
-                _ if fixed.contains(&place) => [*phase].into_iter().collect(),
-                Phase::Stick | Phase::Transition(_) => self.choices().into_iter().collect(),
-                Phase::Closed => [Phase::Closed, Phase::Open].into_iter().collect(),
-                other => [*other].into_iter().collect(),
-            };
-            let extended = all.iter().flat_map(|begun: &Phases| {
-                choices.iter().map(move |choice| {
-                    let mut longer = begun.clone();
-                    longer.push(*choice);
-                    longer
-                })
-            });
-            all = extended.collect();
-            if place + 1 == contacts {
-                all.retain(|begun| self.passes_nowhere(begun, phases));
+        all: &mut Vec<Phases>,
+    ) -> Result<(), Failure> {
+        let place = begun.len();
+        let Some(own) = given.get(place) else {
+            all.push(begun.clone());
+            let few = all.len() <= MOST_TRIED;
+            return few.then_some(()).ok_or(Failure::TooManyCombinations);
+        };
+        let choices: SmallVec<[Phase; 3]> = match own {
+            _ if fixed.contains(&place) => [*own].into_iter().collect(),
+            Phase::Stick | Phase::Transition(_) => self.choices().into_iter().collect(),
+            Phase::Closed => [Phase::Closed, Phase::Open].into_iter().collect(),
+            other => [*other].into_iter().collect(),
+        };
+        for choice in choices {
+            begun.push(choice);
+            if self.is_consistent(begun, given) {
+                self.combine(begun, given, fixed, all)?;
             }
-            if all.len() > MOST_TRIED {
-                return Err(Failure::TooManyCombinations);
-            }
+            begun.pop();
         }
-        Ok(all.into_iter())
+        Ok(())
     }
 
     fn choices(&self) -> [Phase; 3] {
@@ -263,23 +290,25 @@ impl<'a> InTouch<'a> {
         }
     }
 
-    /// Returns whether no two contacts that touch move into each other.
-    fn passes_nowhere(&self, of_contacts: &[Phase], phases: &Phases) -> bool {
-        let gaps = self.touching.gaps().iter().zip(&phases[self.contacts()..]);
-        let mut closed = gaps.filter(|(_, phase)| **phase == Phase::Closed);
-        closed.all(|(gap, _)| {
-            let [behind, ahead] = gap.contacts.map(|one| of_contacts[one]);
-            behind == Phase::Free || ahead == Phase::Free || direction(behind) <= direction(ahead)
-        })
-    }
-
-    /// Returns whether the contacts of closed gaps move together.
-    fn is_consistent(&self, phases: &Phases) -> bool {
-        let gaps = self.touching.gaps().iter().zip(&phases[self.contacts()..]);
-        let mut closed = gaps.filter(|(_, phase)| **phase == Phase::Closed);
-        closed.all(|(gap, _)| {
-            let [behind, ahead] = gap.contacts.map(|one| phases[one]);
-            behind == Phase::Free || ahead == Phase::Free || direction(behind) == direction(ahead)
+    /// Returns whether the last one of the phases, which may be followed by others, agrees with those before it: contacts that
+    /// touch do not move into each other, those of a closed gap move together, and no gap opens between two that stick.
+    fn is_consistent(&self, begun: &[Phase], given: &Phases) -> bool {
+        let (contacts, place) = (self.contacts(), begun.len() - 1);
+        let gaps = self.touching.gaps();
+        let was_closed = |gap: usize| given[contacts + gap] == Phase::Closed;
+        let of = |gap: usize| gaps[gap].contacts.map(|one| begun[one]);
+        let is_free = |of: [Phase; 2]| of.contains(&Phase::Free);
+        if place >= contacts {
+            let ([behind, ahead], gap) = (of(place - contacts), place - contacts);
+            return match begun[place] {
+                Phase::Closed => is_free([behind, ahead]) || direction(behind) == direction(ahead),
+                _ => !was_closed(gap) || [behind, ahead] != [Phase::Stick; 2],
+            };
+        }
+        let is_last = |gap: &usize| gaps[*gap].contacts.into_iter().max() == Some(place);
+        (0..gaps.len()).filter(is_last).filter(|gap| was_closed(*gap)).all(|gap| {
+            let [behind, ahead] = of(gap);
+            is_free([behind, ahead]) || direction(behind) <= direction(ahead)
         })
     }
 
