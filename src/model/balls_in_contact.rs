@@ -101,7 +101,6 @@ impl<const N: usize> Turns for BallsInContact<N> {
 
     fn inputs_turning(&self, modes: &[ContactMode], turning: bool) -> Vec<f64> {
         let mut inputs = self.balancer.parameter_inputs(turning);
-        inputs.reserve(16 * N);
         for (ball, mode) in self.balancer.balls.iter().zip(modes) {
             add_contact_inputs(&mut inputs, *mode, &ball.friction);
         }

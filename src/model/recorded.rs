@@ -145,7 +145,8 @@ impl<const N: usize> Balancer<N> {
 
     /// Returns the values of the inputs of the parameters; if `turning`, of a disc whose speed changes.
     pub(super) fn parameter_inputs(&self, turning: bool) -> Vec<f64> {
-        let mut inputs = Vec::with_capacity(3 + 12 * N);
+        // The inputs of contacts and of gaps follow.
+        let mut inputs = Vec::with_capacity(5 + 20 * N);
         inputs.extend_from_slice(&[self.speed, self.damping_ratio, self.imbalance]);
         inputs.extend(self.runout.into_iter().flatten());
         for ball in &self.balls {
