@@ -29,6 +29,6 @@ pub fn residual_imbalance_vector(machine: &Machine, beta: &[f64]) -> Complex<f64
 /// Returns the balance quality grade with the balls at the angles `beta` from the imbalance, mm/s:
 /// `G = U |ω| / M`, with the whole vibrating mass `M`, which includes the imbalance and the balls.
 pub fn balance_quality_grade(machine: &Machine, beta: &[f64]) -> f64 {
-    let specific_unbalance_m = residual_imbalance(machine, beta) / machine.total_mass_kg();
-    1e3 * specific_unbalance_m * machine.speed_rad_s.abs()
+    let specific_imbalance_m = residual_imbalance(machine, beta) / machine.total_mass_kg();
+    1e3 * specific_imbalance_m * machine.speed_rad_s.abs()
 }

@@ -5,7 +5,7 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::study::Study;
+use crate::study::{Study, Unit, VariedParameter};
 
 /// Version of this program.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -42,13 +42,17 @@ fn facts(study: &Study, table: &str) -> Value {
     })
 }
 
-/// Returns the units in which people read swept parameters and vibration, each with its value in SI units, by name.
-fn shown_units(study: &Study) -> Map<String, Value> {
+/// Returns the units in which people read swept parameters, by column, and speeds and vibration, each with its value in SI
+/// units. A parameter of another system may have the name of a quantity.
+fn shown_units(study: &Study) -> Value {
     let units = study.units();
+    let with_si = |unit: &Unit| json!([unit.symbol, unit.si]);
     let swept = study.swept().iter();
-    let swept =
-        swept.filter_map(|one| Some((one.name.clone(), units.of_parameter(&one.name)?.clone())));
-    let all = swept
-        .chain([("speed".to_owned(), units.speed()), ("vibration".to_owned(), units.vibration())]);
-    all.map(|(name, unit)| (name, json!([unit.symbol, unit.si]))).collect()
+    let parameter =
+        |one: &VariedParameter| Some((one.name.clone(), with_si(units.of_parameter(&one.name)?)));
+    json!({
+        "parameters": swept.filter_map(parameter).collect::<Map<_, _>>(),
+        "speed": with_si(&units.speed()),
+        "vibration": with_si(&units.vibration()),
+    })
 }

@@ -37,7 +37,7 @@ fn common_start_states_make_differences_precise() {
     }
     let before = scratch.files();
     let paired = json(&scratch, "compare a b --json");
-    assert_eq!(paired["points"].as_array().unwrap().len(), 1);
+    assert_eq!(paired["points"].as_array().map(Vec::len), Some(1));
     assert_eq!(paired["points_without_counterpart"], serde_json::json!([1, 1]));
     let point = &paired["points"][0];
     assert_eq!(point["point_ids"], serde_json::json!([1, 0]));
@@ -69,7 +69,7 @@ fn common_start_states_make_differences_precise() {
     scratch.write("d.yaml", plain);
     scratch.well("run d.yaml --out d --quiet");
     let found = json(&scratch, "compare d a --json");
-    assert_eq!(found["points"].as_array().unwrap().len(), 1);
+    assert_eq!(found["points"].as_array().map(Vec::len), Some(1));
     assert_eq!(found["points"][0]["point_ids"], serde_json::json!([0, 1]));
     assert_eq!(quantity(&found["points"][0], "mean")["difference"]["value"], 0.0);
 }

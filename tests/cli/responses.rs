@@ -56,8 +56,10 @@ fn a_point_has_the_responses_of_the_same_design() {
     let (amplitude, relative) = (of("amplitude_m"), of("relative_amplitude"));
     let without: Vec<f64> = amplitude.iter().zip(&relative).map(|(own, part)| own / part).collect();
     let first = &without[..24];
-    let number =
-        |name: &str| numbers(&points, &format!("response_{name}_without_balls"))[0].unwrap();
+    let number = |name: &str| {
+        numbers(&points, &format!("response_{name}_without_balls"))[0]
+            .expect("a residual amplitude")
+    };
     assert!((number("vibration") / (first.iter().sum::<f64>() / 24.0) - 1.0).abs() < 1e-12);
     let above = first.iter().filter(|metres| **metres > 60e-6).count();
     assert_eq!(number("above"), above as f64 / 24.0);

@@ -112,8 +112,8 @@ fn two_objectives_have_a_front() {
     let columns = ["ball_mass_kg", "stiffness_n_m", "relative", "mean"].map(|name| {
         let values = numbers(&evaluations, name).into_iter().map(Option::unwrap);
         let values: Vec<f64> = values.collect();
-        let [low, high] =
-            [f64::min, f64::max].map(|pick| values.iter().copied().reduce(pick).unwrap());
+        let [low, high] = [f64::min, f64::max]
+            .map(|pick| values.iter().copied().reduce(pick).expect("six designs"));
         values.into_iter().map(|value| (value - low) / (high - low)).collect::<Vec<f64>>()
     });
     let lines: Vec<f64> = panel.layers[1..]

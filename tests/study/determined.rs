@@ -58,8 +58,8 @@ fn values_that_are_not_given_follow_from_the_masses() {
     let factor = "times: {choice: {values: [2]}}";
     let uncertain =
         format!("uncertain: {{ball_density_kg_m3: {{{factor}}}, imbalance_kg_m: {{{factor}}}}}\n");
-    let case = study(&text("", &uncertain)).planned_run(0).case.unwrap();
-    let machine = case.model.ball_balancer().unwrap();
+    let case = study(&text("", &uncertain)).planned_run(0).case.expect("a possible machine");
+    let machine = case.model.ball_balancer().expect("a ball balancer");
     near(machine.balls[1].mass_kg, 2.0 * 1.4e-4);
     near(machine.imbalance_mass_kg, 2.0 * 5.6e-5);
     let blocks = "sweep: [{grid: {ball_density_kg_m3: [7000]}}, {grid: {speed_rad_s: [-160]}}]\n";

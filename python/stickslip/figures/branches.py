@@ -50,7 +50,7 @@ def frictionless_branches(directory: Source, *, width: Optional[Width] = None, s
         raise table.nothing(f"it is also swept over {', '.join(other)}", remedy)
     angles = [name for name in table.columns if name.startswith("beta_") and name.endswith("_rad")]
     read = table.read(["speed_rad_s", "kind", "stability", *angles])
-    unit, si = table.shown("speed")
+    unit, si = table.speed
     read["speed_rad_s"] = read["speed_rad_s"] / si
     speeds = np.unique(read["speed_rad_s"])
     if speeds.size < 3:

@@ -80,7 +80,7 @@ def limit_cycle_branches(
         place_of = {int(sweep.ids[row]): over.values[row] if over else float(k) for k, row in enumerate(rows)}
         of_group = np.isin(read["point_id"], list(place_of))
         for name, quantity, columns in shown_quantities:
-            unit, si = table.shown(quantity) if quantity in ("vibration", "speed") else (quantity, 1.0)
+            unit, si = {"vibration": table.vibration, "speed": table.speed}.get(quantity, (quantity, 1.0))
             if not np.any(np.isfinite(read[columns[0]][of_group])):
                 continue
 

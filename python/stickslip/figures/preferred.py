@@ -107,7 +107,7 @@ def preferred_equilibria(
                 second = at_rest[(more or places)[pair[1] if not more else 0]][of_point].astype(float)
                 axes.plot(
                     first,
-                    second / sweep.table.shown("vibration")[1] if balls == 1 else second,
+                    second / sweep.table.vibration[1] if balls == 1 else second,
                     linestyle="none",
                     marker="o",
                     markersize=size,
@@ -129,7 +129,8 @@ def preferred_equilibria(
             said = f"{counts[row]:.0f} of {sweep.runs[row]:.0f} at rest".replace(" ", "\u00a0")
             if balls > 2:
                 said += f", β{words.subscript(pair[0] + 1)} and β{words.subscript(pair[1] + 1)}"
-            scale = {"set": sweep.amplitude, "histogram": "runs at rest per bin [%]"}.get(behind, "")
+            amplitude = (sets.sweep if sets is not None else sweep).amplitude
+            scale = {"set": amplitude, "histogram": "runs at rest per bin [%]"}.get(behind, "")
             keys = [dot, *(sets.keys() if sets is not None else [])]
             aspect = 1.0 if balls > 1 else 0.75
             panels.append(Panel(draw, sweep.named(row) + said, aspect, scale=scale, keys=keys))

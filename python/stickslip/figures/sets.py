@@ -117,7 +117,7 @@ class EquilibriumSets:
             )
         order = np.lexsort((second, first))
         margin = np.nan_to_num(margin, nan=-1e3, neginf=-1e3).clip(min=-1e3)
-        amplitude /= self.positions.shown("vibration")[1]
+        amplitude /= self.positions.vibration[1]
         return Grid(amplitude[order].reshape(side, side), margin[order].reshape(side, side))
 
     def frictionless(self, row: int) -> Optional[dict[str, NDArray[Any]]]:

@@ -39,7 +39,7 @@ def equilibrium_surface(directory: Source, *, width: Optional[Width] = None, poi
     highest = float(amplitude[margin >= 0].max()) if np.any(margin >= 0) else float(amplitude.max())
     step = nice(highest / 6)
     top = step * np.ceil(highest / step - 1e-9)
-    unit, si = sets.sweep.table.shown("vibration")
+    unit, si = sets.sweep.table.vibration
     column = "amplitude_without_balls_m"
     without = float(sets.sweep.numbers([column])[column][row]) / si
     keys = []

@@ -108,7 +108,7 @@ class Sweep:
     @property
     def amplitude(self) -> str:
         """The label of an axis of amplitudes: `amplitude [µm]`."""
-        return words.axis("amplitude", self.table.shown("vibration")[0])
+        return words.axis("amplitude", self.table.vibration[0])
 
     def unit(self, column: str) -> str:
         """Returns the unit in which the study shows a swept parameter."""

@@ -235,10 +235,21 @@ class Table:
         unit = (self.schema.field(column).metadata or {}).get(b"unit", b"").decode()
         return "" if unit.split(" ")[:1] == ["1"] else unit
 
-    def shown(self, name: str) -> tuple[str, float]:
-        """Returns the unit in which the study shows a swept parameter, "speed" or "vibration", and its value in SI."""
-        defaults = {"speed": ("rad/s", 1.0), "vibration": ("µm", 1e-6)}
-        symbol, si = self.about.get("shown_units", {}).get(name) or defaults.get(name) or (self.unit(name), 1.0)
+    def shown(self, column: str) -> tuple[str, float]:
+        """Returns the unit in which the study shows a swept parameter, and the value of this unit in SI."""
+        chosen = self.about.get("shown_units", {}).get("parameters", {}).get(column)
+        return (str(chosen[0]), float(chosen[1])) if chosen else (self.unit(column), 1.0)
+
+    @property
+    def speed(self) -> tuple[str, float]:
+        """The unit in which the study shows speeds of rotation, and its value in rad/s."""
+        symbol, si = self.about.get("shown_units", {}).get("speed", ("rad/s", 1.0))
+        return str(symbol), float(si)
+
+    @property
+    def vibration(self) -> tuple[str, float]:
+        """The unit in which the study shows amplitudes, and its value in m."""
+        symbol, si = self.about.get("shown_units", {}).get("vibration", ("µm", 1e-6))
         return str(symbol), float(si)
 
     def need(self, columns: Sequence[str]) -> None:

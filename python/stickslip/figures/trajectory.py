@@ -39,7 +39,7 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
     table = Directory(directory).table("trajectory")
     balls = sum(1 for name in table.columns if name.startswith("beta_unwrapped_"))
     numbers = range(1, balls + 1)
-    speed, vibration = table.shown("speed"), table.shown("vibration")
+    speed, vibration = table.speed, table.vibration
     quantities: list[tuple[str, tuple[str, float], list[str]]] = [
         ("angle of the balls", ("rad", 1.0), [f"beta_{ball}_rad" for ball in numbers]),
         ("speed of the balls", speed, [f"ball_speed_{ball}_rad_s" for ball in numbers]),
