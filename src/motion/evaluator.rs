@@ -202,26 +202,14 @@ pub(super) trait Solved: Elementary {
         right: &[NodeId],
         at: impl Fn(NodeId) -> Self,
         unknowns: &mut Unknowns<Self>,
-    );
+    ) {
+        let matrix = matrix.iter().map(|node| at(*node)).collect();
+        *unknowns = solved(matrix, right.iter().map(|node| at(*node)).collect());
+    }
 }
 
-macro_rules! solved_one_by_one {
-    ($($number:ty),*) => {$(
-        impl Solved for $number {
-            fn solve(
-                matrix: &[NodeId],
-                right: &[NodeId],
-                at: impl Fn(NodeId) -> Self,
-                unknowns: &mut Unknowns<Self>,
-            ) {
-                let of = |nodes: &[NodeId]| nodes.iter().map(|node| at(*node)).collect();
-                *unknowns = solved(of(matrix), right.iter().map(|node| at(*node)).collect());
-            }
-        }
-    )*};
-}
-
-solved_one_by_one!(f64, Dual);
+impl Solved for f64 {}
+impl Solved for Dual {}
 
 /// The solution of the latest linear system.
 pub(super) struct Solution<T> {
