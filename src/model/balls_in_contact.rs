@@ -12,9 +12,8 @@ use smallvec::SmallVec;
 use super::driven::{Turning, Turns};
 use super::recorded::{RecordedGap, add_contact_inputs, equations, record_contact, record_state};
 use super::{
-    Balancer, BallContact, ContactMode, Dual, Expression, Friction, Gap, GapEquations, Machine,
-    Number, Recorder, RestForms, Structure, System, SystemEquations, Touching, pushes,
-    wrap_to_two_pi,
+    Balancer, BallContact, ContactMode, Expression, Friction, Gap, GapEquations, Machine, Recorder,
+    RestForms, Structure, System, SystemEquations, Touching, pushes, wrap_to_two_pi,
 };
 
 /// A balancer with contact between neighbouring balls.
@@ -194,47 +193,5 @@ impl<const N: usize> Touching for BallsInContact<N> {
 
     fn lasting_approach(&self) -> f64 {
         self.lasting_approach
-    }
-
-    /// The impulses act on the balls, whose motion moves the table: `Σ_j A_ij Δβ̇_j` is the tangential impulse over the
-    /// mass of ball `i`, with `A_ij = (1 + 4J) δ_ij - m_j cos(β_i - β_j)`, and `Δẋ = Σ m s Δβ̇`, `Δẏ = -Σ m c Δβ̇`.
-    /// Friction impulses of the ring are of second order and are left out.
-    fn responses(&self, state: &[Dual]) -> Vec<[Vec<Dual>; 2]> {
-        let balancer: Balancer<N, Dual> = self.balancer.lifted();
-        let Some(angles) = state.get(4..4 + N) else { return Vec::new() };
-        let turned: Vec<(Dual, Dual)> = angles.iter().map(|angle| angle.sin_cos()).collect();
-        let one = Dual::constant(1.0);
-        let zero = Dual::constant(0.0);
-        let (mut m_xx, mut m_xy, mut m_yy) = (zero, zero, zero);
-        for (ball, (s, c)) in balancer.balls.iter().zip(&turned) {
-            let mobile = ball.mass * ball.mobility;
-            m_xx = m_xx + mobile * *s * *s;
-            m_xy = m_xy + mobile * *s * *c;
-            m_yy = m_yy + mobile * *c * *c;
-        }
-        let response = |contacts: [usize; 2], pushes: [[f64; 2]; 2]| {
-            let mut along = [zero; N];
-            for (contact, [push, _]) in contacts.into_iter().zip(pushes) {
-                along[contact] = along[contact] + Dual::constant(push);
-            }
-            let (mut table_x, mut table_y) = (zero, zero);
-            for (ball, ((s, c), along)) in balancer.balls.iter().zip(turned.iter().zip(along)) {
-                let moved = ball.mass * ball.mobility * along;
-                table_x = table_x + *s * moved;
-                table_y = table_y - *c * moved;
-            }
-            let matrix = [[one - m_xx, m_xy], [m_xy, one - m_yy]];
-            let [x_dot, y_dot] = Dual::solve_two(matrix, [table_x, table_y]);
-            let balls = balancer.balls.iter().zip(turned.iter().zip(along));
-            let speeds = balls
-                .map(|(ball, ((s, c), along))| ball.mobility * (*s * x_dot - *c * y_dot + along));
-            let mut response = vec![zero; 4 + 2 * N];
-            response[2] = x_dot;
-            response[3] = y_dot;
-            response[4 + N..].iter_mut().zip(speeds).for_each(|(out, speed)| *out = speed);
-            response
-        };
-        let of_gap = |gap: &Gap| gap.pushes().map(|pushes| response(gap.contacts, pushes));
-        self.gaps.iter().map(of_gap).collect()
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use smallvec::SmallVec;
 
-use super::{ContactMode, Dual, Friction, Gap, Recorder, SPEED_TERMS, SystemEquations};
+use super::{ContactMode, Friction, Gap, Recorder, SPEED_TERMS, SystemEquations};
 
 /// The components of a state, or of its rate of change, in the order in which the system records them.
 pub type Components = SmallVec<[f64; 20]>;
@@ -98,9 +98,6 @@ pub trait Touching {
     /// Returns the speed of approach, non-dimensional, below which contact lasts unless impacts lose no energy: infinitely
     /// many impacts would follow within a time that is proportional to the speed.
     fn lasting_approach(&self) -> f64;
-
-    /// Returns for each gap the changes of all components of the state by an impulse `λ = 1` and by an impulse `q = 1`.
-    fn responses(&self, state: &[Dual]) -> Vec<[Vec<Dual>; 2]>;
 }
 
 /// The closed forms of a system with all contacts sticking, for states of the system.

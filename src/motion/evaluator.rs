@@ -142,7 +142,15 @@ impl Evaluator {
         phases: &[Phase],
         state: impl Fn(usize) -> T,
     ) -> SmallVec<[T; 128]> {
-        let inputs = self.inputs(phases);
+        self.values_with(&self.inputs(phases), state)
+    }
+
+    /// Returns the values of all nodes with these values of the inputs.
+    pub(super) fn values_with<T: Solved>(
+        &self,
+        inputs: &[f64],
+        state: impl Fn(usize) -> T,
+    ) -> SmallVec<[T; 128]> {
         let mut values = SmallVec::with_capacity(self.graph.nodes.len());
         let mut solution = Solution::new();
         for node in &self.graph.nodes {

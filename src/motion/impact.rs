@@ -18,7 +18,7 @@
 use smallvec::{SmallVec, smallvec};
 
 use super::impulses::{Impulses, Meeting, Pairs};
-use super::{Failure, Phase};
+use super::{Evaluator, Failure, Phase};
 use crate::model::{Components, Dual, Elementary, Gap, Number, Touching};
 
 /// Rounding tolerance of impulses and speeds, over the largest speed.
@@ -55,6 +55,7 @@ pub(crate) struct Hit {
 /// # Errors
 /// As [`Meeting::impulses`].
 pub(super) fn impact(
+    evaluator: &Evaluator,
     system: &dyn Touching,
     speeds: &[usize],
     state: &[Dual],
@@ -72,8 +73,8 @@ pub(super) fn impact(
         let lasts = -opening.value < system.lasting_approach() && system.restitution() < 1.0;
         if lasts || opening.value >= 0.0 { 0.0 } else { system.restitution() }
     });
-    let responses = system.responses(state);
-    let by_each = || touching.iter().flat_map(|gap| &responses[*gap]);
+    let responses = evaluator.responses(system, state, touching);
+    let by_each = || responses.iter().flatten();
     let rows = gaps.iter().flat_map(|gap| [0, 1].map(|speed| (gap, speed)));
     let meeting = Meeting {
         restitution: restitution.collect(),

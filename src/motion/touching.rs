@@ -111,7 +111,8 @@ impl<'a> InTouch<'a> {
             .map(|(place, value)| Dual { value: *value, slope: slope(place) })
             .collect();
         let of_gaps = &phases[contacts..];
-        let impact = impact(self.touching, &speeds, &before, &at_each_other, of_gaps)?;
+        let impact =
+            impact(self.evaluator, self.touching, &speeds, &before, &at_each_other, of_gaps)?;
         state.iter_mut().zip(&impact.state).for_each(|(to, after)| *to = after.value);
         if let Some(direction) = direction {
             direction.iter_mut().zip(&impact.state).for_each(|(to, after)| *to = after.slope);

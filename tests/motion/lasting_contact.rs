@@ -5,9 +5,9 @@ use std::any::Any;
 use std::sync::Arc;
 
 use stickslip::model::{
-    BallContact, Block, Components, ContactEquations, ContactLayout, ContactMode, Dual, Expression,
-    Friction, FrictionLaw, Gap, GapEquations, Layout, Machine, Method, Model, Number, Recorder,
-    Start, System, SystemEquations, Touching,
+    BallContact, Block, Components, ContactEquations, ContactLayout, ContactMode, Expression,
+    Friction, FrictionLaw, Gap, GapEquations, Layout, Machine, Method, Model, Recorder, Start,
+    System, SystemEquations, Touching,
 };
 use stickslip::motion::{Motion, Phase, Settings, Tolerance};
 
@@ -44,7 +44,12 @@ impl System for FallingMass {
         let [gravity, closed] = ["gravity", "closed"].map(|name| recorder.input(name));
         let zero = Expression::constant(0.0);
         let one = Expression::constant(1.0);
-        let force = closed * gravity;
+        // The ground has a mass, which the force in the gap does not move.
+        let light = Expression::constant(1e-30);
+        let matrix =
+            [vec![one, zero, light], vec![zero, one, -one], vec![-closed, closed, one - closed]];
+        let unknowns = recorder.accelerations(&matrix, &[zero, -gravity, zero]);
+        let [of_ground, acceleration, force] = [unknowns[0], unknowns[1], unknowns[2]];
         let contact = |sliding_speed, sliding_acceleration| ContactEquations {
             sliding_speed,
             sliding_acceleration,
@@ -53,9 +58,9 @@ impl System for FallingMass {
         };
         let place = |position| ContactLayout { position, angular: false };
         SystemEquations {
-            derivative: vec![still, speed, zero, force - gravity],
-            contacts: vec![contact(still, zero), contact(speed, force - gravity)],
-            gaps: vec![GapEquations { opening_acceleration: force - gravity, force }],
+            derivative: vec![still, speed, of_ground, acceleration],
+            contacts: vec![contact(still, of_ground), contact(speed, acceleration)],
+            gaps: vec![GapEquations { opening_acceleration: acceleration - of_ground, force }],
             layout: Layout {
                 contacts: vec![place(0), place(1)],
                 velocities: vec![vec![2], vec![3]],
@@ -117,11 +122,6 @@ impl Touching for FallingMass {
 
     fn lasting_approach(&self) -> f64 {
         1e-6
-    }
-
-    fn responses(&self, _state: &[Dual]) -> Vec<[Vec<Dual>; 2]> {
-        let of = |speed: f64| [0.0, 0.0, 0.0, speed].map(Dual::constant).to_vec();
-        vec![[of(1.0), of(0.0)]]
     }
 }
 
