@@ -34,9 +34,9 @@ pub struct FoundEndings {
 /// Returns the endings that the program finds for a model; all for a model without a system.
 pub fn found_endings(model: &Model) -> FoundEndings {
     let Some(system) = model.system() else { return FoundEndings { cycles: true, rests: true } };
-    let rests = system.rest_forms().is_some();
     let view = SystemView::new(Evaluator::new(system));
-    FoundEndings { cycles: view.revolves() || BreakAwayWatch::suits(&view), rests }
+    let cycles = view.revolves() || BreakAwayWatch::suits(&view);
+    FoundEndings { cycles, rests: view.rest_forms().is_some() }
 }
 
 impl CycleWatch {

@@ -248,7 +248,7 @@ impl LaneRun {
 
     /// Returns whether all contacts stick and can never break loose again.
     fn rests(&self, group: &dyn LaneGroup, lane: usize) -> bool {
-        let forms = || self.view.system().rest_forms();
+        let forms = || self.view.rest_forms();
         all_stick(group.phases(lane))
             && forms().is_some_and(|forms| forms.surely_rests(&group.state(lane)))
     }
@@ -282,7 +282,7 @@ impl LaneRun {
 
     /// Ends the run at its end time, or continues it to the later one.
     fn ends_in_time(&mut self, group: &dyn LaneGroup, lane: usize) -> Next {
-        let forms = || self.view.system().rest_forms();
+        let forms = || self.view.rest_forms();
         let rests = all_stick(group.phases(lane))
             && forms().is_some_and(|forms| forms.rests(&group.state(lane)));
         let closes = || {

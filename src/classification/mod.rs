@@ -40,6 +40,7 @@ mod settled;
 mod simulate;
 mod stages;
 mod step_limit;
+mod stuck_motion;
 mod system_view;
 mod window;
 

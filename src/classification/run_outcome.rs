@@ -121,10 +121,10 @@ impl LaneRun {
     /// Returns the outcome of a run at rest, except for the time at which the rest began.
     fn at_rest(&self, step: &LaneStep, evidence: Evidence, base: Outcome) -> Outcome {
         let state = step.group.state(step.lane);
-        let rest = self.view.system().rest_forms().map(|forms| forms.at_rest(&state));
+        let rest = self.view.rest_forms().map(|forms| forms.at_rest(&state));
         let amplitude = rest.map_or_else(|| self.view.square(&state).sqrt(), |rest| rest.amplitude);
         let revolves = self.view.revolves();
-        let force = || self.view.system().rest_forms()?.contact_force(&state);
+        let force = || self.view.rest_forms()?.contact_force(&state);
         Outcome {
             touching: self.with_force(&base, base.touching.and_then(|_| force())),
             evidence,
@@ -212,8 +212,8 @@ impl LaneRun {
     fn creeps(&self, step: &LaneStep) -> bool {
         let LaneStep { group, lane, view } = *step;
         let slow = group.slow_since(lane).iter().all(|since| *since < step.time());
-        slow && may_creep(view.system(), &group.state(lane))
-            && group.copy(lane).is_some_and(|saved| creeps(Motion::resume(&saved)))
+        let may = || view.rest_forms().is_some_and(|forms| may_creep(forms, &group.state(lane)));
+        slow && may() && group.copy(lane).is_some_and(|saved| creeps(Motion::resume(&saved)))
     }
 
     /// Returns half of the distance between the extremes of the positions since the last break-away,

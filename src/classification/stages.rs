@@ -125,7 +125,7 @@ impl Stages {
         let speed_unit = units.position * units.natural_rad_s;
         let speeds = (0..view.contacts.len()).map(|ball| view.speed(phases, &state, ball));
         let rests = || {
-            let forms = view.system().rest_forms();
+            let forms = view.rest_forms();
             all_stick(phases) && forms.is_some_and(|forms| forms.rests(&state))
         };
         StageOutcome {

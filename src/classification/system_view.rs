@@ -1,6 +1,9 @@
 //! A system with its recorded equations and the places of its coordinates in a state.
 
-use crate::model::{System, wrap_to_two_pi};
+use std::sync::Arc;
+
+use super::stuck_motion::StuckForms;
+use crate::model::{RestForms, System, wrap_to_two_pi};
 use crate::motion::{Evaluator, PerContact, Phase};
 
 /// A system as the classification sees it.
@@ -13,6 +16,8 @@ pub(super) struct SystemView {
     pub(super) contacts: Vec<ContactPlace>,
     /// The displacement whose amplitude is measured, and its velocity, if the system has one.
     pub(super) vibration: Option<[usize; 4]>,
+    /// The closed forms at rest of a system that has none of its own.
+    derived: Option<Arc<StuckForms>>,
 }
 
 /// The components of a contact.
@@ -47,7 +52,17 @@ impl SystemView {
             .vibration
             .zip(velocity)
             .and_then(|([x, y], velocity)| Some([x, y, *velocity.first()?, *velocity.get(1)?]));
-        SystemView { free, contacts, vibration, evaluator }
+        let mut view = SystemView { free, contacts, vibration, evaluator, derived: None };
+        if view.system().rest_forms().is_none() {
+            view.derived = StuckForms::of(&view).map(Arc::new);
+        }
+        view
+    }
+
+    /// Returns the closed forms with all contacts at rest: those of the system, or those that follow from its equations.
+    pub(super) fn rest_forms(&self) -> Option<&dyn RestForms> {
+        let derived = || Some(self.derived.as_deref()? as &dyn RestForms);
+        self.system().rest_forms().or_else(derived)
     }
 
     /// Returns the system.

@@ -17,8 +17,7 @@ use serde::Serialize;
 use super::invalid_parameter::{not_negative, positive};
 use super::kind::{Capabilities, Field, ModelKind, ParameterDescriptor};
 use super::{
-    Contact, Forces, Friction, FrictionLaw, InvalidParameter, Model, Number, RestAmplitude,
-    RestForms, SlidingSpeed, State,
+    Contact, Forces, Friction, FrictionLaw, InvalidParameter, Model, Number, SlidingSpeed, State,
 };
 
 /// The support of a block.
@@ -211,27 +210,5 @@ impl Slider {
             beta: [belt_speed + free * state.beta_dot[0]],
             beta_dot: [forces.beta_ddot[0] - stuck * state.beta_dot[0]],
         }
-    }
-}
-
-/// A block that sticks on rigid ground stays there; on a belt it is carried along.
-impl RestForms for Slider {
-    fn surely_rests(&self, _state: &[f64]) -> bool {
-        self.belt_speed == 0.0
-    }
-
-    /// On the very edge of the interval only the slack of the conditions is missing.
-    fn at_rest(&self, state: &[f64]) -> RestAmplitude {
-        let position = state.first().map_or(0.0, |position| position.abs());
-        let friction_margin = 1.0 - position / self.friction.limit;
-        RestAmplitude { amplitude: 0.0, friction_margin: friction_margin.max(0.0) }
-    }
-
-    /// A block on rigid ground creeps only against a drag: without one, the force on it does not depend on its speed.
-    fn nearly_rests(&self, state: &[f64], excess: f64) -> bool {
-        let position = state.first().map_or(f64::INFINITY, |position| position.abs());
-        self.belt_speed == 0.0
-            && self.friction.damping_rate(1.0) > 0.0
-            && position <= self.friction.limit * (1.0 + excess)
     }
 }

@@ -67,6 +67,34 @@ pub fn least_force(contacts: &[HeldContact], gaps: &[Gap]) -> Option<f64> {
     Some(high)
 }
 
+/// Accuracy of the strength of friction that holds contacts.
+const STRENGTH_ACCURACY: f64 = 1e-12;
+
+/// Returns the smallest common factor on the coefficients of friction with which friction holds contacts, for some forces
+/// in gaps that are closed; infinite if none does.
+pub fn strength_that_holds(contacts: &[HeldContact], gaps: &[Gap]) -> f64 {
+    let holds = |strength: f64| {
+        let weaker = |one: &HeldContact| HeldContact { limit: strength * one.limit, ..*one };
+        let contacts: SmallVec<[HeldContact; 8]> = contacts.iter().map(weaker).collect();
+        held(&contacts, gaps).reserve >= 0.0
+    };
+    if holds(0.0) {
+        return 0.0;
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    while !holds(high) {
+        (low, high) = (high, 2.0 * high);
+        if high > 1e6 {
+            return f64::INFINITY;
+        }
+    }
+    while high - low > STRENGTH_ACCURACY * high {
+        let middle = 0.5 * (low + high);
+        (low, high) = if holds(middle) { (low, middle) } else { (middle, high) };
+    }
+    high
+}
+
 /// Returns the forces with the largest reserve, of forces `λ` of at most `most` in each gap.
 fn held_by_at_most(most: f64, contacts: &[HeldContact], gaps: &[Gap]) -> Holding {
     // Each row is a bound on the sum of the variables times their coefficients.

@@ -65,7 +65,7 @@ pub use graph::{
     ContactEquations, ContactLayout, Event, EventEquations, Expression, GapEquations, Graph,
     Layout, Node, NodeId, Recorder, Solve, SystemEquations,
 };
-pub use held::{Column, HeldContact, Holding, gap_columns, held, least_force};
+pub use held::{Column, HeldContact, Holding, gap_columns, held, least_force, strength_that_holds};
 pub use invalid_parameter::InvalidParameter;
 pub use kick::Kick;
 pub use kind::{Bound, Capabilities, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor};

@@ -394,10 +394,6 @@ impl System for Slider {
         1.0
     }
 
-    fn rest_forms(&self) -> Option<&dyn RestForms> {
-        Some(self)
-    }
-
     fn as_any(&self) -> &dyn Any {
         self
     }

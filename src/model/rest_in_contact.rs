@@ -2,7 +2,8 @@
 
 use super::certificate::{disturbance_bound, followed_to_rest};
 use super::{
-    BallsInContact, Gap, HeldContact, RestAmplitude, RestForms, RestPoint, State, held, least_force,
+    BallsInContact, Gap, HeldContact, RestAmplitude, RestForms, RestPoint, State, held,
+    least_force, strength_that_holds,
 };
 
 /// Gaps up to this width are closed: the width within which impacts are located is much smaller.
@@ -46,23 +47,8 @@ impl<const N: usize> BallsInContact<N> {
         if gaps.is_empty() {
             return 1.0 - self.balancer.friction_use(&rest, 0.0);
         }
-        let holds =
-            |strength: f64| self.endures([&rest.normal, &rest.friction], &gaps, strength) >= 0.0;
-        if holds(0.0) {
-            return 1.0;
-        }
-        let (mut low, mut high) = (0.0, 1.0);
-        while !holds(high) {
-            (low, high) = (high, 2.0 * high);
-            if high > 1e6 {
-                return f64::NEG_INFINITY;
-            }
-        }
-        while high - low > MARGIN_ACCURACY * high {
-            let middle = 0.5 * (low + high);
-            (low, high) = if holds(middle) { (low, middle) } else { (middle, high) };
-        }
-        1.0 - high
+        let contacts = self.held_contacts([&rest.normal, &rest.friction], 1.0);
+        1.0 - strength_that_holds(&contacts, &gaps)
     }
 
     fn certified(&self, rest: &RestPoint<N>, gaps: &[Gap], state: &State<N>) -> bool {

@@ -74,7 +74,7 @@ impl Evaluator {
 
     /// Returns the time derivative of a state.
     pub fn rates(&self, phases: &[Phase], state: &[f64]) -> Components {
-        let values = self.values::<f64>(phases, |component| state[component]);
+        let values = self.all_values::<f64>(phases, |component| state[component]);
         self.graph.derivative.iter().map(|&node| values[node as usize]).collect()
     }
 
@@ -97,20 +97,20 @@ impl Evaluator {
 
     /// Returns speeds, accelerations and forces of all contacts in a state.
     pub fn forces(&self, phases: &[Phase], state: &[f64]) -> Forces {
-        let values = self.values::<f64>(phases, |component| state[component]);
+        let values = self.all_values::<f64>(phases, |component| state[component]);
         forces(&self.graph, |node| values[node as usize])
     }
 
     /// Returns speeds, accelerations and forces of all contacts in a state and their changes along a direction.
     pub fn forces_along(&self, phases: &[Phase], state: &[f64], direction: &[f64]) -> Forces<Dual> {
         let component = |i: usize| Dual { value: state[i], slope: direction[i] };
-        let values = self.values(phases, component);
+        let values = self.all_values(phases, component);
         forces(&self.graph, |node| values[node as usize])
     }
 
     /// Returns the state after an event, from the state before it.
     pub fn reset(&self, event: usize, phases: &[Phase], state: &[f64]) -> Components {
-        let values = self.values::<f64>(phases, |component| state[component]);
+        let values = self.all_values::<f64>(phases, |component| state[component]);
         let mut after = Components::from(state);
         for &(component, value) in &self.graph.events[event].reset {
             after[component] = values[value as usize];
@@ -127,7 +127,7 @@ impl Evaluator {
         direction: &[f64],
     ) -> (f64, Components) {
         let component = |i: usize| Dual { value: state[i], slope: direction[i] };
-        let values = self.values(phases, component);
+        let values = self.all_values(phases, component);
         let event = &self.graph.events[event];
         let mut after = Components::from(direction);
         for &(component, value) in &event.reset {
@@ -137,7 +137,7 @@ impl Evaluator {
     }
 
     /// Returns the values of all nodes.
-    pub(super) fn values<T: Solved>(
+    pub(crate) fn all_values<T: Solved>(
         &self,
         phases: &[Phase],
         state: impl Fn(usize) -> T,
@@ -203,7 +203,7 @@ impl Evaluator {
 }
 
 /// Numbers for which linear systems are solved.
-pub(super) trait Solved: Elementary {
+pub(crate) trait Solved: Elementary {
     /// Computes the unknowns of a linear system from the nodes of its matrix and its right side.
     fn solve(
         matrix: &[NodeId],
@@ -240,9 +240,9 @@ pub(super) fn forces<T: Number>(graph: &Graph, at: impl Fn(NodeId) -> T) -> Forc
 }
 
 /// The entries of a matrix, row by row, without an allocation for up to eight unknowns.
-pub(super) type Entries<T> = SmallVec<[T; 64]>;
+pub(crate) type Entries<T> = SmallVec<[T; 64]>;
 /// The unknowns of a linear system, or its right side.
-pub(super) type Unknowns<T> = SmallVec<[T; 8]>;
+pub(crate) type Unknowns<T> = SmallVec<[T; 8]>;
 
 /// A pivot is small, and another row takes its place, if its share of the largest entry of its row is below this fraction of
 /// the other row's share. The order of well-posed equations then remains, and rounding errors grow little.
