@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, Dyn, LU, Schur};
 use super::cycle::{CyclePhase, TouchingPair};
 use super::period::Period;
 use super::return_map::{Return, ReturnMap};
-use super::section::Section;
+use super::section::{Mark, Section};
 use super::system_view::ContactPlace;
 use crate::model::Components;
 
@@ -33,6 +33,8 @@ const SPELL: usize = 10;
 /// reduction.
 const RETURNS: i32 = 20;
 const NEARER: (f64, f64) = (0.1, 0.8);
+/// The least number of returns in each half of those in which a run has approached an orbit.
+const LEAST_APPROACHED: usize = 4;
 /// Distance from the unit circle below which a multiplier does not decide the stability, because
 /// the orbit closes only to within the tolerances.
 const MULTIPLIER_DOUBT: f64 = 1e-4;
@@ -86,9 +88,10 @@ struct Closed<'a> {
     slope: DMatrix<f64>,
 }
 
-/// Refines the orbit near `run`, a state on the section, and classifies it. An orbit counts as
-/// closed if its closing error is at most `closure`; the refinement aims for less.
-pub(super) fn examine(map: ReturnMap, run: &[f64], closure: f64) -> Option<Verdict> {
+/// Refines the orbit near the latest of the states `passed`, in which a run has passed through the section, and classifies
+/// it. An orbit counts as closed if its closing error is at most `closure`; the refinement aims for less.
+pub(super) fn examine(map: ReturnMap, passed: &[&Components], closure: f64) -> Option<Verdict> {
+    let run = passed.last()?;
     let closed = in_fewest_turns(shoot(map, run, closure)?, closure);
     let multipliers = moduli(closed.slope.clone())?;
     let (end, period) = closed.map.follow_closely(&closed.state)?;
@@ -99,7 +102,7 @@ pub(super) fn examine(map: ReturnMap, run: &[f64], closure: f64) -> Option<Verdi
     }
     let is_stable = largest < 1.0 - MULTIPLIER_DOUBT
         && orbit.margin.is_none_or(|margin| margin > 0.0)
-        && attracts(&closed, run, largest, closure);
+        && (has_attracted(&closed, passed, largest) || attracts(&closed, run, largest, closure));
     Some(if is_stable { Verdict::Stable(orbit) } else { Verdict::Open })
 }
 
@@ -183,7 +186,20 @@ fn in_fewest_turns(closed: Closed, closure: f64) -> Closed {
     once.unwrap_or(closed)
 }
 
-/// Returns whether the run approaches the orbit. An orbit with multipliers inside the unit circle
+/// Returns whether the run has approached the orbit in its latest returns, for which its motion need not be followed further:
+/// in the later half of them, the greatest distance is smaller than in the earlier half, by a part of what the largest
+/// multiplier gives.
+fn has_attracted(closed: &Closed, passed: &[&Components], largest_multiplier: f64) -> bool {
+    let distance = |state: &&Components| closed.map.section.difference(state, &closed.state).amax();
+    let distances: Vec<f64> = passed.iter().map(distance).collect();
+    let half = distances.len() / 2;
+    let [earlier, later] = [&distances[..half], &distances[distances.len() - half..]]
+        .map(|distances| distances.iter().copied().fold(0.0, f64::max));
+    let nearer = largest_multiplier.powf(0.5 * half as f64).clamp(NEARER.0, NEARER.1);
+    half >= LEAST_APPROACHED && later <= nearer * earlier
+}
+
+/// Returns whether the run approaches the orbit if it is followed. An orbit with multipliers inside the unit circle
 /// may have a small basin; and a run in which a ball slowly swings about its place in the orbit,
 /// sticking at every turn, may never approach it.
 fn attracts(closed: &Closed, run: &[f64], largest_multiplier: f64, closure: f64) -> bool {
@@ -214,13 +230,11 @@ fn orbit(closed: &Closed, end: &Return, period: Period, multipliers: Vec<f64>) -
     let contacts = view.contacts.iter().enumerate();
     let turned: Vec<f64> = contacts
         .clone()
-        .map(|(index, contact)| {
-            if index == section.reference {
-                let direction = view.speed(&section.phases, &closed.state, index).signum();
+        .map(|(index, contact)| match section.mark {
+            Mark::Round { contact, direction } if contact == index => {
                 direction * turns as f64 * std::f64::consts::TAU
-            } else {
-                end.state[contact.position] - closed.state[contact.position]
             }
+            _ => end.state[contact.position] - closed.state[contact.position],
         })
         .collect();
     let whole = |(index, contact): (usize, &ContactPlace)| {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::block_cycle::BreakAwayWatch;
 use super::extremes::Passed;
 use super::lane_step::LaneStep;
-use super::orbit::{GoneRound, OrbitWatch};
+use super::orbit::{OrbitWatch, Passing, maxima};
 use super::run_outcome::Ending;
 use super::system_view::SystemView;
 use crate::model::{Endings, Model};
@@ -16,7 +16,7 @@ use crate::motion::{Evaluator, Settings};
 pub(super) enum CycleWatch {
     /// None are sought.
     None,
-    /// Those of revolving contacts.
+    /// Those of revolving contacts, or of several contacts on a belt.
     Orbits(Box<OrbitWatch>),
     /// Those of a single contact that breaks away again and again.
     BreakAways(BreakAwayWatch),
@@ -35,15 +35,20 @@ pub struct FoundEndings {
 pub fn found_endings(model: &Model) -> FoundEndings {
     let Some(system) = model.system() else { return FoundEndings { cycles: true, rests: true } };
     let view = SystemView::new(Evaluator::new(system));
-    let cycles = view.revolves() || BreakAwayWatch::suits(&view);
+    let cycles = view.revolves() || BreakAwayWatch::suits(&view) || has_orbits(&view);
     FoundEndings { cycles, rests: view.rest_forms().is_some() }
+}
+
+/// Returns whether maxima of the positions of several contacts can mark cycles.
+fn has_orbits(view: &SystemView) -> bool {
+    view.dimension() > 2 && !maxima(view).is_empty()
 }
 
 impl CycleWatch {
     /// Creates the watch that suits a system.
     pub(super) fn new(endings: Endings, settings: &Settings, view: &Arc<SystemView>) -> Self {
         match endings {
-            Endings::All if view.revolves() => {
+            Endings::All if view.revolves() || has_orbits(view) => {
                 CycleWatch::Orbits(Box::new(OrbitWatch::of(settings, Arc::clone(view))))
             }
             Endings::All if BreakAwayWatch::suits(view) => {
@@ -51,6 +56,11 @@ impl CycleWatch {
             }
             Endings::All | Endings::Rest => CycleWatch::None,
         }
+    }
+
+    /// Returns whether each step must be examined.
+    pub(super) fn sees_each_step(&self) -> bool {
+        matches!(self, CycleWatch::Orbits(watch) if watch.marks_maxima()) || self.takes_each_step()
     }
 
     /// Returns whether each step must be added.
@@ -88,16 +98,17 @@ impl CycleWatch {
             }
             CycleWatch::Orbits(watch) => watch,
         };
-        let end = step.end();
-        let reference = watch.goes_round(step.phases(), &end)?;
-        let round = GoneRound {
-            reference,
-            direction: step.view.speed(step.phases(), &end, reference).signum(),
-            passage: step.group.passage(step.lane, reference),
-            phases: step.during(),
-            last_switches: step.group.last_switches(step.lane),
+        let (mark, passage) = if watch.marks_maxima() {
+            let (mark, passage) = watch.maximum(step)?;
+            (mark, Some(passage))
+        } else {
+            let end = step.end();
+            let contact = watch.goes_round(step.phases(), &end)?;
+            let mark = watch.round(step.phases(), &end, contact);
+            (mark, step.group.passage(step.lane, contact))
         };
-        let orbit = watch.take_in(settings, round)?;
+        let (phases, last_switches) = (step.during(), step.group.last_switches(step.lane));
+        let orbit = watch.take_in(settings, Passing { mark, passage, phases, last_switches })?;
         Some(Ending::Orbit(Box::new(orbit)))
     }
 }

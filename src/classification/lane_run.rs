@@ -182,7 +182,8 @@ impl LaneRun {
                 return self.ends(group, lane, Ending::Settled);
             }
         }
-        if (happened.event | happened.round | happened.turned) & bit != 0 {
+        let may_close = (happened.event | happened.round | happened.turned) & bit != 0;
+        if may_close || self.watch.sees_each_step() {
             let step = LaneStep { group: &*group, lane, view: &self.view };
             if let Some(ending) = self.watch.closes(&self.settings, &step) {
                 return self.ends(group, lane, ending);
@@ -260,7 +261,7 @@ impl LaneRun {
             return;
         }
         let Late { vibration, separation } = self.horizons.window();
-        let mut attention = if self.watch.takes_each_step() { 0.0 } else { vibration.start() };
+        let mut attention = if self.watch.sees_each_step() { 0.0 } else { vibration.start() };
         if !separation.has_begun() {
             attention = attention.min(separation.start());
         } else if self.is_displaced(group.time(lane)) {

@@ -19,12 +19,13 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::closed_orbit::{Orbit, REACH, Verdict, examine, least_returns};
+use super::lane_step::LaneStep;
 use super::return_map::ReturnMap;
-use super::section::Section;
+use super::section::{Mark, Section};
 use super::step_limit::{MOST_LOOKS, MOST_STEPS_OF_A_LOOK};
-use super::system_view::SystemView;
+use super::system_view::{ContactPlace, SystemView};
 use crate::model::{Components, wrap_to_pi};
-use crate::motion::{Evaluator, Motion, Phase, Phases, Settings, Tolerance};
+use crate::motion::{Direction, Evaluator, Motion, Phase, Phases, Settings, Tolerance};
 
 /// Maximum number of turns of the running ball after which an orbit may close.
 const MOST_TURNS: usize = 12;
@@ -61,17 +62,15 @@ struct Passage {
     differences: [f64; MOST_TURNS + 1],
 }
 
-/// A step in which a ball has gone round.
-pub(super) struct GoneRound<'a> {
-    /// The ball.
-    pub(super) reference: usize,
-    /// The ball's direction at the step's end.
-    pub(super) direction: f64,
-    /// Time and state at which it went through the angle 0.
+/// A step in which a contact may have passed through the section.
+pub(super) struct Passing<'a> {
+    /// What marks the section.
+    pub(super) mark: Mark,
+    /// Time and state of the passage.
     pub(super) passage: Option<(f64, Components)>,
-    /// The balls' phases in the step, before a switch at its end.
+    /// The contacts' phases in the step, before a switch at its end.
     pub(super) phases: &'a [Phase],
-    /// When each ball last changed its phase.
+    /// When each contact last changed its phase.
     pub(super) last_switches: &'a [f64],
 }
 
@@ -80,8 +79,10 @@ pub(super) struct GoneRound<'a> {
 pub struct OrbitWatch {
     view: Arc<SystemView>,
     closure: f64,
-    /// The ball whose passages mark the section, and its direction.
-    ball: Option<(usize, f64)>,
+    /// What marks the section, once it is known.
+    mark: Option<Mark>,
+    /// The maxima of positions that may mark the section of a system without contacts that go round.
+    maxima: Vec<Mark>,
     passages: VecDeque<Passage>,
     near_in_a_row: [usize; MOST_TURNS + 1],
     close_in_a_row: [usize; MOST_TURNS + 1],
@@ -101,9 +102,10 @@ impl OrbitWatch {
     pub(super) fn of(settings: &Settings, view: Arc<SystemView>) -> Self {
         let Tolerance { relative, absolute } = settings.tolerance;
         OrbitWatch {
+            maxima: if view.revolves() { Vec::new() } else { maxima(&view) },
             view,
             closure: 100.0 * (relative + absolute),
-            ball: None,
+            mark: None,
             passages: VecDeque::with_capacity(MOST_TURNS + 2),
             near_in_a_row: [0; MOST_TURNS + 1],
             close_in_a_row: [0; MOST_TURNS + 1],
@@ -124,9 +126,9 @@ impl OrbitWatch {
         let reference = self.goes_round(motion.phases(), &end)?;
         let passage = motion.passage(reference);
         let (phases, last_switches) = (motion.phases_during_step(), motion.last_switches());
-        let direction = self.view.speed(motion.phases(), &end, reference).signum();
-        let round = GoneRound { reference, direction, passage, phases, last_switches };
-        self.take_in(settings, round)
+        let mark = self.round(motion.phases(), &end, reference);
+        let passing = Passing { mark, passage, phases, last_switches };
+        self.take_in(settings, passing)
     }
 
     /// Returns the contact that has gone round in a step, if it marks the section or may do so.
@@ -141,30 +143,61 @@ impl OrbitWatch {
             let once = 0.0..std::f64::consts::TAU;
             contact.angular && !once.contains(&state[contact.position])
         };
-        let ball = self.ball.filter(|ball| !has_stopped(*ball));
+        let own = match self.mark {
+            Some(Mark::Round { contact, direction }) => Some((contact, direction)),
+            _ => None,
+        };
+        let ball = own.filter(|ball| !has_stopped(*ball));
         let found = match ball {
             Some((ball, _)) => gone_round(ball).then_some(ball),
             None => (0..view.contacts.len()).find(|&ball| gone_round(ball)),
         };
-        if ball.is_none() && self.ball.is_some() {
+        if ball.is_none() && own.is_some() {
             self.restart();
         }
         found
     }
 
-    /// Adds the latest step of a motion, in which a ball has gone round. Returns the limit cycle
+    /// Returns the mark of a contact that goes round.
+    pub(super) fn round(&self, phases: &[Phase], state: &[f64], contact: usize) -> Mark {
+        Mark::Round { contact, direction: self.view.speed(phases, state, contact).signum() }
+    }
+
+    /// Returns the mark of the latest step and its passage, if the position of a contact was at a maximum in it and marks the
+    /// section or may do so.
+    pub(super) fn maximum(&self, step: &LaneStep) -> Option<(Mark, (f64, Components))> {
+        let passed = |mark: Mark| {
+            let (component, value) = mark.component(step.view);
+            let within = |after: f64| step.group.state_within(step.lane, after);
+            let falls = within(0.0)[component] > value;
+            let passes = || step.passes_through_zero(|state| state[component] - value);
+            let time = falls.then(passes)??;
+            Some((mark, (time, within(time - step.began()))))
+        };
+        match self.mark {
+            Some(mark) => passed(mark),
+            None => self.maxima.iter().find_map(|mark| passed(*mark)),
+        }
+    }
+
+    /// Returns whether the section is marked by maxima, for which each step must be examined.
+    pub(super) fn marks_maxima(&self) -> bool {
+        !self.maxima.is_empty()
+    }
+
+    /// Adds the latest step of a motion. Returns the limit cycle
     /// that the run has been shown to be on.
-    pub(super) fn take_in(&mut self, settings: &Settings, round: GoneRound) -> Option<Orbit> {
-        let GoneRound { reference, direction, passage, phases, last_switches } = round;
+    pub(super) fn take_in(&mut self, settings: &Settings, passing: Passing) -> Option<Orbit> {
+        let Passing { mark, passage, phases, last_switches } = passing;
         let Some((time, state)) = passage else {
             self.restart();
             return None;
         };
-        self.ball = Some((reference, direction));
+        self.mark = Some(mark);
         let differences = [f64::INFINITY; MOST_TURNS + 1];
         let phases = Phases::from_slice(phases);
         let passage = Passage { time, state, phases, differences };
-        let turns = self.record(reference, passage)?;
+        let turns = self.record(mark, passage)?;
         if self.attempts >= MOST_LOOKS || time < self.wait_until {
             return None;
         }
@@ -173,7 +206,7 @@ impl OrbitWatch {
         let looked_at = time - self.passages.front()?.time;
         self.wait_until = time + f64::from(1 << self.attempts) * looked_at;
         let most_steps = MOST_STEPS_OF_A_LOOK;
-        match self.examine(settings, (reference, turns), last_switches, (most_steps, false)) {
+        match self.examine(settings, (mark, turns), last_switches, (most_steps, false)) {
             Verdict::Stable(orbit) => return Some(orbit),
             Verdict::Unstable(orbit) => self.unstable = Some((turns, Box::new(orbit))),
             Verdict::Open => {}
@@ -189,15 +222,15 @@ impl OrbitWatch {
         closes.then_some(orbit)
     }
 
-    /// Examines the orbit of a run that ends otherwise undecided, from farther away than during the run, in at most as many
-    /// steps as the run has taken. Returns the limit cycle that the run has been shown to approach.
+    /// Examines the orbit of a run that ends otherwise undecided, from farther away than during the run, in at most twice
+    /// as many steps as the run has taken. Returns the limit cycle that the run has been shown to approach.
     pub(super) fn look_at_end(
         &self,
         settings: &Settings,
         last_switches: &[f64],
         steps: u64,
     ) -> Option<Orbit> {
-        let (reference, _) = self.ball?;
+        let mark = self.mark?;
         let (passage, before) = (self.passages.back()?, self.passages.len() - 1);
         let closes = |turns: &usize| self.passages[before - turns].phases == passage.phases;
         // More turns must close better: examining them costs more.
@@ -209,19 +242,19 @@ impl OrbitWatch {
         // The steps of a return, if the run takes them at its mean rate.
         let period = passage.time - self.passages[before - turns].time;
         let of_return = steps as f64 * period / passage.time;
-        let section = self.section((reference, turns), last_switches)?;
+        let section = self.section((mark, turns), last_switches)?;
         let returns = 2 * least_returns(&section) - 1;
         if of_return * returns as f64 > HOPELESS * steps as f64 {
             return None;
         }
-        match self.examine(settings, (reference, turns), last_switches, (steps, true)) {
+        match self.examine(settings, (mark, turns), last_switches, (2 * steps, true)) {
             Verdict::Stable(orbit) => Some(orbit),
             Verdict::Unstable(_) | Verdict::Open => None,
         }
     }
 
     fn restart(&mut self) {
-        self.ball = None;
+        self.mark = None;
         self.passages.clear();
         self.near_in_a_row = [0; MOST_TURNS + 1];
         self.close_in_a_row = [0; MOST_TURNS + 1];
@@ -231,11 +264,11 @@ impl OrbitWatch {
     /// Records a passage. Returns the least number of turns after which the orbit appears to close:
     /// several successive returns are near, and nearer than an earlier return or as near as the
     /// tolerances allow; or many are near.
-    fn record(&mut self, reference: usize, mut passage: Passage) -> Option<usize> {
+    fn record(&mut self, mark: Mark, mut passage: Passage) -> Option<usize> {
         let mut closing = None;
         for turns in 1..=MOST_TURNS.min(self.passages.len()) {
             let earlier = &self.passages[self.passages.len() - turns];
-            let distance = difference(&self.view, earlier, &passage, reference);
+            let distance = difference(&self.view, earlier, &passage, mark);
             passage.differences[turns] = distance;
             let before = earlier.differences[turns];
             // If the approach is so slow that the limit of its geometric series is out of reach,
@@ -261,30 +294,26 @@ impl OrbitWatch {
         closing
     }
 
-    /// Returns the section of an orbit that appears to close after this number of turns of the ball `reference`.
-    fn section(
-        &self,
-        (reference, turns): (usize, usize),
-        last_switches: &[f64],
-    ) -> Option<Section> {
+    /// Returns the section of an orbit that appears to close after this number of turns.
+    fn section(&self, (mark, turns): (Mark, usize), last_switches: &[f64]) -> Option<Section> {
         let passage = self.passages.back()?;
         let earlier = self.passages[self.passages.len() - 1 - turns].time;
         let rests = passage.phases.iter().zip(last_switches).take(self.view.contacts.len());
         let rests = rests.map(|(phase, last)| *phase == Phase::Stick && *last < earlier).collect();
-        Some(Section::new(&self.view, reference, &passage.phases, rests))
+        Some(Section::new(&self.view, mark, &passage.phases, rests))
     }
 
-    /// Examines the orbit that appears to close after this number of turns of the ball `reference`, in at most `most_steps`.
+    /// Examines the orbit that appears to close after this number of turns, in at most `most_steps`.
     /// If `only_stable`, an orbit from which disturbances grow is not sought to the end.
     fn examine(
         &self,
         settings: &Settings,
-        (reference, turns): (usize, usize),
+        (mark, turns): (Mark, usize),
         last_switches: &[f64],
         (most_steps, only_stable): (u64, bool),
     ) -> Verdict {
         let Some(passage) = self.passages.back() else { return Verdict::Open };
-        let Some(section) = self.section((reference, turns), last_switches) else {
+        let Some(section) = self.section((mark, turns), last_switches) else {
             return Verdict::Open;
         };
         let earlier = self.passages[self.passages.len() - 1 - turns].time;
@@ -306,13 +335,41 @@ impl OrbitWatch {
             turns,
             longest: 2.0 * (passage.time - earlier),
         };
-        examine(map, &passage.state, self.closure.min(CLOSED)).unwrap_or(Verdict::Open)
+        let returns = self.passages.iter().rev().step_by(turns);
+        let mut passed: Vec<&Components> = returns
+            .take_while(|earlier| earlier.phases == passage.phases)
+            .map(|passage| &passage.state)
+            .collect();
+        passed.reverse();
+        examine(map, &passed, self.closure.min(CLOSED)).unwrap_or(Verdict::Open)
     }
+}
+
+/// Returns the marks at the maxima of positions. The contact must slip there: the speed of its position differs from its
+/// sliding speed, always by the same amount, as on a belt.
+pub(super) fn maxima(view: &SystemView) -> Vec<Mark> {
+    let phases = Phases::from_elem(Phase::Slip(Direction::Forward), view.contacts.len());
+    let gaps = view.evaluator.graph().gaps.len();
+    let phases: Phases = phases.into_iter().chain((0..gaps).map(|_| Phase::Open)).collect();
+    let probe = |scale: f64| -> Vec<f64> {
+        (0..view.dimension()).map(|component| scale * (0.3 + 0.07 * component as f64)).collect()
+    };
+    let mark = |(contact, place): (usize, &ContactPlace)| {
+        let component = place.speed?;
+        let [one, other] = [1.0, -0.5].map(|scale| {
+            let state = probe(scale);
+            state[component] - view.evaluator.rates(&phases, &state)[place.position]
+        });
+        let same = (one - other).abs() <= 1e-12 * one.abs();
+        (same && one != 0.0).then_some(Mark::Maximum { contact, speed: one })
+    };
+    view.contacts.iter().enumerate().filter_map(mark).collect()
 }
 
 /// Returns the largest difference of two passages, angles modulo 2π. The residual speed of a
 /// sticking ball does not count.
-fn difference(view: &SystemView, a: &Passage, b: &Passage, reference: usize) -> f64 {
+fn difference(view: &SystemView, a: &Passage, b: &Passage, mark: Mark) -> f64 {
+    let (marking, _) = mark.component(view);
     let (state_a, state_b): (&[f64], &[f64]) = (&a.state, &b.state);
     let phases: &[Phase] = &a.phases;
     let change = |place: usize| state_a[place] - state_b[place];
@@ -322,11 +379,11 @@ fn difference(view: &SystemView, a: &Passage, b: &Passage, reference: usize) -> 
     }
     for (index, contact) in view.contacts.iter().enumerate() {
         if phases[index] != Phase::Stick
-            && let Some(speed) = contact.speed
+            && let Some(speed) = contact.speed.filter(|speed| *speed != marking)
         {
             largest = largest.max(change(speed).abs());
         }
-        if index != reference {
+        if contact.position != marking {
             let change = change(contact.position);
             let change = if contact.angular { wrap_to_pi(change) } else { change };
             largest = largest.max(change.abs());

@@ -1,4 +1,4 @@
-//! The return map of a running ball: from one passage through the section to one some turns later,
+//! The return map: from one passage through the section to one some turns later,
 //! through all stick and slip, with its derivative and the properties of the period.
 //!
 //! The derivative is the linearised flow, corrected at each switch by the saltation matrix, and
@@ -124,7 +124,7 @@ impl ReturnMap<'_> {
         with: impl FnOnce(&mut Motion, &[f64]) -> Option<R>,
     ) -> Option<R> {
         let mut start = Components::from_slice(start);
-        start[self.view.contacts[self.section.reference].position] = 0.0;
+        self.section.put_on(&mut start);
         let left = self.steps_left.get();
         let cost = 1 + directions.len() as u64;
         let effort_limit = self.settings.effort_limit.min(left / cost);
@@ -147,7 +147,6 @@ impl ReturnMap<'_> {
         since: f64,
         mut watch: impl FnMut(&mut FollowedStep),
     ) -> Option<Return> {
-        let Section { reference, phases, rests, .. } = self.section;
         let contacts = &self.view.contacts;
         // Angles are relative to those of the start, including the whole turns that the motion
         // subtracts.
@@ -155,22 +154,19 @@ impl ReturnMap<'_> {
         let mut passed = 0;
         let until = since + self.longest;
         while motion.time() < until {
-            let stays = |(index, phase): (usize, &Phase)| {
-                (!rests[index] || *phase == Phase::Stick)
-                    && (index != *reference || !phase.in_band())
-            };
+            let stays = |(index, phase): (usize, &Phase)| self.section.allows(index, *phase);
             if !motion.phases()[..contacts.len()].iter().enumerate().all(stays) {
                 return None;
             }
             let whole_turns = self.whole_turns(motion);
             motion.advance(until).ok()?;
-            let passage = motion.passage(*reference);
+            let passage = self.section.passage(motion);
             passed += usize::from(passage.is_some());
             let Some((time, mut state)) = passage.filter(|_| passed == self.turns) else {
                 watch(&mut FollowedStep { motion, whole_turns, end: None });
                 continue;
             };
-            if motion.phases_during_step() != phases.as_slice() {
+            if motion.phases_during_step() != self.section.phases.as_slice() {
                 return None;
             }
             let end = Some((time, state.as_slice()));

@@ -8,7 +8,7 @@ use super::lane_run::LaneRun;
 use super::lane_step::LaneStep;
 use super::late::{Late, Vibration};
 use super::outcome::{Evidence, LyapunovExponent, Outcome, TouchingOutcome};
-use crate::model::Units;
+use super::system_view::ContactPlace;
 use crate::motion::lockstep::LaneGroup;
 use crate::motion::{Failure, Motion, Phase, any_closed};
 
@@ -84,12 +84,12 @@ impl LaneRun {
             },
             Ending::Orbit(orbit) => Outcome {
                 evidence: Evidence::ClosedOrbit,
-                balls_running: Some(orbit.turns.iter().filter(|&&turns| turns != 0).count() as u8),
-                amplitude_m: self.view.vibration.map(|_| orbit.amplitude * self.units.length_m),
+                balls_running: self.view.revolves().then(|| running(&orbit)),
+                amplitude_m: Some(self.amplitude_of(&orbit)),
                 friction_margin: orbit.margin,
                 period_s: Some(orbit.period / natural),
-                mean_speed: Some(self.speeds(&orbit.speed)),
-                cycle: Some(Box::new(cycle(&orbit, &self.units))),
+                mean_speed: self.view.revolves().then(|| self.speeds(&orbit.speed)),
+                cycle: Some(Box::new(self.cycle(&orbit))),
                 ..base
             },
             Ending::BreakAways { period } => Outcome {
@@ -174,7 +174,7 @@ impl LaneRun {
             } else {
                 Evidence::EndTime
             },
-            cycle: unstable.map(|orbit| Box::new(cycle(orbit, &self.units))),
+            cycle: unstable.map(|orbit| Box::new(self.cycle(orbit))),
             ..base
         };
         let Vibration::Means(window) = vibration else {
@@ -230,6 +230,37 @@ impl LaneRun {
         amplitude.map(|amplitude| amplitude * self.units.position)
     }
 
+    /// Returns the amplitude of an orbit, m: that of the displacement or, without one, the largest half distance between the
+    /// extremes of a position.
+    fn amplitude_of(&self, orbit: &Orbit) -> f64 {
+        let half = |[low, high]: &[f64; 2]| 0.5 * (high - low) * self.units.position;
+        match self.view.vibration {
+            Some(_) => orbit.amplitude * self.units.length_m,
+            None => orbit.angle_extremes.iter().map(half).fold(0.0, f64::max),
+        }
+    }
+
+    fn cycle(&self, orbit: &Orbit) -> Cycle {
+        let units = &self.units;
+        let angle = |((contact, &turns), extremes): ((&ContactPlace, &i32), &[f64; 2])| {
+            (contact.angular && turns == 0).then_some(*extremes)
+        };
+        let angles = self.view.contacts.iter().zip(&orbit.turns).zip(&orbit.angle_extremes);
+        let speed_unit = units.position * units.natural_rad_s;
+        let speeds = orbit.speed_extremes.iter().map(|two| two.map(|speed| speed * speed_unit));
+        let peak = self.view.vibration.map(|_| orbit.peak * units.length_m);
+        Cycle {
+            turns: orbit.turns.clone(),
+            configurations: orbit.configurations.clone(),
+            touching: orbit.touching.clone(),
+            speed_extremes: speeds.collect(),
+            angle_extremes: angles.map(angle).collect(),
+            peak_amplitude_m: peak.unwrap_or_else(|| self.amplitude_of(orbit)),
+            multipliers: orbit.multipliers.clone(),
+            neutral_directions: orbit.neutral_directions as u8,
+        }
+    }
+
     fn break_away_cycle(&self) -> Option<Cycle> {
         match &self.watch {
             CycleWatch::BreakAways(watch) => watch.cycle(&self.units),
@@ -248,19 +279,7 @@ fn in_seconds(exponent: LyapunovExponent, natural: f64) -> LyapunovExponent {
     }
 }
 
-fn cycle(orbit: &Orbit, units: &Units) -> Cycle {
-    let angles = orbit.turns.iter().zip(&orbit.angle_extremes);
-    let angles = angles.map(|(&turns, extremes)| (turns == 0).then_some(*extremes));
-    let speed_unit = units.position * units.natural_rad_s;
-    let speeds = orbit.speed_extremes.iter().map(|two| two.map(|speed| speed * speed_unit));
-    Cycle {
-        turns: orbit.turns.clone(),
-        configurations: orbit.configurations.clone(),
-        touching: orbit.touching.clone(),
-        speed_extremes: speeds.collect(),
-        angle_extremes: angles.collect(),
-        peak_amplitude_m: orbit.peak * units.length_m,
-        multipliers: orbit.multipliers.clone(),
-        neutral_directions: orbit.neutral_directions as u8,
-    }
+/// Returns the number of contacts that revolve.
+fn running(orbit: &Orbit) -> u8 {
+    orbit.turns.iter().filter(|&&turns| turns != 0).count() as u8
 }

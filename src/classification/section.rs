@@ -1,7 +1,10 @@
-//! The section of a running ball's passages through the angle 0, with coordinates on it.
+//! The section that a contact marks, with coordinates on it.
+//!
+//! A running ball marks it by its passages through the angle 0. A contact that no ring guides marks it where its position is
+//! at a maximum.
 //!
 //! The coordinates are the free components (position and velocity of the table) and the variables
-//! of the contacts that vary: not the angle of the ball that marks the section, the speed of a
+//! of the contacts that vary: not the component that marks the section, the speed of a
 //! contact that sticks there, or the position of a contact that rests throughout. Such a contact may
 //! rest anywhere in an interval; each such position is a neutral direction of a continuous family of
 //! cycles, with a multiplier of exactly 1. Contacts that touch move together, and count once.
@@ -9,21 +12,48 @@
 use nalgebra::DVector;
 use smallvec::{SmallVec, smallvec};
 
-use super::system_view::SystemView;
+use super::system_view::{ContactPlace, SystemView};
 use crate::model::{Components, wrap_to_pi};
-use crate::motion::{Phase, Phases};
+use crate::motion::{Motion, Phase, Phases};
+
+/// What marks a section.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Mark {
+    /// A contact passes through the angle 0 in this direction.
+    Round { contact: usize, direction: f64 },
+    /// The position of a contact is at a maximum, where its sliding speed falls through this one.
+    Maximum { contact: usize, speed: f64 },
+}
+
+impl Mark {
+    /// Returns the contact that marks the section.
+    pub(super) fn contact(self) -> usize {
+        match self {
+            Mark::Round { contact, .. } | Mark::Maximum { contact, .. } => contact,
+        }
+    }
+
+    /// Returns the component that marks the section, and its value there.
+    pub(super) fn component(self, view: &SystemView) -> (usize, f64) {
+        let ContactPlace { position, speed: component, .. } = view.contacts[self.contact()];
+        match (self, component) {
+            (Mark::Maximum { speed, .. }, Some(component)) => (component, speed),
+            _ => (position, 0.0),
+        }
+    }
+}
 
 /// A section and the contacts' phases there.
 #[derive(Clone, Debug)]
 pub(super) struct Section {
-    /// The contact whose passages mark it.
-    pub(super) reference: usize,
+    /// What marks it.
+    pub(super) mark: Mark,
     /// The phases of the contacts there.
     pub(super) phases: Phases,
     /// Which contacts rest throughout the orbit.
     pub(super) rests: SmallVec<[bool; 8]>,
-    /// The component that is the position of the reference.
-    place: usize,
+    /// The component that marks the section, and its value there.
+    marking: (usize, f64),
     /// The components that are the coordinates, and whether they are angles.
     coordinates: Vec<(usize, bool)>,
     /// The components of the contacts that touch another one: position or speed, that of the contact that it follows, and
@@ -36,12 +66,13 @@ pub(super) struct Section {
 impl Section {
     pub(super) fn new(
         view: &SystemView,
-        reference: usize,
+        mark: Mark,
         phases: &[Phase],
         rests: SmallVec<[bool; 8]>,
     ) -> Self {
         let mut followers = Vec::new();
-        let following = view.followers(phases, Some(reference));
+        let marking = mark.component(view);
+        let following = view.followers(phases, Some(mark.contact()));
         for (follower, leader) in &following {
             let (follower, leader) = (view.contacts[*follower], view.contacts[*leader]);
             followers.push((follower.position, leader.position, true));
@@ -55,17 +86,18 @@ impl Section {
                 continue;
             }
             if phases[index] != Phase::Stick {
-                coordinates.extend(contact.speed.map(|place| (place, false)));
+                let speed = contact.speed.filter(|speed| *speed != marking.0);
+                coordinates.extend(speed.map(|place| (place, false)));
             }
-            if index != reference && !rests[index] {
+            if contact.position != marking.0 && !rests[index] {
                 coordinates.push((contact.position, contact.angular));
             }
         }
         Section {
-            reference,
+            mark,
             phases: phases.iter().copied().collect(),
             rests,
-            place: view.contacts[reference].position,
+            marking,
             coordinates,
             followers,
             dimension: view.dimension(),
@@ -79,18 +111,39 @@ impl Section {
     }
 
     /// Returns the state with these coordinates; the other variables are those of `like`, and the
-    /// marking contact is at the angle 0.
+    /// marking component has its value.
     pub(super) fn state(&self, like: &[f64], coordinates: &DVector<f64>) -> Components {
         let mut state = Components::from_slice(like);
         for ((place, _), value) in self.coordinates.iter().zip(coordinates.iter()) {
             state[*place] = *value;
         }
-        state[self.place] = 0.0;
+        self.put_on(&mut state);
         for (follower, leader, is_position) in &self.followers {
             let apart = if *is_position { like[*follower] - like[*leader] } else { 0.0 };
             state[*follower] = state[*leader] + apart;
         }
         state
+    }
+
+    /// Gives the marking component its value.
+    pub(super) fn put_on(&self, state: &mut [f64]) {
+        let (component, value) = self.marking;
+        state[component] = value;
+    }
+
+    /// Returns whether a contact may have a phase in a motion that comes back to the section.
+    pub(super) fn allows(&self, contact: usize, phase: Phase) -> bool {
+        let stops = matches!(self.mark, Mark::Round { contact: own, .. } if own == contact);
+        (!self.rests[contact] || phase == Phase::Stick) && !(stops && phase.in_band())
+    }
+
+    /// Returns time and state of a passage through the section in the latest step of a motion.
+    pub(super) fn passage(&self, motion: &Motion) -> Option<(f64, Components)> {
+        let (component, value) = self.marking;
+        match self.mark {
+            Mark::Round { contact, .. } => motion.passage(contact),
+            Mark::Maximum { .. } => motion.falls_through_zero(|state| state[component] - value),
+        }
     }
 
     /// Unit displacements along the coordinates.
@@ -109,7 +162,8 @@ impl Section {
     /// Returns the projection on the section of a displacement of the motion, in a state with this
     /// time derivative: neighbours reach the section slightly earlier or later.
     pub(super) fn on_section(&self, displacement: &[f64], rate: &[f64]) -> DVector<f64> {
-        let late = displacement[self.place] / rate[self.place];
+        let (component, _) = self.marking;
+        let late = displacement[component] / rate[component];
         self.coordinates(displacement) + self.coordinates(rate) * -late
     }
 

@@ -158,17 +158,27 @@ impl StuckForms {
         let rates: Vec<NodeId> = self.free.iter().map(|one| graph.derivative[*one]).collect();
         let rate = DVector::from_iterator(n, rates.iter().map(|node| values[*node as usize]));
         let matrix = DMatrix::from_fn(n, n, |i, j| columns[j][rates[i] as usize].slope);
-        let to_rest = -matrix.clone().lu().solve(&rate)?;
+        let to_rest = match n {
+            0 => rate,
+            _ => -matrix.clone().lu().solve(&rate)?,
+        };
         let place = DVector::from_iterator(n, self.free.iter().map(|one| state[*one]));
         let rest = place + &to_rest;
-        let lyapunov = Cholesky::new(lyapunov_solution(&matrix)?)?;
-        let most = |row: &DVector<f64>| row.dot(&lyapunov.solve(row)).max(0.0).sqrt();
+        let lyapunov = match n {
+            0 => None,
+            _ => Some(Cholesky::new(lyapunov_solution(&matrix)?)?),
+        };
+        let most = |row: &DVector<f64>| {
+            let square = lyapunov.as_ref().map_or(0.0, |form| row.dot(&form.solve(row)));
+            square.max(0.0).sqrt()
+        };
         let force = |node: NodeId| {
             let gradient = gradient(node);
+            let rate = if n == 0 { gradient.clone() } else { matrix.tr_mul(&gradient) };
             AffineForce {
                 at_rest: values[node as usize] + gradient.dot(&to_rest),
                 most: most(&gradient),
-                most_rate: most(&(matrix.transpose() * &gradient)),
+                most_rate: most(&rate),
                 gradient,
             }
         };
@@ -183,7 +193,7 @@ impl StuckForms {
             free.map_or(state[component], |place| rest[place])
         };
         let amplitude = self.vibration.map_or(0.0, |[x, y]| measured(x).hypot(measured(y)));
-        let factor = lyapunov.l().transpose();
+        let factor = lyapunov.as_ref().map_or(matrix.clone(), |form| form.l().transpose());
         Some(StuckMotion { matrix, rest, factor, contacts, amplitude })
     }
 
@@ -265,6 +275,9 @@ impl RestForms for StuckForms {
 impl StuckMotion {
     /// Returns the size of a displacement from the rest point.
     fn size(&self, displacement: &DVector<f64>) -> f64 {
+        if displacement.is_empty() {
+            return 0.0;
+        }
         (&self.factor * displacement).norm()
     }
 
@@ -301,6 +314,9 @@ impl StuckMotion {
         push: f64,
         residual: &[[f64; 2]],
     ) -> bool {
+        if displaced.is_empty() {
+            return self.endures(gaps, 1.0, push, residual);
+        }
         let interval = FOLLOWED / (1.0 + self.matrix.norm());
         let step = (&self.matrix * interval).exp();
         for _ in 0..MOST_FOLLOWED {
