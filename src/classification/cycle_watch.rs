@@ -102,10 +102,8 @@ impl CycleWatch {
             let (mark, passage) = watch.maximum(step)?;
             (mark, Some(passage))
         } else {
-            let end = step.end();
-            let contact = watch.goes_round(step.phases(), &end)?;
-            let mark = watch.round(step.phases(), &end, contact);
-            (mark, step.group.passage(step.lane, contact))
+            let mark = watch.goes_round(step.phases(), &step.end())?;
+            (mark, step.group.passage(step.lane, mark.contact()))
         };
         let (phases, last_switches) = (step.during(), step.group.last_switches(step.lane));
         let orbit = watch.take_in(settings, Passing { mark, passage, phases, last_switches })?;

@@ -12,7 +12,7 @@
 //!    one return to the next: these neutral directions (the cycles form a continuous family) are
 //!    excluded from the map and counted instead of being mistaken for instability.
 //!
-//! At least one ball must revolve without stopping; the others may run, rest, or stick and slip.
+//! At least one ball must revolve, and may stop on its way; the others may run, rest, or stick and slip.
 
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -84,6 +84,8 @@ pub struct OrbitWatch {
     /// The maxima of positions that may mark the section of a system without contacts that go round.
     maxima: Vec<Mark>,
     passages: VecDeque<Passage>,
+    /// Another contact that has gone round while that which marks the section was at rest, and its passage.
+    other: Option<(Mark, Passage)>,
     near_in_a_row: [usize; MOST_TURNS + 1],
     close_in_a_row: [usize; MOST_TURNS + 1],
     attempts: u32,
@@ -106,6 +108,7 @@ impl OrbitWatch {
             view,
             closure: 100.0 * (relative + absolute),
             mark: None,
+            other: None,
             passages: VecDeque::with_capacity(MOST_TURNS + 2),
             near_in_a_row: [0; MOST_TURNS + 1],
             close_in_a_row: [0; MOST_TURNS + 1],
@@ -123,44 +126,29 @@ impl OrbitWatch {
         for contact in &self.view.contacts {
             end[contact.position] = within[contact.position];
         }
-        let reference = self.goes_round(motion.phases(), &end)?;
-        let passage = motion.passage(reference);
+        let mark = self.goes_round(motion.phases(), &end)?;
+        let passage = motion.passage(mark.contact());
         let (phases, last_switches) = (motion.phases_during_step(), motion.last_switches());
-        let mark = self.round(motion.phases(), &end, reference);
         let passing = Passing { mark, passage, phases, last_switches };
         self.take_in(settings, passing)
     }
 
-    /// Returns the contact that has gone round in a step, if it marks the section or may do so.
+    /// Returns the mark of a contact that has gone round in a step, if it marks the section or may do so.
     /// `phases` and `state` are those at the step's end, with angles not yet reduced to one turn.
-    pub(super) fn goes_round(&mut self, phases: &[Phase], state: &[f64]) -> Option<usize> {
-        let view = &self.view;
-        let has_stopped = |(ball, direction): (usize, f64)| {
-            phases[ball].in_band() || direction * view.speed(phases, state, ball) <= 0.0
-        };
-        let gone_round = |index: usize| {
-            let contact = view.contacts[index];
+    pub(super) fn goes_round(&self, phases: &[Phase], state: &[f64]) -> Option<Mark> {
+        let contacts = &self.view.contacts;
+        let round = |contact: usize| {
+            let ContactPlace { angular, position, .. } = contacts[contact];
+            let direction = if state[position] < 0.0 { -1.0 } else { 1.0 };
             let once = 0.0..std::f64::consts::TAU;
-            contact.angular && !once.contains(&state[contact.position])
+            let has_gone_round = angular && !once.contains(&state[position]);
+            has_gone_round.then_some(Mark::Round { contact, direction })
         };
-        let own = match self.mark {
-            Some(Mark::Round { contact, direction }) => Some((contact, direction)),
-            _ => None,
-        };
-        let ball = own.filter(|ball| !has_stopped(*ball));
-        let found = match ball {
-            Some((ball, _)) => gone_round(ball).then_some(ball),
-            None => (0..view.contacts.len()).find(|&ball| gone_round(ball)),
-        };
-        if ball.is_none() && own.is_some() {
-            self.restart();
-        }
-        found
-    }
-
-    /// Returns the mark of a contact that goes round.
-    pub(super) fn round(&self, phases: &[Phase], state: &[f64], contact: usize) -> Mark {
-        Mark::Round { contact, direction: self.view.speed(phases, state, contact).signum() }
+        let any = || (0..contacts.len()).find_map(round);
+        let Some(own) = self.mark else { return any() };
+        // Another contact may take its place while it is at rest.
+        let rests = phases[own.contact()].in_band();
+        round(own.contact()).or_else(|| any().filter(|_| rests))
     }
 
     /// Returns the mark of the latest step and its passage, if the position of a contact was at a maximum in it and marks the
@@ -193,10 +181,22 @@ impl OrbitWatch {
             self.restart();
             return None;
         };
-        self.mark = Some(mark);
         let differences = [f64::INFINITY; MOST_TURNS + 1];
         let phases = Phases::from_slice(phases);
         let passage = Passage { time, state, phases, differences };
+        let other = self.other.take();
+        if self.mark.is_some_and(|own| own.contact() != mark.contact()) {
+            // It marks the section from its first turn on if the contact that has marked it does not go round before the second.
+            let Some((_, first)) = other.filter(|(other, _)| *other == mark) else {
+                self.other = Some((mark, passage));
+                return None;
+            };
+            self.restart();
+            self.record(mark, first);
+        } else if self.mark.is_some_and(|own| own != mark) {
+            self.restart();
+        }
+        self.mark = Some(mark);
         let turns = self.record(mark, passage)?;
         if self.attempts >= MOST_LOOKS || time < self.wait_until {
             return None;
@@ -255,6 +255,7 @@ impl OrbitWatch {
 
     fn restart(&mut self) {
         self.mark = None;
+        self.other = None;
         self.passages.clear();
         self.near_in_a_row = [0; MOST_TURNS + 1];
         self.close_in_a_row = [0; MOST_TURNS + 1];

@@ -53,8 +53,8 @@ pub(super) struct FollowedStep<'a> {
 }
 
 impl ReturnMap<'_> {
-    /// Returns one return; `None` if a contact that should rest moves, or the marking contact stops
-    /// or does not return.
+    /// Returns one return; `None` if a contact that should rest moves, or the motion
+    /// does not return.
     pub(super) fn follow(&self, start: &[f64]) -> Option<Return> {
         self.go(start, &[], |_| {})
     }
@@ -154,8 +154,8 @@ impl ReturnMap<'_> {
         let mut passed = 0;
         let until = since + self.longest;
         while motion.time() < until {
-            let stays = |(index, phase): (usize, &Phase)| self.section.allows(index, *phase);
-            if !motion.phases()[..contacts.len()].iter().enumerate().all(stays) {
+            let mut rests = self.section.rests.iter().zip(motion.phases());
+            if rests.any(|(rests, phase)| *rests && *phase != Phase::Stick) {
                 return None;
             }
             let whole_turns = self.whole_turns(motion);

@@ -131,12 +131,6 @@ impl Section {
         state[component] = value;
     }
 
-    /// Returns whether a contact may have a phase in a motion that comes back to the section.
-    pub(super) fn allows(&self, contact: usize, phase: Phase) -> bool {
-        let stops = matches!(self.mark, Mark::Round { contact: own, .. } if own == contact);
-        (!self.rests[contact] || phase == Phase::Stick) && !(stops && phase.in_band())
-    }
-
     /// Returns time and state of a passage through the section in the latest step of a motion.
     pub(super) fn passage(&self, motion: &Motion) -> Option<(f64, Components)> {
         let (component, value) = self.marking;

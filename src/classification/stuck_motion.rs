@@ -488,4 +488,33 @@ mod tests {
             "{by_one:?} {by_both:?}"
         );
     }
+    /// Balls that touch hold each other, as in the closed form.
+    #[test]
+    fn balls_that_touch_hold_each_other() {
+        let contact = BallContact::default();
+        let machine = Machine {
+            balls: vec![Ball::default(); 2],
+            contact: Some(contact),
+            ..Machine::default()
+        };
+        let apart = machine.contact_angle_rad(&machine.balls[0], &machine.balls[1]);
+        let own =
+            BallsInContact::<2>::new(&machine, &contact, &[1.0, 1.0 + apart]).expect("two balls");
+        let view = SystemView::new(Evaluator::new(Arc::new(own.clone())));
+        let derived = StuckForms::of(&view).expect("affine equations");
+        let (mut rest, mut helped) = (0, 0);
+        for k in 0..2000 {
+            let behind = std::f64::consts::TAU * f64::from(k) / 2000.0;
+            let beta = [behind, behind + apart];
+            let [x, y] = own.balancer.rest_point(&beta).position;
+            let state = [x, y, 0.0, 0.0, beta[0], beta[1], 0.0, 0.0];
+            let [one, other] = [own.at_rest(&state), derived.at_rest(&state)];
+            let margin = one.friction_margin.max(0.0);
+            assert!((margin - other.friction_margin).abs() < 1e-9, "{one:?} {other:?}");
+            assert_eq!(own.rests(&state), derived.rests(&state), "{beta:?}");
+            rest += i32::from(derived.rests(&state));
+            helped += i32::from(derived.rests(&state) && !own.balancer.rests(&state));
+        }
+        assert!(rest > helped && helped > 0, "{rest} {helped}");
+    }
 }
