@@ -39,7 +39,9 @@ const NEAR_RETURNS: usize = 3;
 const CLOSE_RETURNS: usize = 16;
 /// Largest distance of the latest passage from an earlier one, non-dimensional, at which the orbit of a run that would end
 /// undecided is examined.
-const NEAR_AT_END: f64 = 1e-2;
+const NEAR_AT_END: f64 = 2e-2;
+/// Largest ratio of successive distances between passages at which the run approaches an orbit.
+const APPROACHES: f64 = 0.95;
 /// An examination at the end of a run is not begun if it would take this many times the steps that it may take, at the mean
 /// rate of the run: it takes more, because its tolerances are finer.
 const HOPELESS: f64 = 1.25;
@@ -84,7 +86,9 @@ pub struct OrbitWatch {
     /// The maxima of positions that may mark the section of a system without contacts that go round.
     maxima: Vec<Mark>,
     passages: VecDeque<Passage>,
-    /// Another contact that has gone round while that which marks the section was at rest, and its passage.
+    /// Whether the contact that marks the section has stopped since it went round.
+    has_stopped: bool,
+    /// Another contact that has gone round since then, and its passage.
     other: Option<(Mark, Passage)>,
     near_in_a_row: [usize; MOST_TURNS + 1],
     close_in_a_row: [usize; MOST_TURNS + 1],
@@ -108,6 +112,7 @@ impl OrbitWatch {
             view,
             closure: 100.0 * (relative + absolute),
             mark: None,
+            has_stopped: false,
             other: None,
             passages: VecDeque::with_capacity(MOST_TURNS + 2),
             near_in_a_row: [0; MOST_TURNS + 1],
@@ -135,7 +140,7 @@ impl OrbitWatch {
 
     /// Returns the mark of a contact that has gone round in a step, if it marks the section or may do so.
     /// `phases` and `state` are those at the step's end, with angles not yet reduced to one turn.
-    pub(super) fn goes_round(&self, phases: &[Phase], state: &[f64]) -> Option<Mark> {
+    pub(super) fn goes_round(&mut self, phases: &[Phase], state: &[f64]) -> Option<Mark> {
         let contacts = &self.view.contacts;
         let round = |contact: usize| {
             let ContactPlace { angular, position, .. } = contacts[contact];
@@ -146,9 +151,16 @@ impl OrbitWatch {
         };
         let any = || (0..contacts.len()).find_map(round);
         let Some(own) = self.mark else { return any() };
-        // Another contact may take its place while it is at rest.
-        let rests = phases[own.contact()].in_band();
-        round(own.contact()).or_else(|| any().filter(|_| rests))
+        let found = round(own.contact());
+        let turns_back = match own {
+            Mark::Round { contact, direction } => {
+                direction * self.view.speed(phases, state, contact) <= 0.0
+            }
+            Mark::Maximum { .. } => false,
+        };
+        self.has_stopped |= turns_back || phases[own.contact()].in_band();
+        // Another contact may take the place of one that has stopped.
+        found.or_else(|| any().filter(|_| self.has_stopped))
     }
 
     /// Returns the mark of the latest step and its passage, if the position of a contact was at a maximum in it and marks the
@@ -196,7 +208,7 @@ impl OrbitWatch {
         } else if self.mark.is_some_and(|own| own != mark) {
             self.restart();
         }
-        self.mark = Some(mark);
+        (self.mark, self.has_stopped) = (Some(mark), false);
         let turns = self.record(mark, passage)?;
         if self.attempts >= MOST_LOOKS || time < self.wait_until {
             return None;
@@ -232,13 +244,19 @@ impl OrbitWatch {
     ) -> Option<Orbit> {
         let mark = self.mark?;
         let (passage, before) = (self.passages.back()?, self.passages.len() - 1);
-        let closes = |turns: &usize| self.passages[before - turns].phases == passage.phases;
-        // More turns must close better: examining them costs more.
+        let earlier = |turns: usize| &self.passages[before - turns];
+        let closes = |turns: &usize| {
+            earlier(*turns).phases == passage.phases && passage.differences[*turns] <= NEAR_AT_END
+        };
+        let all = || (1..=MOST_TURNS.min(before)).filter(closes);
+        // The fewest turns after which the run comes nearer to its earlier passages. Without any, more turns must close better,
+        // because examining them costs more.
+        let approaches = |turns: &usize| {
+            passage.differences[*turns] < APPROACHES * earlier(*turns).differences[*turns]
+        };
         let rank = |turns: &usize| passage.differences[*turns] * *turns as f64;
-        let turns = (1..=MOST_TURNS.min(before))
-            .filter(closes)
-            .min_by(|one, other| rank(one).total_cmp(&rank(other)))
-            .filter(|turns| passage.differences[*turns] <= NEAR_AT_END)?;
+        let best = || all().min_by(|one, other| rank(one).total_cmp(&rank(other)));
+        let turns = all().find(approaches).or_else(best)?;
         // The steps of a return, if the run takes them at its mean rate.
         let period = passage.time - self.passages[before - turns].time;
         let of_return = steps as f64 * period / passage.time;

@@ -160,6 +160,24 @@ impl Evaluator {
         values
     }
 
+    /// Returns the values of all nodes that do not depend on unknowns of linear systems, as if these were 0.
+    pub(super) fn values_without_unknowns<T: Solved>(
+        &self,
+        inputs: &[f64],
+        state: impl Fn(usize) -> T,
+    ) -> SmallVec<[T; 128]> {
+        let mut values = SmallVec::with_capacity(self.graph.nodes.len());
+        let mut solution = Solution::new();
+        for node in &self.graph.nodes {
+            let input = |index: usize| T::constant(inputs[index]);
+            values.push(match node {
+                Node::Solution { .. } => T::constant(0.0),
+                _ => self.value(node, &values, input, &state, &mut solution),
+            });
+        }
+        values
+    }
+
     pub(super) fn inputs(&self, phases: &[Phase]) -> Vec<f64> {
         let modes: SmallVec<[_; 8]> = phases.iter().map(|phase| phase.mode()).collect();
         self.system.inputs(&modes)

@@ -12,7 +12,7 @@ use smallvec::{SmallVec, smallvec};
 
 use super::Evaluator;
 use super::evaluator::{Entries, Unknowns, solved};
-use crate::model::{ContactMode, Dual, Gap, Node, NodeId, Number, Solve, Touching};
+use crate::model::{ContactMode, Dual, Elementary, Gap, Node, NodeId, Number, Solve, Touching};
 
 /// The change of each component of the state by a unit of impulse.
 pub(super) type Response = Vec<Dual>;
@@ -35,7 +35,7 @@ impl Evaluator {
             smallvec![ContactMode::SetOff(0.0); graph.contacts.len()];
         modes.resize(modes.len() + graph.gaps.len(), ContactMode::Open);
         let inputs = self.system().inputs(&modes);
-        let values = self.values_with::<Dual>(&inputs, |component| state[component]);
+        let values = self.values_without_unknowns::<Dual>(&inputs, |component| state[component]);
         let unknown = |node: NodeId| match graph.nodes[node as usize] {
             Node::Solution { solve, row } => (solve, row as usize),
             _ => panic!("a gap needs a force and accelerations that are unknowns"),
@@ -79,33 +79,34 @@ impl Evaluator {
     }
 
     /// Returns the change of the rate of each component with unknowns, in which the rates are linear, from the values of all
-    /// nodes; `changed` returns the change of an unknown.
+    /// other nodes; `changed` returns the change of an unknown.
     fn change_of_rates(
         &self,
         values: &[Dual],
         changed: impl Fn(&Node) -> Option<Dual>,
     ) -> Response {
         let graph = self.graph();
-        let mut changes: Vec<Option<Dual>> = Vec::with_capacity(graph.nodes.len());
-        for node in &graph.nodes {
+        let zero = Dual::constant(0.0);
+        let mut changes = vec![zero; graph.nodes.len()];
+        for (place, node) in graph.nodes.iter().enumerate() {
             let change = |node: NodeId| changes[node as usize];
-            let with = |node: NodeId, factor: Dual| change(node).map(|change| change * factor);
             let value = |node: NodeId| values[node as usize];
-            let sum = |one: Option<Dual>, other: Option<Dual>| match (one, other) {
-                (Some(one), Some(other)) => Some(one + other),
-                (one, other) => one.or(other),
+            let of = match *node {
+                Node::Sum(one, other) => change(one) + change(other),
+                Node::Difference(one, other) => change(one) - change(other),
+                Node::Negation(one) => -change(one),
+                Node::Product(one, other) => {
+                    change(one) * value(other) + change(other) * value(one)
+                }
+                Node::Quotient(one, other) if !change(one).is_zero() => {
+                    change(one) * value(other).reciprocal()
+                }
+                Node::Solution { .. } => changed(node).unwrap_or(zero),
+                _ => zero,
             };
-            changes.push(match *node {
-                Node::Sum(one, other) => sum(change(one), change(other)),
-                Node::Difference(one, other) => sum(change(one), change(other).map(|other| -other)),
-                Node::Negation(one) => change(one).map(|one| -one),
-                Node::Product(one, other) => sum(with(one, value(other)), with(other, value(one))),
-                Node::Quotient(one, other) => with(one, value(other).reciprocal()),
-                ref node => changed(node),
-            });
+            changes[place] = of;
         }
-        let of = |node: &NodeId| changes[*node as usize].unwrap_or(Dual::constant(0.0));
-        graph.derivative.iter().map(of).collect()
+        graph.derivative.iter().map(|node| changes[*node as usize]).collect()
     }
 }
 

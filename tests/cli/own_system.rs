@@ -127,18 +127,45 @@ fn replays_are_their_rows() {
     }
 }
 
-/// The program seeks neither limit cycles nor rests of a chain, so that more time is not proposed for them.
+/// More time decides runs of a chain, of which the program finds limit cycles.
 #[test]
-fn more_time_does_not_decide_runs_of_a_chain() {
+fn more_time_decides_runs_of_a_chain() {
     let (scratch, studies) = studies();
     let short = studies[0].2.replace("end_time_s: 4", "end_time_s: 1.0e-3");
     assert_ne!(short, studies[0].2);
     scratch.write("short.yaml", short);
     let printed = well(&scratch, "run short.yaml --out short").out;
-    let line = "24 of 24 runs are undecided; the program finds neither limit cycles of spring_block_chain nor rests in which \
-                a block sticks, so that a larger simulation.end_time_s or simulation.extend decides only runs that are \
-                irregular or slide at constant speed.\n";
+    let line = "24 of 24 runs are undecided; a larger simulation.end_time_s or simulation.extend decides more, but no \
+                quasi-periodic motion.\n";
     assert_has(&printed, &[line]);
+}
+
+/// Two blocks that stick and slip on a belt have limit cycles, the same ones for both methods and finer tolerances.
+#[test]
+fn blocks_have_the_limit_cycles_of_their_closed_form() {
+    let (scratch, studies) = studies();
+    let text = &studies[0].2;
+    let simulations = [
+        "{end_time_s: 60}",
+        "{end_time_s: 60, method: event}",
+        "{end_time_s: 60, tolerance: {relative: 1.0e-10, absolute: 1.0e-12}}",
+    ];
+    let found = simulations.map(|simulation| {
+        scratch.write("cycles.yaml", text.replace("{end_time_s: 4}", simulation));
+        well(&scratch, "run cycles.yaml --out cycles --recompute");
+        let rows = scratch.table("cycles", "runs");
+        (words(&rows, "label"), numbers(&rows, "period_s"))
+    });
+    let [(labels, periods), others @ ..] = &found;
+    let cycles = labels.iter().filter(|label| label.as_deref() == Some("limit_cycle")).count();
+    assert!(cycles >= 20, "{labels:?}");
+    for (other_labels, other_periods) in others {
+        assert_eq!(labels, other_labels);
+        for (one, other) in periods.iter().zip(other_periods) {
+            let [one, other] = [one, other].map(|period| period.unwrap_or_default());
+            assert!((one - other).abs() <= 1e-6 * one, "{one} {other}");
+        }
+    }
 }
 
 /// Parameters, whole numbers and coordinates of the kind are keys like those of the built-in kinds: errors name them.
