@@ -142,28 +142,15 @@ impl Evaluator {
         phases: &[Phase],
         state: impl Fn(usize) -> T,
     ) -> SmallVec<[T; 128]> {
-        self.values_with(&self.inputs(phases), state)
+        self.values_with(&self.inputs(phases), true, state)
     }
 
-    /// Returns the values of all nodes with these values of the inputs.
+    /// Returns the values of all nodes with these values of the inputs; without `solves`, as if the unknowns of linear systems
+    /// were 0.
     pub(super) fn values_with<T: Solved>(
         &self,
         inputs: &[f64],
-        state: impl Fn(usize) -> T,
-    ) -> SmallVec<[T; 128]> {
-        let mut values = SmallVec::with_capacity(self.graph.nodes.len());
-        let mut solution = Solution::new();
-        for node in &self.graph.nodes {
-            let input = |index: usize| T::constant(inputs[index]);
-            values.push(self.value(node, &values, input, &state, &mut solution));
-        }
-        values
-    }
-
-    /// Returns the values of all nodes that do not depend on unknowns of linear systems, as if these were 0.
-    pub(super) fn values_without_unknowns<T: Solved>(
-        &self,
-        inputs: &[f64],
+        solves: bool,
         state: impl Fn(usize) -> T,
     ) -> SmallVec<[T; 128]> {
         let mut values = SmallVec::with_capacity(self.graph.nodes.len());
@@ -171,7 +158,7 @@ impl Evaluator {
         for node in &self.graph.nodes {
             let input = |index: usize| T::constant(inputs[index]);
             values.push(match node {
-                Node::Solution { .. } => T::constant(0.0),
+                Node::Solution { .. } if !solves => T::constant(0.0),
                 _ => self.value(node, &values, input, &state, &mut solution),
             });
         }

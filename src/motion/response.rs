@@ -35,7 +35,7 @@ impl Evaluator {
             smallvec![ContactMode::SetOff(0.0); graph.contacts.len()];
         modes.resize(modes.len() + graph.gaps.len(), ContactMode::Open);
         let inputs = self.system().inputs(&modes);
-        let values = self.values_without_unknowns::<Dual>(&inputs, |component| state[component]);
+        let values = self.values_with::<Dual>(&inputs, false, |component| state[component]);
         let unknown = |node: NodeId| match graph.nodes[node as usize] {
             Node::Solution { solve, row } => (solve, row as usize),
             _ => panic!("a gap needs a force and accelerations that are unknowns"),

@@ -228,9 +228,9 @@ simulation: {{end_time_s: {end_time_s}, tolerance: {{relative: {tolerance:e}, ab
             assert_eq!(exponent.interval_1_s.is_none(), exponent.blocks == 1, "{exponent:?}");
         }
         let irregular = outcomes.iter().filter(|outcome| outcome.label() == Label::Irregular);
-        let measured = outcomes.iter().filter(|outcome| {
-            outcome.lyapunov.is_some() || outcome.label() == Label::LimitCycle
-        });
+        let measured = outcomes
+            .iter()
+            .filter(|outcome| outcome.lyapunov.is_some() || outcome.label() == Label::LimitCycle);
         [irregular.count(), measured.count(), outcomes.len()]
     };
     for (contact, end_time_s) in [("none", 4.0), ("{restitution: 0.36}", 8.0)] {
