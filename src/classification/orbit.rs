@@ -18,6 +18,8 @@ use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use smallvec::SmallVec;
+
 use super::closed_orbit::{Orbit, REACH, Verdict, examine, least_returns};
 use super::lane_step::LaneStep;
 use super::return_map::ReturnMap;
@@ -86,9 +88,9 @@ pub struct OrbitWatch {
     /// The maxima of positions that may mark the section of a system without contacts that go round.
     maxima: Vec<Mark>,
     passages: VecDeque<Passage>,
-    /// Whether the contact that marks the section has stopped since it went round.
-    has_stopped: bool,
-    /// Another contact that has gone round since then, and its passage.
+    /// Whether each contact has stopped since it went round, and its latest speed.
+    stopped: SmallVec<[(bool, f64); 8]>,
+    /// Another contact that has gone round since that which marks the section has stopped, and its passage.
     other: Option<(Mark, Passage)>,
     near_in_a_row: [usize; MOST_TURNS + 1],
     close_in_a_row: [usize; MOST_TURNS + 1],
@@ -108,11 +110,11 @@ impl OrbitWatch {
     pub(super) fn of(settings: &Settings, view: Arc<SystemView>) -> Self {
         let Tolerance { relative, absolute } = settings.tolerance;
         OrbitWatch {
+            stopped: SmallVec::from_elem((false, 0.0), view.contacts.len()),
             maxima: if view.revolves() { Vec::new() } else { maxima(&view) },
             view,
             closure: 100.0 * (relative + absolute),
             mark: None,
-            has_stopped: false,
             other: None,
             passages: VecDeque::with_capacity(MOST_TURNS + 2),
             near_in_a_row: [0; MOST_TURNS + 1],
@@ -149,18 +151,17 @@ impl OrbitWatch {
             let has_gone_round = angular && !once.contains(&state[position]);
             has_gone_round.then_some(Mark::Round { contact, direction })
         };
-        let any = || (0..contacts.len()).find_map(round);
-        let Some(own) = self.mark else { return any() };
-        let found = round(own.contact());
-        let turns_back = match own {
-            Mark::Round { contact, direction } => {
-                direction * self.view.speed(phases, state, contact) <= 0.0
-            }
-            Mark::Maximum { .. } => false,
-        };
-        self.has_stopped |= turns_back || phases[own.contact()].in_band();
+        let found: SmallVec<[Mark; 2]> = (0..contacts.len()).filter_map(round).collect();
+        for (contact, stopped) in self.stopped.iter_mut().enumerate() {
+            let speed = self.view.speed(phases, state, contact);
+            let turns_back = stopped.1 * speed < 0.0;
+            *stopped = (stopped.0 || turns_back || phases[contact].in_band(), speed);
+        }
+        let Some(own) = self.mark.map(Mark::contact) else { return found.first().copied() };
+        let of_own = found.iter().find(|mark| mark.contact() == own);
         // Another contact may take the place of one that has stopped.
-        found.or_else(|| any().filter(|_| self.has_stopped))
+        let other = || found.first().filter(|_| self.stopped[own].0);
+        of_own.or_else(other).copied()
     }
 
     /// Returns the mark of the latest step and its passage, if the position of a contact was at a maximum in it and marks the
@@ -197,7 +198,11 @@ impl OrbitWatch {
         let phases = Phases::from_slice(phases);
         let passage = Passage { time, state, phases, differences };
         let other = self.other.take();
-        if self.mark.is_some_and(|own| own.contact() != mark.contact()) {
+        let has_stopped = self.stopped.get_mut(mark.contact());
+        let has_stopped =
+            has_stopped.is_some_and(|stopped| std::mem::replace(&mut stopped.0, false));
+        let is_other = self.mark.is_some_and(|own| own.contact() != mark.contact());
+        if is_other && has_stopped {
             // It marks the section from its first turn on if the contact that has marked it does not go round before the second.
             let Some((_, first)) = other.filter(|(other, _)| *other == mark) else {
                 self.other = Some((mark, passage));
@@ -208,7 +213,7 @@ impl OrbitWatch {
         } else if self.mark.is_some_and(|own| own != mark) {
             self.restart();
         }
-        (self.mark, self.has_stopped) = (Some(mark), false);
+        self.mark = Some(mark);
         let turns = self.record(mark, passage)?;
         if self.attempts >= MOST_LOOKS || time < self.wait_until {
             return None;
@@ -234,15 +239,14 @@ impl OrbitWatch {
         closes.then_some(orbit)
     }
 
-    /// Examines the orbit of a run that ends otherwise undecided, from farther away than during the run, in at most twice
-    /// as many steps as the run has taken. Returns the limit cycle that the run has been shown to approach.
+    /// Examines the orbit of a run that ends otherwise undecided, from farther away than during the run, in at most
+    /// as many steps as the run has taken for each number of turns that is tried. Returns the limit cycle that the run has been shown to approach.
     pub(super) fn look_at_end(
         &self,
         settings: &Settings,
         last_switches: &[f64],
         steps: u64,
     ) -> Option<Orbit> {
-        let mark = self.mark?;
         let (passage, before) = (self.passages.back()?, self.passages.len() - 1);
         let earlier = |turns: usize| &self.passages[before - turns];
         let closes = |turns: &usize| {
@@ -256,7 +260,25 @@ impl OrbitWatch {
         };
         let rank = |turns: &usize| passage.differences[*turns] * *turns as f64;
         let best = || all().min_by(|one, other| rank(one).total_cmp(&rank(other)));
-        let turns = all().find(approaches).or_else(best)?;
+        let first = all().find(approaches).or_else(best)?;
+        let second = best().filter(|turns| *turns != first);
+        [Some(first), second]
+            .into_iter()
+            .flatten()
+            .find_map(|turns| self.look_after(turns, settings, last_switches, steps))
+    }
+
+    /// Examines the orbit of a run at its end after a number of turns. Returns the limit cycle that the run has been shown to
+    /// approach.
+    fn look_after(
+        &self,
+        turns: usize,
+        settings: &Settings,
+        last_switches: &[f64],
+        steps: u64,
+    ) -> Option<Orbit> {
+        let mark = self.mark?;
+        let (passage, before) = (self.passages.back()?, self.passages.len() - 1);
         // The steps of a return, if the run takes them at its mean rate.
         let period = passage.time - self.passages[before - turns].time;
         let of_return = steps as f64 * period / passage.time;
@@ -265,7 +287,7 @@ impl OrbitWatch {
         if of_return * returns as f64 > HOPELESS * steps as f64 {
             return None;
         }
-        match self.examine(settings, (mark, turns), last_switches, (2 * steps, true)) {
+        match self.examine(settings, (mark, turns), last_switches, (steps, true)) {
             Verdict::Stable(orbit) => Some(orbit),
             Verdict::Unstable(_) | Verdict::Open => None,
         }
