@@ -50,7 +50,7 @@ impl Finding {
     pub fn in_file(self, study: &Study) -> Warning {
         let Finding { kind, key, problem, found, remedy } = self;
         let place = study.place_of(&key);
-        let key = study.key_with_unit(&key).map_or_else(|| key.clone(), str::to_owned);
+        let key = study.key_with_unit(&key).unwrap_or(key);
         Warning { kind, file: study.file().to_path_buf(), place, key, problem, found, remedy }
     }
 }

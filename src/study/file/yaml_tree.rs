@@ -54,8 +54,10 @@ pub(crate) enum Content {
 }
 
 /// The text of a study file, its tree and its name, which a message needs.
+#[derive(Clone, Debug)]
 pub(crate) struct Source {
-    file: PathBuf,
+    /// The name of the file.
+    pub file: PathBuf,
     text: String,
     /// The whole file; keys without units are replaced by SI keys.
     pub root: Node,
@@ -105,6 +107,13 @@ impl Source {
         let Some((path, node)) = self.root.find(&is_not_finite) else { return Ok(()) };
         let fault = Fault::new("not a finite number", node.describe(), "a finite number");
         Err(self.refuse_at(node.place, &path, fault))
+    }
+
+    /// Returns the keys and their places, without the text and without lists of values, which may be long.
+    pub fn outline(&self) -> Source {
+        let (root, text) = (self.root.outline(), String::new());
+        let Source { file, renamed, .. } = self;
+        Source { file: file.clone(), text, root, renamed: renamed.clone(), units: Vec::new() }
     }
 
     /// Creates the message for a fault at a known place.
@@ -183,6 +192,22 @@ impl Node {
                 shorten(&format!("keys {}", names.join(", ")))
             }
         }
+    }
+
+    fn outline(&self) -> Node {
+        let is_map = |item: &Node| matches!(item.content, Content::Map(_));
+        let content = match &self.content {
+            Content::Map(entries) => {
+                let outline = |(key, value): &(Node, Node)| (key.clone(), value.outline());
+                Content::Map(entries.iter().map(outline).collect())
+            }
+            Content::List(items) if items.first().is_none_or(|first| !is_map(first)) => {
+                Content::List(Vec::new())
+            }
+            Content::List(items) => Content::List(items.iter().map(Node::outline).collect()),
+            other => other.clone(),
+        };
+        Node { place: self.place, content }
     }
 
     /// Returns the name of a key; empty if this is not a text.

@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::model::{Case, InvalidParameter, Model, Simulation, Start};
 use crate::study::file::resolved_yaml::ResolvedFile;
+use crate::study::file::yaml_tree::Source;
 use crate::study::plan::audit::Audit;
 use crate::study::plan::expectation::{Expectation, same};
 use crate::study::plan::identification::Identification;
@@ -15,7 +16,6 @@ use crate::study::plan::response::Response;
 use crate::study::plan::sweep::{Block, Listing, PointSampling};
 use crate::study::plan::units::Units;
 use crate::study::plan::variable::Variable;
-use crate::study::plan::written::Written;
 use crate::study::resolve::model::Base;
 use crate::study::resolve::uncertain::Uncertain;
 use crate::study::sampling::apart::start_apart;
@@ -55,8 +55,8 @@ pub struct Study {
     pub(in crate::study) determined: Vec<&'static str>,
     pub(in crate::study) units: Units,
     pub(in crate::study) resolved: ResolvedFile,
-    /// The study file as it is written, for messages about its keys.
-    pub(in crate::study) written: Arc<Written>,
+    /// The keys of the study file as it is written, for messages about them.
+    pub(in crate::study) source: Arc<Source>,
 }
 
 /// One point of the sweep.

@@ -27,7 +27,6 @@ use crate::study::plan::planned_study::Study;
 use crate::study::plan::precision::Precision;
 use crate::study::plan::sweep::Listing;
 use crate::study::plan::variable::Variable;
-use crate::study::plan::written::Written;
 use crate::study::resolve::determined::determined;
 use crate::study::resolve::expectations::resolve_expectations;
 use crate::study::resolve::further_errors::{Found, leave_out, with_further_errors};
@@ -135,8 +134,7 @@ fn read(
     check_parameters(&source).map_err(in_key)?;
     let written: StudyFile = decode(&source).map_err(in_key)?;
     let between = |error| (Found::BetweenKeys, error);
-    let study = resolve(&source, &written, &folders).map_err(between)?;
-    Ok(Study { written: Arc::new(Written::of(file, &source, &written)), ..study })
+    resolve(&source, &Arc::new(source.outline()), &written, &folders).map_err(between)
 }
 
 /// Checks the version first, because the keys of another version may be unknown.
@@ -152,8 +150,10 @@ fn check_schema(source: &Source) -> Result<(), StudyError> {
     }
 }
 
+/// `outline` contains the keys of the source.
 fn resolve(
     source: &Source,
+    outline: &Arc<Source>,
     written: &StudyFile,
     folders: &TableFolders,
 ) -> Result<Study, StudyError> {
@@ -260,7 +260,7 @@ fn resolve(
         determined,
         units: units.clone(),
         resolved: ResolvedFile::new(resolved),
-        written: Arc::default(),
+        source: Arc::clone(outline),
     };
     check_points(source, written, &study)?;
     let expected = written.expect.as_deref().unwrap_or_default();
@@ -298,7 +298,7 @@ fn by_balls(
         if let Some(ranges) = &mut other.initial_conditions.start_box {
             ranges.retain(|name, _| ball_of(name).is_none_or(|ball| ball <= balls));
         }
-        resolve(source, &other, folders).map_err(|error| {
+        resolve(source, &study.source, &other, folders).map_err(|error| {
             let problem = format!("with {balls} balls: `{}`: {}", error.key(), error.problem());
             let found = error.found().map(str::to_owned);
             let fault = Fault { problem, found, allowed: error.allowed().map(str::to_owned) };
