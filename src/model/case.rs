@@ -1,6 +1,7 @@
 //! One case: the complete input of one run. An outcome is a pure function of this value.
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::{Model, State};
 
@@ -39,12 +40,16 @@ impl Start {
     }
 }
 
-/// How stick and slip are computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+/// Methods for stick and slip.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[schemars(rename = "MethodKind")]
 pub enum Method {
-    /// The switch model with a band of finite width (thesis section 4.2, after Leine).
+    /// The switch model with a band of finite width around zero sliding speed.
+    // Thesis section 4.2, after Leine.
     Switch,
-    /// Its limit as the band goes to zero, the exact motion: stops and break-aways are located.
+    /// The limit of the switch model for a vanishing band, with located events; does not use
+    /// `band`.
     Event,
 }
 
@@ -60,14 +65,16 @@ pub struct Extend {
     pub irregular: bool,
 }
 
-/// Which endings of a run are detected.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+/// Endings that the classification detects.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[schemars(rename = "EndingsKind")]
 pub enum Endings {
     /// Rest, limit cycles and irregular motion.
     #[default]
     All,
-    /// Rest only: all other runs are undecided, and the searches for limit cycles and irregular
-    /// motion are skipped.
+    /// Rest only: all other runs are `undecided` at the end time; runs that come to rest are
+    /// identical to the last bit, and a study typically takes two thirds of the time.
     Rest,
 }
 

@@ -4,7 +4,8 @@
 //! Balancing Unit with Dry Friction", table 3.2; the powers of ten that its scan lost are restored
 //! so that the natural frequency, the balancing angles and the amplitudes it prints come out).
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::invalid_parameter::{InvalidParameter, invalid, not_negative, positive};
 use super::kind::member_name;
@@ -28,13 +29,15 @@ pub struct Ball {
     pub density_kg_m3: Option<f64>,
 }
 
-/// How the normal force between ball and ring is derived.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+/// Derivations of the normal force.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[schemars(rename = "NormalForceKind")]
 pub enum NormalForce {
-    /// The thesis's form: the rolling constraint is substituted before Lagrange's equations are
-    /// formed, so that the normal force contains `2 J d ω β̇ - 4 J β̇²` (its equation 3.5).
+    /// From Lagrange's equations with the rolling constraint inserted, as in the thesis.
+    // The normal force then contains `2 J d ω β̇ - 4 J β̇²` (its equation 3.5).
     Lagrange,
-    /// Newton's second law for the ball's centre, without that term.
+    /// From Newton's second law for the centre of the ball.
     Newton,
 }
 

@@ -14,8 +14,8 @@ use crate::study::{ParameterValue, Point, Precision, Study};
 
 impl From<Precision> for HalfWidths {
     fn from(precision: Precision) -> HalfWidths {
-        let Precision { equilibrium_fraction, amplitude_m, .. } = precision;
-        HalfWidths { equilibrium_fraction, amplitude_m }
+        let amplitude_m = precision.amplitudes_m();
+        HalfWidths { equilibrium_fraction: precision.equilibrium_fraction, amplitude_m }
     }
 }
 

@@ -99,7 +99,7 @@ fn amplitudes_have_half_widths_with_units() {
     let metres = with("amplitude_p50_m: 1.0e-6, amplitude_p95_m: 5.0e-6");
     let precision = metres.precision().expect("a precision");
     assert_eq!(precision.equilibrium_fraction, None);
-    assert_eq!(precision.amplitude_m, [None, Some(1.0e-6), Some(5.0e-6)]);
+    assert_eq!(precision.amplitudes_m(), [None, Some(1.0e-6), Some(5.0e-6)]);
     assert_eq!(with("amplitude_p95: 5 µm, amplitude_p50: 1 um").hash(), metres.hash());
     let all = with("equilibrium_fraction: 0.1, amplitude_p05_m: 2.0e-6, amplitude_p95_m: 5.0e-6");
     assert_ne!(all.hash(), metres.hash());

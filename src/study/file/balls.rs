@@ -1,11 +1,9 @@
 //! The balls of a study file: how many, or one entry for each.
 
-use std::fmt;
-
 use schemars::JsonSchema;
-use serde::de::value::SeqAccessDeserializer;
-use serde::de::{Deserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
+
+use super::notations::notations;
 
 /// One ball; values that are absent are those of all balls.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -33,24 +31,8 @@ pub enum Balls {
     Each(#[schemars(length(min = 1, max = 8))] Vec<BallFile>),
 }
 
-impl<'de> Deserialize<'de> for Balls {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct BallsVisitor;
-        impl<'de> Visitor<'de> for BallsVisitor {
-            type Value = Balls;
-
-            fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-                out.write_str("a number of balls from 1 to 8, or a list with one entry per ball")
-            }
-
-            fn visit_u64<E>(self, value: u64) -> Result<Balls, E> {
-                Ok(Balls::Number(value))
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Balls, A::Error> {
-                Vec::deserialize(SeqAccessDeserializer::new(list)).map(Balls::Each)
-            }
-        }
-        deserializer.deserialize_any(BallsVisitor)
-    }
+notations! {
+    Balls: "a number of balls from 1 to 8, or a list with one entry per ball",
+    natural => |number| Some(Balls::Number(number)),
+    list(Vec<BallFile>) => Balls::Each,
 }

@@ -1,11 +1,9 @@
 //! The contact between balls in a study file: its law, or `none`.
 
-use std::fmt;
-
 use schemars::JsonSchema;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserializer, Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Serialize};
+
+use super::notations::notations;
 
 /// The law of contact between balls.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -44,28 +42,8 @@ pub enum ContactFile {
     Law(ContactLawFile),
 }
 
-impl<'de> Deserialize<'de> for ContactFile {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct ContactVisitor;
-        impl<'de> Visitor<'de> for ContactVisitor {
-            type Value = ContactFile;
-
-            fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-                out.write_str("none, or {restitution: 0.36, friction_coefficient: 0.1}")
-            }
-
-            fn visit_str<E: Error>(self, value: &str) -> Result<ContactFile, E> {
-                match value {
-                    "none" => Ok(ContactFile::Without(NoContact::None)),
-                    other => Err(E::invalid_value(Unexpected::Str(other), &self)),
-                }
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ContactFile, A::Error> {
-                let law = ContactLawFile::deserialize(MapAccessDeserializer::new(map))?;
-                Ok(ContactFile::Law(law))
-            }
-        }
-        deserializer.deserialize_any(ContactVisitor)
-    }
+notations! {
+    ContactFile: "none, or {restitution: 0.36, friction_coefficient: 0.1}",
+    text => |word| (word == "none").then_some(ContactFile::Without(NoContact::None)),
+    map(ContactLawFile) => ContactFile::Law,
 }

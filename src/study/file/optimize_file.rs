@@ -1,13 +1,10 @@
 //! The key `optimize` of a study file.
 
-use std::fmt;
-
 use indexmap::IndexMap;
 use schemars::JsonSchema;
-use serde::de::value::SeqAccessDeserializer;
-use serde::de::{Deserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
+use super::notations::notations;
 use crate::study::file::values::{Count, Entry};
 
 /// Objectives, limits and effort of `stickslip optimize`.
@@ -117,24 +114,8 @@ impl Names {
     }
 }
 
-impl<'de> Deserialize<'de> for Names {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct NamesVisitor;
-        impl<'de> Visitor<'de> for NamesVisitor {
-            type Value = Names;
-
-            fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-                out.write_str("the name of a response, or a list of two")
-            }
-
-            fn visit_str<E>(self, value: &str) -> Result<Names, E> {
-                Ok(Names::One(value.to_owned()))
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Names, A::Error> {
-                Vec::deserialize(SeqAccessDeserializer::new(list)).map(Names::Several)
-            }
-        }
-        deserializer.deserialize_any(NamesVisitor)
-    }
+notations! {
+    Names: "the name of a response, or a list of two",
+    text => |name: &str| Some(Names::One(name.to_owned())),
+    list(Vec<String>) => Names::Several,
 }

@@ -1,11 +1,9 @@
 //! The measurement protocols of the thesis (its figure 5.10) in a study file, short for a speed profile and kicks.
 
-use std::fmt;
-
 use schemars::JsonSchema;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserializer, Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Serialize};
+
+use super::notations::notations;
 
 /// A protocol with all defaults, or with some numbers.
 #[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]
@@ -69,28 +67,12 @@ pub struct HammerFile {
     pub speed_m_s: Option<f64>,
 }
 
-impl<'de> Deserialize<'de> for ProtocolFile {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct ProtocolVisitor;
-        impl<'de> Visitor<'de> for ProtocolVisitor {
-            type Value = ProtocolFile;
-
-            fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-                out.write_str("startup, or {startup_and_hammer: {hits: 3}}")
-            }
-
-            fn visit_str<E: Error>(self, value: &str) -> Result<ProtocolFile, E> {
-                match value {
-                    "startup" => Ok(ProtocolFile::Named(ProtocolName::Startup)),
-                    "startup_and_hammer" => Ok(ProtocolFile::Named(ProtocolName::StartupAndHammer)),
-                    other => Err(E::invalid_value(Unexpected::Str(other), &self)),
-                }
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ProtocolFile, A::Error> {
-                ProtocolKeys::deserialize(MapAccessDeserializer::new(map)).map(ProtocolFile::With)
-            }
-        }
-        deserializer.deserialize_any(ProtocolVisitor)
-    }
+notations! {
+    ProtocolFile: "startup, or {startup_and_hammer: {hits: 3}}",
+    text => |name| match name {
+        "startup" => Some(ProtocolFile::Named(ProtocolName::Startup)),
+        "startup_and_hammer" => Some(ProtocolFile::Named(ProtocolName::StartupAndHammer)),
+        _ => None,
+    },
+    map(ProtocolKeys) => ProtocolFile::With,
 }

@@ -6,6 +6,7 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::model::{Endings, Method, NormalForce};
 use crate::study::file::contact_file::ContactFile;
 use crate::study::file::distribution_file::DistributionFile;
 use crate::study::file::friction_file::FrictionFile;
@@ -18,6 +19,8 @@ use crate::study::file::schema_parts as schema;
 use crate::study::file::stages_file::{DisturbanceFile, ProfilePartFile};
 use crate::study::file::uncertain_sampling_file::UncertainSamplingFile;
 use crate::study::file::values::{Count, Entry, Range, TableSource};
+use crate::study::plan::audit::Audit;
+use crate::study::plan::precision::Precision;
 
 /// A stickslip study: a model, the points of a sweep, and the sampling of start states.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -51,9 +54,9 @@ pub struct StudyFile {
     pub simulation: Option<SimulationFile>,
     /// Sequential sampling: adds runs at each point until the 95 % confidence intervals of the
     /// fraction of equilibria or of amplitudes are narrow enough; by default, each point has the runs of its design.
-    pub precision: Option<PrecisionFile>,
+    pub precision: Option<Precision>,
     /// Recomputation of a fraction of the runs by the other method; by default, none.
-    pub audit: Option<AuditFile>,
+    pub audit: Option<Audit>,
     /// Expected results, which `stickslip verify` checks.
     pub expect: Option<Vec<ExpectationFile>>,
     /// Variables of `stickslip evaluate` and `stickslip optimize`, by name: a numeric parameter or
@@ -87,7 +90,7 @@ pub struct ModelFile {
     pub friction: Option<FrictionFile>,
     /// Derivation of the normal force between ball and ring; the default is `lagrange`; only for a
     /// ball balancer.
-    pub normal_force: Option<NormalForceKind>,
+    pub normal_force: Option<NormalForce>,
     /// Contact between balls, or `none` for balls that pass through each other; the default is `none`; only for a ball
     /// balancer.
     pub contact: Option<ContactFile>,
@@ -102,16 +105,6 @@ pub struct ModelFile {
     /// the table; only for a ball balancer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub protocol: Option<ProtocolFile>,
-}
-
-/// Derivations of the normal force.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum NormalForceKind {
-    /// From Lagrange's equations with the rolling constraint inserted, as in the thesis.
-    Lagrange,
-    /// From Newton's second law for the centre of the ball.
-    Newton,
 }
 
 /// A block of points: exactly one of `grid`, `zip` and `table`.
@@ -191,7 +184,7 @@ pub enum DesignFile {
 #[serde(deny_unknown_fields)]
 pub struct SimulationFile {
     /// How stick and slip are computed; the default is `switch`.
-    pub method: Option<MethodKind>,
+    pub method: Option<Method>,
     /// Half width of the band around zero sliding speed in the switch model, in units of the
     /// natural frequency (block: natural frequency times `normal_force_n` / `stiffness_n_m`); above
     /// 0, at most 0.01; default 1e-8.
@@ -203,20 +196,9 @@ pub struct SimulationFile {
     /// Continuation of undecided and irregular runs past the end time; by default, none.
     pub extend: Option<ExtendFile>,
     /// Endings that the classification detects; the default is `all`.
-    pub endings: Option<EndingsKind>,
+    pub endings: Option<Endings>,
     /// Tolerated error per integration step.
     pub tolerance: Option<ToleranceFile>,
-}
-
-/// Endings that the classification detects.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum EndingsKind {
-    /// Rest, limit cycles and irregular motion.
-    All,
-    /// Rest only: all other runs are `undecided` at the end time; runs that come to rest are
-    /// identical to the last bit, and a study typically takes two thirds of the time.
-    Rest,
 }
 
 /// Continuation of runs past the end time; the outcome is identical to that of a study with the
@@ -234,17 +216,6 @@ pub struct ExtendFile {
     pub labels: Option<Vec<String>>,
 }
 
-/// Methods for stick and slip.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MethodKind {
-    /// The switch model with a band of finite width around zero sliding speed.
-    Switch,
-    /// The limit of the switch model for a vanishing band, with located events; does not use
-    /// `band`.
-    Event,
-}
-
 /// Tolerated error per integration step.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -255,40 +226,6 @@ pub struct ToleranceFile {
     /// Absolute error, non-dimensional; above 0; default 1e-10.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub absolute: Option<f64>,
-}
-
-/// Sequential sampling: adds whole replicates of the design at each point until the 95 % confidence
-/// intervals of the given columns are narrow enough; only for `stratified`, `monte_carlo` and
-/// `sobol`.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct PrecisionFile {
-    /// Half width of the 95 % confidence interval (`ci_low` to `ci_high`) at which sampling stops;
-    /// above 0, below 0.5.
-    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 0.5))]
-    pub equilibrium_fraction: Option<f64>,
-    /// Half width of the 95 % confidence interval of the quantile 5 % of the amplitude, m; above 0.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub amplitude_p05_m: Option<f64>,
-    /// Half width of the 95 % confidence interval of the median amplitude, m; above 0.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub amplitude_p50_m: Option<f64>,
-    /// Half width of the 95 % confidence interval of the quantile 95 % of the amplitude, m; above 0.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub amplitude_p95_m: Option<f64>,
-    /// Largest number of runs at each point; the runs of the design itself are always computed, and
-    /// a Sobol' sequence ends after 65,536.
-    pub max_runs: Count,
-}
-
-/// Recomputation of randomly chosen runs by the other method, with a tenth of both tolerances; it
-/// measures how often the label depends on the computation.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct AuditFile {
-    /// Fraction of the runs that are recomputed, above 0 and at most 1.
-    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))]
-    pub fraction: f64,
 }
 
 /// Expected fractions of runs per label at some points; at least one fraction is required.

@@ -3,9 +3,11 @@
 use std::fmt;
 
 use schemars::JsonSchema;
-use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
+
+use super::notations::notations;
 
 /// The largest number of runs, samples or points of a study.
 pub(crate) const MAX_COUNT: u64 = 1_000_000_000_000_000;
@@ -15,30 +17,18 @@ pub(crate) const MAX_COUNT: u64 = 1_000_000_000_000_000;
 #[schemars(inline)]
 pub struct Count(#[schemars(range(min = 1, max = MAX_COUNT))] pub u64);
 
-impl<'de> Deserialize<'de> for Count {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct CountVisitor;
-        impl Visitor<'_> for CountVisitor {
-            type Value = Count;
-
-            fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-                out.write_str("a whole number from 1 to 1e15")
-            }
-
-            fn visit_u64<E: Error>(self, value: u64) -> Result<Count, E> {
-                self.visit_f64(value as f64)
-            }
-
-            fn visit_f64<E: Error>(self, value: f64) -> Result<Count, E> {
-                if value.fract() == 0.0 && (1.0..=MAX_COUNT as f64).contains(&value) {
-                    Ok(Count(value as u64))
-                } else {
-                    Err(E::invalid_value(Unexpected::Float(value), &self))
-                }
-            }
-        }
-        deserializer.deserialize_any(CountVisitor)
+impl fmt::Display for Count {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(out)
     }
+}
+
+notations! {
+    Count: "a whole number from 1 to 1e15",
+    number => |number: f64| {
+        let is_count = number.fract() == 0.0 && (1.0..=MAX_COUNT as f64).contains(&number);
+        is_count.then_some(Count(number as u64))
+    },
 }
 
 /// A range `[low, high]`.
@@ -77,30 +67,10 @@ pub enum Entry {
     Text(String),
 }
 
-impl<'de> Deserialize<'de> for Entry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct EntryVisitor;
-        impl Visitor<'_> for EntryVisitor {
-            type Value = Entry;
-
-            fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-                out.write_str("a number")
-            }
-
-            fn visit_u64<E>(self, value: u64) -> Result<Entry, E> {
-                Ok(Entry::Number(value as f64))
-            }
-
-            fn visit_f64<E>(self, value: f64) -> Result<Entry, E> {
-                Ok(Entry::Number(value))
-            }
-
-            fn visit_str<E>(self, value: &str) -> Result<Entry, E> {
-                Ok(Entry::Text(value.to_owned()))
-            }
-        }
-        deserializer.deserialize_any(EntryVisitor)
-    }
+notations! {
+    Entry: "a number",
+    number => |number| Some(Entry::Number(number)),
+    text => |text: &str| Some(Entry::Text(text.to_owned())),
 }
 
 /// Path of a .csv or .parquet file relative to the study file, or an inline table; a file outside
@@ -126,26 +96,8 @@ pub struct InlineTable {
     pub rows: Vec<Vec<Entry>>,
 }
 
-impl<'de> Deserialize<'de> for TableSource {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct TableVisitor;
-        impl<'de> Visitor<'de> for TableVisitor {
-            type Value = TableSource;
-
-            fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-                out.write_str(
-                    "the path of a CSV or Parquet file, or {columns: [...], rows: [[...], ...]}",
-                )
-            }
-
-            fn visit_str<E>(self, value: &str) -> Result<TableSource, E> {
-                Ok(TableSource::File(value.to_owned()))
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<TableSource, A::Error> {
-                InlineTable::deserialize(MapAccessDeserializer::new(map)).map(TableSource::Inline)
-            }
-        }
-        deserializer.deserialize_any(TableVisitor)
-    }
+notations! {
+    TableSource: "the path of a CSV or Parquet file, or {columns: [...], rows: [[...], ...]}",
+    text => |path: &str| Some(TableSource::File(path.to_owned())),
+    map(InlineTable) => TableSource::Inline,
 }

@@ -1,35 +1,37 @@
 //! The audit: which runs are recomputed by the other method.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::study_file::AuditFile;
 use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::sampling::draw::DrawKey;
 use crate::study::sampling::sampling_design::SampleId;
 
-/// An audit recomputes a fraction of the runs with [`crate::model::Simulation::counter_check`].
-///
-/// A run is selected if a uniform random number is below the fraction. The number is keyed by the
-/// swept values of the point, the cell and the replicate. More samples, more points or a larger
-/// fraction therefore keep all earlier selections, and each point has its own selection.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Recomputation of randomly chosen runs by the other method, with a tenth of both tolerances; it
+/// measures how often the label depends on the computation.
+// A run is selected if a uniform random number is below the fraction. The number is keyed by the
+// swept values of the point, the cell and the replicate. More samples, more points or a larger
+// fraction therefore keep all earlier selections, and each point has its own selection.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "AuditFile")]
 pub struct Audit {
-    /// The fraction of the runs, above 0 and at most 1.
+    /// Fraction of the runs that are recomputed, above 0 and at most 1.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))]
     pub fraction: f64,
 }
 
 impl Audit {
-    /// Validates the audit of a study file.
+    /// Checks the audit of a study file.
     ///
     /// # Errors
     /// Returns an error if the fraction is not above 0 and at most 1.
-    pub(in crate::study) fn resolve(
-        source: &Source,
-        written: Option<&AuditFile>,
-    ) -> Result<Option<Audit>, StudyError> {
-        let Some(AuditFile { fraction }) = written.copied() else { return Ok(None) };
+    pub(in crate::study) fn check(self, source: &Source) -> Result<(), StudyError> {
+        let Audit { fraction } = self;
         if 0.0 < fraction && fraction <= 1.0 {
-            return Ok(Some(Audit { fraction }));
+            return Ok(());
         }
         let allowed = "a fraction above 0 and at most 1, such as 0.05, or no `audit`";
         let fault = Fault::new("not a fraction of the runs", describe_number(fraction), allowed);

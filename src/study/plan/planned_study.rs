@@ -28,12 +28,8 @@ use crate::study::sampling::draw::DrawKey;
 /// function of the study and its number, and is computed on request.
 #[derive(Clone, Debug)]
 pub struct Study {
-    pub(in crate::study) name: String,
-    pub(in crate::study) seed: u64,
     pub(in crate::study) base: Base,
     pub(in crate::study) simulation: Simulation,
-    pub(in crate::study) audit: Option<Audit>,
-    pub(in crate::study) precision: Option<Precision>,
     pub(in crate::study) blocks: Vec<Block>,
     pub(in crate::study) swept_parameters: Vec<Parameter>,
     pub(in crate::study) swept: Vec<VariedParameter>,
@@ -113,17 +109,17 @@ pub struct PlannedRun {
 impl Study {
     /// Returns the name of the study.
     pub fn name(&self) -> &str {
-        &self.name
+        &self.resolved.file.name
     }
 
     /// Returns the seed of all random numbers.
     pub fn seed(&self) -> u64 {
-        self.seed
+        self.resolved.file.seed
     }
 
     /// Returns a seed that is derived from the master seed for a purpose and a number.
     pub fn derived_seed(&self, purpose: &str, number: u64) -> u64 {
-        DrawKey::new(self.seed, purpose, "").bits(0, number)
+        DrawKey::new(self.seed(), purpose, "").bits(0, number)
     }
 
     /// Returns whether another master seed gives other runs. It does not if all start states are
@@ -178,12 +174,12 @@ impl Study {
 
     /// Returns the audit, if there is one.
     pub fn audit(&self) -> Option<Audit> {
-        self.audit
+        self.resolved.file.audit
     }
 
     /// Returns the requested precision of the fraction of equilibria, if the study has one.
     pub fn precision(&self) -> Option<Precision> {
-        self.precision
+        self.resolved.file.precision
     }
 
     /// Returns the number of planned runs. With a precision, this is the largest number, for which
@@ -301,7 +297,7 @@ impl Study {
         let id = design.identify(sample);
         let mut values = block.values(local_point);
         let uncertain = self.drawn(&values, &self.drawn_fractions(of_point, sample));
-        let audited = self.audit.is_some_and(|audit| audit.chooses(self.seed, &values, id));
+        let audited = self.audit().is_some_and(|audit| audit.chooses(self.seed(), &values, id));
         let model = if uncertain.is_empty() {
             point.model
         } else {

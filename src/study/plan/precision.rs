@@ -1,21 +1,36 @@
 //! The requested precision of the fraction of equilibria and of amplitudes, and the number of runs per point.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::study_file::PrecisionFile;
+use crate::study::file::values::Count;
 use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::sampling::sampling_design::Design;
 
-/// Sequential sampling: each point receives whole replicates of its design until the fraction of
-/// equilibria and the quantiles of the amplitude are known to this precision.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Sequential sampling: adds whole replicates of the design at each point until the 95 % confidence
+/// intervals of the given columns are narrow enough; only for `stratified`, `monte_carlo` and
+/// `sobol`.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "PrecisionFile")]
 pub struct Precision {
-    /// Half width of the fraction's 95 % confidence interval at which sampling stops, above 0 and
-    /// below 0.5; `None` if the fraction does not matter.
+    /// Half width of the 95 % confidence interval (`ci_low` to `ci_high`) at which sampling stops;
+    /// above 0, below 0.5.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 0.5))]
     pub equilibrium_fraction: Option<f64>,
-    /// Half widths of the 95 % confidence intervals of the amplitude's quantiles 5, 50 and 95 %, m, likewise.
-    pub amplitude_m: [Option<f64>; 3],
-    /// Largest number of runs at a point; the runs of the design itself are always computed.
-    pub max_runs: u64,
+    /// Half width of the 95 % confidence interval of the quantile 5 % of the amplitude, m; above 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub amplitude_p05_m: Option<f64>,
+    /// Half width of the 95 % confidence interval of the median amplitude, m; above 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub amplitude_p50_m: Option<f64>,
+    /// Half width of the 95 % confidence interval of the quantile 95 % of the amplitude, m; above 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub amplitude_p95_m: Option<f64>,
+    /// Largest number of runs at each point; the runs of the design itself are always computed, and
+    /// a Sobol' sequence ends after 65,536.
+    pub max_runs: Count,
 }
 
 /// The number of runs of a point.
@@ -31,60 +46,51 @@ pub struct Sampling {
 }
 
 impl Precision {
-    /// Validates the precision of a study file.
+    /// Checks the precision of a study file.
     ///
     /// # Errors
     /// Returns an error if there is no half width, if that of the fraction is not above 0 and below 0.5, or if that of an
     /// amplitude is not above 0.
-    pub(in crate::study) fn resolve(
-        source: &Source,
-        written: Option<&PrecisionFile>,
-    ) -> Result<Option<Precision>, StudyError> {
-        let Some(file) = written.copied() else { return Ok(None) };
-        let PrecisionFile { equilibrium_fraction, max_runs, .. } = file;
-        let amplitude_m = [file.amplitude_p05_m, file.amplitude_p50_m, file.amplitude_p95_m];
+    pub(in crate::study) fn check(&self, source: &Source) -> Result<(), StudyError> {
         let path = source.path("precision");
-        let refuse = |key: &str, half_width: f64, range: &str| {
-            let allowed = format!("half the width of the confidence interval, {range}");
-            let fault = Fault::new("not a half width", describe_number(half_width), allowed);
-            Err(path.key(key).refuse_value(fault))
-        };
-        match equilibrium_fraction {
-            Some(half) if !(0.0 < half && half < 0.5) => {
-                let range = "above 0 and below 0.5, such as 0.02";
-                return refuse("equilibrium_fraction", half, range);
-            }
-            None if amplitude_m == [None; 3] => {
-                let allowed = "at least one half width, such as equilibrium_fraction: 0.02 or \
-                               amplitude_p95_m: 1.0e-6";
-                let fault = Fault::new("no interval", "only max_runs", allowed);
-                return Err(path.refuse_value(fault));
-            }
-            _ => {}
+        let half_widths = self.half_widths();
+        if half_widths.is_empty() {
+            let allowed = "at least one half width, such as equilibrium_fraction: 0.02 or \
+                           amplitude_p95_m: 1.0e-6";
+            return Err(path.refuse_value(Fault::new("no interval", "only max_runs", allowed)));
         }
-        for (half, name) in amplitude_m.into_iter().zip(Precision::AMPLITUDES) {
-            if let Some(half) = half.filter(|half| *half <= 0.0) {
-                return refuse(name, half, "above 0, such as 1.0e-6");
+        for (name, half_width, unit) in half_widths {
+            let (most, range) = match unit {
+                "" => (0.5, "above 0 and below 0.5, such as 0.02"),
+                _ => (f64::INFINITY, "above 0, such as 1.0e-6"),
+            };
+            if !(0.0 < half_width && half_width < most) {
+                let allowed = format!("half the width of the confidence interval, {range}");
+                let fault = Fault::new("not a half width", describe_number(half_width), allowed);
+                return Err(path.key(name).refuse_value(fault));
             }
         }
-        Ok(Some(Precision { equilibrium_fraction, amplitude_m, max_runs: max_runs.0 }))
+        Ok(())
     }
 
-    /// The columns whose intervals [`Precision::amplitude_m`] limits.
-    pub const AMPLITUDES: [&'static str; 3] =
-        ["amplitude_p05_m", "amplitude_p50_m", "amplitude_p95_m"];
+    /// Returns the half widths of the amplitude's quantiles 5, 50 and 95 %, m.
+    pub fn amplitudes_m(&self) -> [Option<f64>; 3] {
+        [self.amplitude_p05_m, self.amplitude_p50_m, self.amplitude_p95_m]
+    }
 
     /// Returns the half widths by column, with their units.
     pub fn half_widths(&self) -> Vec<(&'static str, f64, &'static str)> {
         let fraction = self.equilibrium_fraction.map(|half| ("equilibrium_fraction", half, ""));
-        let amplitudes = Precision::AMPLITUDES.into_iter().zip(self.amplitude_m);
+        let amplitudes = ["amplitude_p05_m", "amplitude_p50_m", "amplitude_p95_m"]
+            .into_iter()
+            .zip(self.amplitudes_m());
         let amplitudes = amplitudes.filter_map(|(name, half)| Some((name, half?, " m")));
         fraction.into_iter().chain(amplitudes).collect()
     }
 
     /// Returns what is narrow enough, in words.
     pub fn in_words(&self) -> String {
-        if let (Some(half), [None, None, None]) = (self.equilibrium_fraction, self.amplitude_m) {
+        if let (Some(half), [None, None, None]) = (self.equilibrium_fraction, self.amplitudes_m()) {
             return format!("the half width of the 95 % interval is at most {half}");
         }
         let each = self.half_widths().into_iter().map(|(name, half, unit)| {
@@ -113,7 +119,7 @@ impl Sampling {
             let allowed = "stratified, monte_carlo or sobol, or no `precision`";
             return Err(Fault::new("a design that cannot be enlarged", design.kind(), allowed));
         };
-        let limit = precision.max_runs.min(own_longest).min(longest);
+        let limit = precision.max_runs.0.min(own_longest).min(longest);
         Ok(Sampling { first, replicate, most: (limit - limit % replicate).max(first) })
     }
 }

@@ -18,7 +18,7 @@ impl Study {
     /// Returns only errors that parsing the study itself would return.
     pub fn with_seed(&self, seed: u64) -> Result<Study, StudyError> {
         let file = StudyFile { seed, ..self.resolved.file.clone() };
-        Study::parse(Path::new(&self.name), to_yaml(&file))
+        Study::parse(Path::new(self.name()), to_yaml(&file))
     }
 
     /// Returns the complete study file as plain values.

@@ -1,11 +1,11 @@
 //! Resolution of the model, with all defaults.
 
-use crate::model::{Ball, MAX_BALLS, Machine, Model, ModelKind, NormalForce, ParameterDescriptor};
+use crate::model::{Ball, MAX_BALLS, Machine, Model, ModelKind, ParameterDescriptor};
 use crate::study::error::{Fault, StudyError, list_keys, shorten};
 use crate::study::file::balls::{BallFile, Balls};
 use crate::study::file::parameters_file::{BALLS, KindFile, ParametersFile, parameter_keys};
 use crate::study::file::source_path::SourcePath;
-use crate::study::file::study_file::{ModelFile, NormalForceKind};
+use crate::study::file::study_file::ModelFile;
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::yaml_tree::{Content, Source, describe_number};
 use crate::study::plan::parameter::{Parameter, ParameterValue};
@@ -64,10 +64,7 @@ impl Base {
         }
         let (mut general, mut own, mut random_kicks) = (Ball::default(), Vec::new(), Vec::new());
         if let Some(machine) = model.ball_balancer_mut() {
-            machine.normal_force = match written.normal_force {
-                None | Some(NormalForceKind::Lagrange) => NormalForce::Lagrange,
-                Some(NormalForceKind::Newton) => NormalForce::Newton,
-            };
+            machine.normal_force = written.normal_force.unwrap_or(machine.normal_force);
             machine.contact = resolve_contact(source, written.contact.as_ref())?;
             general = machine.balls.first().copied().unwrap_or_default();
             own = own_values(&path.key("balls"), given.balls.as_ref())?;
@@ -241,15 +238,11 @@ impl Base {
             true => Balls::Each(self.own.clone()),
             false => Balls::Number(self.own.len() as u64),
         });
-        let normal_force = machine.map(|machine| match machine.normal_force {
-            NormalForce::Lagrange => NormalForceKind::Lagrange,
-            NormalForce::Newton => NormalForceKind::Newton,
-        });
         ModelFile {
             kind: KindFile(kind),
             parameters: Some(parameters),
             friction: Some(friction_to_file(self.model.friction(), kind.sliding_speed)),
-            normal_force,
+            normal_force: machine.map(|machine| machine.normal_force),
             contact: machine.map(|machine| contact_to_file(machine.contact)),
             speed_profile: machine
                 .and_then(|machine| machine.speed_profile.as_ref())

@@ -1,8 +1,8 @@
 //! Resolution of the simulation settings, with all defaults.
 
-use crate::model::{Endings, Method, Simulation};
+use crate::model::Simulation;
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::study_file::{EndingsKind, MethodKind, SimulationFile, ToleranceFile};
+use crate::study::file::study_file::{SimulationFile, ToleranceFile};
 use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::resolve::extend::{extend_to_file, resolve_extend};
 
@@ -52,17 +52,11 @@ pub(crate) fn resolve_simulation(
     let extend = given.extend.as_ref();
     let extend = extend.map(|written| resolve_extend(source, written, end_time_s)).transpose()?;
     Ok(Simulation {
-        method: match given.method {
-            None | Some(MethodKind::Switch) => Method::Switch,
-            Some(MethodKind::Event) => Method::Event,
-        },
+        method: given.method.unwrap_or(default.method),
         band,
         end_time_s,
         extend,
-        endings: match given.endings {
-            None | Some(EndingsKind::All) => Endings::All,
-            Some(EndingsKind::Rest) => Endings::Rest,
-        },
+        endings: given.endings.unwrap_or(default.endings),
         relative_tolerance: positive(
             "simulation.tolerance.relative",
             tolerance.relative,
@@ -79,17 +73,11 @@ pub(crate) fn resolve_simulation(
 /// Returns the settings in the form of a study file, with all values.
 pub(crate) fn simulation_to_file(simulation: &Simulation) -> SimulationFile {
     SimulationFile {
-        method: Some(match simulation.method {
-            Method::Switch => MethodKind::Switch,
-            Method::Event => MethodKind::Event,
-        }),
+        method: Some(simulation.method),
         band: Some(simulation.band),
         end_time_s: Some(simulation.end_time_s),
         extend: simulation.extend.map(extend_to_file),
-        endings: Some(match simulation.endings {
-            Endings::All => EndingsKind::All,
-            Endings::Rest => EndingsKind::Rest,
-        }),
+        endings: Some(simulation.endings),
         tolerance: Some(ToleranceFile {
             relative: Some(simulation.relative_tolerance),
             absolute: Some(simulation.absolute_tolerance),

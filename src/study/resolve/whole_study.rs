@@ -21,10 +21,8 @@ use crate::study::file::table_folders::TableFolders;
 use crate::study::file::unit_keys::read_units;
 use crate::study::file::values::Range;
 use crate::study::file::yaml_tree::{Content, Source};
-use crate::study::plan::audit::Audit;
 use crate::study::plan::parameter::{Parameter, VariedParameter};
 use crate::study::plan::planned_study::Study;
-use crate::study::plan::precision::Precision;
 use crate::study::plan::sweep::Listing;
 use crate::study::plan::variable::Variable;
 use crate::study::resolve::determined::determined;
@@ -162,8 +160,8 @@ fn resolve(
     let ends_s = base.model.end_time_s();
     let simulation = resolve_simulation(source, written.simulation.as_ref(), ends_s)?;
     check_kicks(source, &base.model, &simulation)?;
-    let audit = Audit::resolve(source, written.audit.as_ref())?;
-    let precision = Precision::resolve(source, written.precision.as_ref())?;
+    written.audit.map_or(Ok(()), |audit| audit.check(source))?;
+    written.precision.map_or(Ok(()), |precision| precision.check(source))?;
     let mut blocks = resolve_blocks(source, written, folders, &base)?;
     let base = base_of_all_points(source, &blocks, base)?;
     let conditions = source.path("initial_conditions");
@@ -233,17 +231,13 @@ fn resolve(
         base: &base,
         start_box: &start_box,
         seed: written.seed,
-        precision: precision.as_ref(),
+        precision: written.precision.as_ref(),
         uncertain: &sampling,
     };
     let blocks = number_runs(blocks, &designs, &setting)?;
     let mut study = Study {
-        name: written.name.clone(),
-        seed: written.seed,
         base,
         simulation,
-        audit,
-        precision,
         blocks,
         swept: swept_parameters.iter().map(column).collect(),
         swept_parameters,
