@@ -72,7 +72,7 @@ impl Study {
     fn design_of(&self, rows: &Rows<'_>, row: usize) -> Result<Vec<DesignValue>, StudyError> {
         let mut values = Vec::with_capacity(self.variables.len());
         for variable in &self.variables {
-            let column = rows.columns.iter().position(|name| *name == variable.name);
+            let column = rows.column(&variable.name);
             // The caller has checked that each variable has a column.
             let entry = column.and_then(|column| rows.rows[row].get(column));
             let value = match entry {

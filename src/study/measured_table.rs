@@ -121,7 +121,7 @@ impl Study {
         row: usize,
         angles: &[String],
     ) -> Result<MeasuredRun, StudyError> {
-        let place = |name: &str| rows.columns.iter().position(|column| column == name);
+        let place = |name: &str| rows.column(name);
         let number = |name: &str, allowed: &str| -> Result<Option<f64>, StudyError> {
             let Some(column) = place(name) else { return Ok(None) };
             match &rows.rows[row][column] {
@@ -171,7 +171,7 @@ impl Study {
     /// Returns the only point whose swept values are those of a row.
     fn measured_point(&self, rows: &Rows<'_>, row: usize) -> Result<u64, StudyError> {
         let values = |name: &String| {
-            let column = rows.columns.iter().position(|column| column == name)?;
+            let column = rows.column(name)?;
             Some(&rows.rows[row][column])
         };
         let agrees = |point_id: &u64| {

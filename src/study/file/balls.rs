@@ -21,6 +21,22 @@ pub struct BallFile {
     pub friction_coefficient: Option<f64>,
 }
 
+impl BallFile {
+    /// Returns the values by key and by the name of the parameter of all balls.
+    pub fn values(&self) -> [(&'static str, &'static str, Option<f64>); 3] {
+        [
+            ("mass_kg", "ball_mass_kg", self.mass_kg),
+            ("diameter_m", "ball_diameter_m", self.diameter_m),
+            ("friction_coefficient", "friction_coefficient", self.friction_coefficient),
+        ]
+    }
+
+    /// Returns the value of the parameter of all balls with this name.
+    pub fn value(&self, general: &str) -> Option<f64> {
+        self.values().into_iter().find(|(_, name, _)| *name == general)?.2
+    }
+}
+
 /// Number of balls, or a list with one entry per ball.
 #[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]
 #[serde(untagged)]

@@ -7,8 +7,8 @@ use std::ptr;
 
 use serde::de::value::{MapDeserializer, SeqDeserializer, StrDeserializer};
 use serde::de::{
-    DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, Expected, IntoDeserializer,
-    Unexpected, VariantAccess, Visitor,
+    DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, Error as _, Expected,
+    IntoDeserializer, Unexpected, VariantAccess, Visitor,
 };
 use serde::forward_to_deserialize_any;
 
@@ -228,23 +228,25 @@ impl<'de> Deserializer<'de> for &'de Node {
         variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Self::Error> {
-        let value = match &self.content {
-            Content::Text(_) => visitor.visit_enum(Choice { name: self, value: None }),
+        let (name, value) = match &self.content {
+            Content::Text(_) => (self, None),
             Content::Placeholder => {
                 let first = variants.first().copied().unwrap_or_default();
                 let first: StrDeserializer<'_, Self::Error> = first.into_deserializer();
-                visitor.visit_enum(first)
+                return visitor.visit_enum(first).map_err(|error| error.at(self));
             }
-            Content::Map(entries) if entries.len() == 1 => {
-                let (name, value) = &entries[0];
-                visitor.visit_enum(Choice { name, value: Some(value) })
-            }
+            Content::Map(entries) if entries.len() == 1 => (&entries[0].0, Some(&entries[0].1)),
             _ => {
                 let allowed = format!("one of {}", variants.join(", "));
-                Err(DecodeError::new(Fault::new("not a choice", self.describe(), allowed)))
+                let fault = Fault::new("not a choice", self.describe(), allowed);
+                return Err(DecodeError::new(fault).at(self));
             }
         };
-        value.map_err(|error| error.at(self))
+        if !variants.contains(&name.name()) {
+            let unknown = DecodeError::unknown_variant(name.name(), variants);
+            return Err(DecodeError { place: Some(name.place), ..unknown }.at(self));
+        }
+        visitor.visit_enum(Choice { name, value }).map_err(|error| error.at(self))
     }
 
     /// Accepts keys and values only: serde's derived structs would also accept a list of the values
@@ -255,8 +257,15 @@ impl<'de> Deserializer<'de> for &'de Node {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Self::Error> {
-        match self.content {
-            Content::Map(_) => return self.deserialize_any(visitor),
+        match &self.content {
+            Content::Map(entries) => {
+                let unknown = entries.iter().find(|(key, _)| !fields.contains(&key.name()));
+                if let Some((key, _)) = unknown {
+                    let error = DecodeError::unknown_field(key.name(), fields);
+                    return Err(error.at(key));
+                }
+                return self.deserialize_any(visitor);
+            }
             Content::Placeholder => {
                 let empty: [(&Node, &Node); 0] = [];
                 let keys = MapDeserializer::new(empty.into_iter());
@@ -300,9 +309,7 @@ impl<'de> EnumAccess<'de> for Choice<'de> {
         seed: V,
     ) -> Result<(V::Value, Choice<'de>), Self::Error> {
         let name: StrDeserializer<'_, Self::Error> = self.name.name().into_deserializer();
-        let place = Some(self.name.place);
-        let variant = seed.deserialize(name).map_err(|error| DecodeError { place, ..error })?;
-        Ok((variant, self))
+        Ok((seed.deserialize(name)?, self))
     }
 }
 

@@ -7,12 +7,12 @@ use std::sync::LazyLock;
 
 use indexmap::IndexMap;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, EnumAccess, Error, MapAccess, VariantAccess, Visitor};
 use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use super::name::Name;
 use super::schema_parts::capital;
 use crate::model::{Dimension, FRICTION_LAWS, Law, LawParameter, Lowest, SlidingSpeed};
 
@@ -22,7 +22,7 @@ pub struct FrictionFile {
     /// The law.
     pub law: &'static dyn Law,
     /// The values, by name.
-    pub values: IndexMap<&'static str, f64>,
+    pub values: IndexMap<String, f64>,
 }
 
 /// The names of all laws.
@@ -84,13 +84,14 @@ impl<'de> Visitor<'de> for LawVisitor {
     }
 
     fn visit_enum<A: EnumAccess<'de>>(self, access: A) -> Result<FrictionFile, A::Error> {
-        let (index, settings) = access.variant_seed(Name::of_choice(&NAMES))?;
+        let (name, settings): (String, _) = access.variant()?;
+        let index = NAMES.iter().position(|law| *law == name);
+        let index = index.ok_or_else(|| A::Error::unknown_variant(&name, &NAMES))?;
         let law = FRICTION_LAWS[index];
-        if law.parameters().is_empty() {
-            settings.unit_variant()?;
-            return Ok(FrictionFile { law, values: IndexMap::new() });
-        }
-        let values = settings.struct_variant(&KEYS[index], Settings(index))?;
+        let values = match law.parameters() {
+            [] => settings.unit_variant().map(|()| IndexMap::new())?,
+            _ => settings.struct_variant(&KEYS[index], Settings(index))?,
+        };
         Ok(FrictionFile { law, values })
     }
 }
@@ -99,17 +100,14 @@ impl<'de> Visitor<'de> for LawVisitor {
 struct Settings(usize);
 
 impl<'de> Visitor<'de> for Settings {
-    type Value = IndexMap<&'static str, f64>;
+    type Value = IndexMap<String, f64>;
 
     fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "{}", KEYS[self.0].join(", "))
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-        let mut values = IndexMap::new();
-        while let Some(index) = map.next_key_seed(Name::of_key(&KEYS[self.0]))? {
-            values.insert(KEYS[self.0][index], map.next_value()?);
-        }
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+        let values = IndexMap::deserialize(MapAccessDeserializer::new(map))?;
         // A missing speed is found when the unit of the model is known.
         for parameter in FRICTION_LAWS[self.0].parameters() {
             let [one, other] = parameter.names();

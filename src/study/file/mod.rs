@@ -8,7 +8,6 @@ pub mod distribution_file;
 pub(in crate::study) mod friction_file;
 pub mod identify_file;
 pub(in crate::study) mod key_path;
-pub(in crate::study) mod name;
 mod notations;
 pub mod optimize_file;
 pub(in crate::study) mod parameters_file;

@@ -12,7 +12,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::balls::Balls;
-use super::name::Name;
 use super::schema_parts::parameters_schema;
 use crate::model::{ModelKind, model_kinds};
 
@@ -27,7 +26,7 @@ pub struct KindFile(pub &'static ModelKind);
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ParametersFile {
     /// The numbers by name, in the order of the file.
-    pub numbers: IndexMap<&'static str, f64>,
+    pub numbers: IndexMap<String, f64>,
     /// The balls.
     pub balls: Option<Balls>,
 }
@@ -70,9 +69,10 @@ impl<'de> Visitor<'de> for KindVisitor {
     }
 
     fn visit_enum<A: EnumAccess<'de>>(self, access: A) -> Result<KindFile, A::Error> {
-        let (index, settings) = access.variant_seed(Name::of_choice(&KINDS))?;
+        let (name, settings): (String, _) = access.variant()?;
         settings.unit_variant()?;
-        Ok(KindFile(model_kinds()[index]))
+        let kind = ModelKind::named(&name);
+        kind.map(KindFile).ok_or_else(|| A::Error::unknown_variant(&name, &KINDS))
     }
 }
 
@@ -111,14 +111,10 @@ impl<'de> Visitor<'de> for ParametersVisitor {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<ParametersFile, A::Error> {
         let mut file = ParametersFile::default();
-        while let Some(index) = map.next_key_seed(Name::of_key(&KEYS))? {
-            match KEYS[index] {
+        while let Some(name) = map.next_key::<String>()? {
+            match name.as_str() {
                 BALLS => file.balls = Some(map.next_value()?),
-                name => {
-                    if file.numbers.insert(name, map.next_value()?).is_some() {
-                        return Err(A::Error::duplicate_field(name));
-                    }
-                }
+                _ => _ = file.numbers.insert(name, map.next_value()?),
             }
         }
         Ok(file)

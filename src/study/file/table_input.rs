@@ -177,6 +177,35 @@ impl<'a> Rows<'a> {
         Ok(self)
     }
 
+    /// Returns the numbers of these columns in this order, row by row.
+    ///
+    /// # Errors
+    /// Returns an error if the table lacks a column, or if a value is not a number.
+    pub fn numbers(&self, names: &[String]) -> Result<Vec<Vec<f64>>, StudyError> {
+        let column = |name: &String| {
+            let fault = || {
+                Fault::new("a missing column", self.column_names(), format!("a column `{name}`"))
+            };
+            self.column(name).ok_or_else(|| self.refuse(None, None, fault()))
+        };
+        let order = names.iter().map(column).collect::<Result<Vec<usize>, _>>()?;
+        let number = |row: usize, column: usize| match &self.rows[row][column] {
+            Entry::Number(number) => Ok(*number),
+            Entry::Text(text) => {
+                let found = format!("text {:?}", shorten(text));
+                let fault = Fault::new("not a number", found, "a number");
+                Err(self.refuse(Some(row), Some(column), fault))
+            }
+        };
+        let numbers = |row| order.iter().map(|&column| number(row, column)).collect();
+        (0..self.rows.len()).map(numbers).collect()
+    }
+
+    /// Returns the place of the column with this name.
+    pub fn column(&self, name: &str) -> Option<usize> {
+        self.columns.iter().position(|column| column == name)
+    }
+
     /// Returns the names of the columns, for messages.
     pub fn column_names(&self) -> String {
         match self.columns.len() {

@@ -96,6 +96,14 @@ pub struct InlineTable {
     pub rows: Vec<Vec<Entry>>,
 }
 
+impl TableSource {
+    /// Returns an inline table of numbers.
+    pub fn of_numbers<'a>(columns: Vec<String>, rows: impl Iterator<Item = &'a [f64]>) -> Self {
+        let row = |row: &[f64]| row.iter().copied().map(Entry::Number).collect();
+        TableSource::Inline(InlineTable { columns, rows: rows.map(row).collect() })
+    }
+}
+
 notations! {
     TableSource: "the path of a CSV or Parquet file, or {columns: [...], rows: [[...], ...]}",
     text => |path: &str| Some(TableSource::File(path.to_owned())),

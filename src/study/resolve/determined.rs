@@ -56,7 +56,7 @@ fn mentioned(written: &StudyFile, swept: &[Parameter]) -> Vec<(&'static str, Str
     let mut all: Vec<(&'static str, String)> = Vec::new();
     let parameters = written.model.parameters.as_ref();
     if let Some(parameters) = parameters {
-        all.extend(parameters.numbers.keys().map(|name| ("model.parameters", (*name).to_owned())));
+        all.extend(parameters.numbers.keys().map(|name| ("model.parameters", name.clone())));
         if let Some(Balls::Each(balls)) = &parameters.balls {
             let has_mass = balls.iter().any(|ball| ball.mass_kg.is_some());
             all.extend(has_mass.then(|| ("model.parameters.balls", "ball_mass_kg".to_owned())));

@@ -50,6 +50,7 @@ pub(in crate::study) fn check_friction(source: &Source, model: &Model) -> Result
 /// Returns the law in the form of a study file.
 pub(in crate::study) fn friction_to_file(law: &FrictionLaw, unit: SlidingSpeed) -> FrictionFile {
     let names = law.law().parameters().iter().map(|parameter| parameter.name(unit));
-    let values: IndexMap<_, _> = names.zip(law.values().iter().copied()).collect();
+    let values: IndexMap<_, _> =
+        names.map(str::to_owned).zip(law.values().iter().copied()).collect();
     FrictionFile { law: law.law(), values }
 }

@@ -56,7 +56,7 @@ impl Base {
             }
             let Some(parameter) = Parameter::find(name, &model) else {
                 let problem = format!("not a parameter of {}", model.kind().name);
-                let fault = Fault::new(problem, *name, parameter_names(kind).join(", "));
+                let fault = Fault::new(problem, name.as_str(), parameter_names(kind).join(", "));
                 return Err(path.key(name).refuse_key(fault));
             };
             parameter.check(*value, &model).map_err(|fault| path.key(name).refuse_value(fault))?;
@@ -168,7 +168,7 @@ impl Base {
             return Ok(());
         }
         let name = parameter.name();
-        let has_own = |ball: &BallFile| own_value(ball, &name).is_some();
+        let has_own = |ball: &BallFile| ball.value(&name).is_some();
         match self.own.iter().position(has_own) {
             None => Ok(()),
             Some(index) => {
@@ -193,7 +193,7 @@ impl Base {
         };
         let mut own = (1..).zip(&self.own);
         own.any(|(number, ball)| {
-            general.of_one_member(number) == parameter && own_value(ball, &general.name()).is_some()
+            general.of_one_member(number) == parameter && ball.value(&general.name()).is_some()
         })
     }
 
@@ -202,7 +202,7 @@ impl Base {
         let name = general.name();
         general.is_general()
             && general.is_of_balls()
-            && self.own.iter().all(|ball| own_value(ball, &name).is_some())
+            && self.own.iter().all(|ball| ball.value(&name).is_some())
     }
 
     /// Returns the whole numbers of the model, such as a number of bodies, with their names.
@@ -229,10 +229,11 @@ impl Base {
                 continue;
             }
             if let Some(ParameterValue::Number(number)) = own {
-                parameters.numbers.insert(parameter.name, number);
+                parameters.numbers.insert(parameter.name.to_owned(), number);
             }
         }
-        parameters.numbers.extend(self.counts());
+        let counts = self.counts().map(|(name, number)| (name.to_owned(), number));
+        parameters.numbers.extend(counts);
         let machine = self.model.ball_balancer();
         parameters.balls = machine.map(|_| match self.has_own() {
             true => Balls::Each(self.own.clone()),
@@ -348,11 +349,7 @@ fn own_values(path: &SourcePath<'_>, balls: Option<&Balls>) -> Result<Vec<BallFi
         return Ok((0..number).map(|_| BallFile::default()).collect());
     };
     for (index, ball) in own.iter().enumerate() {
-        for (key, general, value) in [
-            ("mass_kg", "ball_mass_kg", ball.mass_kg),
-            ("diameter_m", "ball_diameter_m", ball.diameter_m),
-            ("friction_coefficient", "friction_coefficient", ball.friction_coefficient),
-        ] {
+        for (key, general, value) in ball.values() {
             let form = Model::from(Machine::default());
             if let (Some(parameter), Some(value)) = (Parameter::find(general, &form), value) {
                 parameter
@@ -362,16 +359,6 @@ fn own_values(path: &SourcePath<'_>, balls: Option<&Balls>) -> Result<Vec<BallFi
         }
     }
     Ok(own.clone())
-}
-
-/// Returns a ball's own value of the parameter of all balls with this name.
-fn own_value(ball: &BallFile, general: &str) -> Option<f64> {
-    match general {
-        "ball_mass_kg" => ball.mass_kg,
-        "ball_diameter_m" => ball.diameter_m,
-        "friction_coefficient" => ball.friction_coefficient,
-        _ => None,
-    }
 }
 
 fn overlay(general: Ball, own: &BallFile) -> Ball {

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use crate::model::Model;
-use crate::study::error::{Fault, StudyError, shorten};
+use crate::study::error::{Fault, StudyError};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::DesignFile;
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;
-use crate::study::file::values::{Entry, InlineTable, TableSource};
+use crate::study::file::values::TableSource;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::sampling::apart::first_overlap;
 use crate::study::sampling::initial_box::{BoxAxis, axis_names};
@@ -100,27 +100,7 @@ fn resolve_starts<'a>(
 ) -> Result<ResolvedDesign<'a>, StudyError> {
     let names = axis_names(model);
     let read = Rows::read(folders, &path.key("table"), table, &names)?;
-    let column = |name: &String| {
-        read.columns.iter().position(|column| column == name).ok_or_else(|| {
-            let found = read.column_names();
-            let fault = Fault::new("a missing column", found, format!("a column `{name}`"));
-            read.refuse(None, None, fault)
-        })
-    };
-    let order = names.iter().map(column).collect::<Result<Vec<usize>, _>>()?;
-    let coordinates = |(row, values): (usize, &Vec<Entry>)| {
-        let number = |&column: &usize| match &values[column] {
-            Entry::Number(number) => Ok(*number),
-            Entry::Text(text) => {
-                let found = format!("text {:?}", shorten(text));
-                let fault = Fault::new("not a number", found, "a number");
-                Err(read.refuse(Some(row), Some(column), fault))
-            }
-        };
-        order.iter().map(number).collect()
-    };
-    let rows: Vec<Vec<f64>> =
-        read.rows.iter().enumerate().map(coordinates).collect::<Result<_, _>>()?;
+    let rows = read.numbers(&names)?;
     if let Some(machine) = model.ball_balancer().filter(|machine| machine.contact.is_some()) {
         for (row, values) in rows.iter().enumerate() {
             if let Some(overlap) = first_overlap(machine, &values[2..2 + machine.balls.len()]) {
@@ -138,16 +118,10 @@ fn resolve_starts<'a>(
             }
         }
     }
-    let inline = InlineTable {
-        columns: names.clone(),
-        rows: rows
-            .iter()
-            .map(|row| row.iter().map(|number| Entry::Number(*number)).collect())
-            .collect(),
-    };
+    let file = TableSource::of_numbers(names.clone(), rows.iter().map(Vec::as_slice));
     Ok(ResolvedDesign {
         layout: Layout::Table { rows: Arc::new(rows) },
-        file: DesignFile::Table(TableSource::Inline(inline)),
+        file: DesignFile::Table(file),
         path: path.clone(),
         given: names,
     })

@@ -1,14 +1,14 @@
 //! Resolution of the speed profile and the disturbances, and the reverse.
 
 use crate::model::{Kick, Machine, Model, ProfilePart, Ramp, RampShape, Simulation, SpeedProfile};
-use crate::study::error::{Fault, StudyError, shorten};
+use crate::study::error::{Fault, StudyError};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::stages_file::{
     DirectionFile, DisturbanceFile, KickFile, ProfilePartFile, RampFile,
 };
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;
-use crate::study::file::values::{Entry, InlineTable, TableSource};
+use crate::study::file::values::TableSource;
 use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::parameter::MOST_MEMBERS;
 
@@ -127,35 +127,15 @@ fn speeds(
 ) -> Result<Vec<[f64; 2]>, StudyError> {
     let names = COLUMNS.map(str::to_owned);
     let read = Rows::read(folders, path, table, &names)?;
-    let column = |name: &&str| {
-        read.columns.iter().position(|column| column == name).ok_or_else(|| {
-            let found = read.column_names();
-            let fault = Fault::new("a missing column", found, format!("a column `{name}`"));
-            read.refuse(None, None, fault)
-        })
-    };
-    let order = COLUMNS.iter().map(column).collect::<Result<Vec<usize>, _>>()?;
+    let numbers = read.numbers(&names)?;
     let mut rows: Vec<[f64; 2]> = Vec::new();
-    for (row, values) in read.rows.iter().enumerate() {
-        let mut own = [0.0; 2];
-        for (value, &column) in own.iter_mut().zip(&order) {
-            *value = match &values[column] {
-                Entry::Number(number) => *number,
-                Entry::Text(text) => {
-                    let found = format!("text {:?}", shorten(text));
-                    let fault = Fault::new("not a number", found, "a number");
-                    return Err(read.refuse(Some(row), Some(column), fault));
-                }
-            };
-        }
+    for (row, own) in numbers.iter().enumerate() {
+        let own = [own[0], own[1]];
         let sound = rows.last().map_or(own[0] == 0.0, |before| own[0] > before[0]);
         if !sound {
-            let fault = Fault::new(
-                "times do not ascend from 0",
-                describe_number(own[0]),
-                "0 in the first row, then later times",
-            );
-            return Err(read.refuse(Some(row), Some(order[0]), fault));
+            let allowed = "0 in the first row, then later times";
+            let fault = Fault::new("times do not ascend from 0", describe_number(own[0]), allowed);
+            return Err(read.refuse(Some(row), read.column(COLUMNS[0]), fault));
         }
         rows.push(own);
     }
@@ -258,10 +238,11 @@ pub(in crate::study) fn profile_to_file(profile: &SpeedProfile) -> Vec<ProfilePa
             }
         }
         ProfilePart::Hold(lasts_s) => ProfilePartFile::HoldS(lasts_s.unwrap_or_default()),
-        ProfilePart::Table(rows) => ProfilePartFile::Table(TableSource::Inline(InlineTable {
-            columns: COLUMNS.map(str::to_owned).to_vec(),
-            rows: rows.iter().map(|row| row.map(Entry::Number).to_vec()).collect(),
-        })),
+        ProfilePart::Table(rows) => {
+            let columns = COLUMNS.map(str::to_owned).to_vec();
+            let rows = rows.iter().map(|row| &row[..]);
+            ProfilePartFile::Table(TableSource::of_numbers(columns, rows))
+        }
     };
     profile.parts.iter().enumerate().map(part).collect()
 }

@@ -120,7 +120,7 @@ fn resolve_table(
     base: &Base,
 ) -> Result<ResolvedBlock, StudyError> {
     let read = Rows::read(folders, path, table, &names_of_columns(base))?;
-    let place = read.columns.iter().position(|name| name == BALLS);
+    let place = read.column(BALLS);
     let listed = read.rows.iter().filter_map(|row| row.get(place?));
     let base = &with_listed_balls(base, listed);
     let mut columns = Vec::with_capacity(read.columns.len());
