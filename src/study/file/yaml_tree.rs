@@ -58,7 +58,8 @@ pub(crate) enum Content {
 pub(crate) struct Source {
     /// The name of the file.
     pub file: PathBuf,
-    text: String,
+    /// The text of the file.
+    pub text: String,
     /// The whole file; keys without units are replaced by SI keys.
     pub root: Node,
     /// The places of replaced keys, with their names in the file.

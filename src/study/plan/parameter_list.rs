@@ -71,7 +71,8 @@ impl Study {
             let place = before(&list, &|name| name.starts_with("ball_"));
             list.insert(place, self.number_of_balls());
         }
-        list.splice(0..0, self.base.counts().map(|(name, count)| self.whole_number(name, count)));
+        let count = |(name, count)| self.fixed(name, "1", ParameterValue::Number(count));
+        list.splice(0..0, self.base.counts().map(count));
         let of_law: Vec<String> = Parameter::all(&self.base.model)
             .into_iter()
             .filter(|parameter| parameter.is_of_law())
@@ -80,8 +81,11 @@ impl Study {
         let of_friction =
             |name: &str| name.starts_with("friction_") || of_law.iter().any(|own| own == name);
         let place = before(&list, &of_friction);
-        list.insert(place, self.friction_law());
-        list.extend(self.no_contact());
+        let law = ParameterValue::Text(self.base.model.friction().name());
+        list.insert(place, self.fixed("friction", "", law));
+        if self.base.model.ball_balancer().is_some_and(|machine| machine.contact.is_none()) {
+            list.push(self.fixed("contact", "", ParameterValue::Text("none")));
+        }
         list
     }
 
@@ -138,24 +142,12 @@ impl Study {
         }
     }
 
-    fn number_of_balls(&self) -> ListedParameter {
-        let numbers = self.variables.iter().find_map(|variable| variable.ball_numbers());
-        ListedParameter {
-            name: "balls".to_owned(),
-            unit: "1",
-            value: self.base.value(Parameter::BALLS),
-            is_default: !self.gives("balls"),
-            swept: self.swept_values(Parameter::BALLS),
-            uncertain: None,
-            design: numbers.map(|numbers| [*numbers.start() as f64, *numbers.end() as f64]),
-        }
-    }
-
-    fn whole_number(&self, name: &str, count: f64) -> ListedParameter {
+    /// Returns the entry of a value that nothing varies.
+    fn fixed(&self, name: &str, unit: &'static str, value: ParameterValue) -> ListedParameter {
         ListedParameter {
             name: name.to_owned(),
-            unit: "1",
-            value: ParameterValue::Number(count),
+            unit,
+            value,
             is_default: !self.gives(name),
             swept: None,
             uncertain: None,
@@ -163,27 +155,13 @@ impl Study {
         }
     }
 
-    fn friction_law(&self) -> ListedParameter {
+    fn number_of_balls(&self) -> ListedParameter {
+        let numbers = self.variables.iter().find_map(|variable| variable.ball_numbers());
         ListedParameter {
-            name: "friction".to_owned(),
-            unit: "",
-            value: ParameterValue::Text(self.base.model.friction().name()),
-            is_default: !self.gives("friction"),
-            swept: None,
-            uncertain: None,
-            design: None,
+            swept: self.swept_values(Parameter::BALLS),
+            design: numbers.map(|numbers| [*numbers.start() as f64, *numbers.end() as f64]),
+            ..self.fixed("balls", "1", self.base.value(Parameter::BALLS))
         }
-    }
-
-    /// Returns the entry that balls have no contact, if they have none.
-    fn no_contact(&self) -> Option<ListedParameter> {
-        let machine = self.base.model.ball_balancer()?;
-        machine.contact.is_none().then(|| ListedParameter {
-            name: "contact".to_owned(),
-            value: ParameterValue::Text("none"),
-            is_default: !self.gives("contact"),
-            ..self.friction_law()
-        })
     }
 
     fn swept_values(&self, parameter: Parameter) -> Option<SweptValues> {

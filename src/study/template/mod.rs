@@ -12,6 +12,7 @@ use crate::sanitize::shell_word;
 use crate::study::StudyError;
 use crate::study::defaults::defaults_of;
 use crate::study::file::resolved_yaml::write_text;
+use crate::study::file::yaml_tree::Source;
 use crate::study::plan::planned_study::Study;
 use crate::study::resolve::names::check_study_name;
 use crate::study::schema::json_schema;
@@ -81,6 +82,6 @@ impl Template {
         let resolved = study.resolved_file();
         let kind = resolved.pointer("/model/kind").and_then(|kind| kind.as_str());
         let defaults = defaults_of(kind.unwrap_or_default());
-        Ok(annotate::annotate(&source, &json_schema(), &defaults))
+        Ok(annotate::annotate(&Source::new(file, source)?, &json_schema(), &defaults))
     }
 }
