@@ -26,25 +26,9 @@ pub struct VariableFile {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ResponseFile {
     /// Mean amplitude, m; with `relative`, dimensionless.
-    AmplitudeMean {
-        /// Whether each amplitude is divided by the amplitude of the same machine without balls;
-        /// the default is `false`.
-        #[serde(default)]
-        relative: bool,
-        /// Which amplitude of each run; the default is `residual`.
-        #[serde(default)]
-        of: AmplitudeFile,
-    },
+    AmplitudeMean(Amplitude),
     /// Standard deviation of the amplitude, m; with `relative`, dimensionless.
-    AmplitudeStdDev {
-        /// Whether each amplitude is divided by the amplitude of the same machine without balls;
-        /// the default is `false`.
-        #[serde(default)]
-        relative: bool,
-        /// Which amplitude of each run; the default is `residual`.
-        #[serde(default)]
-        of: AmplitudeFile,
-    },
+    AmplitudeStdDev(Amplitude),
     /// Quantile of the amplitude, m; with `relative`, dimensionless.
     AmplitudeQuantile {
         /// Fraction of the runs below the quantile, above 0 and below 1.
@@ -59,15 +43,7 @@ pub enum ResponseFile {
         of: AmplitudeFile,
     },
     /// Largest amplitude of all runs, m; with `relative`, dimensionless.
-    AmplitudeWorst {
-        /// Whether each amplitude is divided by the amplitude of the same machine without balls;
-        /// the default is `false`.
-        #[serde(default)]
-        relative: bool,
-        /// Which amplitude of each run; the default is `residual`.
-        #[serde(default)]
-        of: AmplitudeFile,
-    },
+    AmplitudeWorst(Amplitude),
     /// Probability of an amplitude above a limit.
     AmplitudeAbove {
         /// The limit, at least 0: a number in m, or a value with a unit, such as `20 µm`; with `relative`, a number without
@@ -86,6 +62,20 @@ pub enum ResponseFile {
     AtRestByS(#[schemars(extend("exclusiveMinimum" = 0))] f64),
     /// Median time to rest (Kaplan-Meier estimator), s.
     MedianTimeToRest,
+}
+
+/// The amplitude of a response.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+#[schemars(inline, description = "")]
+pub struct Amplitude {
+    /// Whether each amplitude is divided by the amplitude of the same machine without balls;
+    /// the default is `false`.
+    #[serde(default)]
+    pub relative: bool,
+    /// Which amplitude of each run; the default is `residual`.
+    #[serde(default)]
+    pub of: AmplitudeFile,
 }
 
 /// An amplitude of a run.

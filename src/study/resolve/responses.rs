@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use indexmap::IndexMap;
 
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::response_file::{AmplitudeFile, ResponseFile};
+use crate::study::file::response_file::{Amplitude, AmplitudeFile, ResponseFile};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::planned_study::Study;
@@ -51,14 +51,16 @@ fn amplitude(
     path: &SourcePath<'_>,
     file: &ResponseFile,
 ) -> Result<AmplitudeKind, StudyError> {
-    let (key, relative, of) = match *file {
-        ResponseFile::AmplitudeMean { relative, of } => ("amplitude_mean", relative, of),
-        ResponseFile::AmplitudeStdDev { relative, of } => ("amplitude_std_dev", relative, of),
+    let (key, Amplitude { relative, of }) = match *file {
+        ResponseFile::AmplitudeMean(own) => ("amplitude_mean", own),
+        ResponseFile::AmplitudeStdDev(own) => ("amplitude_std_dev", own),
         ResponseFile::AmplitudeQuantile { relative, of, .. } => {
-            ("amplitude_quantile", relative, of)
+            ("amplitude_quantile", Amplitude { relative, of })
         }
-        ResponseFile::AmplitudeWorst { relative, of } => ("amplitude_worst", relative, of),
-        ResponseFile::AmplitudeAbove { relative, of, .. } => ("amplitude_above", relative, of),
+        ResponseFile::AmplitudeWorst(own) => ("amplitude_worst", own),
+        ResponseFile::AmplitudeAbove { relative, of, .. } => {
+            ("amplitude_above", Amplitude { relative, of })
+        }
         ResponseFile::AtRestByS(_) | ResponseFile::MedianTimeToRest => {
             return Ok(AmplitudeKind::Residual);
         }
@@ -92,9 +94,9 @@ fn measure(
     file: &ResponseFile,
 ) -> Result<Measure, StudyError> {
     Ok(match *file {
-        ResponseFile::AmplitudeMean { .. } => Measure::Mean,
-        ResponseFile::AmplitudeStdDev { .. } => Measure::StandardDeviation,
-        ResponseFile::AmplitudeWorst { .. } => Measure::Worst,
+        ResponseFile::AmplitudeMean(_) => Measure::Mean,
+        ResponseFile::AmplitudeStdDev(_) => Measure::StandardDeviation,
+        ResponseFile::AmplitudeWorst(_) => Measure::Worst,
         ResponseFile::AmplitudeQuantile { fraction, .. } => {
             if !(fraction > 0.0 && fraction < 1.0) {
                 let fault =
