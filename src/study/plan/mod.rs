@@ -1,6 +1,7 @@
 //! The plan of a study: points, designs, responses, and any run from its number.
 
 pub(in crate::study) mod audit;
+pub(in crate::study) mod base;
 pub(in crate::study) mod changed_keys;
 pub(in crate::study) mod expectation;
 pub(in crate::study) mod identification;

@@ -3,7 +3,21 @@
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::plan::planned_study::Study;
 use crate::study::plan::sweep::PointSampling;
-use crate::study::resolve::uncertain::Uncertain;
+use crate::study::sampling::distribution::Distribution;
+use crate::study::sampling::draw::DrawKey;
+
+/// A parameter that is drawn for each run.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Uncertain {
+    /// The parameter.
+    pub parameter: Parameter,
+    /// The distribution of the value, or of a factor.
+    pub distribution: Distribution,
+    /// Whether the draw is a factor that multiplies the nominal value.
+    pub factor: bool,
+    /// The key of the random numbers.
+    pub key: DrawKey,
+}
 
 impl Study {
     /// Returns the design of the uncertain parameters and the number of their rank correlations; `None` if all draws are

@@ -5,9 +5,9 @@ use crate::study::error::StudyError;
 use crate::study::file::study_file::{BlockFile, StudyFile};
 use crate::study::file::values::Entry;
 use crate::study::file::yaml_tree::Source;
+use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, ParameterValue, check_number_of_balls};
 use crate::study::plan::sweep::Listing;
-use crate::study::resolve::model::Base;
 use crate::study::resolve::sweep::ResolvedBlock;
 
 impl ResolvedBlock {

@@ -3,10 +3,10 @@
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::values::MAX_COUNT;
 use crate::study::file::yaml_tree::describe_number;
+use crate::study::plan::base::Base;
 use crate::study::plan::precision::{Precision, Sampling};
 use crate::study::plan::run_numbers::RunNumbers;
 use crate::study::plan::sweep::{Block, PointSampling, product};
-use crate::study::resolve::model::Base;
 use crate::study::resolve::sampling::ResolvedDesign;
 use crate::study::resolve::sweep::ResolvedBlock;
 use crate::study::resolve::uncertain_sampling::UncertainSampling;

@@ -11,9 +11,10 @@ use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;
 use crate::study::file::values::{Entry, InlineTable, TableSource};
 use crate::study::file::yaml_tree::describe_number;
+use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::plan::sweep::Listing;
-use crate::study::resolve::model::{Base, find_count};
+use crate::study::resolve::model::find_count;
 use crate::study::resolve::numbers_of_balls::with_listed_balls;
 
 /// The swept parameters and values of a block, and the block in the form of a self-contained study

@@ -7,24 +7,12 @@ use indexmap::IndexMap;
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::distribution_file::DistributionFile;
 use crate::study::file::yaml_tree::{Source, describe_number};
+use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, ParameterValue};
-use crate::study::resolve::model::Base;
+use crate::study::plan::uncertain_draws::Uncertain;
 use crate::study::resolve::sweep::find_parameter;
 use crate::study::sampling::distribution::Distribution;
 use crate::study::sampling::draw::DrawKey;
-
-/// A parameter that is drawn for each run.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Uncertain {
-    /// The parameter.
-    pub parameter: Parameter,
-    /// The distribution of the value, or of a factor.
-    pub distribution: Distribution,
-    /// Whether the draw is a factor that multiplies the nominal value.
-    pub factor: bool,
-    /// The key of the random numbers.
-    pub key: DrawKey,
-}
 
 /// Validates the uncertain parameters and returns them in the order of the model's parameters.
 ///

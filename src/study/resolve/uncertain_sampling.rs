@@ -8,8 +8,8 @@ use crate::study::file::uncertain_sampling_file::{
 use crate::study::file::unit_keys::split_unit;
 use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::precision::{Precision, Sampling};
+use crate::study::plan::uncertain_draws::Uncertain;
 use crate::study::resolve::sampling::check_dimensions;
-use crate::study::resolve::uncertain::Uncertain;
 use crate::study::sampling::correlation::{Contradiction, Copula, RankCorrelation};
 use crate::study::sampling::sampling_design::{Design, Layout, MAX_SOBOL_SAMPLES};
 use crate::study::sampling::uncertain_design::UncertainDesign;

@@ -21,6 +21,7 @@ use crate::study::file::table_folders::TableFolders;
 use crate::study::file::unit_keys::read_units;
 use crate::study::file::values::Range;
 use crate::study::file::yaml_tree::{Content, Source};
+use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, VariedParameter};
 use crate::study::plan::planned_study::Study;
 use crate::study::plan::sweep::Listing;
@@ -29,7 +30,7 @@ use crate::study::resolve::determined::determined;
 use crate::study::resolve::expectations::resolve_expectations;
 use crate::study::resolve::further_errors::{Found, leave_out, with_further_errors};
 use crate::study::resolve::identification::resolve_identification;
-use crate::study::resolve::model::{Base, check_parameters};
+use crate::study::resolve::model::check_parameters;
 use crate::study::resolve::names::check_study_name;
 use crate::study::resolve::numbers_of_balls::{base_of_all_points, model_of_common_design};
 use crate::study::resolve::optimization::resolve_optimization;
@@ -203,9 +204,6 @@ fn resolve(
     let kind = base.model.kind();
     let determined = determined(source, kind, written, &swept_parameters)?;
     let resolved = StudyFile {
-        schema: SCHEMA,
-        name: written.name.clone(),
-        seed: written.seed,
         model: base.to_file(&determined),
         sweep: written
             .sweep
@@ -218,14 +216,8 @@ fn resolve(
             design: common.map(|design| design.file),
         },
         simulation: Some(simulation_to_file(&simulation)),
-        audit: written.audit,
-        precision: written.precision,
-        expect: written.expect.clone(),
-        design: written.design.clone(),
-        responses: written.responses.clone(),
-        optimize: written.optimize.clone(),
-        identify: written.identify.clone(),
         units: units_to_file(&units),
+        ..written.clone()
     };
     let setting = Setting {
         base: &base,
