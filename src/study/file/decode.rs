@@ -5,7 +5,9 @@
 
 use std::ptr;
 
-use serde::de::value::{MapDeserializer, SeqDeserializer, StrDeserializer};
+use serde::de::value::{
+    BorrowedStrDeserializer, MapDeserializer, SeqDeserializer, StrDeserializer,
+};
 use serde::de::{
     DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, Error as _, Expected,
     IntoDeserializer, Unexpected, VariantAccess, Visitor,
@@ -15,14 +17,18 @@ use serde::forward_to_deserialize_any;
 use crate::study::error::{Fault, Location, StudyError, list_keys, list_names, shorten};
 use crate::study::file::friction_file::example_of_friction;
 use crate::study::file::key_path::{KeyPath, Segment};
+use crate::study::file::unit_keys::{Keys, Names, UnitKey, WITHOUT_UNIT};
 use crate::study::file::yaml_tree::{Content, Node, Source};
 
 /// Deserialises a value of type `T` from the whole source.
 ///
 /// # Errors
-/// Returns the first value that does not fit `T`, with its place and key path, or all missing keys.
-pub(crate) fn decode<T: DeserializeOwned>(source: &Source) -> Result<T, StudyError> {
-    let (key, error) = match read(&source.root, source) {
+/// Returns the first value that does not fit `T`, with its place and key path, or otherwise all missing keys.
+pub(in crate::study) fn decode<T: DeserializeOwned>(
+    source: &Source,
+    names: &Names,
+) -> Result<T, StudyError> {
+    let (key, error) = match read(&source.root, source, names) {
         Ok(value) => return Ok(value),
         Err((None, error)) => return Err(error),
         Err((Some(key), error)) => (key, error),
@@ -33,8 +39,10 @@ pub(crate) fn decode<T: DeserializeOwned>(source: &Source) -> Result<T, StudyErr
         if let Some(path) = missing.last() {
             root.insert(path, Node { place: root.place, content: Content::Placeholder });
         }
-        match read::<T>(&root, source) {
+        match read::<T>(&root, source, names) {
             Err((Some(key), _)) if !missing.contains(&key) => missing.push(key),
+            // A wrong value is said before what is missing.
+            Err((None, error)) => return Err(error),
             _ => break,
         }
     }
@@ -85,16 +93,21 @@ const EXAMPLES: [(&str, &str); 6] = [
 fn read<T: DeserializeOwned>(
     root: &Node,
     source: &Source,
+    names: &Names,
 ) -> Result<T, (Option<KeyPath>, StudyError)> {
-    T::deserialize(root).map_err(|error| {
+    T::deserialize(At { node: root, names, keys: None, unit: None }).map_err(|error| {
         let node = error.node.unwrap_or(root);
         let found = root.find(&|other| ptr::eq(other, node));
         let mut path = found.map_or_else(KeyPath::default, |(path, _)| path);
         path.0.extend(error.missing.map(|field| Segment::Key(field.to_owned())));
-        let missing = error.missing.map(|_| path.clone());
+        let is_missing = error.missing.is_some() || matches!(node.content, Content::Placeholder);
+        let missing = is_missing.then(|| path.clone());
         (missing, source.refuse_at(error.place.unwrap_or(node.place), &path, error.fault))
     })
 }
+
+/// The problem of a key that its map does not have.
+const UNKNOWN: &str = "unknown key";
 
 /// A fault of a node. The innermost level that knows the node adds it.
 #[derive(Debug)]
@@ -159,7 +172,7 @@ impl serde::de::Error for DecodeError<'_> {
     }
 
     fn unknown_field(found: &str, allowed: &'static [&'static str]) -> Self {
-        DecodeError::new(Fault::new("unknown key", shorten(found), list_keys(found, allowed)))
+        DecodeError::new(Fault::new(UNKNOWN, shorten(found), list_keys(found, allowed)))
     }
 
     fn missing_field(field: &'static str) -> Self {
@@ -181,7 +194,64 @@ fn plain(allowed: &dyn Expected) -> String {
     }
 }
 
-impl<'de> IntoDeserializer<'de, DecodeError<'de>> for &'de Node {
+/// A value, and how it is read.
+#[derive(Clone, Copy)]
+struct At<'de> {
+    node: &'de Node,
+    names: &'de Names,
+    /// The keys of a map, if they are names of the model.
+    keys: Option<Keys>,
+    /// The key around it that has a unit.
+    unit: Option<UnitKey<'de>>,
+}
+
+impl<'de> At<'de> {
+    /// Returns an item of this list.
+    fn item(self, node: &'de Node) -> At<'de> {
+        At { node, keys: None, ..self }
+    }
+
+    /// Returns the SI name of a key of this map, and its value.
+    fn entry(self, keys: Keys, key: &'de Node, node: &'de Node) -> (&'de str, At<'de>) {
+        let (si, own) = self.names.find(keys, key.name());
+        let around = self.unit.filter(|_| !WITHOUT_UNIT.contains(&si));
+        let keys = match keys {
+            Keys::ParametersOfEach => Some(Keys::Parameters),
+            _ => Keys::below(si),
+        };
+        (si, At { node, keys, unit: own.or(around), ..self })
+    }
+
+    /// Returns the number of a value with a unit.
+    fn number(self) -> Result<Option<f64>, DecodeError<'de>> {
+        let number = self.unit.map_or(Ok(None), |key| self.names.number(self.node, &key));
+        number.map_err(|fault| DecodeError::new(fault).at(self.node))
+    }
+
+    fn map<V: Visitor<'de>>(
+        self,
+        keys: Option<Keys>,
+        entries: &'de [(Node, Node)],
+        visitor: V,
+    ) -> Result<V::Value, DecodeError<'de>> {
+        let keys = keys.unwrap_or(Keys::Of(&[]));
+        let once = self.names.check_once(keys, entries);
+        once.map_err(|(key, fault)| DecodeError::new(fault).at(key))?;
+        let each = entries.iter().map(|(key, value)| {
+            let (si, value) = self.entry(keys, key, value);
+            (BorrowedStrDeserializer::new(si), value)
+        });
+        visitor.visit_map(MapDeserializer::new(each)).map_err(|error: DecodeError<'de>| {
+            let found = error.fault.found.as_deref().filter(|_| error.fault.problem == UNKNOWN);
+            match entries.iter().find(|(key, _)| Some(shorten(key.name()).as_str()) == found) {
+                Some((key, _)) => error.at(key),
+                None => error,
+            }
+        })
+    }
+}
+
+impl<'de> IntoDeserializer<'de, DecodeError<'de>> for At<'de> {
     type Deserializer = Self;
 
     fn into_deserializer(self) -> Self {
@@ -189,24 +259,29 @@ impl<'de> IntoDeserializer<'de, DecodeError<'de>> for &'de Node {
     }
 }
 
-impl<'de> Deserializer<'de> for &'de Node {
+impl<'de> Deserializer<'de> for At<'de> {
     type Error = DecodeError<'de>;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Self::Error> {
-        let value = match &self.content {
+        if let Some(number) = self.number()? {
+            return visitor
+                .visit_f64(number)
+                .map_err(|error: DecodeError<'de>| error.at(self.node));
+        }
+        let value = match &self.node.content {
             Content::Nothing => visitor.visit_unit(),
             Content::Placeholder => visitor.visit_u64(1),
             Content::Truth(truth) => visitor.visit_bool(*truth),
             Content::Natural(number) => visitor.visit_u64(*number),
             Content::Number(number) => visitor.visit_f64(*number),
             Content::Text(text) => visitor.visit_borrowed_str(text),
-            Content::List(items) => visitor.visit_seq(SeqDeserializer::new(items.iter())),
-            Content::Map(entries) => {
-                let entries = entries.iter().map(|(key, value)| (key, value));
-                visitor.visit_map(MapDeserializer::new(entries))
+            Content::List(items) => {
+                let items = items.iter().map(|item| self.item(item));
+                visitor.visit_seq(SeqDeserializer::new(items))
             }
+            Content::Map(entries) => self.map(self.keys, entries, visitor),
         };
-        value.map_err(|error| error.at(self))
+        value.map_err(|error| error.at(self.node))
     }
 
     /// A key in the file must have a value: only an absent key means "not given".
@@ -216,10 +291,11 @@ impl<'de> Deserializer<'de> for &'de Node {
 
     fn deserialize_newtype_struct<V: Visitor<'de>>(
         self,
-        _name: &'static str,
+        name: &'static str,
         visitor: V,
     ) -> Result<V::Value, Self::Error> {
-        visitor.visit_newtype_struct(self)
+        let unit = if name == "NumberOrLength" { Some(UnitKey::LENGTH) } else { self.unit };
+        visitor.visit_newtype_struct(At { unit, ..self })
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
@@ -228,25 +304,29 @@ impl<'de> Deserializer<'de> for &'de Node {
         variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Self::Error> {
-        let (name, value) = match &self.content {
-            Content::Text(_) => (self, None),
+        let number = self.number()?;
+        let (name, value) = match &self.node.content {
+            Content::Text(_) if number.is_none() => (self.node, None),
             Content::Placeholder => {
                 let first = variants.first().copied().unwrap_or_default();
                 let first: StrDeserializer<'_, Self::Error> = first.into_deserializer();
-                return visitor.visit_enum(first).map_err(|error| error.at(self));
+                return visitor.visit_enum(first).map_err(|error| error.at(self.node));
             }
             Content::Map(entries) if entries.len() == 1 => (&entries[0].0, Some(&entries[0].1)),
             _ => {
                 let allowed = format!("one of {}", variants.join(", "));
-                let fault = Fault::new("not a choice", self.describe(), allowed);
-                return Err(DecodeError::new(fault).at(self));
+                let fault = Fault::new("not a choice", self.node.describe(), allowed);
+                return Err(DecodeError::new(fault).at(self.node));
             }
         };
-        if !variants.contains(&name.name()) {
-            let unknown = DecodeError::unknown_variant(name.name(), variants);
-            return Err(DecodeError { place: Some(name.place), ..unknown }.at(self));
+        let (variant, at) = self.entry(Keys::Of(variants), name, value.unwrap_or(&NOTHING));
+        if !variants.contains(&variant) {
+            let unknown = DecodeError::unknown_variant(variant, variants);
+            return Err(DecodeError { place: Some(name.place), ..unknown }.at(self.node));
         }
-        visitor.visit_enum(Choice { name, value }).map_err(|error| error.at(self))
+        let value = value.map(|_| at);
+        let choice = Choice { name: variant, names: self.names, value };
+        visitor.visit_enum(choice).map_err(|error| error.at(self.node))
     }
 
     /// Accepts keys and values only: serde's derived structs would also accept a list of the values
@@ -257,29 +337,33 @@ impl<'de> Deserializer<'de> for &'de Node {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Self::Error> {
-        match &self.content {
+        self.number()?;
+        match &self.node.content {
             Content::Map(entries) => {
-                let unknown = entries.iter().find(|(key, _)| !fields.contains(&key.name()));
-                if let Some((key, _)) = unknown {
-                    let error = DecodeError::unknown_field(key.name(), fields);
-                    return Err(error.at(key));
+                let keys = self.keys.unwrap_or(Keys::Of(fields));
+                let is_unknown =
+                    |key: &Node| !fields.contains(&self.names.find(keys, key.name()).0);
+                if let Some((key, _)) = entries.iter().find(|(key, _)| is_unknown(key)) {
+                    return Err(DecodeError::unknown_field(key.name(), fields).at(key));
                 }
-                return self.deserialize_any(visitor);
+                let value = self.map(Some(keys), entries, visitor);
+                return value.map_err(|error| error.at(self.node));
             }
             Content::Placeholder => {
-                let empty: [(&Node, &Node); 0] = [];
+                let empty: [(BorrowedStrDeserializer<'de, _>, At<'de>); 0] = [];
                 let keys = MapDeserializer::new(empty.into_iter());
-                return visitor.visit_map(keys).map_err(|error: DecodeError<'de>| error.at(self));
+                let value = visitor.visit_map(keys);
+                return value.map_err(|error: DecodeError<'de>| error.at(self.node));
             }
             _ => {}
         }
         let keys: Vec<String> = fields.iter().map(|field| format!("{field}: ...")).collect();
         let allowed = format!("keys and values, {}", shorten(&keys.join(", ")));
-        Err(DecodeError::new(Fault::new("wrong type", self.describe(), allowed)).at(self))
+        Err(DecodeError::new(Fault::new("wrong type", self.node.describe(), allowed)).at(self.node))
     }
 
     fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Self::Error> {
-        match self.content {
+        match self.node.content {
             Content::Placeholder => visitor.visit_borrowed_str(""),
             _ => self.deserialize_any(visitor),
         }
@@ -293,8 +377,9 @@ impl<'de> Deserializer<'de> for &'de Node {
 
 /// A choice: a word alone, or one key with its settings.
 struct Choice<'de> {
-    name: &'de Node,
-    value: Option<&'de Node>,
+    name: &'de str,
+    names: &'de Names,
+    value: Option<At<'de>>,
 }
 
 /// Stands for missing settings.
@@ -308,7 +393,7 @@ impl<'de> EnumAccess<'de> for Choice<'de> {
         self,
         seed: V,
     ) -> Result<(V::Value, Choice<'de>), Self::Error> {
-        let name: StrDeserializer<'_, Self::Error> = self.name.name().into_deserializer();
+        let name: StrDeserializer<'_, Self::Error> = self.name.into_deserializer();
         Ok((seed.deserialize(name)?, self))
     }
 }
@@ -316,13 +401,13 @@ impl<'de> EnumAccess<'de> for Choice<'de> {
 impl<'de> Choice<'de> {
     fn read<T>(
         self,
-        read: impl FnOnce(&'de Node) -> Result<T, DecodeError<'de>>,
+        read: impl FnOnce(At<'de>) -> Result<T, DecodeError<'de>>,
     ) -> Result<T, DecodeError<'de>> {
         if let Some(value) = self.value {
             return read(value);
         }
-        let name = self.name.name();
-        read(&NOTHING).map_err(|error| {
+        let name = self.name;
+        read(At { node: &NOTHING, names: self.names, keys: None, unit: None }).map_err(|error| {
             let needed = error.fault.allowed.unwrap_or_default();
             let example = example_of_friction(name).map(|example| format!("; such as {example}"));
             let allowed = format!("{{{name}: ...}} with {needed}{}", example.unwrap_or_default());
@@ -336,8 +421,8 @@ impl<'de> VariantAccess<'de> for Choice<'de> {
 
     fn unit_variant(self) -> Result<(), Self::Error> {
         let Some(value) = self.value else { return Ok(()) };
-        let fault = Fault::new("takes no settings", value.describe(), self.name.name());
-        Err(DecodeError { place: Some(value.place), ..DecodeError::new(fault) })
+        let fault = Fault::new("takes no settings", value.node.describe(), self.name);
+        Err(DecodeError { place: Some(value.node.place), ..DecodeError::new(fault) })
     }
 
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(

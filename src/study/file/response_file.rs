@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::study::file::schema_parts as schema;
+use crate::study::file::values::NumberOrLength;
 
 /// A variable of a design: either `from` and `to`, or `choices`.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -49,7 +50,7 @@ pub enum ResponseFile {
         /// The limit, at least 0: a number in m, or a value with a unit, such as `20 µm`; with `relative`, a number without
         /// a unit.
         #[schemars(schema_with = "schema::length_limit")]
-        limit: f64,
+        limit: NumberOrLength,
         /// Whether each amplitude is divided by the amplitude of the same machine without balls;
         /// the default is `false`.
         #[serde(default)]

@@ -2,7 +2,7 @@
 
 use crate::study::error::{Fault, Location, StudyError};
 use crate::study::file::key_path::{KeyPath, Segment};
-use crate::study::file::yaml_tree::Source;
+use crate::study::file::yaml_tree::{Node, Source};
 
 /// The path of a key or value in a study file, which need not be present there.
 #[derive(Clone)]
@@ -33,6 +33,11 @@ impl<'a> SourcePath<'a> {
         let mut below = self.clone();
         below.path.0.push(step);
         below
+    }
+
+    /// Returns the value, if the file contains it.
+    pub fn node(&self) -> Option<&'a Node> {
+        self.source.node(&self.path)
     }
 
     /// Creates the message for a faulty value.

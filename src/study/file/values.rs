@@ -9,6 +9,10 @@ use serde::{Deserialize, Serialize};
 
 use super::notations::notations;
 
+/// A number, or a length with its unit.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+pub struct NumberOrLength(pub f64);
+
 /// The largest number of runs, samples or points of a study.
 pub(crate) const MAX_COUNT: u64 = 1_000_000_000_000_000;
 

@@ -12,6 +12,7 @@ use serde_saphyr::options::{DuplicateKeyPolicy, MergeKeyPolicy, NonFiniteFloatPo
 
 use crate::study::error::{Fault, Location, StudyError, shorten};
 use crate::study::file::key_path::{KeyPath, Segment};
+use crate::study::file::unit_keys::without_unit;
 use crate::study::file::yaml_fault::reader_error;
 
 /// The largest study file, and the largest table that a study names, in bytes.
@@ -60,10 +61,8 @@ pub(crate) struct Source {
     pub file: PathBuf,
     /// The text of the file.
     pub text: String,
-    /// The whole file; keys without units are replaced by SI keys.
+    /// The whole file.
     pub root: Node,
-    /// The places of replaced keys, with their names in the file.
-    pub renamed: Vec<(Location, String)>,
     /// The first unit of each key with a unit: the key without its unit, the unit as it is written, and the SI unit.
     pub units: Vec<(String, String, &'static str)>,
 }
@@ -78,7 +77,7 @@ impl Source {
         match parsed(&text, DuplicateKeyPolicy::Error) {
             Ok(root) => {
                 let file = file.to_path_buf();
-                let source = Source { file, text, root, renamed: Vec::new(), units: Vec::new() };
+                let source = Source { file, text, root, units: Vec::new() };
                 source.check_top()?;
                 source.check_finite()?;
                 Ok(source)
@@ -113,8 +112,7 @@ impl Source {
     /// Returns the keys and their places, without the text and without lists of values, which may be long.
     pub fn outline(&self) -> Source {
         let (root, text) = (self.root.outline(), String::new());
-        let Source { file, renamed, .. } = self;
-        Source { file: file.clone(), text, root, renamed: renamed.clone(), units: Vec::new() }
+        Source { file: self.file.clone(), text, root, units: Vec::new() }
     }
 
     /// Creates the message for a fault at a known place.
@@ -124,16 +122,19 @@ impl Source {
         StudyError::new(&self.file, Some(place), path, fault, line)
     }
 
+    /// Returns the value at a path.
+    pub fn node(&self, path: &KeyPath) -> Option<&Node> {
+        path.0.iter().try_fold(&self.root, |node, step| Some(node.below(step)?.1))
+    }
+
     /// Returns a path with the keys as the file writes them.
     pub fn as_written(&self, path: &KeyPath) -> KeyPath {
         let mut node = Some(&self.root);
         let written = |step: &Segment| {
             let below = node.and_then(|node| node.below(step));
             node = below.map(|(_, value)| value);
-            let place = below.map(|(key, _)| key.place);
-            let renamed = self.renamed.iter().find(|(renamed, _)| Some(*renamed) == place);
-            match (step, renamed) {
-                (Segment::Key(_), Some((_, name))) => Segment::Key(name.clone()),
+            match (step, below) {
+                (Segment::Key(_), Some((key, _))) => Segment::Key(key.name().to_owned()),
                 _ => step.clone(),
             }
         };
@@ -221,11 +222,15 @@ impl Node {
         Some(self.below(&Segment::Key(key.to_owned()))?.1)
     }
 
-    /// Returns the key and the value one step below; the key of a list's item is the item itself.
+    /// Returns the key and the value one step below; the key of a list's item is the item itself. A key with a unit may be
+    /// written without it.
     pub fn below(&self, step: &Segment) -> Option<(&Node, &Node)> {
         match (step, &self.content) {
             (Segment::Key(name), Content::Map(entries)) => {
-                entries.iter().find(|(key, _)| key.name() == name).map(|(key, value)| (key, value))
+                let is_short = |key: &Node| without_unit(name).contains(&key.name());
+                let exact = entries.iter().find(|(key, _)| key.name() == name);
+                let found = exact.or_else(|| entries.iter().find(|(key, _)| is_short(key)))?;
+                Some((&found.0, &found.1))
             }
             (Segment::Item(index), Content::List(items)) => {
                 items.get(*index).map(|item| (item, item))

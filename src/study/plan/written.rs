@@ -38,11 +38,7 @@ impl Study {
 
     /// Returns whether the study file contains this key path.
     pub(crate) fn has_key(&self, key: &str) -> bool {
-        KeyPath::parse(key).is_some_and(|path| self.written(&path).is_some())
-    }
-
-    fn written(&self, path: &KeyPath) -> Option<&Node> {
-        path.0.iter().try_fold(&self.source.root, |node, step| Some(node.below(step)?.1))
+        KeyPath::parse(key).is_some_and(|path| self.source.node(&path).is_some())
     }
 
     /// Returns whether the study file contains this key of `model.parameters` or of `model`, or a value of a key of
@@ -62,7 +58,7 @@ impl Study {
 
     /// Returns whether the last change of the speed profile gives the speed of the machine.
     fn profile_gives_speed(&self) -> bool {
-        let parts = self.written(&KeyPath::of("model.speed_profile"));
+        let parts = self.source.node(&KeyPath::of("model.speed_profile"));
         let Some(Content::List(parts)) = parts.map(|parts| &parts.content) else { return false };
         let last = parts.iter().rev().find(|part| part.get("hold_s").is_none());
         let is_given = |part: &Node| {

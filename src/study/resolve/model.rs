@@ -7,6 +7,7 @@ use crate::study::file::parameters_file::{BALLS, KindFile, ParametersFile, param
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::ModelFile;
 use crate::study::file::table_folders::TableFolders;
+use crate::study::file::unit_keys::{Keys, Names};
 use crate::study::file::yaml_tree::{Content, Source, describe_number};
 use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, ParameterValue};
@@ -167,7 +168,7 @@ fn parameter_names(kind: &ModelKind) -> Vec<&'static str> {
 ///
 /// # Errors
 /// Returns an error for the first parameter that no model has, or that is a list.
-pub(in crate::study) fn check_parameters(source: &Source) -> Result<(), StudyError> {
+pub(in crate::study) fn check_parameters(source: &Source, names: &Names) -> Result<(), StudyError> {
     let below = |name| source.root.get("model")?.get(name);
     let (Some(kind), Some(Content::Map(given))) =
         (below("kind"), below("parameters").map(|node| &node.content))
@@ -177,7 +178,7 @@ pub(in crate::study) fn check_parameters(source: &Source) -> Result<(), StudyErr
     let Some(kind) = ModelKind::named(kind.name()) else { return Ok(()) };
     let path = source.path("model.parameters");
     for (key, value) in given {
-        let name = key.name();
+        let name = names.find(Keys::Parameters, key.name()).0;
         let elsewhere = kind.parameters.iter().find(|one| one.name == name && one.has_own_key());
         if let Some(own) = elsewhere.and_then(ParameterDescriptor::own_key) {
             let allowed = format!(

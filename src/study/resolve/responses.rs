@@ -7,7 +7,8 @@ use indexmap::IndexMap;
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::response_file::{Amplitude, AmplitudeFile, ResponseFile};
 use crate::study::file::source_path::SourcePath;
-use crate::study::file::yaml_tree::{Source, describe_number};
+use crate::study::file::values::NumberOrLength;
+use crate::study::file::yaml_tree::{Content, Source, describe_number};
 use crate::study::plan::planned_study::Study;
 use crate::study::plan::response::{AmplitudeKind, Measure, RESERVED_COLUMNS, Response, SUFFIXES};
 use crate::study::resolve::names::check_column_name;
@@ -105,10 +106,19 @@ fn measure(
             }
             Measure::Quantile(fraction)
         }
-        ResponseFile::AmplitudeAbove { limit, .. } => {
+        ResponseFile::AmplitudeAbove { limit: NumberOrLength(limit), relative, .. } => {
+            let path = path.key("amplitude_above").key("limit");
+            let text = path.node().filter(|node| matches!(node.content, Content::Text(_)));
+            if let Some(node) = text.filter(|_| relative) {
+                return Err(path.refuse_value(Fault::new(
+                    "a value with a unit, although `relative` is true",
+                    node.describe(),
+                    "a number, the amplitude over that without balls; or `relative: false`",
+                )));
+            }
             if limit < 0.0 {
                 let fault = Fault::new("not an amplitude", describe_number(limit), "0 or more");
-                return Err(path.key("amplitude_above").key("limit").refuse_value(fault));
+                return Err(path.refuse_value(fault));
             }
             Measure::Above(limit)
         }

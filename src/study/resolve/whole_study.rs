@@ -18,7 +18,7 @@ use crate::study::file::resolved_yaml::{ResolvedFile, block_text};
 use crate::study::file::study_file::{BlockFile, DesignFile, InitialConditionsFile, StudyFile};
 use crate::study::file::table_folders::MAX_VALUES;
 use crate::study::file::table_folders::TableFolders;
-use crate::study::file::unit_keys::read_units;
+use crate::study::file::unit_keys::{Names, add_restitution};
 use crate::study::file::values::Range;
 use crate::study::file::yaml_tree::{Content, Source};
 use crate::study::plan::base::Base;
@@ -129,9 +129,11 @@ fn read(
     without.iter().for_each(|path| leave_out(&mut source.root, path));
     check_schema(&source).map_err(in_key)?;
     expand_ranges(&mut source).map_err(in_key)?;
-    read_units(&mut source).map_err(in_key)?;
-    check_parameters(&source).map_err(in_key)?;
-    let written: StudyFile = decode(&source).map_err(in_key)?;
+    add_restitution(&mut source.root);
+    let names = Names::of(&source.root);
+    check_parameters(&source, &names).map_err(in_key)?;
+    let written: StudyFile = decode(&source, &names).map_err(in_key)?;
+    source.units = names.into_units();
     let between = |error| (Found::BetweenKeys, error);
     resolve(&source, &Arc::new(source.outline()), &written, &folders).map_err(between)
 }
