@@ -39,99 +39,91 @@ pub(crate) fn resolve_responses(
                 return Err(path.refuse_key(fault));
             }
         }
-        let measure = measure(study, &path, file)?;
-        let amplitude = amplitude(study, &path, file)?;
+        let (measure, amplitude) = quantity(study, &path, file)?;
         Ok(Response { name: name.clone(), measure, amplitude })
     };
     written.into_iter().flatten().map(resolve).collect()
 }
 
-/// Returns which amplitude a response measures.
-fn amplitude(
+/// Returns the key of a response, what it measures, and of which amplitude.
+fn parts(file: &ResponseFile) -> (&'static str, Measure, Amplitude) {
+    match *file {
+        ResponseFile::AmplitudeMean(own) => ("amplitude_mean", Measure::Mean, own),
+        ResponseFile::AmplitudeStdDev(own) => {
+            ("amplitude_std_dev", Measure::StandardDeviation, own)
+        }
+        ResponseFile::AmplitudeQuantile { fraction, relative, of } => {
+            ("amplitude_quantile", Measure::Quantile(fraction), Amplitude { relative, of })
+        }
+        ResponseFile::AmplitudeWorst(own) => ("amplitude_worst", Measure::Worst, own),
+        ResponseFile::AmplitudeAbove { limit: NumberOrLength(limit), relative, of } => {
+            ("amplitude_above", Measure::Above(limit), Amplitude { relative, of })
+        }
+        ResponseFile::AtRestByS(time) => {
+            ("at_rest_by_s", Measure::AtRestBy(time), Amplitude::default())
+        }
+        ResponseFile::MedianTimeToRest => {
+            ("median_time_to_rest", Measure::MedianTimeToRest, Amplitude::default())
+        }
+    }
+}
+
+/// Returns what a response measures, and of which amplitude.
+fn quantity(
     study: &Study,
     path: &SourcePath<'_>,
     file: &ResponseFile,
-) -> Result<AmplitudeKind, StudyError> {
-    let (key, Amplitude { relative, of }) = match *file {
-        ResponseFile::AmplitudeMean(own) => ("amplitude_mean", own),
-        ResponseFile::AmplitudeStdDev(own) => ("amplitude_std_dev", own),
-        ResponseFile::AmplitudeQuantile { relative, of, .. } => {
-            ("amplitude_quantile", Amplitude { relative, of })
-        }
-        ResponseFile::AmplitudeWorst(own) => ("amplitude_worst", own),
-        ResponseFile::AmplitudeAbove { relative, of, .. } => {
-            ("amplitude_above", Amplitude { relative, of })
-        }
-        ResponseFile::AtRestByS(_) | ResponseFile::MedianTimeToRest => {
-            return Ok(AmplitudeKind::Residual);
-        }
+) -> Result<(Measure, AmplitudeKind), StudyError> {
+    let (key, measure, Amplitude { relative, of }) = parts(file);
+    let own = path.key(key);
+    let refuse = |path: &SourcePath<'_>, problem: &str, found: String, allowed: &str| {
+        Err(path.refuse_value(Fault::new(problem, found, allowed)))
     };
+    match measure {
+        Measure::Quantile(fraction) if !(fraction > 0.0 && fraction < 1.0) => {
+            let (found, allowed) = (describe_number(fraction), "above 0 and below 1");
+            return refuse(&own.key("fraction"), "not a fraction", found, allowed);
+        }
+        Measure::Above(limit) => {
+            let path = own.key("limit");
+            let text = path.node().filter(|node| matches!(node.content, Content::Text(_)));
+            if let Some(node) = text.filter(|_| relative) {
+                let problem = "a value with a unit, although `relative` is true";
+                let allowed =
+                    "a number, the amplitude over that without balls; or `relative: false`";
+                return refuse(&path, problem, node.describe(), allowed);
+            }
+            if limit < 0.0 {
+                return refuse(&path, "not an amplitude", describe_number(limit), "0 or more");
+            }
+        }
+        Measure::AtRestBy(time) => {
+            let [_, end] = study.simulation().end_times_s();
+            if !(time > 0.0 && time <= end) {
+                let allowed = format!("above 0, at most the end time, {}", describe_number(end));
+                return refuse(&own, "a time that no run reaches", describe_number(time), &allowed);
+            }
+        }
+        _ => {}
+    }
     if relative && !study.model().kind().offers.vibration {
         let found = format!("kind: {}", study.model().kind().name);
-        let fault = Fault::new("only for a ball balancer", found, "relative: false");
-        return Err(path.refuse_value(fault));
+        return refuse(path, "only for a ball balancer", found, "relative: false");
     }
-    let path = path.key(key);
-    match (of, relative) {
-        (AmplitudeFile::Residual, false) => Ok(AmplitudeKind::Residual),
-        (AmplitudeFile::Residual, true) => Ok(AmplitudeKind::RelativeResidual),
+    let amplitude = match (of, relative) {
+        (AmplitudeFile::Residual, false) => AmplitudeKind::Residual,
+        (AmplitudeFile::Residual, true) => AmplitudeKind::RelativeResidual,
         (AmplitudeFile::Peak, true) => {
             let problem = "a peak amplitude has no counterpart without balls";
-            let fault = Fault::new(problem, "relative: true", "of: residual, or relative: false");
-            Err(path.key("relative").refuse_value(fault))
+            let allowed = "of: residual, or relative: false";
+            return refuse(&own.key("relative"), problem, "relative: true".to_owned(), allowed);
         }
         (AmplitudeFile::Peak, false) if !study.has_stages() => {
             let problem = "no peak amplitude at constant speed without disturbances";
             let allowed = "of: residual, or a speed_profile or disturbances in the model";
-            Err(path.key("of").refuse_value(Fault::new(problem, "of: peak", allowed)))
+            return refuse(&own.key("of"), problem, "of: peak".to_owned(), allowed);
         }
-        (AmplitudeFile::Peak, false) => Ok(AmplitudeKind::Peak),
-    }
-}
-
-fn measure(
-    study: &Study,
-    path: &SourcePath<'_>,
-    file: &ResponseFile,
-) -> Result<Measure, StudyError> {
-    Ok(match *file {
-        ResponseFile::AmplitudeMean(_) => Measure::Mean,
-        ResponseFile::AmplitudeStdDev(_) => Measure::StandardDeviation,
-        ResponseFile::AmplitudeWorst(_) => Measure::Worst,
-        ResponseFile::AmplitudeQuantile { fraction, .. } => {
-            if !(fraction > 0.0 && fraction < 1.0) {
-                let fault =
-                    Fault::new("not a fraction", describe_number(fraction), "above 0 and below 1");
-                return Err(path.key("amplitude_quantile").key("fraction").refuse_value(fault));
-            }
-            Measure::Quantile(fraction)
-        }
-        ResponseFile::AmplitudeAbove { limit: NumberOrLength(limit), relative, .. } => {
-            let path = path.key("amplitude_above").key("limit");
-            let text = path.node().filter(|node| matches!(node.content, Content::Text(_)));
-            if let Some(node) = text.filter(|_| relative) {
-                return Err(path.refuse_value(Fault::new(
-                    "a value with a unit, although `relative` is true",
-                    node.describe(),
-                    "a number, the amplitude over that without balls; or `relative: false`",
-                )));
-            }
-            if limit < 0.0 {
-                let fault = Fault::new("not an amplitude", describe_number(limit), "0 or more");
-                return Err(path.refuse_value(fault));
-            }
-            Measure::Above(limit)
-        }
-        ResponseFile::AtRestByS(time) => {
-            let [_, end] = study.simulation().end_times_s();
-            if !(time > 0.0 && time <= end) {
-                let allowed = format!("above 0, at most the end time, {}", describe_number(end));
-                let fault =
-                    Fault::new("a time that no run reaches", describe_number(time), allowed);
-                return Err(path.key("at_rest_by_s").refuse_value(fault));
-            }
-            Measure::AtRestBy(time)
-        }
-        ResponseFile::MedianTimeToRest => Measure::MedianTimeToRest,
-    })
+        (AmplitudeFile::Peak, false) => AmplitudeKind::Peak,
+    };
+    Ok((measure, amplitude))
 }
