@@ -10,7 +10,6 @@ use stickslip::cli::{MOST_LINES, PointsTable};
 use stickslip::engine::{
     EngineOptions, OutputDir, Parts, Planned, Progress, Readable, Ready, Show, Sink, run_study,
 };
-use stickslip::report::PointFacts;
 use stickslip::study::Study;
 use stickslip::table::{
     self, Circumstances, MemoryResults, MemoryTables, PointRow, ResultsError, RunRecord,
@@ -119,7 +118,7 @@ impl Sink for InMemory<'_> {
     }
 
     fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ArrowError> {
-        self.2.push(self.0, PointFacts::of(self.0, &point));
+        self.2.push(self.0, &point);
         self.1.push_point(point, detail)
     }
 }

@@ -3,29 +3,28 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
-use super::point_keys::{merged, point_keys};
+use super::point_keys::merged;
 use super::point_words::point_line;
 use crate::analysis::AuditCounts;
-use crate::classification::Label;
 use crate::counted::counted;
-use crate::report::{
-    Conclusion, Fraction, PointFacts, PrintedColumn, printed_columns, response_columns,
-};
-use crate::responses::responses_json;
+use crate::report::{Conclusion, PointFacts, PrintedColumn, printed_columns, response_columns};
 use crate::study::{Precision, Response, Study, Units, VariedParameter};
-use crate::table::{Table, TableError};
+use crate::table::column::Column;
+use crate::table::{Batch, PointRow, Row, Table, TableError, point_columns};
 use crate::text_table::text_table;
 
 /// The number of points that are printed by default; the others are in `points.parquet`.
 pub const MOST_LINES: usize = 40;
 
 /// The points of a result: the first `most` of them in full, and the number of the others.
-#[derive(Clone, Debug)]
 pub struct PointsTable {
     swept: Vec<VariedParameter>,
+    columns: Vec<Column<PointRow>>,
     rows: Vec<PointFacts>,
+    /// These points as JSON.
+    json: Vec<Value>,
     /// The values of the swept parameters of each of these points.
     shown: Vec<Vec<String>>,
     most: usize,
@@ -48,7 +47,9 @@ impl PointsTable {
         PointsTable {
             swept: study.swept().to_vec(),
             units: study.units().clone(),
+            columns: point_columns(study),
             rows: Vec::new(),
+            json: Vec::new(),
             shown: Vec::new(),
             most,
             balls: study.model().kind().offers.vibration,
@@ -69,7 +70,12 @@ impl PointsTable {
     /// Returns an error if the table cannot be read.
     pub fn read(study: &Study, table: &Table, most: usize) -> Result<Self, TableError> {
         let mut points = Self::new(study, most);
-        PointFacts::for_each(study, table, 1, |point| points.push(study, point))?;
+        table.for_each(|row| {
+            let json = points.has_room().then(|| point_json(study, row));
+            if let Some(point) = PointFacts::in_row(study, row) {
+                points.add(study, point, json);
+            }
+        })?;
         Ok(points)
     }
 
@@ -78,8 +84,17 @@ impl PointsTable {
         point_line(study, point, self.conclusion.own_machines)
     }
 
-    /// Adds a point of the study.
-    pub fn push(&mut self, study: &Study, point: PointFacts) {
+    /// Adds a point of the study whose runs have finished.
+    pub fn push(&mut self, study: &Study, row: &PointRow) {
+        let json = self.has_room().then(|| self.point_json(study, row));
+        self.add(study, PointFacts::of(study, row), json);
+    }
+
+    fn has_room(&self) -> bool {
+        self.rows.len() < self.most
+    }
+
+    fn add(&mut self, study: &Study, point: PointFacts, json: Option<Value>) {
         self.points += 1;
         self.conclusion.add(study, &point);
         self.not_precise += u64::from(point.precise == Some(false));
@@ -87,9 +102,10 @@ impl PointsTable {
         self.flips.runs = self.flips.runs.saturating_add(runs);
         self.flips.flips = self.flips.flips.saturating_add(flips);
         self.flips.rest_flips = self.flips.rest_flips.saturating_add(rest_flips);
-        if self.rows.len() < self.most {
+        if let Some(json) = json {
             self.shown.push(study.shown(&point.swept));
             self.rows.push(point);
+            self.json.push(json);
         }
     }
 
@@ -223,61 +239,75 @@ impl PointsTable {
             "runs_finished": finished,
         });
         let mut report = merged(keys, facts);
-        report["points"] = self.rows.iter().map(|row| self.point_json(row)).collect();
+        report["points"] = self.json.clone().into();
         if self.precision.is_some() {
             report["points_not_precise"] = self.not_precise.into();
         }
         report
     }
 
-    /// Returns a point as JSON.
-    pub fn point_json(&self, row: &PointFacts) -> Value {
-        let mut object = point_keys(row.point_id, &self.swept, &row.swept);
-        object["runs"] = json!(row.runs);
-        let [_, median, p95] = row.amplitude_m;
-        object["amplitude_p50_m"] = json!(median);
-        object["amplitude_p95_m"] = json!(p95);
-        object["amplitude_without_balls_m"] = json!(row.residual.amplitude_without_balls_m);
-        let [_, median, p95] = row.residual.relative_amplitude;
-        object["relative_amplitude_p50"] = json!(median);
-        object["relative_amplitude_p95"] = json!(p95);
-        let worse = |end: usize| row.residual.worse_than_without_balls.map(|worse| worse[end]);
-        object["worse_than_without_balls_fraction"] = json!(worse(0));
-        object["worse_than_without_balls_low"] = json!(worse(1));
-        object["worse_than_without_balls_high"] = json!(worse(2));
-        let [median, p95] = row.residual.balance_quality_grade_mm_s;
-        object["balance_quality_grade_p50_mm_s"] = json!(median);
-        object["balance_quality_grade_p95_mm_s"] = json!(p95);
-        object["overlapping_rest_fraction"] = json!(row.residual.overlapping_rest_fraction);
-        for label in Label::ALL {
-            object[format!("{}_runs", label.name())] = json!(row.label(label).runs);
-        }
-        let Fraction { fraction, low, high, .. } = row.equilibrium;
-        object["equilibrium_fraction"] = json!(fraction);
-        object["ci_low"] = json!(low);
-        object["ci_high"] = json!(high);
-        object["ci_method"] = json!(row.ci_method);
-        object["time_to_rest_p50_s"] = json!(row.time_to_rest_s[1]);
-        if let Some(precise) = row.precise {
-            object["precision_reached"] = json!(precise);
-        }
-        if self.audit {
-            let audit = &row.audit;
-            object["audited_runs"] = json!(audit.runs);
-            object["audit_flips"] = json!(audit.flips);
-            object["audit_rest_flips"] = json!(audit.rest_flips);
-            object["audit_flip_rate"] = json!(audit.flip_rate());
-            object["audit_flip_low"] = json!(audit.interval().0);
-            object["audit_flip_high"] = json!(audit.interval().1);
-        }
-        object["set_fraction"] = json!(row.set_fraction);
-        if !self.responses.is_empty() {
-            object["responses"] = responses_json(&self.responses, &row.responses);
-            let without = self.responses.iter().zip(&row.responses_without_balls);
-            for (response, value) in without.filter(|(one, _)| one.has_value_without_balls()) {
-                object["responses"][&response.name]["without_balls"] = json!(value);
-            }
-        }
-        object
+    /// Returns a point whose runs have finished as JSON.
+    pub fn point_json(&self, study: &Study, row: &PointRow) -> Value {
+        let batch = Batch::of(&self.columns, std::slice::from_ref(row));
+        // The values fit the columns, or the table could not be written either.
+        batch.map_or(Value::Null, |batch| point_json(study, &batch.row(0)))
     }
+}
+
+/// The columns of `points.parquet` in the JSON object of a point, and those that need a precision or an audit.
+const COLUMNS: [&str; 22] = [
+    "runs",
+    "amplitude_p50_m",
+    "amplitude_p95_m",
+    "amplitude_without_balls_m",
+    "relative_amplitude_p50",
+    "relative_amplitude_p95",
+    "worse_than_without_balls_fraction",
+    "worse_than_without_balls_low",
+    "worse_than_without_balls_high",
+    "balance_quality_grade_p50_mm_s",
+    "balance_quality_grade_p95_mm_s",
+    "overlapping_rest_fraction",
+    "equilibrium_runs",
+    "limit_cycle_runs",
+    "irregular_runs",
+    "undecided_runs",
+    "failed_runs",
+    "equilibrium_fraction",
+    "ci_low",
+    "ci_high",
+    "ci_method",
+    "time_to_rest_p50_s",
+];
+const OF_PRECISION: [&str; 1] = ["precision_reached"];
+const OF_AUDIT: [&str; 6] = [
+    "audited_runs",
+    "audit_flips",
+    "audit_rest_flips",
+    "audit_flip_rate",
+    "audit_flip_low",
+    "audit_flip_high",
+];
+
+/// Returns a row of `points.parquet` as JSON.
+fn point_json(study: &Study, row: &Row<'_>) -> Value {
+    let swept = study.swept().iter().map(|column| column.name.as_str());
+    let columns = ["point_id"].into_iter().chain(swept).chain(COLUMNS);
+    let columns = columns.chain(study.precision().map(|_| OF_PRECISION).into_iter().flatten());
+    let columns = columns.chain(study.audit().map(|_| OF_AUDIT).into_iter().flatten());
+    let columns = columns.chain(["set_fraction"]);
+    let mut object: Map<String, Value> =
+        columns.map(|name| (name.to_owned(), row.json(name))).collect();
+    let response = |one: &Response| {
+        let mut estimate = json!(row.estimate(&one.column()));
+        if one.has_value_without_balls() {
+            estimate["without_balls"] = row.json(&one.column_without_balls());
+        }
+        (one.name.clone(), estimate)
+    };
+    if !study.responses().is_empty() {
+        let responses = study.responses().iter().map(response).collect();
+        object.insert("responses".to_owned(), Value::Object(responses));
+    }
+    object.into()
 }

@@ -147,8 +147,8 @@ impl<S: Sink> Sink for Collector<'_, S> {
     fn point(&mut self, row: PointRow, detail: PointDetail) -> Result<(), S::Error> {
         let point = PointFacts::of(self.study, &row);
         let (study, table, progress) = (self.study, &self.table, self.progress);
-        progress.point(|| table.sentence(study, &point), || table.point_json(&point));
-        self.table.push(self.study, point);
+        progress.point(|| table.sentence(study, &point), || table.point_json(study, &row));
+        self.table.push(self.study, &row);
         self.sink.point(row, detail)
     }
 }

@@ -15,7 +15,7 @@ use crate::counted::counted;
 use crate::engine::{Readable, how_to_continue, readable_results, say};
 use crate::report::IncompletePoints;
 use crate::study::{ParameterValue, Study};
-use crate::table::{Batch, Manifest, Table, Values};
+use crate::table::{Batch, Manifest, Table};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -198,7 +198,7 @@ fn print_csv(table: &Table, most: usize) -> Result<(), CliError> {
         return Ok(());
     }
     print_rows(table, most, print, |batch, row| {
-        let cells = batch.columns.iter().map(|(_, values)| match cell(values, row) {
+        let cells = batch.columns.iter().map(|(_, values)| match values.json(row) {
             Value::Null => String::new(),
             Value::String(text) => text,
             Value::Number(number) => match number.as_f64().filter(|_| number.is_f64()) {
@@ -222,7 +222,7 @@ fn print_document(facts: &Value, table: &Table, most: usize) -> Result<(), CliEr
     }
     let mut separator = "\n    ";
     let reader = print_rows(table, most, print_json, |batch, row| {
-        let cells = batch.columns.iter().map(|(name, values)| (name.clone(), cell(values, row)));
+        let cells = batch.columns.iter().map(|(name, values)| (name.clone(), values.json(row)));
         let object = Value::Object(cells.collect::<Map<String, Value>>());
         let before = std::mem::replace(&mut separator, ",\n    ");
         Ok(format!("{before}{object}"))
@@ -231,15 +231,4 @@ fn print_document(facts: &Value, table: &Table, most: usize) -> Result<(), CliEr
         print("\n  ]\n}\n")?;
     }
     Ok(())
-}
-
-fn cell(values: &Values, row: usize) -> Value {
-    match values {
-        Values::Number(values) => json!(values.get(row)),
-        Values::Count(values) => json!(values.get(row)),
-        Values::Integer(values) => json!(values.get(row)),
-        Values::Boolean(values) => json!(values.get(row)),
-        Values::Text(values) => json!(values.get(row)),
-        Values::Numbers(values) => json!(values.get(row)),
-    }
 }

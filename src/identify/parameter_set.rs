@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 use super::end::{End, SimulatedEnd};
 use crate::study::{DesignValue, Study, Variable};
 use crate::table::column::{Column, Columns};
-use crate::table::{Batch, Kind, Table, TableError};
+use crate::table::{Row, Table, TableError};
 
 /// A parameter set with the ends of all its runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -108,54 +108,30 @@ pub fn read_parameter_set(
         return Err(other());
     }
     let balls = study.model().balls();
-    let angle_names: Vec<String> = (1..=balls).map(|ball| format!("beta_{ball}_rad")).collect();
-    let group_names: Vec<String> = (1..=balls).map(|ball| format!("group_{ball}")).collect();
-    let mut columns = vec![
-        ("run_id", Kind::Count),
-        ("point_id", Kind::Count),
-        ("stage", Kind::Count),
-        ("end", Kind::Text),
-    ];
-    columns.extend(angle_names.iter().map(|name| (name.as_str(), Kind::Number)));
-    columns.extend(group_names.iter().map(|name| (name.as_str(), Kind::Count)));
-    let mut ends = Vec::new();
-    for batch in table.read(&columns)? {
-        let batch = batch?;
-        for row in 0..batch.rows {
-            let end = read_end(&batch, row, &angle_names, &group_names)?;
-            ends.push(end.ok_or_else(other)?);
-        }
-    }
+    let ends = table.read_rows(|row| read_end(row, balls))?;
+    let ends = ends.map(|end| end?.ok_or_else(other)).collect::<Result<_, _>>()?;
     Ok(Some(ParameterSet { values: values.to_vec(), ends }))
 }
 
-fn read_end(
-    batch: &Batch,
-    row: usize,
-    angles: &[String],
-    groups: &[String],
-) -> Result<Option<SimulatedEnd>, TableError> {
-    let count = |name: &str| batch.count(name, row);
-    let word = batch.text("end", row)?;
-    let end = match word.as_deref() {
-        Some("rest") => {
-            let angles = angles.iter().map(|name| batch.number(name, row));
-            let angles: Option<Vec<f64>> =
-                angles.collect::<Result<Vec<_>, _>>()?.into_iter().collect();
-            let groups = groups.iter().map(|name| count(name));
-            let groups: Option<Vec<u8>> = groups
-                .collect::<Result<Vec<_>, _>>()?
+/// Returns the end in a row; `None` if it is none.
+fn read_end(row: &Row<'_>, balls: usize) -> Option<SimulatedEnd> {
+    let ids = ["run_id", "point_id", "stage"].map(|name| row.count(name));
+    let angles = (1..=balls).map(|ball| row.number(&format!("beta_{ball}_rad")));
+    let angles: Vec<Option<f64>> = angles.collect();
+    let groups = (1..=balls).map(|ball| row.count(&format!("group_{ball}")));
+    let groups: Vec<Option<u64>> = groups.collect();
+    let end = match row.text("end")?.as_str() {
+        "rest" => End::Rest {
+            angles: angles.into_iter().collect::<Option<_>>()?,
+            groups: groups
                 .into_iter()
-                .map(|group| group.and_then(|group| u8::try_from(group).ok()))
-                .collect();
-            let Some((angles, groups)) = angles.zip(groups) else { return Ok(None) };
-            End::Rest { angles, groups }
-        }
-        Some("moving") => End::Moving,
-        Some("unknown") => End::Unknown,
-        _ => return Ok(None),
+                .map(|group| u8::try_from(group?).ok())
+                .collect::<Option<_>>()?,
+        },
+        "moving" => End::Moving,
+        "unknown" => End::Unknown,
+        _ => return None,
     };
-    let (run_id, point_id, stage) = (count("run_id")?, count("point_id")?, count("stage")?);
-    let place = run_id.zip(point_id).zip(stage);
-    Ok(place.map(|((run_id, point_id), stage)| SimulatedEnd { run_id, point_id, stage, end }))
+    let [run_id, point_id, stage] = ids;
+    Some(SimulatedEnd { run_id: run_id?, point_id: point_id?, stage: stage?, end })
 }

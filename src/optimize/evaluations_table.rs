@@ -12,9 +12,9 @@ use crate::analysis::LabelCounts;
 use crate::classification::Label;
 use crate::responses::Answer;
 use crate::responses::columns::answer_columns;
-use crate::study::{DesignValue, Study, changed_keys};
+use crate::study::{Study, changed_keys};
 use crate::table::column::{Column, Columns};
-use crate::table::{Batch, Kind, Table, TableError, estimate_kinds, read_estimate};
+use crate::table::{Row, Table, TableError};
 
 /// Returns the columns of `evaluations.parquet`: one row per design and point of the sweep.
 pub fn evaluation_columns(study: &Study) -> Vec<Column<(Origin, Answer)>> {
@@ -95,22 +95,15 @@ pub fn read_evaluations(
         }
     }
     let mut rows = Vec::new();
-    let columns = columns_to_read(study);
-    let columns: Vec<(&str, Kind)> =
-        columns.iter().map(|(name, kind)| (name.as_str(), *kind)).collect();
-    for batch in table.read(&columns)? {
-        let batch = batch?;
-        for index in 0..batch.rows {
-            let row = read_row(study, &batch, index).ok_or_else(|| {
-                EvaluationsError::Other(format!(
-                    "{}: row {} is not a row of a search\n  allowed: the unchanged table, or \
-                     another directory with --out",
-                    path.display(),
-                    batch.first_row + index as u64 + 1
-                ))
-            })?;
-            rows.push(row);
-        }
+    for (number, row) in table.read_rows(|row| read_row(study, row))?.enumerate() {
+        let row = row?.ok_or_else(|| {
+            EvaluationsError::Other(format!(
+                "{}: row {} is not a row of a search\n  allowed: the unchanged table, or another directory with --out",
+                path.display(),
+                number + 1
+            ))
+        });
+        rows.push(row?);
     }
     grouped_by_design(study, rows).ok_or_else(|| {
         EvaluationsError::Other(format!(
@@ -171,50 +164,30 @@ fn grouped_by_design(study: &Study, rows: Vec<(Origin, Answer)>) -> Option<Vec<E
 /// More runs than any design has.
 const MOST_RUNS: u64 = 1 << 60;
 
-fn columns_to_read(study: &Study) -> Vec<(String, Kind)> {
-    let mut columns: Vec<(String, Kind)> =
-        [("design", Kind::Count), ("origin", Kind::Text), ("point_id", Kind::Count)]
-            .map(|(name, kind)| (name.to_owned(), kind))
-            .into();
-    for variable in study.variables() {
-        let kind = if variable.unit().is_some() { Kind::Number } else { Kind::Text };
-        columns.push((variable.name().to_owned(), kind));
-    }
-    columns.extend(Label::ALL.map(|label| (label.name().to_owned(), Kind::Count)));
-    for response in study.responses() {
-        columns.extend(estimate_kinds(&response.name));
-    }
-    columns
-}
-
-fn read_row(study: &Study, batch: &Batch, index: usize) -> Option<(Origin, Answer)> {
-    let at = |values: Option<&Option<u64>>| values.copied().flatten();
-    let count = |name: &str| at(batch.counts(name).ok()?.get(index));
-    let number = |name: &str| batch.numbers(name).ok()?.get(index).copied().flatten();
-    let text = |name: &str| batch.texts(name).ok()?.get(index)?.as_deref();
-    let values = study.variables().iter().map(|variable| {
-        let value = match variable.unit() {
-            Some(_) => variable.number(number(variable.name())?),
-            None => variable.word(text(variable.name())?),
-        };
-        value.ok()
+/// Returns the design in a row with its answer at a point; `None` if it is none.
+fn read_row(study: &Study, row: &Row<'_>) -> Option<(Origin, Answer)> {
+    let (design, point_id) = (row.count("design"), row.count("point_id"));
+    let origin = row.text("origin");
+    let values = study.variables().iter().map(|variable| match variable.unit() {
+        Some(_) => Some(variable.number(row.number(variable.name())?)),
+        None => Some(variable.word(&row.text(variable.name())?)),
     });
-    let values: Vec<DesignValue> = values.collect::<Option<_>>()?;
+    let values: Vec<Option<_>> = values.collect();
+    let runs = Label::ALL.map(|label| row.count(label.name()));
+    let estimates = study.responses().iter().map(|one| row.estimate(&one.name)).collect();
     let mut counts = LabelCounts::default();
-    for label in Label::ALL {
-        counts.add_many(label, count(label.name()).filter(|count| *count < MOST_RUNS)?);
+    for (label, runs) in Label::ALL.into_iter().zip(runs) {
+        counts.add_many(label, runs.filter(|runs| *runs < MOST_RUNS)?);
     }
-    let responses = study.responses().iter();
-    let estimates = responses.map(|response| read_estimate(batch, &response.name, index).ok());
-    let point_id = count("point_id").filter(|point| *point < study.point_count())?;
+    let point_id = point_id.filter(|point| *point < study.point_count())?;
     let answer = Answer {
-        design: count("design")?,
-        values,
+        design: design?,
+        values: values.into_iter().map(|value| value?.ok()).collect::<Option<_>>()?,
         point_id,
         swept: study.point(point_id).swept,
-        estimates: estimates.collect::<Option<_>>()?,
+        estimates,
         counts,
         discontinuous: None,
     };
-    Some((Origin::named(text("origin")?)?, answer))
+    Some((Origin::named(&origin?)?, answer))
 }

@@ -13,7 +13,7 @@ use super::data::heading;
 use crate::analysis::{Estimate, estimate_difference};
 use crate::classification::Label;
 use crate::study::{AmplitudeKind, Measure, ParameterValue, Response, Study, Unit, changed_keys};
-use crate::table::{Batch, Kind, Table, TableError};
+use crate::table::{Table, TableError};
 
 /// The study and the tables of a directory of results.
 pub struct ComparedResults<'a> {
@@ -175,87 +175,47 @@ fn quantities([first, second]: [&Study; 2]) -> Vec<Quantity> {
 /// Reads the points and their runs.
 fn points(results: &ComparedResults<'_>, list: &[Quantity]) -> Result<Vec<Point>, TableError> {
     let ComparedResults { study, points, runs } = results;
-    let mut wanted = vec![("point_id".to_owned(), Kind::Count)];
-    let columns = list.iter().flat_map(|quantity| quantity.columns.clone());
-    wanted.extend(columns.map(|name| (name, Kind::Number)));
     let mut all: Vec<Point> = Vec::new();
-    read(points, &wanted, |batch, row| {
-        let point_id = batch.count("point_id", row)?.unwrap_or_default();
+    points.for_each(|row| {
         let estimate = |quantity: &Quantity| {
-            let number = |place: usize| match quantity.columns.get(place) {
-                Some(name) => batch.number(name, row),
-                None => Ok(None),
-            };
-            let (value, low, high) = (number(0)?, number(1)?, number(2)?);
-            Ok::<_, TableError>(Estimate {
-                value,
-                low,
-                high,
-                standard_error: number(3)?,
-                reason: None,
-            })
+            let number = |place: usize| row.number(quantity.columns.get(place)?);
+            let [value, low, high, standard_error] = [0, 1, 2, 3].map(number);
+            Estimate { value, low, high, standard_error, reason: None }
         };
-        let estimates = list.iter().map(estimate).collect::<Result<_, TableError>>()?;
-        if point_id < study.point_count() {
+        let estimates = list.iter().map(estimate).collect();
+        let known = row.count("point_id").filter(|point_id| *point_id < study.point_count());
+        all.extend(known.map(|point_id| {
             let swept = study.point(point_id).swept;
-            all.push(Point { point_id, swept, estimates, runs: Vec::new() });
-        }
-        Ok(())
+            Point { point_id, swept, estimates, runs: Vec::new() }
+        }));
     })?;
-    let names: Vec<String> = runs.columns().iter().map(|(name, _)| name.clone()).collect();
-    let starts: Vec<&String> = names.iter().filter(|name| name.starts_with("initial_")).collect();
-    let amplitudes = ["amplitude_m", "relative_amplitude", "peak_amplitude_m"];
-    let has = |name: &str| names.iter().any(|own| own == name);
-    let mut wanted = vec![("point_id".to_owned(), Kind::Count), ("label".to_owned(), Kind::Text)];
-    wanted.push(("cell".to_owned(), Kind::Count));
-    let numbers = starts.iter().map(|name| name.as_str()).chain(["time_to_rest_s"]);
-    let numbers = numbers.chain(amplitudes.into_iter().filter(|name| has(name)));
-    wanted.extend(numbers.map(|name| (name.to_owned(), Kind::Number)));
+    let names = runs.columns().iter().map(|(name, _)| name.as_str());
+    let starts: Vec<&str> = names.filter(|name| name.starts_with("initial_")).collect();
     let mut place = 0;
-    read(runs, &wanted, |batch, row| {
-        let point_id = batch.count("point_id", row)?.unwrap_or_default();
+    runs.for_each(|row| {
+        let (point_id, label) = (row.count("point_id"), row.label());
+        let mut start = DefaultHasher::new();
+        for name in &starts {
+            row.number(name).unwrap_or(f64::NAN).to_bits().hash(&mut start);
+        }
+        let run = ComparedRun {
+            start: start.finish(),
+            cell: row.count("cell").unwrap_or_default(),
+            label,
+            amplitudes: ["amplitude_m", "relative_amplitude", "peak_amplitude_m"]
+                .map(|name| row.number_if_there(name).unwrap_or(f64::NAN)),
+            time_to_rest_s: row.number("time_to_rest_s").unwrap_or(f64::INFINITY),
+        };
+        let Some(point_id) = point_id else { return };
         // Runs are in the order of the points.
         while all.get(place).is_some_and(|point| point.point_id < point_id) {
             place += 1;
         }
-        let Some(point) = all.get_mut(place).filter(|point| point.point_id == point_id) else {
-            return Ok(());
-        };
-        let mut start = DefaultHasher::new();
-        for name in &starts {
-            batch.number(name, row)?.unwrap_or(f64::NAN).to_bits().hash(&mut start);
+        if let Some(point) = all.get_mut(place).filter(|point| point.point_id == point_id) {
+            point.runs.push(run);
         }
-        let label = batch.text("label", row)?.unwrap_or_default();
-        let number = |name: &str| match has(name) {
-            true => Ok(batch.number(name, row)?.unwrap_or(f64::NAN)),
-            false => Ok::<_, TableError>(f64::NAN),
-        };
-        let [residual, relative, peak] = amplitudes.map(number);
-        point.runs.push(ComparedRun {
-            start: start.finish(),
-            cell: batch.count("cell", row)?.unwrap_or_default(),
-            label: Label::ALL.into_iter().find(|one| one.name() == label),
-            amplitudes: [residual?, relative?, peak?],
-            time_to_rest_s: batch.number("time_to_rest_s", row)?.unwrap_or(f64::INFINITY),
-        });
-        Ok(())
     })?;
     Ok(all)
-}
-
-/// Reads columns of a table row by row.
-fn read(
-    table: &Table,
-    wanted: &[(String, Kind)],
-    mut take: impl FnMut(&Batch, usize) -> Result<(), TableError>,
-) -> Result<(), TableError> {
-    let wanted: Vec<(&str, Kind)> =
-        wanted.iter().map(|(name, kind)| (name.as_str(), *kind)).collect();
-    for batch in table.read(&wanted)? {
-        let batch = batch?;
-        (0..batch.rows).try_for_each(|row| take(&batch, row))?;
-    }
-    Ok(())
 }
 
 /// Returns the values of these parameters at a point, rounded, as a key; `None` if the study lacks one of them.

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::command_error::CommandError;
 use crate::engine::finished_run;
 use crate::study::Study;
-use crate::table::{Kind, Manifest, StoredRun, Table};
+use crate::table::{Manifest, StoredRun, Table};
 
 /// Returns the row of a run, from the table or from the finished runs; `None` if the results are incomplete and lack it.
 pub fn stored_run(
@@ -64,12 +64,10 @@ fn runs_of_point(
     point_id: u64,
 ) -> Result<u64, CommandError> {
     let points = Table::open(directory, manifest, "points")?;
-    for batch in points.read(&[("point_id", Kind::Count), ("runs", Kind::Count)])? {
-        let batch = batch?;
-        let row = batch.counts("point_id")?.iter().position(|found| *found == Some(point_id));
-        if let Some(row) = row {
-            return Ok(batch.count("runs", row)?.unwrap_or(0));
-        }
-    }
-    Ok(0)
+    let mut found = 0;
+    points.for_each(|row| {
+        let known = row.count("point_id").zip(row.count("runs"));
+        found = known.filter(|(point, _)| *point == point_id).map_or(found, |(_, runs)| runs);
+    })?;
+    Ok(found)
 }

@@ -3,9 +3,8 @@
 use serde_json::{Map, Value, json};
 
 use super::respond::Answer;
-use crate::analysis::Estimate;
 use crate::classification::Label;
-use crate::study::{ParameterValue, Response, Study};
+use crate::study::{ParameterValue, Study};
 
 /// Returns the answer to a request. For a study with a single point it holds `responses`, `runs`, `failed` and
 /// `discontinuous`, otherwise `points`, a list of such objects with the swept parameters of each point.
@@ -34,17 +33,11 @@ pub fn to_json(study: &Study, id: &Value, answers: &[Answer]) -> Value {
     Value::Object(answer)
 }
 
-/// Returns responses with their estimates as an object.
-pub(crate) fn responses_json(responses: &[Response], estimates: &[Estimate]) -> Value {
-    let each = responses.iter().zip(estimates);
-    let each = each.map(|(response, estimate)| (response.name.clone(), json!(estimate)));
-    Value::Object(each.collect())
-}
-
 fn point_json(study: &Study, answer: &Answer) -> Map<String, Value> {
     let mut object = Map::new();
-    let responses = responses_json(study.responses(), &answer.estimates);
-    object.insert("responses".to_owned(), responses);
+    let responses = study.responses().iter().zip(&answer.estimates);
+    let responses = responses.map(|(one, estimate)| (one.name.clone(), json!(estimate)));
+    object.insert("responses".to_owned(), Value::Object(responses.collect()));
     object.insert("runs".to_owned(), json!(answer.counts.total()));
     object.insert("failed".to_owned(), json!(answer.counts.of(Label::Failed)));
     object.insert("discontinuous".to_owned(), json!(answer.discontinuous));

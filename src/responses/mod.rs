@@ -11,7 +11,6 @@ mod request;
 mod respond;
 mod respond_to_all;
 
-pub(crate) use answer_json::responses_json;
 pub use answer_json::to_json;
 pub use columns::response_columns;
 pub use discontinuity::{MOST_DESIGNS, discontinuous};

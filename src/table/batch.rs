@@ -2,6 +2,9 @@
 
 use std::path::PathBuf;
 
+use arrow_schema::ArrowError;
+
+use super::column::{Column, batch};
 use super::table_error::TableError;
 use crate::tabular::{Fault, Kind, Values};
 
@@ -18,7 +21,7 @@ pub struct Batch {
 }
 
 macro_rules! typed {
-    ($name:ident, $one:ident, $kind:ident, $value:ty, $of:literal) => {
+    ($name:ident, $kind:ident, $value:ty, $of:literal) => {
         #[doc = concat!("Returns a column of ", $of, ".")]
         ///
         /// # Errors
@@ -29,24 +32,29 @@ macro_rules! typed {
                 other => Err(self.wrong(column, other.kind().name(), Kind::$kind)),
             }
         }
-
-        #[doc = concat!("Returns the value in one row of a column of ", $of, ".")]
-        ///
-        /// # Errors
-        /// Returns an error if the column was not requested or has another type.
-        pub fn $one(&self, column: &str, row: usize) -> Result<Option<$value>, TableError> {
-            Ok(self.$name(column)?.get(row).cloned().flatten())
-        }
     };
 }
 
 impl Batch {
-    typed!(numbers, number, Number, f64, "numbers");
-    typed!(counts, count, Count, u64, "whole numbers from 0");
-    typed!(integers, integer, Integer, i64, "signed whole numbers");
-    typed!(truths, truth, Boolean, bool, "Boolean values");
-    typed!(texts, text, Text, String, "text");
-    typed!(lists, list, Numbers, Vec<f64>, "lists of numbers");
+    /// Returns rows that are not written yet as they will be read.
+    ///
+    /// # Errors
+    /// Returns an error if values do not fit their column, which is a bug.
+    pub fn of<R>(columns: &[Column<R>], rows: &[R]) -> Result<Self, ArrowError> {
+        let written = batch(columns, rows)?;
+        let names = columns.iter().map(|column| column.name().to_owned());
+        let values = names.zip(written.columns());
+        let columns = values.filter_map(|(name, values)| Some((name, Values::of(values)?)));
+        let (file, rows) = (PathBuf::new(), rows.len());
+        Ok(Batch { file, first_row: 0, rows, columns: columns.collect() })
+    }
+
+    typed!(numbers, Number, f64, "numbers");
+    typed!(counts, Count, u64, "whole numbers from 0");
+    typed!(integers, Integer, i64, "signed whole numbers");
+    typed!(truths, Boolean, bool, "Boolean values");
+    typed!(texts, Text, String, "text");
+    typed!(lists, Numbers, Vec<f64>, "lists of numbers");
 
     fn column(&self, name: &str) -> Result<&Values, TableError> {
         let found = self.columns.iter().find(|(column, _)| column == name);

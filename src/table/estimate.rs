@@ -1,10 +1,8 @@
 //! The columns of an estimate: value, standard error, 95 % interval, and the reason for missing values.
 
-use super::batch::Batch;
 use super::column::Columns;
-use super::table_error::TableError;
+use super::row::Row;
 use crate::analysis::Estimate;
-use crate::tabular::Kind;
 
 /// The numbers of an estimate: the end of the column's name, its meaning, and the number.
 type Part = (&'static str, &'static str, fn(&Estimate) -> Option<f64>);
@@ -38,17 +36,12 @@ pub(crate) fn add_estimate<R: 'static>(
         .meaning(format!("why the value, standard error or interval of {name} is missing"));
 }
 
-/// Returns the columns of an estimate with their kinds.
-pub(crate) fn estimate_kinds(name: &str) -> [(String, Kind); 5] {
-    let number = |(ending, ..): Part| (format!("{name}{ending}"), Kind::Number);
-    let [value, error, low, high] = PARTS.map(number);
-    [value, error, low, high, (format!("{name}{REASON}"), Kind::Text)]
-}
-
-/// Reads an estimate from a row.
-pub(crate) fn read_estimate(batch: &Batch, name: &str, row: usize) -> Result<Estimate, TableError> {
-    let [value, standard_error, low, high] =
-        PARTS.map(|(ending, ..)| batch.number(&format!("{name}{ending}"), row));
-    let reason = batch.text(&format!("{name}{REASON}"), row)?.map(Into::into);
-    Ok(Estimate { value: value?, standard_error: standard_error?, low: low?, high: high?, reason })
+impl Row<'_> {
+    /// Returns an estimate.
+    pub fn estimate(&self, name: &str) -> Estimate {
+        let part = |ending: &str| self.number(&format!("{name}{ending}"));
+        let [value, standard_error, low, high] = PARTS.map(|(ending, ..)| part(ending));
+        let reason = self.text(&format!("{name}{REASON}")).map(Into::into);
+        Estimate { value, standard_error, low, high, reason }
+    }
 }

@@ -104,6 +104,11 @@ impl Table {
         &self.columns
     }
 
+    /// Returns the kind of a column; `None` if there is no such column.
+    pub(super) fn kind(&self, column: &str) -> Option<Kind> {
+        self.columns.iter().find(|(name, _)| name == column)?.1
+    }
+
     /// Reads all columns from the first row on.
     ///
     /// # Errors

@@ -9,6 +9,7 @@ use arrow_array::types::{
 use arrow_array::{Array, ArrayRef};
 use arrow_schema::DataType;
 use arrow_select::take::take;
+use serde_json::{Value, json};
 
 /// The kind of a column's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,6 +83,18 @@ impl Values {
             Values::Boolean(_) => Kind::Boolean,
             Values::Text(_) => Kind::Text,
             Values::Numbers(_) => Kind::Numbers,
+        }
+    }
+
+    /// Returns the value in a row as JSON; null if it is missing.
+    pub(crate) fn json(&self, row: usize) -> Value {
+        match self {
+            Values::Number(values) => json!(values.get(row)),
+            Values::Count(values) => json!(values.get(row)),
+            Values::Integer(values) => json!(values.get(row)),
+            Values::Boolean(values) => json!(values.get(row)),
+            Values::Text(values) => json!(values.get(row)),
+            Values::Numbers(values) => json!(values.get(row)),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Classes of limit cycles from `cycles.parquet`.
 
-use crate::table::{Kind, Table, TableError};
+use crate::table::{Row, Table, TableError};
 
 /// The largest number of rows.
 const MOST_ROWS: usize = 20_000;
@@ -34,30 +34,11 @@ pub struct CycleFacts {
 
 /// Reads the classes; only the first `MOST_ROWS` ones.
 pub fn read(table: &Table) -> Result<Vec<CycleFacts>, TableError> {
-    let has = |name: &str| table.columns().iter().any(|(column, _)| column == name);
-    let mut wanted = vec![("point_id", Kind::Count), ("class", Kind::Text), ("runs", Kind::Count)];
-    let columns = QUANTITIES.iter().flat_map(|(.., columns)| columns);
-    wanted.extend(columns.filter(|name| has(name)).map(|name| (*name, Kind::Number)));
-    let mut rows = Vec::new();
-    for batch in table.read(&wanted)? {
-        let batch = batch?;
-        for row in 0..batch.rows.min(MOST_ROWS - rows.len()) {
-            let mut values = [[None; 3]; 6];
-            for (of, (.., columns)) in values.iter_mut().zip(&QUANTITIES) {
-                for (value, name) in of.iter_mut().zip(columns).filter(|(_, name)| has(name)) {
-                    *value = batch.number(name, row)?;
-                }
-            }
-            rows.push(CycleFacts {
-                point_id: batch.count("point_id", row)?.unwrap_or(u64::MAX),
-                class: batch.text("class", row)?.unwrap_or_default(),
-                runs: batch.count("runs", row)?.unwrap_or(0),
-                values,
-            });
-        }
-        if rows.len() == MOST_ROWS {
-            break;
-        }
-    }
-    Ok(rows)
+    let facts = |row: &Row<'_>| CycleFacts {
+        point_id: row.count("point_id").unwrap_or(u64::MAX),
+        class: row.text("class").unwrap_or_default(),
+        runs: row.count("runs").unwrap_or(0),
+        values: QUANTITIES.map(|(.., columns)| columns.map(|name| row.number_if_there(name))),
+    };
+    table.read_rows(facts)?.take(MOST_ROWS).collect()
 }

@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 
 use super::{PointFacts, scattered};
 use crate::analysis::{RankCorrelation, rank_correlation};
-use crate::classification::Label;
 use crate::study::Study;
-use crate::table::{Kind, Table, TableError};
+use crate::table::{Table, TableError};
 
 /// The largest number of values in memory.
 const MOST_VALUES: u64 = 4_000_000;
@@ -63,38 +62,27 @@ pub fn read(
     }
     let empty = || DrawnRuns { values: vec![Vec::new(); parameters.len()], ..DrawnRuns::default() };
     drawn.points = shown.iter().map(|point| (point.point_id, empty())).collect();
-    let mut wanted =
-        vec![("run_id", Kind::Count), ("point_id", Kind::Count), ("label", Kind::Text)];
-    wanted.extend(["amplitude_m", "time_to_rest_s"].map(|name| (name, Kind::Number)));
-    wanted.extend(parameters.iter().map(|parameter| (parameter.name.as_str(), Kind::Number)));
-    for batch in table.read(&wanted)? {
-        let batch = batch?;
-        for row in 0..batch.rows {
-            let numbers = batch.count("run_id", row)?.zip(batch.count("point_id", row)?);
-            let Some((run_id, point_id)) = numbers.filter(|(run, _)| scattered(*run, one_in))
-            else {
-                continue;
-            };
-            let label = batch.text("label", row)?.unwrap_or_default();
-            let label = Label::ALL.iter().position(|known| known.name() == label);
-            let Some(runs) = drawn.points.get_mut(&point_id) else { continue };
-            let values: Option<Vec<f64>> = parameters
-                .iter()
-                .map(|parameter| batch.number(&parameter.name, row))
-                .collect::<Result<_, _>>()?;
-            let amplitude = batch.number("amplitude_m", row)?.filter(|value| value.is_finite());
-            let Some(((label, amplitude), values)) = label.zip(amplitude).zip(values) else {
-                continue;
-            };
-            runs.run_id.push(run_id);
-            runs.label.push(label as u8);
-            runs.amplitude_m.push(amplitude);
-            let time = batch.number("time_to_rest_s", row)?;
-            runs.time_to_rest_s.push(time.unwrap_or(f64::INFINITY));
-            for ((column, value), parameter) in runs.values.iter_mut().zip(values).zip(parameters) {
-                column.push(parameter.shown_number(value));
-            }
+    table.for_each(|row| {
+        let ids = row.count("run_id").zip(row.count("point_id"));
+        let (label, amplitude_m) = (row.label(), row.number("amplitude_m"));
+        let time_to_rest_s = row.number("time_to_rest_s");
+        // All columns are asked for before the first missing value ends the list.
+        let values: Vec<Option<f64>> =
+            parameters.iter().map(|parameter| row.number(&parameter.name)).collect();
+        let values: Option<Vec<f64>> = values.into_iter().collect();
+        let known = ids.zip(label).zip(amplitude_m).zip(values);
+        let Some(((((run_id, point_id), label), amplitude_m), values)) = known else { return };
+        let Some(runs) = drawn.points.get_mut(&point_id) else { return };
+        if !scattered(run_id, one_in) || !amplitude_m.is_finite() {
+            return;
         }
-    }
+        runs.run_id.push(run_id);
+        runs.label.push(label as u8);
+        runs.amplitude_m.push(amplitude_m);
+        runs.time_to_rest_s.push(time_to_rest_s.unwrap_or(f64::INFINITY));
+        for ((column, value), parameter) in runs.values.iter_mut().zip(values).zip(parameters) {
+            column.push(parameter.shown_number(value));
+        }
+    })?;
     Ok(drawn)
 }

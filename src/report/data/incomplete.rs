@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use crate::engine::Shard;
 use crate::study::Study;
-use crate::table::{Kind, Manifest, Table, TableError};
+use crate::table::{Manifest, Table, TableError};
 
 /// The largest number of ranges of points that a sentence lists.
 const MOST_RANGES: usize = 6;
@@ -26,20 +26,12 @@ impl IncompletePoints {
         let mut incomplete = IncompletePoints::default();
         let shard: Option<Shard> = manifest.shard.parse().ok();
         let Some(shard) = shard.filter(|_| !manifest.complete) else { return Ok(incomplete) };
-        let columns = [
-            ("point_id", Kind::Count),
-            ("runs", Kind::Count),
-            ("precision_reached", Kind::Boolean),
-        ];
         let mut finished = HashMap::new();
-        for batch in points.read(&columns)? {
-            let batch = batch?;
-            for row in 0..batch.rows {
-                let known = batch.count("point_id", row)?.zip(batch.count("runs", row)?);
-                let precise = batch.truth("precision_reached", row)? == Some(true);
-                finished.extend(known.map(|(point, runs)| (point, (runs, precise))));
-            }
-        }
+        points.for_each(|row| {
+            let known = row.count("point_id").zip(row.count("runs"));
+            let precise = row.truth("precision_reached") == Some(true);
+            finished.extend(known.map(|(point, runs)| (point, (runs, precise))));
+        })?;
         for point in 0..study.point_count() {
             let planned = runs_of_point(study, shard, point);
             let (runs, precise) = finished.get(&point).copied().unwrap_or((0, false));

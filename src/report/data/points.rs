@@ -3,8 +3,8 @@
 use crate::analysis::{AuditCounts, Estimate, HalfWidths, ResidualVibration};
 use crate::classification::Label;
 use crate::report::data::heading;
-use crate::study::{ParameterValue, Response, Study};
-use crate::table::{Batch, Kind, PointRow, Table, TableError, estimate_kinds, read_estimate};
+use crate::study::{ParameterValue, Study};
+use crate::table::{PointRow, Row, Table, TableError};
 
 /// The largest number of points in memory; of larger sweeps every second, third and so on is read.
 const MOST_POINTS: u64 = 50_000;
@@ -59,39 +59,15 @@ pub struct PointFacts {
     pub responses_without_balls: Vec<Option<f64>>,
 }
 
-const TIMES: [&str; 4] =
-    ["time_to_rest_p25_s", "time_to_rest_p50_s", "time_to_rest_p75_s", "time_to_rest_p95_s"];
-const AMPLITUDES: [&str; 3] = ["amplitude_p05_m", "amplitude_p50_m", "amplitude_p95_m"];
-const FLIPS: [&str; 3] = ["audit_flip_rate", "audit_flip_low", "audit_flip_high"];
-const COUNTS: [&str; 5] = ["point_id", "runs", "audited_runs", "audit_flips", "audit_rest_flips"];
-const METHOD: &str = "ci_method";
-const PRECISE: &str = "precision_reached";
-const FRACTION: [&str; 3] = ["equilibrium_fraction", "ci_low", "ci_high"];
-const WITHOUT_BALLS: &str = "amplitude_without_balls_m";
-const SET_FRACTION: &str = "set_fraction";
-const RELATIVE: [&str; 3] =
-    ["relative_amplitude_p05", "relative_amplitude_p50", "relative_amplitude_p95"];
-const WORSE: [&str; 3] = [
-    "worse_than_without_balls_fraction",
-    "worse_than_without_balls_low",
-    "worse_than_without_balls_high",
-];
-const GRADES: [&str; 2] = ["balance_quality_grade_p50_mm_s", "balance_quality_grade_p95_mm_s"];
-const OVERLAPPING: &str = "overlapping_rest_fraction";
-
-fn of_label(label: Label, what: &str) -> String {
-    format!("{}_{what}", label.name())
-}
-
-/// Returns `k` if one of every `k` points is read.
-pub fn every(table: &Table) -> u64 {
-    table.rows().div_ceil(MOST_POINTS).max(1)
-}
-
-/// Reads all points, or evenly spaced ones. Values of swept parameters are taken from the study.
+/// Reads all points, or evenly spaced ones.
 pub fn read(study: &Study, table: &Table) -> Result<Vec<PointFacts>, TableError> {
+    let every = table.rows().div_ceil(MOST_POINTS).max(1);
     let mut points = Vec::new();
-    PointFacts::for_each(study, table, every(table), |point| points.push(point))?;
+    table.for_each(|row| {
+        if row.place().is_multiple_of(every) {
+            points.extend(PointFacts::in_row(study, row));
+        }
+    })?;
     Ok(points)
 }
 
@@ -128,100 +104,60 @@ impl PointFacts {
         }
     }
 
-    /// Reads one of every `every` points of `points.parquet` and passes each to `take`.
-    ///
-    /// # Errors
-    /// Returns an error if the table lacks a column or cannot be read.
-    pub fn for_each(
-        study: &Study,
-        table: &Table,
-        every: u64,
-        mut take: impl FnMut(PointFacts),
-    ) -> Result<(), TableError> {
+    /// Returns the values in a row of `points.parquet`; `None` if its number is missing. Values of swept parameters are
+    /// taken from the study.
+    pub fn in_row(study: &Study, row: &Row<'_>) -> Option<PointFacts> {
+        let count = |name: &str| row.count(name).unwrap_or(0);
+        let number = |name: &str| row.number(name);
+        let (point_id, runs) = (row.count("point_id"), count("runs"));
+        let interval = |name: &str| {
+            let [low, high] = ["low", "high"].map(|end| row.number(&format!("{name}_{end}")));
+            [low, high].map(|end| end.unwrap_or(f64::NAN))
+        };
+        let labels = Label::ALL.map(|label| {
+            let [low, high] = interval(label.name());
+            let own = count(&format!("{}_runs", label.name()));
+            Fraction { low, high, ..Fraction::of(own, runs) }
+        });
+        let [low, high] = interval("ci");
+        let fraction = number("equilibrium_fraction").unwrap_or(f64::NAN);
         let balls = study.model().kind().offers.vibration;
-        let of_labels = |what| Label::ALL.map(|label| of_label(label, what));
-        let [runs, low, high] = ["runs", "low", "high"].map(of_labels);
-        let counts = COUNTS.into_iter().chain(runs.iter().map(String::as_str));
-        let numbers = FRACTION.iter().chain(&TIMES).chain(&AMPLITUDES).chain(&FLIPS);
-        let balancer = [&WITHOUT_BALLS, &SET_FRACTION, &OVERLAPPING].into_iter();
-        let balancer = balancer.chain(&RELATIVE).chain(&WORSE).chain(&GRADES);
-        let numbers = numbers.chain(balancer.filter(|_| balls)).copied();
-        let numbers = numbers.chain(low.iter().chain(&high).map(String::as_str));
-        let responses: Vec<(String, Kind)> =
-            study.responses().iter().flat_map(|one| estimate_kinds(&one.column())).collect();
-        let mut columns: Vec<(&str, Kind)> = counts.map(|name| (name, Kind::Count)).collect();
-        columns.extend(responses.iter().map(|(name, kind)| (name.as_str(), *kind)));
-        let without_balls = study.responses().iter().filter(|one| one.has_value_without_balls());
-        let without_balls: Vec<String> =
-            without_balls.filter(|_| balls).map(Response::column_without_balls).collect();
-        columns.extend(without_balls.iter().map(|name| (name.as_str(), Kind::Number)));
-        columns.extend(numbers.map(|name| (name, Kind::Number)));
-        columns.extend([(METHOD, Kind::Text), (PRECISE, Kind::Boolean)]);
-        for batch in table.read(&columns)? {
-            let batch = batch?;
-            for row in 0..batch.rows {
-                if (batch.first_row + row as u64).is_multiple_of(every) {
-                    take(Self::in_row(study, &batch, row)?);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn in_row(study: &Study, batch: &Batch, row: usize) -> Result<PointFacts, TableError> {
-        let number = |name: &str| batch.number(name, row);
-        // A missing count belongs to a kind of run that did not occur.
-        let count = |name: &str| Ok::<_, TableError>(batch.count(name, row)?.unwrap_or(0));
-        let value = |name: &str| Ok::<_, TableError>(number(name)?.unwrap_or(f64::NAN));
-        let (point_id, runs) = (count(COUNTS[0])?, count(COUNTS[1])?);
-        let mut labels = [Fraction::of(0, runs); 5];
-        for (fraction, label) in labels.iter_mut().zip(Label::ALL) {
-            let [low, high] = ["low", "high"].map(|end| value(&of_label(label, end)));
-            *fraction = Fraction {
-                low: low?,
-                high: high?,
-                ..Fraction::of(count(&of_label(label, "runs"))?, runs)
-            };
-        }
-        let [fraction, low, high] = FRACTION.map(value);
-        let [rate, flip_low, flip_high] = FLIPS.map(number);
-        let flip_rate = rate?.zip(flip_low?).zip(flip_high?);
-        let balls = study.model().kind().offers.vibration;
-        let set_fraction = if balls { number(SET_FRACTION)? } else { None };
-        let residual = if balls { residual(batch, row)? } else { ResidualVibration::default() };
-        let swept =
-            if point_id < study.point_count() { study.point(point_id).swept } else { Vec::new() };
-        let without_balls =
-            study.responses().iter().map(|one| match balls && one.has_value_without_balls() {
-                true => number(&one.column_without_balls()),
-                false => Ok(None),
-            });
         let responses = study.responses().iter();
-        let responses = responses.map(|one| read_estimate(batch, &one.column(), row));
-        let [p25, p50, p75, p95] = TIMES.map(number);
-        let [p05, median, p95_m] = AMPLITUDES.map(number);
-        Ok(PointFacts {
-            point_id,
-            title: title(study, point_id, &swept),
-            swept,
+        let mut facts = PointFacts {
+            point_id: 0,
+            title: String::new(),
+            swept: Vec::new(),
             runs,
             labels,
-            equilibrium: Fraction { fraction: fraction?, low: low?, high: high?, ..labels[0] },
-            precise: batch.truth(PRECISE, row)?,
-            ci_method: batch.text(METHOD, row)?.unwrap_or_default(),
-            time_to_rest_s: [p25?, p50?, p75?, p95?],
-            amplitude_m: [p05?, median?, p95_m?],
-            residual,
-            set_fraction,
+            equilibrium: Fraction { fraction, low, high, ..labels[0] },
+            precise: row.truth("precision_reached"),
+            ci_method: row.text("ci_method").unwrap_or_default(),
+            time_to_rest_s: ["25", "50", "75", "95"]
+                .map(|percent| number(&format!("time_to_rest_p{percent}_s"))),
+            amplitude_m: ["05", "50", "95"]
+                .map(|percent| number(&format!("amplitude_p{percent}_m"))),
+            residual: if balls { residual(row) } else { ResidualVibration::default() },
+            set_fraction: if balls { number("set_fraction") } else { None },
             audit: AuditCounts {
-                runs: count(COUNTS[2])?,
-                flips: count(COUNTS[3])?,
-                rest_flips: count(COUNTS[4])?,
+                runs: count("audited_runs"),
+                flips: count("audit_flips"),
+                rest_flips: count("audit_rest_flips"),
             },
-            flip_rate: flip_rate.map(|((rate, low), high)| [rate, low, high]),
-            responses: responses.collect::<Result<_, _>>()?,
-            responses_without_balls: without_balls.collect::<Result<_, _>>()?,
-        })
+            flip_rate: row.all(["audit_flip_rate", "audit_flip_low", "audit_flip_high"]),
+            responses: responses.clone().map(|one| row.estimate(&one.column())).collect(),
+            responses_without_balls: responses
+                .map(|one| match balls && one.has_value_without_balls() {
+                    true => number(&one.column_without_balls()),
+                    false => None,
+                })
+                .collect(),
+        };
+        facts.point_id = point_id?;
+        if facts.point_id < study.point_count() {
+            facts.swept = study.point(facts.point_id).swept;
+        }
+        facts.title = title(study, facts.point_id, &facts.swept);
+        Some(facts)
     }
 
     /// Returns the number of rests at which balls overlap.
@@ -245,19 +181,21 @@ impl Fraction {
 }
 
 /// Reads what the balls leave.
-fn residual(batch: &Batch, row: usize) -> Result<ResidualVibration, TableError> {
-    let number = |name: &str| batch.number(name, row);
-    let [fraction, low, high] = WORSE.map(number);
-    let worse = fraction?.zip(low?).zip(high?);
-    let [median, p95] = GRADES.map(number);
-    let [relative_p05, relative_p50, relative_p95] = RELATIVE.map(number);
-    Ok(ResidualVibration {
-        amplitude_without_balls_m: number(WITHOUT_BALLS)?,
-        relative_amplitude: [relative_p05?, relative_p50?, relative_p95?],
-        worse_than_without_balls: worse.map(|((fraction, low), high)| [fraction, low, high]),
-        balance_quality_grade_mm_s: [median?, p95?],
-        overlapping_rest_fraction: number(OVERLAPPING)?,
-    })
+fn residual(row: &Row<'_>) -> ResidualVibration {
+    let number = |name: &str| row.number(name);
+    ResidualVibration {
+        amplitude_without_balls_m: number("amplitude_without_balls_m"),
+        relative_amplitude: ["05", "50", "95"]
+            .map(|percent| number(&format!("relative_amplitude_p{percent}"))),
+        worse_than_without_balls: row.all([
+            "worse_than_without_balls_fraction",
+            "worse_than_without_balls_low",
+            "worse_than_without_balls_high",
+        ]),
+        balance_quality_grade_mm_s: ["50", "95"]
+            .map(|percent| number(&format!("balance_quality_grade_p{percent}_mm_s"))),
+        overlapping_rest_fraction: number("overlapping_rest_fraction"),
+    }
 }
 
 fn title(study: &Study, point_id: u64, swept: &[ParameterValue]) -> String {

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use super::motion::{Motion, motion};
 use super::{PointFacts, evenly, scattered};
 use crate::study::Study;
-use crate::table::{Kind, Table, TableError};
+use crate::table::{Table, TableError};
 
 /// The largest number of points with motions.
 const MOST_POINTS: usize = 6;
@@ -73,8 +73,6 @@ struct Candidates {
     some: Vec<Candidate>,
 }
 
-const NUMBERS: [&str; 4] = ["peak_amplitude_m", "peak_time_s", "amplitude_m", "end_time_s"];
-
 /// Reads the runs of these points, and computes a few of them again.
 pub fn read(study: &Study, table: &Table, points: &[PointFacts]) -> Result<RunUp, TableError> {
     if !study.has_stages() {
@@ -85,34 +83,25 @@ pub fn read(study: &Study, table: &Table, points: &[PointFacts]) -> Result<RunUp
     let mut of_points: BTreeMap<u64, (u64, Candidates)> = chosen
         .map(|point| (point.point_id, (point.runs.div_ceil(MOST_RUNS), Candidates::default())))
         .collect();
-    let mut wanted = ["run_id", "point_id", "steps"].map(|name| (name, Kind::Count)).to_vec();
-    wanted.extend(NUMBERS.map(|name| (name, Kind::Number)));
-    for batch in table.read(&wanted)? {
-        let batch = batch?;
-        for row in 0..batch.rows {
-            let ids = batch.count("run_id", row)?.zip(batch.count("point_id", row)?);
-            let [peak, time, amplitude, end] = NUMBERS.map(|name| batch.number(name, row));
-            let peak = peak?.zip(time?);
-            let (Some((run_id, point_id)), Some((amplitude_m, time_s))) = (ids, peak) else {
-                continue;
-            };
-            if points.binary_search_by_key(&point_id, |point| point.point_id).is_err() {
-                continue;
-            }
-            let peak = PeakOfRun { run_id, amplitude_m, time_s };
-            let largest = run_up.largest.entry(point_id).or_insert(peak);
-            if is_larger(&peak, largest) {
-                *largest = peak;
-            }
-            let (amplitude, end_s) = (amplitude?, end?);
-            let steps = batch.count("steps", row)?.unwrap_or(0);
-            if let Some((one_in, candidates)) = of_points.get_mut(&point_id)
-                && let (Some(amplitude_m), Some(end_s)) = (amplitude, end_s)
-            {
-                candidates.add(Candidate { peak, amplitude_m, end_s, steps }, *one_in);
-            }
+    table.for_each(|row| {
+        let ids = row.count("run_id").zip(row.count("point_id"));
+        let peak = row.number("peak_amplitude_m").zip(row.number("peak_time_s"));
+        let end = row.number("amplitude_m").zip(row.number("end_time_s"));
+        let steps = row.count("steps").unwrap_or(0);
+        let Some(((run_id, point_id), (amplitude_m, time_s))) = ids.zip(peak) else { return };
+        if points.binary_search_by_key(&point_id, |point| point.point_id).is_err() {
+            return;
         }
-    }
+        let peak = PeakOfRun { run_id, amplitude_m, time_s };
+        let largest = run_up.largest.entry(point_id).or_insert(peak);
+        if is_larger(&peak, largest) {
+            *largest = peak;
+        }
+        let candidates = of_points.get_mut(&point_id).zip(end);
+        if let Some(((one_in, candidates), (amplitude_m, end_s))) = candidates {
+            candidates.add(Candidate { peak, amplitude_m, end_s, steps }, *one_in);
+        }
+    })?;
     let mut steps_left = MOST_STEPS;
     for (point_id, (_, candidates)) in of_points {
         let mut runs = Vec::new();

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use super::PointFacts;
 use crate::classification::Label;
-use crate::model::{Coordinate, Machine};
+use crate::model::Machine;
 use crate::study::Study;
-use crate::table::{Kind, Table, TableError};
+use crate::table::{Table, TableError};
 
 /// The largest number of amplitudes in memory.
 const MOST_AMPLITUDES: u64 = 2_000_000;
@@ -62,10 +62,6 @@ pub struct Notable {
     pub error: String,
 }
 
-const TOUCHING: &str = "touching_at_end";
-const RELATIVE: &str = "relative_amplitude";
-const NUMBERS: [&str; 3] = ["amplitude_m", "friction_margin", "time_to_rest_s"];
-
 /// Reads at most `most` runs of the points `shown`, the failed and flipped ones among all runs, and how many rests touch at
 /// each of `points`.
 ///
@@ -81,24 +77,12 @@ pub fn read(
     let model = study.model();
     let positions = (0..model.contacts()).map(|contact| model.position_column(contact).0);
     let positions: Vec<String> = positions.collect();
-    let coordinates = study.model().coordinates();
-    let starts: Vec<String> =
-        coordinates.iter().map(|Coordinate { name, .. }| format!("initial_{name}")).collect();
+    let starts = model.coordinates().into_iter().map(|one| format!("initial_{}", one.name));
+    let starts: Vec<String> = starts.collect();
     let audit = study.audit().is_some();
-    let mut wanted = vec![("run_id", Kind::Count), ("point_id", Kind::Count)];
-    wanted.extend(["label", "evidence", "error"].map(|name| (name, Kind::Text)));
-    if audit {
-        wanted.push(("audit_label", Kind::Text));
-    }
     let touches = |machine: &Machine| machine.contact.is_some() && machine.balls.len() > 1;
     let contact = model.ball_balancer().is_some_and(touches);
-    if contact {
-        wanted.push((TOUCHING, Kind::Boolean));
-    }
-    wanted.extend(NUMBERS.map(|name| (name, Kind::Number)));
-    let balls = model.kind().offers.vibration;
-    wanted.extend(balls.then_some((RELATIVE, Kind::Number)));
-    wanted.extend(positions.iter().chain(&starts).map(|name| (name.as_str(), Kind::Number)));
+    let vibrates = model.kind().offers.vibration;
 
     let of = shown.iter().map(|point| point.runs).fold(0, u64::saturating_add);
     let one_in = of.div_ceil(most.max(1)).max(1);
@@ -117,62 +101,50 @@ pub fn read(
         ..RunSample::default()
     };
     let mut notable = Vec::new();
-    for batch in table.read(&wanted)? {
-        let batch = batch?;
-        let mut chosen = Vec::new();
-        for row in 0..batch.rows {
-            let Some(run_id) = batch.count("run_id", row)? else { continue };
-            let text = |name: &str| Ok::<_, TableError>(batch.text(name, row)?.unwrap_or_default());
-            let label = text("label")?;
-            let audited = if audit { batch.text("audit_label", row)? } else { None };
-            let flipped = audited.filter(|other| *other != label);
-            if label == Label::Failed.name() || flipped.is_some() {
-                sample.notable += 1;
-                if notable.len() < MOST_NOTABLE {
-                    notable.push(Notable {
-                        run_id,
-                        label: label.clone(),
-                        evidence: text("evidence")?,
-                        audited: flipped,
-                        error: text("error")?,
-                    });
-                }
-            }
-            let label = Label::ALL.iter().position(|known| known.name() == label);
-            let Some((label, point_id)) = label.zip(batch.count("point_id", row)?) else {
-                continue;
-            };
-            if contact
-                && Label::ALL[label] == Label::Equilibrium
-                && batch.truth(TOUCHING, row)? == Some(true)
-                && let Some(rests) = sample.touching_rests.get_mut(&point_id)
-            {
-                *rests += 1;
-            }
-            let Some([absolute, relative]) = sample.amplitudes.get_mut(&point_id) else { continue };
-            if scattered(run_id, amplitude_one_in) {
-                absolute.extend(batch.number(NUMBERS[0], row)?);
-                if balls {
-                    relative.extend(batch.number(RELATIVE, row)?);
-                }
-            }
-            if scattered(run_id, one_in) {
-                chosen.push(row);
-                sample.run_id.push(run_id);
-                sample.point_id.push(point_id);
-                sample.label.push(label as u8);
+    table.for_each(|row| {
+        let (run_id, point_id, label) = (row.count("run_id"), row.count("point_id"), row.label());
+        let (evidence, error) = (row.text("evidence"), row.text("error"));
+        let audited = if audit { row.text("audit_label") } else { None };
+        let touches = contact && row.truth("touching_at_end") == Some(true);
+        let numbers =
+            ["amplitude_m", "friction_margin", "time_to_rest_s"].map(|name| row.number(name));
+        let relative_amplitude = if vibrates { row.number("relative_amplitude") } else { None };
+        let places = positions.iter().chain(&starts).map(|name| row.number(name));
+        let places: Vec<Option<f64>> = places.collect();
+        let Some(((run_id, point_id), label)) = run_id.zip(point_id).zip(label) else { return };
+        let audited = audited.filter(|other| other != label.name());
+        if label == Label::Failed || audited.is_some() {
+            sample.notable += 1;
+            if notable.len() < MOST_NOTABLE {
+                let (evidence, error) = (evidence.unwrap_or_default(), error.unwrap_or_default());
+                let label = label.name().to_owned();
+                notable.push(Notable { run_id, label, evidence, audited, error });
             }
         }
-        let RunSample { amplitude_m, friction_margin, time_to_rest_s, position, start, .. } =
-            &mut sample;
-        let columns = NUMBERS.into_iter().zip([amplitude_m, friction_margin, time_to_rest_s]);
-        let columns = columns.chain(positions.iter().map(String::as_str).zip(position));
-        for (name, values) in columns.chain(starts.iter().map(String::as_str).zip(start)) {
-            for row in &chosen {
-                values.push(batch.number(name, *row)?.unwrap_or(f64::NAN));
+        if touches
+            && label == Label::Equilibrium
+            && let Some(rests) = sample.touching_rests.get_mut(&point_id)
+        {
+            *rests += 1;
+        }
+        let Some([absolute, relative]) = sample.amplitudes.get_mut(&point_id) else { return };
+        if scattered(run_id, amplitude_one_in) {
+            absolute.extend(numbers[0]);
+            relative.extend(relative_amplitude);
+        }
+        if scattered(run_id, one_in) {
+            sample.run_id.push(run_id);
+            sample.point_id.push(point_id);
+            sample.label.push(label as u8);
+            let RunSample { amplitude_m, friction_margin, time_to_rest_s, position, start, .. } =
+                &mut sample;
+            let columns = [amplitude_m, friction_margin, time_to_rest_s].into_iter();
+            let columns = columns.chain(position).chain(start);
+            for (column, number) in columns.zip(numbers.into_iter().chain(places)) {
+                column.push(number.unwrap_or(f64::NAN));
             }
         }
-    }
+    })?;
     Ok((sample, notable))
 }
 

@@ -1,6 +1,6 @@
 //! Curves of `time_to_rest.parquet`: the probability of rest over time.
 
-use crate::table::{Kind, Table, TableError};
+use crate::table::{Table, TableError};
 
 /// The probability of rest by time t, of one point.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,36 +19,28 @@ pub struct RestCurve {
 
 /// Reads the curves of these points, in the order of the table, each thinned out to at most `most` steps.
 pub fn read(table: &Table, points: &[u64], most: usize) -> Result<Vec<RestCurve>, TableError> {
-    let numbers = ["time_s", "probability_at_rest", "ci_low", "ci_high"];
-    let mut wanted = vec![("point_id", Kind::Count)];
-    wanted.extend(numbers.map(|name| (name, Kind::Number)));
     let mut curves: Vec<RestCurve> = Vec::new();
-    for batch in table.read(&wanted)? {
-        let batch = batch?;
-        for row in 0..batch.rows {
-            let value = |name| batch.number(name, row);
-            let (Some(point_id), Some(time)) = (batch.count("point_id", row)?, value(numbers[0])?)
-            else {
-                continue;
-            };
-            if points.binary_search(&point_id).is_err() {
-                continue;
+    table.for_each(|row| {
+        let key = row.count("point_id").zip(row.number("time_s"));
+        let numbers = ["probability_at_rest", "ci_low", "ci_high"].map(|name| row.number(name));
+        let Some((point_id, time_s)) = key else { return };
+        if points.binary_search(&point_id).is_err() {
+            return;
+        }
+        if curves.last().is_none_or(|curve| curve.point_id != point_id) {
+            if let Some(last) = curves.last_mut() {
+                thin(last, most);
             }
-            if curves.last().is_none_or(|curve| curve.point_id != point_id) {
-                if let Some(last) = curves.last_mut() {
-                    thin(last, most);
-                }
-                curves.push(RestCurve { point_id, ..RestCurve::default() });
-            }
-            if let Some(curve) = curves.last_mut() {
-                curve.time_s.push(time);
-                let RestCurve { probability, low, high, .. } = curve;
-                for (values, name) in [probability, low, high].into_iter().zip(&numbers[1..]) {
-                    values.push(value(name)?.unwrap_or(f64::NAN));
-                }
+            curves.push(RestCurve { point_id, ..RestCurve::default() });
+        }
+        if let Some(curve) = curves.last_mut() {
+            curve.time_s.push(time_s);
+            let RestCurve { probability, low, high, .. } = curve;
+            for (values, number) in [probability, low, high].into_iter().zip(numbers) {
+                values.push(number.unwrap_or(f64::NAN));
             }
         }
-    }
+    })?;
     if let Some(last) = curves.last_mut() {
         thin(last, most);
     }

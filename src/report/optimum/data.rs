@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::analysis::Estimate;
 use crate::optimize::{Evaluation, EvaluationsError, Goal, read_evaluations};
 use crate::study::{Optimization, Study, Unit, Variable};
-use crate::table::{FILES, FileList, Kind, Table, TableError, estimate_kinds, read_estimate};
+use crate::table::{FILES, FileList, Row, Table, TableError};
 
 /// The results of a search.
 #[derive(Clone, Debug)]
@@ -154,84 +154,42 @@ impl OptimumData {
     }
 
     fn read_finalists(&self, table: &Table) -> Result<Vec<DesignFacts>, TableError> {
-        let names: Vec<String> =
-            self.study.responses().iter().map(|response| response.name.clone()).collect();
-        let columns: Vec<(String, Kind)> =
-            names.iter().flat_map(|name| estimate_kinds(name)).collect();
-        let mut wanted =
-            vec![("role", Kind::Text), ("design", Kind::Count), ("point_id", Kind::Count)];
-        wanted.extend(columns.iter().map(|(name, kind)| (name.as_str(), *kind)));
-        let mut rows = Vec::new();
-        for batch in table.read(&wanted)? {
-            let batch = batch?;
-            for row in 0..batch.rows {
-                rows.push(DesignFacts {
-                    role: batch.text("role", row)?.unwrap_or_default(),
-                    design: batch.count("design", row)?,
-                    point_id: batch.count("point_id", row)?.unwrap_or(0),
-                    estimates: names
-                        .iter()
-                        .map(|name| read_estimate(&batch, name, row))
-                        .collect::<Result<_, _>>()?,
-                });
-            }
-        }
-        Ok(rows)
+        let facts = |row: &Row<'_>| DesignFacts {
+            role: row.text("role").unwrap_or_default(),
+            design: row.count("design"),
+            point_id: row.count("point_id").unwrap_or(0),
+            estimates: self.study.responses().iter().map(|one| row.estimate(&one.name)).collect(),
+        };
+        table.read_rows(facts)?.collect()
     }
 
     fn read_front(&self, table: &Table) -> Result<Vec<FrontDesign>, TableError> {
-        let objectives = self.optimization.objectives.iter();
-        let names: Vec<String> =
-            objectives.map(|objective| self.response(objective.response).0.to_owned()).collect();
-        let columns: Vec<(String, Kind)> =
-            names.iter().flat_map(|name| estimate_kinds(name)).collect();
-        let mut wanted =
-            vec![("design", Kind::Count), ("met", Kind::Boolean), ("on_front", Kind::Boolean)];
-        wanted.extend(columns.iter().map(|(name, kind)| (name.as_str(), *kind)));
-        let mut rows = Vec::new();
-        for batch in table.read(&wanted)? {
-            let batch = batch?;
-            for row in 0..batch.rows {
-                rows.push(FrontDesign {
-                    design: batch.count("design", row)?,
-                    objectives: names
-                        .iter()
-                        .map(|name| read_estimate(&batch, name, row))
-                        .collect::<Result<_, _>>()?,
-                    met: batch.truth("met", row)? == Some(true),
-                    on_front: batch.truth("on_front", row)? == Some(true),
-                });
-            }
-        }
-        Ok(rows)
+        let objectives = &self.optimization.objectives;
+        let facts = |row: &Row<'_>| FrontDesign {
+            design: row.count("design"),
+            objectives: objectives
+                .iter()
+                .map(|one| row.estimate(self.response(one.response).0))
+                .collect(),
+            met: row.truth("met") == Some(true),
+            on_front: row.truth("on_front") == Some(true),
+        };
+        table.read_rows(facts)?.collect()
     }
 }
 
-const ENDS: [&str; 3] = ["", "_low", "_high"];
-
 fn read_sensitivities(table: &Table) -> Result<Vec<SensitivityFacts>, TableError> {
-    let indices = ["first_order", "total"];
-    let columns = indices.map(|name| ENDS.map(|end| format!("{name}{end}")));
-    let mut wanted =
-        vec![("response", Kind::Text), ("variable", Kind::Text), ("source", Kind::Text)];
-    wanted.extend(columns.as_flattened().iter().map(|name| (name.as_str(), Kind::Number)));
-    let mut rows = Vec::new();
-    for batch in table.read(&wanted)? {
-        let batch = batch?;
-        for row in 0..batch.rows {
-            let text = |name: &str| Ok::<_, TableError>(batch.text(name, row)?.unwrap_or_default());
-            let index = |name: &str| {
-                let [value, low, high] = ENDS.map(|end| batch.number(&format!("{name}{end}"), row));
-                Ok::<_, TableError>([value?, low?, high?])
-            };
-            rows.push(SensitivityFacts {
-                response: text("response")?,
-                variable: text("variable")?,
-                source: text("source")?,
-                first_order: index("first_order")?,
-                total: index("total")?,
-            });
+    let facts = |row: &Row<'_>| {
+        let text = |name: &str| row.text(name).unwrap_or_default();
+        let index =
+            |name: &str| ["", "_low", "_high"].map(|end| row.number(&format!("{name}{end}")));
+        SensitivityFacts {
+            response: text("response"),
+            variable: text("variable"),
+            source: text("source"),
+            first_order: index("first_order"),
+            total: index("total"),
         }
-    }
-    Ok(rows)
+    };
+    table.read_rows(facts)?.collect()
 }

@@ -1,0 +1,152 @@
+//! The rows of a table as a reader sees them: it asks for values by the names of their columns, and only these columns are
+//! read.
+
+use std::cell::{Cell, RefCell};
+
+use serde_json::Value;
+
+use super::batch::Batch;
+use super::read::{Batches, Table};
+use super::table_error::TableError;
+use crate::classification::Label;
+use crate::tabular::{Kind, Values};
+
+/// A row of a table. Each method returns the value in a column, `None` if it is missing.
+///
+/// A reader is first called without a row, when all values are missing, to learn the columns. It must ask for the same
+/// columns whatever the values are.
+pub struct Row<'a>(Source<'a>);
+
+enum Source<'a> {
+    /// The columns that a reader of this table asks for.
+    Asked(&'a Table, &'a RefCell<Vec<(String, Kind)>>),
+    /// A row of a batch, and the number of values that the reader has asked for in it.
+    Read(&'a Batch, usize, Cell<usize>),
+}
+
+impl Table {
+    /// Reads each row.
+    ///
+    /// # Errors
+    /// Returns an error if a column is missing or has another kind, and as an item if a file cannot be read.
+    pub fn read_rows<'a, T: 'a>(
+        &'a self,
+        read: impl Fn(&Row<'_>) -> T + 'a,
+    ) -> Result<impl Iterator<Item = Result<T, TableError>> + 'a, TableError> {
+        let batches = self.read_for(&read)?;
+        Ok(batches.flat_map(move |batch| match batch {
+            Ok(batch) => (0..batch.rows).map(|row| Ok(read(&batch.row(row)))).collect(),
+            Err(error) => vec![Err(error)],
+        }))
+    }
+
+    /// Passes each row to `take`, which does nothing if all values are missing.
+    ///
+    /// # Errors
+    /// Returns an error if a column is missing or has another kind, or if a file cannot be read.
+    pub fn for_each(&self, mut take: impl FnMut(&Row<'_>)) -> Result<(), TableError> {
+        for batch in self.read_for(&mut take)? {
+            let batch = batch?;
+            (0..batch.rows).for_each(|row| take(&batch.row(row)));
+        }
+        Ok(())
+    }
+
+    /// Reads the columns that a reader asks for.
+    fn read_for<T>(&self, mut read: impl FnMut(&Row<'_>) -> T) -> Result<Batches<'_>, TableError> {
+        let asked = RefCell::default();
+        read(&Row(Source::Asked(self, &asked)));
+        let asked = asked.into_inner();
+        self.read(&asked.iter().map(|(name, kind)| (&**name, *kind)).collect::<Vec<_>>())
+    }
+}
+
+impl Batch {
+    /// Returns a row.
+    pub fn row(&self, row: usize) -> Row<'_> {
+        Row(Source::Read(self, row, Cell::new(0)))
+    }
+}
+
+macro_rules! value {
+    ($name:ident, $kind:ident, $value:ty, $of:literal) => {
+        #[doc = concat!("Returns ", $of, ".")]
+        pub fn $name(&self, column: &str) -> Option<$value> {
+            match self.values(column, Kind::$kind)? {
+                (Values::$kind(values), row) => values.get(row).cloned().flatten(),
+                _ => None,
+            }
+        }
+    };
+}
+
+impl<'a> Row<'a> {
+    value!(number, Number, f64, "a number");
+    value!(count, Count, u64, "a whole number from 0");
+    value!(truth, Boolean, bool, "a Boolean value");
+    value!(text, Text, String, "a text");
+
+    /// Returns the number of the row in the table, from 0.
+    pub fn place(&self) -> u64 {
+        match &self.0 {
+            Source::Asked(..) => 0,
+            Source::Read(batch, row, _) => batch.first_row + *row as u64,
+        }
+    }
+
+    /// Returns whether the table has a column.
+    pub fn has(&self, column: &str) -> bool {
+        match &self.0 {
+            Source::Asked(table, _) => table.kind(column).is_some(),
+            Source::Read(batch, ..) => batch.columns.iter().any(|(name, _)| name == column),
+        }
+    }
+
+    /// Returns a number, or `None` if the table has no such column.
+    pub fn number_if_there(&self, column: &str) -> Option<f64> {
+        if self.has(column) { self.number(column) } else { None }
+    }
+
+    /// Returns numbers, such as a value and both ends of its interval; `None` if one of them is missing.
+    pub fn all<const N: usize>(&self, columns: [&str; N]) -> Option<[f64; N]> {
+        let numbers = columns.map(|column| self.number(column));
+        numbers.iter().all(Option::is_some).then(|| numbers.map(Option::unwrap_or_default))
+    }
+
+    /// Returns the label in the column `label`.
+    pub fn label(&self) -> Option<Label> {
+        let name = self.text("label")?;
+        Label::ALL.into_iter().find(|label| label.name() == name)
+    }
+
+    /// Returns the value in a column of any kind as JSON: null if it is missing, or if the table has no such column.
+    pub fn json(&self, column: &str) -> Value {
+        let kind = match &self.0 {
+            Source::Asked(table, _) => table.kind(column),
+            Source::Read(..) => Some(Kind::Number),
+        };
+        let found = kind.and_then(|kind| self.values(column, kind));
+        found.map_or(Value::Null, |(values, row)| values.json(row))
+    }
+
+    /// Returns the values of a column and the place of this row in them.
+    fn values(&self, column: &str, kind: Kind) -> Option<(&'a Values, usize)> {
+        match &self.0 {
+            Source::Asked(_, asked) => {
+                let mut asked = asked.borrow_mut();
+                if asked.iter().all(|(name, _)| name != column) {
+                    asked.push((column.to_owned(), kind));
+                }
+                None
+            }
+            Source::Read(batch, row, next) => {
+                // Readers ask for the columns in the order of the batch.
+                let place = next.replace(next.get() + 1);
+                let is_own = |(name, _): &&(String, Values)| name == column;
+                let found = batch.columns.get(place).filter(is_own);
+                let found = found.or_else(|| batch.columns.iter().find(is_own));
+                found.map(|(_, values)| (values, *row))
+            }
+        }
+    }
+}
