@@ -55,12 +55,12 @@ pub mod identify;
 pub mod model;
 pub mod motion;
 pub mod optimize;
+mod printed_table;
 pub mod report;
 pub mod responses;
 mod sanitize;
 pub mod study;
 pub mod table;
 mod tabular;
-mod text_table;
 
 pub use command_error::CommandError;

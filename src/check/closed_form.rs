@@ -1,5 +1,7 @@
 //! Closed forms of a machine: natural frequency, balancing capacity, equilibrium set, balancing position.
 
+use serde::Serialize;
+
 use crate::analysis::{
     Balance, EquilibriumSet, HIGH_DRAG, Resolution, RestForm, SmallMotions, Stability,
     reference_amplitude,
@@ -33,7 +35,7 @@ pub struct BalancerFacts {
 }
 
 /// The positions at which dry friction holds all balls.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RestFacts {
     /// Fraction of all positions of the balls that are positions of rest.
     pub set_fraction: f64,
@@ -114,7 +116,7 @@ impl RestFacts {
 }
 
 /// What the closed forms say about a block on a spring.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BlockFacts {
     /// Natural frequency `sqrt(k / m)`, rad/s.
     pub natural_frequency_rad_s: f64,

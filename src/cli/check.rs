@@ -19,8 +19,8 @@ use crate::check::{ExaminedDesign, Warning, points_to_examine, warnings};
 use crate::counted::counted;
 use crate::engine::say;
 use crate::model::{Endings, Extend, Method};
+use crate::printed_table::text_table;
 use crate::study::{Response, Study, Variable, VariedParameter, describe_number};
-use crate::text_table::text_table;
 
 const EXAMPLES: &str = "\
 Examples:

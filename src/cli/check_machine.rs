@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use crate::check::short;
+use crate::printed_table::text_table;
 use crate::study::{ListedParameter, ParameterValue, Study, Unit, short_name};
-use crate::text_table::text_table;
 
 /// Returns the parameters as lines of text.
 pub(super) fn machine_text(study: &Study) -> String {

@@ -3,13 +3,13 @@
 use serde_json::{Value, json};
 
 use super::check_legend::legend;
-use super::point_keys::point_keys;
+use super::point_keys::{merged, point_keys};
 use crate::analysis::{Balance, Stability};
 use crate::check::{
     BalancerFacts, BallPositions, BlockFacts, ExaminedDesign, RestFacts, points_to_examine, short,
 };
+use crate::printed_table::{PrintedTable, as_text};
 use crate::study::{DesignValue, Point, Study, Units, Variable, VariedParameter};
-use crate::text_table::text_table;
 
 /// The closed forms at some points of a sweep, with uncertain parameters at their medians.
 pub(super) struct ClosedForms {
@@ -87,49 +87,71 @@ impl ClosedForms {
             text += &format!("the design is {words}\n");
         }
         let balancers: Vec<(u64, &BalancerFacts)> = self.at.iter().filter_map(balancer).collect();
+        let mut table = PrintedTable::new(&self.at, "-");
+        table.add_point(|(point, _)| point.point_id, &self.swept, &self.shown);
+        let speed = self.units.speed();
+        table.add(format!("natural [{}]", speed.symbol), |(_, facts)| {
+            format!("{:.2}", speed.of(facts.natural_frequency_rad_s()))
+        });
         if balancers.is_empty() {
-            let is_block = |(_, facts): &(Point, Facts)| matches!(facts, Facts::Block(_));
-            let all = if self.at.iter().all(is_block) { 3 } else { 1 };
-            let of_block = [("natural", SPEED), ("static reach", REACH), ("belt", BELT)];
-            let column = |(words, name): &(&str, &str)| {
-                format!("{words} [{}]", self.units.shown(name).symbol)
-            };
-            return text + &self.table(&of_block[..all].iter().map(column).collect::<Vec<_>>());
+            self.add_block(&mut table);
+        } else {
+            self.add_balancer(&mut table);
         }
-        let mut text = text
-            + &self.table(&balancer_columns(&self.units))
-            + &legend(&balancers, &self.units.speed());
-        if self
-            .at
-            .iter()
-            .any(|(_, facts)| facts.cells(&self.units).iter().any(|cell| cell.contains(RANGE)))
-        {
+        text += &as_text(&table.columns);
+        if !balancers.is_empty() {
+            text += &legend(&balancers, &speed);
+        }
+        if table.columns.iter().flat_map(|column| &column.cells).any(|cell| cell.contains(RANGE)) {
             text += "(a .. b): the values at the quantiles 2.5 % (a) and 97.5 % (b) of uncertain friction\n";
         }
         text
     }
 
-    fn table(&self, columns: &[String]) -> String {
-        let mut head = vec!["point".to_owned()];
-        head.extend(self.swept.iter().map(VariedParameter::shown_name));
-        head.extend(columns.iter().cloned());
-        let rows = self.at.iter().zip(&self.shown).map(|((point, facts), shown)| {
-            let mut row = vec![point.point_id.to_string()];
-            row.extend(shown.iter().cloned());
-            row.extend(facts.cells(&self.units));
-            row
+    fn add_block(&self, table: &mut PrintedTable<'_, (Point, Facts)>) {
+        let mut add = |words: &str, key: &str, value: fn(&BlockFacts) -> Option<f64>| {
+            let unit = self.units.shown(key);
+            let cell = |facts: &Facts| match facts {
+                Facts::Block(facts) => value(facts).map(|value| short(unit.of(value))),
+                _ => None,
+            };
+            table.add_known(format!("{words} [{}]", unit.symbol), |(_, facts)| cell(facts));
+        };
+        if self.at.iter().all(|(_, facts)| matches!(facts, Facts::Block(_))) {
+            add("static reach", "static_reach_m", |facts| Some(facts.static_reach_m));
+            add("belt", "belt_speed_m_s", |facts| facts.belt_speed_m_s);
+        }
+    }
+
+    fn add_balancer(&self, table: &mut PrintedTable<'_, (Point, Facts)>) {
+        let [vibration, imbalance] = [self.units.vibration(), self.units.imbalance()];
+        let mut add = |name: &str, cell: &dyn Fn(&Facts) -> Option<String>| {
+            table.add_known(name, |(_, facts)| cell(facts));
+        };
+        let of = |facts: &Facts, value: &dyn Fn(&BalancerFacts) -> Option<String>| match facts {
+            Facts::Balancer(facts, _) => value(facts),
+            Facts::Block(_) | Facts::Other { .. } => None,
+        };
+        add("speed/natural", &|one| of(one, &|facts| Some(format!("{:.3}", facts.speed_ratio))));
+        add(&format!("capacity [{}]", imbalance.symbol), &|one| {
+            of(one, &|facts| Some(short(imbalance.of(facts.capacity_kg_m))))
         });
-        text_table(&[head].into_iter().chain(rows).collect::<Vec<_>>(), &[])
+        add("/imbalance", &|one| of(one, &|facts| Some(short(facts.capacity_ratio()))));
+        add("set", &|one| one.rest(|rest| Some(rounded(rest.set_fraction))));
+        add(&format!("worst rest [{}]", vibration.symbol), &|one| {
+            one.rest(|rest| rest.max_amplitude_m.map(|one| vibration.of(one)))
+        });
+        add(&format!("no balls [{}]", vibration.symbol), &|one| {
+            of(one, &|facts| facts.amplitude_without_balls_m.map(|one| short(vibration.of(one))))
+        });
+        add("overlap", &|one| one.rest(|rest| rest.overlapping_fraction.map(rounded)));
+        add("balance", &|one| of(one, &balance));
     }
 
     /// Returns the facts as JSON.
     pub(super) fn json(&self) -> Value {
         let point = |(point, facts): &(Point, Facts)| {
-            let mut object = point_keys(point.point_id, &self.swept, &point.swept);
-            for (key, value) in facts.entries() {
-                object[key] = value;
-            }
-            object
+            merged(point_keys(point.point_id, &self.swept, &point.swept), facts.json())
         };
         let mut object = json!({
             "points_examined": self.at.len(),
@@ -179,99 +201,54 @@ fn balancer((point, facts): &(Point, Facts)) -> Option<(u64, &BalancerFacts)> {
 /// The separator of the two values in parentheses.
 const RANGE: &str = " .. ";
 
-/// Names with the units of a speed of rotation, a length and a speed.
-const SPEED: &str = "speed_rad_s";
-const REACH: &str = "static_reach_m";
-const BELT: &str = "belt_speed_m_s";
-
-/// Returns the names of the columns of a balancer.
-fn balancer_columns(units: &Units) -> Vec<String> {
-    let [speed, vibration, imbalance] = [units.speed(), units.vibration(), units.imbalance()];
-    vec![
-        format!("natural [{}]", speed.symbol),
-        "speed/natural".to_owned(),
-        format!("capacity [{}]", imbalance.symbol),
-        "/imbalance".to_owned(),
-        "set".to_owned(),
-        format!("worst rest [{}]", vibration.symbol),
-        format!("no balls [{}]", vibration.symbol),
-        "overlap".to_owned(),
-        "balance".to_owned(),
-    ]
-}
-
 impl Facts {
-    /// Returns the cells of a row of the table.
-    fn cells(&self, units: &Units) -> Vec<String> {
+    fn natural_frequency_rad_s(&self) -> f64 {
         match self {
-            Facts::Other { natural_frequency_rad_s } => {
-                vec![format!("{:.2}", units.speed().of(*natural_frequency_rad_s))]
-            }
-            Facts::Block(facts) => vec![
-                format!("{:.2}", units.speed().of(facts.natural_frequency_rad_s)),
-                short(units.shown(REACH).of(facts.static_reach_m)),
-                facts.belt_speed_m_s.map_or_else(none, |one| short(units.shown(BELT).of(one))),
-            ],
-            Facts::Balancer(facts, range) => {
-                let rest = |value: &dyn Fn(&RestFacts) -> Option<f64>| {
-                    let nominal = facts.rest.as_ref().and_then(value).map_or_else(none, short);
-                    let ends = range.as_ref().map(|[low, high]| [value(low), value(high)]);
-                    match ends.map(|ends| ends.map(|end| end.map_or_else(none, short))) {
-                        Some([low, high]) if low != nominal || high != nominal => {
-                            format!("{nominal} ({low}{RANGE}{high})")
-                        }
-                        _ => nominal,
-                    }
-                };
-                vec![
-                    format!("{:.2}", units.speed().of(facts.natural_frequency_rad_s)),
-                    format!("{:.3}", facts.speed_ratio),
-                    short(units.imbalance().of(facts.capacity_kg_m)),
-                    short(facts.capacity_ratio()),
-                    rest(&|rest| Some(rounded(rest.set_fraction))),
-                    rest(&|rest| rest.max_amplitude_m.map(|one| units.vibration().of(one))),
-                    facts
-                        .amplitude_without_balls_m
-                        .map_or_else(none, |one| short(units.vibration().of(one))),
-                    rest(&|rest| rest.overlapping_fraction.map(rounded)),
-                    balance(facts),
-                ]
-            }
+            Facts::Block(facts) => facts.natural_frequency_rad_s,
+            Facts::Balancer(facts, _) => facts.natural_frequency_rad_s,
+            Facts::Other { natural_frequency_rad_s } => *natural_frequency_rad_s,
         }
     }
 
-    /// Returns the keys and values of a point's JSON object.
-    fn entries(&self) -> Vec<(&'static str, Value)> {
-        match self {
+    /// Returns a value of the positions of rest, with its values for small and large friction if these differ.
+    fn rest(&self, value: impl Fn(&RestFacts) -> Option<f64>) -> Option<String> {
+        let Facts::Balancer(facts, range) = self else { return None };
+        let value = |rest: &RestFacts| value(rest).map(short);
+        let nominal = facts.rest.as_ref().and_then(&value);
+        let ends = range.as_ref().map(|ends| ends.each_ref().map(&value));
+        let Some(ends) = ends.filter(|ends| ends.iter().any(|end| *end != nominal)) else {
+            return nominal;
+        };
+        let [low, high] = ends.map(|end| end.unwrap_or_else(none));
+        Some(format!("{} ({low}{RANGE}{high})", nominal.unwrap_or_else(none)))
+    }
+
+    /// Returns the facts as a JSON object.
+    fn json(&self) -> Value {
+        let (facts, range) = match self {
             Facts::Other { natural_frequency_rad_s } => {
-                vec![("natural_frequency_rad_s", json!(natural_frequency_rad_s))]
+                return json!({"natural_frequency_rad_s": natural_frequency_rad_s});
             }
-            Facts::Block(facts) => vec![
-                ("natural_frequency_rad_s", json!(facts.natural_frequency_rad_s)),
-                ("static_reach_m", json!(facts.static_reach_m)),
-                ("belt_speed_m_s", json!(facts.belt_speed_m_s)),
-            ],
-            Facts::Balancer(facts, range) => {
-                let stability = facts.balance_stability.map(Stability::name);
-                let mut entries = vec![
-                    ("natural_frequency_rad_s", json!(facts.natural_frequency_rad_s)),
-                    ("speed_over_natural_frequency", json!(facts.speed_ratio)),
-                    ("capacity_g_mm", json!(facts.capacity_kg_m * GRAM_MILLIMETRES)),
-                    ("imbalance_g_mm", json!(facts.imbalance_kg_m * GRAM_MILLIMETRES)),
-                    ("capacity_over_imbalance", json!(facts.capacity_ratio())),
-                    ("gravity_over_friction", json!(facts.gravity_over_friction)),
-                    ("amplitude_without_balls_m", json!(facts.amplitude_without_balls_m)),
-                    ("balance", json!(facts.balance.name())),
-                    ("balance_stability", json!(stability)),
-                    ("rest", facts.rest.as_ref().map_or(Value::Null, rest_json)),
-                ];
-                if let Some([low, high]) = range {
-                    entries.push(("rest_at_low_friction", rest_json(low)));
-                    entries.push(("rest_at_high_friction", rest_json(high)));
-                }
-                entries
-            }
+            Facts::Block(facts) => return json!(facts),
+            Facts::Balancer(facts, range) => (facts, range),
+        };
+        let mut object = json!({
+            "natural_frequency_rad_s": facts.natural_frequency_rad_s,
+            "speed_over_natural_frequency": facts.speed_ratio,
+            "capacity_g_mm": facts.capacity_kg_m * GRAM_MILLIMETRES,
+            "imbalance_g_mm": facts.imbalance_kg_m * GRAM_MILLIMETRES,
+            "capacity_over_imbalance": facts.capacity_ratio(),
+            "gravity_over_friction": facts.gravity_over_friction,
+            "amplitude_without_balls_m": facts.amplitude_without_balls_m,
+            "balance": facts.balance.name(),
+            "balance_stability": facts.balance_stability.map(Stability::name),
+            "rest": facts.rest,
+        });
+        if let Some([low, high]) = range {
+            object["rest_at_low_friction"] = json!(low);
+            object["rest_at_high_friction"] = json!(high);
         }
+        object
     }
 }
 
@@ -288,17 +265,9 @@ fn rounded(fraction: f64) -> f64 {
 }
 
 /// Returns whether the balancing position exists and is stable, in a word.
-fn balance(facts: &BalancerFacts) -> String {
-    match (&facts.balance, facts.balance_stability) {
-        (Balance::Nowhere, _) => "nowhere".to_owned(),
-        (_, stability) => stability.map_or_else(none, |stability| stability.name().to_owned()),
+fn balance(facts: &BalancerFacts) -> Option<String> {
+    match &facts.balance {
+        Balance::Nowhere => Some("nowhere".to_owned()),
+        _ => facts.balance_stability.map(|stability| stability.name().to_owned()),
     }
-}
-
-fn rest_json(rest: &RestFacts) -> Value {
-    json!({
-        "set_fraction": rest.set_fraction,
-        "max_amplitude_m": rest.max_amplitude_m,
-        "overlapping_fraction": rest.overlapping_fraction,
-    })
 }

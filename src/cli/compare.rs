@@ -11,13 +11,13 @@ use super::points_table::MOST_LINES;
 use crate::analysis::Estimate;
 use crate::counted::counted;
 use crate::engine::{Readable, readable_results};
+use crate::printed_table::{PrintedColumn, PrintedTable, as_text};
 use crate::report::{
-    ComparedQuantity, ComparedResults, Comparison, NamedPoints, compare as compare_results,
-    percent, three_digits,
+    ComparedPoint, ComparedQuantity, ComparedResults, Comparison, NamedPoints,
+    compare as compare_results, percent, three_digits,
 };
 use crate::sanitize::shown_path;
 use crate::table::Table;
-use crate::text_table::text_table;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -91,26 +91,15 @@ fn in_words(comparison: &Comparison) -> String {
     for key in changed_keys {
         text += &format!("  {key}\n");
     }
-    let mut lines: Vec<Vec<String>> = Vec::new();
-    let titled = points.iter().any(|point| !point.title.is_empty());
-    let mut header = vec!["point"];
-    header.extend(titled.then_some(""));
-    header.extend(["quantity", "first", "second", "difference", "95 % interval"]);
-    lines.push(header.into_iter().map(str::to_owned).collect());
-    for point in points.iter().take(MOST_LINES) {
-        let [one, other] = point.point_ids;
-        let mut number = if one == other { one.to_string() } else { format!("{one}, {other}") };
-        let mut title = point.title.clone();
-        for quantity in &point.quantities {
-            let mut line = vec![std::mem::take(&mut number)];
-            line.extend(titled.then(|| std::mem::take(&mut title)));
-            line.extend(cells(quantity));
-            lines.push(line);
-        }
-    }
-    if lines.len() > 1 {
-        let left: &[usize] = if titled { &[0, 1, 2] } else { &[0, 1] };
-        text += &format!("\n{}", text_table(&lines, left));
+    let printed = points.iter().take(MOST_LINES);
+    let rows: Vec<(Option<&ComparedPoint>, &ComparedQuantity)> = printed
+        .flat_map(|point| {
+            let of_first = [Some(point)].into_iter().chain(std::iter::repeat(None));
+            of_first.zip(&point.quantities)
+        })
+        .collect();
+    if !rows.is_empty() {
+        text += &format!("\n{}", as_text(&columns(&rows)));
     }
     if points.len() > MOST_LINES {
         text += &format!("... and {} more points\n", points.len() - MOST_LINES);
@@ -126,31 +115,36 @@ fn in_words(comparison: &Comparison) -> String {
     text
 }
 
-/// Returns name, both values, the difference and its interval.
-fn cells(quantity: &ComparedQuantity) -> Vec<String> {
-    let ComparedQuantity { name, unit, first, second, difference } = quantity;
-    let known = |value: Option<f64>, text: &dyn Fn(f64) -> String| {
-        value.map_or_else(|| "-".to_owned(), text)
-    };
-    let value = |value: f64| match unit.symbol.as_str() {
+/// Returns the columns of quantities, the first one of each point with the point.
+fn columns(rows: &[(Option<&ComparedPoint>, &ComparedQuantity)]) -> Vec<PrintedColumn> {
+    let value = |quantity: &ComparedQuantity, value: f64| match quantity.unit.symbol.as_str() {
         "%" => percent(value),
-        _ => three_digits(unit.of(value)),
+        _ => three_digits(quantity.unit.of(value)),
     };
-    let signed = |value: f64| {
+    let signed = |quantity: &ComparedQuantity, value: f64| {
         let sign = if value < 0.0 { "-" } else { "+" };
-        format!("{sign}{}", three_digits(unit.of(value.abs())))
+        format!("{sign}{}", three_digits(quantity.unit.of(value.abs())))
     };
-    let Estimate { low, high, .. } = difference;
-    vec![
-        format!("{name} [{}]", unit.symbol),
-        known(first.value, &value),
-        known(second.value, &value),
-        known(difference.value, &signed),
-        match (low, high) {
-            (None, None) => "-".to_owned(),
-            _ => format!("{} to {}", known(*low, &signed), known(*high, &signed)),
-        },
-    ]
+    let mut table = PrintedTable::new(rows, "-");
+    let number = |(point, _): &(Option<&ComparedPoint>, _)| match point.map(|one| one.point_ids) {
+        None => String::new(),
+        Some([one, other]) if one == other => one.to_string(),
+        Some([one, other]) => format!("{one}, {other}"),
+    };
+    table.add("point", number).left();
+    if rows.iter().any(|(point, _)| point.is_some_and(|point| !point.title.is_empty())) {
+        table.add("", |(point, _)| point.map_or_else(String::new, |one| one.title.clone())).left();
+    }
+    table.add("quantity", |(_, one)| format!("{} [{}]", one.name, one.unit.symbol)).left();
+    table.add_known("first", |(_, one)| Some(value(one, one.first.value?)));
+    table.add_known("second", |(_, one)| Some(value(one, one.second.value?)));
+    table.add_known("difference", |(_, one)| Some(signed(one, one.difference.value?)));
+    table.add_known("95 % interval", |(_, one)| {
+        let ends = [one.difference.low, one.difference.high];
+        let text = |end: Option<f64>| end.map_or_else(|| "-".to_owned(), |end| signed(one, end));
+        ends.iter().any(Option::is_some).then(|| ends.map(text).join(" to "))
+    });
+    table.columns
 }
 
 /// Says for each quantity at which points the interval of the difference lies above or below 0.

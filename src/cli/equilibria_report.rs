@@ -7,9 +7,9 @@ use serde_json::{Value, json};
 use super::point_keys::{merged, point_keys};
 use super::points_table::MOST_LINES;
 use crate::analysis::{FrictionlessEquilibrium, FrictionlessKind, Stability};
+use crate::printed_table::{PrintedTable, as_text};
 use crate::study::{Study, VariedParameter};
 use crate::table::SetSummaryRow;
-use crate::text_table::text_table;
 
 /// The part of the result that is printed.
 pub struct Report {
@@ -87,56 +87,33 @@ impl Report {
 
     /// Returns the report as text: the points, and the frictionless equilibria of `--speeds`.
     pub fn text(&self) -> String {
-        let sampled = self.points.iter().any(|(row, _)| row.set.fraction_interval.is_some());
-        let mut header = vec!["point".to_owned()];
-        header.extend(self.swept.iter().map(VariedParameter::shown_name));
-        header.push("fraction".to_owned());
-        let touching = self.points.iter().any(|(row, _)| row.set.touching_fraction.is_some());
-        if touching {
-            header.push("touching".to_owned());
+        let rows = &self.points[..self.points.len().min(MOST_LINES)];
+        let mut table = PrintedTable::new(rows, "");
+        table.add_point(|(row, _)| row.point.point_id, &self.swept, &self.shown);
+        let fraction = |one: f64| format!("{one:.4}");
+        table.add("fraction", |(row, _)| fraction(row.set.fraction));
+        table.add_if_any("touching", |(row, _)| row.set.touching_fraction.map(fraction));
+        table.add_if_any("95 % interval", |(row, _)| {
+            row.set.fraction_interval.map(|(low, high)| format!("{low:.4} .. {high:.4}"))
+        });
+        if rows.iter().any(|(row, _)| row.set.fraction_interval.is_none()) {
+            let count = |count: Option<u64>| count.map(|count| count.to_string());
+            table.add_known("components", |(row, _)| count(row.set.components));
+            table
+                .add_known("modulo exchange", |(row, _)| count(row.set.components_modulo_exchange));
         }
-        let counts = self.points.iter().any(|(row, _)| row.set.fraction_interval.is_none());
-        if sampled {
-            header.push("95 % interval".to_owned());
-        }
-        if counts || !sampled {
-            header.extend(["components", "modulo exchange"].map(String::from));
-        }
-        header.extend(["amplitude [m]", "balance"].map(String::from));
+        table.add("amplitude [m]", |(row, _)| {
+            let range = row.set.amplitude_m.map(|(least, most)| [least, most].map(metres));
+            range.map_or_else(|| "none".to_owned(), |range| range.join(" .. "))
+        });
+        table.add("balance", |(row, _)| row.set.balance.name().to_owned());
         if !self.own_speeds {
-            header.push("stable without friction".to_owned());
+            table.add("stable without friction", |(_, stable)| match stable.is_empty() {
+                true => "none".to_owned(),
+                false => stable.join(" "),
+            });
         }
-        let line = |((row, stable), shown): (&(SetSummaryRow, Vec<&str>), &Vec<String>)| {
-            let SetSummaryRow { point, set, .. } = row;
-            let mut cells = vec![point.point_id.to_string()];
-            cells.extend(shown.iter().cloned());
-            cells.push(format!("{:.4}", set.fraction));
-            if touching {
-                let fraction = set.touching_fraction;
-                cells.push(fraction.map_or_else(String::new, |one| format!("{one:.4}")));
-            }
-            if sampled {
-                cells.push(
-                    set.fraction_interval
-                        .map_or_else(String::new, |(low, high)| format!("{low:.4} .. {high:.4}")),
-                );
-            }
-            if counts {
-                cells.extend([set.components, set.components_modulo_exchange].map(count));
-            }
-            cells.push(set.amplitude_m.map_or_else(
-                || "none".to_owned(),
-                |(smallest, largest)| format!("{} .. {}", metres(smallest), metres(largest)),
-            ));
-            cells.push(set.balance.name().to_owned());
-            if !self.own_speeds {
-                cells.push(if stable.is_empty() { "none".to_owned() } else { stable.join(" ") });
-            }
-            cells
-        };
-        let mut lines = vec![header];
-        lines.extend(self.points.iter().zip(&self.shown).take(MOST_LINES).map(line));
-        let mut text = text_table(&lines, &[]);
+        let mut text = as_text(&table.columns);
         if self.more > 0 {
             text +=
                 &format!("... and {} more points in equilibrium_set_summary.parquet\n", self.more);
@@ -148,23 +125,16 @@ impl Report {
     }
 
     fn kinds_text(&self) -> String {
-        let mut lines = vec![
-            ["without friction", "found", "stable", "stable at [rad/s]"].map(String::from).to_vec(),
-        ];
-        for (kind, counts) in FrictionlessKind::ALL.iter().zip(&self.kinds) {
-            if counts.found > 0 {
-                lines.push(vec![
-                    kind.name().to_owned(),
-                    counts.found.to_string(),
-                    counts.stable.to_string(),
-                    counts.stable_rad_s.map_or_else(
-                        || "nowhere".to_owned(),
-                        |(low, high)| format!("{low:.3} .. {high:.3}"),
-                    ),
-                ]);
-            }
-        }
-        text_table(&lines, &[])
+        let found = FrictionlessKind::ALL.iter().zip(&self.kinds);
+        let found: Vec<_> = found.filter(|(_, counts)| counts.found > 0).collect();
+        let mut table = PrintedTable::new(&found, "nowhere");
+        table.add("without friction", |(kind, _)| kind.name().to_owned());
+        table.add("found", |(_, counts)| counts.found.to_string());
+        table.add("stable", |(_, counts)| counts.stable.to_string());
+        table.add_known("stable at [rad/s]", |(_, counts)| {
+            counts.stable_rad_s.map(|(low, high)| format!("{low:.3} .. {high:.3}"))
+        });
+        as_text(&table.columns)
     }
 
     /// Returns the report as JSON.
@@ -208,10 +178,6 @@ impl Report {
             "frictionless": kinds.collect::<Vec<_>>(),
         })
     }
-}
-
-fn count(count: Option<u64>) -> String {
-    count.map_or_else(String::new, |count| count.to_string())
 }
 
 fn metres(amplitude: f64) -> String {

@@ -14,13 +14,13 @@ use super::output::{csv_header, csv_rows, print};
 use crate::classification::Label;
 use crate::counted::counted;
 use crate::engine::{Parts, Planned, Progress, Show, WorkerPool, say, stop_on_signals};
+use crate::printed_table::{PrintedTable, as_text};
 use crate::report::{Estimates, estimate_columns};
 use crate::responses::{
     Answer, MOST_DESIGNS, check_answerable, respond_to_all, response_columns, run_count,
 };
 use crate::study::{DesignValue, Study};
 use crate::table::provenance;
-use crate::text_table::text_table;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -115,31 +115,21 @@ fn is_server(arguments: &EvaluateArguments) -> bool {
 
 /// Returns the answers as aligned columns: variables, point of the sweep, responses with their intervals, and failed runs.
 fn printed(study: &Study, answers: &[Answer]) -> String {
-    let swept = |answer: &Answer| study.shown(&answer.swept);
-    let mut header = vec![["".to_owned(), "design".to_owned()]];
-    let variables = study.variables().iter();
-    header.extend(variables.map(|variable| [String::new(), variable.shown_name()]));
-    header.extend(study.swept().iter().map(|swept| [String::new(), swept.shown_name()]));
+    let mut table = PrintedTable::new(answers, "");
+    table.add("design", |answer| answer.design.to_string());
+    for (index, variable) in study.variables().iter().enumerate() {
+        let value = |answer: &Answer| Some(variable.describe(*answer.values.get(index)?));
+        table.add_known(variable.shown_name(), value);
+    }
+    for (index, swept) in study.swept().iter().enumerate() {
+        let value = |answer: &Answer| study.shown(&answer.swept).get(index).cloned();
+        table.add_known(swept.shown_name(), value);
+    }
     let estimates: Vec<Estimates<'_>> =
         answers.iter().map(|one| (&one.estimates[..], &[][..])).collect();
-    let responses = estimate_columns(study.responses(), &estimates, study.units());
-    header.extend(responses.iter().map(|column| column.header.clone()));
-    header.push(["".to_owned(), "failed".to_owned()]);
-    let row = |(row, answer): (usize, &Answer)| {
-        let values = study.variables().iter().zip(&answer.values);
-        let mut cells = vec![answer.design.to_string()];
-        cells.extend(values.map(|(variable, value)| variable.describe(*value)));
-        cells.extend(swept(answer));
-        cells.extend(responses.iter().filter_map(|column| column.cells.get(row).cloned()));
-        cells.push(answer.counts.of(Label::Failed).to_string());
-        cells
-    };
-    let mut lines: Vec<Vec<String>> = [0, 1]
-        .map(|line| header.iter().map(|header| header[line].clone()).collect())
-        .into_iter()
-        .collect();
-    lines.extend(answers.iter().enumerate().map(row));
-    text_table(&lines, &[])
+    table.columns.extend(estimate_columns(study.responses(), &estimates, study.units()));
+    table.add("failed", |answer| answer.counts.of(Label::Failed).to_string());
+    as_text(&table.columns)
 }
 
 /// Checks the combination of study and arguments.

@@ -9,11 +9,11 @@ use super::point_keys::merged;
 use super::point_words::point_line;
 use crate::analysis::AuditCounts;
 use crate::counted::counted;
-use crate::report::{Conclusion, PointFacts, PrintedColumn, printed_columns, response_columns};
+use crate::printed_table::{PrintedColumn, as_markdown, as_text};
+use crate::report::{Conclusion, PointFacts, printed_columns, response_columns};
 use crate::study::{Precision, Response, Study, Units, VariedParameter};
 use crate::table::column::Column;
 use crate::table::{Batch, PointRow, Row, Table, TableError, point_columns};
-use crate::text_table::text_table;
 
 /// The number of points that are printed by default; the others are in `points.parquet`.
 pub const MOST_LINES: usize = 40;
@@ -133,39 +133,23 @@ impl PointsTable {
 
     /// Returns the table as text, aligned to the right, and what it says in words.
     pub fn text(&self) -> String {
-        let table = |columns: &[PrintedColumn]| {
-            let header = |line: usize| columns.iter().map(move |one| one.header[line].clone());
-            let mut lines: Vec<Vec<String>> = vec![header(0).collect(), header(1).collect()];
-            lines.extend(self.cells(columns));
-            text_table(&lines, &[])
-        };
-        let mut text = table(&self.columns()) + &self.more_line("") + &self.conclusion.text();
+        let mut text = as_text(&self.columns()) + &self.more_line("") + &self.conclusion.text();
         if let Some(columns) = self.response_columns() {
-            text += &format!("\n{}{}", table(&columns), self.about_responses("\n"));
+            text += &format!("\n{}{}", as_text(&columns), self.about_responses("\n"));
         }
         text
     }
 
     /// Returns the table in Markdown, and what it says in words.
     pub fn markdown(&self) -> String {
-        let line = |cells: &[String]| {
-            let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
-            format!("| {} |\n", cells.join(" | "))
-        };
-        let table = |columns: &[PrintedColumn]| {
-            let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
-            let mut text = line(&names) + &line(&vec!["--:".to_owned(); columns.len()]);
-            text.extend(self.cells(columns).iter().map(|cells| line(cells)));
-            text
-        };
-        let mut text = table(&self.columns()) + &self.more_line("\n");
+        let mut text = as_markdown(&self.columns()) + &self.more_line("\n");
         let words = self.conclusion.text();
         if !words.is_empty() {
             // A blank line separates paragraphs.
             text += &format!("\n{}\n", words.lines().collect::<Vec<_>>().join("\n\n"));
         }
         if let Some(columns) = self.response_columns() {
-            text += &format!("\n{}\n{}", table(&columns), self.about_responses("\n\n"));
+            text += &format!("\n{}\n{}", as_markdown(&columns), self.about_responses("\n\n"));
         }
         text
     }
@@ -214,14 +198,6 @@ impl PointsTable {
     fn columns(&self) -> Vec<PrintedColumn> {
         let vibration = self.balls.then(|| self.units.vibration());
         printed_columns((&self.rows, &self.swept, &self.shown), vibration.as_ref(), self.audit)
-    }
-
-    /// Returns the cells of each point.
-    fn cells(&self, columns: &[PrintedColumn]) -> Vec<Vec<String>> {
-        let row = |row: usize| {
-            columns.iter().filter_map(|column| column.cells.get(row).cloned()).collect()
-        };
-        (0..self.rows.len()).map(row).collect()
     }
 
     /// Returns the result of a command as JSON: `facts` of the command, and the points.

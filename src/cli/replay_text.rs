@@ -6,10 +6,10 @@ use std::path::Path;
 use crate::classification::{Outcome, Recording, StageOutcome, Switch, Touch, TouchingOutcome};
 use crate::counted::counted;
 use crate::model::{Machine, Model, SlidingSpeed};
+use crate::printed_table::text_table;
 use crate::report::{three_digits, time_text};
 use crate::study::Units;
 use crate::table::phase_name;
-use crate::text_table::text_table;
 
 /// The number of switches that are printed to a terminal.
 const MOST_ON_TERMINAL: usize = 20;

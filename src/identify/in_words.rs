@@ -7,8 +7,7 @@ use super::inference::{Inference, Inferred};
 use super::posterior::{Marginal, Posterior};
 use super::warnings::{is_accurate, warnings};
 use crate::optimize::short;
-use crate::study::VariedParameter;
-use crate::text_table::text_table;
+use crate::printed_table::{PrintedTable, as_text};
 
 /// The model does not explain the measured runs if the smallest probability over all sites, corrected for their number, is
 /// below this level.
@@ -77,23 +76,15 @@ fn p_value(fits: &[SiteFit]) -> f64 {
 /// Returns the result in words.
 pub fn result_in_words(inference: &Inference, inferred: &Inferred) -> String {
     let Posterior { marginals, correlations, .. } = &inferred.posterior;
-    let mut rows = vec![
-        ["parameter", "unit", "median", "95 % interval", "prior", "width/prior"]
-            .map(str::to_owned)
-            .to_vec(),
-    ];
     let range = |[low, high]: [f64; 2]| format!("{} to {}", short(low), short(high));
-    rows.extend(marginals.iter().map(|one| {
-        vec![
-            one.name.clone(),
-            one.unit.to_owned(),
-            short(one.median),
-            range(one.interval),
-            range(one.prior),
-            format!("{:.2}", one.width_over_prior),
-        ]
-    }));
-    let mut text = text_table(&rows, &[0, 1]);
+    let mut table = PrintedTable::new(marginals, "");
+    table.add("parameter", |one| one.name.clone()).left();
+    table.add("unit", |one| one.unit.to_owned()).left();
+    table.add("median", |one| short(one.median));
+    table.add("95 % interval", |one| range(one.interval));
+    table.add("prior", |one| range(one.prior));
+    table.add("width/prior", |one| format!("{:.2}", one.width_over_prior));
+    let mut text = as_text(&table.columns);
     let mut line = |words: String| text.push_str(&(words + "\n"));
     for one in marginals.iter().filter(|one| !one.is_identified()) {
         line(format!(
@@ -116,22 +107,17 @@ pub fn result_in_words(inference: &Inference, inferred: &Inferred) -> String {
 
 fn fit_in_words(inference: &Inference, inferred: &Inferred) -> String {
     let Inference { study, sites, .. } = *inference;
-    let has_stages = study.has_stages();
-    let mut head = vec!["point".to_owned()];
-    head.extend(study.swept().iter().map(VariedParameter::shown_name));
-    head.extend(has_stages.then(|| "stage".to_owned()));
-    head.extend(["rests", "moving", "predicted rests [%]", "p"].map(str::to_owned));
-    let mut rows = vec![head];
-    for fit in &inferred.fits {
-        let mut row = vec![fit.point.point_id.to_string()];
-        row.extend(study.shown(&fit.point.swept));
-        row.extend(has_stages.then(|| fit.stage.to_string()));
-        row.extend(fit.measured.map(|count| count.to_string()));
-        row.push(format!("{:.0}", 100.0 * fit.predicted_rest_fraction));
-        row.push(format!("{:.3}", fit.p_value()));
-        rows.push(row);
+    let mut table = PrintedTable::new(&inferred.fits, "");
+    let shown: Vec<_> = inferred.fits.iter().map(|fit| study.shown(&fit.point.swept)).collect();
+    table.add_point(|fit| fit.point.point_id, study.swept(), &shown);
+    if study.has_stages() {
+        table.add("stage", |fit| fit.stage.to_string());
     }
-    let mut text = text_table(&rows, &[]);
+    table.add("rests", |fit| fit.measured[0].to_string());
+    table.add("moving", |fit| fit.measured[1].to_string());
+    table.add("predicted rests [%]", |fit| format!("{:.0}", 100.0 * fit.predicted_rest_fraction));
+    table.add("p", |fit| format!("{:.3}", fit.p_value()));
+    let mut text = as_text(&table.columns);
     let probability = p_value(&inferred.fits);
     let runs: u64 = sites.iter().map(super::site::Site::runs).sum();
     let verdict = match probability < LEVEL {

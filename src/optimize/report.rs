@@ -12,8 +12,8 @@ use super::notes::{notes, on_bounds};
 use super::search::{Search, SearchEnd};
 use super::sensitivity::Sensitivity;
 use crate::analysis::{Estimate, estimate_difference, estimate_ratio};
+use crate::printed_table::text_table;
 use crate::study::{DesignValue, Optimization, Study};
-use crate::text_table::text_table;
 
 /// Returns the contents of `optimum.json`.
 pub fn optimum_json(

@@ -3,44 +3,26 @@
 
 use super::data::{Fraction, PointFacts};
 use super::words::{percent, three_digits};
-use crate::analysis::{AuditCounts, Estimate};
+use crate::analysis::Estimate;
 use crate::classification::Label;
+use crate::printed_table::{PrintedColumn, PrintedTable, in_two_lines};
 use crate::study::{Response, Unit, Units, VariedParameter};
 
 /// The cell of a value that a point does not have.
 const MISSING: &str = "-";
 
-/// Names of parameters above this length have two lines in the header.
-const LONG_NAME: usize = 14;
-
-/// A column of the printed table.
-#[derive(Clone, Debug)]
-pub struct PrintedColumn {
-    /// The header in two lines.
-    pub header: [String; 2],
-    /// The header in one line.
-    pub name: String,
-    /// One cell per point.
-    pub cells: Vec<String>,
-}
-
 /// Points, the swept parameters, and their values as text at each point.
 type Points<'a> = (&'a [PointFacts], &'a [VariedParameter], &'a [Vec<String>]);
 
 /// Returns the number of the point and the swept parameters.
-fn key_columns<'a>((rows, swept, shown): Points<'a>) -> Columns<'a> {
-    let mut columns = Columns { rows, list: Vec::new() };
-    columns.add(["", "point"], "point", |row| row.point_id.to_string());
-    for (index, parameter) in swept.iter().enumerate() {
-        let name = parameter.shown_name();
-        let [top, bottom] = in_two_lines(&name);
-        columns.list.push(PrintedColumn {
-            header: [top, bottom].map(str::to_owned),
-            name: name.clone(),
-            cells: shown.iter().map(|row| row.get(index).cloned().unwrap_or_default()).collect(),
-        });
+fn key_columns<'a>((rows, swept, shown): Points<'a>) -> PrintedTable<'a, PointFacts> {
+    let mut table = PrintedTable::new(rows, MISSING);
+    table.add_point(|row| row.point_id, swept, shown);
+    for column in &mut table.columns {
+        let name = column.name.clone();
+        column.header(in_two_lines(&name));
     }
-    columns
+    table
 }
 
 /// Returns the columns of points; those of vibration in this unit, if the model has them.
@@ -56,12 +38,9 @@ pub fn printed_columns(
     add_rests(&mut columns);
     add_other_endings(&mut columns);
     if audit {
-        columns.add(["", "flips"], "flips", |row| {
-            let AuditCounts { runs, flips, .. } = row.audit;
-            format!("{flips} of {runs}")
-        });
+        columns.add("flips", |row| format!("{} of {}", row.audit.flips, row.audit.runs));
     }
-    columns.list
+    columns.columns
 }
 
 /// Returns the columns of the responses of points, each response with its 95 % interval.
@@ -70,7 +49,7 @@ pub fn response_columns(
     responses: &[Response],
     units: &Units,
 ) -> Vec<PrintedColumn> {
-    let mut columns = key_columns(points).list;
+    let mut columns = key_columns(points).columns;
     let rows: Vec<Estimates<'_>> =
         points.0.iter().map(|row| (&row.responses[..], &row.responses_without_balls[..])).collect();
     columns.extend(estimate_columns(responses, &rows, units));
@@ -86,7 +65,7 @@ pub fn estimate_columns(
     rows: &[Estimates<'_>],
     units: &Units,
 ) -> Vec<PrintedColumn> {
-    let mut columns = Vec::new();
+    let mut table = PrintedTable::new(rows, MISSING);
     for (index, response) in responses.iter().enumerate() {
         let shown = response.shown_unit(units);
         let unit = &shown.symbol;
@@ -94,118 +73,70 @@ pub fn estimate_columns(
             "%" => percent(value),
             _ => three_digits(shown.of(value)),
         };
-        let interval = |estimate: &Estimate| match (estimate.low, estimate.high) {
-            (Some(low), Some(high)) => Some(format!("{}-{}", text(low), text(high))),
-            (Some(low), None) => Some(format!("≥ {}", text(low))),
-            (None, Some(high)) => Some(format!("≤ {}", text(high))),
-            (None, None) => None,
-        };
-        let cells = |cell: &dyn Fn(&Estimate) -> Option<String>| {
-            let cell = |(row, _): &Estimates<'_>| row.get(index).and_then(cell);
-            rows.iter().map(|row| cell(row).unwrap_or_else(|| MISSING.to_owned())).collect()
-        };
+        let estimate = |(row, _): &Estimates<'_>| row.get(index).cloned().unwrap_or_default();
         let Response { name, .. } = response;
-        columns.push(PrintedColumn {
-            header: match in_two_lines(name) {
-                ["", name] => [name.to_owned(), format!("[{unit}]")],
-                [top, bottom] => [top.to_owned(), format!("{bottom} [{unit}]")],
-            },
-            name: format!("{name} [{unit}]"),
-            cells: cells(&|estimate| estimate.value.map(text)),
+        let value = |row: &Estimates<'_>| estimate(row).value.map(text);
+        table.add_known(format!("{name} [{unit}]"), value).header(match in_two_lines(name) {
+            ["", name] => [name.to_owned(), format!("[{unit}]")],
+            [top, bottom] => [top.to_owned(), format!("{bottom} [{unit}]")],
         });
-        columns.push(PrintedColumn {
-            header: ["95 %", "interval"].map(str::to_owned),
-            name: format!("{name}, 95 % interval"),
-            cells: cells(&interval),
-        });
-        let without = |(_, without): &Estimates<'_>| without.get(index).copied().flatten();
-        if rows.iter().any(|row| without(row).is_some()) {
-            let cell = |row| without(row).map_or_else(|| MISSING.to_owned(), text);
-            columns.push(PrintedColumn {
-                header: ["no balls".to_owned(), format!("[{unit}]")],
-                name: format!("{name} without balls [{unit}]"),
-                cells: rows.iter().map(cell).collect(),
-            });
+        let interval = |row: &Estimates<'_>| {
+            let Estimate { low, high, .. } = estimate(row);
+            match (low.map(text), high.map(text)) {
+                (Some(low), Some(high)) => Some(format!("{low}-{high}")),
+                (Some(low), None) => Some(format!("≥ {low}")),
+                (None, Some(high)) => Some(format!("≤ {high}")),
+                (None, None) => None,
+            }
+        };
+        let column = table.add_known(format!("{name}, 95 % interval"), interval);
+        column.header(["95 %", "interval"]);
+        let without =
+            |(_, without): &Estimates<'_>| without.get(index).copied().flatten().map(text);
+        if let Some(column) = table.add_if_any(format!("{name} without balls [{unit}]"), without) {
+            column.header(["no balls".to_owned(), format!("[{unit}]")]);
         }
     }
-    columns
+    table.columns
 }
 
-/// A list of columns that is being made.
-struct Columns<'a> {
-    rows: &'a [PointFacts],
-    list: Vec<PrintedColumn>,
-}
-
-impl PrintedColumn {
-    /// Returns a column with the header in one line only.
-    pub fn new(name: &str, cells: Vec<String>) -> Self {
-        PrintedColumn { header: Default::default(), name: name.to_owned(), cells }
-    }
-}
-
-impl Columns<'_> {
-    fn add(&mut self, header: [&str; 2], name: &str, cell: impl Fn(&PointFacts) -> String) {
-        self.list.push(PrintedColumn {
-            header: header.map(str::to_owned),
-            name: name.to_owned(),
-            cells: self.rows.iter().map(cell).collect(),
-        });
-    }
-
-    /// Adds a column whose values may be missing.
-    fn add_known(
-        &mut self,
-        header: [&str; 2],
-        name: &str,
-        cell: impl Fn(&PointFacts) -> Option<String>,
-    ) {
-        self.add(header, name, |row| cell(row).unwrap_or_else(|| MISSING.to_owned()));
-    }
-
-    fn any(&self, holds: impl Fn(&PointFacts) -> bool) -> bool {
-        self.rows.iter().any(holds)
-    }
-}
-
-fn add_vibration(columns: &mut Columns<'_>, unit: &Unit) {
+fn add_vibration(table: &mut PrintedTable<'_, PointFacts>, unit: &Unit) {
     let symbol = format!("[{}]", unit.symbol);
     let mut add = |top: &str, name: &str, metres: fn(&PointFacts) -> Option<f64>| {
-        columns.add_known([top, &symbol], &format!("{name} {symbol}"), |row| {
-            metres(row).map(|metres| three_digits(unit.of(metres)))
-        });
+        let cell = |row: &PointFacts| metres(row).map(|metres| three_digits(unit.of(metres)));
+        table.add_known(format!("{name} {symbol}"), cell).header([top, &symbol]);
     };
     add("vibration", "median vibration", |row| row.amplitude_m[1]);
     add("95 %", "95 % of the runs", |row| row.amplitude_m[2]);
     add("no balls", "without balls", |row| row.residual.amplitude_without_balls_m);
-    columns.add_known(["worse", "[%]"], "worse than without balls [%]", |row| {
-        row.residual.worse_than_without_balls.map(|[worse, ..]| percent(worse))
-    });
-    let grade = |row: &PointFacts| row.residual.balance_quality_grade_mm_s[0];
-    if columns.any(|row| grade(row).is_some()) {
-        columns.add_known(["G", "[mm/s]"], "median G of rests [mm/s]", |row| {
-            grade(row).map(three_digits)
-        });
+    let worse =
+        |row: &PointFacts| row.residual.worse_than_without_balls.map(|[worse, ..]| percent(worse));
+    table.add_known("worse than without balls [%]", worse).header(["worse", "[%]"]);
+    let grade = |row: &PointFacts| row.residual.balance_quality_grade_mm_s[0].map(three_digits);
+    if let Some(column) = table.add_if_any("median G of rests [mm/s]", grade) {
+        column.header(["G", "[mm/s]"]);
     }
 }
 
-fn add_rests(columns: &mut Columns<'_>) {
-    columns.add(["at", "rest"], "at rest", |row| format!("{}/{}", row.equilibrium.runs, row.runs));
-    columns.add(["", "[%]"], "at rest [%]", |row| percent(row.equilibrium.fraction));
-    columns.add(["95 %", "interval"], "95 % interval", |row| {
+fn add_rests(table: &mut PrintedTable<'_, PointFacts>) {
+    let rests = |row: &PointFacts| format!("{}/{}", row.equilibrium.runs, row.runs);
+    table.add("at rest", rests).header(["at", "rest"]);
+    let fraction = |row: &PointFacts| percent(row.equilibrium.fraction);
+    table.add("at rest [%]", fraction).header(["", "[%]"]);
+    let interval = |row: &PointFacts| {
         let Fraction { low, high, .. } = row.equilibrium;
         format!("{}-{}", percent(low), percent(high))
-    });
-    if columns.any(|row| row.overlapping_rests() > 0) {
-        columns
-            .add(["", "overlap"], "rests that overlap", |row| row.overlapping_rests().to_string());
+    };
+    table.add("95 % interval", interval).header(["95 %", "interval"]);
+    if table.rows().iter().any(|row| row.overlapping_rests() > 0) {
+        let overlapping = |row: &PointFacts| row.overlapping_rests().to_string();
+        table.add("rests that overlap", overlapping).header(["", "overlap"]);
     }
-    columns.add_known(["median", "rest [s]"], "median rest [s]", |row| {
-        row.time_to_rest_s[1].map(|median| format!("{median:.2}"))
-    });
+    let median = |row: &PointFacts| row.time_to_rest_s[1].map(|median| format!("{median:.2}"));
+    table.add_known("median rest [s]", median).header(["median", "rest [s]"]);
 }
 
-fn add_other_endings(columns: &mut Columns<'_>) {
+fn add_other_endings(table: &mut PrintedTable<'_, PointFacts>) {
     for label in Label::ALL {
         let header = match label {
             Label::Equilibrium => continue,
@@ -214,34 +145,8 @@ fn add_other_endings(columns: &mut Columns<'_>) {
             Label::Undecided => ["unde-", "cided"],
             Label::Failed => ["", "failed"],
         };
-        if columns.any(|row| row.label(label).runs > 0) {
-            columns.add(header, label.name(), |row| row.label(label).runs.to_string());
+        if table.rows().iter().any(|row| row.label(label).runs > 0) {
+            table.add(label.name(), |row| row.label(label).runs.to_string()).header(header);
         }
-    }
-}
-
-/// Divides a long name after the underscore that is nearest to its middle.
-fn in_two_lines(name: &str) -> [&str; 2] {
-    let places = name.match_indices('_').map(|(place, _)| place + 1);
-    let middle = name.len() / 2;
-    match places.min_by_key(|place| place.abs_diff(middle)) {
-        Some(place) if name.len() > LONG_NAME => {
-            let (top, bottom) = name.split_at(place);
-            [top, bottom]
-        }
-        _ => ["", name],
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::in_two_lines;
-
-    #[test]
-    fn long_names_have_two_lines() {
-        assert_eq!(in_two_lines("speed_rad_s"), ["", "speed_rad_s"]);
-        assert_eq!(in_two_lines("friction_coefficient"), ["friction_", "coefficient"]);
-        assert_eq!(in_two_lines("friction_coefficient_2"), ["friction_", "coefficient_2"]);
-        assert_eq!(in_two_lines("withoutunderscore"), ["", "withoutunderscore"]);
     }
 }

@@ -1,6 +1,6 @@
 //! Builds HTML from escaped text.
 
-use crate::report::printed_columns::PrintedColumn;
+use crate::printed_table::PrintedColumn;
 use crate::sanitize::is_acted_on;
 
 /// An HTML text that grows line by line.

@@ -4,9 +4,10 @@ use std::path::Path;
 
 use super::html::{Html, escaped};
 use super::tables::MOST_ROWS;
+use crate::printed_table::{PrintedColumn, PrintedTable};
 use crate::report::data::{PeakOfRun, PointFacts, ReportData, said};
 use crate::report::figures::significant;
-use crate::report::printed_columns::{PrintedColumn, printed_columns};
+use crate::report::printed_columns::printed_columns;
 use crate::report::words::percent;
 use crate::sanitize::shell_word;
 use crate::study::{ParameterKind, Study};
@@ -67,26 +68,19 @@ fn disc_speed(study: &Study, peak: &PeakOfRun) -> Option<f64> {
 fn further_columns(data: &ReportData<'_>, rows: &[PointFacts]) -> Vec<PrintedColumn> {
     let (study, vibration) = (data.study, data.study.units().vibration());
     let speed = study.units().speed();
-    let mut columns = Vec::new();
-    let mut add = |name: &str, cell: &dyn Fn(&PointFacts) -> Option<String>| {
-        let cells: Vec<Option<String>> = rows.iter().map(cell).collect();
-        if cells.iter().any(Option::is_some) {
-            let cells = cells.into_iter().map(|cell| cell.unwrap_or_else(|| "–".to_owned()));
-            columns.push(PrintedColumn::new(name, cells.collect()));
-        }
-    };
+    let mut table = PrintedTable::new(rows, "–");
     if study.has_stages() {
         let peak = |point: &PointFacts| data.run_up.largest.get(&point.point_id);
-        add(&format!("largest amplitude of a run [{}]", vibration.symbol), &|point| {
+        table.add_if_any(format!("largest amplitude of a run [{}]", vibration.symbol), |point| {
             Some(significant(vibration.of(peak(point)?.amplitude_m)))
         });
-        add(&format!("at the speed [{}]", speed.symbol), &|point| {
+        table.add_if_any(format!("at the speed [{}]", speed.symbol), |point| {
             Some(significant(speed.of(disc_speed(study, peak(point)?)?)))
         });
     }
-    add("rests that touch", &|point| {
+    table.add_if_any("rests that touch", |point| {
         data.touching_rests(point).map(|rests| format!("{rests} of {}", point.equilibrium.runs))
     });
-    add("positions of rest [%]", &|point| point.set_fraction.map(percent));
-    columns
+    table.add_if_any("positions of rest [%]", |point| point.set_fraction.map(percent));
+    table.columns
 }
