@@ -5,7 +5,7 @@ use std::io;
 
 use thiserror::Error;
 
-use crate::engine::{EngineError, OutputDirError, StoreError};
+use crate::engine::{EngineError, StoreError};
 use crate::study::StudyError;
 use crate::table::{ResultsError, TableError, WriteError};
 
@@ -36,15 +36,6 @@ pub enum CommandError {
     /// Standard output cannot be written to.
     #[error("cannot write to standard output: {0}")]
     Output(#[from] io::Error),
-}
-
-impl From<OutputDirError> for CommandError {
-    fn from(error: OutputDirError) -> Self {
-        match error {
-            OutputDirError::Results(error) => CommandError::Results(error),
-            OutputDirError::Store(error) => CommandError::Store(error),
-        }
-    }
 }
 
 impl From<EngineError<ResultsError>> for CommandError {

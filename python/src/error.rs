@@ -9,7 +9,7 @@ use pyo3::exceptions::{
 };
 use pyo3::prelude::*;
 use stickslip::CommandError;
-use stickslip::engine::{EngineError, OutputDirError, StoreError};
+use stickslip::engine::{EngineError, StoreError};
 use stickslip::study;
 use stickslip::table::{ResultsError, TableError};
 
@@ -145,15 +145,6 @@ impl From<StoreError> for Trouble {
 impl From<TableError> for Trouble {
     fn from(error: TableError) -> Self {
         Trouble::System(error.to_string())
-    }
-}
-
-impl From<OutputDirError> for Trouble {
-    fn from(error: OutputDirError) -> Self {
-        match error {
-            OutputDirError::Results(error) => error.into(),
-            OutputDirError::Store(error) => error.into(),
-        }
     }
 }
 

@@ -32,7 +32,7 @@ pub use exclusive_directory::ExclusiveDirectory;
 pub use interrupt::{stop_on_signals, survive_file_size_limit};
 pub use message::{say, show_messages};
 pub use options::EngineOptions;
-pub use output_dir::{OutputDir, OutputDirError, Ready};
+pub use output_dir::{OutputDir, Ready};
 pub use progress::{Parts, Planned, Progress, Show};
 pub use read_finished::{finished_run, read_finished};
 pub use readable_results::{Readable, how_to_continue, readable_results};

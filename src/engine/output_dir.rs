@@ -3,10 +3,9 @@
 use std::mem::discriminant;
 use std::path::{Path, PathBuf};
 
-use thiserror::Error;
-
-use super::{CHUNKS, EngineOptions, Shard, Store, StoreError, say};
+use super::{CHUNKS, EngineOptions, Shard, Store, say};
 use crate::classification::MODEL_VERSION;
+use crate::command_error::CommandError;
 use crate::study::{Study, changed_keys};
 use crate::table::{
     Circumstances, EARLIER, Manifest, OutputState, Results, ResultsError, close_earlier, inspect,
@@ -15,17 +14,6 @@ use crate::table::{
 
 /// The number of differences that an error message lists.
 const MOST_LINES: usize = 12;
-
-/// The reason why a directory cannot be prepared.
-#[derive(Debug, Error)]
-pub enum OutputDirError {
-    /// It holds other files, or it cannot be created or written to.
-    #[error(transparent)]
-    Results(#[from] ResultsError),
-    /// The finished runs on disk cannot be used.
-    #[error(transparent)]
-    Store(#[from] StoreError),
-}
 
 /// An output directory and how to use it.
 pub struct OutputDir<'a> {
@@ -64,7 +52,7 @@ impl<'a> OutputDir<'a> {
     /// Returns an error, and changes nothing, if the directory holds files that are not results, results of another
     /// shard, or results of a study that shares no run with this one, if another process writes to it, or if it cannot
     /// be written to.
-    pub fn prepare(&self, study: &Study) -> Result<Ready, OutputDirError> {
+    pub fn prepare(&self, study: &Study) -> Result<Ready, CommandError> {
         let shard = self.shard.to_string();
         let found = inspect(self.directory, study, &shard, &[CHUNKS, EARLIER])?;
         let report = |line: String| {
@@ -146,7 +134,7 @@ impl<'a> OutputDir<'a> {
     }
 
     /// Opens the store of a directory with results of another study if this study can reuse any of its runs.
-    fn reopen(&self, study: &Study, manifest: &Manifest) -> Result<Store, OutputDirError> {
+    fn reopen(&self, study: &Study, manifest: &Manifest) -> Result<Store, CommandError> {
         let store = match self.directory.join(CHUNKS).is_dir() || self.recompute {
             true => Some(Store::open(self.directory, study)?),
             false => None,

@@ -5,16 +5,16 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use thiserror::Error;
 
 use super::evaluation::{Evaluation, Origin};
 use crate::analysis::LabelCounts;
 use crate::classification::Label;
+use crate::command_error::CommandError;
 use crate::responses::Answer;
 use crate::responses::columns::answer_columns;
 use crate::study::{Study, changed_keys};
 use crate::table::column::{Column, Columns};
-use crate::table::{Row, Table, TableError};
+use crate::table::{Row, Table};
 
 /// Returns the columns of `evaluations.parquet`: one row per design and point of the sweep.
 pub fn evaluation_columns(study: &Study) -> Vec<Column<(Origin, Answer)>> {
@@ -46,25 +46,11 @@ pub fn search_facts(study: &Study) -> Value {
     json!({"design": file["design"], "responses": file["responses"], "optimize": optimize})
 }
 
-/// The reason why a search cannot continue from earlier evaluations.
-#[derive(Debug, Error)]
-pub enum EvaluationsError {
-    /// The table cannot be read.
-    #[error(transparent)]
-    Table(#[from] TableError),
-    /// The table is of another study or search, or has invalid rows.
-    #[error("{0}")]
-    Other(String),
-}
-
 /// Reads the evaluations in a directory, in their order; empty if it has no such table.
 ///
 /// # Errors
 /// Returns an error if the table cannot be read or is of another study or search.
-pub fn read_evaluations(
-    study: &Study,
-    directory: &Path,
-) -> Result<Vec<Evaluation>, EvaluationsError> {
+pub fn read_evaluations(study: &Study, directory: &Path) -> Result<Vec<Evaluation>, CommandError> {
     let path = directory.join("evaluations.parquet");
     if !path.exists() {
         return Ok(Vec::new());
@@ -78,7 +64,7 @@ pub fn read_evaluations(
         if differences.is_empty() {
             differences.push(format!("another {what}"));
         }
-        EvaluationsError::Other(format!(
+        CommandError::Usage(format!(
             "{}: evaluations of another search\n  found:   a search that differs in\n    {}\n  allowed: another \
              directory with --out, or the study of these evaluations",
             path.display(),
@@ -97,7 +83,7 @@ pub fn read_evaluations(
     let mut rows = Vec::new();
     for (number, row) in table.read_rows(|row| read_row(study, row))?.enumerate() {
         let row = row?.ok_or_else(|| {
-            EvaluationsError::Other(format!(
+            CommandError::Usage(format!(
                 "{}: row {} is not a row of a search\n  allowed: the unchanged table, or another directory with --out",
                 path.display(),
                 number + 1
@@ -106,7 +92,7 @@ pub fn read_evaluations(
         rows.push(row?);
     }
     grouped_by_design(study, rows).ok_or_else(|| {
-        EvaluationsError::Other(format!(
+        CommandError::Usage(format!(
             "{}: incomplete designs\n  allowed: the unchanged table, or another directory \
              with --out",
             path.display()

@@ -31,7 +31,7 @@ mod surrogate;
 mod tables;
 
 pub use evaluation::{Evaluation, Origin};
-pub use evaluations_table::{EvaluationsError, evaluation_columns, read_evaluations, search_facts};
+pub use evaluations_table::{evaluation_columns, read_evaluations, search_facts};
 pub use finalists::{Finalist, FinalistRole, Finalists, final_runs, finalists};
 pub use goal::{Goal, Quantity};
 pub use in_words::unmet_limits;

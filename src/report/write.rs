@@ -11,7 +11,6 @@ use super::overwrite::{beside, outside, replace, replaceable, sealed};
 use super::page::{OWN, optimum_page, page};
 use crate::command_error::CommandError;
 use crate::engine::{Readable, readable_results};
-use crate::optimize::EvaluationsError;
 use crate::table::MANIFEST;
 
 /// The largest page, in bytes, small enough to mail; pages of larger results show less detail.
@@ -77,8 +76,7 @@ fn page_of_search(directory: &Path) -> Result<String, CommandError> {
         match OptimumData::read(directory) {
             // The search may have replaced a table during the reading.
             Err(_) if attempt < ATTEMPTS => thread::sleep(BETWEEN),
-            Err(EvaluationsError::Table(error)) => return Err(error.into()),
-            Err(EvaluationsError::Other(error)) => return Err(CommandError::Usage(error)),
+            Err(error) => return Err(error),
             Ok(data) => break data,
         }
         attempt += 1;

@@ -5,7 +5,8 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::analysis::Estimate;
-use crate::optimize::{Evaluation, EvaluationsError, Goal, read_evaluations};
+use crate::command_error::CommandError;
+use crate::optimize::{Evaluation, Goal, read_evaluations};
 use crate::study::{Optimization, Study, Unit, Variable};
 use crate::table::{FILES, FileList, Row, Table, TableError};
 
@@ -76,11 +77,11 @@ impl OptimumData {
     ///
     /// # Errors
     /// Returns an error if a file is missing or has been changed, or if the study has no `optimize`.
-    pub fn read(directory: &Path) -> Result<Self, EvaluationsError> {
+    pub fn read(directory: &Path) -> Result<Self, CommandError> {
         let (_, about) = Table::of_itself(directory, "evaluations")?;
         let path = directory.join("evaluations.parquet");
         let refuse = |problem: String| {
-            EvaluationsError::Other(format!(
+            CommandError::Usage(format!(
                 "{}: {problem}\n  allowed: a table that this version of `stickslip optimize` has written",
                 path.display()
             ))
