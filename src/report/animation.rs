@@ -43,20 +43,16 @@ pub fn animation(machine: &Machine, recording: &Recording, title: &str) -> Strin
             samples.iter().map(|sample| rounded(sample.contacts[ball].position, 4)).collect()
         })
         .collect();
-    let sticks: Vec<String> = (0..balls)
-        .map(|ball| {
-            let stick = |sample: &Sample| sample.contacts[ball].phase == Phase::Stick;
-            samples.iter().map(|sample| if stick(sample) { '1' } else { '0' }).collect()
-        })
-        .collect();
+    // One character per sample, whether something holds.
+    let flags = |holds: &dyn Fn(&Sample) -> bool| -> String {
+        samples.iter().map(|sample| if holds(sample) { '1' } else { '0' }).collect()
+    };
+    let stick = |ball: usize| flags(&|sample| sample.contacts[ball].phase == Phase::Stick);
+    let sticks: Vec<String> = (0..balls).map(stick).collect();
     // Balls that may touch, and for each such pair whether they do.
     let gaps = samples.first().map_or(&[][..], |sample| &sample.gaps[..]);
-    let touching: Vec<String> = (0..gaps.len())
-        .map(|gap| {
-            let closed = |sample: &Sample| sample.gaps[gap].phase == Phase::Closed;
-            samples.iter().map(|sample| if closed(sample) { '1' } else { '0' }).collect()
-        })
-        .collect();
+    let closed = |gap: usize| flags(&|sample| sample.gaps[gap].phase == Phase::Closed);
+    let touching: Vec<String> = (0..gaps.len()).map(closed).collect();
     let [begin, end] = [samples.first(), samples.last()]
         .map(|sample| sample.map_or(0.0, |sample| units.seconds(sample.time)));
     // The times of the impacts in the picture, counted from its first one, with the balls.

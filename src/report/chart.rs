@@ -21,8 +21,6 @@ pub struct Figure {
     pub alternative: String,
     /// Panels in reading order.
     pub panels: Vec<Panel>,
-    /// Whether the page shows one panel at a time, selected by its title.
-    pub one_at_a_time: bool,
 }
 
 /// A pair of axes and the layers between them.
@@ -257,6 +255,20 @@ pub struct TooltipColumn {
     pub values: TooltipValues,
 }
 
+impl Figure {
+    /// Returns a figure; `None` without panels.
+    pub fn new(
+        id: &str,
+        title: impl Into<String>,
+        caption: impl Into<String>,
+        alternative: String,
+        panels: Vec<Panel>,
+    ) -> Option<Self> {
+        let (id, title, caption) = (id.to_owned(), title.into(), caption.into());
+        (!panels.is_empty()).then_some(Figure { id, title, caption, alternative, panels })
+    }
+}
+
 impl Panel {
     /// Returns a panel without titles and colour scale.
     pub fn new(x: Axis, y: Axis, layers: Vec<Layer>) -> Self {
@@ -268,6 +280,14 @@ impl Layer {
     /// Returns a layer.
     pub fn new(name: &str, colour: Colour, mark: Mark) -> Self {
         Layer { name: name.to_owned(), colour, mark }
+    }
+
+    /// Returns the number of dots.
+    pub fn dots(&self) -> usize {
+        match &self.mark {
+            Mark::Dots { x, .. } => x.len(),
+            _ => 0,
+        }
     }
 }
 

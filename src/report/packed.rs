@@ -56,32 +56,34 @@ pub fn coordinates<S: Serializer>(values: &[f64], out: S) -> Result<S::Ok, S::Er
 
 /// Serializes numbers in 16 bits each.
 pub fn steps<S: Serializer>(values: &[f64], out: S) -> Result<S::Ok, S::Error> {
-    let (from, to) = ends(values.iter().copied());
-    let span = to - from;
-    if !(span > 0.0 && span.is_finite()) {
-        return numbers(values, out);
-    }
-    let step = |value: f64| match value.is_finite() {
-        true => ((value - from) / span * 65534.0).round() as u16,
-        false => u16::MAX,
-    };
-    let bytes: Vec<u8> = values.iter().flat_map(|value| step(*value).to_le_bytes()).collect();
-    json!({"w": BASE64.encode(bytes), "from": from, "to": to}).serialize(out)
+    in_steps(values, 65534.0, "w", |step| (step as u16).to_le_bytes(), out)
 }
 
 /// Serializes numbers in 8 bits each, for colours.
 pub fn levels<S: Serializer>(values: &[f64], out: S) -> Result<S::Ok, S::Error> {
+    in_steps(values, 254.0, "b", |step| [step as u8], out)
+}
+
+/// Serializes numbers as steps from 0 to `last` between the least and the largest one, and one more for a value that is not
+/// finite.
+fn in_steps<const N: usize, S: Serializer>(
+    values: &[f64],
+    last: f64,
+    key: &str,
+    bytes: fn(f64) -> [u8; N],
+    out: S,
+) -> Result<S::Ok, S::Error> {
     let (from, to) = ends(values.iter().copied());
     let span = to - from;
     if !(span > 0.0 && span.is_finite()) {
         return numbers(values, out);
     }
-    let level = |value: f64| match value.is_finite() {
-        true => ((value - from) / span * 254.0).round() as u8,
-        false => u8::MAX,
+    let step = |value: &f64| match value.is_finite() {
+        true => ((value - from) / span * last).round(),
+        false => last + 1.0,
     };
-    let bytes: Vec<u8> = values.iter().map(|value| level(*value)).collect();
-    json!({"b": BASE64.encode(bytes), "from": from, "to": to}).serialize(out)
+    let bytes: Vec<u8> = values.iter().flat_map(|value| bytes(step(value))).collect();
+    json!({key: BASE64.encode(bytes), "from": from, "to": to}).serialize(out)
 }
 
 /// Serializes whole numbers.

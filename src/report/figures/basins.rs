@@ -1,9 +1,9 @@
 //! Figure: basins of attraction, the start states in two coordinates, coloured by label.
 
-use super::layers::{label_colour, label_symbol, label_words, places, run_dots};
+use super::layers::{dots_by_label, label_symbol, label_words, places};
 use crate::classification::Label;
 use crate::model::Coordinate;
-use crate::report::chart::{Axis, AxisKind, Figure, Layer, Mark, Panel, Tooltips};
+use crate::report::chart::{Axis, AxisKind, Figure, Layer, Panel};
 use crate::report::data::{ReportData, scattered};
 use crate::study::Study;
 
@@ -45,21 +45,8 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             if !runs.is_empty() && !runs.iter().any(is_known) {
                 continue;
             }
-            let layers: Vec<Layer> = Label::ALL
-                .into_iter()
-                .enumerate()
-                .filter_map(|(place, label)| {
-                    let is = |run: &usize| {
-                        data.runs.label.get(*run).is_some_and(|l| usize::from(*l) == place)
-                    };
-                    let chosen: Vec<usize> = runs.iter().copied().filter(is).collect();
-                    let run_ids = chosen.iter().filter_map(|&run| data.runs.run_id.get(run));
-                    let run_ids = run_ids.copied().collect();
-                    let tooltips = Tooltips { run_ids, ..Tooltips::default() };
-                    let look = (&*label_words(label), label_colour(label), label_symbol(label));
-                    (!chosen.is_empty()).then(|| run_dots(look, (x, y), &chosen, tooltips))
-                })
-                .collect();
+            let sample = (&data.runs.run_id[..], &data.runs.label[..]);
+            let layers = dots_by_label(sample, (x, y), &runs, label_symbol);
             panels.push(Panel {
                 title: point.title.clone(),
                 part: format!("{} and {}", words(of_x), words(of_y)),
@@ -67,7 +54,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             });
         }
         let shown = panels.get(first_panel);
-        drawn += shown.map_or(0, |panel| panel.layers.iter().map(dots_of).sum::<usize>());
+        drawn += shown.map_or(0, |panel| panel.layers.iter().map(Layer::dots).sum::<usize>());
     }
     let sampled = if every > 1 || data.runs.one_in > 1 {
         format!(" Subsample: {drawn} of the {} runs of these points are shown.", data.runs.of)
@@ -83,25 +70,17 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         (count > 0).then(|| format!("{count} {}", label_words(label)))
     });
     let counts: Vec<String> = counts.collect();
-    Some(Figure {
-        id: "basins".to_owned(),
-        title: "Basins of attraction".to_owned(),
-        caption: format!(
+    Figure::new(
+        "basins",
+        "Basins of attraction",
+        format!(
             "Start states in the plane of two of their coordinates, coloured by the label of the run; the \
              other coordinates vary from dot to dot.{planes}{}{sampled}",
             data.left_out()
         ),
-        alternative: format!("Start states of runs by label: {}.", counts.join(", ")),
+        format!("Start states of runs by label: {}.", counts.join(", ")),
         panels,
-        one_at_a_time: true,
-    })
-}
-
-fn dots_of(layer: &Layer) -> usize {
-    match &layer.mark {
-        Mark::Dots { x, .. } => x.len(),
-        _ => 0,
-    }
+    )
 }
 
 /// Returns the pairs of coordinates to plot: equal ones of two balls, x and y, position and speed.

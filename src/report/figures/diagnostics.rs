@@ -39,18 +39,17 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         " No run was audited (`audit:` in the study computes some of them more precisely)."
             .to_owned()
     };
-    Some(Figure {
-        id: "diagnostics".to_owned(),
-        title: "Fractions of failed, undecided and flipped runs".to_owned(),
-        caption: format!(
+    Figure::new(
+        "diagnostics",
+        "Fractions of failed, undecided and flipped runs",
+        format!(
             "Fractions of failed runs, of undecided runs, and of labels that changed in the audit, with 95 % \
              intervals, also at zero.{}",
             data.left_out()
         ),
-        alternative: format!("{failed} runs failed, {undecided} are undecided.{audit}"),
-        panels: vec![panel],
-        one_at_a_time: false,
-    })
+        format!("{failed} runs failed, {undecided} are undecided.{audit}"),
+        vec![panel],
+    )
 }
 
 /// Returns the layers of one fraction, given as a number of runs and the fraction with its interval, for each point.

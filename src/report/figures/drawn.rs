@@ -1,17 +1,15 @@
 //! Figures over the drawn values of uncertain parameters: rank correlations, and amplitudes of the runs.
 
-use super::layers::{Estimate, axis, label_colour, label_symbol, label_words, significant};
+use super::layers::{BARS, axis, bars, dots_by_label, label_symbol, significant};
 use crate::analysis::RankCorrelation;
 use crate::classification::Label;
-use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
+use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Panel, Symbol};
 use crate::report::data::{DrawnRuns, PointFacts, ReportData, axis_of, evenly, scattered};
 
 /// The largest number of parameters in the figures.
 pub const MOST_PARAMETERS: usize = 12;
 /// The largest number of panels of the figure of amplitudes.
 const MOST_PANELS: usize = 600;
-/// Half the distance between the two bars of a parameter, and the width of each, on the abscissa.
-const BARS: [f64; 2] = [0.19, 0.34];
 
 /// Returns the parameters in the figures, as indices in the order of the study: those with the strongest rank
 /// correlation with the amplitude at any point.
@@ -76,8 +74,14 @@ pub fn correlations(data: &ReportData<'_>) -> Option<Figure> {
             shown.iter().map(|&parameter| runs.with_amplitude(parameter)).collect();
         let time: Vec<Option<RankCorrelation>> =
             shown.iter().map(|&parameter| runs.with_time_to_rest(parameter)).collect();
-        let mut layers = bars("with the amplitude", Colour::Series(0), -BARS[0], &amplitude);
-        layers.extend(bars("with the time to rest", Colour::Series(1), BARS[0], &time));
+        let parts = |all: &[Option<RankCorrelation>]| -> Vec<Option<[f64; 3]>> {
+            let rounded = |value: f64| (1e4 * value).round() / 1e4;
+            let part = |one: &RankCorrelation| [one.value, one.low, one.high].map(rounded);
+            all.iter().map(|one| one.as_ref().map(part)).collect()
+        };
+        let (of_amplitude, of_time) = (parts(&amplitude).into_iter(), parts(&time).into_iter());
+        let mut layers = bars("with the amplitude", Colour::Series(0), -BARS[0], of_amplitude);
+        layers.extend(bars("with the time to rest", Colour::Series(1), BARS[0], of_time));
         if layers.is_empty() {
             continue;
         }
@@ -92,13 +96,10 @@ pub fn correlations(data: &ReportData<'_>) -> Option<Figure> {
         let title = point.title.clone();
         panels.push(Panel { title, ..Panel::new(x.clone(), y.clone(), layers) });
     }
-    if panels.is_empty() {
-        return None;
-    }
-    Some(Figure {
-        id: "rank-correlations".to_owned(),
-        title: "Influence of uncertain parameters".to_owned(),
-        caption: format!(
+    Figure::new(
+        "rank-correlations",
+        "Influence of uncertain parameters",
+        format!(
             "Spearman's rank correlation of each drawn parameter with the amplitude at the end of a run and with \
              the time to rest, with 95 % intervals (Fisher's transformation, independent draws). 1: the quantity \
              always increases with the parameter; \u{2212}1: it always decreases. Runs that do not come to rest rank last \
@@ -107,43 +108,12 @@ pub fn correlations(data: &ReportData<'_>) -> Option<Figure> {
             data.left_out(),
             sampled(data),
         ),
-        alternative: format!(
+        format!(
             "The strongest rank correlation with the amplitude, of each point: {}.",
             sentences.join("; ")
         ),
-        one_at_a_time: panels.len() > 1,
         panels,
-    })
-}
-
-/// Returns bars with their intervals, at whole numbers shifted by `shift`; empty if there is none.
-fn bars(
-    name: &str,
-    colour: Colour,
-    shift: f64,
-    correlations: &[Option<RankCorrelation>],
-) -> Vec<Layer> {
-    let rounded = |value: f64| (1e4 * value).round() / 1e4;
-    let known = correlations.iter().enumerate().filter_map(|(place, one)| {
-        let RankCorrelation { value, low, high } = (*one)?;
-        let [value, low, high] = [value, low, high].map(rounded);
-        Some(Estimate { x: rounded(place as f64 + shift), value, low, high })
-    });
-    let known: Vec<Estimate> = known.collect();
-    if known.is_empty() {
-        return Vec::new();
-    }
-    let column = |pick: fn(&Estimate) -> f64| known.iter().map(pick).collect::<Vec<f64>>();
-    let [_, from, to] = Estimate::columns("rank correlation", &known);
-    let x = column(|one| one.x);
-    let bars = Mark::Bars {
-        x: x.clone(),
-        y: column(|one| one.value),
-        width: BARS[1],
-        tooltips: Tooltips::numbers([from, to]),
-    };
-    let intervals = Mark::Intervals { x, low: column(|one| one.low), high: column(|one| one.high) };
-    vec![Layer::new(name, colour, bars), Layer::new(name, Colour::Ink, intervals)]
+    )
 }
 
 /// Plots the amplitude of the runs over each parameter, coloured by label, for each point.
@@ -175,39 +145,17 @@ pub fn amplitudes(data: &ReportData<'_>) -> Option<Figure> {
     let mut panels = Vec::new();
     let mut drawn = 0;
     for (point, runs) in &chosen {
+        let amplitudes: Vec<f64> = runs.amplitude_m.iter().map(|metres| unit.of(*metres)).collect();
         for &parameter in &shown {
             let Some(uncertain) = data.study.uncertain().get(parameter) else { continue };
             let Some(values) = runs.values.get(parameter) else { continue };
             let x = axis_of(uncertain);
             let part = x.name.clone();
-            let layers: Vec<Layer> = Label::ALL
-                .into_iter()
-                .enumerate()
-                .filter_map(|(index, label)| {
-                    let is = |place: &usize| runs.label.get(*place) == Some(&(index as u8));
-                    let places: Vec<usize> = (0..runs.run_id.len())
-                        .filter(is)
-                        .filter(|place| runs.run_id.get(*place).is_some_and(|run| is_shown(*run)))
-                        .collect();
-                    let of = |column: &[f64]| -> Vec<f64> {
-                        places.iter().filter_map(|place| column.get(*place).copied()).collect()
-                    };
-                    let run_ids = places.iter().filter_map(|place| runs.run_id.get(*place));
-                    let tooltips =
-                        Tooltips { run_ids: run_ids.copied().collect(), ..Tooltips::default() };
-                    let amplitudes =
-                        of(&runs.amplitude_m).into_iter().map(|metres| unit.of(metres));
-                    let (x, y) = (of(values), amplitudes.collect());
-                    let mark = Mark::Dots { symbol: small(label), x, y, tooltips };
-                    (!places.is_empty())
-                        .then(|| Layer::new(&label_words(label), label_colour(label), mark))
-                })
-                .collect();
-            let count = |layer: &Layer| match &layer.mark {
-                Mark::Dots { x, .. } => x.len(),
-                _ => 0,
-            };
-            drawn += layers.iter().map(count).sum::<usize>();
+            let sample = (&runs.run_id[..], &runs.label[..]);
+            let places = (0..).zip(&runs.run_id).filter(|(_, run)| is_shown(**run));
+            let places: Vec<usize> = places.map(|(place, _)| place).collect();
+            let layers = dots_by_label(sample, (values, &amplitudes), &places, small);
+            drawn += layers.iter().map(Layer::dots).sum::<usize>();
             let title = point.title.clone();
             panels.push(Panel { title, part, ..Panel::new(x, y.clone(), layers) });
         }
@@ -220,18 +168,17 @@ pub fn amplitudes(data: &ReportData<'_>) -> Option<Figure> {
             format!(" Subsample: {runs} of the {of} runs of these points are shown.")
         }
     };
-    Some(Figure {
-        id: "drawn-parameters".to_owned(),
-        title: "Amplitude over uncertain parameters".to_owned(),
-        caption: format!(
+    Figure::new(
+        "drawn-parameters",
+        "Amplitude over uncertain parameters",
+        format!(
             "Each dot is a run at the value that was drawn for it; the other parameters and the start state vary \
              from dot to dot. Colour: label of the run. Failed runs are not shown.{}{left_out}{dots}",
             omitted(data, &shown),
         ),
-        alternative: ranges(data, &chosen, &shown),
-        one_at_a_time: panels.len() > 1,
+        ranges(data, &chosen, &shown),
         panels,
-    })
+    )
 }
 
 /// Returns the symbol of a label in a crowd of dots.

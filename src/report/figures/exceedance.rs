@@ -20,9 +20,6 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     if vibrates {
         panels.extend(self::panels(data, AmplitudeKind::RelativeResidual, &ratio));
     }
-    if panels.is_empty() {
-        return None;
-    }
     let sentences = data.details().filter_map(|point| {
         let median = significant(shown.of(point.amplitude_m[1]?));
         let worse = point.residual.worse_than_without_balls;
@@ -38,10 +35,10 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let kinds = [AmplitudeKind::Residual, AmplitudeKind::RelativeResidual];
     let has_limits =
         kinds.iter().any(|kind| limits(data.study.responses(), *kind).next().is_some());
-    Some(Figure {
-        id: "exceedance".to_owned(),
-        title: "Probability of exceeding an amplitude".to_owned(),
-        caption: format!(
+    Figure::new(
+        "exceedance",
+        "Probability of exceeding an amplitude",
+        format!(
             "Fraction of a point's runs, at rest or moving, whose amplitude at the end is above a value, with its 95 % \
              band (Wilson, for each value separately).{}{}{}{}{}{}",
             if has_limits {
@@ -64,10 +61,9 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
                 one_in => format!(" Subsample: about one in {one_in} runs of these points counts."),
             }
         ),
-        alternative: sentences.collect::<Vec<_>>().join("; "),
-        one_at_a_time: panels.len() > 1,
+        sentences.collect::<Vec<_>>().join("; "),
         panels,
-    })
+    )
 }
 
 /// Returns the panels of a few curves each.

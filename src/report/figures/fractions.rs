@@ -1,6 +1,6 @@
 //! Figure: the fraction of each label with its interval, over a swept parameter.
 
-use super::layers::{Estimate, fraction_axis, label_colour, label_symbol, label_words};
+use super::layers::{Estimate, fraction_axis, label_colour, label_symbol, label_words, of_points};
 use super::over_sweep::OverSweep;
 use crate::classification::Label;
 use crate::report::chart::{Figure, Layer, Tooltips};
@@ -16,23 +16,22 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let end = data.ends_in_words();
     let most = data.points.iter().map(|point| point.equilibrium.fraction).fold(f64::NAN, f64::max);
     let least = data.points.iter().map(|point| point.equilibrium.fraction).fold(f64::NAN, f64::min);
-    Some(Figure {
-        id: "fractions".to_owned(),
-        title: match sweep.parameter.as_str() {
+    Figure::new(
+        "fractions",
+        match sweep.parameter.as_str() {
             "" => "How runs end".to_owned(),
             over => format!("How runs end, over {over}"),
         },
-        caption: format!(
+        format!(
             "Fraction of the runs of each point by label, {end} s after the start. The 95 % intervals of the \
              equilibria hold for each fraction separately and are widened by failed runs, which could have had any \
              label; those of the other labels hold jointly and are therefore wider.{left_out}"
         ),
-        alternative: format!(
+        format!(
             "The fraction of runs that end in equilibrium lies between {least:.3} and {most:.3}."
         ),
-        one_at_a_time: panels.len() > 1,
         panels,
-    })
+    )
 }
 
 fn layers(data: &ReportData<'_>, points: &[(f64, &PointFacts)]) -> Vec<Layer> {
@@ -46,17 +45,16 @@ fn layers(data: &ReportData<'_>, points: &[(f64, &PointFacts)]) -> Vec<Layer> {
             Estimate { x: *x, value: fraction, low, high }
         };
         let estimates: Vec<Estimate> = points.iter().map(estimate).collect();
-        let column = |value: &dyn Fn(&PointFacts) -> u64| {
-            points.iter().map(|(_, one)| value(one) as f64).collect()
-        };
+        let of_label = points.iter().map(|(_, point)| fraction(point, label).runs as f64);
+        let [runs, point] = of_points(points.iter().map(|(_, point)| *point));
         let [value, from, to] = Estimate::columns("fraction", &estimates);
         let tooltips = Tooltips::numbers([
             value,
             from,
             to,
-            ("runs with this label", column(&|point| fraction(point, label).runs)),
-            ("runs", column(&|point| point.runs)),
-            ("point", column(&|point| point.point_id)),
+            ("runs with this label", of_label.collect()),
+            runs,
+            point,
         ]);
         let look = (&*label_words(label), label_colour(label), label_symbol(label));
         Estimate::layers(look, Some(label != Label::Equilibrium), &estimates, tooltips)

@@ -124,6 +124,57 @@ pub fn run_dots(
     Layer::new(name, colour, Mark::Dots { symbol, x, y, tooltips })
 }
 
+/// Returns dots of runs at these places of a sample, a layer for each label; the sample has numbers and labels of runs.
+pub fn dots_by_label(
+    (run_id, labels): (&[u64], &[u8]),
+    coordinates: (&[f64], &[f64]),
+    places: &[usize],
+    symbol: fn(Label) -> Symbol,
+) -> Vec<Layer> {
+    let layer = |(index, label): (u8, Label)| {
+        let is = |place: &usize| labels.get(*place) == Some(&index);
+        let own: Vec<usize> = places.iter().copied().filter(is).collect();
+        let run_ids = own.iter().filter_map(|place| run_id.get(*place).copied()).collect();
+        let tooltips = Tooltips { run_ids, ..Tooltips::default() };
+        let look = (&*label_words(label), label_colour(label), symbol(label));
+        (!own.is_empty()).then(|| run_dots(look, coordinates, &own, tooltips))
+    };
+    (0..).zip(Label::ALL).filter_map(layer).collect()
+}
+
+/// Half the distance between two bars at one abscissa, and the width of each.
+pub const BARS: [f64; 2] = [0.19, 0.34];
+
+/// Returns bars with their intervals, at whole numbers shifted by `shift`; empty if there is none. A value has the ends of its
+/// interval, which may be NaN.
+pub fn bars(
+    name: &str,
+    colour: Colour,
+    shift: f64,
+    values: impl Iterator<Item = Option<[f64; 3]>>,
+) -> Vec<Layer> {
+    let at = |place: usize| (1e4 * (place as f64 + shift)).round() / 1e4;
+    let known = values.enumerate().filter_map(|(place, value)| Some((at(place), value?)));
+    let (x, values): (Vec<f64>, Vec<[f64; 3]>) = known.unzip();
+    if x.is_empty() {
+        return Vec::new();
+    }
+    let [y, low, high] =
+        [0, 1, 2].map(|part| values.iter().map(|value| value[part]).collect::<Vec<f64>>());
+    let has_interval = low.iter().any(|low| low.is_finite());
+    let tooltips = Tooltips::numbers([("from", low.clone()), ("to", high.clone())]);
+    let bars = Mark::Bars { x: x.clone(), y, width: BARS[1], tooltips };
+    let intervals = has_interval.then_some(Mark::Intervals { x, low, high });
+    let intervals = intervals.map(|mark| Layer::new(name, Colour::Ink, mark));
+    [Layer::new(name, colour, bars)].into_iter().chain(intervals).collect()
+}
+
+/// Returns the data of points: the numbers of their runs, and their own numbers.
+pub fn of_points<'a>(points: impl Iterator<Item = &'a PointFacts>) -> Columns<2> {
+    let (runs, ids) = points.map(|one| (one.runs as f64, one.point_id as f64)).unzip();
+    [("runs", runs), ("point", ids)]
+}
+
 /// Returns the places of the runs of a point, with the given label if any.
 pub fn places(runs: &RunSample, point_id: u64, label: Option<Label>) -> Vec<usize> {
     let of_point = runs.point_id.iter().enumerate().filter(|(_, id)| **id == point_id);

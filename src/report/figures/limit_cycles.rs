@@ -62,27 +62,23 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             });
         }
     }
-    if panels.is_empty() {
-        return None;
-    }
     let left_out = match all > MOST_CLASSES {
         true => format!(" The {MOST_CLASSES} classes with the most runs are shown, of {all}."),
         false => String::new(),
     };
     let list: Vec<String> =
         classes.iter().map(|(class, runs)| format!("class {class}: {runs} runs")).collect();
-    Some(Figure {
-        id: "limit-cycles".to_owned(),
-        title: "Limit cycles".to_owned(),
-        caption: format!(
+    Figure::new(
+        "limit-cycles",
+        "Limit cycles",
+        format!(
             "One branch per class of limit cycles (which balls run and which stick; docs/methods.md explains \
              the names), with the range over its runs; fractions with their 95 % interval (Wilson, for each \
              fraction separately).{left_out}"
         ),
-        alternative: list.join("; "),
+        list.join("; "),
         panels,
-        one_at_a_time: true,
-    })
+    )
 }
 
 fn branch(

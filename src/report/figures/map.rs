@@ -73,14 +73,13 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     } else {
         format!(" {shown} of {} points are shown.", data.point_count)
     };
-    Some(Figure {
-        id: "map".to_owned(),
-        title: format!("Map over {} and {}", across.axis.name, up.axis.name),
-        caption: format!("One cell per point of the sweep; open cells have no value.{more}"),
-        alternative: format!("{shown} points over {} and {}.", label(across), label(up)),
-        one_at_a_time: true,
+    Figure::new(
+        "map",
+        format!("Map over {} and {}", across.axis.name, up.axis.name),
+        format!("One cell per point of the sweep; open cells have no value.{more}"),
+        format!("{shown} points over {} and {}.", label(across), label(up)),
         panels,
-    })
+    )
 }
 
 /// The largest number of combinations of other parameters with maps.

@@ -53,14 +53,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         true => "Where the block comes to rest",
         false => "Preferred equilibria",
     };
-    Some(Figure {
-        id: "preferred-equilibria".to_owned(),
-        title: title.to_owned(),
-        caption: caption(&numbers) + &left_out,
-        alternative,
-        one_at_a_time: panels.len() > 1,
-        panels,
-    })
+    Figure::new("preferred-equilibria", title, caption(&numbers) + &left_out, alternative, panels)
 }
 
 /// Returns what the panels of these numbers of balls show.

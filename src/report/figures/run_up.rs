@@ -18,9 +18,6 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         let of_point = panels_of(data.study, *point_id, runs);
         panels.extend(of_point.into_iter().map(|panel| Panel { title: title.clone(), ..panel }));
     }
-    if panels.is_empty() {
-        return None;
-    }
     let runs = points.iter().map(|(_, runs)| runs.len()).max().unwrap_or(0);
     let of_points = match (points.len(), data.point_count) {
         (shown, all) if shown as u64 == all => String::new(),
@@ -30,20 +27,19 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         0 => String::new(),
         runs => format!(" {runs} runs of many integration steps are not shown."),
     };
-    Some(Figure {
-        id: "run-up".to_owned(),
-        title: "Run-up".to_owned(),
-        caption: format!(
+    Figure::new(
+        "run-up",
+        "Run-up",
+        format!(
             "The motion of up to {runs} runs of each point, computed again: the first run, the run with the largest \
              amplitude, and runs with the smallest, median, 90 % and largest amplitude at the end. Amplitude: the \
              largest displacement of the table in each of 160 intervals before the last stage and of 160 in it; a \
              diamond is the largest one of the run. The curves over the speed of the disc show the times at which the speed changes. Speed of \
              a ball: relative to the ring, the mean of each interval.{of_points}{left_out}"
         ),
-        alternative: words(data, points),
-        one_at_a_time: true,
+        words(data, points),
         panels,
-    })
+    )
 }
 
 /// Returns the panels of a point.

@@ -37,13 +37,13 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             }
         })
         .collect();
-    Some(Figure {
-        id: "time-to-rest".to_owned(),
-        title: match moving(data.study) {
+    Figure::new(
+        "time-to-rest",
+        match moving(data.study) {
             (one, true) => format!("When the {one} comes to rest"),
             (several, false) => format!("When the {several} come to rest"),
         },
-        caption: format!(
+        format!(
             "Probability of rest by time t{after} (Kaplan-Meier estimator; runs that still move at the end are \
              censored), with 95 % bands.{}{}{}",
             match data.failures_left_out() {
@@ -53,10 +53,9 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             data.left_out(),
             data.curve_names()
         ),
-        alternative: medians.join("; "),
-        one_at_a_time: panels.len() > 1,
+        medians.join("; "),
         panels,
-    })
+    )
 }
 
 fn layers(data: &ReportData<'_>, curves: &[CurveOf<'_, &RestCurve>]) -> Vec<Layer> {

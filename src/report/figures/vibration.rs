@@ -1,6 +1,6 @@
 //! Figure: the residual vibration of each point, and the vibration without balls.
 
-use super::layers::{axis, fraction_axis, significant};
+use super::layers::{axis, fraction_axis, of_points, significant};
 use super::over_sweep::OverSweep;
 use super::sweep_axis::is_by_decades;
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
@@ -38,22 +38,21 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         true => data.with_draws("The amplitude without balls is the median over the runs"),
         false => String::new(),
     };
-    Some(Figure {
-        id: "vibration".to_owned(),
-        title: match sweep.parameter.as_str() {
+    Figure::new(
+        "vibration",
+        match sweep.parameter.as_str() {
             "" => "Residual vibration".to_owned(),
             over => format!("Residual vibration, over {over}"),
         },
-        caption: format!(
+        format!(
             "Median and 95 % quantile of the amplitude at the end of the runs of each point, at rest or \
              moving.{without}{}{draws}{}",
             data.failures_left_out(),
             sweep.left_out,
         ),
-        alternative: words(data),
-        one_at_a_time: panels.len() > 1,
+        words(data),
         panels,
-    })
+    )
 }
 
 /// Returns a sentence for each point in detail.
@@ -107,23 +106,27 @@ fn amplitude_layers(data: &ReportData<'_>, points: &[(f64, &PointFacts)]) -> Vec
         ("without balls", Colour::Ink, Symbol::Square, true, &without),
     ];
     let layers = series.into_iter().flat_map(|(name, colour, symbol, dashed, value)| {
-        let known = points.iter().filter_map(|(x, point)| Some((*x, *point, value(point)?)));
-        let known: Vec<(f64, &PointFacts, f64)> = known.collect();
-        let (x, y): (Vec<f64>, Vec<f64>) =
-            known.iter().map(|(x, _, value)| (*x, unit.of(*value))).unzip();
-        let column = |of: &dyn Fn(&PointFacts) -> f64| {
-            known.iter().map(|(_, point, _)| of(point)).collect::<Vec<f64>>()
-        };
-        let tooltips = Tooltips::numbers([
-            ("runs", column(&|point| point.runs as f64)),
-            ("point", column(&|point| point.point_id as f64)),
-        ]);
-        let line = x.iter().zip(&y).map(|(x, y)| [*x, *y]).collect();
-        let marks = [Mark::Line { points: line, dashed }, Mark::Dots { symbol, x, y, tooltips }];
-        let empty = known.is_empty();
-        marks.into_iter().filter(move |_| !empty).map(move |mark| Layer::new(name, colour, mark))
+        let value = |point: &PointFacts| value(point).map(|metres| unit.of(metres));
+        line((name, colour, symbol, dashed), points, value)
     });
     layers.collect()
+}
+
+/// Returns a line through the known values of points, with dots.
+fn line(
+    (name, colour, symbol, dashed): (&str, Colour, Symbol, bool),
+    points: &[(f64, &PointFacts)],
+    value: impl Fn(&PointFacts) -> Option<f64>,
+) -> Vec<Layer> {
+    let known = points.iter().filter_map(|(x, point)| Some(([*x, value(point)?], *point)));
+    let (points, of): (Vec<[f64; 2]>, Vec<&PointFacts>) = known.unzip();
+    if points.is_empty() {
+        return Vec::new();
+    }
+    let [x, y] = [0, 1].map(|axis| points.iter().map(|point| point[axis]).collect());
+    let tooltips = Tooltips::numbers(of_points(of.into_iter()));
+    let marks = [Mark::Line { points, dashed }, Mark::Dots { symbol, x, y, tooltips }];
+    marks.map(|mark| Layer::new(name, colour, mark)).into()
 }
 
 /// A value of a point.
@@ -135,15 +138,5 @@ fn worse_fraction(point: &PointFacts) -> Option<f64> {
 }
 
 fn worse_layers(points: &[(f64, &PointFacts)]) -> Vec<Layer> {
-    let known = points.iter().filter_map(|(x, point)| Some(([*x, worse_fraction(point)?], *point)));
-    let (line, points): (Vec<[f64; 2]>, Vec<&PointFacts>) = known.unzip();
-    let column = |of: fn(&PointFacts) -> f64| points.iter().map(|point| of(point)).collect();
-    let tooltips = Tooltips::numbers([
-        ("runs", column(|point| point.runs as f64)),
-        ("point", column(|point| point.point_id as f64)),
-    ]);
-    let [x, y] = [0, 1].map(|axis| line.iter().map(|point| point[axis]).collect());
-    let dots = Mark::Dots { symbol: Symbol::Disc, x, y, tooltips };
-    let marks = [Mark::Line { points: line, dashed: false }, dots];
-    marks.map(|mark| Layer::new(WORSE, Colour::Series(1), mark)).into()
+    line((WORSE, Colour::Series(1), Symbol::Disc, false), points, worse_fraction)
 }

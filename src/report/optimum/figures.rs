@@ -36,6 +36,16 @@ pub(super) struct Evaluated<'a> {
     pub met: bool,
 }
 
+impl Evaluated<'_> {
+    /// Returns the value of a variable in the unit that the study chooses, or the number of its choice.
+    pub fn number(&self, index: usize, variable: &Variable) -> Option<f64> {
+        Some(match self.evaluation.values.get(index)? {
+            DesignValue::Number(number) => variable.shown_number(*number),
+            DesignValue::Choice(choice) => *choice as f64,
+        })
+    }
+}
+
 pub(super) fn evaluated(data: &OptimumData) -> Vec<Evaluated<'_>> {
     let mut designs = Vec::new();
     for (design, evaluation) in data.evaluations.iter().enumerate() {
@@ -67,26 +77,43 @@ pub(super) fn design_tooltips(
         add("design".to_owned(), TooltipValues::Numbers(values));
     }
     for (index, variable) in data.study.variables().iter().enumerate() {
-        let of = |one: &&Evaluated<'_>| one.evaluation.values.get(index).copied();
-        let name = variable.shown_name();
-        let number = |value: Option<DesignValue>| match value {
-            Some(DesignValue::Number(number)) => variable.shown_number(number),
-            _ => f64::NAN,
+        let values = designs.iter().map(|one| one.evaluation.values.get(index));
+        let word = |value: Option<&DesignValue>| {
+            value.map_or_else(String::new, |value| Variable::describe(variable, *value))
         };
-        let word = |value: Option<DesignValue>| {
-            value.map_or_else(String::new, |value| Variable::describe(variable, value))
+        let numbers = designs.iter().map(|one| one.number(index, variable).unwrap_or(f64::NAN));
+        let values = match variable.range() {
+            Some(_) => TooltipValues::Numbers(numbers.collect()),
+            None => TooltipValues::Words(values.map(word).collect()),
         };
-        add(
-            name,
-            match variable.range() {
-                Some(_) => TooltipValues::Numbers(designs.iter().map(of).map(number).collect()),
-                None => TooltipValues::Words(designs.iter().map(of).map(word).collect()),
-            },
-        );
+        add(variable.shown_name(), values);
     }
     let origins = designs.iter().map(|one| one.evaluation.origin.name().replace('_', " "));
     add("origin".to_owned(), TooltipValues::Words(origins.collect()));
     Tooltips { run_ids: Vec::new(), columns }
+}
+
+/// The names of designs that meet all limits or not, with colour and symbol.
+pub(super) type Looks = [(&'static str, Colour, Symbol); 2];
+
+/// Returns dots of the designs that have a place, with their numbers in the data if wanted.
+pub(super) fn design_dots(
+    data: &OptimumData,
+    designs: &[Evaluated<'_>],
+    looks: Looks,
+    numbers: bool,
+    place: impl Fn(&Evaluated<'_>) -> Option<[f64; 2]>,
+) -> Vec<Layer> {
+    let layer = |(name, colour, symbol): (&str, Colour, Symbol)| {
+        let own = designs.iter().filter(|one| one.met == (name == MET));
+        let known = own.filter_map(|one| Some((one, place(one)?)));
+        let (own, places): (Vec<&Evaluated<'_>>, Vec<[f64; 2]>) = known.unzip();
+        let [x, y] = [0, 1].map(|axis| places.iter().map(|place| place[axis]).collect());
+        let tooltips = design_tooltips(data, &own, numbers);
+        let mark = Mark::Dots { symbol, x, y, tooltips };
+        (!own.is_empty()).then(|| Layer::new(name, colour, mark))
+    };
+    looks.into_iter().filter_map(layer).collect()
 }
 
 /// Plots each objective by design and, for one objective, the best one so far among those that meet all limits.
@@ -125,20 +152,10 @@ fn convergence(data: &OptimumData) -> Option<Figure> {
         } else {
             sentences.push(format!("{}: no design meets all limits", y.name));
         }
-        for (name, colour, symbol, met) in [
-            (MET, Colour::Series(0), Symbol::Disc, true),
-            (NOT_MET, Colour::Series(1), Symbol::Cross, false),
-        ] {
-            let known = designs.iter().filter(|one| one.met == met && value(one).is_some());
-            let known: Vec<&Evaluated<'_>> = known.collect();
-            if known.is_empty() {
-                continue;
-            }
-            let x = known.iter().map(|one| one.design as f64).collect();
-            let y = known.iter().filter_map(|one| value(one)).collect();
-            let tooltips = design_tooltips(data, &known, false);
-            layers.push(Layer::new(name, colour, Mark::Dots { symbol, x, y, tooltips }));
-        }
+        let looks =
+            [(MET, Colour::Series(0), Symbol::Disc), (NOT_MET, Colour::Series(1), Symbol::Cross)];
+        let place = |one: &Evaluated<'_>| Some([one.design as f64, value(one)?]);
+        layers.extend(design_dots(data, &designs, looks, false, place));
         unknown = unknown.max(designs.iter().filter(|one| value(one).is_none()).count());
         let part = if single { String::new() } else { y.name.clone() };
         panels.push(Panel { part, ..Panel::new(axis("design", ""), y, layers) });
@@ -152,19 +169,18 @@ fn convergence(data: &OptimumData) -> Option<Figure> {
         more => format!(" {more} designs have no value."),
     };
     let points = if data.study.point_count() > 1 { ", over all points of the sweep" } else { "" };
-    Some(Figure {
-        id: "convergence".to_owned(),
-        title: "Convergence of the search".to_owned(),
-        caption: format!(
+    Figure::new(
+        "convergence",
+        "Convergence of the search",
+        format!(
             "The objective of each design in the order of the search{points}. The search starts with {} \
              space-filling designs; surrogate models choose the others. The values of the search are noisy, so that its \
              best value is biased; the final runs are not.{missing}",
             data.optimization.start_designs
         ),
-        alternative: format!("{}.", sentences.join("; ").trim_end()),
-        one_at_a_time: panels.len() > 1,
+        format!("{}.", sentences.join("; ").trim_end()),
         panels,
-    })
+    )
 }
 
 /// Plots one objective over the other, with the final runs of the Pareto front.
@@ -177,21 +193,8 @@ fn front(data: &OptimumData) -> Option<Figure> {
         [Some(x), Some(y)] => Some([x_factor * x, y_factor * y]),
         _ => None,
     };
-    let mut layers = Vec::new();
-    for (name, colour, symbol, met) in [
-        (NOT_MET, Colour::Faint, Symbol::Cross, false),
-        (MET, Colour::Series(0), Symbol::Disc, true),
-    ] {
-        let known = designs.iter().filter(|one| one.met == met && place(one).is_some());
-        let known: Vec<&Evaluated<'_>> = known.collect();
-        if known.is_empty() {
-            continue;
-        }
-        let places: Vec<[f64; 2]> = known.iter().filter_map(|one| place(one)).collect();
-        let [x, y] = [0, 1].map(|axis| places.iter().map(|place| place[axis]).collect());
-        let tooltips = design_tooltips(data, &known, true);
-        layers.push(Layer::new(name, colour, Mark::Dots { symbol, x, y, tooltips }));
-    }
+    let looks = [(NOT_MET, Colour::Faint, Symbol::Cross), (MET, Colour::Series(0), Symbol::Disc)];
+    let mut layers = design_dots(data, &designs, looks, true, place);
     let finals = data.front.iter().filter_map(|one| match &one.objectives[..] {
         [x, y] => {
             let scaled = |value: Option<f64>| value.map_or(f64::NAN, |value| y_factor * value);
@@ -225,10 +228,10 @@ fn front(data: &OptimumData) -> Option<Figure> {
     }
     let remain = data.front.iter().filter(|one| one.on_front && one.met).count();
     let better = |objective: &Objective| if objective.maximize { "larger" } else { "smaller" };
-    Some(Figure {
-        id: "pareto".to_owned(),
-        title: "Pareto front".to_owned(),
-        caption: format!(
+    Figure::new(
+        "pareto",
+        "Pareto front",
+        format!(
             "Both objectives of each design; {} {} and {} {} are better. Diamonds: the designs on the Pareto front of \
              the search, with the values of their final runs and the 95 % intervals of {}.",
             better(first),
@@ -237,12 +240,11 @@ fn front(data: &OptimumData) -> Option<Figure> {
             y_axis.name,
             y_axis.name
         ),
-        alternative: format!(
+        format!(
             "{} designs are on the Pareto front of the search; {remain} of them are also on the front of the final \
              runs and meet all limits there.",
             data.front.len()
         ),
-        one_at_a_time: false,
-        panels: vec![Panel::new(x_axis, y_axis, layers)],
-    })
+        vec![Panel::new(x_axis, y_axis, layers)],
+    )
 }

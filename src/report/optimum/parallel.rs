@@ -5,7 +5,7 @@ use super::figures::{Evaluated, MET, NOT_MET, design_tooltips, evaluated, object
 use crate::optimize::significant_digits;
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
 use crate::report::figures::axis;
-use crate::study::{DesignValue, Variable};
+use crate::study::Variable;
 
 /// The values of one axis, one for each design, and the name of the axis with its ends.
 struct Upright {
@@ -19,10 +19,7 @@ pub fn parallel_coordinates(data: &OptimumData) -> Option<Figure> {
     let designs = evaluated(data);
     let variables = data.study.variables();
     let of_variables = variables.iter().enumerate().map(|(index, variable)| {
-        let value = |one: &Evaluated<'_>| match one.evaluation.values.get(index)? {
-            DesignValue::Number(number) => Some(variable.shown_number(*number)),
-            DesignValue::Choice(choice) => Some(*choice as f64),
-        };
+        let value = |one: &Evaluated<'_>| one.number(index, variable);
         upright(
             &variable.short_name(),
             variable.shown_unit(),
@@ -91,15 +88,13 @@ pub fn parallel_coordinates(data: &OptimumData) -> Option<Figure> {
     let names: Vec<String> = axes.iter().map(|axis| axis.name.clone()).collect();
     let x = Axis { kind: AxisKind::Names(names), ..axis("", "") };
     let y = Axis { range: Some([-0.02, 1.02]), ..axis("part of the range of the designs", "") };
-    Some(Figure {
-        id: "parallel-coordinates".to_owned(),
-        title: "All designs in parallel coordinates".to_owned(),
-        caption: "Each line is a design of the search. The name of an axis has the values at its lower and its upper end."
-            .to_owned(),
-        alternative: format!("{} designs over {} axes.", designs.len(), axes.len()),
-        one_at_a_time: false,
-        panels: vec![Panel::new(x, y, layers)],
-    })
+    Figure::new(
+        "parallel-coordinates",
+        "All designs in parallel coordinates",
+        "Each line is a design of the search. The name of an axis has the values at its lower and its upper end.",
+        format!("{} designs over {} axes.", designs.len(), axes.len()),
+        vec![Panel::new(x, y, layers)],
+    )
 }
 
 /// Returns an axis from the least to the largest value.
