@@ -4,13 +4,15 @@
 //! normal force of the equations of motion with `ẍ = ÿ = x = y = 0`). The vibration of the table adds to that, so that a
 //! ball may slip earlier.
 
+use serde::Serialize;
+
 use crate::model::{Ball, Machine, SPHERE_INERTIA, SpeedSegment};
 
 /// Parts of a segment in which the condition is evaluated.
 const PARTS: u32 = 1000;
 
 /// A change of speed, and the part of it that the balls cannot follow.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RunUp {
     /// Begin and end, s.
     pub time_s: [f64; 2],

@@ -1,7 +1,9 @@
 //! Command-line arguments that several commands share.
 
+use std::fmt::Display;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
@@ -175,6 +177,16 @@ impl EngineArguments {
     }
 }
 
+/// Parses a value for which `is_allowed` holds; `allowed` describes the allowed values.
+pub fn parsed<T: FromStr>(
+    text: &str,
+    allowed: impl Display,
+    is_allowed: impl FnOnce(&T) -> bool,
+) -> Result<T, String> {
+    let value = text.parse().ok().filter(is_allowed);
+    value.ok_or_else(|| format!("found {text:?}, allowed: {allowed}"))
+}
+
 /// Parses a time span in seconds.
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().and_then(|number| Duration::try_from_secs_f64(number).ok());
@@ -193,20 +205,18 @@ fn on_failure(text: &str) -> Result<OnFailure, String> {
 }
 
 fn failed_runs(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|_| {
-        format!("found {text:?}, allowed: the number of runs that may fail, a whole number from 0, as in 10")
-    })
+    let allowed = "the number of runs that may fail, a whole number from 0, as in 10";
+    parsed(text, allowed, |_| true)
 }
 
 /// The largest number of threads. No machine has more cores, and further threads would only take memory.
 const MOST_THREADS: usize = 1024;
 
 fn threads(text: &str) -> Result<NonZeroUsize, String> {
-    let threads = text.parse().ok().filter(|threads: &NonZeroUsize| threads.get() <= MOST_THREADS);
-    threads
-        .ok_or_else(|| format!("found {text:?}, allowed: a whole number from 1 to {MOST_THREADS}"))
+    let allowed = format!("a whole number from 1 to {MOST_THREADS}");
+    parsed(text, allowed, |threads: &NonZeroUsize| threads.get() <= MOST_THREADS)
 }
 
 fn positive(text: &str) -> Result<NonZeroUsize, String> {
-    text.parse().map_err(|_| format!("found {text:?}, allowed: a whole number from 1"))
+    parsed(text, "a whole number from 1", |_| true)
 }

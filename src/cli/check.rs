@@ -14,12 +14,12 @@ use super::duration::cost_in_words;
 use super::existence::Existence;
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
-use super::point_keys::merged;
 use crate::check::{ExaminedDesign, Warning, points_to_examine, warnings};
 use crate::counted::counted;
 use crate::engine::say;
 use crate::model::{Endings, Extend, Method};
 use crate::printed_table::text_table;
+use crate::responses::merged;
 use crate::study::{Response, Study, Variable, VariedParameter, describe_number};
 
 const EXAMPLES: &str = "\
@@ -93,7 +93,6 @@ pub fn check_json(study: &Study, existence: bool) -> Value {
         columns.iter().map(|column| column.name.clone()).collect()
     };
     let (swept, uncertain) = (names(study.swept()), names(study.uncertain()));
-    let cost = Cost::of(study);
     let design = ExaminedDesign::of(study);
     let mut report = json!({
         "study": study.name(),
@@ -110,11 +109,8 @@ pub fn check_json(study: &Study, existence: bool) -> Value {
         "design": study.variables().iter().map(variable).collect::<Vec<Value>>(),
         "responses": study.responses().iter().map(response).collect::<Vec<Value>>(),
         "expectations": study.expectations().len(),
-        "steps": cost.steps,
-        "core_seconds": cost.core_seconds,
-        "most_steps": cost.most_steps,
-        "most_core_seconds": cost.most_core_seconds,
     });
+    report = merged(report, json!(Cost::of(study)));
     if let Some((design, correlations)) = study.uncertain_sampling() {
         report["uncertain_sampling"] = json!({"design": design, "correlations": correlations});
     }

@@ -70,14 +70,10 @@ pub(super) fn machine_json(study: &Study) -> Value {
 }
 
 fn parameter_json(parameter: &ListedParameter) -> Value {
-    let value = match parameter.value {
-        ParameterValue::Number(number) => json!(number),
-        ParameterValue::Text(text) => json!(text),
-    };
     let unit = Some(parameter.unit).filter(|unit| !unit.is_empty());
     let mut object = json!({
         "name": parameter.name,
-        "value": value,
+        "value": parameter.value,
         "unit": unit,
         "default": parameter.is_default && !parameter.is_varied(),
     });

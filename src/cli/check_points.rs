@@ -3,13 +3,13 @@
 use serde_json::{Value, json};
 
 use super::check_legend::legend;
-use super::point_keys::{merged, point_keys};
 use crate::analysis::{Balance, Stability};
 use crate::check::{
     BalancerFacts, BallPositions, BlockFacts, ExaminedDesign, RestFacts, points_to_examine, short,
 };
 use crate::printed_table::{PrintedTable, as_text};
-use crate::study::{DesignValue, Point, Study, Units, Variable, VariedParameter};
+use crate::responses::{design_json, merged, point_keys};
+use crate::study::{Point, Study, Units, VariedParameter};
 
 /// The closed forms at some points of a sweep, with uncertain parameters at their medians.
 pub(super) struct ClosedForms {
@@ -67,7 +67,8 @@ impl ClosedForms {
             units: study.units().clone(),
             points: study.point_count(),
             uncertain: !study.uncertain().is_empty(),
-            design: design.map(|design| (design.words(), design_json(design))),
+            design: design
+                .map(|design| (design.words(), design_json(&design.study, &design.values))),
             shown: at.iter().map(|(point, _)| study.shown(&point.swept)).collect(),
             at,
         }
@@ -163,17 +164,6 @@ impl ClosedForms {
         }
         object
     }
-}
-
-/// Returns the values of a design by the names of the variables.
-fn design_json(design: &ExaminedDesign) -> Value {
-    let value = |value: &DesignValue, variable: &Variable| match value {
-        DesignValue::Number(number) => json!(number),
-        DesignValue::Choice(_) => json!(variable.describe(*value)),
-    };
-    let each = design.study.variables().iter().zip(&design.values);
-    let entries = each.map(|(variable, one)| (variable.name().to_owned(), value(one, variable)));
-    Value::Object(entries.collect())
 }
 
 /// Returns the positions of rest with friction at its quantiles 0.025 and 0.975, if friction is uncertain.

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use crate::analysis::{RunUp, run_ups};
 use crate::check::{points_to_examine, short};
+use crate::responses::merged;
 use crate::study::{Study, Unit};
 
 /// The most points whose run-ups are compared.
@@ -64,15 +65,5 @@ fn words(run_up: &RunUp, unit: &Unit) -> String {
 /// Returns the changes of speed as JSON.
 pub(super) fn run_up_json(study: &Study) -> Value {
     let (point_id, all) = longest_slipping(study);
-    let object = |one: &RunUp| {
-        json!({
-            "time_s": one.time_s,
-            "speed_rad_s": one.speed_rad_s,
-            "acceleration_rad_s2": one.acceleration_rad_s2,
-            "followed_rad_s2": one.followed_rad_s2,
-            "slipping_fraction": one.slipping_fraction,
-            "point_id": point_id,
-        })
-    };
-    all.iter().map(object).collect()
+    all.iter().map(|one| merged(json!(one), json!({"point_id": point_id}))).collect()
 }

@@ -1,5 +1,7 @@
 //! The cost of a study: an estimate for runs that do not end early, and an upper bound.
 
+use serde::Serialize;
+
 use crate::classification::{
     has_tuned_kernel, most_steps_of_a_run, most_steps_of_any_run, seconds_per_step,
 };
@@ -10,7 +12,7 @@ use crate::study::Study;
 const MOST_POINTS: u64 = 10_000;
 
 /// The cost of all runs of a study; audited runs count twice.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub(super) struct Cost {
     /// Estimated number of steps if no run ended before its latest end time.
     pub(super) steps: f64,

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::cost::Cost;
 use super::duration::cost_in_words;
+use crate::responses::merged;
 use crate::study::{Objective, Optimization, OverPoints, SensitivityFrom, Study, describe_number};
 
 /// The size and the cost of a design, and of the search if the study has one.
@@ -91,13 +92,7 @@ pub(super) fn identify_json(study: &Study) -> Option<Value> {
 }
 
 fn cost_json(runs: u64, cost: &Cost) -> Value {
-    json!({
-        "runs": runs,
-        "steps": cost.steps,
-        "core_seconds": cost.core_seconds,
-        "most_steps": cost.most_steps,
-        "most_core_seconds": cost.most_core_seconds,
-    })
+    merged(json!({"runs": runs}), json!(cost))
 }
 
 impl<'a> SearchCost<'a> {
@@ -177,23 +172,20 @@ impl<'a> SearchCost<'a> {
             let side = if limit.least { "at_least" } else { "at_most" };
             json!({"response": name(study, limit.response), side: limit.value})
         });
-        let mut object = cost_json(self.runs(), &self.cost);
-        for (key, value) in [
-            ("objectives", optimization.objectives.iter().map(objective).collect()),
-            ("limits", limits.collect()),
-            ("over_points", json!(over_points(optimization.over_points))),
-            ("variables", json!(study.variables().len())),
-            ("designs", json!(optimization.designs)),
-            ("start_designs", json!(optimization.start_designs)),
-            ("finalists", json!(optimization.finalists)),
-            ("final_samples", json!(optimization.final_samples)),
-            ("search_runs", json!(self.search_runs)),
-            ("final_runs", json!(self.final_runs)),
-            ("sensitivity_runs", json!(self.sensitivity_runs)),
-        ] {
-            object[key] = value;
-        }
-        object
+        let facts = json!({
+            "objectives": optimization.objectives.iter().map(objective).collect::<Vec<_>>(),
+            "limits": limits.collect::<Vec<_>>(),
+            "over_points": over_points(optimization.over_points),
+            "variables": study.variables().len(),
+            "designs": optimization.designs,
+            "start_designs": optimization.start_designs,
+            "finalists": optimization.finalists,
+            "final_samples": optimization.final_samples,
+            "search_runs": self.search_runs,
+            "final_runs": self.final_runs,
+            "sensitivity_runs": self.sensitivity_runs,
+        });
+        merged(cost_json(self.runs(), &self.cost), facts)
     }
 }
 

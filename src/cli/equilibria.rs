@@ -8,11 +8,11 @@ use clap::Args;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::arguments::{StudyArgument, ThreadsArgument};
+use super::arguments::{StudyArgument, ThreadsArgument, parsed};
 use super::equilibria_report::Report;
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
-use super::range::Speeds;
+use super::range::{Range, speeds};
 use crate::analysis::{
     EquilibriumSet, FEWEST_GRID_POINTS, FrictionlessEquilibrium, MOST_BALL_DAMPING, REPLICATES,
     Resolution, Resolutions, RestForm, SAMPLE_COUNTS, frictionless_equilibria, reference_amplitude,
@@ -64,8 +64,8 @@ pub struct EquilibriaArguments {
 
     /// Compute the frictionless equilibria at COUNT speeds from FROM to TO [rad/s], with the parameters under
     /// `model`, instead of at the points of the sweep
-    #[arg(long, value_name = "FROM:TO:COUNT", allow_hyphen_values = true)]
-    speeds: Option<Speeds>,
+    #[arg(long, value_name = "FROM:TO:COUNT", value_parser = speeds, allow_hyphen_values = true)]
+    speeds: Option<Range>,
 
     /// Viscous drag on the balls, divided by ball mass and natural frequency, which determines the stability of
     /// the frictionless equilibria
@@ -95,25 +95,20 @@ pub struct EquilibriaArguments {
 const MOST_ROWS: u64 = 1 << 30;
 
 fn grid(text: &str) -> Result<usize, String> {
-    let points = text.parse().ok().filter(|points| *points >= FEWEST_GRID_POINTS);
-    points
-        .ok_or_else(|| format!("found {text:?}, allowed: a whole number from {FEWEST_GRID_POINTS}"))
+    let allowed = format!("a whole number from {FEWEST_GRID_POINTS}");
+    parsed(text, allowed, |points| *points >= FEWEST_GRID_POINTS)
 }
 
 fn samples(text: &str) -> Result<u32, String> {
     let [fewest, most] = SAMPLE_COUNTS;
-    let allowed = |samples: &u32| (fewest..=most).contains(samples) && samples.is_power_of_two();
-    text.parse()
-        .ok()
-        .filter(allowed)
-        .ok_or_else(|| format!("found {text:?}, allowed: a power of two from {fewest} to {most}"))
+    parsed(text, format!("a power of two from {fewest} to {most}"), |samples: &u32| {
+        (fewest..=most).contains(samples) && samples.is_power_of_two()
+    })
 }
 
 fn ball_damping(text: &str) -> Result<f64, String> {
-    let damping = text.parse().ok().filter(|c: &f64| *c > 0.0 && *c <= MOST_BALL_DAMPING);
-    damping.ok_or_else(|| {
-        format!("found {text:?}, allowed: a number above 0, up to {MOST_BALL_DAMPING}")
-    })
+    let allowed = format!("a number above 0, up to {MOST_BALL_DAMPING}");
+    parsed(text, allowed, |damping| *damping > 0.0 && *damping <= MOST_BALL_DAMPING)
 }
 
 /// Computes the sets and writes their tables.
@@ -212,7 +207,7 @@ fn options(arguments: &EquilibriaArguments, resolutions: Resolutions) -> serde_j
     });
     let speeds = arguments.speeds.map(|speeds| {
         let ends = [speeds.values().next(), speeds.values().last()];
-        json!({"from_rad_s": ends[0], "to_rad_s": ends[1], "count": speeds.count()})
+        json!({"from_rad_s": ends[0], "to_rad_s": ends[1], "count": speeds.count})
     });
     json!({
         "grid": grid,
@@ -246,12 +241,11 @@ fn compute(
             frictionless_equilibria(machine, damping).ok_or_else(unknown)?
         };
         report.push_point(study, &row, &frictionless);
-        tables.push_set(row)?;
+        tables.sets.push(row)?;
         push_frictionless(&key, machine, frictionless, &mut report, tables)?;
-        if tables.takes_positions() {
+        if let Some(positions) = &mut tables.positions {
             let form = RestForm::new(machine).ok_or_else(unknown)?;
-            resolution
-                .visit(&form, |beta, rest| tables.push_position(SetRow::new(&key, beta, rest)))?;
+            resolution.visit(&form, |beta, rest| positions.push(SetRow::new(&key, beta, rest)))?;
         }
     }
     let Some(speeds) = arguments.speeds else { return Ok(report) };
@@ -285,7 +279,7 @@ fn push_frictionless(
     for equilibrium in found {
         report.push_frictionless(speed_rad_s, &equilibrium);
         let point = Arc::clone(point);
-        tables.push_frictionless(FrictionlessRow { point, speed_rad_s, equilibrium })?;
+        tables.frictionless.push(FrictionlessRow { point, speed_rad_s, equilibrium })?;
     }
     Ok(())
 }

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::point_keys::{merged, point_keys};
 use super::points_table::MOST_LINES;
 use crate::analysis::{FrictionlessEquilibrium, FrictionlessKind, Stability};
 use crate::printed_table::{PrintedTable, as_text};
+use crate::responses::{merged, point_keys};
 use crate::study::{Study, VariedParameter};
 use crate::table::SetSummaryRow;
 

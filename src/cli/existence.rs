@@ -2,9 +2,10 @@
 
 use serde_json::{Value, json};
 
-use super::point_keys::{point_keys, swept_text};
+use super::point_keys::swept_text;
 use crate::check::spread;
 use crate::model::{ExistenceVerdict, SAFE_FRICTION};
+use crate::responses::{merged, point_keys};
 use crate::study::{ParameterValue, Point, Study, VariedParameter};
 
 /// The largest product of the number of points and `3^N` for `N` balls; of larger sweeps, evenly spread points are
@@ -179,14 +180,15 @@ impl Failing {
     }
 
     fn json(&self) -> Value {
-        let mut object = point_keys(self.point_id, &self.columns, &self.swept);
+        let keys = point_keys(self.point_id, &self.columns, &self.swept);
         let position = self.position.iter();
-        let position: Vec<Value> =
-            position.map(|(ball, angle)| json!({"ball": ball, "beta_rad": angle})).collect();
-        object["min_principal_minor"] = json!(self.least_minor);
-        object["worst_position"] = json!(position);
-        object["unambiguous_friction_fraction"] = json!(self.friction_fraction);
-        object["remedy"] = json!(self.remedy());
-        object
+        let position = position.map(|(ball, angle)| json!({"ball": ball, "beta_rad": angle}));
+        let facts = json!({
+            "min_principal_minor": self.least_minor,
+            "worst_position": position.collect::<Vec<Value>>(),
+            "unambiguous_friction_fraction": self.friction_fraction,
+            "remedy": self.remedy(),
+        });
+        merged(keys, facts)
     }
 }

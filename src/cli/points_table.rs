@@ -5,12 +5,12 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::point_keys::merged;
 use super::point_words::point_line;
 use crate::analysis::AuditCounts;
 use crate::counted::counted;
 use crate::printed_table::{PrintedColumn, as_markdown, as_text};
 use crate::report::{Conclusion, PointFacts, printed_columns, response_columns};
+use crate::responses::merged;
 use crate::study::{Precision, Response, Study, Units, VariedParameter};
 use crate::table::column::Column;
 use crate::table::{Batch, PointRow, Row, Table, TableError, point_columns};

@@ -1,27 +1,20 @@
 //! Equally spaced values on the command line: `FROM:TO:COUNT`.
 
 use std::ops::RangeInclusive;
-use std::str::FromStr;
-
-/// Speeds in rad/s, in ascending or descending order.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Speeds(Range);
-
-/// Times in s, in ascending order.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Times(Range);
 
 /// The largest number of times, and of rows of a replay.
 pub const MOST_TIMES: u32 = 1_000_000;
 /// The largest number of speeds.
 const MOST_SPEEDS: u32 = 100_000;
 
-/// Two ends and the number of values.
+/// Two ends and the number of values: speeds in rad/s in either order, or times in s in ascending order.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Range {
+pub struct Range {
     from: f64,
     to: f64,
-    count: u32,
+    /// The number of values.
+    pub count: u32,
+    is_time: bool,
 }
 
 /// The limits of a range, and the words of its error messages.
@@ -63,51 +56,16 @@ impl Range {
             let unit = if *ascending { " s" } else { "" };
             return refused(format!("{count} {name} from {from} to {to}{unit}"), &allowed);
         }
-        Ok(Range { from, to, count })
+        Ok(Range { from, to, count, is_time: *ascending })
     }
 
-    /// Returns the numbers of the values, from 0, and the last number; 1 if there is only one value.
-    fn places(self) -> (impl Iterator<Item = f64> + use<>, f64) {
-        ((0..self.count).map(f64::from), f64::from(self.count.max(2) - 1))
-    }
-}
-
-impl Speeds {
-    /// Returns the number of speeds.
-    pub fn count(&self) -> u32 {
-        self.0.count
-    }
-
-    /// Returns all speeds, rad/s; the ends are exactly the given numbers.
+    /// Returns all values; the ends are exactly the given numbers.
     pub fn values(&self) -> impl Iterator<Item = f64> + use<> {
-        let Range { from, to, .. } = self.0;
-        let (places, last) = self.0.places();
-        places.map(move |place| (from * (last - place) + to * place) / last)
-    }
-}
-
-impl FromStr for Speeds {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let limits = Limits {
-            name: "speeds",
-            ends: -1e9..=1e9,
-            allowed_ends: "numbers up to 1e9",
-            most: MOST_SPEEDS,
-            ascending: false,
-            example: "-150:-300:151 (FROM:TO:COUNT in rad/s)",
-        };
-        Range::parse(text, &limits).map(Speeds)
-    }
-}
-
-impl Times {
-    /// Returns all times, s; the ends are exactly the given numbers.
-    pub fn values(&self) -> impl Iterator<Item = f64> + use<> {
-        let Range { from, to, .. } = self.0;
-        let (places, last) = self.0.places();
-        places.map(move |place| match place {
+        let Range { from, to, count, is_time } = *self;
+        // 1 if there is only one value.
+        let last = f64::from(count.max(2) - 1);
+        (0..count).map(f64::from).map(move |place| match place {
+            place if !is_time => (from * (last - place) + to * place) / last,
             0.0 => from,
             place if place == last => to,
             place => from + (to - from) * (place / last),
@@ -115,29 +73,39 @@ impl Times {
     }
 }
 
-impl FromStr for Times {
-    type Err = String;
+/// Parses speeds in rad/s.
+pub fn speeds(text: &str) -> Result<Range, String> {
+    let limits = Limits {
+        name: "speeds",
+        ends: -1e9..=1e9,
+        allowed_ends: "numbers up to 1e9",
+        most: MOST_SPEEDS,
+        ascending: false,
+        example: "-150:-300:151 (FROM:TO:COUNT in rad/s)",
+    };
+    Range::parse(text, &limits)
+}
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let limits = Limits {
-            name: "times",
-            ends: 0.0..=1e12,
-            allowed_ends: "numbers from 0 to 1e12",
-            most: MOST_TIMES,
-            ascending: true,
-            example: "0:5:2001 (FROM:TO:N in s)",
-        };
-        Range::parse(text, &limits).map(Times)
-    }
+/// Parses times in s.
+pub fn times(text: &str) -> Result<Range, String> {
+    let limits = Limits {
+        name: "times",
+        ends: 0.0..=1e12,
+        allowed_ends: "numbers from 0 to 1e12",
+        most: MOST_TIMES,
+        ascending: true,
+        example: "0:5:2001 (FROM:TO:N in s)",
+    };
+    Range::parse(text, &limits)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Speeds, Times};
+    use super::{speeds, times};
 
     #[test]
     fn the_ends_are_exact_in_either_order() {
-        let values = |text: &str| text.parse::<Speeds>().unwrap().values().collect::<Vec<f64>>();
+        let values = |text: &str| speeds(text).unwrap().values().collect::<Vec<f64>>();
         assert_eq!(values("-150:-300:4"), [-150.0, -200.0, -250.0, -300.0]);
         assert_eq!(values("-300:-150:2"), [-300.0, -150.0]);
         assert_eq!(values("0.1:0.1:1"), [0.1]);
@@ -148,7 +116,7 @@ mod tests {
 
     #[test]
     fn times_ascend() {
-        let values = |text: &str| text.parse::<Times>().unwrap().values().collect::<Vec<f64>>();
+        let values = |text: &str| times(text).unwrap().values().collect::<Vec<f64>>();
         assert_eq!(values("0:2:5"), [0.0, 0.5, 1.0, 1.5, 2.0]);
         assert_eq!(values("0.1:0.1:1"), [0.1]);
         let times = values("0.1:0.7:12345");

@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::arguments::parsed;
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
-use super::range::Times;
+use super::range::{Range, times};
 use super::replay_text::{switch_log, terminal_text};
 use crate::engine::{results_study, say};
 use crate::report::{ANIMATION, Replay, SWITCHES, beside};
@@ -54,8 +55,8 @@ pub struct ReplayArguments {
 
     /// Write the motion at N times from FROM to TO, both included, in s; the animation shows this interval
     #[arg(long, value_name = "FROM:TO:N", conflicts_with = "every_step")]
-    #[arg(allow_hyphen_values = true)]
-    times: Option<Times>,
+    #[arg(value_parser = times, allow_hyphen_values = true)]
+    times: Option<Range>,
 
     /// Write the motion at the end of every integration step, and before and after each switch; the default
     ///
@@ -69,7 +70,7 @@ pub struct ReplayArguments {
 }
 
 fn run_number(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|_| format!("found {text:?}, allowed: a whole number from 0, as in 17"))
+    parsed(text, "a whole number from 0, as in 17", |_| true)
 }
 
 /// Computes the run again and writes its motion.

@@ -1,6 +1,5 @@
 //! `stickslip summary`: prints the points of a directory of results.
 
-use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -15,7 +14,7 @@ use crate::counted::counted;
 use crate::engine::{Readable, how_to_continue, readable_results, say};
 use crate::report::IncompletePoints;
 use crate::study::{ParameterValue, Study};
-use crate::table::{Batch, Manifest, Table};
+use crate::table::{Manifest, Row, Table};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -172,43 +171,30 @@ fn facts(
     facts
 }
 
-/// Prints the first `most` rows of a table, batch by batch.
-fn print_rows(
-    table: &Table,
-    most: usize,
-    print: fn(&str) -> io::Result<Reader>,
-    mut text: impl FnMut(&Batch, usize) -> Result<String, CliError>,
-) -> Result<Reader, CliError> {
-    let mut left = most;
-    let mut batches = table.read_all()?;
-    while let Some(batch) = if left > 0 { batches.next().transpose()? } else { None } {
-        let rows = batch.rows.min(left);
-        let lines: Result<String, CliError> = (0..rows).map(|row| text(&batch, row)).collect();
-        if print(&lines?)? == Reader::Gone {
-            return Ok(Reader::Gone);
-        }
-        left -= rows;
-    }
-    Ok(Reader::Reading)
+/// Returns the names of the columns of a table.
+fn names(table: &Table) -> Vec<&str> {
+    table.columns().iter().map(|(name, _)| name.as_str()).collect()
 }
 
+/// Prints the first `most` rows of a table as CSV.
 fn print_csv(table: &Table, most: usize) -> Result<(), CliError> {
-    let names = table.columns().iter().map(|(name, _)| name.clone());
-    if print(&csv_line(names)?)? == Reader::Gone {
-        return Ok(());
+    let names = names(table);
+    let cell = |value: Value| match value {
+        Value::Null => String::new(),
+        Value::String(text) => text,
+        Value::Number(number) => match number.as_f64().filter(|_| number.is_f64()) {
+            Some(number) => ParameterValue::Number(number).to_string(),
+            None => number.to_string(),
+        },
+        other => other.to_string(),
+    };
+    print(&csv_line(names.iter().map(ToString::to_string))?)?;
+    let cells = |row: &Row<'_>| names.iter().map(|name| cell(row.json(name))).collect::<Vec<_>>();
+    for cells in table.read_rows(cells)?.take(most) {
+        if print(&csv_line(cells?)?)? == Reader::Gone {
+            break;
+        }
     }
-    print_rows(table, most, print, |batch, row| {
-        let cells = batch.columns.iter().map(|(_, values)| match values.json(row) {
-            Value::Null => String::new(),
-            Value::String(text) => text,
-            Value::Number(number) => match number.as_f64().filter(|_| number.is_f64()) {
-                Some(number) => ParameterValue::Number(number).to_string(),
-                None => number.to_string(),
-            },
-            other => other.to_string(),
-        });
-        Ok(csv_line(cells)?)
-    })?;
     Ok(())
 }
 
@@ -217,18 +203,18 @@ fn print_document(facts: &Value, table: &Table, most: usize) -> Result<(), CliEr
     let head = format!("{facts:#}");
     // Pretty-printed non-empty objects end in a line break and a brace.
     let head = head.strip_suffix("\n}").unwrap_or(&head);
-    if print_json(&format!("{head},\n  \"points\": ["))? == Reader::Gone {
-        return Ok(());
-    }
+    print_json(&format!("{head},\n  \"points\": ["))?;
+    let names = names(table);
+    let object = |row: &Row<'_>| -> Map<String, Value> {
+        names.iter().map(|name| ((*name).to_owned(), row.json(name))).collect()
+    };
     let mut separator = "\n    ";
-    let reader = print_rows(table, most, print_json, |batch, row| {
-        let cells = batch.columns.iter().map(|(name, values)| (name.clone(), values.json(row)));
-        let object = Value::Object(cells.collect::<Map<String, Value>>());
+    for object in table.read_rows(object)?.take(most) {
         let before = std::mem::replace(&mut separator, ",\n    ");
-        Ok(format!("{before}{object}"))
-    })?;
-    if reader == Reader::Reading {
-        print("\n  ]\n}\n")?;
+        if print_json(&format!("{before}{}", Value::Object(object?)))? == Reader::Gone {
+            return Ok(());
+        }
     }
+    print("\n  ]\n}\n")?;
     Ok(())
 }

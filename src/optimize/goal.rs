@@ -87,7 +87,7 @@ impl Goal {
     /// Returns one cost per objective, to be minimized; `None` if it is unknown.
     pub fn costs(&self, values: &[Option<f64>]) -> Vec<Option<f64>> {
         let cost = |(quantity, objective): &(usize, Objective)| {
-            let value = values.get(*quantity).copied().flatten()?;
+            let value = (*values.get(*quantity)?)?;
             Some(if objective.maximize { -value } else { value })
         };
         self.objectives.iter().map(cost).collect()
@@ -96,7 +96,7 @@ impl Goal {
     /// Returns one excess per limit, positive if the limit is exceeded; `None` if it is unknown.
     pub fn excesses(&self, values: &[Option<f64>]) -> Vec<Option<f64>> {
         let excess = |(quantity, limit): &(usize, Limit)| {
-            let value = values.get(*quantity).copied().flatten()?;
+            let value = (*values.get(*quantity)?)?;
             Some(if limit.least { limit.value - value } else { value - limit.value })
         };
         self.limits.iter().map(excess).collect()

@@ -13,6 +13,7 @@ use super::search::{Search, SearchEnd};
 use super::sensitivity::Sensitivity;
 use crate::analysis::{Estimate, estimate_difference, estimate_ratio};
 use crate::printed_table::text_table;
+use crate::responses::design_json;
 use crate::study::{DesignValue, Optimization, Study};
 
 /// Returns the contents of `optimum.json`.
@@ -103,17 +104,6 @@ fn final_json(study: &Study, goal: &Goal, one: &Finalist) -> Value {
         "runs": one.runs(),
         "failed": one.failed_runs(),
     })
-}
-
-fn design_json(study: &Study, values: &[DesignValue]) -> Value {
-    let entry = |(variable, value): (&crate::study::Variable, &DesignValue)| {
-        let value = match value {
-            DesignValue::Number(number) => json!(number),
-            DesignValue::Choice(_) => json!(variable.describe(*value)),
-        };
-        (variable.name().to_owned(), value)
-    };
-    study.variables().iter().zip(values).map(entry).collect::<serde_json::Map<_, _>>().into()
 }
 
 /// Returns design values in words.

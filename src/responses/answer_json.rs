@@ -1,45 +1,63 @@
 //! Encodes answers as lines of JSON.
 
-use serde_json::{Map, Value, json};
+use indexmap::IndexMap;
+use serde_json::{Value, json};
 
 use super::respond::Answer;
 use crate::classification::Label;
-use crate::study::{ParameterValue, Study};
+use crate::study::{DesignValue, ParameterValue, Study, Variable, VariedParameter};
 
 /// Returns the answer to a request. For a study with a single point it holds `responses`, `runs`, `failed` and
 /// `discontinuous`, otherwise `points`, a list of such objects with the swept parameters of each point.
 pub fn to_json(study: &Study, id: &Value, answers: &[Answer]) -> Value {
-    let mut answer = Map::new();
-    answer.insert("id".to_owned(), id.clone());
-    match answers {
-        [only] if study.swept().is_empty() => answer.extend(point_json(study, only)),
-        _ => {
-            let points = answers.iter().map(|answer| {
-                let mut object = Map::new();
-                object.insert("point_id".to_owned(), json!(answer.point_id));
-                for (column, value) in study.swept().iter().zip(&answer.swept) {
-                    let value = match value {
-                        ParameterValue::Number(number) => json!(number),
-                        ParameterValue::Text(text) => json!(text),
-                    };
-                    object.insert(column.name.clone(), value);
-                }
-                object.extend(point_json(study, answer));
-                Value::Object(object)
-            });
-            answer.insert("points".to_owned(), points.collect());
-        }
+    let id = json!({"id": id});
+    if let ([only], []) = (answers, study.swept()) {
+        return merged(id, point_json(study, only));
     }
-    Value::Object(answer)
+    let point = |answer: &Answer| {
+        let keys = point_keys(answer.point_id, study.swept(), &answer.swept);
+        merged(keys, point_json(study, answer))
+    };
+    merged(id, json!({"points": answers.iter().map(point).collect::<Vec<Value>>()}))
 }
 
-fn point_json(study: &Study, answer: &Answer) -> Map<String, Value> {
-    let mut object = Map::new();
-    let responses = study.responses().iter().zip(&answer.estimates);
-    let responses = responses.map(|(one, estimate)| (one.name.clone(), json!(estimate)));
-    object.insert("responses".to_owned(), Value::Object(responses.collect()));
-    object.insert("runs".to_owned(), json!(answer.counts.total()));
-    object.insert("failed".to_owned(), json!(answer.counts.of(Label::Failed)));
-    object.insert("discontinuous".to_owned(), json!(answer.discontinuous));
-    object
+/// Returns the start of a point's JSON object: its number and the values of its swept parameters.
+pub(crate) fn point_keys(
+    point_id: u64,
+    columns: &[VariedParameter],
+    swept: &[ParameterValue],
+) -> Value {
+    let swept = columns.iter().zip(swept).map(|(column, value)| (&column.name, value));
+    merged(json!({"point_id": point_id}), json!(swept.collect::<IndexMap<_, _>>()))
+}
+
+/// Returns the object `first` with the keys of the object `second` added.
+pub(crate) fn merged(mut first: Value, second: Value) -> Value {
+    if let (Value::Object(first), Value::Object(second)) = (&mut first, second) {
+        first.extend(second);
+    }
+    first
+}
+
+/// Returns the values of a design as a JSON object.
+pub(crate) fn design_json(study: &Study, values: &[DesignValue]) -> Value {
+    let value = |(variable, value): (&Variable, &DesignValue)| {
+        let json = match value {
+            DesignValue::Number(number) => json!(number),
+            DesignValue::Choice(_) => json!(variable.describe(*value)),
+        };
+        (variable.name().to_owned(), json)
+    };
+    study.variables().iter().zip(values).map(value).collect::<serde_json::Map<_, _>>().into()
+}
+
+fn point_json(study: &Study, answer: &Answer) -> Value {
+    let estimates = study.responses().iter().zip(&answer.estimates);
+    let estimates = estimates.map(|(response, estimate)| (&response.name, estimate));
+    json!({
+        "responses": estimates.collect::<IndexMap<_, _>>(),
+        "runs": answer.counts.total(),
+        "failed": answer.counts.of(Label::Failed),
+        "discontinuous": answer.discontinuous,
+    })
 }

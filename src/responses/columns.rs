@@ -2,9 +2,9 @@
 
 use super::respond::Answer;
 use crate::classification::Label;
-use crate::study::{DesignValue, ParameterKind, ParameterValue, Study};
-use crate::table::add_estimate;
+use crate::study::{DesignValue, Study};
 use crate::table::column::{Column, Columns};
+use crate::table::{add_estimate, add_swept};
 
 /// Returns the answer of a row.
 pub(super) type OfRow<R> = fn(&R) -> &Answer;
@@ -28,23 +28,7 @@ pub(crate) fn answer_columns<R: 'static>(study: &Study, of: OfRow<R>) -> Vec<Col
     add_variables(&mut list, study, move |row| of(row).values.as_slice());
     list.count("point_id", move |row| of(row).point_id)
         .meaning("number of the sweep's point, from 0");
-    for (index, swept) in study.swept().iter().enumerate() {
-        let column = match swept.kind {
-            ParameterKind::Number => list.number(&*swept.name, swept.unit, move |row| {
-                match of(row).swept.get(index)? {
-                    ParameterValue::Number(number) => Some(*number),
-                    ParameterValue::Text(_) => None,
-                }
-            }),
-            ParameterKind::Text => {
-                list.word(&*swept.name, move |row| match of(row).swept.get(index)? {
-                    ParameterValue::Number(_) => None,
-                    ParameterValue::Text(text) => Some(*text),
-                })
-            }
-        };
-        column.meaning(&*swept.meaning);
-    }
+    add_swept(&mut list, study, move |row| &of(row).swept);
     for (index, response) in study.responses().iter().enumerate() {
         let (name, unit, meaning) = (&response.name, response.unit(), response.meaning());
         add_estimate(&mut list, name, unit, &meaning, move |row| of(row).estimates.get(index));

@@ -70,6 +70,22 @@ impl<R> Default for Columns<R> {
     }
 }
 
+macro_rules! typed {
+    ($name:ident, $value:ty, $kind:ident, $array:ty, $of:literal) => {
+        #[doc = concat!("Adds a column of ", $of, ".")]
+        pub fn $name<V: Into<Option<$value>>>(
+            &mut self,
+            name: impl Into<String>,
+            value: impl Fn(&R) -> V + Send + Sync + 'static,
+        ) -> &mut Column<R> {
+            self.add(name, DataType::$kind, move |rows| {
+                let values = rows.iter().map(|row| optional::<$value>(value(row)));
+                Arc::new(values.collect::<$array>())
+            })
+        }
+    };
+}
+
 impl<R> Columns<R> {
     /// Creates an empty list.
     pub fn new() -> Self {
@@ -132,49 +148,11 @@ impl<R> Columns<R> {
         column
     }
 
-    /// Adds a column of counts or indices.
-    pub fn count<V: Into<Option<u64>>>(
-        &mut self,
-        name: impl Into<String>,
-        value: impl Fn(&R) -> V + Send + Sync + 'static,
-    ) -> &mut Column<R> {
-        self.add(name, DataType::UInt64, move |rows| {
-            Arc::new(rows.iter().map(|row| optional::<u64>(value(row))).collect::<UInt64Array>())
-        })
-    }
-
-    /// Adds a column of small counts.
-    pub fn small_count<V: Into<Option<u8>>>(
-        &mut self,
-        name: impl Into<String>,
-        value: impl Fn(&R) -> V + Send + Sync + 'static,
-    ) -> &mut Column<R> {
-        self.add(name, DataType::UInt8, move |rows| {
-            Arc::new(rows.iter().map(|row| optional::<u8>(value(row))).collect::<UInt8Array>())
-        })
-    }
-
-    /// Adds a column of signed integers.
-    pub fn integer<V: Into<Option<i32>>>(
-        &mut self,
-        name: impl Into<String>,
-        value: impl Fn(&R) -> V + Send + Sync + 'static,
-    ) -> &mut Column<R> {
-        self.add(name, DataType::Int32, move |rows| {
-            Arc::new(rows.iter().map(|row| optional::<i32>(value(row))).collect::<Int32Array>())
-        })
-    }
-
-    /// Adds a column of Boolean values.
-    pub fn boolean<V: Into<Option<bool>>>(
-        &mut self,
-        name: impl Into<String>,
-        value: impl Fn(&R) -> V + Send + Sync + 'static,
-    ) -> &mut Column<R> {
-        self.add(name, DataType::Boolean, move |rows| {
-            Arc::new(rows.iter().map(|row| optional::<bool>(value(row))).collect::<BooleanArray>())
-        })
-    }
+    typed!(count, u64, UInt64, UInt64Array, "counts or indices");
+    typed!(small_count, u8, UInt8, UInt8Array, "small counts");
+    typed!(integer, i32, Int32, Int32Array, "signed integers");
+    typed!(boolean, bool, Boolean, BooleanArray, "Boolean values");
+    typed!(text, String, Utf8, StringArray, "free text");
 
     /// Adds a dictionary-encoded column of words from a small set.
     pub fn word<V: Into<Option<&'static str>>>(
@@ -187,17 +165,6 @@ impl<R> Columns<R> {
             let mut words = StringDictionaryBuilder::<Int32Type>::new();
             rows.iter().for_each(|row| words.append_option(optional::<&str>(value(row))));
             Arc::new(words.finish())
-        })
-    }
-
-    /// Adds a column of free text.
-    pub fn text<V: Into<Option<String>>>(
-        &mut self,
-        name: impl Into<String>,
-        value: impl Fn(&R) -> V + Send + Sync + 'static,
-    ) -> &mut Column<R> {
-        self.add(name, DataType::Utf8, move |rows| {
-            Arc::new(rows.iter().map(|row| optional::<String>(value(row))).collect::<StringArray>())
         })
     }
 }

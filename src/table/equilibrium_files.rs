@@ -27,9 +27,12 @@ pub struct EquilibriumFiles {
 /// The tables, open for writing.
 pub struct EquilibriumTables {
     directory: PathBuf,
-    set: Option<TableWriter<SetRow>>,
-    sets: TableWriter<SetSummaryRow>,
-    frictionless: TableWriter<FrictionlessRow>,
+    /// `equilibrium_positions.parquet`, if it is written.
+    pub positions: Option<TableWriter<SetRow>>,
+    /// `equilibrium_set_summary.parquet`.
+    pub sets: TableWriter<SetSummaryRow>,
+    /// `frictionless_equilibria.parquet`.
+    pub frictionless: TableWriter<FrictionlessRow>,
 }
 
 impl EquilibriumFiles {
@@ -53,7 +56,7 @@ impl EquilibriumFiles {
         let columns = frictionless_columns(study, self.own_speeds);
         Ok(EquilibriumTables {
             directory: directory.to_owned(),
-            set: positions.transpose()?,
+            positions: positions.transpose()?,
             sets: self.create_table(directory, study, summary, set_summary_columns(study))?,
             frictionless: self.create_table(directory, study, frictionless, columns)?,
         })
@@ -72,35 +75,6 @@ impl EquilibriumFiles {
 }
 
 impl EquilibriumTables {
-    /// Returns whether there is a table of positions.
-    pub fn takes_positions(&self) -> bool {
-        self.set.is_some()
-    }
-
-    /// Adds a position.
-    ///
-    /// # Errors
-    /// Returns an error if the table cannot be written.
-    pub fn push_position(&mut self, row: SetRow) -> Result<(), WriteError> {
-        self.set.as_mut().map_or(Ok(()), |set| set.push(row))
-    }
-
-    /// Adds a point of the sweep.
-    ///
-    /// # Errors
-    /// Returns an error if the table cannot be written.
-    pub fn push_set(&mut self, row: SetSummaryRow) -> Result<(), WriteError> {
-        self.sets.push(row)
-    }
-
-    /// Adds a frictionless equilibrium.
-    ///
-    /// # Errors
-    /// Returns an error if the table cannot be written.
-    pub fn push_frictionless(&mut self, row: FrictionlessRow) -> Result<(), WriteError> {
-        self.frictionless.push(row)
-    }
-
     /// Finishes all tables and adds their files to the list of the directory. No existing table is
     /// replaced.
     ///
@@ -108,8 +82,8 @@ impl EquilibriumTables {
     /// Returns an error if a file cannot be written, or if its name is taken.
     pub fn finish(self, list: &mut FileList) -> Result<(), WriteError> {
         let directory = self.directory.as_path();
-        if let Some(set) = self.set {
-            set.finish_once(|files| list.announce(directory, files))?;
+        if let Some(positions) = self.positions {
+            positions.finish_once(|files| list.announce(directory, files))?;
         }
         self.sets.finish_once(|files| list.announce(directory, files))?;
         self.frictionless.finish_once(|files| list.announce(directory, files))

@@ -81,6 +81,7 @@ pub use response_samples::ResponseSamples;
 pub use results::{Results, ResultsError};
 pub use row::Row;
 pub use run_record::RunRecord;
+pub(crate) use runs::add_swept;
 pub use runs::{planned_columns, run_columns};
 pub use stages::{StageRow, stage_columns};
 pub use stored_run::{Difference, StoredRun};

@@ -4,6 +4,8 @@ use std::cmp::Ordering;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
+use serde::Serialize;
+
 use crate::model::{
     Ball, FRICTION_COEFFICIENT, Field, LawParameter, Lowest, MAX_BALLS, Model, NormalForce,
     ParameterDescriptor, SlidingSpeed,
@@ -14,7 +16,8 @@ use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::units::{Unit, Units, short_name};
 
 /// The value of a parameter at a point.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum ParameterValue {
     /// A number in the parameter's unit.
     Number(f64),
