@@ -3,10 +3,11 @@
 
 use super::designs::{ExaminedDesign, ExtremeDesign, extreme_designs};
 use super::points::points_to_examine;
-use super::values::{RPM, short};
+use super::values::RPM;
 use super::warning::Finding;
 use crate::analysis::set_fraction;
 use crate::model::{Machine, Model};
+use crate::numbers::short;
 use crate::optimize::Space;
 use crate::study::{ParameterValue, Study};
 

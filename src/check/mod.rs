@@ -21,6 +21,5 @@ pub use conditions::is_held_everywhere;
 pub use designs::ExaminedDesign;
 pub use obstacle::Obstacle;
 pub use points::{points_to_examine, spread};
-pub(crate) use values::short;
 pub use warning::Warning;
 pub use warnings::warnings;

@@ -7,8 +7,8 @@ use std::sync::LazyLock;
 
 use super::ball_fit::density_kg_m3;
 use super::closed_form::GRAVITY_M_S2;
-use super::values::short;
 use crate::model::{Ball, Machine};
+use crate::numbers::short;
 use crate::study::{Study, Template};
 
 /// A quantity that exceeds its limit in no usual machine.

@@ -12,7 +12,8 @@ use crate::analysis::{Balance, RestForm, reference_amplitude};
 use crate::model::{
     Ball, Block, Dimension, FrictionLaw, Ground, LawParameter, Machine, Model, STEEL_KG_M3,
 };
-use crate::study::{ListedParameter, Study, describe_number};
+use crate::numbers::short;
+use crate::study::{ListedParameter, Study};
 
 /// Densities of solid balls, from light plastics to tungsten and platinum, kg/m³.
 const DENSITIES_KG_M3: [f64; 2] = [500.0, 25_000.0];
@@ -374,9 +375,3 @@ impl At<'_> {
 
 /// A remark for a study that writes speeds in rad/s.
 pub(super) const RPM: &str = "; 1 rpm is 0.10472 rad/s";
-
-/// Formats a number with at most four significant digits.
-pub(crate) fn short(number: f64) -> String {
-    // A formatted number can always be parsed.
-    describe_number(format!("{number:.3e}").parse().unwrap_or(number))
-}

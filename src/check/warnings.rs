@@ -4,9 +4,10 @@ use super::ball_fit::BallPositions;
 use super::conditions::{held_everywhere, models, subcritical};
 use super::designs::{ExaminedDesign, described};
 use super::points::points_to_examine;
-use super::values::{findings, has_room, short};
+use super::values::{findings, has_room};
 use super::warning::{Finding, Warning};
 use crate::model::InvalidParameter;
+use crate::numbers::short;
 use crate::optimize::Space;
 use crate::study::{
     AmplitudeKind, ListedParameter, Measure, ParameterValue, Response, Study, describe_number,

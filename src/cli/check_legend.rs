@@ -1,6 +1,7 @@
 //! The lines below the closed forms of `check`: what the columns mean, and what the points have in common.
 
-use crate::check::{BalancerFacts, is_held_everywhere, short};
+use crate::check::{BalancerFacts, is_held_everywhere};
+use crate::numbers::short;
 use crate::study::Unit;
 
 /// Explains the columns, and states the worst rest, the points below the natural frequency or with

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::check::short;
+use crate::numbers::short;
 use crate::printed_table::text_table;
 use crate::study::{ListedParameter, ParameterValue, Study, Unit, short_name};
 

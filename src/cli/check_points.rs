@@ -5,8 +5,9 @@ use serde_json::{Value, json};
 use super::check_legend::legend;
 use crate::analysis::{Balance, Stability};
 use crate::check::{
-    BalancerFacts, BallPositions, BlockFacts, ExaminedDesign, RestFacts, points_to_examine, short,
+    BalancerFacts, BallPositions, BlockFacts, ExaminedDesign, RestFacts, points_to_examine,
 };
+use crate::numbers::short;
 use crate::printed_table::{PrintedTable, as_text};
 use crate::responses::{design_json, merged, point_keys};
 use crate::study::{Point, Study, Units, VariedParameter};

@@ -3,7 +3,8 @@
 use serde_json::{Value, json};
 
 use crate::analysis::{RunUp, run_ups};
-use crate::check::{points_to_examine, short};
+use crate::check::points_to_examine;
+use crate::numbers::short;
 use crate::responses::merged;
 use crate::study::{Study, Unit};
 

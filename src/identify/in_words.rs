@@ -6,7 +6,7 @@ use super::fit_test::{SiteFit, TESTED};
 use super::inference::{Inference, Inferred};
 use super::posterior::{Marginal, Posterior};
 use super::warnings::{is_accurate, warnings};
-use crate::optimize::short;
+use crate::numbers::four_digits;
 use crate::printed_table::{PrintedTable, as_text};
 
 /// The model does not explain the measured runs if the smallest probability over all sites, corrected for their number, is
@@ -76,11 +76,11 @@ fn p_value(fits: &[SiteFit]) -> f64 {
 /// Returns the result in words.
 pub fn result_in_words(inference: &Inference, inferred: &Inferred) -> String {
     let Posterior { marginals, correlations, .. } = &inferred.posterior;
-    let range = |[low, high]: [f64; 2]| format!("{} to {}", short(low), short(high));
+    let range = |[low, high]: [f64; 2]| format!("{} to {}", four_digits(low), four_digits(high));
     let mut table = PrintedTable::new(marginals, "");
     table.add("parameter", |one| one.name.clone()).left();
     table.add("unit", |one| one.unit.to_owned()).left();
-    table.add("median", |one| short(one.median));
+    table.add("median", |one| four_digits(one.median));
     table.add("95 % interval", |one| range(one.interval));
     table.add("prior", |one| range(one.prior));
     table.add("width/prior", |one| format!("{:.2}", one.width_over_prior));

@@ -2,7 +2,7 @@
 
 use super::inference::{Inference, Inferred};
 use super::posterior::Marginal;
-use crate::optimize::short;
+use crate::numbers::four_digits;
 use crate::study::DesignValue;
 
 /// Errors from the number of simulated runs above this give a warning, over the standard deviation of the posterior.
@@ -27,9 +27,9 @@ pub fn warnings(inference: &Inference, inferred: &Inferred) -> Vec<String> {
             let values = identification.values_at(&place);
             let numbers: Vec<DesignValue> =
                 values.iter().map(|value| DesignValue::Number(*value)).collect();
-            study.set(&numbers).is_ok().then(|| short(values[index]))
+            study.set(&numbers).is_ok().then(|| four_digits(values[index]))
         })?;
-        let [end, low, high] = [end, one.interval[0], one.interval[1]].map(short);
+        let [end, low, high] = [end, one.interval[0], one.interval[1]].map(four_digits);
         Some(format!(
             "identify.parameters.{name}.{key}: the posterior leans on this end of the prior, and the true value may be \
              beyond it\n  found:  {end}, and a 95 % interval from {low} to {high}\n  remedy: a wider prior, such as {key}: \

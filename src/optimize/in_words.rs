@@ -2,32 +2,14 @@
 
 use super::goal::Goal;
 use crate::analysis::Estimate;
+use crate::numbers::{four_digits, trimmed};
 use crate::study::{Limit, Study, Unit};
-
-/// Returns a number with four significant digits.
-pub(crate) fn short(number: f64) -> String {
-    let size = number.abs();
-    if number == 0.0 || (1e-3..1e5).contains(&size) {
-        let digits = if number == 0.0 { 0 } else { (3 - size.log10().floor() as i32).max(0) };
-        return format!("{number:.*}", digits as usize);
-    }
-    format!("{number:.3e}")
-}
-
-/// Returns a number with at most four significant digits, without zeros at the end of a fraction.
-pub(crate) fn significant_digits(number: f64) -> String {
-    let text = short(number);
-    match text.contains('.') && !text.contains('e') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
-}
 
 /// Returns a value with its unit, such as `2.310 µm`.
 pub(super) fn value_in_words(value: f64, unit: &Unit) -> String {
     let Unit { symbol, .. } = unit;
     let blank = if symbol.is_empty() { "" } else { " " };
-    format!("{}{blank}{symbol}", short(unit.of(value)))
+    format!("{}{blank}{symbol}", four_digits(unit.of(value)))
 }
 
 /// Returns an estimate in words, such as `2.310 µm (2.100 to 2.500)`.
@@ -36,7 +18,8 @@ pub(super) fn estimate_in_words(estimate: &Estimate, unit: &Unit) -> String {
         let reason = estimate.reason.as_deref().unwrap_or("not known");
         return format!("none: {reason}");
     };
-    let end = |end: Option<f64>| end.map_or_else(|| "?".to_owned(), |end| short(unit.of(end)));
+    let end =
+        |end: Option<f64>| end.map_or_else(|| "?".to_owned(), |end| four_digits(unit.of(end)));
     format!("{} ({} to {})", value_in_words(value, unit), end(estimate.low), end(estimate.high))
 }
 
@@ -53,7 +36,7 @@ pub fn unmet_limits(study: &Study, goal: &Goal, estimates: &[Estimate]) -> Vec<S
         let unit = study.units().of_response(response.unit());
         let found = estimate_in_words(estimate, &unit);
         let relation = if limit.least { "at least" } else { "at most" };
-        let bound = format!("{} {}", significant_digits(unit.of(limit.value)), unit.symbol);
+        let bound = format!("{} {}", trimmed(unit.of(limit.value)), unit.symbol);
         Some(format!("{} is {found}, allowed: {relation} {}", response.name, bound.trim_end()))
     };
     goal.limits().iter().filter_map(unmet).collect()

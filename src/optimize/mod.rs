@@ -35,7 +35,6 @@ pub use evaluations_table::{evaluation_columns, read_evaluations, search_facts};
 pub use finalists::{Finalist, FinalistRole, Finalists, final_runs, finalists};
 pub use goal::{Goal, Quantity};
 pub use in_words::unmet_limits;
-pub(crate) use in_words::{short, significant_digits};
 pub use into_directory::{Optimize, Optimized};
 pub use notes::{Bound, bounds_in_words, notes, on_bounds, use_of_balls};
 pub use pareto::pareto_front;

@@ -7,11 +7,12 @@ use serde_json::{Value, json};
 use super::evaluation::Evaluation;
 use super::finalists::{Finalist, FinalistRole, Finalists};
 use super::goal::Goal;
-use super::in_words::{estimate_in_words, short, unmet_limits, value_in_words};
+use super::in_words::{estimate_in_words, unmet_limits, value_in_words};
 use super::notes::{notes, on_bounds};
 use super::search::{Search, SearchEnd};
 use super::sensitivity::Sensitivity;
 use crate::analysis::{Estimate, estimate_difference, estimate_ratio};
+use crate::numbers::four_digits;
 use crate::printed_table::text_table;
 use crate::responses::design_json;
 use crate::study::{DesignValue, Optimization, Study};
@@ -253,5 +254,5 @@ pub fn nearest_unmet(
 /// Returns the smallest and the largest known value.
 fn range(estimates: &[Estimate]) -> Option<(String, String)> {
     let values = || estimates.iter().filter_map(|estimate| estimate.value);
-    Some((short(values().reduce(f64::min)?), short(values().reduce(f64::max)?)))
+    Some((four_digits(values().reduce(f64::min)?), four_digits(values().reduce(f64::max)?)))
 }

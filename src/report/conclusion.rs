@@ -3,8 +3,9 @@
 
 use super::data::PointFacts;
 use super::remedies::Remedies;
-use super::words::{NamedPoints, percent};
+use super::words::NamedPoints;
 use crate::analysis::reference_amplitude;
+use crate::numbers::percent;
 use crate::study::Study;
 
 /// Counts over all points, and what they say in words.

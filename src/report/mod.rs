@@ -18,6 +18,7 @@ mod stored_run;
 mod words;
 mod write;
 
+pub use crate::numbers::{percent, three_digits};
 pub use crate::printed_table::PrintedColumn;
 pub use animation::{animation, frames, time_text};
 pub use comparison::{ComparedPoint, ComparedQuantity, ComparedResults, Comparison, compare};
@@ -30,5 +31,5 @@ pub use page::{OWN, optimum_page, page};
 pub use printed_columns::{Estimates, estimate_columns, printed_columns, response_columns};
 pub use replay::{MOST_INSTANTS, Replay, SWITCHES};
 pub use replay_animation::ANIMATION;
-pub use words::{NamedPoints, percent, three_digits};
+pub use words::NamedPoints;
 pub use write::write_report;

@@ -2,9 +2,9 @@
 //! then rests and the other endings. A column that says nothing about the points is left out.
 
 use super::data::{Fraction, PointFacts};
-use super::words::{percent, three_digits};
 use crate::analysis::Estimate;
 use crate::classification::Label;
+use crate::numbers::{percent, three_digits};
 use crate::printed_table::{PrintedColumn, PrintedTable, in_two_lines};
 use crate::study::{Response, Unit, Units, VariedParameter};
 

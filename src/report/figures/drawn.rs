@@ -1,8 +1,9 @@
 //! Figures over the drawn values of uncertain parameters: rank correlations, and amplitudes of the runs.
 
-use super::layers::{BARS, axis, bars, dots_by_label, label_symbol, significant};
+use super::layers::{BARS, axis, bars, dots_by_label, label_symbol};
 use crate::analysis::RankCorrelation;
 use crate::classification::Label;
+use crate::numbers::significant;
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Panel, Symbol};
 use crate::report::data::{DrawnRuns, PointFacts, ReportData, axis_of, evenly, scattered};
 

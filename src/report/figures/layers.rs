@@ -206,22 +206,6 @@ pub fn few_each<'c, 'a, T>(curves: &'c [CurveOf<'a, T>]) -> Vec<(String, &'c [Cu
     curves.chunks(each).map(|few| (part(few), few)).collect()
 }
 
-/// Returns a number with four significant digits.
-pub fn significant(value: f64) -> String {
-    if !value.is_finite() {
-        return "–".to_owned();
-    }
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let digits = 3 - value.abs().log10().floor() as i32;
-    let text = match digits {
-        -3..=8 => format!("{value:.0$}", digits.max(0) as usize),
-        _ => format!("{value:.3e}"),
-    };
-    text.replace('-', "\u{2212}")
-}
-
 /// Returns the name of what moves, such as `block` or `balls`, and whether it is one body.
 pub fn moving(study: &Study) -> (String, bool) {
     let body = study.model().kind().body;

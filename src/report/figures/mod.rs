@@ -19,7 +19,7 @@ mod time_to_rest;
 mod vibration;
 
 pub use drawn::shown_parameters;
-pub use layers::{BARS, axis, bars, significant};
+pub use layers::{BARS, axis, bars};
 
 use super::chart::Figure;
 use super::data::ReportData;

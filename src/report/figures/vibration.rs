@@ -1,8 +1,9 @@
 //! Figure: the residual vibration of each point, and the vibration without balls.
 
-use super::layers::{axis, fraction_axis, of_points, significant};
+use super::layers::{axis, fraction_axis, of_points};
 use super::over_sweep::OverSweep;
 use super::sweep_axis::is_by_decades;
+use crate::numbers::significant;
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
 use crate::report::data::{PointFacts, ReportData};
 

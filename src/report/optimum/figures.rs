@@ -4,11 +4,12 @@ use super::data::OptimumData;
 use super::indices::indices;
 use super::over_variables::over_variables;
 use super::parallel::parallel_coordinates;
+use crate::numbers::significant;
 use crate::optimize::Evaluation;
 use crate::report::chart::{
     Axis, Colour, Figure, Layer, Mark, Panel, Symbol, TooltipColumn, TooltipValues, Tooltips,
 };
-use crate::report::figures::{axis, significant};
+use crate::report::figures::axis;
 use crate::study::{DesignValue, Objective, Variable};
 
 pub(super) const MET: &str = "meets all limits";

@@ -2,7 +2,7 @@
 
 use super::data::OptimumData;
 use super::figures::{Evaluated, MET, NOT_MET, design_tooltips, evaluated, objective_axis};
-use crate::optimize::significant_digits;
+use crate::numbers::trimmed;
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
 use crate::report::figures::axis;
 use crate::study::Variable;
@@ -110,7 +110,7 @@ fn upright(
     let choices: Vec<&str> = variable.and_then(Variable::choices).into_iter().flatten().collect();
     let [low, high] = ends.map(|end| match choices.get(end as usize) {
         Some(choice) => choice.replace('_', " "),
-        None => significant_digits(end),
+        None => trimmed(end),
     });
     let range = if low == high { low } else { format!("{low} to {high}") };
     Upright {

@@ -2,9 +2,9 @@
 
 use super::html::{Html, escaped};
 use crate::analysis::RankCorrelation;
+use crate::numbers::significant;
 use crate::report::conclusion::Conclusion;
 use crate::report::data::{DrawnRuns, PointFacts, ReportData};
-use crate::report::figures::significant;
 use crate::report::optimum::OptimumData;
 use crate::study::Unit;
 

@@ -8,8 +8,8 @@ use super::conclusion::conclusion_of_search;
 use super::html::{Html, escaped};
 use super::{assembled, drawn_figures, study_section};
 use crate::counted::counted;
+use crate::numbers::significant;
 use crate::report::chart::Figure;
-use crate::report::figures::significant;
 use crate::report::optimum::{OptimumData, notes};
 use crate::sanitize::shown_path;
 

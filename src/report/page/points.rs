@@ -4,11 +4,10 @@ use std::path::Path;
 
 use super::html::{Html, escaped};
 use super::tables::MOST_ROWS;
+use crate::numbers::{percent, significant};
 use crate::printed_table::{PrintedColumn, PrintedTable};
 use crate::report::data::{PeakOfRun, PointFacts, ReportData, said};
-use crate::report::figures::significant;
 use crate::report::printed_columns::printed_columns;
-use crate::report::words::percent;
 use crate::sanitize::shell_word;
 use crate::study::{ParameterKind, Study};
 

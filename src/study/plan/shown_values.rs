@@ -1,6 +1,7 @@
 //! Values of swept parameters as people read them: a long number has few digits, as long as different values of the
 //! sweep stay different.
 
+use crate::numbers::to_digits;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::{Parameter, ParameterValue, VariedParameter};
 use crate::study::plan::planned_study::Study;
@@ -65,8 +66,7 @@ fn shown(number: f64, digits: usize) -> String {
     if all.len() <= LONGEST {
         return all;
     }
-    // A formatted number can always be parsed.
-    describe_number(format!("{number:.*e}", digits - 1).parse().unwrap_or(number))
+    describe_number(to_digits(number, digits))
 }
 
 #[cfg(test)]
