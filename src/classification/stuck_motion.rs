@@ -418,7 +418,9 @@ mod tests {
 
     use super::StuckForms;
     use crate::classification::system_view::SystemView;
-    use crate::model::{Balancer, Ball, Machine, Method, RestForms, System};
+    use crate::model::{
+        Balancer, Ball, BallContact, BallsInContact, Machine, Method, RestForms, System,
+    };
     use crate::motion::{Evaluator, Motion, Settings, Tolerance, all_stick};
 
     /// The derived forms equal the closed forms of the balancer, certify nearly as many states, and no state that moves.

@@ -73,7 +73,7 @@ pub(super) fn impact(
         let lasts = -opening.value < system.lasting_approach() && system.restitution() < 1.0;
         if lasts || opening.value >= 0.0 { 0.0 } else { system.restitution() }
     });
-    let responses = evaluator.responses(system, state, touching);
+    let responses = evaluator.responses(state, touching);
     let by_each = || responses.iter().flatten();
     let rows = gaps.iter().flat_map(|gap| [0, 1].map(|speed| (gap, speed)));
     let meeting = Meeting {

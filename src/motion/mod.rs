@@ -30,6 +30,7 @@ pub use lockstep::SimdLevel;
 pub use modes::decide;
 pub use phase::{Direction, PerContact, Phase, Phases};
 pub(crate) use phase::{all_stick, any_closed};
+pub use response::Response;
 pub use root::fall_through_zero;
 pub use settings::{Effort, Settings, Tolerance, Touches, most_steps_by};
 pub use single::Motion;

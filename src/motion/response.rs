@@ -12,24 +12,20 @@ use smallvec::{SmallVec, smallvec};
 
 use super::Evaluator;
 use super::evaluator::{Entries, Unknowns, solved};
-use crate::model::{ContactMode, Dual, Elementary, Gap, Node, NodeId, Number, Solve, Touching};
+use crate::model::{ContactMode, Dual, Elementary, Gap, Node, NodeId, Number, Solve};
 
 /// The change of each component of the state by a unit of impulse.
-pub(super) type Response = Vec<Dual>;
+pub type Response = Vec<Dual>;
 
 impl Evaluator {
-    /// Returns for each of the gaps `touching` the responses to a unit of its contact impulse and of its friction impulse.
+    /// Returns for each of some gaps, by their numbers, the responses to a unit of its contact impulse and of its friction impulse.
     ///
     /// # Panics
     /// Panics if the force in a gap or the acceleration of its contacts is no unknown of [`crate::model::Recorder::accelerations`]:
     /// a system with such equations is a programming error.
-    pub(super) fn responses(
-        &self,
-        system: &dyn Touching,
-        state: &[Dual],
-        touching: &[usize],
-    ) -> Vec<[Response; 2]> {
+    pub fn responses(&self, state: &[Dual], touching: &[usize]) -> Vec<[Response; 2]> {
         let graph = self.graph();
+        let gaps = self.system().touching().map_or(&[][..], |system| system.gaps());
         // Contacts that set off in no direction have no friction.
         let mut modes: SmallVec<[ContactMode; 16]> =
             smallvec![ContactMode::SetOff(0.0); graph.contacts.len()];
@@ -75,7 +71,7 @@ impl Evaluator {
             };
             [answer(&push), answer(&retard)]
         };
-        touching.iter().map(|gap| respond(&system.gaps()[*gap], graph.gaps[*gap][1])).collect()
+        touching.iter().map(|gap| respond(&gaps[*gap], graph.gaps[*gap][1])).collect()
     }
 
     /// Returns the change of the rate of each component with unknowns, in which the rates are linear, from the values of all
@@ -141,7 +137,7 @@ mod tests {
             let component =
                 |(value, slope): (&f64, &f64)| Dual { value: value + size * slope, slope: *slope };
             let moved: Vec<Dual> = state.iter().zip(&direction).map(component).collect();
-            evaluator.responses(&system, &moved, &[0, 1, 2])
+            evaluator.responses(&moved, &[0, 1, 2])
         };
         let size = 1e-6;
         let [here, less, more] = [0.0, -size, size].map(responses);

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use stickslip::model::{
     BallContact, Block, Components, ContactEquations, ContactLayout, ContactMode, Expression,
-    Friction, FrictionLaw, Gap, GapEquations, Layout, Machine, Method, Model, Recorder, Start,
-    System, SystemEquations, Touching,
+    Friction, FrictionLaw, Gap, GapEquations, Layout, Machine, Method, Model, Number, Recorder,
+    Start, System, SystemEquations, Touching,
 };
 use stickslip::motion::{Motion, Phase, Settings, Tolerance};
 
