@@ -70,6 +70,8 @@ struct Passage {
 pub(super) struct Passing<'a> {
     /// What marks the section.
     pub(super) mark: Mark,
+    /// Whether the contact had stopped on its way round.
+    pub(super) has_stopped: bool,
     /// Time and state of the passage.
     pub(super) passage: Option<(f64, Components)>,
     /// The contacts' phases in the step, before a switch at its end.
@@ -88,14 +90,16 @@ pub struct OrbitWatch {
     /// The maxima of positions that may mark the section of a system without contacts that go round.
     maxima: Vec<Mark>,
     passages: VecDeque<Passage>,
+    /// Whether that contact has stopped on its way to each of the passages.
+    stops: bool,
     /// Whether each contact has stopped since it went round, and its latest speed.
     stopped: SmallVec<[(bool, f64); 8]>,
     /// Another contact that has gone round since that which marks the section has stopped, and its passage.
     other: Option<(Mark, Passage)>,
     near_in_a_row: [usize; MOST_TURNS + 1],
     close_in_a_row: [usize; MOST_TURNS + 1],
-    attempts: u32,
-    wait_until: f64,
+    /// The number of examinations, and the time of the next one, of orbits whose mark does not stop, and of those whose does.
+    looks: [(u32, f64); 2],
     /// An unstable closed orbit that the run has approached, and the number of turns after which it
     /// appeared to close.
     unstable: Option<(usize, Box<Orbit>)>,
@@ -119,8 +123,8 @@ impl OrbitWatch {
             passages: VecDeque::with_capacity(MOST_TURNS + 2),
             near_in_a_row: [0; MOST_TURNS + 1],
             close_in_a_row: [0; MOST_TURNS + 1],
-            attempts: 0,
-            wait_until: 0.0,
+            looks: [(0, 0.0); 2],
+            stops: false,
             unstable: None,
         }
     }
@@ -133,32 +137,30 @@ impl OrbitWatch {
         for contact in &self.view.contacts {
             end[contact.position] = within[contact.position];
         }
-        let mark = self.goes_round(motion.phases(), &end)?;
+        let (mark, has_stopped) = self.goes_round(motion.phases(), &end)?;
         let passage = motion.passage(mark.contact());
         let (phases, last_switches) = (motion.phases_during_step(), motion.last_switches());
-        let passing = Passing { mark, passage, phases, last_switches };
+        let passing = Passing { mark, has_stopped, passage, phases, last_switches };
         self.take_in(settings, passing)
     }
 
-    /// Returns the mark of a contact that has gone round in a step, if it marks the section or may do so.
+    /// Returns the mark of a contact that has gone round in a step, if it marks the section or may do so, and whether the
+    /// contact had stopped on its way.
     /// `phases` and `state` are those at the step's end, with angles not yet reduced to one turn.
-    pub(super) fn goes_round(&mut self, phases: &[Phase], state: &[f64]) -> Option<Mark> {
-        let contacts = &self.view.contacts;
-        let round = |contact: usize| {
-            let ContactPlace { angular, position, .. } = contacts[contact];
-            let direction = if state[position] < 0.0 { -1.0 } else { 1.0 };
-            let once = 0.0..std::f64::consts::TAU;
-            let has_gone_round = angular && !once.contains(&state[position]);
-            has_gone_round.then_some(Mark::Round { contact, direction })
-        };
-        let found: SmallVec<[Mark; 2]> = (0..contacts.len()).filter_map(round).collect();
-        for (contact, stopped) in self.stopped.iter_mut().enumerate() {
+    pub(super) fn goes_round(&mut self, phases: &[Phase], state: &[f64]) -> Option<(Mark, bool)> {
+        let mut found: SmallVec<[(Mark, bool); 2]> = SmallVec::new();
+        for (contact, place) in self.view.contacts.iter().enumerate() {
+            let (stopped, before) = &mut self.stopped[contact];
             let speed = self.view.speed(phases, state, contact);
-            let turns_back = stopped.1 * speed < 0.0;
-            *stopped = (stopped.0 || turns_back || phases[contact].in_band(), speed);
+            *stopped |= *before * speed < 0.0 || phases[contact].in_band();
+            *before = speed;
+            let direction = if state[place.position] < 0.0 { -1.0 } else { 1.0 };
+            if place.angular && !(0.0..std::f64::consts::TAU).contains(&state[place.position]) {
+                found.push((Mark::Round { contact, direction }, std::mem::take(stopped)));
+            }
         }
         let Some(own) = self.mark.map(Mark::contact) else { return found.first().copied() };
-        let of_own = found.iter().find(|mark| mark.contact() == own);
+        let of_own = found.iter().find(|(mark, _)| mark.contact() == own);
         // Another contact may take the place of one that has stopped.
         let other = || found.first().filter(|_| self.stopped[own].0);
         of_own.or_else(other).copied()
@@ -189,7 +191,7 @@ impl OrbitWatch {
     /// Adds the latest step of a motion. Returns the limit cycle
     /// that the run has been shown to be on.
     pub(super) fn take_in(&mut self, settings: &Settings, passing: Passing) -> Option<Orbit> {
-        let Passing { mark, passage, phases, last_switches } = passing;
+        let Passing { mark, has_stopped, passage, phases, last_switches } = passing;
         let Some((time, state)) = passage else {
             self.restart();
             return None;
@@ -198,9 +200,6 @@ impl OrbitWatch {
         let phases = Phases::from_slice(phases);
         let passage = Passage { time, state, phases, differences };
         let other = self.other.take();
-        let has_stopped = self.stopped.get_mut(mark.contact());
-        let has_stopped =
-            has_stopped.is_some_and(|stopped| std::mem::replace(&mut stopped.0, false));
         let is_other = self.mark.is_some_and(|own| own.contact() != mark.contact());
         if is_other && has_stopped {
             // It marks the section from its first turn on if the contact that has marked it does not go round before the second.
@@ -210,18 +209,19 @@ impl OrbitWatch {
             };
             self.restart();
             self.record(mark, first);
-        } else if self.mark.is_some_and(|own| own != mark) {
+        } else if self.mark.is_some_and(|own| own != mark) || self.stops != has_stopped {
             self.restart();
         }
-        self.mark = Some(mark);
+        (self.mark, self.stops) = (Some(mark), has_stopped);
         let turns = self.record(mark, passage)?;
-        if self.attempts >= MOST_LOOKS || time < self.wait_until {
+        let (attempts, wait_until) = &mut self.looks[usize::from(has_stopped)];
+        if *attempts >= MOST_LOOKS || time < *wait_until {
             return None;
         }
-        self.attempts += 1;
+        *attempts += 1;
         // After an inconclusive examination the motion gets time to settle, longer each time.
         let looked_at = time - self.passages.front()?.time;
-        self.wait_until = time + f64::from(1 << self.attempts) * looked_at;
+        *wait_until = time + f64::from(1 << *attempts) * looked_at;
         let most_steps = MOST_STEPS_OF_A_LOOK;
         match self.examine(settings, (mark, turns), last_switches, (most_steps, false)) {
             Verdict::Stable(orbit) => return Some(orbit),

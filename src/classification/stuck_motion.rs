@@ -496,6 +496,7 @@ mod tests {
         let contact = BallContact::default();
         let machine = Machine {
             balls: vec![Ball::default(); 2],
+            speed_rad_s: -216.3772,
             contact: Some(contact),
             ..Machine::default()
         };
