@@ -98,16 +98,15 @@ impl CycleWatch {
             }
             CycleWatch::Orbits(watch) => watch,
         };
-        let (mark, has_stopped, passage) = if watch.marks_maxima() {
+        let (mark, passage) = if watch.marks_maxima() {
             let (mark, passage) = watch.maximum(step)?;
-            (mark, false, Some(passage))
+            (mark, Some(passage))
         } else {
-            let (mark, has_stopped) = watch.goes_round(step.phases(), &step.end())?;
-            (mark, has_stopped, step.group.passage(step.lane, mark.contact()))
+            let mark = watch.goes_round(step.phases(), &step.end())?;
+            (mark, step.group.passage(step.lane, mark.contact()))
         };
         let (phases, last_switches) = (step.during(), step.group.last_switches(step.lane));
-        let orbit = watch
-            .take_in(settings, Passing { mark, has_stopped, passage, phases, last_switches })?;
+        let orbit = watch.take_in(settings, Passing { mark, passage, phases, last_switches })?;
         Some(Ending::Orbit(Box::new(orbit)))
     }
 }

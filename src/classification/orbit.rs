@@ -12,13 +12,11 @@
 //!    one return to the next: these neutral directions (the cycles form a continuous family) are
 //!    excluded from the map and counted instead of being mistaken for instability.
 //!
-//! At least one ball must revolve, and may stop on its way; the others may run, rest, or stick and slip.
+//! At least one ball must revolve without stopping; the others may run, rest, or stick and slip.
 
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::sync::Arc;
-
-use smallvec::SmallVec;
 
 use super::closed_orbit::{Orbit, REACH, Verdict, examine, least_returns};
 use super::lane_step::LaneStep;
@@ -70,8 +68,6 @@ struct Passage {
 pub(super) struct Passing<'a> {
     /// What marks the section.
     pub(super) mark: Mark,
-    /// Whether the contact had stopped on its way round.
-    pub(super) has_stopped: bool,
     /// Time and state of the passage.
     pub(super) passage: Option<(f64, Components)>,
     /// The contacts' phases in the step, before a switch at its end.
@@ -90,16 +86,10 @@ pub struct OrbitWatch {
     /// The maxima of positions that may mark the section of a system without contacts that go round.
     maxima: Vec<Mark>,
     passages: VecDeque<Passage>,
-    /// Whether that contact has stopped on its way to each of the passages.
-    stops: bool,
-    /// Whether each contact has stopped since it went round, and its latest speed.
-    stopped: SmallVec<[(bool, f64); 8]>,
-    /// Another contact that has gone round since that which marks the section has stopped, and its passage.
-    other: Option<(Mark, Passage)>,
     near_in_a_row: [usize; MOST_TURNS + 1],
     close_in_a_row: [usize; MOST_TURNS + 1],
-    /// The number of examinations, and the time of the next one, of orbits whose mark does not stop, and of those whose does.
-    looks: [(u32, f64); 2],
+    attempts: u32,
+    wait_until: f64,
     /// An unstable closed orbit that the run has approached, and the number of turns after which it
     /// appeared to close.
     unstable: Option<(usize, Box<Orbit>)>,
@@ -114,17 +104,15 @@ impl OrbitWatch {
     pub(super) fn of(settings: &Settings, view: Arc<SystemView>) -> Self {
         let Tolerance { relative, absolute } = settings.tolerance;
         OrbitWatch {
-            stopped: SmallVec::from_elem((false, 0.0), view.contacts.len()),
             maxima: if view.revolves() { Vec::new() } else { maxima(&view) },
             view,
             closure: 100.0 * (relative + absolute),
             mark: None,
-            other: None,
             passages: VecDeque::with_capacity(MOST_TURNS + 2),
             near_in_a_row: [0; MOST_TURNS + 1],
             close_in_a_row: [0; MOST_TURNS + 1],
-            looks: [(0, 0.0); 2],
-            stops: false,
+            attempts: 0,
+            wait_until: 0.0,
             unstable: None,
         }
     }
@@ -137,33 +125,40 @@ impl OrbitWatch {
         for contact in &self.view.contacts {
             end[contact.position] = within[contact.position];
         }
-        let (mark, has_stopped) = self.goes_round(motion.phases(), &end)?;
+        let mark = self.goes_round(motion.phases(), &end)?;
         let passage = motion.passage(mark.contact());
         let (phases, last_switches) = (motion.phases_during_step(), motion.last_switches());
-        let passing = Passing { mark, has_stopped, passage, phases, last_switches };
+        let passing = Passing { mark, passage, phases, last_switches };
         self.take_in(settings, passing)
     }
 
-    /// Returns the mark of a contact that has gone round in a step, if it marks the section or may do so, and whether the
-    /// contact had stopped on its way.
+    /// Returns the mark of a contact that has gone round in a step, if it marks the section or may do so.
     /// `phases` and `state` are those at the step's end, with angles not yet reduced to one turn.
-    pub(super) fn goes_round(&mut self, phases: &[Phase], state: &[f64]) -> Option<(Mark, bool)> {
-        let mut found: SmallVec<[(Mark, bool); 2]> = SmallVec::new();
-        for (contact, place) in self.view.contacts.iter().enumerate() {
-            let (stopped, before) = &mut self.stopped[contact];
-            let speed = self.view.speed(phases, state, contact);
-            *stopped |= *before * speed < 0.0 || phases[contact].in_band();
-            *before = speed;
-            let direction = if state[place.position] < 0.0 { -1.0 } else { 1.0 };
-            if place.angular && !(0.0..std::f64::consts::TAU).contains(&state[place.position]) {
-                found.push((Mark::Round { contact, direction }, std::mem::take(stopped)));
+    pub(super) fn goes_round(&mut self, phases: &[Phase], state: &[f64]) -> Option<Mark> {
+        let view = &self.view;
+        let speed = |contact: usize| view.speed(phases, state, contact);
+        let goes_on = |mark: &Mark| match *mark {
+            Mark::Round { contact, direction } => {
+                !phases[contact].in_band() && direction * speed(contact) > 0.0
             }
+            Mark::Maximum { .. } => true,
+        };
+        let round = |contact: usize| {
+            let place = view.contacts[contact];
+            let once = 0.0..std::f64::consts::TAU;
+            let has_gone_round = place.angular && !once.contains(&state[place.position]);
+            let mark = || Mark::Round { contact, direction: speed(contact).signum() };
+            has_gone_round.then(mark)
+        };
+        let own = self.mark.filter(goes_on);
+        let found = match own {
+            Some(own) => round(own.contact()),
+            None => (0..view.contacts.len()).find_map(round),
+        };
+        if own.is_none() && self.mark.is_some() {
+            self.restart();
         }
-        let Some(own) = self.mark.map(Mark::contact) else { return found.first().copied() };
-        let of_own = found.iter().find(|(mark, _)| mark.contact() == own);
-        // Another contact may take the place of one that has stopped.
-        let other = || found.first().filter(|_| self.stopped[own].0);
-        of_own.or_else(other).copied()
+        found
     }
 
     /// Returns the mark of the latest step and its passage, if the position of a contact was at a maximum in it and marks the
@@ -191,7 +186,7 @@ impl OrbitWatch {
     /// Adds the latest step of a motion. Returns the limit cycle
     /// that the run has been shown to be on.
     pub(super) fn take_in(&mut self, settings: &Settings, passing: Passing) -> Option<Orbit> {
-        let Passing { mark, has_stopped, passage, phases, last_switches } = passing;
+        let Passing { mark, passage, phases, last_switches } = passing;
         let Some((time, state)) = passage else {
             self.restart();
             return None;
@@ -199,29 +194,15 @@ impl OrbitWatch {
         let differences = [f64::INFINITY; MOST_TURNS + 1];
         let phases = Phases::from_slice(phases);
         let passage = Passage { time, state, phases, differences };
-        let other = self.other.take();
-        let is_other = self.mark.is_some_and(|own| own.contact() != mark.contact());
-        if is_other && has_stopped {
-            // It marks the section from its first turn on if the contact that has marked it does not go round before the second.
-            let Some((_, first)) = other.filter(|(other, _)| *other == mark) else {
-                self.other = Some((mark, passage));
-                return None;
-            };
-            self.restart();
-            self.record(mark, first);
-        } else if self.mark.is_some_and(|own| own != mark) || self.stops != has_stopped {
-            self.restart();
-        }
-        (self.mark, self.stops) = (Some(mark), has_stopped);
+        self.mark = Some(mark);
         let turns = self.record(mark, passage)?;
-        let (attempts, wait_until) = &mut self.looks[usize::from(has_stopped)];
-        if *attempts >= MOST_LOOKS || time < *wait_until {
+        if self.attempts >= MOST_LOOKS || time < self.wait_until {
             return None;
         }
-        *attempts += 1;
+        self.attempts += 1;
         // After an inconclusive examination the motion gets time to settle, longer each time.
         let looked_at = time - self.passages.front()?.time;
-        *wait_until = time + f64::from(1 << *attempts) * looked_at;
+        self.wait_until = time + f64::from(1 << self.attempts) * looked_at;
         let most_steps = MOST_STEPS_OF_A_LOOK;
         match self.examine(settings, (mark, turns), last_switches, (most_steps, false)) {
             Verdict::Stable(orbit) => return Some(orbit),
@@ -295,7 +276,6 @@ impl OrbitWatch {
 
     fn restart(&mut self) {
         self.mark = None;
-        self.other = None;
         self.passages.clear();
         self.near_in_a_row = [0; MOST_TURNS + 1];
         self.close_in_a_row = [0; MOST_TURNS + 1];

@@ -12,7 +12,7 @@ use super::period::Period;
 use super::section::Section;
 use super::system_view::SystemView;
 use crate::model::Components;
-use crate::motion::{Motion, PerContact, Phase, Settings};
+use crate::motion::{Motion, PerContact, Settings};
 
 /// The map from one passage of the section to a later one.
 #[derive(Clone, Copy)]
@@ -53,8 +53,8 @@ pub(super) struct FollowedStep<'a> {
 }
 
 impl ReturnMap<'_> {
-    /// Returns one return; `None` if a contact that should rest moves, or the motion
-    /// does not return.
+    /// Returns one return; `None` if a contact that should rest moves, or the marking contact stops
+    /// or does not return.
     pub(super) fn follow(&self, start: &[f64]) -> Option<Return> {
         self.go(start, &[], |_| {})
     }
@@ -154,8 +154,7 @@ impl ReturnMap<'_> {
         let mut passed = 0;
         let until = since + self.longest;
         while motion.time() < until {
-            let mut rests = self.section.rests.iter().zip(motion.phases());
-            if rests.any(|(rests, phase)| *rests && *phase != Phase::Stick) {
+            if !self.section.allows(motion.phases()) {
                 return None;
             }
             let whole_turns = self.whole_turns(motion);

@@ -131,6 +131,17 @@ impl Section {
         state[component] = value;
     }
 
+    /// Returns whether contacts may have these phases in a motion that comes back: those that rest stick, and a contact that
+    /// goes round does not stop.
+    pub(super) fn allows(&self, phases: &[Phase]) -> bool {
+        let mut rests = self.rests.iter().zip(phases);
+        let stops = match self.mark {
+            Mark::Round { contact, .. } => phases[contact].in_band(),
+            Mark::Maximum { .. } => false,
+        };
+        !stops && rests.all(|(rests, phase)| !rests || *phase == Phase::Stick)
+    }
+
     /// Returns time and state of a passage through the section in the latest step of a motion.
     pub(super) fn passage(&self, motion: &Motion) -> Option<(f64, Components)> {
         let (component, value) = self.marking;

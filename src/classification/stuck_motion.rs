@@ -242,10 +242,15 @@ impl StuckForms {
 
 impl RestForms for StuckForms {
     fn surely_rests(&self, state: &[f64]) -> bool {
-        self.motion(state).is_some_and(|motion| self.holds(&motion, state, 0.0))
+        // Without free components nothing changes any more, and the contacts stick.
+        self.free.is_empty()
+            || self.motion(state).is_some_and(|motion| self.holds(&motion, state, 0.0))
     }
 
     fn rests(&self, state: &[f64]) -> bool {
+        if self.free.is_empty() {
+            return true;
+        }
         let Some(motion) = self.motion(state) else { return false };
         let gaps = self.closed_gaps(state);
         let (displaced, push, residual) = self.displaced(&motion, state);
@@ -314,9 +319,6 @@ impl StuckMotion {
         push: f64,
         residual: &[[f64; 2]],
     ) -> bool {
-        if displaced.is_empty() {
-            return self.endures(gaps, 1.0, push, residual);
-        }
         let interval = FOLLOWED / (1.0 + self.matrix.norm());
         let step = (&self.matrix * interval).exp();
         for _ in 0..MOST_FOLLOWED {

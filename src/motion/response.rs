@@ -21,8 +21,8 @@ impl Evaluator {
     /// Returns for each of some gaps, by their numbers, the responses to a unit of its contact impulse and of its friction impulse.
     ///
     /// # Panics
-    /// Panics if the force in a gap or the acceleration of its contacts is no unknown of [`crate::model::Recorder::accelerations`]:
-    /// a system with such equations is a programming error.
+    /// Panics if the force in a gap is no unknown of [`crate::model::Recorder::accelerations`]: a system with such equations is
+    /// a programming error.
     pub fn responses(&self, state: &[Dual], touching: &[usize]) -> Vec<[Response; 2]> {
         let graph = self.graph();
         let gaps = self.system().touching().map_or(&[][..], |system| system.gaps());
@@ -34,7 +34,7 @@ impl Evaluator {
         let values = self.values_with::<Dual>(&inputs, false, |component| state[component]);
         let unknown = |node: NodeId| match graph.nodes[node as usize] {
             Node::Solution { solve, row } => (solve, row as usize),
-            _ => panic!("a gap needs a force and accelerations that are unknowns"),
+            _ => panic!("a gap needs a force that is an unknown"),
         };
         let forces: SmallVec<[usize; 8]> =
             graph.gaps.iter().map(|[_, force]| unknown(*force).1).collect();
@@ -50,17 +50,26 @@ impl Evaluator {
                 .iter()
                 .flat_map(|row| rows.iter().map(|column| entry(*row, *column)))
                 .collect();
-            let sides = gap.contacts.map(|contact| unknown(graph.contacts[contact][1]).1);
+            // A body whose acceleration is no unknown does not move.
+            let sides = gap.contacts.map(|contact| {
+                match graph.nodes[graph.contacts[contact][1] as usize] {
+                    Node::Solution { row, .. } => Some(row as usize),
+                    _ => None,
+                }
+            });
             let push = |row: usize| -entry(row, column);
-            let retard = |row: usize| match sides.map(|side| side == row) {
+            let retard = |row: usize| match sides.map(|side| side == Some(row)) {
                 [true, _] => Dual::constant(gap.lever) * push(row),
                 [_, true] => Dual::constant(-gap.lever) * push(row),
                 _ => Dual::constant(0.0),
             };
-            let answer = |contribution: &dyn Fn(usize) -> Dual| {
+            let answer = |of_force: f64, contribution: &dyn Fn(usize) -> Dual| {
                 let right: Unknowns<Dual> = rows.iter().map(|row| contribution(*row)).collect();
                 let accelerations = solved(entries.clone(), right);
                 let of_row = |row: u32| {
+                    if row as usize == column {
+                        return Some(Dual::constant(of_force));
+                    }
                     let place = rows.iter().position(|one| *one == row as usize)?;
                     Some(accelerations[place])
                 };
@@ -69,7 +78,7 @@ impl Evaluator {
                     _ => None,
                 })
             };
-            [answer(&push), answer(&retard)]
+            [answer(1.0, &push), answer(0.0, &retard)]
         };
         touching.iter().map(|gap| respond(&gaps[*gap], graph.gaps[*gap][1])).collect()
     }

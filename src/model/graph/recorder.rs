@@ -78,7 +78,7 @@ pub struct GapEquations<'r> {
     /// The second time derivative of its width.
     pub opening_acceleration: Expression<'r>,
     /// The force in it, compression positive; 0 while it is open. It is an unknown of [`Recorder::accelerations`], like the
-    /// accelerations of both contacts; impacts follow from its column.
+    /// accelerations of contacts that move; impacts follow from its column.
     pub force: Expression<'r>,
 }
 
