@@ -496,8 +496,11 @@ mod tests {
     #[test]
     fn balls_that_touch_hold_each_other() {
         let contact = BallContact::default();
+        let balls = [2e-3, 2e-4];
+        let balls =
+            balls.map(|friction_coefficient| Ball { friction_coefficient, ..Ball::default() });
         let machine = Machine {
-            balls: vec![Ball::default(); 2],
+            balls: balls.to_vec(),
             speed_rad_s: -216.3772,
             contact: Some(contact),
             ..Machine::default()

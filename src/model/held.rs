@@ -73,6 +73,14 @@ const STRENGTH_ACCURACY: f64 = 1e-12;
 /// Returns the smallest common factor on the coefficients of friction with which friction holds contacts, for some forces
 /// in gaps that are closed; infinite if none does.
 pub fn strength_that_holds(contacts: &[HeldContact], gaps: &[Gap]) -> f64 {
+    if gaps.is_empty() {
+        let needed = |contact: &HeldContact| match contact.limit * contact.normal {
+            _ if contact.friction == 0.0 => 0.0,
+            limit if limit > 0.0 => contact.friction.abs() / limit,
+            _ => f64::INFINITY,
+        };
+        return contacts.iter().map(needed).fold(0.0, f64::max);
+    }
     let holds = |strength: f64| {
         let weaker = |one: &HeldContact| HeldContact { limit: strength * one.limit, ..*one };
         let contacts: SmallVec<[HeldContact; 8]> = contacts.iter().map(weaker).collect();
@@ -90,6 +98,9 @@ pub fn strength_that_holds(contacts: &[HeldContact], gaps: &[Gap]) -> f64 {
     }
     while high - low > STRENGTH_ACCURACY * high {
         let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
         (low, high) = if holds(middle) { (low, middle) } else { (middle, high) };
     }
     high
