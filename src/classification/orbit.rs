@@ -39,9 +39,7 @@ const NEAR_RETURNS: usize = 3;
 const CLOSE_RETURNS: usize = 16;
 /// Largest distance of the latest passage from an earlier one, non-dimensional, at which the orbit of a run that would end
 /// undecided is examined.
-const NEAR_AT_END: f64 = 2e-2;
-/// Largest ratio of successive distances between passages at which the run approaches an orbit.
-const APPROACHES: f64 = 0.95;
+const NEAR_AT_END: f64 = 1e-2;
 /// An examination at the end of a run is not begun if it would take this many times the steps that it may take, at the mean
 /// rate of the run: it takes more, because its tolerances are finer.
 const HOPELESS: f64 = 1.25;
@@ -228,38 +226,15 @@ impl OrbitWatch {
         last_switches: &[f64],
         steps: u64,
     ) -> Option<Orbit> {
-        let (passage, before) = (self.passages.back()?, self.passages.len() - 1);
-        let earlier = |turns: usize| &self.passages[before - turns];
-        let closes = |turns: &usize| {
-            earlier(*turns).phases == passage.phases && passage.differences[*turns] <= NEAR_AT_END
-        };
-        let all = || (1..=MOST_TURNS.min(before)).filter(closes);
-        // The fewest turns after which the run comes nearer to its earlier passages. Without any, more turns must close better,
-        // because examining them costs more.
-        let approaches = |turns: &usize| {
-            passage.differences[*turns] < APPROACHES * earlier(*turns).differences[*turns]
-        };
-        let rank = |turns: &usize| passage.differences[*turns] * *turns as f64;
-        let best = || all().min_by(|one, other| rank(one).total_cmp(&rank(other)));
-        let first = all().find(approaches).or_else(best)?;
-        let second = best().filter(|turns| *turns != first);
-        [Some(first), second]
-            .into_iter()
-            .flatten()
-            .find_map(|turns| self.look_after(turns, settings, last_switches, steps))
-    }
-
-    /// Examines the orbit of a run at its end after a number of turns. Returns the limit cycle that the run has been shown to
-    /// approach.
-    fn look_after(
-        &self,
-        turns: usize,
-        settings: &Settings,
-        last_switches: &[f64],
-        steps: u64,
-    ) -> Option<Orbit> {
         let mark = self.mark?;
         let (passage, before) = (self.passages.back()?, self.passages.len() - 1);
+        let closes = |turns: &usize| self.passages[before - turns].phases == passage.phases;
+        // More turns must close better: examining them costs more.
+        let rank = |turns: &usize| passage.differences[*turns] * *turns as f64;
+        let turns = (1..=MOST_TURNS.min(before))
+            .filter(closes)
+            .min_by(|one, other| rank(one).total_cmp(&rank(other)))
+            .filter(|turns| passage.differences[*turns] <= NEAR_AT_END)?;
         // The steps of a return, if the run takes them at its mean rate.
         let period = passage.time - self.passages[before - turns].time;
         let of_return = steps as f64 * period / passage.time;
