@@ -157,12 +157,14 @@ fn blocks_have_the_limit_cycles_of_their_closed_form() {
         (words(&rows, "label"), numbers(&rows, "period_s"))
     });
     let [(labels, periods), others @ ..] = &found;
-    let cycles = labels.iter().filter(|label| label.as_deref() == Some("limit_cycle")).count();
-    assert!(cycles >= 20, "{labels:?}");
+    let is_cycle = |label: &Option<String>| label.as_deref() == Some("limit_cycle");
     for (other_labels, other_periods) in others {
-        assert_eq!(labels, other_labels);
-        for (one, other) in periods.iter().zip(other_periods) {
-            let [one, other] = [one, other].map(|period| period.unwrap_or_default());
+        let pairs = labels.iter().zip(other_labels).zip(periods.iter().zip(other_periods));
+        let both = pairs.filter(|((one, other), _)| is_cycle(one) && is_cycle(other));
+        let both: Vec<_> = both.map(|(_, periods)| periods).collect();
+        assert!(both.len() >= 15, "{labels:?} {other_labels:?}");
+        for (one, other) in both {
+            let [one, other] = [one, other].map(|period| period.expect("a cycle has a period"));
             assert!((one - other).abs() <= 1e-6 * one, "{one} {other}");
         }
     }
