@@ -218,8 +218,8 @@ impl OrbitWatch {
         closes.then_some(orbit)
     }
 
-    /// Examines the orbit of a run that ends otherwise undecided, from farther away than during the run, in at most
-    /// as many steps as the run has taken for each number of turns that is tried. Returns the limit cycle that the run has been shown to approach.
+    /// Examines the orbit of a run that ends otherwise undecided, from farther away than during the run, in at most as many
+    /// steps as the run has taken. Returns the limit cycle that the run has been shown to approach.
     pub(super) fn look_at_end(
         &self,
         settings: &Settings,

@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn the_ends_are_exact_in_either_order() {
-        let values = |text: &str| speeds(text).unwrap().values().collect::<Vec<f64>>();
+        let values = |text: &str| speeds(text).expect("a range").values().collect::<Vec<f64>>();
         assert_eq!(values("-150:-300:4"), [-150.0, -200.0, -250.0, -300.0]);
         assert_eq!(values("-300:-150:2"), [-300.0, -150.0]);
         assert_eq!(values("0.1:0.1:1"), [0.1]);
@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn times_ascend() {
-        let values = |text: &str| times(text).unwrap().values().collect::<Vec<f64>>();
+        let values = |text: &str| times(text).expect("a range").values().collect::<Vec<f64>>();
         assert_eq!(values("0:2:5"), [0.0, 0.5, 1.0, 1.5, 2.0]);
         assert_eq!(values("0.1:0.1:1"), [0.1]);
         let times = values("0.1:0.7:12345");

@@ -127,7 +127,7 @@ fn replays_are_their_rows() {
     }
 }
 
-/// More time decides runs of a chain, of which the program finds limit cycles.
+/// The program finds limit cycles of a chain, so that more time decides its runs.
 #[test]
 fn more_time_decides_runs_of_a_chain() {
     let (scratch, studies) = studies();

@@ -45,7 +45,7 @@ pub(crate) fn resolve_responses(
     written.into_iter().flatten().map(resolve).collect()
 }
 
-/// Returns the key of a response, what it measures, and of which amplitude.
+/// Returns the key of a response, its measure, and the amplitude that it measures.
 fn parts(file: &ResponseFile) -> (&'static str, Measure, Amplitude) {
     match *file {
         ResponseFile::AmplitudeMean(own) => ("amplitude_mean", Measure::Mean, own),
@@ -68,7 +68,7 @@ fn parts(file: &ResponseFile) -> (&'static str, Measure, Amplitude) {
     }
 }
 
-/// Returns what a response measures, and of which amplitude.
+/// Returns the measure of a response and the amplitude that it measures.
 fn quantity(
     study: &Study,
     path: &SourcePath<'_>,
