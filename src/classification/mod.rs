@@ -20,6 +20,7 @@ mod closed_orbit;
 mod creep;
 mod cycle;
 mod cycle_watch;
+mod derived_rest;
 mod extremes;
 mod follow;
 mod gap_sample;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::stuck_motion::StuckForms;
+use super::derived_rest::DerivedRest;
 use crate::model::{RestForms, System, wrap_to_two_pi};
 use crate::motion::{Evaluator, PerContact, Phase};
 
@@ -17,7 +17,7 @@ pub(super) struct SystemView {
     /// The displacement whose amplitude is measured, and its velocity, if the system has one.
     pub(super) vibration: Option<[usize; 4]>,
     /// The closed forms at rest of a system that has none of its own.
-    derived: Option<Arc<StuckForms>>,
+    derived: Option<Arc<DerivedRest>>,
 }
 
 /// The components of a contact.
@@ -54,7 +54,7 @@ impl SystemView {
             .and_then(|([x, y], velocity)| Some([x, y, *velocity.first()?, *velocity.get(1)?]));
         let mut view = SystemView { free, contacts, vibration, evaluator, derived: None };
         if view.system().rest_forms().is_none() {
-            view.derived = StuckForms::of(&view).map(Arc::new);
+            view.derived = DerivedRest::of(&view).map(Arc::new);
         }
         view
     }

@@ -1,0 +1,341 @@
+//! The rest of a system with all contacts stuck, derived from its recorded equations: whether any contact can ever break
+//! loose.
+//!
+//! With the positions of the contacts fixed, the equations of the other components of the state may be affine. Their
+//! coefficients give the motion ([`super::stuck_motion`]). A system whose equations are not affine, or whose free components
+//! are not damped, has no such certificate.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use nalgebra::{DMatrix, DVector};
+use smallvec::SmallVec;
+
+use super::stuck_motion::{AffineForce, Distance, StuckContact, StuckMotion};
+use super::system_view::SystemView;
+use crate::model::{
+    Degree, Dual, Gap, NodeId, RestAmplitude, RestForms, TOUCHING, strength_that_holds,
+};
+use crate::motion::{Evaluator, PerContact, Phase, Phases};
+
+/// The residual speeds of contacts in the band of the switch model decay as `e^-t`. Their effect on forces and rates, which is
+/// nearly in proportion to them, is bounded with this factor.
+const RESIDUAL: f64 = 2.0;
+
+/// The rest of a system whose equations with all contacts stuck are affine.
+#[derive(Debug)]
+pub(super) struct DerivedRest {
+    evaluator: Evaluator,
+    free: Vec<usize>,
+    positions: Vec<usize>,
+    speeds: Vec<usize>,
+    vibration: Option<[usize; 2]>,
+    /// The motion for the latest positions of the contacts.
+    latest: Mutex<Option<(PerContact, Option<Arc<StuckMotion>>)>>,
+}
+
+impl DerivedRest {
+    /// Returns the forms of a system, if its contacts can rest and its equations are affine.
+    pub(super) fn of(view: &SystemView) -> Option<Self> {
+        let graph = view.evaluator.graph();
+        let speeds: Option<Vec<usize>> =
+            view.contacts.iter().map(|contact| contact.speed).collect();
+        let forms = DerivedRest {
+            evaluator: view.evaluator.clone(),
+            free: view.free.clone(),
+            positions: view.contacts.iter().map(|contact| contact.position).collect(),
+            speeds: speeds?,
+            vibration: graph.layout.vibration,
+            latest: Mutex::default(),
+        };
+        // The structure of the equations is the same in all states but for coincidences.
+        let probe: Vec<f64> = (0..graph.derivative.len()).map(|i| 0.3 + 0.07 * i as f64).collect();
+        (graph.events.is_empty() && forms.is_affine(&forms.stopped(&probe))).then_some(forms)
+    }
+
+    fn phases(&self) -> Phases {
+        let graph = self.evaluator.graph();
+        let mut phases = Phases::from_elem(Phase::Stick, graph.contacts.len());
+        phases.resize(phases.len() + graph.gaps.len(), Phase::Open);
+        phases
+    }
+
+    /// Returns a state without the residual speeds of the contacts.
+    fn stopped(&self, state: &[f64]) -> Vec<f64> {
+        let mut stopped = state.to_vec();
+        self.speeds.iter().for_each(|speed| stopped[*speed] = 0.0);
+        stopped
+    }
+
+    /// Returns whether the free components have affine equations and the contacts affine forces, while they do not move.
+    fn is_affine(&self, state: &[f64]) -> bool {
+        let graph = self.evaluator.graph();
+        let values = self.evaluator.all_values(&self.phases(), |component| state[component]);
+        let degrees = graph.degrees(&values, |component| self.free.contains(&component));
+        let is = |node: NodeId, degree: Degree| degrees[node as usize] <= degree;
+        let stays = |position: &usize| {
+            let rate = graph.derivative[*position];
+            is(rate, Degree::Constant) && values[rate as usize] == 0.0
+        };
+        let forces = graph.contacts.iter().flat_map(|[.., normal, friction]| [*normal, *friction]);
+        self.positions.iter().all(stays)
+            && self
+                .free
+                .iter()
+                .map(|one| graph.derivative[*one])
+                .chain(forces)
+                .all(|node| is(node, Degree::Affine))
+    }
+
+    /// Returns the motion at the positions of the contacts in a state.
+    fn motion(&self, state: &[f64]) -> Option<Arc<StuckMotion>> {
+        let positions: PerContact = self.positions.iter().map(|one| state[*one]).collect();
+        // A panic while the motion is locked leaves it complete.
+        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, motion)) = &*latest
+            && *of == positions
+        {
+            return motion.clone();
+        }
+        let motion = self.derived(&self.stopped(state)).map(Arc::new);
+        *latest = Some((positions, motion.clone()));
+        motion
+    }
+
+    fn derived(&self, state: &[f64]) -> Option<StuckMotion> {
+        let graph = self.evaluator.graph();
+        let phases = self.phases();
+        let n = self.free.len();
+        let along = |direction: usize| {
+            let slope = |component| if component == direction { 1.0 } else { 0.0 };
+            let dual = |component: usize| Dual { value: state[component], slope: slope(component) };
+            self.evaluator.all_values(&phases, dual)
+        };
+        let columns: Vec<_> = self.free.iter().map(|component| along(*component)).collect();
+        let values = self.evaluator.all_values(&phases, |component| state[component]);
+        let gradient = |node: NodeId| {
+            DVector::from_iterator(n, columns.iter().map(|values| values[node as usize].slope))
+        };
+        let rates: Vec<NodeId> = self.free.iter().map(|one| graph.derivative[*one]).collect();
+        let rate = DVector::from_iterator(n, rates.iter().map(|node| values[*node as usize]));
+        let matrix = DMatrix::from_fn(n, n, |i, j| columns[j][rates[i] as usize].slope);
+        let to_rest = match n {
+            0 => rate,
+            _ => -matrix.clone().lu().solve(&rate)?,
+        };
+        let place = DVector::from_iterator(n, self.free.iter().map(|one| state[*one]));
+        let rest = place + &to_rest;
+        let distance = Distance::of(&matrix)?;
+        let force = |node: NodeId| {
+            let gradient = gradient(node);
+            let at_rest = values[node as usize] + gradient.dot(&to_rest);
+            AffineForce::new(at_rest, gradient, &matrix, &distance)
+        };
+        let contact = |(contact, [.., normal, friction]): (usize, &[NodeId; 4])| StuckContact {
+            friction: force(*friction),
+            normal: force(*normal),
+            limit: self.evaluator.system().friction(contact).limit,
+        };
+        let contacts = graph.contacts.iter().enumerate().map(contact).collect();
+        let measured = |component: usize| {
+            let free = self.free.iter().position(|one| *one == component);
+            free.map_or(state[component], |place| rest[place])
+        };
+        let amplitude = self.vibration.map_or(0.0, |[x, y]| measured(x).hypot(measured(y)));
+        Some(StuckMotion { matrix, rest, distance, contacts, amplitude })
+    }
+
+    /// Returns the gaps that are closed in a state.
+    fn closed_gaps(&self, state: &[f64]) -> Vec<Gap> {
+        let gaps = self.evaluator.system().touching().map_or(&[][..], |touching| touching.gaps());
+        let width = |gap: &Gap| gap.width(gap.contacts.map(|one| state[self.positions[one]]));
+        gaps.iter().filter(|gap| width(gap) <= TOUCHING).copied().collect()
+    }
+
+    /// Returns the place of the free components relative to the rest point, and a bound on the effect of residual speeds: on the
+    /// distance, and on the friction and the normal force of each contact.
+    fn displaced(
+        &self,
+        motion: &StuckMotion,
+        state: &[f64],
+    ) -> (DVector<f64>, f64, SmallVec<[[f64; 2]; 8]>) {
+        let n = self.free.len();
+        let displaced =
+            DVector::from_iterator(n, self.free.iter().map(|one| state[*one])) - &motion.rest;
+        let contacts = self.evaluator.graph().contacts.len();
+        if self.speeds.iter().all(|speed| state[*speed] == 0.0) {
+            return (displaced, 0.0, SmallVec::from_elem([0.0; 2], contacts));
+        }
+        let (phases, stopped) = (self.phases(), self.stopped(state));
+        let [with, without] = [state, &stopped].map(|state| self.evaluator.rates(&phases, state));
+        let pushed =
+            DVector::from_iterator(n, self.free.iter().map(|one| with[*one] - without[*one]));
+        let [with, without] = [state, &stopped].map(|state| self.evaluator.forces(&phases, state));
+        let differ = with.iter().zip(&without).map(|(with, without)| {
+            let [friction, normal] =
+                [with.friction - without.friction, with.normal - without.normal];
+            [friction, normal].map(|change| RESIDUAL * change.abs())
+        });
+        (displaced, RESIDUAL * motion.distance.size(&pushed), differ.collect())
+    }
+
+    /// Returns whether friction holds all contacts for all later times, with coefficients of friction that are larger by a
+    /// fraction.
+    fn holds(&self, motion: &StuckMotion, state: &[f64], excess: f64) -> bool {
+        let (displaced, push, residual) = self.displaced(motion, state);
+        let distance = motion.distance.size(&displaced) + push;
+        motion.endures(&self.closed_gaps(state), 1.0 + excess, distance, &residual)
+    }
+}
+
+impl RestForms for DerivedRest {
+    fn surely_rests(&self, state: &[f64]) -> bool {
+        // Without free components nothing changes any more, and the contacts stick.
+        self.free.is_empty()
+            || self.motion(state).is_some_and(|motion| self.holds(&motion, state, 0.0))
+    }
+
+    fn rests(&self, state: &[f64]) -> bool {
+        if self.free.is_empty() {
+            return true;
+        }
+        let Some(motion) = self.motion(state) else { return false };
+        let gaps = self.closed_gaps(state);
+        let (displaced, push, residual) = self.displaced(&motion, state);
+        motion.endures(&gaps, 1.0, 0.0, &residual)
+            && motion.followed_to_rest(&gaps, displaced, push, &residual)
+    }
+
+    fn at_rest(&self, state: &[f64]) -> RestAmplitude {
+        let Some(motion) = self.motion(state) else {
+            return RestAmplitude { amplitude: f64::NAN, friction_margin: f64::NAN };
+        };
+        let contacts = motion.held_contacts(1.0, AffineForce::at_rest);
+        let needed = strength_that_holds(&contacts, &self.closed_gaps(state));
+        // On the very edge of the set only the slack of the conditions is missing.
+        RestAmplitude { amplitude: motion.amplitude, friction_margin: (1.0 - needed).max(0.0) }
+    }
+
+    /// Contacts creep only against a drag: without one, the forces on them do not depend on their speeds.
+    fn nearly_rests(&self, state: &[f64], excess: f64) -> bool {
+        let system = self.evaluator.system();
+        let drags = |contact| system.friction(contact).damping_rate(1.0) > 0.0;
+        (!self.free.is_empty() || (0..system.contacts()).any(drags))
+            && self.motion(state).is_some_and(|motion| self.holds(&motion, state, excess))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::DerivedRest;
+    use crate::classification::system_view::SystemView;
+    use crate::model::{
+        Balancer, Ball, BallContact, BallsInContact, Machine, Method, RestForms, System,
+    };
+    use crate::motion::{Evaluator, Motion, Settings, Tolerance, all_stick};
+
+    /// The derived forms equal the closed forms of the balancer, certify nearly as many states, and no state that moves.
+    #[test]
+    fn the_balancer_s_closed_forms_follow_from_its_equations() {
+        let balls = [1.4e-4, 2.5e-4].map(|mass_kg| Ball { mass_kg, ..Ball::default() });
+        let machine = Machine { balls: balls.to_vec(), ring_runout_m: 5e-5, ..Machine::default() };
+        let balancer = Balancer::<2>::new(&machine).expect("two balls");
+        let system: Arc<dyn System> = Arc::new(balancer);
+        let view = SystemView::new(Evaluator::new(Arc::clone(&system)));
+        let derived = DerivedRest::of(&view).expect("affine equations");
+        let mut draws = ChaCha8Rng::seed_from_u64(45);
+        let (mut by_both, mut by_one) = ([0; 2], [0; 2]);
+        for _ in 0..4000 {
+            let beta = [(); 2].map(|()| std::f64::consts::TAU * draws.random::<f64>());
+            let rest = balancer.rest_point(&beta);
+            let away = 10_f64.powf(-2.0 - 6.0 * draws.random::<f64>());
+            let [x, y, x_dot, y_dot] = [(); 4].map(|()| away * (draws.random::<f64>() - 0.5));
+            let state = [
+                rest.position[0] + x,
+                rest.position[1] + y,
+                x_dot,
+                y_dot,
+                beta[0],
+                beta[1],
+                0.0,
+                0.0,
+            ];
+            let [one, other] = [balancer.at_rest(&state), derived.at_rest(&state)];
+            assert!((one.amplitude - other.amplitude).abs() < 1e-12);
+            let margin = one.friction_margin.max(0.0);
+            let scale =
+                1.0 + rest.friction.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
+            assert!(
+                (margin - other.friction_margin).abs()
+                    < 1e-12 * scale / balancer.balls[0].friction.limit,
+                "{one:?} {other:?}"
+            );
+            for (place, [own, derived]) in [
+                [balancer.surely_rests(&state), derived.surely_rests(&state)],
+                [balancer.rests(&state), derived.rests(&state)],
+            ]
+            .into_iter()
+            .enumerate()
+            {
+                by_both[place] += u32::from(own && derived);
+                by_one[place] += u32::from(own != derived);
+                if derived && by_one[0] + by_one[1] < 40 {
+                    let tolerance = Tolerance { relative: 1e-10, absolute: 1e-12 };
+                    let settings = Settings {
+                        method: Method::Event,
+                        band: 0.0,
+                        tolerance,
+                        effort_limit: 100_000,
+                    };
+                    let mut motion = Motion::new(&system, settings, &state).expect("starts");
+                    while motion.time() < 20.0 {
+                        motion.advance(20.0).expect("continues");
+                        assert!(all_stick(motion.phases()), "{state:?}");
+                    }
+                }
+            }
+        }
+        assert!(by_both[0] > 100 && by_both[1] > by_both[0], "{by_both:?}");
+        assert!(
+            by_one[0] < by_both[0] / 4 && by_one[1] < by_both[1] / 20,
+            "{by_one:?} {by_both:?}"
+        );
+    }
+    /// Balls that touch hold each other, as in the closed form.
+    #[test]
+    fn balls_that_touch_hold_each_other() {
+        let contact = BallContact::default();
+        let balls = [2e-3, 2e-4];
+        let balls =
+            balls.map(|friction_coefficient| Ball { friction_coefficient, ..Ball::default() });
+        let machine = Machine {
+            balls: balls.to_vec(),
+            speed_rad_s: -216.3772,
+            contact: Some(contact),
+            ..Machine::default()
+        };
+        let apart = machine.contact_angle_rad(&machine.balls[0], &machine.balls[1]);
+        let own =
+            BallsInContact::<2>::new(&machine, &contact, &[1.0, 1.0 + apart]).expect("two balls");
+        let view = SystemView::new(Evaluator::new(Arc::new(own.clone())));
+        let derived = DerivedRest::of(&view).expect("affine equations");
+        let (mut rest, mut helped) = (0, 0);
+        for k in 0..2000 {
+            let behind = std::f64::consts::TAU * f64::from(k) / 2000.0;
+            let beta = [behind, behind + apart];
+            let [x, y] = own.balancer.rest_point(&beta).position;
+            let state = [x, y, 0.0, 0.0, beta[0], beta[1], 0.0, 0.0];
+            let [one, other] = [own.at_rest(&state), derived.at_rest(&state)];
+            let margin = one.friction_margin.max(0.0);
+            assert!((margin - other.friction_margin).abs() < 1e-9, "{one:?} {other:?}");
+            assert_eq!(own.rests(&state), derived.rests(&state), "{beta:?}");
+            rest += i32::from(derived.rests(&state));
+            helped += i32::from(derived.rests(&state) && !own.balancer.rests(&state));
+        }
+        assert!(rest > helped && helped > 0, "{rest} {helped}");
+    }
+}
