@@ -13,6 +13,7 @@ use super::return_map::{Return, ReturnMap};
 use super::section::{Mark, Section};
 use super::system_view::ContactPlace;
 use crate::model::Components;
+use crate::motion::Phases;
 
 /// Largest distance of the closed orbit from the run, non-dimensional.
 pub(super) const REACH: f64 = 1e-2;
@@ -33,6 +34,9 @@ const SPELL: usize = 10;
 /// reduction.
 const RETURNS: i32 = 20;
 const NEARER: (f64, f64) = (0.1, 0.8);
+/// Multiple of the tolerances of the return map with which a run is followed on its approach: distances need fewer digits
+/// than the orbit.
+const COARSER: f64 = 100.0;
 /// The least number of returns in each half of those in which a run has approached an orbit.
 const LEAST_APPROACHED: usize = 4;
 /// Distance from the unit circle below which a multiplier does not decide the stability, because
@@ -88,10 +92,13 @@ struct Closed<'a> {
     slope: DMatrix<f64>,
 }
 
-/// Refines the orbit near the latest of the states `passed`, in which a run has passed through the section, and classifies
-/// it. An orbit counts as closed if its closing error is at most `closure`; the refinement aims for less.
-pub(super) fn examine(map: ReturnMap, passed: &[&Components], closure: f64) -> Option<Verdict> {
-    let run = passed.last()?;
+/// Phases and state of a run at a passage through the section.
+pub(super) type Passed<'a> = (&'a Phases, &'a Components);
+
+/// Refines the orbit near the latest passage of a run, the first one of `passed`, and classifies it. An orbit counts as
+/// closed if its closing error is at most `closure`; the refinement aims for less.
+pub(super) fn examine(map: ReturnMap, passed: &[Passed], closure: f64) -> Option<Verdict> {
+    let (_, run) = passed.first()?;
     let closed = in_fewest_turns(shoot(map, run, closure)?, closure);
     let multipliers = moduli(closed.slope.clone())?;
     let (end, period) = closed.map.follow_closely(&closed.state)?;
@@ -189,11 +196,15 @@ fn in_fewest_turns(closed: Closed, closure: f64) -> Closed {
 /// Returns whether the run has approached the orbit in its latest returns, for which its motion need not be followed further:
 /// in the later half of them, the greatest distance is smaller than in the earlier half, by a part of what the largest
 /// multiplier gives.
-fn has_attracted(closed: &Closed, passed: &[&Components], largest_multiplier: f64) -> bool {
-    let distance = |state: &&Components| closed.map.section.difference(state, &closed.state).amax();
-    let distances: Vec<f64> = passed.iter().map(distance).collect();
+fn has_attracted(closed: &Closed, passed: &[Passed], largest_multiplier: f64) -> bool {
+    let Closed { map, state: orbit, .. } = closed;
+    let returns = passed.iter().step_by(map.turns);
+    let distances: Vec<f64> = returns
+        .take_while(|(phases, _)| **phases == map.section.phases)
+        .map(|(_, state)| map.section.difference(state, orbit).amax())
+        .collect();
     let half = distances.len() / 2;
-    let [earlier, later] = [&distances[..half], &distances[distances.len() - half..]]
+    let [later, earlier] = [&distances[..half], &distances[distances.len() - half..]]
         .map(|distances| distances.iter().copied().fold(0.0, f64::max));
     let nearer = largest_multiplier.powf(0.5 * half as f64).clamp(NEARER.0, NEARER.1);
     half >= LEAST_APPROACHED && later <= nearer * earlier
@@ -203,7 +214,9 @@ fn has_attracted(closed: &Closed, passed: &[&Components], largest_multiplier: f6
 /// may have a small basin; and a run in which a ball slowly swings about its place in the orbit,
 /// sticking at every turn, may never approach it.
 fn attracts(closed: &Closed, run: &[f64], largest_multiplier: f64, closure: f64) -> bool {
-    let map = &closed.map;
+    let mut map = closed.map;
+    map.settings.tolerance.relative *= COARSER;
+    map.settings.tolerance.absolute *= COARSER;
     let nearer = largest_multiplier.powi(RETURNS).clamp(NEARER.0, NEARER.1);
     let (mut first, mut spell) = (0.0_f64, Vec::with_capacity(SPELL));
     let mut returns = 0;
@@ -231,7 +244,7 @@ fn orbit(closed: &Closed, end: &Return, period: Period, multipliers: Vec<f64>) -
     let turned: Vec<f64> = contacts
         .clone()
         .map(|(index, contact)| match section.mark {
-            Mark::Round { contact, direction } if contact == index => {
+            Mark::Round { contact, direction, may_stop: false } if contact == index => {
                 direction * turns as f64 * std::f64::consts::TAU
             }
             _ => end.state[contact.position] - closed.state[contact.position],

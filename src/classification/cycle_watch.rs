@@ -5,8 +5,9 @@ use std::sync::Arc;
 use super::block_cycle::BreakAwayWatch;
 use super::extremes::Passed;
 use super::lane_step::LaneStep;
-use super::orbit::{OrbitWatch, Passing, maxima};
+use super::orbit::OrbitWatch;
 use super::run_outcome::Ending;
+use super::section::maxima;
 use super::system_view::SystemView;
 use crate::model::{Endings, Model};
 use crate::motion::{Evaluator, Settings};
@@ -49,7 +50,7 @@ impl CycleWatch {
     pub(super) fn new(endings: Endings, settings: &Settings, view: &Arc<SystemView>) -> Self {
         match endings {
             Endings::All if view.revolves() || has_orbits(view) => {
-                CycleWatch::Orbits(Box::new(OrbitWatch::of(settings, Arc::clone(view))))
+                CycleWatch::Orbits(Box::new(OrbitWatch::new(settings, Arc::clone(view))))
             }
             Endings::All if BreakAwayWatch::suits(view) => {
                 CycleWatch::BreakAways(BreakAwayWatch::default())
@@ -98,15 +99,7 @@ impl CycleWatch {
             }
             CycleWatch::Orbits(watch) => watch,
         };
-        let (mark, passage) = if watch.marks_maxima() {
-            let (mark, passage) = watch.maximum(step)?;
-            (mark, Some(passage))
-        } else {
-            let mark = watch.goes_round(step.phases(), &step.end())?;
-            (mark, step.group.passage(step.lane, mark.contact()))
-        };
-        let (phases, last_switches) = (step.during(), step.group.last_switches(step.lane));
-        let orbit = watch.take_in(settings, Passing { mark, passage, phases, last_switches })?;
+        let orbit = watch.closes(settings, step)?;
         Some(Ending::Orbit(Box::new(orbit)))
     }
 }

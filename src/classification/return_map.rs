@@ -14,6 +14,9 @@ use super::system_view::SystemView;
 use crate::model::Components;
 use crate::motion::{Motion, PerContact, Settings};
 
+/// Part of the longest time of a return within which a passage through the section is that of the start.
+const AT_ONCE: f64 = 1e-9;
+
 /// The map from one passage of the section to a later one.
 #[derive(Clone, Copy)]
 pub(super) struct ReturnMap<'a> {
@@ -159,7 +162,9 @@ impl ReturnMap<'_> {
             }
             let whole_turns = self.whole_turns(motion);
             motion.advance(until).ok()?;
-            let passage = self.section.passage(motion);
+            // A motion that starts on the section to rounding may pass through it at once.
+            let later = since + AT_ONCE * self.longest;
+            let passage = self.section.passage(motion).filter(|(time, _)| *time > later);
             passed += usize::from(passage.is_some());
             let Some((time, mut state)) = passage.filter(|_| passed == self.turns) else {
                 watch(&mut FollowedStep { motion, whole_turns, end: None });

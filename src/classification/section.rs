@@ -14,13 +14,13 @@ use smallvec::{SmallVec, smallvec};
 
 use super::system_view::{ContactPlace, SystemView};
 use crate::model::{Components, wrap_to_pi};
-use crate::motion::{Motion, Phase, Phases};
+use crate::motion::{Direction, Motion, Phase, Phases};
 
 /// What marks a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Mark {
-    /// A contact passes through the angle 0 in this direction.
-    Round { contact: usize, direction: f64 },
+    /// A contact passes through the angle 0 in this direction, and may stop and turn back on its way, or not.
+    Round { contact: usize, direction: f64, may_stop: bool },
     /// The position of a contact is at a maximum, where its sliding speed falls through this one.
     Maximum { contact: usize, speed: f64 },
 }
@@ -132,12 +132,12 @@ impl Section {
     }
 
     /// Returns whether contacts may have these phases in a motion that comes back: those that rest stick, and a contact that
-    /// goes round does not stop.
+    /// goes round without stopping does not stop.
     pub(super) fn allows(&self, phases: &[Phase]) -> bool {
         let mut rests = self.rests.iter().zip(phases);
         let stops = match self.mark {
-            Mark::Round { contact, .. } => phases[contact].in_band(),
-            Mark::Maximum { .. } => false,
+            Mark::Round { contact, may_stop: false, .. } => phases[contact].in_band(),
+            Mark::Round { .. } | Mark::Maximum { .. } => false,
         };
         !stops && rests.all(|(rests, phase)| !rests || *phase == Phase::Stick)
     }
@@ -146,7 +146,9 @@ impl Section {
     pub(super) fn passage(&self, motion: &Motion) -> Option<(f64, Components)> {
         let (component, value) = self.marking;
         match self.mark {
-            Mark::Round { contact, .. } => motion.passage(contact),
+            Mark::Round { contact, direction, .. } => motion
+                .passage(contact)
+                .filter(|(_, state)| direction * motion.evaluator().speeds(state)[contact] > 0.0),
             Mark::Maximum { .. } => motion.falls_through_zero(|state| state[component] - value),
         }
     }
@@ -182,4 +184,25 @@ impl Section {
         }
         difference
     }
+}
+
+/// Returns the marks at the maxima of positions. The contact must slip there: the speed of its position differs from its
+/// sliding speed, always by the same amount, as on a belt.
+pub(super) fn maxima(view: &SystemView) -> Vec<Mark> {
+    let phases = Phases::from_elem(Phase::Slip(Direction::Forward), view.contacts.len());
+    let gaps = view.evaluator.graph().gaps.len();
+    let phases: Phases = phases.into_iter().chain((0..gaps).map(|_| Phase::Open)).collect();
+    let probe = |scale: f64| -> Vec<f64> {
+        (0..view.dimension()).map(|component| scale * (0.3 + 0.07 * component as f64)).collect()
+    };
+    let mark = |(contact, place): (usize, &ContactPlace)| {
+        let component = place.speed?;
+        let [one, other] = [1.0, -0.5].map(|scale| {
+            let state = probe(scale);
+            state[component] - view.evaluator.rates(&phases, &state)[place.position]
+        });
+        let same = (one - other).abs() <= 1e-12 * one.abs();
+        (same && one != 0.0).then_some(Mark::Maximum { contact, speed: one })
+    };
+    view.contacts.iter().enumerate().filter_map(mark).collect()
 }

@@ -135,6 +135,15 @@ impl SystemView {
         }
     }
 
+    /// Returns the direction in which a contact has completed a turn in a step, at the end of which the state, with angles not
+    /// yet reduced to one turn, is this one; `None` if it has not.
+    pub(super) fn completes_turn(&self, state: &[f64], contact: usize) -> Option<f64> {
+        let place = self.contacts[contact];
+        let angle = state[place.position];
+        let completes = place.angular && !(0.0..std::f64::consts::TAU).contains(&angle);
+        completes.then_some(if angle < 0.0 { -1.0 } else { 1.0 })
+    }
+
     /// Returns the rate of change of the sliding speed of a contact.
     pub(super) fn acceleration(&self, phases: &[Phase], state: &[f64], contact: usize) -> f64 {
         match self.contacts[contact].speed {

@@ -1,0 +1,206 @@
+//! The latest passages of a run through the section that a contact marks, and the number of turns after which its orbit
+//! appears to close.
+
+use std::collections::VecDeque;
+
+use super::closed_orbit::{Orbit, REACH};
+use super::section::{Mark, Section};
+use super::system_view::SystemView;
+use crate::model::{Components, wrap_to_pi};
+use crate::motion::{Phase, Phases};
+
+/// Maximum number of turns of the marking contact after which an orbit may close.
+pub(super) const MOST_TURNS: usize = 12;
+/// Largest distance of a near return from an earlier passage, non-dimensional, times the number of
+/// turns: examining a longer orbit costs more.
+const NEAR: f64 = 1e-3;
+/// Number of successive returns that must be near.
+const NEAR_RETURNS: usize = 3;
+/// Number of successive returns that must be near if they do not approach monotonically: an orbit
+/// may be approached in a spiral.
+const CLOSE_RETURNS: usize = 16;
+/// Largest distance of the latest passage from an earlier one, non-dimensional, at which the orbit of a run that would end
+/// undecided is examined.
+const NEAR_AT_END: f64 = 1e-2;
+/// Largest ratio of two successive distances of a run that comes nearer and nearer to itself.
+const APPROACHES: f64 = 0.98;
+
+/// Distance above which another value makes no difference: the greatest number of turns times the largest distance.
+const FAR: f64 = MOST_TURNS as f64 * NEAR_AT_END;
+
+fn near(turns: usize) -> f64 {
+    NEAR / turns as f64
+}
+
+/// A passage through the section.
+#[derive(Clone, Debug)]
+pub(super) struct Passage {
+    pub(super) time: f64,
+    pub(super) state: Components,
+    pub(super) phases: Phases,
+    /// Distance from the passage `turns` turns earlier.
+    differences: [f64; MOST_TURNS + 1],
+}
+
+impl Passage {
+    /// Creates a passage in a step with these phases.
+    pub(super) fn new((time, state): (f64, Components), phases: &[Phase]) -> Self {
+        let differences = [f64::INFINITY; MOST_TURNS + 1];
+        Passage { time, state, phases: Phases::from_slice(phases), differences }
+    }
+}
+
+/// The latest passages through one section.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Passages {
+    /// What marks the section, once it is known.
+    pub(super) mark: Option<Mark>,
+    latest: VecDeque<Passage>,
+    near_in_a_row: [usize; MOST_TURNS + 1],
+    close_in_a_row: [usize; MOST_TURNS + 1],
+    /// An unstable closed orbit that the run has approached, and the number of turns after which it
+    /// appeared to close.
+    pub(super) unstable: Option<(usize, Box<Orbit>)>,
+}
+
+impl Passages {
+    /// Forgets all passages.
+    pub(super) fn restart(&mut self) {
+        let latest = std::mem::take(&mut self.latest);
+        *self = Passages { latest, ..Passages::default() };
+        self.latest.clear();
+    }
+
+    /// Returns whether the run has come back to the section.
+    pub(super) fn has_returned(&self) -> bool {
+        self.count() > 1
+    }
+
+    /// Returns the number of passages.
+    pub(super) fn count(&self) -> usize {
+        self.latest.len()
+    }
+
+    /// Returns the passage some turns before the latest one.
+    pub(super) fn before(&self, turns: usize) -> Option<&Passage> {
+        self.latest.iter().nth_back(turns)
+    }
+
+    /// Returns the passages, the latest one first.
+    pub(super) fn backwards(&self) -> impl Iterator<Item = &Passage> {
+        self.latest.iter().rev()
+    }
+
+    /// Returns the time since the earliest of the passages.
+    pub(super) fn looked_at(&self) -> f64 {
+        let time = |passage: Option<&Passage>| passage.map_or(0.0, |passage| passage.time);
+        time(self.latest.back()) - time(self.latest.front())
+    }
+
+    /// Records a passage. Returns the least number of turns after which the orbit appears to close:
+    /// several successive returns are near, and nearer than an earlier return or as near as the
+    /// tolerances allow; or many are near.
+    pub(super) fn record(
+        &mut self,
+        (view, closure): (&SystemView, f64),
+        mark: Mark,
+        mut passage: Passage,
+    ) -> Option<usize> {
+        self.mark = Some(mark);
+        let mut closing = None;
+        for turns in 1..=MOST_TURNS.min(self.latest.len()) {
+            let earlier = &self.latest[self.latest.len() - turns];
+            let distance = difference(view, earlier, &passage, mark);
+            passage.differences[turns] = distance;
+            let before = earlier.differences[turns];
+            // If the approach is so slow that the limit of its geometric series is out of reach,
+            // the returns drift.
+            let in_reach = distance * distance <= REACH * (before - distance);
+            let approaches = distance < before && in_reach || distance <= closure;
+            let close = earlier.phases == passage.phases && distance <= near(turns);
+            let one_more = |before: usize, is: bool| if is { before + 1 } else { 0 };
+            let (near_in_a_row, close_in_a_row) =
+                (&mut self.near_in_a_row[turns], &mut self.close_in_a_row[turns]);
+            *near_in_a_row = one_more(*near_in_a_row, close && approaches);
+            *close_in_a_row = one_more(*close_in_a_row, close);
+            let closes = *near_in_a_row >= NEAR_RETURNS.max(turns)
+                || *close_in_a_row >= CLOSE_RETURNS.max(4 * turns);
+            if closes && closing.is_none() {
+                closing = Some(turns);
+            }
+        }
+        if self.latest.len() > MOST_TURNS {
+            self.latest.pop_front();
+        }
+        self.latest.push_back(passage);
+        closing
+    }
+
+    /// Returns the unstable orbit on which the run nearly closes at its latest passage: only a
+    /// symmetry or too short a run has prevented its departure.
+    pub(super) fn unstable_orbit(&self) -> Option<&Orbit> {
+        let (turns, orbit) = self.unstable.as_ref()?;
+        let closes = self.latest.back()?.differences[*turns] <= near(*turns);
+        closes.then_some(orbit)
+    }
+
+    /// Returns the number of turns after which the orbit of a run that ends nearly closes, and the distance times this number:
+    /// more turns must close better, because examining them costs more. If the contact may stop, the fewest turns are taken
+    /// after which the run comes nearer and nearer to itself.
+    pub(super) fn closes_at_end(&self) -> Option<(usize, f64)> {
+        let passage = self.latest.back()?;
+        let rank = |turns: usize| passage.differences[turns] * turns as f64;
+        let closing = || {
+            (1..=MOST_TURNS).filter_map(|turns| {
+                let earlier = self.before(turns)?;
+                (earlier.phases == passage.phases).then_some((turns, earlier))
+            })
+        };
+        let may_stop = matches!(self.mark, Some(Mark::Round { may_stop: true, .. }));
+        let nearer = |(turns, earlier): &(usize, &Passage)| {
+            let distance = passage.differences[*turns];
+            distance <= NEAR_AT_END && distance < APPROACHES * earlier.differences[*turns]
+        };
+        let best = || closing().min_by(|(one, _), (other, _)| rank(*one).total_cmp(&rank(*other)));
+        let (turns, _) = closing().find(|closing| may_stop && nearer(closing)).or_else(best)?;
+        (passage.differences[turns] <= NEAR_AT_END).then_some((turns, rank(turns)))
+    }
+
+    /// Returns the section of an orbit that appears to close after this number of turns; `last_switches` are the times at
+    /// which the contacts last changed their phases.
+    pub(super) fn section(
+        &self,
+        view: &SystemView,
+        turns: usize,
+        last_switches: &[f64],
+    ) -> Option<Section> {
+        let (passage, earlier) = (self.latest.back()?, self.before(turns)?.time);
+        let rests = passage.phases.iter().zip(last_switches).take(view.contacts.len());
+        let rests = rests.map(|(phase, last)| *phase == Phase::Stick && *last < earlier).collect();
+        Some(Section::new(view, self.mark?, &passage.phases, rests))
+    }
+}
+
+/// Returns the largest difference of two passages, angles modulo 2π, or any difference above [`FAR`]. The residual speed of a
+/// sticking ball does not count.
+fn difference(view: &SystemView, a: &Passage, b: &Passage, mark: Mark) -> f64 {
+    let (marking, _) = mark.component(view);
+    let change = |place: usize| a.state[place] - b.state[place];
+    let mut largest: f64 = 0.0;
+    for (contact, phase) in view.contacts.iter().zip(&a.phases) {
+        if contact.position != marking {
+            let change = change(contact.position);
+            let change = if contact.angular { wrap_to_pi(change) } else { change };
+            largest = largest.max(change.abs());
+        }
+        if *phase != Phase::Stick
+            && let Some(speed) = contact.speed.filter(|speed| *speed != marking)
+        {
+            largest = largest.max(change(speed).abs());
+        }
+        if largest > FAR {
+            return largest;
+        }
+    }
+    view.free.iter().fold(largest, |largest, place| largest.max(change(*place).abs()))
+}
