@@ -9,8 +9,8 @@ use nalgebra::{DMatrix, Dyn, LU, Schur};
 
 use super::cycle::{CyclePhase, TouchingPair};
 use super::period::Period;
-use super::return_map::{Return, ReturnMap};
-use super::section::{Mark, Section};
+use super::return_map::{Return, ReturnMap, cost_of_a_step};
+use super::section::Mark;
 use super::system_view::ContactPlace;
 use crate::model::Components;
 use crate::motion::Phases;
@@ -113,12 +113,6 @@ pub(super) fn examine(map: ReturnMap, passed: &[Passed], closure: f64) -> Option
     Some(if is_stable { Verdict::Stable(orbit) } else { Verdict::Open })
 }
 
-/// Returns the number of returns that the search for an orbit counts at least, after the first derivative: a return, and
-/// the derivative at the end.
-pub(super) fn least_returns(section: &Section) -> u64 {
-    2 + section.directions().len() as u64
-}
-
 /// Finds a fixed point of the return map by Newton's method. The derivative is reused while the
 /// iteration converges quickly, because the map has kinks near an orbit on which a ball barely
 /// sticks.
@@ -156,9 +150,9 @@ fn shoot<'a>(map: ReturnMap<'a>, run: &[f64], closure: f64) -> Option<Closed<'a>
                 Some(slope) => slope,
                 None => map.follow_with_slope(&start)?.1,
             };
-            // A return and the derivative at the end are the least that can follow.
-            let most = end.steps * least_returns(map.section);
-            let is_hopeless = || most > map.steps_left.get() || map.only_stable && expands(&slope);
+            // A return and the derivative at the end follow at least.
+            let least = end.steps * (1 + cost_of_a_step(centre.len()));
+            let is_hopeless = || least > map.steps_left.get() || map.only_stable && expands(&slope);
             if newton.is_none() && is_hopeless() {
                 return None;
             }

@@ -18,7 +18,7 @@
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
-use super::closed_orbit::{Orbit, Verdict, examine, least_returns};
+use super::closed_orbit::{Orbit, Verdict, examine};
 use super::lane_step::LaneStep;
 use super::passages::{Passage, Passages};
 use super::return_map::ReturnMap;
@@ -28,9 +28,8 @@ use super::system_view::SystemView;
 use crate::model::Components;
 use crate::motion::{Phase, Phases, Settings, Tolerance};
 
-/// An examination at the end of a run is not begun if it would take this many times the steps that it may take, at the mean
-/// rate of the run: it takes more, because its tolerances are finer.
-const HOPELESS: f64 = 1.25;
+/// The least number of returns that a run takes in all its time if its orbit is examined at its end.
+const LEAST_RETURNS: f64 = 14.0;
 /// The number of passages of a contact that has not stopped above which the section is that of this contact.
 const LASTING: usize = 2;
 /// Largest closing error of an examined orbit, for any tolerances of the run, because the orbit is
@@ -214,12 +213,8 @@ impl OrbitWatch {
             self.at_end().filter_map(|passages| Some((passages, passages.closes_at_end()?)));
         let best = closing.min_by(|(_, (_, one)), (_, (_, other))| one.total_cmp(other));
         let (passages, (turns, _)) = best?;
-        // The steps of a return, if the run takes them at its mean rate.
         let (time, earlier) = (passages.before(0)?.time, passages.before(turns)?.time);
-        let of_return = steps as f64 * (time - earlier) / time;
-        let section = passages.section(&self.view, turns, last_switches)?;
-        let returns = 2 * least_returns(&section) - 1;
-        if of_return * returns as f64 > HOPELESS * steps as f64 {
+        if LEAST_RETURNS * (time - earlier) > time {
             return None;
         }
         let with = (&*self.view, self.closure);

@@ -12,6 +12,7 @@ use super::period::Period;
 use super::section::Section;
 use super::system_view::SystemView;
 use crate::model::Components;
+use crate::motion::lockstep::LANES;
 use crate::motion::{Motion, PerContact, Settings};
 
 /// Part of the longest time of a return within which a passage through the section is that of the start.
@@ -33,6 +34,11 @@ pub(super) struct ReturnMap<'a> {
     pub(super) steps_left: &'a Cell<u64>,
     /// The latest motion, whose lanes the next one uses.
     pub(super) latest: &'a RefCell<Option<Motion>>,
+}
+
+/// Returns what a step with displaced motions costs, in steps without: the motions of a group of lanes are displaced together.
+pub(super) fn cost_of_a_step(displaced: usize) -> u64 {
+    1 + 2 * displaced.div_ceil(LANES) as u64
 }
 
 /// The result of the return map.
@@ -129,7 +135,7 @@ impl ReturnMap<'_> {
         let mut start = Components::from_slice(start);
         self.section.put_on(&mut start);
         let left = self.steps_left.get();
-        let cost = 1 + directions.len() as u64;
+        let cost = cost_of_a_step(directions.len());
         let effort_limit = self.settings.effort_limit.min(left / cost);
         let settings = Settings { effort_limit, ..self.settings };
         let (latest, evaluator) = (self.latest.take(), &self.view.evaluator);
