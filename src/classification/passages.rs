@@ -22,8 +22,6 @@ const CLOSE_RETURNS: usize = 16;
 /// Largest distance of the latest passage from an earlier one, non-dimensional, at which the orbit of a run that would end
 /// undecided is examined.
 const NEAR_AT_END: f64 = 1e-2;
-/// Largest ratio of two successive distances of a run that comes nearer and nearer to itself.
-const APPROACHES: f64 = 0.98;
 
 /// Distance above which another value makes no difference: the greatest number of turns times the largest distance.
 const FAR: f64 = MOST_TURNS as f64 * NEAR_AT_END;
@@ -145,25 +143,23 @@ impl Passages {
     }
 
     /// Returns the number of turns after which the orbit of a run that ends nearly closes, and the distance times this number:
-    /// more turns must close better, because examining them costs more. If the contact may stop, the fewest turns are taken
-    /// after which the run comes nearer and nearer to itself.
+    /// more turns must close better, because examining them costs more. Those of a contact that may stop, which takes more
+    /// steps for a turn, are as few as possible.
     pub(super) fn closes_at_end(&self) -> Option<(usize, f64)> {
         let passage = self.latest.back()?;
-        let rank = |turns: usize| passage.differences[turns] * turns as f64;
-        let closing = || {
-            (1..=MOST_TURNS).filter_map(|turns| {
-                let earlier = self.before(turns)?;
-                (earlier.phases == passage.phases).then_some((turns, earlier))
-            })
+        let rank = |turns: &usize| passage.differences[*turns] * *turns as f64;
+        let has_phases = |turns: &usize| {
+            self.before(*turns).is_some_and(|earlier| earlier.phases == passage.phases)
         };
-        let may_stop = matches!(self.mark, Some(Mark::Round { may_stop: true, .. }));
-        let nearer = |(turns, earlier): &(usize, &Passage)| {
-            let distance = passage.differences[*turns];
-            distance <= NEAR_AT_END && distance < APPROACHES * earlier.differences[*turns]
-        };
-        let best = || closing().min_by(|(one, _), (other, _)| rank(*one).total_cmp(&rank(*other)));
-        let (turns, _) = closing().find(|closing| may_stop && nearer(closing)).or_else(best)?;
-        (passage.differences[turns] <= NEAR_AT_END).then_some((turns, rank(turns)))
+        let nearly = |turns: &usize| passage.differences[*turns] <= NEAR_AT_END;
+        let mut closing = (1..=MOST_TURNS).filter(has_phases);
+        let turns = match self.mark? {
+            Mark::Round { may_stop: true, .. } => closing.find(nearly),
+            Mark::Round { .. } | Mark::Maximum { .. } => {
+                closing.min_by(|one, other| rank(one).total_cmp(&rank(other))).filter(nearly)
+            }
+        }?;
+        Some((turns, rank(&turns)))
     }
 
     /// Returns the section of an orbit that appears to close after this number of turns; `last_switches` are the times at
