@@ -5,7 +5,7 @@
 //! *Practical Bifurcation and Stability Analysis*, 3rd ed., Springer 2010, chapter 7,
 //! doi:10.1007/978-1-4419-1740-9).
 
-use nalgebra::{DMatrix, Dyn, LU, Schur};
+use nalgebra::{DMatrix, DVector, Schur};
 
 use super::cycle::{CyclePhase, TouchingPair};
 use super::period::Period;
@@ -115,11 +115,12 @@ pub(super) fn examine(map: ReturnMap, passed: &[Passed], closure: f64) -> Option
 
 /// Finds a fixed point of the return map by Newton's method. The derivative is reused while the
 /// iteration converges quickly, because the map has kinks near an orbit on which a ball barely
-/// sticks.
+/// sticks, and follows the returns by Broyden's update (C. G. Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6).
 fn shoot<'a>(map: ReturnMap<'a>, run: &[f64], closure: f64) -> Option<Closed<'a>> {
     let first = map.section.coordinates(run);
     let mut centre = first.clone();
-    let mut newton: Option<LU<f64, Dyn, Dyn>> = None;
+    // 1 - J, and the latest step.
+    let mut newton: Option<(DMatrix<f64>, DVector<f64>)> = None;
     let mut last = f64::INFINITY;
     let mut followed = 0;
     while followed < MOST_TURNS_FOLLOWED || last <= closure {
@@ -144,23 +145,29 @@ fn shoot<'a>(map: ReturnMap<'a>, run: &[f64], closure: f64) -> Option<Closed<'a>
             };
             return Some(Closed { map, state: start, slope });
         }
-        if size > 0.25 * last || newton.is_none() {
-            followed += centre.len() * map.turns;
-            let slope = match slope {
-                Some(slope) => slope,
-                None => map.follow_with_slope(&start)?.1,
-            };
-            // A return and the derivative at the end follow at least.
-            let least = end.steps * (1 + cost_of_a_step(centre.len()));
-            let is_hopeless = || least > map.steps_left.get() || map.only_stable && expands(&slope);
-            if newton.is_none() && is_hopeless() {
-                return None;
+        let matrix = match newton.take().filter(|_| size <= 0.25 * last) {
+            Some((matrix, step)) => matrix - &residual * step.transpose() / step.norm_squared(),
+            None => {
+                followed += centre.len() * map.turns;
+                let slope = match slope {
+                    Some(slope) => slope,
+                    None => map.follow_with_slope(&start)?.1,
+                };
+                // A return and the derivative at the end follow at least.
+                let least = end.steps * (1 + cost_of_a_step(centre.len()));
+                let is_hopeless =
+                    || least > map.steps_left.get() || map.only_stable && expands(&slope);
+                if last.is_infinite() && is_hopeless() {
+                    return None;
+                }
+                DMatrix::identity(centre.len(), centre.len()) - slope
             }
-            newton = Some((DMatrix::identity(centre.len(), centre.len()) - slope).lu());
-        }
+        };
         last = size;
         // (1 - J) δ = P(s) - s
-        centre += newton.as_ref()?.solve(&residual)?;
+        let step = matrix.clone().lu().solve(&residual)?;
+        centre += &step;
+        newton = Some((matrix, step));
         if (&centre - &first).amax() > REACH {
             return None;
         }
