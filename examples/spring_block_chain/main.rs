@@ -131,6 +131,7 @@ impl System for Chain {
                 .collect(),
             velocities: (self.blocks..2 * self.blocks).map(|speed| vec![speed]).collect(),
             vibration: None,
+            forcing: None,
         };
         let derivative = [velocity, acceleration].concat();
         SystemEquations { derivative, contacts, layout, ..SystemEquations::default() }

@@ -65,12 +65,14 @@ pub struct Orbit {
     pub amplitude: f64,
     /// Greatest displacement, over the unit of length.
     pub peak: f64,
+    /// Whether all contacts rest throughout, in a system that a force drives.
+    pub rests: bool,
     /// The smallest friction margin of a resting ball; `None` if no ball rests.
     pub margin: Option<f64>,
     /// Moduli of the multipliers, without those of neutral directions, descending.
     pub multipliers: Vec<f64>,
-    /// Number of contacts that rest throughout, each anywhere in an interval: one neutral direction
-    /// each.
+    /// Number of contacts that rest throughout, each anywhere in an interval, or whose position nothing depends on: one
+    /// neutral direction each.
     pub neutral_directions: usize,
 }
 
@@ -265,14 +267,18 @@ fn orbit(closed: &Closed, end: &Return, period: Period, multipliers: Vec<f64>) -
         angle_extremes: period.positions,
         amplitude: (period.square_time / end.time).sqrt(),
         peak: period.peak,
+        rests: section.rests.iter().all(|rests| *rests),
         margin: period.margin.is_finite().then_some(period.margin),
         multipliers,
-        neutral_directions: section.rests.iter().filter(|&&rests| rests).count(),
+        neutral_directions: section.neutral_directions(view),
     }
 }
 
 /// Returns the moduli of a matrix's eigenvalues, descending; `None` if they cannot be computed.
 fn moduli(slope: DMatrix<f64>) -> Option<Vec<f64>> {
+    if slope.is_empty() {
+        return Some(Vec::new());
+    }
     // The number of iterations is bounded: for a matrix that is not finite the decomposition would
     // not end.
     let eigenvalues = Schur::try_new(slope, f64::EPSILON, 10_000)?.complex_eigenvalues();

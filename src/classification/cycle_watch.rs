@@ -7,7 +7,7 @@ use super::extremes::Passed;
 use super::lane_step::LaneStep;
 use super::orbit::OrbitWatch;
 use super::run_outcome::Ending;
-use super::section::maxima;
+use super::section::{Mark, marks};
 use super::system_view::SystemView;
 use crate::model::{Endings, Model};
 use crate::motion::{Evaluator, Settings};
@@ -40,9 +40,13 @@ pub fn found_endings(model: &Model) -> FoundEndings {
     FoundEndings { cycles, rests: view.rest_forms().is_some() }
 }
 
-/// Returns whether maxima of the positions of several contacts can mark cycles.
+/// Returns whether periods of a forcing, or maxima of the positions of several contacts, can mark cycles.
 fn has_orbits(view: &SystemView) -> bool {
-    view.dimension() > 2 && !maxima(view).is_empty()
+    match marks(view).first() {
+        Some(Mark::Period(_)) => true,
+        Some(_) => view.dimension() > 2,
+        None => false,
+    }
 }
 
 impl CycleWatch {
@@ -61,7 +65,8 @@ impl CycleWatch {
 
     /// Returns whether each step must be examined.
     pub(super) fn sees_each_step(&self) -> bool {
-        matches!(self, CycleWatch::Orbits(watch) if watch.marks_maxima()) || self.takes_each_step()
+        matches!(self, CycleWatch::Orbits(watch) if watch.sees_each_step())
+            || self.takes_each_step()
     }
 
     /// Returns whether each step must be added.

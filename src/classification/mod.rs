@@ -6,6 +6,7 @@
 //! |---|---|---|
 //! | `equilibrium` | `rest_certified` | all balls stick and, by the closed form, can never break loose |
 //! | `equilibrium` | `creep` | all balls are slow and drift, ever slower, at the edge of the equilibrium set |
+//! | `equilibrium` | `periodic_rest` | all contacts stick throughout a period of the forcing, and the motion of the other components repeats |
 //! | `equilibrium` | `settled` | without dry friction: an equilibrium is near, and it is stable by its eigenvalues |
 //! | `limit_cycle` | `closed_orbit` | the orbit closes modulo 2π, its multipliers lie inside the unit circle, resting balls keep a margin |
 //! | `irregular` | `lyapunov` | neighbouring motions separate exponentially; the confidence interval of the exponent, from enough blocks, is positive |

@@ -22,7 +22,7 @@ use super::closed_orbit::{Orbit, Verdict, examine};
 use super::lane_step::LaneStep;
 use super::passages::{Passage, Passages};
 use super::return_map::ReturnMap;
-use super::section::{Mark, maxima};
+use super::section::{Mark, marks, next_period};
 use super::step_limit::{MOST_LOOKS, MOST_STEPS_OF_A_LOOK};
 use super::system_view::SystemView;
 use crate::model::Components;
@@ -42,9 +42,9 @@ const CLOSED: f64 = 1.01e-6;
 pub(super) struct OrbitWatch {
     view: Arc<SystemView>,
     closure: f64,
-    /// The maxima of positions that may mark the section of a system without contacts that go round.
-    maxima: Vec<Mark>,
-    /// The passages of a contact that goes round without stopping, or of a maximum.
+    /// What marks the section if no contact that goes round does: periods of the forcing, or maxima of positions.
+    marks: Vec<Mark>,
+    /// The passages of a contact that goes round without stopping, or of one of these marks.
     unbroken: Passages,
     /// The passages of each contact in the direction in which it goes round, whether it stops or not, and the number of those
     /// in the other direction since the latest one.
@@ -59,7 +59,7 @@ impl OrbitWatch {
     pub(super) fn new(settings: &Settings, view: Arc<SystemView>) -> Self {
         let Tolerance { relative, absolute } = settings.tolerance;
         OrbitWatch {
-            maxima: if view.revolves() { Vec::new() } else { maxima(&view) },
+            marks: marks(&view),
             with_stops: vec![(Passages::default(), 0); view.contacts.len()],
             view,
             closure: 100.0 * (relative + absolute),
@@ -68,20 +68,20 @@ impl OrbitWatch {
         }
     }
 
-    /// Returns whether the section is marked by maxima, for which each step must be examined.
-    pub(super) fn marks_maxima(&self) -> bool {
-        !self.maxima.is_empty()
+    /// Returns whether each step must be examined for a mark.
+    pub(super) fn sees_each_step(&self) -> bool {
+        !self.marks.is_empty()
     }
 
     /// Adds the latest step of a run. Returns the limit cycle that the run has been shown to be on.
     pub(super) fn closes(&mut self, settings: &Settings, step: &LaneStep) -> Option<Orbit> {
-        if self.marks_maxima() {
-            let (mark, passage) = self.maximum(step)?;
+        if self.sees_each_step() {
+            let (mark, passage) = self.marked(step)?;
             return self.passes(settings, step, mark, Some(passage));
         }
         let end = step.end();
         let found = self.goes_round(step.phases(), &end).and_then(|mark| {
-            let passage = step.group.passage(step.lane, mark.contact());
+            let passage = step.group.passage(step.lane, mark.contact()?);
             self.passes(settings, step, mark, passage)
         });
         found.or_else(|| self.passes_with_stops(settings, step, &end))
@@ -96,7 +96,7 @@ impl OrbitWatch {
             Mark::Round { contact, direction, .. } => {
                 !phases[contact].in_band() && direction * speed(contact) > 0.0
             }
-            Mark::Maximum { .. } => true,
+            Mark::Maximum { .. } | Mark::Period(_) => true,
         };
         let round = |contact: usize| {
             let direction = speed(contact).signum();
@@ -105,7 +105,7 @@ impl OrbitWatch {
         };
         let own = self.unbroken.mark.filter(goes_on);
         let found = match own {
-            Some(own) => round(own.contact()),
+            Some(own) => own.contact().and_then(round),
             None => (0..view.contacts.len()).find_map(round),
         };
         if own.is_none() && self.unbroken.mark.is_some() {
@@ -114,20 +114,28 @@ impl OrbitWatch {
         found
     }
 
-    /// Returns the mark of the latest step and its passage, if the position of a contact was at a maximum in it and marks the
-    /// section or may do so.
-    fn maximum(&self, step: &LaneStep) -> Option<(Mark, (f64, Components))> {
+    /// Returns the mark of the latest step and its passage, if a period began in it, or the position of a contact was at a
+    /// maximum in it, and this marks the section or may do so.
+    fn marked(&self, step: &LaneStep) -> Option<(Mark, (f64, Components))> {
+        let within = |after: f64| step.group.state_within(step.lane, after);
         let passed = |mark: Mark| {
+            let begun = within(0.0);
             let (component, value) = mark.component(step.view);
-            let within = |after: f64| step.group.state_within(step.lane, after);
-            let falls = within(0.0)[component] > value;
-            let passes = || step.passes_through_zero(|state| state[component] - value);
-            let time = falls.then(passes)??;
-            Some((mark, (time, within(time - step.began()))))
+            let target = match mark {
+                Mark::Period(forcing) => next_period(forcing, &begun),
+                Mark::Round { .. } | Mark::Maximum { .. } => value,
+            };
+            let passes = || step.passes_through_zero(|state| state[component] - target);
+            // A maximum is passed from above.
+            let from_above = matches!(mark, Mark::Maximum { .. });
+            let time = ((begun[component] > target) == from_above).then(passes)??;
+            let mut state = within(time - step.began());
+            state[component] = value;
+            Some((mark, (time, state)))
         };
         match self.unbroken.mark {
             Some(mark) => passed(mark),
-            None => self.maxima.iter().find_map(|mark| passed(*mark)),
+            None => self.marks.iter().find_map(|mark| passed(*mark)),
         }
     }
 

@@ -47,6 +47,8 @@ pub enum Evidence {
     Creep,
     /// Without dry friction, the motion has approached a stable equilibrium.
     Settled,
+    /// All contacts stick throughout a period of the forcing, which repeats.
+    PeriodicRest,
     /// The orbit closes, is stable, and resting balls keep a margin.
     ClosedOrbit,
     /// The orbit closes but is unstable.
@@ -65,7 +67,7 @@ pub enum Evidence {
 
 impl Evidence {
     /// The names of all evidence in tables, in a fixed order.
-    pub const NAMES: [&'static str; 14] = [
+    pub const NAMES: [&'static str; 15] = [
         "rest_certified",
         "creep",
         "settled",
@@ -80,6 +82,7 @@ impl Evidence {
         "too_many_combinations",
         "invalid_parameters",
         "panic",
+        "periodic_rest",
     ];
 
     /// The evidence's name in tables.
@@ -88,6 +91,7 @@ impl Evidence {
             Evidence::RestCertified => "rest_certified",
             Evidence::Creep => "creep",
             Evidence::Settled => "settled",
+            Evidence::PeriodicRest => "periodic_rest",
             Evidence::ClosedOrbit => "closed_orbit",
             Evidence::UnstableOrbit => "unstable_orbit",
             Evidence::Lyapunov => "lyapunov",
@@ -107,7 +111,10 @@ impl Evidence {
     /// The label that the evidence supports.
     pub fn label(self) -> Label {
         match self {
-            Evidence::RestCertified | Evidence::Creep | Evidence::Settled => Label::Equilibrium,
+            Evidence::RestCertified
+            | Evidence::Creep
+            | Evidence::Settled
+            | Evidence::PeriodicRest => Label::Equilibrium,
             Evidence::ClosedOrbit => Label::LimitCycle,
             Evidence::Lyapunov => Label::Irregular,
             Evidence::UnstableOrbit | Evidence::EndTime => Label::Undecided,

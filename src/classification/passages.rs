@@ -155,7 +155,7 @@ impl Passages {
         let mut closing = (1..=MOST_TURNS).filter(has_phases);
         let turns = match self.mark? {
             Mark::Round { may_stop: true, .. } => closing.find(nearly),
-            Mark::Round { .. } | Mark::Maximum { .. } => {
+            Mark::Round { .. } | Mark::Maximum { .. } | Mark::Period(_) => {
                 closing.min_by(|one, other| rank(one).total_cmp(&rank(other))).filter(nearly)
             }
         }?;
@@ -184,7 +184,7 @@ fn difference(view: &SystemView, a: &Passage, b: &Passage, mark: Mark) -> f64 {
     let change = |place: usize| a.state[place] - b.state[place];
     let mut largest: f64 = 0.0;
     for (contact, phase) in view.contacts.iter().zip(&a.phases) {
-        if contact.position != marking {
+        if contact.position != marking && !contact.ignorable {
             let change = change(contact.position);
             let change = if contact.angular { wrap_to_pi(change) } else { change };
             largest = largest.max(change.abs());
@@ -198,5 +198,6 @@ fn difference(view: &SystemView, a: &Passage, b: &Passage, mark: Mark) -> f64 {
             return largest;
         }
     }
-    view.free.iter().fold(largest, |largest, place| largest.max(change(*place).abs()))
+    let free = view.free.iter().filter(|place| **place != marking);
+    free.fold(largest, |largest, place| largest.max(change(*place).abs()))
 }

@@ -70,6 +70,9 @@ impl ReturnMap<'_> {
 
     /// Returns one return with the derivative of the map.
     pub(super) fn follow_with_slope(&self, start: &[f64]) -> Option<(Return, DMatrix<f64>)> {
+        if self.section.directions().is_empty() {
+            return Some((self.follow(start)?, DMatrix::zeros(0, 0)));
+        }
         let mut columns = Vec::new();
         let mut grazed = false;
         let end = self.go(start, &self.section.directions(), |step| match step.end {

@@ -82,13 +82,18 @@ impl LaneRun {
                 touching: self.with_force(&base, self.force_in_gaps(&step)),
                 ..self.at_rest(&step, Evidence::Settled, base)
             },
+            Ending::Orbit(orbit) if orbit.rests => Outcome {
+                rest_since_s: Some(latest(group.last_switches(lane)) / natural),
+                friction_margin: orbit.margin,
+                ..self.at_rest(&step, Evidence::PeriodicRest, base)
+            },
             Ending::Orbit(orbit) => Outcome {
                 evidence: Evidence::ClosedOrbit,
                 balls_running: self.view.revolves().then(|| running(&orbit)),
                 amplitude_m: Some(self.amplitude_of(&orbit)),
                 friction_margin: orbit.margin,
                 period_s: Some(orbit.period / natural),
-                mean_speed: self.view.revolves().then(|| self.speeds(&orbit.speed)),
+                mean_speed: self.view.moves_on().then(|| self.speeds(&orbit.speed)),
                 cycle: Some(Box::new(self.cycle(&orbit))),
                 ..base
             },

@@ -1,6 +1,6 @@
 //! The section that a contact marks, with coordinates on it.
 //!
-//! A running ball marks it by its passages through the angle 0. A contact that no ring guides marks it where its position is
+//! The beginning of a period of the forcing marks it, if the system is forced. Otherwise, a running ball marks it by its passages through the angle 0. A contact that no ring guides marks it where its position is
 //! at a maximum.
 //!
 //! The coordinates are the free components (position and velocity of the table) and the variables
@@ -13,7 +13,7 @@ use nalgebra::DVector;
 use smallvec::{SmallVec, smallvec};
 
 use super::system_view::{ContactPlace, SystemView};
-use crate::model::{Components, wrap_to_pi};
+use crate::model::{Components, ForcingLayout, wrap_to_pi};
 use crate::motion::{Direction, Motion, Phase, Phases};
 
 /// What marks a section.
@@ -23,24 +23,35 @@ pub(super) enum Mark {
     Round { contact: usize, direction: f64, may_stop: bool },
     /// The position of a contact is at a maximum, where its sliding speed falls through this one.
     Maximum { contact: usize, speed: f64 },
+    /// A period of the forcing begins.
+    Period(ForcingLayout),
 }
 
 impl Mark {
-    /// Returns the contact that marks the section.
-    pub(super) fn contact(self) -> usize {
+    /// Returns the contact that marks the section, if it is one.
+    pub(super) fn contact(self) -> Option<usize> {
         match self {
-            Mark::Round { contact, .. } | Mark::Maximum { contact, .. } => contact,
+            Mark::Round { contact, .. } | Mark::Maximum { contact, .. } => Some(contact),
+            Mark::Period(_) => None,
         }
     }
 
     /// Returns the component that marks the section, and its value there.
     pub(super) fn component(self, view: &SystemView) -> (usize, f64) {
-        let ContactPlace { position, speed: component, .. } = view.contacts[self.contact()];
-        match (self, component) {
-            (Mark::Maximum { speed, .. }, Some(component)) => (component, speed),
-            _ => (position, 0.0),
+        match self {
+            Mark::Round { contact, .. } => (view.contacts[contact].position, 0.0),
+            Mark::Maximum { contact, speed } => {
+                let ContactPlace { position, speed: component, .. } = view.contacts[contact];
+                component.map_or((position, 0.0), |component| (component, speed))
+            }
+            Mark::Period(forcing) => (forcing.component, 0.0),
         }
     }
+}
+
+/// Returns the value of the forcing's component at which the next period begins.
+pub(super) fn next_period(forcing: ForcingLayout, state: &[f64]) -> f64 {
+    forcing.period * ((state[forcing.component] / forcing.period).floor() + 1.0)
 }
 
 /// A section and the contacts' phases there.
@@ -72,7 +83,7 @@ impl Section {
     ) -> Self {
         let mut followers = Vec::new();
         let marking = mark.component(view);
-        let following = view.followers(phases, Some(mark.contact()));
+        let following = view.followers(phases, mark.contact());
         for (follower, leader) in &following {
             let (follower, leader) = (view.contacts[*follower], view.contacts[*leader]);
             followers.push((follower.position, leader.position, true));
@@ -80,7 +91,8 @@ impl Section {
                 followers.push((follower, leader, false));
             }
         }
-        let mut coordinates: Vec<_> = view.free.iter().map(|place| (*place, false)).collect();
+        let free = view.free.iter().filter(|place| **place != marking.0);
+        let mut coordinates: Vec<_> = free.map(|place| (*place, false)).collect();
         for (index, contact) in view.contacts.iter().enumerate() {
             if following.iter().any(|(follower, _)| *follower == index) {
                 continue;
@@ -89,7 +101,8 @@ impl Section {
                 let speed = contact.speed.filter(|speed| *speed != marking.0);
                 coordinates.extend(speed.map(|place| (place, false)));
             }
-            if contact.position != marking.0 && !rests[index] {
+            let counts = contact.position != marking.0 && !contact.ignorable;
+            if counts && !rests[index] {
                 coordinates.push((contact.position, contact.angular));
             }
         }
@@ -137,7 +150,7 @@ impl Section {
         let mut rests = self.rests.iter().zip(phases);
         let stops = match self.mark {
             Mark::Round { contact, may_stop: false, .. } => phases[contact].in_band(),
-            Mark::Round { .. } | Mark::Maximum { .. } => false,
+            Mark::Round { .. } | Mark::Maximum { .. } | Mark::Period(_) => false,
         };
         !stops && rests.all(|(rests, phase)| !rests || *phase == Phase::Stick)
     }
@@ -150,7 +163,21 @@ impl Section {
                 .passage(contact)
                 .filter(|(_, state)| direction * motion.evaluator().speeds(state)[contact] > 0.0),
             Mark::Maximum { .. } => motion.falls_through_zero(|state| state[component] - value),
+            Mark::Period(forcing) => {
+                let begun = motion.within_last_step(motion.last_step_began())?;
+                let next = next_period(forcing, &begun);
+                let (time, mut state) =
+                    motion.falls_through_zero(|state| next - state[component])?;
+                self.put_on(&mut state);
+                Some((time, state))
+            }
         }
+    }
+
+    /// Returns the number of positions at which the motion could repeat also elsewhere.
+    pub(super) fn neutral_directions(&self, view: &SystemView) -> usize {
+        let contacts = view.contacts.iter().zip(&self.rests);
+        contacts.filter(|(contact, rests)| **rests || contact.ignorable).count()
     }
 
     /// Unit displacements along the coordinates.
@@ -186,9 +213,19 @@ impl Section {
     }
 }
 
+/// Returns what marks the section of a system if no contact that goes round does: the periods of its forcing, or the maxima of
+/// positions of a system without such contacts.
+pub(super) fn marks(view: &SystemView) -> Vec<Mark> {
+    match view.evaluator.graph().layout.forcing {
+        Some(forcing) => vec![Mark::Period(forcing)],
+        None if view.revolves() => Vec::new(),
+        None => maxima(view),
+    }
+}
+
 /// Returns the marks at the maxima of positions. The contact must slip there: the speed of its position differs from its
 /// sliding speed, always by the same amount, as on a belt.
-pub(super) fn maxima(view: &SystemView) -> Vec<Mark> {
+fn maxima(view: &SystemView) -> Vec<Mark> {
     let phases = Phases::from_elem(Phase::Slip(Direction::Forward), view.contacts.len());
     let gaps = view.evaluator.graph().gaps.len();
     let phases: Phases = phases.into_iter().chain((0..gaps).map(|_| Phase::Open)).collect();

@@ -29,6 +29,8 @@ pub(super) struct ContactPlace {
     pub(super) speed: Option<usize>,
     /// Whether the position is an angle.
     pub(super) angular: bool,
+    /// Whether nothing depends on the position, so that a motion repeats also at another one.
+    pub(super) ignorable: bool,
 }
 
 impl SystemView {
@@ -39,6 +41,7 @@ impl SystemView {
             position: layout.position,
             speed: graph.speed_component(contact),
             angular: layout.angular,
+            ignorable: graph.may_creep(layout),
         };
         let contacts: Vec<_> = layout.contacts.iter().enumerate().map(place).collect();
         let is_free = |component: &usize| {
@@ -78,6 +81,11 @@ impl SystemView {
     /// Returns whether a contact revolves on a ring, as a ball does.
     pub(super) fn revolves(&self) -> bool {
         self.contacts.iter().any(|contact| contact.angular)
+    }
+
+    /// Returns whether a contact may move on and on: it revolves, or nothing depends on its position.
+    pub(super) fn moves_on(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.angular || contact.ignorable)
     }
 
     /// Returns the contacts that touch another one and move with it, each with the contact that it follows: the contact

@@ -62,8 +62,8 @@ pub use friction::{
 };
 pub(crate) use graph::PerStructure;
 pub use graph::{
-    ContactEquations, ContactLayout, Degree, Event, EventEquations, Expression, GapEquations,
-    Graph, Layout, Node, NodeId, Recorder, Solve, SystemEquations,
+    ContactEquations, ContactLayout, Degree, Event, EventEquations, Expression, ForcingLayout,
+    GapEquations, Graph, Layout, Node, NodeId, Recorder, Solve, SystemEquations,
 };
 pub use held::{Column, HeldContact, Holding, gap_columns, held, least_force, strength_that_holds};
 pub use invalid_parameter::InvalidParameter;

@@ -151,12 +151,13 @@ fn check_numbers(model: &Model) -> Result<(), String> {
     if let Some((what, one, other)) = pairs.into_iter().find(|(_, one, other)| one != other) {
         return Err(format!("the numbers of {what} differ: {one} and {other}, for {model:?}"));
     }
-    let Layout { contacts, velocities, vibration } = &graph.layout;
+    let Layout { contacts, velocities, vibration, forcing } = &graph.layout;
     let reset = graph.events.iter().flat_map(|event| event.reset.iter().map(|(one, _)| *one));
     let named = contacts.iter().map(|contact| contact.position).chain(reset);
     let mut named = named
         .chain(velocities.iter().flatten().copied())
-        .chain(vibration.iter().flatten().copied());
+        .chain(vibration.iter().flatten().copied())
+        .chain(forcing.iter().map(|forcing| forcing.component));
     match named.find(|component| *component >= state.len()) {
         Some(component) => Err(format!(
             "its layout or an event names the component {component}, counted from 0, of {}",

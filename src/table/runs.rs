@@ -221,6 +221,10 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
              cycle or the last tenth of the time; 0 at rest",
         );
     }
+    for (contact, name, unit) in model.mean_speed_columns() {
+        list.number(name, unit, move |row| row.outcome.mean_speed.as_ref()?.get(contact).copied())
+            .meaning("mean rate of the position over the limit cycle; the creep per period divided by the period");
+    }
     // Nothing separates if position and speed of one contact are the whole state.
     if model.coordinates().len() > 2 {
         add_lyapunov(&mut list);

@@ -8,6 +8,7 @@ mod dry_and_viscous;
 mod effort_pinned;
 mod endings;
 mod extend;
+mod forced;
 mod friction_laws;
 mod limit_cycle;
 mod lockstep;

@@ -1,11 +1,11 @@
 //! A forcing that is a sine of the time, against the closed form of a block that it shakes.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use stickslip::model::{
-    ContactEquations, ContactLayout, Expression, Friction, Layout, Method, Number, Recorder,
-    System, SystemEquations,
+    ContactEquations, ContactLayout, Expression, ForcingLayout, Friction, Layout, Method, Number,
+    Recorder, System, SystemEquations,
 };
 use stickslip::motion::{Direction, Motion, Phase, Settings, Tolerance};
 
@@ -35,6 +35,7 @@ fn shaken_block(recorder: &Recorder) -> SystemEquations<'_> {
             contacts: vec![ContactLayout { position: 1, angular: false }],
             velocities: vec![vec![2]],
             vibration: None,
+            forcing: Some(ForcingLayout { component: 0, period: TAU }),
         },
         ..SystemEquations::default()
     }

@@ -60,6 +60,7 @@ impl System for FallingMass {
                 contacts: vec![place(0), place(1)],
                 velocities: vec![vec![2], vec![3]],
                 vibration: None,
+                forcing: None,
             },
             events: vec![],
         }

@@ -273,6 +273,7 @@ fn blocks(recorder: &Recorder) -> SystemEquations<'_> {
             contacts: (0..13).map(|position| ContactLayout { position, angular: false }).collect(),
             velocities: (13..26).map(|component| vec![component]).collect(),
             vibration: None,
+            forcing: None,
         },
         contacts,
         ..SystemEquations::default()

@@ -164,6 +164,7 @@ fn pulled_block(recorder: &Recorder) -> SystemEquations<'_> {
             contacts: vec![ContactLayout { position: 1, angular: false }],
             velocities: vec![vec![2]],
             vibration: None,
+            forcing: None,
         },
         gaps: vec![],
     }

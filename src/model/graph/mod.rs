@@ -14,6 +14,6 @@ pub use expression::Expression;
 pub use node::{Node, NodeId, Solve};
 pub(crate) use per_structure::PerStructure;
 pub use recorder::{
-    ContactEquations, ContactLayout, Event, EventEquations, GapEquations, Graph, Layout, Recorder,
-    SystemEquations,
+    ContactEquations, ContactLayout, Event, EventEquations, ForcingLayout, GapEquations, Graph,
+    Layout, Recorder, SystemEquations,
 };

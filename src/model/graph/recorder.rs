@@ -48,6 +48,17 @@ pub struct Layout {
     /// The components that are the displacement whose amplitude is measured, if the system has such a displacement;
     /// otherwise the positions of the contacts are measured.
     pub vibration: Option<[usize; 2]>,
+    /// The component in which the equations are periodic, if the system is forced periodically.
+    pub forcing: Option<ForcingLayout>,
+}
+
+/// The time, or the phase of a periodic force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForcingLayout {
+    /// The component of the state, which grows at a constant rate.
+    pub component: usize,
+    /// The equations are those of the beginning when the component has grown by this value.
+    pub period: f64,
 }
 
 /// The coordinate of a contact.
@@ -136,6 +147,21 @@ impl Graph {
             };
         }
         (0..).zip(depends).filter(|(_, depends)| *depends).map(|(node, _)| node).collect()
+    }
+
+    /// Returns whether a contact may creep: its position, which is no angle, occurs in no equation.
+    pub fn may_creep(&self, contact: &ContactLayout) -> bool {
+        let is_position =
+            |node: &Node| matches!(node, Node::State(one) if *one as usize == contact.position);
+        let reads = |read: &NodeId| is_position(&self.nodes[*read as usize]);
+        let operands = self.nodes.iter().flat_map(|node| node.operands(&self.solves));
+        let resets = self.events.iter().flat_map(|event| &event.reset).map(|(_, value)| value);
+        let mut results = (self.derivative.iter())
+            .chain(self.contacts.iter().flatten())
+            .chain(self.gaps.iter().flatten())
+            .chain(self.events.iter().map(|event| &event.guard))
+            .chain(resets);
+        !contact.angular && !results.any(reads) && !operands.into_iter().any(|one| reads(&one))
     }
 
     /// Returns the recorded equations of a system.
