@@ -267,7 +267,7 @@ fn orbit(closed: &Closed, end: &Return, period: Period, multipliers: Vec<f64>) -
         angle_extremes: period.positions,
         amplitude: (period.square_time / end.time).sqrt(),
         peak: period.peak,
-        rests: section.rests.iter().all(|rests| *rests),
+        rests: !section.rests.is_empty() && section.rests.iter().all(|rests| *rests),
         margin: period.margin.is_finite().then_some(period.margin),
         multipliers,
         neutral_directions: section.neutral_directions(view),

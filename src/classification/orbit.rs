@@ -185,7 +185,10 @@ impl OrbitWatch {
                 passages.restart();
             }
             *against = 0;
-            let Some(passage) = step.group.passage(step.lane, contact) else { continue };
+            let Some(passage) = step.group.passage(step.lane, contact) else {
+                passages.restart();
+                continue;
+            };
             let passage = Passage::new(passage, step.during());
             let turns = passages.record((&view, self.closure), mark, passage);
             let Some(turns) = turns.filter(|_| !self.unbroken.has_returned()) else { continue };

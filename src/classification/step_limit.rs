@@ -16,8 +16,10 @@ const IN_VAIN_S: f64 = 1.0;
 /// Maximum number of steps of one search for a closed orbit, counting the steps of the motion and
 /// of displaced motions.
 pub(super) const MOST_STEPS_OF_A_LOOK: u64 = 5_000_000;
-/// Maximum number of searches for a closed orbit per run.
+/// Maximum number of searches for a closed orbit per run, of each kind: with a mark that may stop, and with any other mark.
 pub(super) const MOST_LOOKS: u32 = 4;
+/// Maximum number of steps of all searches of a run.
+const MOST_STEPS_OF_LOOKS: u64 = 2 * MOST_LOOKS as u64 * MOST_STEPS_OF_A_LOOK;
 
 /// Returns an upper bound of the time per step of a run that is computed alone, s on a core of the
 /// year 2024. With one of eight lanes in use and an event in every step, a step takes up to 4 µs per
@@ -33,7 +35,7 @@ pub fn seconds_per_step(model: &Model) -> f64 {
 /// and end time.
 pub fn most_steps_of_any_run(model: &Model) -> u64 {
     let going_on = (LONGEST_S / seconds_per_step(model)) as u64;
-    most_steps_by(0.0, 0.0) + going_on + u64::from(MOST_LOOKS) * MOST_STEPS_OF_A_LOOK
+    most_steps_by(0.0, 0.0) + going_on + MOST_STEPS_OF_LOOKS
 }
 
 /// Returns the maximum number of steps (tried or accepted) and switches in the motion of a run
@@ -52,7 +54,7 @@ pub fn most_steps_of_a_run(model: &Model, simulation: &Simulation) -> Option<u64
     let [_, latest_end_time_s] = simulation.end_times_s();
     let end = latest_end_time_s * model.natural_frequency_rad_s();
     let motion = effort_limit(model, model.system()?.as_ref(), end);
-    Some(motion.saturating_add(u64::from(MOST_LOOKS) * MOST_STEPS_OF_A_LOOK))
+    Some(motion.saturating_add(MOST_STEPS_OF_LOOKS))
 }
 
 /// Returns whether the kernel written for ball balancers computes runs of this model: those whose friction is independent of

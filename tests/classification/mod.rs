@@ -2,6 +2,7 @@
 
 mod attraction;
 mod blocks;
+mod bouncing_ball;
 mod certificate;
 pub mod convergence;
 mod dry_and_viscous;

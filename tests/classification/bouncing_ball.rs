@@ -1,0 +1,156 @@
+//! A ball that bounces on a plate that vibrates: its periodic motion against the closed form (P. J. Holmes, *The dynamics of
+//! repeated impacts with a sinusoidally vibrating table*, J. Sound and Vibration 84, 1982, 173-189, without his assumption of
+//! high bounces).
+//!
+//! With the acceleration of gravity and the frequency of the plate as units, the height above the plate obeys
+//! `h'' = -1 + Γ cos φ`, and an impact turns the speed `w` into `-e w`. One impact per period of the plate requires
+//! `Γ sin φ₀ = -π (1 - e) / (1 + e)` at the phase `φ₀` of the impacts. The Floquet multipliers are the roots of
+//! `λ² - (1 + e² - (1 + e)² Γ cos φ₀) λ + e² = 0`.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use stickslip::classification::{Evidence, Outcome, simulate};
+use stickslip::model::{
+    Capabilities, Case, Components, Coordinate, EventEquations, Expression, ForcingLayout, Layout,
+    Method, ModelKind, Number, OwnKind, OwnModel, ParameterDescriptor, Recorder, Simulation,
+    SlidingSpeed, Start, System, SystemEquations, Units,
+};
+
+use crate::support::OwnSystem;
+
+const RESTITUTION: f64 = 0.5;
+
+fn bouncing(recorder: &Recorder) -> SystemEquations<'_> {
+    let [phase, height, speed] = [(); 3].map(|()| recorder.state());
+    let [shaking, restitution] = ["shaking", "restitution"].map(|name| recorder.parameter(name));
+    let (_, cosine) = phase.sin_cos();
+    let one = Expression::constant(1.0);
+    let zero = Expression::constant(0.0);
+    SystemEquations {
+        derivative: vec![one, speed, shaking * cosine - one],
+        events: vec![EventEquations {
+            guard: height,
+            reset: vec![(1, zero), (2, -restitution * speed)],
+        }],
+        layout: Layout {
+            velocities: vec![vec![2]],
+            forcing: Some(ForcingLayout { component: 0, period: TAU }),
+            ..Layout::default()
+        },
+        ..SystemEquations::default()
+    }
+}
+
+#[derive(Debug)]
+struct BouncingBall;
+
+static KIND: ModelKind = ModelKind {
+    name: "bouncing_ball",
+    meaning: "A ball on a plate that vibrates.",
+    parameters: &[
+        ParameterDescriptor::positive("shaking", "1", "acceleration of the plate over g", 1.2),
+        ParameterDescriptor::positive("friction_coefficient", "1", "without effect", 0.1),
+    ],
+    body: "ball",
+    sliding_speed: SlidingSpeed::MS,
+    offers: Capabilities::MOTION,
+    default: || OwnModel::new(&KIND, &BouncingBall).into(),
+};
+
+impl OwnKind for BouncingBall {
+    fn coordinates(&self, _: &OwnModel) -> Vec<Coordinate> {
+        let coordinate = |name| Coordinate::of_body(name, 1, "m", "start value", [0.0, 1.0]);
+        vec![coordinate("position_m"), coordinate("velocity_m_s")]
+    }
+
+    fn units(&self, _: &OwnModel) -> Units {
+        Units {
+            natural_rad_s: 1.0,
+            length_m: 1.0,
+            position: 1.0,
+            force_n: Vec::new(),
+            disc_rad_s: 0.0,
+            ground_m_s: 0.0,
+        }
+    }
+
+    fn system(&self, model: &OwnModel) -> Arc<dyn System> {
+        Arc::new(OwnSystem {
+            record: bouncing,
+            parameters: vec![model.number("shaking"), RESTITUTION],
+            friction: Vec::new(),
+            longest_step: 0.5,
+            unique: true,
+        })
+    }
+
+    fn start_state(&self, _: &OwnModel, start: &[f64]) -> Components {
+        [0.0].into_iter().chain(start.iter().copied()).collect()
+    }
+}
+
+/// The sine and the cosine of the phase of the impacts, times the acceleration of the plate.
+fn impact_phase(shaking: f64) -> [f64; 2] {
+    let sine = -PI * (1.0 - RESTITUTION) / (1.0 + RESTITUTION);
+    [sine, (shaking * shaking - sine * sine).sqrt()]
+}
+
+/// Runs a ball that starts near the motion with one impact per period.
+fn run(shaking: f64) -> Outcome {
+    let mut model = (KIND.default)();
+    KIND.parameters[0].numbers(&mut model, None).into_iter().for_each(|one| *one = shaking);
+    let [sine, cosine] = impact_phase(shaking);
+    let since = -sine.atan2(cosine);
+    let after = PI + sine;
+    let speed = after - since - sine;
+    let height = after * since - 0.5 * since * since + cosine - shaking - sine * since;
+    let simulation = Simulation {
+        method: Method::Event,
+        end_time_s: 3000.0,
+        relative_tolerance: 1e-11,
+        absolute_tolerance: 1e-13,
+        ..Simulation::default()
+    };
+    simulate(&Case { model, start: Start(vec![height + 1e-3, speed]), simulation })
+}
+
+#[test]
+fn one_impact_per_period_has_the_multipliers_of_the_closed_form() {
+    // It begins at 1.0472 and loses its stability at 1.52682.
+    for shaking in [1.1, 1.2, 1.35, 1.5] {
+        let outcome = run(shaking);
+        assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{shaking}: {outcome:?}");
+        let period_s = outcome.period_s.expect("a cycle has a period");
+        assert!((period_s - TAU).abs() < 1e-9, "{shaking}: {period_s}");
+        let [_, cosine] = impact_phase(shaking);
+        let half = 0.5 * (1.0 + RESTITUTION.powi(2) - (1.0 + RESTITUTION).powi(2) * cosine);
+        let under_root = half * half - RESTITUTION.powi(2);
+        let exact = if under_root < 0.0 {
+            [RESTITUTION; 2]
+        } else {
+            let larger = half.abs() + under_root.sqrt();
+            [larger, RESTITUTION.powi(2) / larger]
+        };
+        let found = outcome.cycle.expect("known").multipliers;
+        assert_eq!(found.len(), 2);
+        for (found, exact) in found.iter().zip(exact) {
+            assert!((found - exact).abs() < 1e-6, "{shaking}: {found} {exact}");
+        }
+    }
+}
+
+/// Above `sqrt((π (1 - e) / (1 + e))² + (2 (1 + e²) / (1 + e)²)²)`, impacts repeat after two periods.
+#[test]
+fn the_period_doubles_at_the_acceleration_of_the_closed_form() {
+    let [sine, _] = impact_phase(2.0);
+    let cosine = 2.0 * (1.0 + RESTITUTION.powi(2)) / (1.0 + RESTITUTION).powi(2);
+    let doubling = sine.hypot(cosine);
+    assert!((doubling - 1.52682).abs() < 1e-5, "{doubling}");
+    for (shaking, periods) in [(doubling - 0.01, 1.0), (doubling + 0.01, 2.0)] {
+        let outcome = run(shaking);
+        assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{shaking}: {outcome:?}");
+        let found = outcome.period_s.expect("a cycle has a period") / TAU;
+        assert!((found - periods).abs() < 1e-6, "{shaking}: {found}");
+    }
+}
