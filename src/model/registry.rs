@@ -152,7 +152,9 @@ fn check_numbers(model: &Model) -> Result<(), String> {
         return Err(format!("the numbers of {what} differ: {one} and {other}, for {model:?}"));
     }
     let Layout { contacts, velocities, vibration, forcing } = &graph.layout;
-    if let Some(forcing) = forcing.filter(|forcing| !(forcing.period > 0.0)) {
+    if let Some(forcing) =
+        forcing.filter(|forcing| forcing.period.is_nan() || forcing.period <= 0.0)
+    {
         return Err(format!("the period of its forcing is not positive: {}", forcing.period));
     }
     let reset = graph.events.iter().flat_map(|event| event.reset.iter().map(|(one, _)| *one));
