@@ -110,12 +110,16 @@ impl Period {
         }
         for (index, contact) in view.contacts.iter().enumerate() {
             let speed = |state: &[f64]| view.speed(during, state, index);
-            let turns = [1.0, -1.0].map(|sign| {
-                let acceleration = |state: &[f64]| sign * view.acceleration(during, state, index);
-                motion.falls_through_zero(acceleration).map(|(_, state)| speed(&state))
-            });
-            for speed in turns.into_iter().flatten().chain([speed(&state)]) {
-                widen(&mut self.speeds[index], speed);
+            let fastest = match contact.speed {
+                Some(component) => motion.turns_back(component),
+                None => {
+                    let rate = |state: &[f64]| view.acceleration(during, state, index);
+                    let falls = |sign: f64| motion.falls_through_zero(|state| sign * rate(state));
+                    falls(1.0).or_else(|| falls(-1.0)).map(|(_, state)| state)
+                }
+            };
+            for state in fastest.iter().chain([&state]) {
+                widen(&mut self.speeds[index], speed(state));
             }
             // It turns back where it stops, usually at a switch at the step's end.
             let stops = [1.0, -1.0].map(|sign| {

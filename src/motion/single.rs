@@ -246,6 +246,24 @@ impl Motion {
         Some((began + part * length, at(part)))
     }
 
+    /// Returns the state at which the rate of change of a component passed through zero in the latest step, in either
+    /// direction; `None` if its signs at the two ends show no passage.
+    pub fn turns_back(&self, component: usize) -> Option<Components> {
+        let length = self.time() - self.last_step_began();
+        if !self.stepped || length <= 0.0 {
+            return None;
+        }
+        let rate = |part: f64| self.lane().rate_within(0, component, part * length);
+        let [start, end] = [rate(0.0), rate(1.0)];
+        let falls = |value: f64| if start > 0.0 { value } else { -value };
+        if start == 0.0 || falls(end) > 0.0 {
+            return None;
+        }
+        let ends = [(0.0, falls(start)), (1.0, falls(end))];
+        let part = fall_through_zero(|part| falls(rate(part)), ends[0], ends[1], 1e-12);
+        Some(self.lane().state_within(0, part * length))
+    }
+
     /// Returns the displacements, in the order of their directions.
     pub fn displacements(&self) -> Vec<Components> {
         let lanes = (0..self.directions).map(|i| (&self.groups[i / LANES], i % LANES));
