@@ -12,8 +12,8 @@
 //!    one return to the next: these neutral directions (the cycles form a continuous family) are
 //!    excluded from the map and counted instead of being mistaken for instability.
 //!
-//! A ball that revolves without stopping marks the section, or else one that stops and turns back on its way; the others may
-//! run, rest, or stick and slip.
+//! A ball that revolves without stopping marks the section. If there is no such ball, a ball that stops or turns back on its way
+//! marks the section. The other balls may run, rest, or stick and slip.
 
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
@@ -28,9 +28,10 @@ use super::system_view::SystemView;
 use crate::model::Components;
 use crate::motion::{Phase, Phases, Settings, Tolerance};
 
-/// The least number of returns that a run takes in all its time if its orbit is examined at its end.
+/// The orbit of a run is examined at its end only if its end time is at least this many times the time of a return.
 const LEAST_RETURNS: f64 = 14.0;
-/// The number of passages of a contact that has not stopped above which the section is that of this contact.
+/// A contact that has passed more often than this without a stop marks the section alone: the passages of contacts that stop
+/// are then forgotten.
 const LASTING: usize = 2;
 /// Largest closing error of an examined orbit, for any tolerances of the run, because the orbit is
 /// computed with finer ones. It corresponds to the default tolerances. With a larger error, a
@@ -46,11 +47,11 @@ pub(super) struct OrbitWatch {
     marks: Vec<Mark>,
     /// The passages of a contact that goes round without stopping, or of one of these marks.
     unbroken: Passages,
-    /// The passages of each contact in the direction in which it goes round, whether it stops or not, and the number of those
-    /// in the other direction since the latest one.
+    /// For each contact, which may stop, its passages in one direction, and the number of passages in the other direction since
+    /// the latest passage in this direction.
     with_stops: Vec<(Passages, u32)>,
-    /// The numbers of examinations of orbits whose mark does not stop and of the others, and the times before which there is
-    /// no other one.
+    /// The number of examinations so far, and the time before which the next examination may not begin: first for orbits of
+    /// `unbroken`, then for orbits of `with_stops`.
     looks: [(u32, f64); 2],
 }
 
@@ -114,8 +115,8 @@ impl OrbitWatch {
         found
     }
 
-    /// Returns the mark of the latest step and its passage, if a period began in it, or the position of a contact was at a
-    /// maximum in it, and this marks the section or may do so.
+    /// Returns the mark that the run has passed in the latest step, with time and state of the passage. The mark is the beginning
+    /// of a period, or the maximum of a position. Once a mark is chosen, only this mark counts.
     fn marked(&self, step: &LaneStep) -> Option<(Mark, (f64, Components))> {
         let within = |after: f64| step.group.state_within(step.lane, after);
         let passed = |mark: Mark| {
@@ -236,8 +237,8 @@ impl OrbitWatch {
     }
 }
 
-/// Returns whether an orbit that appears to close is examined, and counts the examination. After an inconclusive one the motion
-/// gets time to settle, longer each time.
+/// Returns whether an orbit that appears to close is examined, and counts the examination. After an inconclusive examination,
+/// the motion gets time to settle, and more time after each further examination.
 fn may_look((looks, wait_until): &mut (u32, f64), passages: &Passages) -> bool {
     let time = passages.before(0).map_or(0.0, |passage| passage.time);
     if *looks >= MOST_LOOKS || time < *wait_until {

@@ -23,7 +23,7 @@ const CLOSE_RETURNS: usize = 16;
 /// undecided is examined.
 const NEAR_AT_END: f64 = 1e-2;
 
-/// Distance above which another value makes no difference: the greatest number of turns times the largest distance.
+/// Distances above this one count as equally far: no orbit with such a distance is examined.
 const FAR: f64 = MOST_TURNS as f64 * NEAR_AT_END;
 
 fn near(turns: usize) -> f64 {
@@ -142,9 +142,9 @@ impl Passages {
         closes.then_some(orbit)
     }
 
-    /// Returns the number of turns after which the orbit of a run that ends nearly closes, and the distance times this number:
-    /// more turns must close better, because examining them costs more. Those of a contact that may stop, which takes more
-    /// steps for a turn, are as few as possible.
+    /// Returns the number of turns after which the orbit nearly closes at the end of a run, and the distance times this number.
+    /// The function minimises this product: more turns must close better, because their examination costs more. For a contact
+    /// that may stop, it takes the fewest turns, because each turn of such a contact takes more steps.
     pub(super) fn closes_at_end(&self) -> Option<(usize, f64)> {
         let passage = self.latest.back()?;
         let rank = |turns: &usize| passage.differences[*turns] * *turns as f64;
@@ -177,8 +177,8 @@ impl Passages {
     }
 }
 
-/// Returns the largest difference of two passages, angles modulo 2π, or any difference above [`FAR`]. The residual speed of a
-/// sticking ball does not count.
+/// Returns the largest difference of two passages, with angles modulo 2π. If a difference is above [`FAR`], the function may
+/// return this difference instead. The residual speed of a sticking ball does not count.
 fn difference(view: &SystemView, a: &Passage, b: &Passage, mark: Mark) -> f64 {
     let (marking, _) = mark.component(view);
     let change = |place: usize| a.state[place] - b.state[place];

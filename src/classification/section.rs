@@ -19,7 +19,7 @@ use crate::motion::{Direction, Motion, Phase, Phases};
 /// What marks a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Mark {
-    /// A contact passes through the angle 0 in this direction, and may stop and turn back on its way, or not.
+    /// A contact passes through the angle 0 in this direction. `may_stop` states whether it may stop or turn back on its way.
     Round { contact: usize, direction: f64, may_stop: bool },
     /// The position of a contact is at a maximum, where its sliding speed falls through this one.
     Maximum { contact: usize, speed: f64 },
@@ -144,8 +144,8 @@ impl Section {
         state[component] = value;
     }
 
-    /// Returns whether contacts may have these phases in a motion that comes back: those that rest stick, and a contact that
-    /// goes round without stopping does not stop.
+    /// Returns whether contacts may have these phases in a motion that comes back. Contacts that rest must stick. A contact that
+    /// marks the section may be in the band only if it may stop.
     pub(super) fn allows(&self, phases: &[Phase]) -> bool {
         let mut rests = self.rests.iter().zip(phases);
         let stops = match self.mark {
@@ -174,7 +174,8 @@ impl Section {
         }
     }
 
-    /// Returns the number of positions at which the motion could repeat also elsewhere.
+    /// Returns the number of contacts at whose other positions the motion would also repeat: contacts that rest, and contacts
+    /// whose positions occur in no equation.
     pub(super) fn neutral_directions(&self, view: &SystemView) -> usize {
         let contacts = view.contacts.iter().zip(&self.rests);
         contacts.filter(|(contact, rests)| **rests || contact.ignorable).count()

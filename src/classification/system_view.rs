@@ -143,8 +143,8 @@ impl SystemView {
         }
     }
 
-    /// Returns the direction in which a contact has completed a turn in a step, at the end of which the state, with angles not
-    /// yet reduced to one turn, is this one; `None` if it has not.
+    /// Returns the direction in which a contact has completed a turn in a step; `None` if the contact has completed none.
+    /// `state` is the state at the end of the step. Its angles are not yet reduced to one turn.
     pub(super) fn completes_turn(&self, state: &[f64], contact: usize) -> Option<f64> {
         let place = self.contacts[contact];
         let angle = state[place.position];

@@ -57,7 +57,7 @@ pub struct Layout {
 pub struct ForcingLayout {
     /// The component of the state, which grows at a constant rate.
     pub component: usize,
-    /// The equations are those of the beginning when the component has grown by this value.
+    /// When the component has grown by this value, the equations are the same as before.
     pub period: f64,
 }
 
