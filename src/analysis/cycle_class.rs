@@ -93,6 +93,7 @@ impl fmt::Display for Role {
                 CyclePhase::Stick => "S",
                 CyclePhase::Forward => "F",
                 CyclePhase::Backward => "B",
+                CyclePhase::Apart => "A",
             })
         })
     }

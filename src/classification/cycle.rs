@@ -13,6 +13,8 @@ pub enum CyclePhase {
     Forward,
     /// It moves in its coordinate's negative direction.
     Backward,
+    /// Its bodies do not touch.
+    Apart,
 }
 
 impl CyclePhase {
@@ -28,6 +30,7 @@ impl CyclePhase {
             Phase::Slip(_) | Phase::Transition(_) => CyclePhase::Backward,
             Phase::Free if speed >= 0.0 => CyclePhase::Forward,
             Phase::Free => CyclePhase::Backward,
+            Phase::Apart => CyclePhase::Apart,
         }
     }
 }

@@ -22,7 +22,7 @@ use super::closed_orbit::{Orbit, Verdict, examine};
 use super::lane_step::LaneStep;
 use super::passages::{Passage, Passages};
 use super::return_map::ReturnMap;
-use super::section::{Mark, marks, next_period};
+use super::section::{Mark, RESOLVED, marks, next_period};
 use super::step_limit::{MOST_LOOKS, MOST_STEPS_OF_A_LOOK};
 use super::system_view::SystemView;
 use crate::model::Components;
@@ -43,15 +43,15 @@ const CLOSED: f64 = 1.01e-6;
 pub(super) struct OrbitWatch {
     view: Arc<SystemView>,
     closure: f64,
-    /// What marks the section if no contact that goes round does: periods of the forcing, or maxima of positions.
-    marks: Vec<Mark>,
-    /// The passages of a contact that goes round without stopping, or of one of these marks.
+    /// What marks the section if no contact goes round, each with its passages: periods of the forcing, or turning points.
+    marked: Vec<(Mark, Passages)>,
+    /// The passages of a contact that goes round without stopping.
     unbroken: Passages,
     /// For each contact, which may stop, its passages in one direction, and the number of passages in the other direction since
     /// the latest passage in this direction.
     with_stops: Vec<(Passages, u32)>,
     /// The number of examinations so far, and the time before which the next examination may not begin: first for orbits of
-    /// `unbroken`, then for orbits of `with_stops`.
+    /// `unbroken` and `marked`, then for orbits of `with_stops`.
     looks: [(u32, f64); 2],
 }
 
@@ -60,7 +60,7 @@ impl OrbitWatch {
     pub(super) fn new(settings: &Settings, view: Arc<SystemView>) -> Self {
         let Tolerance { relative, absolute } = settings.tolerance;
         OrbitWatch {
-            marks: marks(&view),
+            marked: marks(&view).into_iter().map(|mark| (mark, Passages::default())).collect(),
             with_stops: vec![(Passages::default(), 0); view.contacts.len()],
             view,
             closure: 100.0 * (relative + absolute),
@@ -71,14 +71,13 @@ impl OrbitWatch {
 
     /// Returns whether each step must be examined for a mark.
     pub(super) fn sees_each_step(&self) -> bool {
-        !self.marks.is_empty()
+        !self.marked.is_empty()
     }
 
     /// Adds the latest step of a run. Returns the limit cycle that the run has been shown to be on.
     pub(super) fn closes(&mut self, settings: &Settings, step: &LaneStep) -> Option<Orbit> {
         if self.sees_each_step() {
-            let (mark, passage) = self.marked(step)?;
-            return self.passes(settings, step, mark, Some(passage));
+            return self.passes_marks(settings, step);
         }
         let end = step.end();
         let found = self.goes_round(step.phases(), &end).and_then(|mark| {
@@ -97,7 +96,7 @@ impl OrbitWatch {
             Mark::Round { contact, direction, .. } => {
                 !phases[contact].in_band() && direction * speed(contact) > 0.0
             }
-            Mark::Maximum { .. } | Mark::Period(_) => true,
+            Mark::TurningPoint { .. } | Mark::Period(_) => true,
         };
         let round = |contact: usize| {
             let direction = speed(contact).signum();
@@ -115,29 +114,21 @@ impl OrbitWatch {
         found
     }
 
-    /// Returns the mark that the run has passed in the latest step, with time and state of the passage. The mark is the beginning
-    /// of a period, or the maximum of a position. Once a mark is chosen, only this mark counts.
-    fn marked(&self, step: &LaneStep) -> Option<(Mark, (f64, Components))> {
-        let within = |after: f64| step.group.state_within(step.lane, after);
-        let passed = |mark: Mark| {
-            let begun = within(0.0);
-            let (component, value) = mark.component(step.view);
-            let target = match mark {
-                Mark::Period(forcing) => next_period(forcing, &begun),
-                Mark::Round { .. } | Mark::Maximum { .. } => value,
+    /// Adds the passages of all marks in the latest step.
+    fn passes_marks(&mut self, settings: &Settings, step: &LaneStep) -> Option<Orbit> {
+        let view = Arc::clone(&self.view);
+        let mut found = None;
+        for (mark, passages) in &mut self.marked {
+            let Some(passage) = passage_of(*mark, step) else { continue };
+            let passage = Passage::new(passage, step.during());
+            let Some(turns) = passages.record((&view, self.closure), *mark, passage) else {
+                continue;
             };
-            let passes = || step.passes_through_zero(|state| state[component] - target);
-            // A maximum is passed from above.
-            let from_above = matches!(mark, Mark::Maximum { .. });
-            let time = ((begun[component] > target) == from_above).then(passes)??;
-            let mut state = within(time - step.began());
-            state[component] = value;
-            Some((mark, (time, state)))
-        };
-        match self.unbroken.mark {
-            Some(mark) => passed(mark),
-            None => self.marks.iter().find_map(|mark| passed(*mark)),
+            if found.is_none() && may_look(&mut self.looks[0], passages) {
+                found = examine_now(passages, (&view, self.closure), settings, turns, step);
+            }
         }
+        found
     }
 
     /// Adds a passage in the latest step through the section of a contact that does not stop.
@@ -210,7 +201,9 @@ impl OrbitWatch {
     fn at_end(&self) -> impl Iterator<Item = &Passages> {
         let with_stops = self.with_stops.iter().map(|(passages, _)| passages);
         let unbroken = self.unbroken.has_returned();
-        std::iter::once(&self.unbroken).chain(with_stops.filter(move |_| !unbroken))
+        let marked = self.marked.iter().map(|(_, passages)| passages);
+        let others = with_stops.filter(move |_| !unbroken);
+        std::iter::once(&self.unbroken).chain(marked).chain(others)
     }
 
     /// Examines the orbit of a run that ends otherwise undecided, from farther away than during the run, in at most as many
@@ -235,6 +228,32 @@ impl OrbitWatch {
             Verdict::Unstable(_) | Verdict::Open => None,
         }
     }
+}
+
+/// Returns time and state of the passage of a mark in the latest step: the beginning of a period, or a turning point.
+fn passage_of(mark: Mark, step: &LaneStep) -> Option<(f64, Components)> {
+    let within = |after: f64| step.group.state_within(step.lane, after);
+    let begun = within(0.0);
+    let (component, value) = mark.component(step.view);
+    let (target, from_above) = match mark {
+        Mark::Period(forcing) => (next_period(forcing, &begun), false),
+        Mark::TurningPoint { falls, .. } => (value, falls),
+        Mark::Round { .. } => return None,
+    };
+    if (begun[component] > target) != from_above {
+        return None;
+    }
+    let time = step.passes_through_zero(|state| state[component] - target)?;
+    let is_resolved = || {
+        let ends = [begun[component], step.end()[component]];
+        ends.iter().any(|end| (end - target).abs() > RESOLVED)
+    };
+    if !is_resolved() {
+        return None;
+    }
+    let mut state = within(time - step.began());
+    state[component] = value;
+    Some((time, state))
 }
 
 /// Returns whether an orbit that appears to close is examined, and counts the examination. After an inconclusive examination,

@@ -67,7 +67,7 @@ pub enum Evidence {
 
 impl Evidence {
     /// The names of all evidence in tables, in a fixed order.
-    pub const NAMES: [&'static str; 15] = [
+    pub const NAMES: [&'static str; 16] = [
         "rest_certified",
         "creep",
         "settled",
@@ -83,6 +83,7 @@ impl Evidence {
         "invalid_parameters",
         "panic",
         "periodic_rest",
+        "overlap",
     ];
 
     /// The evidence's name in tables.
@@ -98,6 +99,7 @@ impl Evidence {
             Evidence::EndTime => "end_time",
             Evidence::Failure(Failure::NotFinite) => "not_finite",
             Evidence::Failure(Failure::ContactLost { .. }) => "contact_lost",
+            Evidence::Failure(Failure::Overlap { .. }) => "overlap",
             Evidence::Failure(Failure::StepLimit) => "step_limit",
             Evidence::Failure(Failure::NoSolution { .. } | Failure::UndecidedImpact { .. }) => {
                 "no_solution"

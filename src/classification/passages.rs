@@ -155,7 +155,7 @@ impl Passages {
         let mut closing = (1..=MOST_TURNS).filter(has_phases);
         let turns = match self.mark? {
             Mark::Round { may_stop: true, .. } => closing.find(nearly),
-            Mark::Round { .. } | Mark::Maximum { .. } | Mark::Period(_) => {
+            Mark::Round { .. } | Mark::TurningPoint { .. } | Mark::Period(_) => {
                 closing.min_by(|one, other| rank(one).total_cmp(&rank(other))).filter(nearly)
             }
         }?;

@@ -1,7 +1,8 @@
 //! The section that a contact marks, with coordinates on it.
 //!
-//! The beginning of a period of the forcing marks it, if the system is forced. Otherwise, a running ball marks it by its passages through the angle 0. A contact that no ring guides marks it where its position is
-//! at a maximum.
+//! The beginning of a period of the forcing marks it, if the system is forced. Otherwise, a running ball marks it by its passages
+//! through the angle 0. Without a ring, a contact on a moving support marks it where its position is at a maximum, or else
+//! each coordinate where it turns back.
 //!
 //! The coordinates are the free components (position and velocity of the table) and the variables
 //! of the contacts that vary: not the component that marks the section, the speed of a
@@ -16,13 +17,18 @@ use super::system_view::{ContactPlace, SystemView};
 use crate::model::{Components, ForcingLayout, wrap_to_pi};
 use crate::motion::{Direction, Motion, Phase, Phases};
 
+/// A velocity turns its sign by more than rounding if it has at least this size, non-dimensional, at an end of the step. Where
+/// bodies touch or stick, their relative speeds are zero to rounding.
+pub(super) const RESOLVED: f64 = 1e-9;
+
 /// What marks a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Mark {
     /// A contact passes through the angle 0 in this direction. `may_stop` states whether it may stop or turn back on its way.
     Round { contact: usize, direction: f64, may_stop: bool },
-    /// The position of a contact is at a maximum, where its sliding speed falls through this one.
-    Maximum { contact: usize, speed: f64 },
+    /// A position, of this contact if it is one, turns back where this component of the state, its velocity or sliding speed,
+    /// falls, or else rises, through this value.
+    TurningPoint { contact: Option<usize>, component: usize, value: f64, falls: bool },
     /// A period of the forcing begins.
     Period(ForcingLayout),
 }
@@ -31,7 +37,8 @@ impl Mark {
     /// Returns the contact that marks the section, if it is one.
     pub(super) fn contact(self) -> Option<usize> {
         match self {
-            Mark::Round { contact, .. } | Mark::Maximum { contact, .. } => Some(contact),
+            Mark::Round { contact, .. } => Some(contact),
+            Mark::TurningPoint { contact, .. } => contact,
             Mark::Period(_) => None,
         }
     }
@@ -40,10 +47,7 @@ impl Mark {
     pub(super) fn component(self, view: &SystemView) -> (usize, f64) {
         match self {
             Mark::Round { contact, .. } => (view.contacts[contact].position, 0.0),
-            Mark::Maximum { contact, speed } => {
-                let ContactPlace { position, speed: component, .. } = view.contacts[contact];
-                component.map_or((position, 0.0), |component| (component, speed))
-            }
+            Mark::TurningPoint { component, value, .. } => (component, value),
             Mark::Period(forcing) => (forcing.component, 0.0),
         }
     }
@@ -102,7 +106,9 @@ impl Section {
                 coordinates.extend(speed.map(|place| (place, false)));
             }
             let counts = contact.position != marking.0 && !contact.ignorable;
-            if counts && !rests[index] {
+            // Several contacts may show the position of one body.
+            let is_new = coordinates.iter().all(|(place, _)| *place != contact.position);
+            if counts && is_new && !(rests[index] && contact.speed.is_some()) {
                 coordinates.push((contact.position, contact.angular));
             }
         }
@@ -150,7 +156,7 @@ impl Section {
         let mut rests = self.rests.iter().zip(phases);
         let stops = match self.mark {
             Mark::Round { contact, may_stop: false, .. } => phases[contact].in_band(),
-            Mark::Round { .. } | Mark::Maximum { .. } | Mark::Period(_) => false,
+            Mark::Round { .. } | Mark::TurningPoint { .. } | Mark::Period(_) => false,
         };
         !stops && rests.all(|(rests, phase)| !rests || *phase == Phase::Stick)
     }
@@ -162,7 +168,15 @@ impl Section {
             Mark::Round { contact, direction, .. } => motion
                 .passage(contact)
                 .filter(|(_, state)| direction * motion.evaluator().speeds(state)[contact] > 0.0),
-            Mark::Maximum { .. } => motion.falls_through_zero(|state| state[component] - value),
+            Mark::TurningPoint { falls, .. } => {
+                let sign = if falls { 1.0 } else { -1.0 };
+                let passed =
+                    motion.falls_through_zero(|state| sign * (state[component] - value))?;
+                let ends = [motion.last_step_began(), motion.time()];
+                let ends = ends.map(|time| motion.within_last_step(time));
+                let is_resolved = |end: &Components| (end[component] - value).abs() > RESOLVED;
+                ends.iter().flatten().any(is_resolved).then_some(passed)
+            }
             Mark::Period(forcing) => {
                 let begun = motion.within_last_step(motion.last_step_began())?;
                 let next = next_period(forcing, &begun);
@@ -177,8 +191,13 @@ impl Section {
     /// Returns the number of contacts at whose other positions the motion would also repeat: contacts that rest, and contacts
     /// whose positions occur in no equation.
     pub(super) fn neutral_directions(&self, view: &SystemView) -> usize {
-        let contacts = view.contacts.iter().zip(&self.rests);
-        contacts.filter(|(contact, rests)| **rests || contact.ignorable).count()
+        let rests = |index: usize| self.rests[index] && view.contacts[index].speed.is_some();
+        let contacts = view.contacts.iter().enumerate();
+        let neutral = contacts.filter(|(index, contact)| rests(*index) || contact.ignorable);
+        let mut positions: Vec<usize> = neutral.map(|(_, contact)| contact.position).collect();
+        positions.sort_unstable();
+        positions.dedup();
+        positions.len()
     }
 
     /// Unit displacements along the coordinates.
@@ -214,14 +233,28 @@ impl Section {
     }
 }
 
-/// Returns what marks the section of a system if no contact that goes round does: the periods of its forcing, or the maxima of
-/// positions of a system without such contacts.
+/// Returns what marks the section of a system if no contact that goes round does: the periods of its forcing, the maxima of
+/// positions on a moving support, or the turning points of all coordinates.
 pub(super) fn marks(view: &SystemView) -> Vec<Mark> {
     match view.evaluator.graph().layout.forcing {
         Some(forcing) => vec![Mark::Period(forcing)],
         None if view.revolves() => Vec::new(),
-        None => maxima(view),
+        None => {
+            let maxima = maxima(view);
+            if maxima.is_empty() { turning_points(view) } else { maxima }
+        }
     }
+}
+
+/// Returns the marks at the turning points of coordinates, in either direction: an impact may leave only one of them smooth.
+fn turning_points(view: &SystemView) -> Vec<Mark> {
+    let velocities = view.evaluator.graph().layout.velocities.iter().flatten();
+    let both = velocities.flat_map(|component| [true, false].map(|falls| (*component, falls)));
+    both.map(|(component, falls)| {
+        let contact = view.contacts.iter().position(|contact| contact.speed == Some(component));
+        Mark::TurningPoint { contact, component, value: 0.0, falls }
+    })
+    .collect()
 }
 
 /// Returns the marks at the maxima of positions. The contact must slip there: the speed of its position differs from its
@@ -240,7 +273,9 @@ fn maxima(view: &SystemView) -> Vec<Mark> {
             state[component] - view.evaluator.rates(&phases, &state)[place.position]
         });
         let same = (one - other).abs() <= 1e-12 * one.abs();
-        (same && one != 0.0).then_some(Mark::Maximum { contact, speed: one })
+        let mark =
+            Mark::TurningPoint { contact: Some(contact), component, value: one, falls: true };
+        (same && one != 0.0).then_some(mark)
     };
     view.contacts.iter().enumerate().filter_map(mark).collect()
 }

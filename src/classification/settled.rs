@@ -81,7 +81,7 @@ fn may_settle(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
     let slides = |(contact, phase): (usize, &Phase)| match phase {
         Phase::Free => true,
         Phase::Slip(_) => view.speed(phases, state, contact).abs() > SLIDES,
-        Phase::Stick | Phase::Transition(_) => false,
+        Phase::Stick | Phase::Transition(_) | Phase::Apart => false,
         Phase::Open | Phase::Closed => true,
     };
     phases.iter().enumerate().all(slides)

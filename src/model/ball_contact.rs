@@ -61,16 +61,14 @@ pub fn rolling_restitution(material: f64) -> f64 {
     ((material - rolling) / (1.0 + rolling)).max(0.0)
 }
 
-/// A gap between two contacts that move along one line or circle. It closes when the contact behind meets the contact
+/// A gap between two contacts that move along one circle. It closes when the contact behind meets the contact
 /// ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
     /// The contact behind and the contact ahead, counted from 0.
     pub contacts: [usize; 2],
-    /// The difference of their positions where they touch; for angles, modulo one turn.
+    /// The difference of their angles where they touch, modulo one turn.
     pub distance: f64,
-    /// Whether the positions are angles.
-    pub angular: bool,
     /// The masses of the two bodies.
     pub masses: [f64; 2],
     /// Normal force on each support over the contact force `λ`: `tan(Δ/2)`.
@@ -92,15 +90,7 @@ impl Gap {
         let (sine, cosine) = libm::sincos(0.5 * angle);
         let tangent = sine / cosine;
         let lever = 1.0 / cosine + tangent;
-        Gap {
-            contacts,
-            distance: angle,
-            angular: true,
-            masses,
-            tangent,
-            lever,
-            friction_coefficient,
-        }
+        Gap { contacts, distance: angle, masses, tangent, lever, friction_coefficient }
     }
 
     /// Returns the tangential and the normal force on the contact behind and on the contact ahead, each over the mass
@@ -127,8 +117,7 @@ impl Gap {
 
     /// Returns the width of the gap between a contact behind and a contact ahead at these positions.
     pub fn width(&self, [behind, ahead]: [f64; 2]) -> f64 {
-        let apart = ahead - behind;
-        (if self.angular { wrap_to_two_pi(apart) } else { apart }) - self.distance
+        wrap_to_two_pi(ahead - behind) - self.distance
     }
 
     /// Returns the mass that the relative acceleration of the two bodies meets.

@@ -28,6 +28,7 @@ mod kick;
 mod kind;
 mod machine;
 mod material;
+mod mechanism;
 mod modelled;
 mod naming;
 mod number;
@@ -63,7 +64,8 @@ pub use friction::{
 pub(crate) use graph::PerStructure;
 pub use graph::{
     ContactEquations, ContactLayout, Degree, Event, EventEquations, Expression, ForcingLayout,
-    GapEquations, Graph, Layout, Node, NodeId, Recorder, Solve, SystemEquations,
+    GapEquations, Graph, Layout, Node, NodeId, Opening, OpeningEquations, Recorder, Solve,
+    SystemEquations,
 };
 pub use held::{Column, HeldContact, Holding, gap_columns, held, least_force, strength_that_holds};
 pub use invalid_parameter::InvalidParameter;
@@ -71,10 +73,11 @@ pub use kick::Kick;
 pub use kind::{Bound, Capabilities, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor};
 pub use machine::{Ball, MAX_BALLS, Machine, NormalForce};
 pub use material::{MATERIALS, Material, STEEL_KG_M3};
+pub use mechanism::{ImpactLaw, Mechanism, MechanismContact, MechanismNormal};
 pub use modelled::{Model, OtherCoordinates};
 pub use number::{Elementary, Number};
 pub use own::{OwnKind, OwnModel};
-pub use recorded::{ContactMode, add_contact_inputs, record_contact};
+pub use recorded::{ContactMode, add_contact_inputs, add_mechanism_inputs, record_contact};
 pub use registry::{Registry, RegistryError, model_kinds};
 pub use rest::RestPoint;
 pub use rest_in_contact::TOUCHING;

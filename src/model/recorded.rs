@@ -20,6 +20,8 @@ pub enum ContactMode {
     Slip(f64),
     /// It sets off in a direction: its friction is that at the speed 0, whatever its residual speed.
     SetOff(f64),
+    /// Its bodies do not touch.
+    Apart,
     /// It is a gap, and there is no force in it.
     Open,
     /// It is a gap, and its two contacts touch.
@@ -31,7 +33,7 @@ impl ContactMode {
     pub fn direction(self) -> f64 {
         match self {
             ContactMode::Slip(direction) | ContactMode::SetOff(direction) => direction,
-            ContactMode::Stick | ContactMode::Open | ContactMode::Closed => 0.0,
+            _ => 0.0,
         }
     }
 }
@@ -40,10 +42,23 @@ impl ContactMode {
 pub fn add_contact_inputs(inputs: &mut Vec<f64>, mode: ContactMode, friction: &Friction) {
     inputs.extend_from_slice(&match mode {
         ContactMode::Stick | ContactMode::Open | ContactMode::Closed => [0.0, 0.0, 0.0],
+        ContactMode::Apart => [1.0, 0.0, 0.0],
         ContactMode::Slip(direction) => [1.0, direction, 1.0],
         ContactMode::SetOff(direction) => [1.0, direction, 0.0],
     });
     inputs.extend_from_slice(&friction.expression_inputs());
+}
+
+/// Adds the values of the inputs of a contact that a [`super::Mechanism`] records; `opens` if its normal force is that of a
+/// gap.
+pub fn add_mechanism_inputs(
+    inputs: &mut Vec<f64>,
+    mode: ContactMode,
+    friction: &Friction,
+    opens: bool,
+) {
+    add_contact_inputs(inputs, mode, friction);
+    inputs.extend(opens.then_some(if mode == ContactMode::Apart { 0.0 } else { 1.0 }));
 }
 
 /// Records what a contact with this sliding speed does in the equations of motion. Its inputs are its mode and the numbers
@@ -86,6 +101,7 @@ pub(super) fn equations<'r, const N: usize, const FREE: usize>(
         contacts: (0..N).map(contact).collect(),
         events: Vec::new(),
         gaps: Vec::new(),
+        openings: Vec::new(),
         layout,
     }
 }

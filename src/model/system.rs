@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use smallvec::SmallVec;
 
-use super::{ContactMode, Friction, Gap, Recorder, SPEED_TERMS, SystemEquations};
+use super::{ContactMode, Friction, Gap, ImpactLaw, Recorder, SPEED_TERMS, SystemEquations};
 
 /// The components of a state, or of its rate of change, in the order in which the system records them.
 pub type Components = SmallVec<[f64; 20]>;
@@ -70,6 +70,11 @@ pub trait System: Any + Debug + Send + Sync {
     /// Returns the gaps between its contacts, if there are any.
     fn touching(&self) -> Option<&dyn Touching> {
         None
+    }
+
+    /// Returns how the bodies of a contact that opens separate after an impact.
+    fn impact_law(&self, _contact: usize) -> ImpactLaw {
+        ImpactLaw::default()
     }
 
     /// Returns the system that has the same motion while no contacts touch, for kernels that are written for one type.
@@ -201,6 +206,10 @@ impl System for Recorded {
 
     fn touching(&self) -> Option<&dyn Touching> {
         self.0.touching()
+    }
+
+    fn impact_law(&self, contact: usize) -> ImpactLaw {
+        self.0.impact_law(contact)
     }
 
     fn as_any(&self) -> &dyn Any {

@@ -6,7 +6,9 @@ use smallvec::SmallVec;
 
 use super::in_one_state::Affected;
 use super::{Phase, Phases};
-use crate::model::{Components, Dual, Elementary, Graph, Node, NodeId, Number, Solve, System};
+use crate::model::{
+    Components, Dual, Elementary, Graph, Node, NodeId, Number, Opening, Solve, System,
+};
 
 /// Speed, acceleration and forces of one contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,6 +88,19 @@ impl Evaluator {
         components.unwrap_or_else(|| {
             self.forces(&self.no_phases(), state).iter().map(|contact| contact.speed).collect()
         })
+    }
+
+    /// Returns the gap, the opening speed and the sliding speed of each opening, which do not depend on phases.
+    pub(super) fn openings<T: Solved>(&self, state: impl Fn(usize) -> T) -> SmallVec<[[T; 3]; 4]> {
+        if self.graph.openings.is_empty() {
+            return SmallVec::new();
+        }
+        let values = self.values_with(&self.inputs(&self.no_phases()), false, state);
+        let opening = |one: &Opening| {
+            let nodes = [one.gap, one.speed, self.graph.contacts[one.contact][0]];
+            nodes.map(|node| values[node as usize])
+        };
+        self.graph.openings.iter().map(opening).collect()
     }
 
     /// Returns phases for quantities that do not depend on them.

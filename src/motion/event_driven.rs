@@ -55,7 +55,7 @@ pub(super) fn decide<R>(
     let tie = TIE * system.force_scale();
     let choices = [Phase::Stick, Phase::Slip(Direction::Forward), Phase::Slip(Direction::Backward)];
     let better = |forces: &Forces, phases: &[Phase], contact: usize| match phases[contact] {
-        Phase::Transition(_) | Phase::Free | Phase::Open | Phase::Closed => None,
+        Phase::Transition(_) | Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => None,
         Phase::Stick => {
             let reserve = stick_reserve(system, forces, contact);
             (!rests_with(system, phases, contact, (reserve, tie)))

@@ -1,4 +1,4 @@
-//! Impacts: contacts that meet in one or more gaps at the same instant.
+//! Impacts: bodies that meet in one or more gaps, or at contacts that open, at the same instant.
 //!
 //! In each gap whose contacts touch, Newton's law and Coulomb's law hold for the impulses (J. J. Moreau, *Unilateral
 //! contact and dry friction in finite freedom dynamics*, Springer 1988, doi:10.1007/978-3-7091-2624-0_1): an impulse `P ≥ 0`
@@ -17,9 +17,10 @@
 
 use smallvec::{SmallVec, smallvec};
 
-use super::impulses::{Impulses, Meeting, Pairs};
+use super::impulses::{GapLaw, Impulses, Meeting, Pairs};
+use super::response::Meets;
 use super::{Evaluator, Failure, Phase};
-use crate::model::{Components, Dual, Elementary, Gap, Number, Touching};
+use crate::model::{Components, Dual, Elementary, ImpactLaw, Number};
 
 /// Rounding tolerance of impulses and speeds, over the largest speed.
 const ROUNDING: f64 = 1e-13;
@@ -32,10 +33,12 @@ const UNRESOLVED: f64 = 1e-9;
 pub(super) struct Impact {
     /// The state after the impact, with its change along a direction.
     pub(super) state: Vec<Dual>,
-    /// The gaps whose contacts stay together.
-    pub(super) together: SmallVec<[usize; 8]>,
+    /// The places whose bodies stay together.
+    pub(super) together: SmallVec<[Meets; 8]>,
     /// The gaps that were open and have closed.
     pub(super) hits: SmallVec<[Hit; 2]>,
+    /// The number of contacts that were apart and have hit.
+    pub(super) landed: usize,
     /// The contacts that the impulses lift off their support, which the model does not follow.
     pub(super) lifted: usize,
 }
@@ -49,77 +52,140 @@ pub(crate) struct Hit {
     pub(crate) opening_speed: f64,
 }
 
-/// Returns the state after an impact in the gaps `touching`, whose contacts are at each other, with the phases of all gaps
-/// before it. `speeds` are the components that are the speeds of the contacts.
+/// Returns the state after an impact at the places `touching`, whose bodies are at each other, with the phases of all contacts
+/// and gaps before it.
 ///
 /// # Errors
 /// As [`Meeting::impulses`].
 pub(super) fn impact(
     evaluator: &Evaluator,
-    system: &dyn Touching,
-    speeds: &[usize],
     state: &[Dual],
-    touching: &[usize],
+    touching: &[Meets],
     phases: &[Phase],
 ) -> Result<Impact, Failure> {
-    let gaps: SmallVec<[&Gap; 8]> = touching.iter().map(|gap| &system.gaps()[*gap]).collect();
-    let fastest = speeds.iter().fold(1.0, |most: f64, speed| most.max(state[*speed].value.abs()));
-    let relative = |gap: &Gap, of: &[Dual]| {
-        let [behind, ahead] = gap.contacts.map(|contact| of[speeds[contact]]);
+    let (system, graph) = (evaluator.system(), evaluator.graph());
+    let contacts = graph.contacts.len();
+    let between = system.touching();
+    let all_gaps = between.map_or(&[][..], |between| between.gaps());
+    let speeds: SmallVec<[Option<usize>; 8]> =
+        (0..contacts).map(|contact| graph.speed_component(contact)).collect();
+    let openings = evaluator.openings(|component| state[component]);
+    let of_contacts = speeds.iter().flatten().map(|speed| state[*speed]);
+    let at_openings = openings.iter().flat_map(|[_, opening, sliding]| [*opening, *sliding]);
+    let all = of_contacts.chain(at_openings).map(|speed| speed.value.abs());
+    let fastest = all.fold(1.0, f64::max);
+    // The opening speed and the sliding speed of a place, from a state or from a response.
+    let in_gap = |gap: usize, of: &[Dual]| {
+        let speed = |contact: usize| speeds[contact].expect("speeds of balls are components");
+        let [behind, ahead] = all_gaps[gap].contacts.map(|contact| of[speed(contact)]);
         [ahead - behind, ahead + behind]
     };
-    let before: Pairs<Dual> = gaps.iter().flat_map(|gap| relative(gap, state)).collect();
-    let restitution = before.iter().step_by(2).map(|opening| {
-        let lasts = -opening.value < system.lasting_approach() && system.restitution() < 1.0;
-        if lasts || opening.value >= 0.0 { 0.0 } else { system.restitution() }
-    });
+    let before: Pairs<Dual> = touching
+        .iter()
+        .flat_map(|place| match *place {
+            Meets::Gap(gap) => in_gap(gap, state),
+            Meets::Opening(one) => [openings[one][1], openings[one][2]],
+        })
+        .collect();
     let responses = evaluator.responses(state, touching);
     let by_each = || responses.iter().flatten();
-    let rows = gaps.iter().flat_map(|gap| [0, 1].map(|speed| (gap, speed)));
+    let rows = touching.iter().flat_map(|place| [0, 1].map(|speed| (*place, speed)));
+    let answers: Vec<Dual> = rows
+        .flat_map(|(place, speed)| {
+            by_each().map(move |by| match place {
+                Meets::Gap(gap) => in_gap(gap, &by.components)[speed],
+                Meets::Opening(one) => by.openings[one][speed],
+            })
+        })
+        .collect();
+    let law = |(row, place): (usize, &Meets)| {
+        let answer = answers[2 * row * (before.len() + 1)].value;
+        let (law, friction_coefficient, mass) = match (*place, between) {
+            (Meets::Gap(gap), Some(between)) => {
+                let gap = &between.gaps()[gap];
+                let restitution = between.restitution();
+                let lasting_approach = between.lasting_approach();
+                let law = ImpactLaw { restitution, tangential_restitution: 0.0, lasting_approach };
+                (law, gap.friction_coefficient, gap.reduced_mass())
+            }
+            (Meets::Gap(one) | Meets::Opening(one), _) => {
+                let contact = graph.openings[one].contact;
+                (system.impact_law(contact), system.friction(contact).coefficient, 1.0 / answer)
+            }
+        };
+        (law, friction_coefficient, mass)
+    };
+    let laws: SmallVec<[_; 8]> = touching.iter().enumerate().map(law).collect();
+    let with_opening = laws.iter().zip(before.iter().step_by(2));
+    let gap_laws = with_opening.map(|((law, friction_coefficient, mass), opening)| {
+        let lasts = -opening.value < law.lasting_approach && law.restitution < 1.0;
+        let is_slow = lasts || opening.value >= 0.0;
+        GapLaw {
+            restitution: if is_slow { 0.0 } else { law.restitution },
+            tangential_restitution: if is_slow { 0.0 } else { law.tangential_restitution },
+            friction_coefficient: *friction_coefficient,
+            mass: *mass,
+        }
+    });
+    let masses = touching.iter().zip(&laws).flat_map(|(place, (_, _, mass))| match *place {
+        Meets::Gap(gap) => all_gaps[gap].masses,
+        Meets::Opening(_) => [*mass; 2],
+    });
     let meeting = Meeting {
-        restitution: restitution.collect(),
-        answers: rows
-            .flat_map(|(gap, speed)| by_each().map(move |by| relative(gap, by)[speed]))
-            .collect(),
+        laws: gap_laws.collect(),
         fastest: before.iter().map(|speed| speed.value.abs()).fold(0.0, f64::max),
-        heaviest: gaps.iter().flat_map(|gap| gap.masses).fold(0.0, f64::max),
+        heaviest: masses.fold(0.0, f64::max),
         tolerance: ROUNDING * fastest,
         before,
-        gaps,
+        answers,
     };
-    let Impulses { impulses, after } = passive(&meeting)?;
+    let arms: SmallVec<[f64; 8]> = touching
+        .iter()
+        .map(|place| match *place {
+            Meets::Gap(gap) => all_gaps[gap].lever,
+            Meets::Opening(_) => 1.0,
+        })
+        .collect();
+    let Impulses { impulses, after } = passive(&meeting, &arms)?;
 
     let mut changed = state.to_vec();
-    let mut pressed: Components = smallvec![0.0; speeds.len()];
+    let mut pressed: Components = smallvec![0.0; contacts];
     for (place, (impulse, response)) in impulses.iter().zip(by_each()).enumerate() {
-        changed.iter_mut().zip(response).for_each(|(to, by)| *to = *to + *impulse * *by);
-        let gap = meeting.gaps[place / 2];
-        for (contact, [_, outward]) in gap.contacts.into_iter().zip(gap.pushes()[place % 2]) {
-            pressed[contact] += outward * impulse.value;
+        let components = changed.iter_mut().zip(&response.components);
+        components.for_each(|(to, by)| *to = *to + *impulse * *by);
+        if let Meets::Gap(gap) = touching[place / 2] {
+            let gap = &all_gaps[gap];
+            for (contact, [_, outward]) in gap.contacts.into_iter().zip(gap.pushes()[place % 2]) {
+                pressed[contact] += outward * impulse.value;
+            }
         }
     }
-    // Contacts that separate more slowly than after the slowest impact that is resolved stay together.
-    let slow = match system.restitution() {
-        restitution if restitution < 1.0 => {
-            0.99 * restitution.max(0.01) * system.lasting_approach()
-        }
+    // Bodies that separate more slowly than after the slowest impact that is resolved stay together.
+    let slow = |law: &ImpactLaw| match law.restitution {
+        restitution if restitution < 1.0 => 0.99 * restitution.max(0.01) * law.lasting_approach,
         _ => UNRESOLVED,
     };
-    let together = touching.iter().zip(after.iter().step_by(2));
-    let together = together.filter(|(_, opening)| opening.value <= slow).map(|(gap, _)| *gap);
-    let together: SmallVec<[usize; 8]> = together.collect();
-    let hits = touching.iter().zip(meeting.before.iter().step_by(2));
-    let hits = hits.filter(|(gap, opening)| {
-        let closes = opening.value < -meeting.tolerance || together.contains(gap);
-        phases[**gap] == Phase::Open && closes
-    });
-    let hits = hits.map(|(gap, opening)| Hit { gap: *gap, opening_speed: opening.value });
-    Ok(Impact {
-        hits: hits.collect(),
-        together,
-        lifted: pressed.iter().filter(|force| **force < 0.0).count(),
-        state: changed,
-    })
+    let places = || touching.iter().zip(&laws).zip(after.iter().step_by(2));
+    let together = places().filter(|((_, (law, ..)), opening)| opening.value <= slow(law));
+    let together: SmallVec<[Meets; 8]> = together.map(|((place, _), _)| *place).collect();
+    let closes = |place: &Meets, opening: &Dual| {
+        opening.value < -meeting.tolerance || together.contains(place)
+    };
+    let mut hits = SmallVec::new();
+    let mut landed = 0;
+    for (place, opening) in touching.iter().zip(meeting.before.iter().step_by(2)) {
+        match *place {
+            Meets::Gap(gap) if phases[contacts + gap] == Phase::Open && closes(place, opening) => {
+                hits.push(Hit { gap, opening_speed: opening.value });
+            }
+            Meets::Opening(one) if phases[graph.openings[one].contact] == Phase::Apart => {
+                landed += usize::from(closes(place, opening));
+            }
+            _ => {}
+        }
+    }
+    let lifted = pressed.iter().filter(|force| **force < 0.0).count();
+    Ok(Impact { state: changed, together, hits, landed, lifted })
 }
 
 /// Returns the impulses of both laws or, where these would add energy, those that conserve it. There are none unless
@@ -127,8 +193,8 @@ pub(super) fn impact(
 ///
 /// # Errors
 /// As [`Meeting::impulses`].
-fn passive(meeting: &Meeting<'_>) -> Result<Impulses, Failure> {
-    let Meeting { gaps, before, tolerance, .. } = meeting;
+fn passive(meeting: &Meeting, arms: &[f64]) -> Result<Impulses, Failure> {
+    let Meeting { laws, before, tolerance, .. } = meeting;
     if before.iter().step_by(2).all(|opening| opening.value >= -tolerance) {
         let impulses = smallvec![Dual::constant(0.0); before.len()];
         return Ok(Impulses { impulses, after: before.clone() });
@@ -136,9 +202,9 @@ fn passive(meeting: &Meeting<'_>) -> Result<Impulses, Failure> {
     let sum = |one: &Pairs<Dual>, factor: Dual, other: &Pairs<Dual>| -> Pairs<Dual> {
         one.iter().zip(other).map(|(one, other)| *one + factor * *other).collect()
     };
-    // Twice the work of impulses at these speeds. The friction impulse acts on both bodies against their rolling.
+    // Twice the work of impulses at these speeds. The friction impulse acts on the bodies against their sliding, with an arm.
     let work = |impulses: &Pairs<Dual>, speeds: &Pairs<Dual>| {
-        let arms = gaps.iter().flat_map(|gap| [1.0, -gap.lever]);
+        let arms = arms.iter().flat_map(|arm| [1.0, -arm]);
         let all = arms.zip(impulses).zip(speeds);
         all.fold(Dual::constant(0.0), |sum, ((arm, impulse), speed)| {
             sum + Dual::constant(arm) * *impulse * *speed
@@ -148,12 +214,14 @@ fn passive(meeting: &Meeting<'_>) -> Result<Impulses, Failure> {
     let added = |by: &Impulses| work(&by.impulses, &sum(before, one, &by.after));
     let newton = meeting.impulses()?;
     let rounding: f64 = newton.impulses.iter().map(|impulse| tolerance * impulse.value.abs()).sum();
-    let is_inelastic = meeting.restitution.iter().all(|restitution| *restitution == 0.0);
+    let is_inelastic =
+        laws.iter().all(|law| law.restitution == 0.0 && law.tangential_restitution == 0.0);
     if is_inelastic || added(&newton).value <= rounding {
         return Ok(newton);
     }
-    let restitution = smallvec![0.0; gaps.len()];
-    let inelastic = Meeting { restitution, ..meeting.clone() }.impulses()?;
+    let plastic = |law: &GapLaw| GapLaw { restitution: 0.0, tangential_restitution: 0.0, ..*law };
+    let laws = laws.iter().map(plastic).collect();
+    let inelastic = Meeting { laws, ..meeting.clone() }.impulses()?;
     let impulses = sum(&newton.impulses, -one, &inelastic.impulses);
     let after = sum(&newton.after, -one, &inelastic.after);
     // Twice the added energy as a polynomial of the share of the difference.

@@ -1,4 +1,5 @@
-//! The impulses of an impact: Newton's law of restitution and Coulomb's law of friction in several gaps at once.
+//! The impulses of an impact: Newton's law of restitution and Coulomb's law of friction in several gaps at once. A contact that
+//! opens is a gap here, too.
 //!
 //! The unknowns are a contact impulse `P` and a friction impulse `Q` in each gap. A gap takes part in one of four ways, and
 //! each way gives two linear equations. All combinations of ways are tried; a combination holds if the impulses, and the
@@ -8,7 +9,7 @@
 use smallvec::{SmallVec, smallvec};
 
 use super::Failure;
-use crate::model::{Dual, Gap, Number};
+use crate::model::{Dual, Number};
 
 /// In a row of bodies that do not slide on each other the friction impulses are not determined, but the speeds are. With
 /// this much more of its own speed for each friction impulse they are determined.
@@ -43,12 +44,23 @@ enum Way {
     Sticks,
 }
 
+/// The law of impact in a gap.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GapLaw {
+    /// The speed of separation over the speed of approach.
+    pub(super) restitution: f64,
+    /// The sliding speed over that before, with the opposite sign, where the bodies do not slide on each other.
+    pub(super) tangential_restitution: f64,
+    pub(super) friction_coefficient: f64,
+    /// The mass that the opening acceleration meets.
+    pub(super) mass: f64,
+}
+
 /// Gaps whose contacts are at each other, and how they answer to impulses.
 #[derive(Clone)]
-pub(super) struct Meeting<'a, T = Dual> {
-    pub(super) gaps: SmallVec<[&'a Gap; 8]>,
-    /// For each gap the speed of separation over the speed of approach.
-    pub(super) restitution: SmallVec<[f64; 8]>,
+pub(super) struct Meeting<T = Dual> {
+    /// The law of each gap.
+    pub(super) laws: SmallVec<[GapLaw; 8]>,
     /// The opening speed and the rolling speed of each gap before the impact.
     pub(super) before: Pairs<T>,
     /// The change of each of these speeds by each impulse, row by row.
@@ -68,7 +80,7 @@ pub(super) struct Impulses {
     pub(super) after: Pairs<Dual>,
 }
 
-impl Meeting<'_> {
+impl Meeting {
     /// Returns the impulses that obey both laws.
     ///
     /// # Errors
@@ -76,15 +88,14 @@ impl Meeting<'_> {
     /// [`Failure::TooManyCombinations`] for so many gaps that they cannot be tried.
     pub(super) fn impulses(&self) -> Result<Impulses, Failure> {
         let values = Meeting {
-            gaps: self.gaps.clone(),
-            restitution: self.restitution.clone(),
+            laws: self.laws.clone(),
             before: self.before.iter().map(|speed| speed.value).collect(),
             answers: self.answers.iter().map(|answer| answer.value).collect(),
             fastest: self.fastest,
             heaviest: self.heaviest,
             tolerance: self.tolerance,
         };
-        let number = (0..self.gaps.len()).map(|gap| values.ways(gap).count());
+        let number = (0..self.laws.len()).map(|gap| values.ways(gap).count());
         if number.fold(1, usize::saturating_mul) > MOST_TRIED {
             return Err(Failure::TooManyCombinations);
         }
@@ -102,11 +113,11 @@ impl Meeting<'_> {
     }
 }
 
-impl Meeting<'_, f64> {
+impl Meeting<f64> {
     /// Returns the ways in which a gap may take part: first that in which the bodies slide as before.
     fn ways(&self, gap: usize) -> impl Iterator<Item = Way> + use<> {
         let rolling = if self.before[2 * gap + 1] < 0.0 { -1.0 } else { 1.0 };
-        let rough = self.gaps[gap].friction_coefficient > 0.0;
+        let rough = self.laws[gap].friction_coefficient > 0.0;
         let all = [Way::Slides(rolling), Way::None, Way::Sticks, Way::Slides(-rolling)];
         all.into_iter().take(if rough { 4 } else { 2 })
     }
@@ -119,7 +130,7 @@ impl Meeting<'_, f64> {
         found: &mut Vec<(Vec<Way>, Pairs<f64>)>,
     ) {
         let gap = ways.len();
-        if gap < self.gaps.len() {
+        if gap < self.laws.len() {
             for way in self.ways(gap) {
                 self.add_equations(equations, gap, way);
                 ways.push(way);
@@ -147,24 +158,28 @@ impl Meeting<'_, f64> {
     /// Returns whether a contact impulse and a friction impulse meet the conditions of a way.
     fn are_allowed(&self, gap: usize, way: Way, [force, friction]: [f64; 2]) -> bool {
         // An impulse over the mass that it meets is a speed.
-        let slack = self.tolerance * self.gaps[gap].reduced_mass();
-        let most = self.gaps[gap].friction_coefficient * force + slack;
+        let slack = self.tolerance * self.laws[gap].mass;
+        let most = self.laws[gap].friction_coefficient * force + slack;
         let sticks = friction.abs() <= most.min(LARGEST * self.heaviest * self.fastest);
         (-slack..f64::INFINITY).contains(&force) && (sticks || !matches!(way, Way::Sticks))
     }
 
     /// Returns whether an opening speed and a rolling speed after the impact meet the conditions of a way.
     fn follow(&self, gap: usize, way: Way, [opening, rolling]: [f64; 2]) -> bool {
-        let rough = self.gaps[gap].friction_coefficient > 0.0;
+        let law = self.laws[gap];
+        let rough = law.friction_coefficient > 0.0;
         match way {
-            Way::None => opening + self.restitution[gap] * self.before[2 * gap] >= -self.tolerance,
-            Way::Slides(direction) => !rough || direction * rolling >= -self.tolerance,
+            Way::None => opening + law.restitution * self.before[2 * gap] >= -self.tolerance,
+            Way::Slides(direction) => {
+                let least = -law.tangential_restitution * self.before[2 * gap + 1];
+                !rough || direction * (rolling - least) >= -self.tolerance
+            }
             Way::Sticks => true,
         }
     }
 }
 
-impl<T: Number> Meeting<'_, T> {
+impl<T: Number> Meeting<T> {
     /// Adds both equations of a gap that takes part in a way to those of the gaps before it, in triangular form with ones on
     /// the diagonal.
     fn add_equations(&self, equations: &mut Vec<Equation<T>>, gap: usize, way: Way) {
@@ -179,16 +194,19 @@ impl<T: Number> Meeting<'_, T> {
                     row
                 }
                 Way::Slides(rolling) if is_friction => {
-                    let share = rolling * self.gaps[gap].friction_coefficient;
+                    let share = rolling * self.laws[gap].friction_coefficient;
                     equation[row - 1] = T::constant(-share);
                     equation[row] = T::constant(1.0);
                     row - 1
                 }
-                // The opening speed is given by the law of impact, and the rolling speed is zero where the bodies stick.
+                // Both speeds are given by the law of impact; most bodies that stick do not slide afterwards.
                 Way::Slides(_) | Way::Sticks => {
                     equation[..size].copy_from_slice(&self.answers[row * size..][..size]);
-                    let (give, kept) =
-                        if is_friction { (GIVE, 0.0) } else { (0.0, self.restitution[gap]) };
+                    let law = self.laws[gap];
+                    let (give, kept) = match is_friction {
+                        true => (GIVE, law.tangential_restitution),
+                        false => (0.0, law.restitution),
+                    };
                     equation[row] = T::constant(1.0 + give) * equation[row];
                     equation[size] = T::constant(-1.0 - kept) * self.before[row];
                     0

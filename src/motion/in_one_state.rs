@@ -74,13 +74,13 @@ pub struct InOneState<'a> {
 }
 
 impl InOneState<'_> {
-    /// Returns forces and accelerations of all contacts and gaps.
+    /// Returns forces and accelerations of all contacts, and of all gaps with the openings behind them.
     pub fn forces_and_gaps(&mut self, phases: &[Phase]) -> (Forces, SmallVec<[GapForces; 8]>) {
         self.assume(phases);
         self.read(|node| self.values[node as usize])
     }
 
-    /// Returns forces and accelerations of all contacts and gaps for each of some assumptions, to rounding.
+    /// Returns forces and accelerations of all contacts, gaps and openings for each of some assumptions, to rounding.
     pub(super) fn forces_of_several(
         &mut self,
         assumed: &[Phases],
@@ -121,7 +121,9 @@ impl InOneState<'_> {
             let [opening_acceleration, force] = nodes.map(&at);
             GapForces { opening_acceleration, force }
         };
-        (forces(graph, &at), graph.gaps.iter().map(gap).collect())
+        let openings = graph.openings.iter().map(|one| [one.acceleration, one.force]);
+        let all: SmallVec<[_; 8]> = graph.gaps.iter().copied().chain(openings).collect();
+        (forces(graph, &at), all.iter().map(gap).collect())
     }
 
     /// Computes all nodes for these phases.

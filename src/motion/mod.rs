@@ -30,7 +30,7 @@ pub use lockstep::SimdLevel;
 pub use modes::decide;
 pub use phase::{Direction, PerContact, Phase, Phases};
 pub(crate) use phase::{all_stick, any_closed};
-pub use response::Response;
+pub use response::{Meets, Response};
 pub use root::fall_through_zero;
 pub use settings::{Effort, Settings, Tolerance, Touches, most_steps_by};
 pub use single::Motion;
@@ -54,6 +54,12 @@ pub enum Failure {
     ContactLost {
         /// The ball, from 1.
         ball: usize,
+    },
+    /// Bodies are inside each other at the start.
+    #[error("the bodies of contact {contact} overlap at the start: their gap is negative")]
+    Overlap {
+        /// The contact, from 1.
+        contact: usize,
     },
     /// The limit of steps and switches was reached, or the step length fell below the minimum.
     #[error("more steps than the limit, or a step length below the smallest possible one")]

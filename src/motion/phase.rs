@@ -50,6 +50,8 @@ pub enum Phase {
     Transition(Direction),
     /// Its law has no stick: it moves in either direction.
     Free,
+    /// Its bodies do not touch.
+    Apart,
     /// It is a gap that may close.
     Open,
     /// It is a gap, and its two contacts touch.
@@ -85,6 +87,7 @@ impl Phase {
             Phase::Slip(direction) => ContactMode::Slip(direction.sign()),
             Phase::Transition(direction) => ContactMode::SetOff(direction.sign()),
             Phase::Free => ContactMode::Slip(0.0),
+            Phase::Apart => ContactMode::Apart,
             Phase::Open => ContactMode::Open,
             Phase::Closed => ContactMode::Closed,
         }

@@ -1,4 +1,4 @@
-//! How velocities answer to impulses in gaps, derived from the recorded equations.
+//! How velocities answer to impulses in gaps and at openings, derived from the recorded equations.
 //!
 //! Forces during an impact are so large that all others, friction of the supports among them, are negligible beside them.
 //! The accelerations are then the velocities' changes per unit of impulse. In the linear equations `A x = b` of the
@@ -6,63 +6,74 @@
 //! the opposite sign to the right side.
 //!
 //! The friction force of a gap retards both bodies ([`Gap::lever`]). The contact force pushes the same two bodies apart, so
-//! that the contribution of friction follows from that of the contact force.
+//! that the contribution of friction follows from that of the contact force. The friction of a contact that opens is an unknown
+//! of its own, with a column of its own.
 
 use smallvec::{SmallVec, smallvec};
 
 use super::Evaluator;
 use super::evaluator::{Entries, Unknowns, solved};
-use crate::model::{ContactMode, Dual, Elementary, Gap, Node, NodeId, Number, Solve};
+use crate::model::{ContactMode, Dual, Elementary, Node, NodeId, Number, Opening, Solve};
 
-/// The change of each component of the state by a unit of impulse.
-pub type Response = Vec<Dual>;
+/// A place where bodies hit each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meets {
+    /// A gap between two contacts, by its number.
+    Gap(usize),
+    /// A contact that opens, by the number of the opening.
+    Opening(usize),
+}
+
+/// The change of a state by a unit of impulse.
+#[derive(Clone, Debug)]
+pub struct Response {
+    /// Of each component.
+    pub components: Vec<Dual>,
+    /// Of the opening speed and the sliding speed of each opening.
+    pub openings: SmallVec<[[Dual; 2]; 4]>,
+}
 
 impl Evaluator {
-    /// Returns for each of some gaps, by their numbers, the responses to a unit of its contact impulse and of its friction impulse.
+    /// Returns for each of some places the responses to a unit of its contact impulse and of its friction impulse.
     ///
     /// # Panics
-    /// Panics if the force in a gap is no unknown of [`crate::model::Recorder::accelerations`]: a system with such equations is
-    /// a programming error.
-    pub fn responses(&self, state: &[Dual], touching: &[usize]) -> Vec<[Response; 2]> {
+    /// Panics if a force there is no unknown of a linear system: a system with such equations is a programming error.
+    pub fn responses(&self, state: &[Dual], places: &[Meets]) -> Vec<[Response; 2]> {
         let graph = self.graph();
         let gaps = self.system().touching().map_or(&[][..], |system| system.gaps());
         // Contacts that set off in no direction have no friction.
         let mut modes: SmallVec<[ContactMode; 16]> =
             smallvec![ContactMode::SetOff(0.0); graph.contacts.len()];
+        graph.openings.iter().for_each(|one| modes[one.contact] = ContactMode::Apart);
         modes.resize(modes.len() + graph.gaps.len(), ContactMode::Open);
         let inputs = self.system().inputs(&modes);
         let values = self.values_with::<Dual>(&inputs, false, |component| state[component]);
         let unknown = |node: NodeId| match graph.nodes[node as usize] {
-            Node::Solution { solve, row } => (solve, row as usize),
-            _ => panic!("a gap needs a force that is an unknown"),
+            Node::Solution { solve, row } => Some((solve, row as usize)),
+            _ => None,
         };
+        // There is no other force at any of the places.
+        let in_gaps = graph.gaps.iter().map(|[_, force]| *force);
+        let at_openings =
+            graph.openings.iter().flat_map(|one| [one.force, graph.contacts[one.contact][3]]);
         let forces: SmallVec<[usize; 8]> =
-            graph.gaps.iter().map(|[_, force]| unknown(*force).1).collect();
-        let respond = |gap: &Gap, force: NodeId| {
-            let (solve, column) = unknown(force);
+            in_gaps.chain(at_openings).filter_map(unknown).map(|(_, row)| row).collect();
+        let respond = |place: &Meets| {
+            let force = match *place {
+                Meets::Gap(gap) => graph.gaps[gap][1],
+                Meets::Opening(opening) => graph.openings[opening].force,
+            };
+            let (solve, column) = unknown(force).expect("a force that is an unknown");
             let Solve { matrix, right, .. } = &graph.solves[solve as usize];
             let entry =
                 |row: usize, column: usize| values[matrix[row * right.len() + column] as usize];
-            // There is no force in the other gaps.
             let rows: SmallVec<[usize; 16]> =
                 (0..right.len()).filter(|row| !forces.contains(row)).collect();
             let entries: Entries<Dual> = rows
                 .iter()
                 .flat_map(|row| rows.iter().map(|column| entry(*row, *column)))
                 .collect();
-            // A body whose acceleration is no unknown does not move.
-            let sides = gap.contacts.map(|contact| {
-                match graph.nodes[graph.contacts[contact][1] as usize] {
-                    Node::Solution { row, .. } => Some(row as usize),
-                    _ => None,
-                }
-            });
             let push = |row: usize| -entry(row, column);
-            let retard = |row: usize| match sides.map(|side| side == Some(row)) {
-                [true, _] => Dual::constant(gap.lever) * push(row),
-                [_, true] => Dual::constant(-gap.lever) * push(row),
-                _ => Dual::constant(0.0),
-            };
             let answer = |of_force: f64, contribution: &dyn Fn(usize) -> Dual| {
                 let right: Unknowns<Dual> = rows.iter().map(|row| contribution(*row)).collect();
                 let accelerations = solved(entries.clone(), right);
@@ -73,23 +84,40 @@ impl Evaluator {
                     let place = rows.iter().position(|one| *one == row as usize)?;
                     Some(accelerations[place])
                 };
-                self.change_of_rates(&values, |node| match *node {
+                self.response(&values, |node| match *node {
                     Node::Solution { solve: own, row } if own == solve => of_row(row),
                     _ => None,
                 })
             };
-            [answer(1.0, &push), answer(0.0, &retard)]
+            let zero = Dual::constant(0.0);
+            let by_friction = match *place {
+                Meets::Gap(gap) => {
+                    // A body whose acceleration is no unknown does not move.
+                    let contact = |one: usize| unknown(graph.contacts[one][1]);
+                    let sides = gaps[gap].contacts.map(|one| contact(one).map(|(_, row)| row));
+                    let lever = Dual::constant(gaps[gap].lever);
+                    answer(0.0, &|row| match sides.map(|side| side == Some(row)) {
+                        [true, _] => lever * push(row),
+                        [_, true] => -lever * push(row),
+                        _ => zero,
+                    })
+                }
+                Meets::Opening(opening) => {
+                    let contact = graph.openings[opening].contact;
+                    match unknown(graph.contacts[contact][3]) {
+                        Some((_, column)) => answer(0.0, &|row| -entry(row, column)),
+                        None => answer(0.0, &|_| zero),
+                    }
+                }
+            };
+            [answer(1.0, &push), by_friction]
         };
-        touching.iter().map(|gap| respond(&gaps[*gap], graph.gaps[*gap][1])).collect()
+        places.iter().map(respond).collect()
     }
 
-    /// Returns the change of the rate of each component with unknowns, in which the rates are linear, from the values of all
-    /// other nodes; `changed` returns the change of an unknown.
-    fn change_of_rates(
-        &self,
-        values: &[Dual],
-        changed: impl Fn(&Node) -> Option<Dual>,
-    ) -> Response {
+    /// Returns the change of all rates with unknowns, in which the rates are linear, from the values of all other nodes;
+    /// `changed` returns the change of an unknown.
+    fn response(&self, values: &[Dual], changed: impl Fn(&Node) -> Option<Dual>) -> Response {
         let graph = self.graph();
         let zero = Dual::constant(0.0);
         let mut changes = vec![zero; graph.nodes.len()];
@@ -111,7 +139,13 @@ impl Evaluator {
             };
             changes[place] = of;
         }
-        graph.derivative.iter().map(|node| changes[*node as usize]).collect()
+        let change = |node: NodeId| changes[node as usize];
+        let opening =
+            |one: &Opening| [one.acceleration, graph.contacts[one.contact][1]].map(change);
+        Response {
+            components: graph.derivative.iter().map(|node| change(*node)).collect(),
+            openings: graph.openings.iter().map(opening).collect(),
+        }
     }
 }
 
@@ -123,6 +157,7 @@ mod tests {
         Balancer, Ball, BallContact, BallsInContact, Dual, Machine, System, Touching,
     };
     use crate::motion::Evaluator;
+    use crate::motion::response::Meets;
 
     /// The equations of motion, integrated over an impact: `Σ_j A_ij Δβ̇_j` is the tangential impulse over the mass of ball
     /// `i` with `A_ij = (1 + 4J) δ_ij - m_j cos(β_i - β_j)`, and `Δẋ = Σ m s Δβ̇`, `Δẏ = -Σ m c Δβ̇`. The slopes are those of
@@ -146,13 +181,14 @@ mod tests {
             let component =
                 |(value, slope): (&f64, &f64)| Dual { value: value + size * slope, slope: *slope };
             let moved: Vec<Dual> = state.iter().zip(&direction).map(component).collect();
-            evaluator.responses(&moved, &[0, 1, 2])
+            evaluator.responses(&moved, &[0, 1, 2].map(Meets::Gap))
         };
         let size = 1e-6;
         let [here, less, more] = [0.0, -size, size].map(responses);
         for (place, gap) in Touching::gaps(&system).iter().enumerate() {
             for (way, pushes) in gap.pushes().into_iter().enumerate() {
-                let response: Vec<f64> = here[place][way].iter().map(|one| one.value).collect();
+                let response: Vec<f64> =
+                    here[place][way].components.iter().map(|one| one.value).collect();
                 let speeds = &response[7..];
                 for (i, ball) in balls.iter().enumerate() {
                     let along: f64 = gap
@@ -175,8 +211,9 @@ mod tests {
                 };
                 assert!((response[2] - sum(f64::sin)).abs() < 1e-12);
                 assert!((response[3] + sum(f64::cos)).abs() < 1e-12);
-                for (component, one) in here[place][way].iter().enumerate() {
-                    let [less, more] = [&less, &more].map(|of| of[place][way][component].value);
+                for (component, one) in here[place][way].components.iter().enumerate() {
+                    let [less, more] =
+                        [&less, &more].map(|of| of[place][way].components[component].value);
                     let slope = (more - less) / (2.0 * size);
                     assert!(
                         (one.slope - slope).abs() < 1e-5 * (1.0 + slope.abs()),

@@ -31,7 +31,7 @@ use smallvec::smallvec;
 use super::modes::InState;
 use super::touching::InTouch;
 use super::{Evaluator, Phase, Phases, Settings};
-use crate::model::Components;
+use crate::model::{Components, Dual};
 
 /// A condition whose rate is below this fraction of the largest possible rate is grazed: there the
 /// neighbours' motions differ by more than first order.
@@ -51,6 +51,8 @@ pub(super) enum Condition {
     Event(usize),
     /// An open gap has not closed.
     Gap(usize),
+    /// A contact that is apart has not closed.
+    Landing(usize),
     /// A closed gap is under pressure.
     Pressed(usize),
     /// Friction holds this contact and those that it touches.
@@ -97,19 +99,32 @@ pub(super) fn saltation(
     rate.is_nan() || rate.abs() <= GRAZING * system.force_scale()
 }
 
-/// Propagates a displacement over an impact that a gap begins, like [`saltation_at_reset`].
+/// Propagates a displacement over an impact that a gap or a landing contact begins, like [`saltation_at_reset`].
 pub(super) fn saltation_at_impact(
     evaluator: &Evaluator,
     settings: Settings,
     sides: [(&[Phase], &[f64]); 2],
-    gap: usize,
+    begins: Condition,
     direction: &mut [f64],
 ) -> bool {
     let Some(in_touch) = InTouch::new(evaluator, settings) else { return true };
     let (phases, state) = sides[0];
-    let contacts = in_touch.touching.gaps()[gap].contacts;
-    let places = contacts.map(|one| evaluator.graph().layout.contacts[one].position);
-    let guard = |direction: &[f64]| direction[places[1]] - direction[places[0]];
+    let guard = |direction: &[f64]| match begins {
+        Condition::Gap(gap) => {
+            let contacts = in_touch.gaps[gap].contacts;
+            let [behind, ahead] =
+                contacts.map(|one| evaluator.graph().layout.contacts[one].position);
+            direction[ahead] - direction[behind]
+        }
+        Condition::Landing(contact) => {
+            let along = |place: usize| Dual { value: state[place], slope: direction[place] };
+            let mut openings = evaluator.graph().openings.iter().zip(evaluator.openings(along));
+            let found = openings.find(|(opening, _)| opening.contact == contact);
+            found.map_or(f64::NAN, |(_, [gap, ..])| gap.slope)
+        }
+        // No other condition begins an impact.
+        _ => f64::NAN,
+    };
     let reset = |direction: &[f64]| {
         let mut after = Components::from(direction);
         let (mut state, mut phases) = (Components::from(state), Phases::from(phases));

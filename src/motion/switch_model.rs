@@ -59,7 +59,7 @@ pub(super) fn decide<R>(
         Phase::Transition(Direction::Backward),
     ];
     let better = |forces: &Forces, phases: &[Phase], contact: usize| match phases[contact] {
-        Phase::Slip(_) | Phase::Free | Phase::Open | Phase::Closed => None,
+        Phase::Slip(_) | Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => None,
         Phase::Stick => (stick_reserve(system, forces, contact) < -SLACK)
             .then(|| Phase::Transition(Direction::of(forces[contact].friction))),
         Phase::Transition(direction) => {

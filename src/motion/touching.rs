@@ -1,11 +1,12 @@
-//! The joint decision between stick and slip, closed and open, where contacts touch.
+//! The joint decision between stick and slip, closed and open, where contacts touch each other or may open.
 //!
 //! All combinations of the open decisions are tried. A combination holds if
 //!
 //! - contacts that stick need no more friction than there is: each alone, or together with those that it touches and that
 //!   stick too, for some forces in the gaps between them ([`crate::model::held`]);
 //! - contacts that set off accelerate in their direction;
-//! - gaps that stay closed are under pressure, and gaps that open do so with an acceleration that is not negative.
+//! - gaps that stay closed are under pressure, and gaps that open do so with an acceleration that is not negative; so do
+//!   contacts that open.
 //!
 //! Exactly one motion must remain ([`Failure::NoSolution`], [`Failure::TooManyCombinations`]).
 
@@ -15,9 +16,11 @@ use super::cluster::{HeldCluster, held_clusters};
 use super::evaluator::{ContactForces, Forces, GapForces};
 use super::impact::{Impact, impact};
 use super::in_one_state::TOGETHER;
+use super::lockstep::width;
 use super::modes::{check_forces, first_phases, is_finite, only_motion};
+use super::response::Meets;
 use super::{Direction, Evaluator, Failure, Phase, Phases, Settings, event_driven, switch_model};
-use crate::model::{Components, Dual, Gap, Holding, Method, TOUCHING, Touching};
+use crate::model::{Components, Dual, Gap, Holding, Method, Opening, TOUCHING};
 
 /// The most combinations that are tried.
 const MOST_TRIED: usize = 100_000;
@@ -25,18 +28,28 @@ const MOST_TRIED: usize = 100_000;
 /// So few combinations are computed one by one.
 const FEW: usize = 3;
 
-/// A system whose contacts may touch, for decisions in one state.
+/// Bodies that start deeper in each other than this, non-dimensional, are no start of a motion.
+const DEEPEST: f64 = 1e-6;
+
+/// Sliding speeds up to this, over 1 and the opening and sliding speeds before an impact, are zero after it.
+const STOPPED: f64 = 1e-12;
+
+/// A system whose contacts may touch each other, or may open, for decisions in one state.
 pub(super) struct InTouch<'a> {
     pub(super) evaluator: &'a Evaluator,
-    pub(super) touching: &'a dyn Touching,
-    pub(super) settings: Settings,
+    pub(super) gaps: &'a [Gap],
+    openings: &'a [Opening],
+    settings: Settings,
 }
 
 impl<'a> InTouch<'a> {
-    /// Returns the system of an evaluator, if it has gaps.
+    /// Returns the system of an evaluator, if it has gaps or openings.
     pub(super) fn new(evaluator: &'a Evaluator, settings: Settings) -> Option<Self> {
-        let touching = evaluator.system().touching()?;
-        Some(InTouch { evaluator, touching, settings })
+        let touching = evaluator.system().touching();
+        let openings = &evaluator.graph().openings[..];
+        let gaps = touching.map_or(&[][..], |touching| touching.gaps());
+        let is_any = touching.is_some() || !openings.is_empty();
+        is_any.then_some(InTouch { evaluator, gaps, openings, settings })
     }
 
     fn contacts(&self) -> usize {
@@ -48,14 +61,24 @@ impl<'a> InTouch<'a> {
         self.evaluator.graph().layout.contacts[contact].position
     }
 
-    /// Returns the components that are the speeds of the contacts.
+    /// Returns the component that is the speed of a contact, if it is one.
+    fn speed_component(&self, contact: usize) -> Option<usize> {
+        self.evaluator.graph().speed_component(contact)
+    }
+
+    /// Returns the component that is the speed of a contact next to a gap.
     ///
     /// # Panics
-    /// Panics if a speed is no component; a registry and the crate's own systems make sure of that.
-    fn speeds(&self) -> SmallVec<[usize; 8]> {
-        let graph = self.evaluator.graph();
-        let speed = |contact| graph.speed_component(contact).expect("speeds are components");
-        (0..self.contacts()).map(speed).collect()
+    /// Panics if the speed is no component; the crate's own systems make sure of that.
+    fn speed_at_gap(&self, contact: usize) -> usize {
+        self.speed_component(contact).expect("speeds next to gaps are components")
+    }
+
+    /// Stops a contact, if its speed is a component.
+    fn stop(&self, contact: usize, state: &mut [f64]) {
+        if let Some(speed) = self.speed_component(contact) {
+            state[speed] = 0.0;
+        }
     }
 
     fn width(&self, gap: &Gap, state: &[f64]) -> f64 {
@@ -71,11 +94,19 @@ impl<'a> InTouch<'a> {
         let mut phases = self.evaluator.no_phases();
         let (of_contacts, of_gaps) = phases.split_at_mut(self.contacts());
         of_contacts.fill(Phase::Transition(Direction::Forward));
-        let speeds = self.speeds();
-        for (gap, phase) in self.touching.gaps().iter().zip(of_gaps) {
-            let [behind, ahead] = gap.contacts.map(|contact| state[speeds[contact]]);
+        for (gap, phase) in self.gaps.iter().zip(of_gaps) {
+            let [behind, ahead] = gap.contacts.map(|contact| state[self.speed_at_gap(contact)]);
             if behind <= ahead {
                 *phase = Phase::Closed;
+            }
+        }
+        let at = self.evaluator.openings(|component| state[component]);
+        for (opening, [gap, speed, _]) in self.openings.iter().zip(at) {
+            if gap < -DEEPEST {
+                return Err(Failure::Overlap { contact: opening.contact + 1 });
+            }
+            if gap > TOUCHING || speed < 0.0 {
+                of_contacts[opening.contact] = Phase::Apart;
             }
         }
         let impact = self.meet(state, &mut phases, None)?;
@@ -93,44 +124,60 @@ impl<'a> InTouch<'a> {
         phases: &mut Phases,
         direction: Option<&mut [f64]>,
     ) -> Result<Impact, Failure> {
-        let speeds = self.speeds();
         let contacts = self.contacts();
-        for (phase, speed) in phases.iter().zip(&speeds) {
+        for (contact, phase) in phases[..contacts].iter().enumerate() {
             // What is left of its speed in the band moves nothing.
             if *phase == Phase::Stick {
-                state[*speed] = 0.0;
+                self.stop(contact, state);
             }
         }
-        let gaps = self.touching.gaps();
-        let at_each_other: SmallVec<[usize; 8]> =
-            (0..gaps.len()).filter(|gap| self.width(&gaps[*gap], state) <= TOUCHING).collect();
+        let gaps = self.gaps;
+        let at = self.evaluator.openings(|component| state[component]);
+        let touches = |one: &usize| {
+            phases[self.openings[*one].contact] != Phase::Apart || at[*one][0] <= TOUCHING
+        };
+        let at_gaps = (0..gaps.len()).filter(|gap| self.width(&gaps[*gap], state) <= TOUCHING);
+        let at_openings = (0..self.openings.len()).filter(touches);
+        let at_each_other: SmallVec<[Meets; 8]> =
+            at_gaps.map(Meets::Gap).chain(at_openings.map(Meets::Opening)).collect();
         let slope = |place: usize| direction.as_ref().map_or(0.0, |direction| direction[place]);
         let before: SmallVec<[Dual; 20]> = state
             .iter()
             .enumerate()
             .map(|(place, value)| Dual { value: *value, slope: slope(place) })
             .collect();
-        let of_gaps = &phases[contacts..];
-        let impact =
-            impact(self.evaluator, self.touching, &speeds, &before, &at_each_other, of_gaps)?;
+        let impact = impact(self.evaluator, &before, &at_each_other, phases)?;
         state.iter_mut().zip(&impact.state).for_each(|(to, after)| *to = after.value);
         if let Some(direction) = direction {
             direction.iter_mut().zip(&impact.state).for_each(|(to, after)| *to = after.slope);
         }
-        for index in &at_each_other {
-            let gap = &gaps[*index];
+        for place in &at_each_other {
+            let Meets::Gap(gap) = place else { continue };
+            let gap = &gaps[*gap];
             let ahead = self.position(gap.contacts[1]);
             state[ahead] -= self.width(gap, state);
         }
         for gap in 0..gaps.len() {
-            let closed = impact.together.contains(&gap);
+            let closed = impact.together.contains(&Meets::Gap(gap));
             phases[contacts + gap] = if closed { Phase::Closed } else { Phase::Open };
         }
         self.join(state, phases, None);
+        let mut speeds = self.evaluator.speeds(state);
+        for (opening, [_, approach, sliding]) in self.openings.iter().zip(&at) {
+            if speeds[opening.contact].abs() <= STOPPED * (1.0 + approach.abs() + sliding.abs()) {
+                speeds[opening.contact] = 0.0;
+                self.stop(opening.contact, state);
+            }
+        }
         let system = self.evaluator.system();
-        let of_contacts = (0..contacts).map(|one| (system.friction(one), state[speeds[one]]));
+        let of_contacts = (0..contacts).map(|one| (system.friction(one), speeds[one]));
         let first = first_phases(self.settings.method, self.settings.band, of_contacts);
         phases[..contacts].copy_from_slice(&first);
+        for (one, opening) in self.openings.iter().enumerate() {
+            if !impact.together.contains(&Meets::Opening(one)) {
+                phases[opening.contact] = Phase::Apart;
+            }
+        }
         self.decide(state, phases, &[])?;
         Ok(impact)
     }
@@ -147,19 +194,17 @@ impl<'a> InTouch<'a> {
         failed: Option<usize>,
         at_once: Option<usize>,
     ) -> Result<(), Failure> {
-        let speeds = self.speeds();
         self.join(state, phases, failed);
+        let speeds = self.evaluator.speeds(state);
         let mut fixed: SmallVec<[usize; 1]> = SmallVec::new();
         match self.settings.method {
             Method::Switch => {
-                switch_model::cross_band(self.settings.band, phases, |one| state[speeds[one]]);
+                switch_model::cross_band(self.settings.band, phases, |one| speeds[one]);
             }
             Method::Event => {
-                let (_, stopped) = event_driven::stop(phases, |one| state[speeds[one]], at_once);
-                for (speed, stopped) in speeds.iter().zip(&stopped) {
-                    if *stopped {
-                        state[*speed] = 0.0;
-                    }
+                let (_, stopped) = event_driven::stop(phases, |one| speeds[one], at_once);
+                for (contact, _) in stopped.iter().enumerate().filter(|(_, stopped)| **stopped) {
+                    self.stop(contact, state);
                 }
                 fixed.extend(at_once.filter(|one| stopped[*one]));
             }
@@ -174,9 +219,8 @@ impl<'a> InTouch<'a> {
     /// again. Where one of them needs the force of the other, it would then fall on it over the width within which impacts
     /// are located, and this impact would separate others in the same way, without end.
     fn close(&self, state: &[f64], phases: &mut Phases) {
-        let speeds = self.speeds();
-        for (gap, phase) in self.touching.gaps().iter().zip(&mut phases[self.contacts()..]) {
-            let [behind, ahead] = gap.contacts.map(|contact| state[speeds[contact]]);
+        for (gap, phase) in self.gaps.iter().zip(&mut phases[self.contacts()..]) {
+            let [behind, ahead] = gap.contacts.map(|contact| state[self.speed_at_gap(contact)]);
             if behind == ahead && self.width(gap, state) <= TOUCHING {
                 *phase = Phase::Closed;
             }
@@ -186,12 +230,11 @@ impl<'a> InTouch<'a> {
     /// Makes the speeds of contacts that touch equal, which differ by rounding: to that of the contact `failed`, if it is
     /// one of them.
     fn join(&self, state: &mut Components, phases: &[Phase], failed: Option<usize>) {
-        let speeds = self.speeds();
         for cluster in self.evaluator.clusters(phases) {
             let leader = failed.filter(|one| cluster.contains(one)).unwrap_or(cluster[0]);
-            let speed = state[speeds[leader]];
+            let speed = state[self.speed_at_gap(leader)];
             for contact in cluster {
-                state[speeds[contact]] = speed;
+                state[self.speed_at_gap(contact)] = speed;
             }
         }
     }
@@ -227,10 +270,29 @@ impl<'a> InTouch<'a> {
                 return None;
             }
             let found = equations.forces_and_gaps(candidate);
-            fits(candidate, &found).then_some(found.0)
+            fits(candidate, &found).then(|| self.of_motion(candidate, found))
         })?;
         *phases = decided;
         check_forces(&forces)
+    }
+
+    /// Returns forces that tell two motions apart, and by which the normal forces are sound: an opening is a contact, too, and
+    /// its conditions are known to hold.
+    fn of_motion(
+        &self,
+        phases: &[Phase],
+        (mut forces, gaps): (Forces, SmallVec<[GapForces; 8]>),
+    ) -> Forces {
+        for (opening, found) in self.openings.iter().zip(&gaps[self.gaps.len()..]) {
+            let contact = &mut forces[opening.contact];
+            if contact.normal.is_finite() {
+                contact.normal = 1.0;
+            }
+            if phases[opening.contact] == Phase::Apart {
+                contact.acceleration = found.opening_acceleration;
+            }
+        }
+        forces
     }
 
     /// Returns the slack of the conditions.
@@ -262,9 +324,12 @@ impl<'a> InTouch<'a> {
             let few = all.len() <= MOST_TRIED;
             return few.then_some(()).ok_or(Failure::TooManyCombinations);
         };
-        let choices: SmallVec<[Phase; 3]> = match own {
+        let choices: SmallVec<[Phase; 4]> = match own {
             _ if fixed.contains(&place) => [*own].into_iter().collect(),
-            Phase::Stick | Phase::Transition(_) => self.choices().into_iter().collect(),
+            Phase::Stick | Phase::Transition(_) => {
+                self.choices().into_iter().chain(self.apart(place)).collect()
+            }
+            Phase::Slip(_) | Phase::Free => [*own].into_iter().chain(self.apart(place)).collect(),
             Phase::Closed => [Phase::Closed, Phase::Open].into_iter().collect(),
             other => [*other].into_iter().collect(),
         };
@@ -276,6 +341,11 @@ impl<'a> InTouch<'a> {
             begun.pop();
         }
         Ok(())
+    }
+
+    /// Returns the further choice of a contact that opens.
+    fn apart(&self, contact: usize) -> Option<Phase> {
+        self.openings.iter().any(|one| one.contact == contact).then_some(Phase::Apart)
     }
 
     fn choices(&self) -> [Phase; 3] {
@@ -295,7 +365,7 @@ impl<'a> InTouch<'a> {
     /// touch do not move into each other, those of a closed gap move together, and no gap opens between two that stick.
     fn is_consistent(&self, begun: &[Phase], given: &Phases) -> bool {
         let (contacts, place) = (self.contacts(), begun.len() - 1);
-        let gaps = self.touching.gaps();
+        let gaps = self.gaps;
         let was_closed = |gap: usize| given[contacts + gap] == Phase::Closed;
         let of = |gap: usize| gaps[gap].contacts.map(|one| begun[one]);
         let is_free = |of: [Phase; 2]| of.contains(&Phase::Free);
@@ -324,7 +394,7 @@ impl<'a> InTouch<'a> {
     ) -> bool {
         let (of_contacts, of_gaps) = phases.split_at(self.contacts());
         let was_closed = &given[self.contacts()..];
-        let gaps = self.touching.gaps().iter().zip(of_gaps).zip(gap_forces).zip(was_closed);
+        let gaps = self.gaps.iter().zip(of_gaps).zip(gap_forces).zip(was_closed);
         for (((gap, phase), forces), was) in gaps {
             let sticks = gap.contacts.iter().all(|one| phases[*one] == Phase::Stick);
             let holds = match phase {
@@ -336,7 +406,19 @@ impl<'a> InTouch<'a> {
                 return false;
             }
         }
-        let clusters = held_clusters(self.touching.gaps(), phases);
+        // A contact opens where its normal force is certainly negative, by half of the width within which this is located.
+        let least = -0.25 * width(self.settings.tolerance.relative);
+        for (opening, found) in self.openings.iter().zip(&gap_forces[self.gaps.len()..]) {
+            let holds = match (phases[opening.contact], given[opening.contact]) {
+                (Phase::Apart, Phase::Apart) => true,
+                (Phase::Apart, _) => found.opening_acceleration >= -slack,
+                _ => found.force >= least,
+            };
+            if !holds {
+                return false;
+            }
+        }
+        let clusters = held_clusters(self.gaps, phases);
         let in_cluster =
             |contact: usize| clusters.iter().any(|one| one.contacts.contains(&contact));
         let holds = |contact: usize| {

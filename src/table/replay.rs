@@ -50,6 +50,7 @@ pub fn phase_name(phase: Phase) -> &'static str {
         Phase::Transition(Direction::Forward) => "transition_forward",
         Phase::Transition(_) => "transition_backward",
         Phase::Free => "free",
+        Phase::Apart => "apart",
         Phase::Open => "open",
         Phase::Closed => "closed",
     }
@@ -57,7 +58,7 @@ pub fn phase_name(phase: Phase) -> &'static str {
 
 const PHASE: &str = "phase: stick; slip_forward or slip_backward; transition_forward or \
                      transition_backward, in the band around zero speed without sticking; free, if \
-                     the friction law has no stick";
+                     the friction law has no stick; apart, if the bodies do not touch";
 const FRICTION: &str = "friction force, positive against positive speed; during stick, the force \
                         that sticking requires";
 const LIMIT: &str = "friction limit: static coefficient times normal force";

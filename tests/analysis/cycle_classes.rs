@@ -66,7 +66,7 @@ impl Sample {
         }
         for cycle_phase in other.cycle.configurations.iter_mut().flatten() {
             *cycle_phase = match cycle_phase {
-                CyclePhase::Stick => CyclePhase::Stick,
+                CyclePhase::Stick | CyclePhase::Apart => *cycle_phase,
                 CyclePhase::Forward => CyclePhase::Backward,
                 CyclePhase::Backward => CyclePhase::Forward,
             };

@@ -10,14 +10,13 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use stickslip::classification::{Evidence, Outcome, simulate};
+use stickslip::classification::{Evidence, Outcome};
 use stickslip::model::{
-    Capabilities, Case, Components, Coordinate, EventEquations, Expression, ForcingLayout, Layout,
-    Method, ModelKind, Number, OwnKind, OwnModel, ParameterDescriptor, Recorder, Simulation,
-    SlidingSpeed, Start, System, SystemEquations, Units,
+    Capabilities, EventEquations, Expression, ForcingLayout, Layout, Method, ModelKind, Number,
+    OwnModel, ParameterDescriptor, Recorder, Simulation, SlidingSpeed, SystemEquations,
 };
 
-use crate::support::OwnSystem;
+use crate::support::{OwnSystem, UnitKind, simulate_kind};
 
 const RESTITUTION: f64 = 0.5;
 
@@ -42,9 +41,6 @@ fn bouncing(recorder: &Recorder) -> SystemEquations<'_> {
     }
 }
 
-#[derive(Debug)]
-struct BouncingBall;
-
 static KIND: ModelKind = ModelKind {
     name: "bouncing_ball",
     meaning: "A ball on a plate that vibrates.",
@@ -55,27 +51,14 @@ static KIND: ModelKind = ModelKind {
     body: "ball",
     sliding_speed: SlidingSpeed::MS,
     offers: Capabilities::MOTION,
-    default: || OwnModel::new(&KIND, &BouncingBall).into(),
+    default: || OwnModel::new(&KIND, &BOUNCING).into(),
 };
 
-impl OwnKind for BouncingBall {
-    fn coordinates(&self, _: &OwnModel) -> Vec<Coordinate> {
-        let coordinate = |name| Coordinate::of_body(name, 1, "m", "start value", [0.0, 1.0]);
-        vec![coordinate("position_m"), coordinate("velocity_m_s")]
-    }
-
-    fn units(&self, _: &OwnModel) -> Units {
-        Units {
-            natural_rad_s: 1.0,
-            length_m: 1.0,
-            position: 1.0,
-            force_n: Vec::new(),
-            disc_rad_s: 0.0,
-            ground_m_s: 0.0,
-        }
-    }
-
-    fn system(&self, model: &OwnModel) -> Arc<dyn System> {
+static BOUNCING: UnitKind = UnitKind {
+    coordinates: 1,
+    phases: 1,
+    contacts: 0,
+    system: |model| {
         Arc::new(OwnSystem {
             record: bouncing,
             parameters: vec![model.number("shaking"), RESTITUTION],
@@ -83,12 +66,8 @@ impl OwnKind for BouncingBall {
             longest_step: 0.5,
             unique: true,
         })
-    }
-
-    fn start_state(&self, _: &OwnModel, start: &[f64]) -> Components {
-        [0.0].into_iter().chain(start.iter().copied()).collect()
-    }
-}
+    },
+};
 
 /// The sine and the cosine of the phase of the impacts, times the acceleration of the plate.
 fn impact_phase(shaking: f64) -> [f64; 2] {
@@ -98,8 +77,6 @@ fn impact_phase(shaking: f64) -> [f64; 2] {
 
 /// Runs a ball that starts near the motion with one impact per period.
 fn run(shaking: f64) -> Outcome {
-    let mut model = (KIND.default)();
-    KIND.parameters[0].numbers(&mut model, None).into_iter().for_each(|one| *one = shaking);
     let [sine, cosine] = impact_phase(shaking);
     let since = -sine.atan2(cosine);
     let after = PI + sine;
@@ -112,7 +89,7 @@ fn run(shaking: f64) -> Outcome {
         absolute_tolerance: 1e-13,
         ..Simulation::default()
     };
-    simulate(&Case { model, start: Start(vec![height + 1e-3, speed]), simulation })
+    simulate_kind(&KIND, &[shaking], &[height + 1e-3, speed], simulation)
 }
 
 #[test]

@@ -3,14 +3,14 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use stickslip::classification::{CyclePhase, Evidence, Outcome, simulate};
+use stickslip::classification::{CyclePhase, Evidence, Outcome};
 use stickslip::model::{
-    Capabilities, Case, Components, ContactEquations, ContactLayout, Coordinate, Expression,
-    ForcingLayout, Friction, Layout, Method, ModelKind, Number, OwnKind, OwnModel,
-    ParameterDescriptor, Recorder, Simulation, SlidingSpeed, Start, System, SystemEquations, Units,
+    Capabilities, ContactEquations, ContactLayout, Expression, ForcingLayout, Friction, Layout,
+    Method, ModelKind, Number, OwnModel, ParameterDescriptor, Recorder, Simulation, SlidingSpeed,
+    SystemEquations,
 };
 
-use crate::support::OwnSystem;
+use crate::support::{OwnSystem, UnitKind, simulate_kind};
 
 const METHODS: [Method; 2] = [Method::Event, Method::Switch];
 
@@ -43,9 +43,6 @@ fn shaken(recorder: &Recorder, with_spring: bool) -> SystemEquations<'_> {
     }
 }
 
-#[derive(Debug)]
-struct Shaken;
-
 static KIND: ModelKind = ModelKind {
     name: "shaken_block",
     meaning: "A block that a periodic force shakes.",
@@ -59,27 +56,14 @@ static KIND: ModelKind = ModelKind {
     body: "block",
     sliding_speed: SlidingSpeed::MS,
     offers: Capabilities::MOTION,
-    default: || OwnModel::new(&KIND, &Shaken).into(),
+    default: || OwnModel::new(&KIND, &SHAKEN).into(),
 };
 
-impl OwnKind for Shaken {
-    fn coordinates(&self, _: &OwnModel) -> Vec<Coordinate> {
-        let coordinate = |name| Coordinate::of_body(name, 1, "m", "start value", [-1.0, 1.0]);
-        vec![coordinate("position_m"), coordinate("velocity_m_s")]
-    }
-
-    fn units(&self, _: &OwnModel) -> Units {
-        Units {
-            natural_rad_s: 1.0,
-            length_m: 1.0,
-            position: 1.0,
-            force_n: vec![1.0],
-            disc_rad_s: 0.0,
-            ground_m_s: 0.0,
-        }
-    }
-
-    fn system(&self, model: &OwnModel) -> Arc<dyn System> {
+static SHAKEN: UnitKind = UnitKind {
+    coordinates: 1,
+    phases: 1,
+    contacts: 1,
+    system: |model| {
         let friction = model.number("friction_coefficient");
         let parameters = ["frequency", "amplitude", "slope"].map(|name| model.number(name));
         let record: for<'r> fn(&'r Recorder) -> SystemEquations<'r> = match model.count("springs") {
@@ -93,19 +77,11 @@ impl OwnKind for Shaken {
             longest_step: 0.5,
             unique: true,
         })
-    }
-
-    fn start_state(&self, _: &OwnModel, start: &[f64]) -> Components {
-        [0.0].into_iter().chain(start.iter().copied()).collect()
-    }
-}
+    },
+};
 
 /// Runs a block with these parameters, in the order of the kind, from a start position and speed.
 fn run(parameters: [f64; 5], start: [f64; 2], method: Method) -> Outcome {
-    let mut model = (KIND.default)();
-    for (parameter, value) in KIND.parameters.iter().zip(parameters) {
-        parameter.numbers(&mut model, None).into_iter().for_each(|one| *one = value);
-    }
     let simulation = Simulation {
         method,
         band: 1e-10,
@@ -114,7 +90,7 @@ fn run(parameters: [f64; 5], start: [f64; 2], method: Method) -> Outcome {
         absolute_tolerance: 1e-13,
         ..Simulation::default()
     };
-    simulate(&Case { model, start: Start(start.to_vec()), simulation })
+    simulate_kind(&KIND, &parameters, &start, simulation)
 }
 
 #[track_caller]

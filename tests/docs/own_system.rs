@@ -8,16 +8,17 @@ const PAGE: &str = include_str!("../../docs/own-system.md");
 const SOURCE: &str = include_str!("../../examples/spring_block_chain/main.rs");
 const EVENTS: &str = include_str!("../motion/resets.rs");
 const FORCING: &str = include_str!("../motion/forcing.rs");
+const OPENINGS: &str = include_str!("../classification/openings.rs");
 const STUDY: &str = include_str!("../../examples/spring_block_chain/two-blocks.yaml");
 
-/// Each block of Rust or YAML stands in the example or in the tests of events and forcing, and the example is as short as the page says.
+/// Each block of Rust or YAML stands in the example or in the tests of events, forcing and openings, and the example is as short as the page says.
 #[test]
 fn code_is_that_of_the_example() {
     let mut blocks = 0;
     for block in PAGE.split("\n```").skip(1).step_by(2) {
         let (language, text) = block.split_once('\n').expect("a block");
         let files = match language {
-            "rust" => vec![SOURCE, EVENTS, FORCING],
+            "rust" => vec![SOURCE, EVENTS, FORCING, OPENINGS],
             "yaml" => vec![STUDY],
             _ => continue,
         };

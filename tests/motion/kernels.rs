@@ -81,7 +81,7 @@ fn compare<const N: usize>(seeds: std::ops::Range<u64>, method: Method, seen: &m
                         Phase::Stick => seen.stick += 1,
                         Phase::Slip(_) => seen.slip += 1,
                         Phase::Transition(_) => seen.transition += 1,
-                        Phase::Free | Phase::Open | Phase::Closed => {}
+                        Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => {}
                     }
                 }
                 assert!(apart < 1e-13, "{seed}: {apart:e} after {}, {during:?}", one.time());

@@ -14,6 +14,7 @@ mod inertial;
 mod kernels;
 mod lasting_contact;
 mod mode_selection;
+mod opening_contact;
 mod operations;
 mod recorded_equations;
 mod resets;

@@ -61,7 +61,7 @@ proptest! {
                     let limit = friction * forces.normal[ball];
                     prop_assert!((forces.friction[ball] - direction * limit).abs() < 1e-12);
                 }
-                Phase::Slip(_) | Phase::Free | Phase::Open | Phase::Closed => prop_assert!(false, "no ball slips"),
+                Phase::Slip(_) | Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => prop_assert!(false, "no ball slips"),
             }
         }
         // A motion starts with the decided phases, unless a ball leaves the ring.
@@ -209,7 +209,7 @@ fn all_solutions(balancer: &Balancer<2>, state: &State<2>) -> Vec<[f64; 2]> {
         let meets = |ball: usize| match phases[ball] {
             Phase::Stick => stick_reserve(balancer, &forces, ball) >= -SLACK,
             Phase::Transition(direction) => direction * forces.beta_ddot[ball] >= -SLACK,
-            Phase::Slip(_) | Phase::Free | Phase::Open | Phase::Closed => true,
+            Phase::Slip(_) | Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => true,
         };
         let pressed = forces.normal.iter().all(|&normal| normal > 0.0);
         let new = found

@@ -22,7 +22,7 @@ fn state_of<const N: usize>(components: &[f64]) -> State<N> {
 
 fn contact_along(phase: Phase, friction: &Friction, speed: Dual) -> Contact<Dual> {
     match phase {
-        Phase::Stick | Phase::Open | Phase::Closed => Contact::STICK.lifted(),
+        Phase::Stick | Phase::Apart | Phase::Open | Phase::Closed => Contact::STICK.lifted(),
         Phase::Slip(direction) => friction.slip_along(direction.sign(), speed),
         Phase::Transition(direction) => friction.slip_along(direction.sign(), Dual::constant(0.0)),
         Phase::Free => friction.slip_along(0.0, speed),
@@ -49,7 +49,7 @@ fn compare_balls<const N: usize>(law: FrictionLaw, rng: &mut TestRng) {
     let mut components: Vec<f64> = (0..4).map(|_| between(rng, -0.05, 0.05)).collect();
     components.extend((0..N).map(|_| between(rng, 0.0, 6.0)));
     components.extend(phases.map(|phase| match phase {
-        Phase::Stick | Phase::Open | Phase::Closed => 0.0,
+        Phase::Stick | Phase::Apart | Phase::Open | Phase::Closed => 0.0,
         Phase::Slip(direction) => direction * between(rng, 0.01, 1.0),
         Phase::Transition(_) => between(rng, -1e-3, 1e-3),
         Phase::Free => between(rng, -1.0, 1.0),

@@ -31,6 +31,7 @@ fn bouncing_mass(recorder: &Recorder) -> SystemEquations<'_> {
         events: vec![impact],
         layout: Layout { velocities: vec![vec![1]], ..Layout::default() },
         gaps: vec![],
+        openings: vec![],
     }
 }
 
@@ -167,6 +168,7 @@ fn pulled_block(recorder: &Recorder) -> SystemEquations<'_> {
             forcing: None,
         },
         gaps: vec![],
+        openings: vec![],
     }
 }
 

@@ -1,14 +1,18 @@
 //! Random numbers, angles, systems and an independent integration for tests of several folders.
 
 mod angle;
+mod mechanism;
 mod own_system;
 pub mod reference;
 mod systems;
 mod test_rng;
 mod two_blocks;
+mod unit_kind;
 
 pub use angle::angular_distance;
+pub use mechanism::OwnMechanism;
 pub use own_system::OwnSystem;
 pub use systems::{for_each_kernel, shared, started, state_of};
 pub use test_rng::TestRng;
 pub use two_blocks::TwoBlocks;
+pub use unit_kind::{UnitKind, simulate_kind};

@@ -22,8 +22,8 @@ impl System for OwnSystem {
 
     fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
         let mode = |mode: &ContactMode| match *mode {
-            ContactMode::Stick | ContactMode::Open | ContactMode::Closed => [0.0, 0.0],
             ContactMode::Slip(direction) | ContactMode::SetOff(direction) => [1.0, direction],
+            _ => [0.0, 0.0],
         };
         self.parameters.iter().copied().chain(modes.iter().flat_map(mode)).collect()
     }

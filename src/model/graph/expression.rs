@@ -32,7 +32,7 @@ impl<'r> Expression<'r> {
     }
 
     /// Returns the number, if this is one.
-    fn known(self) -> Option<f64> {
+    pub(in crate::model) fn known(self) -> Option<f64> {
         match self.0 {
             Known(value) => Some(value),
             Recorded(..) => None,

@@ -4,6 +4,7 @@
 //! values, power series in time of any order, and both along a displacement, by code that knows no system.
 
 mod degree;
+mod derivative;
 mod expression;
 mod node;
 mod per_structure;
@@ -15,5 +16,5 @@ pub use node::{Node, NodeId, Solve};
 pub(crate) use per_structure::PerStructure;
 pub use recorder::{
     ContactEquations, ContactLayout, Event, EventEquations, ForcingLayout, GapEquations, Graph,
-    Layout, Recorder, SystemEquations,
+    Layout, Opening, OpeningEquations, Recorder, SystemEquations,
 };

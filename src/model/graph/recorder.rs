@@ -34,6 +34,8 @@ pub struct SystemEquations<'r> {
     pub events: Vec<EventEquations<'r>>,
     /// The gaps between contacts.
     pub gaps: Vec<GapEquations<'r>>,
+    /// The contacts that open and close.
+    pub openings: Vec<OpeningEquations<'r>>,
     /// The meaning of the components.
     pub layout: Layout,
 }
@@ -93,6 +95,38 @@ pub struct GapEquations<'r> {
     pub force: Expression<'r>,
 }
 
+/// What the opening and the closing of a contact are decided by. While the contact is apart, the `normal` of its
+/// [`ContactEquations`] is the gap.
+#[derive(Clone, Copy)]
+pub struct OpeningEquations<'r> {
+    /// The contact, counted from 0.
+    pub contact: usize,
+    /// The distance of the bodies, which depends on positions and time.
+    pub gap: Expression<'r>,
+    /// The rate of change of the gap.
+    pub speed: Expression<'r>,
+    /// The second time derivative of the gap.
+    pub acceleration: Expression<'r>,
+    /// The normal force: an unknown of the linear system of the accelerations, as is the friction force of the contact
+    /// unless it is 0. Impacts follow from their columns.
+    pub force: Expression<'r>,
+}
+
+/// A recorded opening, by the nodes of [`OpeningEquations`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Opening {
+    /// The contact, counted from 0.
+    pub contact: usize,
+    /// The distance of the bodies.
+    pub gap: NodeId,
+    /// The rate of change of the gap.
+    pub speed: NodeId,
+    /// The second time derivative of the gap.
+    pub acceleration: NodeId,
+    /// The normal force.
+    pub force: NodeId,
+}
+
 /// An event that resets the state, such as an impact or a kick.
 pub struct EventEquations<'r> {
     /// The event happens where this function of the state falls through zero. The reset must make it positive, or zero
@@ -132,6 +166,8 @@ pub struct Graph {
     pub events: Vec<Event>,
     /// Opening acceleration and force of each gap.
     pub gaps: Vec<[NodeId; 2]>,
+    /// The contacts that open and close.
+    pub openings: Vec<Opening>,
     /// The meaning of the components.
     pub layout: Layout,
 }
@@ -159,6 +195,7 @@ impl Graph {
         let mut results = (self.derivative.iter())
             .chain(self.contacts.iter().flatten())
             .chain(self.gaps.iter().flatten())
+            .chain(self.openings.iter().map(|opening| &opening.gap))
             .chain(self.events.iter().map(|event| &event.guard))
             .chain(resets);
         !contact.angular && !results.any(reads) && !operands.into_iter().any(|one| reads(&one))
@@ -304,6 +341,12 @@ impl Recorder {
             [one.opening_acceleration, one.force].map(|expression| expression.id(self))
         };
         let gaps = equations.gaps.iter().map(gap).collect();
+        let opening = |one: &OpeningEquations<'_>| {
+            let [gap, speed, acceleration, force] =
+                [one.gap, one.speed, one.acceleration, one.force].map(|part| part.id(self));
+            Opening { contact: one.contact, gap, speed, acceleration, force }
+        };
+        let openings = equations.openings.iter().map(opening).collect();
         let Recording { nodes, solves, inputs, switches, parameters, .. } = &*self.0.borrow();
         Graph {
             nodes: nodes.clone(),
@@ -315,8 +358,25 @@ impl Recorder {
             contacts,
             events,
             gaps,
+            openings,
             layout: equations.layout.clone(),
         }
+    }
+
+    /// Returns the number of components of the state.
+    pub(in crate::model) fn components(&self) -> usize {
+        self.0.borrow().states as usize
+    }
+
+    /// Returns the node of an expression.
+    pub(in crate::model) fn node_of(&self, of: Expression<'_>) -> Node {
+        let id = of.id(self);
+        self.0.borrow().nodes[id as usize]
+    }
+
+    /// Returns the nodes up to one of them.
+    pub(super) fn nodes_until(&self, last: NodeId) -> Vec<Node> {
+        self.0.borrow().nodes[..=last as usize].to_vec()
     }
 
     /// Returns the place of a node, which is added if it is new.

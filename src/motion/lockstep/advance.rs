@@ -202,7 +202,7 @@ fn first_event<S: Vector, K: Kernel<S>>(
             Ends::At(part, failed) => return Ok(Some((part, Event { failed, at_once: false }))),
             Ends::AtOnce(failed) => {
                 let event = Event { failed, at_once: true };
-                if let Condition::Event(_) | Condition::Gap(_) = failed {
+                if let Condition::Event(_) | Condition::Gap(_) | Condition::Landing(_) = failed {
                     return Ok(Some((0.0, event)));
                 }
                 let mut state = g.kernel.lane(&g.state, lane);
@@ -236,13 +236,20 @@ fn decide<S: Vector, K: Kernel<S>>(
         Condition::Event(event) => {
             if let Some(evaluator) = kernel.evaluator(lane) {
                 *state = evaluator.reset(event, phases, state);
+                if own.has_openings
+                    && let Some(in_touch) = InTouch::new(evaluator, own.settings)
+                {
+                    let (after, impact) = in_touch.start(state)?;
+                    *phases = after;
+                    return Ok(Some(Box::new(impact)));
+                }
             }
             let system = own.system.as_ref();
             *phases =
                 kernel.in_state(lane, own, state, |at| start_phases(system, own.settings, at))?;
             return Ok(None);
         }
-        Condition::Gap(_) => {
+        Condition::Gap(_) | Condition::Landing(_) => {
             return with_evaluator(kernel, (lane, own), |evaluator| {
                 let Some(in_touch) = InTouch::new(evaluator, own.settings) else {
                     return Ok(None);
@@ -252,11 +259,11 @@ fn decide<S: Vector, K: Kernel<S>>(
         }
         Condition::Pressed(_) | Condition::Held(_) => (usize::MAX, 0),
     };
-    if which == 2 {
+    if which == 2 && !own.has_openings {
         return Err(Failure::ContactLost { ball: contact + 1 });
     }
     let position = |contact: usize| state[kernel.coordinates(contact).0];
-    if any_closed(phases) || gaps::any_touch(own, position) {
+    if own.has_openings || any_closed(phases) || gaps::any_touch(own, position) {
         return with_evaluator(kernel, (lane, own), |evaluator| {
             if let Some(in_touch) = InTouch::new(evaluator, own.settings) {
                 let failed = (contact < kernel.contacts()).then_some(contact);
@@ -318,7 +325,8 @@ fn switch<S: Vector, K: Kernel<S>>(
     own.hits.clear();
     own.count_event(time)?;
     own.during.copy_from_slice(&own.phases);
-    let resets = matches!(event.failed, Condition::Event(_) | Condition::Gap(_));
+    let resets =
+        matches!(event.failed, Condition::Event(_) | Condition::Gap(_) | Condition::Landing(_));
     let mut phases = Phases::from_slice(&own.phases);
     let impact = decide((kernel, &g.state, time), (lane, own), (&mut state, &mut phases), event)?;
     own.take_in(impact.as_deref(), time);
@@ -341,11 +349,14 @@ fn switch<S: Vector, K: Kernel<S>>(
                     (|along_: &[f64]| along(along_).0, |along_: &[f64]| along(along_).1);
                 saltation_at_reset(evaluator, sides, guard, reset, &mut direction)
             }
-            (Condition::Gap(gap), _) => with_evaluator(kernel, (lane, own), |evaluator| {
-                let before = kernel.lane(&g.state, lane);
-                let sides: [(&[Phase], &[f64]); 2] = [(&own.phases, &before), (&phases, &state)];
-                saltation_at_impact(evaluator, own.settings, sides, gap, &mut direction)
-            }),
+            (failed @ (Condition::Gap(_) | Condition::Landing(_)), _) => {
+                with_evaluator(kernel, (lane, own), |evaluator| {
+                    let before = kernel.lane(&g.state, lane);
+                    let sides: [(&[Phase], &[f64]); 2] =
+                        [(&own.phases, &before), (&phases, &state)];
+                    saltation_at_impact(evaluator, own.settings, sides, failed, &mut direction)
+                })
+            }
             // Accelerations do not jump where friction no longer holds contacts, or where a gap opens.
             (Condition::Event(_) | Condition::Pressed(_) | Condition::Held(_), _) => false,
         };

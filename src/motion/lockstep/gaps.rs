@@ -51,10 +51,7 @@ impl<S: Vector> GapLanes<S> {
         let contacts = self.distances.len();
         self.any |= if gaps.is_empty() { 0 } else { bit };
         for (place, gap) in gaps.iter().enumerate() {
-            if gaps.len() == contacts
-                && gap.angular
-                && gap.contacts == [place, (place + 1) % contacts]
-            {
+            if gaps.len() == contacts && gap.contacts == [place, (place + 1) % contacts] {
                 let closed = own.phases[contacts + place] == Phase::Closed;
                 self.distances[place][lane] = if closed { NEVER } else { gap.distance };
             } else {

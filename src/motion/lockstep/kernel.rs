@@ -172,7 +172,10 @@ impl Ends {
             (ConditionFate::Holds, _) | (_, Ends::AtOnce(_)) => {}
             (ConditionFate::FailsAtOnce, _) => *self = Ends::AtOnce(failed),
             (ConditionFate::Fails(at), _) => {
-                let locates = matches!(failed, Condition::Event(_) | Condition::Gap(_));
+                let locates = matches!(
+                    failed,
+                    Condition::Event(_) | Condition::Gap(_) | Condition::Landing(_)
+                );
                 self.earlier(if locates { condition.refined(at) } else { at }, failed);
             }
         }

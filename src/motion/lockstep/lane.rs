@@ -23,11 +23,12 @@ pub(crate) struct Lane {
     pub(super) system: Arc<dyn System>,
     pub(super) settings: Settings,
     pub(super) margins: Margins,
-    /// What the system says of itself: its static coefficients of friction, the size of its forces, whether it has gaps, and
-    /// whether stick and slip have a unique decision in all states.
+    /// What the system says of itself: its static coefficients of friction, the size of its forces, whether it has gaps,
+    /// whether contacts open, and whether stick and slip have a unique decision in all states.
     pub(super) limits: PerContact,
     pub(super) force_scale: f64,
     pub(super) has_gaps: bool,
+    pub(super) has_openings: bool,
     pub(super) surely_one_solution: bool,
     pub(super) slow: f64,
     /// Width within which events are located.
@@ -88,7 +89,7 @@ impl Lane {
     pub(super) fn take_in(&mut self, impact: Option<&Impact>, time: f64) {
         self.hits.clear();
         if let Some(impact) = impact {
-            self.impacts += impact.hits.len() as u64;
+            self.impacts += (impact.hits.len() + impact.landed) as u64;
             self.lifted += impact.lifted as u64;
             (self.hits, self.hit_at) = (impact.hits.clone(), time);
         }
@@ -140,7 +141,7 @@ impl Saved {
             let tuned = tuned::in_state(system, surely_one_solution, state, |at| {
                 start_phases(system.as_ref(), settings, at)
             });
-            tuned.map(|phases| Ok((phases?, None, tuned::angles(contacts).collect())))
+            tuned.map(|phases| Ok((phases?, None, tuned::angles(contacts).collect(), false)))
         };
         let by_equations = || {
             let evaluator = evaluator();
@@ -156,11 +157,12 @@ impl Saved {
             };
             let layout = evaluator.graph().layout.contacts.iter();
             let angles = layout.filter(|contact| contact.angular);
-            Ok((phases, impact, angles.map(|contact| contact.position).collect()))
+            let angles = angles.map(|contact| contact.position).collect();
+            Ok((phases, impact, angles, !evaluator.graph().openings.is_empty()))
         };
         let without_gaps = system.touching().is_none();
         let tuned = if without_gaps { by_tuned() } else { None };
-        let (phases, impact, angles): (Phases, _, SmallVec<[usize; 8]>) =
+        let (phases, impact, angles, has_openings): (Phases, _, SmallVec<[usize; 8]>, bool) =
             tuned.unwrap_or_else(by_equations)?;
         for component in angles {
             let angle = &mut start[component];
@@ -173,6 +175,7 @@ impl Saved {
             limits: (0..contacts).map(|contact| system.friction(contact).limit).collect(),
             force_scale,
             has_gaps: !without_gaps,
+            has_openings,
             settings,
             surely_one_solution,
             slow: match settings.method {

@@ -39,7 +39,9 @@ fn dragged() -> Machine {
 fn leaves(balancer: &Balancer<2>, phases: &[Phase], state: &[f64]) -> bool {
     let state: State<2> = State::of_components(state).expect("two balls");
     let contacts = std::array::from_fn(|ball| match phases[ball].mode() {
-        ContactMode::Stick | ContactMode::Open | ContactMode::Closed => Contact::STICK,
+        ContactMode::Stick | ContactMode::Apart | ContactMode::Open | ContactMode::Closed => {
+            Contact::STICK
+        }
         ContactMode::Slip(direction) => {
             balancer.balls[ball].friction.slip(direction, state.beta_dot[ball])
         }

@@ -43,6 +43,7 @@ use crate::motion::lockstep::vector::Vector;
 use group::Group;
 pub(crate) use lane::Saved;
 pub(crate) use lane_group::{Happened, LaneGroup};
+pub(super) use root_isolation::width;
 pub use simd_level::SimdLevel;
 
 /// Runs side by side.

@@ -15,7 +15,7 @@ const WIDTH_OVER_TOLERANCE: f64 = 1e-3;
 const WIDTHS: (f64, f64) = (1e-12, 1e-9);
 
 /// Returns the width within which events are located.
-pub(super) fn width(relative_tolerance: f64) -> f64 {
+pub(in crate::motion) fn width(relative_tolerance: f64) -> f64 {
     (WIDTH_OVER_TOLERANCE * relative_tolerance).clamp(WIDTHS.0, WIDTHS.1)
 }
 

@@ -16,7 +16,9 @@ pub fn contacts<const N: usize>(
     state: &State<N>,
 ) -> [Contact; N] {
     std::array::from_fn(|ball| match phases[ball].mode() {
-        ContactMode::Stick | ContactMode::Open | ContactMode::Closed => Contact::STICK,
+        ContactMode::Stick | ContactMode::Apart | ContactMode::Open | ContactMode::Closed => {
+            Contact::STICK
+        }
         ContactMode::Slip(direction) => {
             balancer.balls[ball].friction.slip(direction, state.beta_dot[ball])
         }

@@ -6,6 +6,7 @@
 //! | stick | held against a forward force | held against a backward force | closed |
 //! | transition | in the band | accelerating in its direction | closed |
 //! | free | | | closed |
+//! | apart | | | apart |
 //!
 //! The guard of an event is a condition, too, and so is the pressure in a closed gap. Contacts that stick and touch are held
 //! together ([`crate::motion::lockstep::held`]).
@@ -35,8 +36,10 @@ pub(super) fn of_contact(phase: Phase, limit: f64, [band, slack, aim]: [f64; 3])
         // A contact is in the band only briefly: always examined.
         Phase::Transition(direction) => (-direction.sign(), -1.0, 0.0),
         Phase::Stick => (0.0, 1.0, 1.0),
-        Phase::Free | Phase::Open | Phase::Closed => (0.0, 1.0, 0.0),
+        Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => (0.0, 1.0, 0.0),
     };
+    // The gap of a contact that is apart closes where it is zero.
+    let aim = if phase == Phase::Apart { 0.0 } else { aim };
     [sign, offset, stuck, limit, slack + aim, aim]
 }
 
@@ -116,9 +119,14 @@ pub(super) fn first_event<S: Vector>(
                     examine(bound, which, &|| polynomial(length, slack, ORDER - 1, held(sign)));
                 }
             }
-            Phase::Free | Phase::Open | Phase::Closed => {}
+            Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => {}
         }
-        examine(Bound::Closed, 2, &|| polynomial(length, aim, ORDER - 1, normal));
+        if own.phases[contact] == Phase::Apart {
+            let failed = Condition::Landing(contact);
+            first.or(simd, &polynomial(length, 0.0, ORDER - 1, normal), None, failed);
+        } else {
+            examine(Bound::Closed, 2, &|| polynomial(length, aim, ORDER - 1, normal));
+        }
     }
     for (event, guard) in operations.guards.iter().enumerate() {
         if of_events[event] & 1 << lane != 0 {

@@ -229,8 +229,8 @@ impl<S: Vector> Kernel<S> for General<S> {
         let Some(in_touch) = evaluator.and_then(|one| InTouch::new(one, own.settings)) else {
             return;
         };
-        self.held[lane] = held_clusters(in_touch.touching.gaps(), &own.phases);
-        let gaps = in_touch.touching.gaps().iter().zip(&own.phases[self.speeds.len()..]);
+        self.held[lane] = held_clusters(in_touch.gaps, &own.phases);
+        let gaps = in_touch.gaps.iter().zip(&own.phases[self.speeds.len()..]);
         for (place, (pressure, (gap, phase))) in self.pressures.iter_mut().zip(gaps).enumerate() {
             pressure.set(lane, own, (gap, *phase));
             room.set(operations.of_gap(place, OfGap::Weight), lane, pressure.weight[lane]);

@@ -62,7 +62,7 @@ impl<S: Vector> Watched<S> {
             // A ball is in the band only briefly: always examined.
             Phase::Transition(direction) => (-direction.sign(), -1.0, 0.0),
             Phase::Stick => (0.0, 1.0, 1.0),
-            Phase::Free | Phase::Open | Phase::Closed => (0.0, 1.0, 0.0),
+            Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => (0.0, 1.0, 0.0),
         };
         self.sign[lane] = sign;
         self.offset[lane] = offset;

@@ -49,7 +49,7 @@ impl<'a, const N: usize> InPlace<'a, N> {
 /// Returns how friction acts on a contact in a phase.
 pub(super) fn contact(phase: Phase, friction: &Friction, speed: f64) -> Contact {
     match phase {
-        Phase::Stick | Phase::Open | Phase::Closed => Contact::STICK,
+        Phase::Stick | Phase::Apart | Phase::Open | Phase::Closed => Contact::STICK,
         Phase::Slip(direction) => friction.slip(direction.sign(), speed),
         Phase::Transition(direction) => friction.slip(direction.sign(), 0.0),
         Phase::Free => friction.slip(0.0, speed),
@@ -59,7 +59,7 @@ pub(super) fn contact(phase: Phase, friction: &Friction, speed: f64) -> Contact 
 /// Returns [`contact`] to first order in the speed.
 pub(super) fn contact_along(phase: Phase, friction: &Friction, speed: Dual) -> Contact<Dual> {
     match phase {
-        Phase::Stick | Phase::Open | Phase::Closed => Contact::STICK.lifted(),
+        Phase::Stick | Phase::Apart | Phase::Open | Phase::Closed => Contact::STICK.lifted(),
         Phase::Slip(direction) => friction.slip_along(direction.sign(), speed),
         Phase::Transition(direction) => {
             friction.slip_along(direction.sign(), Dual { value: 0.0, slope: 0.0 })

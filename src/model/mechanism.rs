@@ -1,0 +1,260 @@
+//! Equations of motion from a mass matrix, forces and contacts.
+//!
+//! A mechanism has coordinates `q` with the equations of motion
+//!
+//! ```text
+//! M q̈ = h + Σ (w_N λ_N - w_T λ_T)
+//! ```
+//!
+//! with a normal force `λ_N ≥ 0` and a friction force `λ_T` in each contact. The directions `w_N` and `w_T` are the
+//! derivatives of the gap by the coordinates and of the sliding speed by the velocities (C. Glocker, *Set-Valued Force Laws*,
+//! Springer 2001, doi:10.1007/978-3-540-44479-4; R. I. Leine, H. Nijmeijer, *Dynamics and Bifurcations of Non-Smooth Mechanical
+//! Systems*, Springer 2004, doi:10.1007/978-3-540-44398-8). Accelerations, normal forces and friction forces are the unknowns
+//! of one linear system, whose equations depend on the modes of the contacts:
+//!
+//! | mode | normal | tangential |
+//! |---|---|---|
+//! | apart | `λ_N = 0` | `λ_T = 0` |
+//! | slip | `g̈ = -2ġ - g` | `λ_T = σ μ λ_N` and the drag |
+//! | stick | `g̈ = -2ġ - g` | `γ̇ = -γ` |
+//!
+//! What rounding leaves of the gap `g` and of the sliding speed `γ` decays.
+
+use super::recorded::record_contact;
+use super::{
+    Contact, ContactEquations, ContactLayout, Expression, ForcingLayout, Friction, Layout, Node,
+    Number, OpeningEquations, Recorder, SystemEquations,
+};
+
+/// The equations of motion of bodies with contacts.
+pub struct Mechanism<'r> {
+    /// Each coordinate with its velocity, components of the state.
+    pub coordinates: Vec<[Expression<'r>; 2]>,
+    /// Other components of the state with their rates of change, such as the phase of a force.
+    pub others: Vec<[Expression<'r>; 2]>,
+    /// The mass matrix, row by row.
+    pub mass: Vec<Vec<Expression<'r>>>,
+    /// The forces, without those of the contacts.
+    pub forces: Vec<Expression<'r>>,
+    /// The contacts, whose inputs [`super::add_mechanism_inputs`] adds.
+    pub contacts: Vec<MechanismContact<'r>>,
+    /// The component of `others` in which the equations are periodic, with its period.
+    pub forcing: Option<(Expression<'r>, f64)>,
+}
+
+/// A contact of a mechanism.
+pub struct MechanismContact<'r> {
+    /// The coordinate that results show as the position of the contact, and whether it is an angle.
+    pub position: (Expression<'r>, bool),
+    /// The sliding speed; the number 0 for a contact without friction.
+    pub sliding_speed: Expression<'r>,
+    /// The force that presses the bodies together.
+    pub normal: MechanismNormal<'r>,
+    /// Its law of friction.
+    pub friction: Friction,
+}
+
+/// The normal force of a contact of a mechanism.
+#[derive(Clone, Copy)]
+pub enum MechanismNormal<'r> {
+    /// It is given, and part of the forces of the mechanism.
+    Given(Expression<'r>),
+    /// It keeps this gap from becoming negative.
+    Gap(Expression<'r>),
+}
+
+/// How the bodies of a contact separate after an impact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImpactLaw {
+    /// The speed of separation over the speed of approach, 0 to 1 (Newton).
+    pub restitution: f64,
+    /// The sliding speed after an impact without slip over that before it, with the opposite sign, 0 to 1.
+    pub tangential_restitution: f64,
+    /// The speed of approach, non-dimensional, below which contact lasts unless impacts lose no energy: infinitely many
+    /// impacts would follow within a time that is proportional to the speed.
+    pub lasting_approach: f64,
+}
+
+impl Default for ImpactLaw {
+    /// The bodies stay together.
+    fn default() -> Self {
+        let lasting_approach = super::LASTING_APPROACH;
+        ImpactLaw { restitution: 0.0, tangential_restitution: 0.0, lasting_approach }
+    }
+}
+
+/// The equations of a contact for the linear system.
+struct Rows<'r> {
+    /// The derivatives of the gap by the coordinates, and the part of its second time derivative without accelerations.
+    normal: Option<(Vec<Expression<'r>>, Expression<'r>)>,
+    /// The same of the sliding speed, and its time derivative.
+    tangential: (Vec<Expression<'r>>, Expression<'r>),
+    gap: [Expression<'r>; 2],
+    closed: Expression<'r>,
+    contact: Contact<Expression<'r>>,
+}
+
+impl<'r> Mechanism<'r> {
+    /// Records the equations.
+    ///
+    /// # Panics
+    /// Panics if the sizes of coordinates, mass matrix and forces differ, or if a coordinate is no component of the state: such a
+    /// mechanism is a programming error.
+    pub fn record(self, recorder: &'r Recorder) -> SystemEquations<'r> {
+        let [zero, one, two] = [0.0, 1.0, 2.0].map(Expression::constant);
+        let rows: Vec<Rows<'r>> =
+            self.contacts.iter().map(|contact| self.rows(recorder, contact)).collect();
+        let n = self.coordinates.len();
+        // Accelerations, normal forces of gaps, friction forces.
+        let normals: Vec<Option<usize>> = rows
+            .iter()
+            .scan(n, |next, row| {
+                let place = row.normal.is_some().then_some(*next);
+                *next += usize::from(place.is_some());
+                Some(place)
+            })
+            .collect();
+        let first_friction = n + normals.iter().flatten().count();
+        let size = first_friction + rows.len();
+        let mut matrix = vec![vec![zero; size]; size];
+        let mut right = vec![zero; size];
+        for (i, row) in self.mass.iter().enumerate() {
+            matrix[i][..n].copy_from_slice(row);
+            right[i] = self.forces[i];
+        }
+        for (k, row) in rows.iter().enumerate() {
+            let (along, drift) = &row.tangential;
+            let place = first_friction + k;
+            let Contact { free, signed_friction, drag } = row.contact;
+            let stuck = one - free;
+            for (i, share) in along.iter().enumerate() {
+                matrix[i][place] = *share;
+                matrix[place][i] = stuck * *share;
+            }
+            matrix[place][place] = free;
+            right[place] = drag - stuck * (*drift + self.contacts[k].sliding_speed);
+            if along.iter().all(|share| share.known() == Some(0.0)) {
+                // No friction.
+                matrix[place][place] = one;
+                right[place] = zero;
+            }
+            match (&row.normal, normals[k], self.contacts[k].normal) {
+                (Some((across, drift)), Some(normal), _) => {
+                    let [gap, speed] = row.gap;
+                    for (i, share) in across.iter().enumerate() {
+                        matrix[i][normal] = -*share;
+                        matrix[normal][i] = row.closed * *share;
+                    }
+                    matrix[normal][normal] = one - row.closed;
+                    right[normal] = -(row.closed * (*drift + two * speed + gap));
+                    matrix[place][normal] = -signed_friction;
+                }
+                (_, _, MechanismNormal::Given(force)) => {
+                    right[place] = right[place] + signed_friction * force;
+                }
+                _ => {}
+            }
+        }
+        let unknowns = recorder.solve(&matrix, &right);
+        let sum = |shares: &[Expression<'r>], drift: Expression<'r>| {
+            shares.iter().zip(&unknowns).fold(drift, |sum, (share, one)| sum + *share * *one)
+        };
+        let mut equations = SystemEquations {
+            derivative: self.derivative(recorder, &unknowns),
+            layout: self.layout(recorder),
+            ..SystemEquations::default()
+        };
+        for (k, (row, own)) in rows.iter().zip(&self.contacts).enumerate() {
+            let normal = match (own.normal, normals[k]) {
+                (MechanismNormal::Gap(gap), Some(place)) => {
+                    let (across, drift) =
+                        row.normal.as_ref().expect("a gap has a normal direction");
+                    equations.openings.push(OpeningEquations {
+                        contact: k,
+                        gap,
+                        speed: row.gap[1],
+                        acceleration: sum(across, *drift),
+                        force: unknowns[place],
+                    });
+                    row.closed * unknowns[place] + (one - row.closed) * gap
+                }
+                (MechanismNormal::Given(force) | MechanismNormal::Gap(force), _) => force,
+            };
+            equations.contacts.push(ContactEquations {
+                sliding_speed: own.sliding_speed,
+                sliding_acceleration: sum(&row.tangential.0, row.tangential.1),
+                normal,
+                friction: unknowns[first_friction + k],
+            });
+        }
+        equations
+    }
+
+    /// Returns the equations of a contact, whose inputs are recorded.
+    fn rows(&self, recorder: &'r Recorder, contact: &MechanismContact<'r>) -> Rows<'r> {
+        let zero = Expression::constant(0.0);
+        // Positions move with the velocities, and other components with their rates.
+        let moves: Vec<_> =
+            self.coordinates.iter().chain(&self.others).map(|[of, rate]| (*of, *rate)).collect();
+        let by_each = |of: Expression<'r>, which: usize| -> Vec<Expression<'r>> {
+            let one = Expression::constant(1.0);
+            let by =
+                |pair: &[Expression<'r>; 2]| recorder.rate_of_change(of, &[(pair[which], one)]);
+            self.coordinates.iter().map(by).collect()
+        };
+        let speed = contact.sliding_speed;
+        let tangential = (by_each(speed, 1), recorder.rate_of_change(speed, &moves));
+        let recorded = record_contact(recorder, &contact.friction, speed);
+        match contact.normal {
+            MechanismNormal::Given(_) => {
+                Rows { normal: None, tangential, gap: [zero; 2], closed: zero, contact: recorded }
+            }
+            MechanismNormal::Gap(gap) => {
+                let opening = recorder.rate_of_change(gap, &moves);
+                let drift = recorder.rate_of_change(opening, &moves);
+                Rows {
+                    normal: Some((by_each(gap, 0), drift)),
+                    tangential,
+                    gap: [gap, opening],
+                    closed: recorder.switch("closed"),
+                    contact: recorded,
+                }
+            }
+        }
+    }
+
+    fn derivative(&self, recorder: &Recorder, unknowns: &[Expression<'r>]) -> Vec<Expression<'r>> {
+        let mut derivative = vec![Expression::constant(0.0); recorder.components()];
+        for ([position, velocity], acceleration) in self.coordinates.iter().zip(unknowns) {
+            derivative[component(recorder, *position)] = *velocity;
+            derivative[component(recorder, *velocity)] = *acceleration;
+        }
+        for [other, rate] in &self.others {
+            derivative[component(recorder, *other)] = *rate;
+        }
+        derivative
+    }
+
+    fn layout(&self, recorder: &Recorder) -> Layout {
+        let contact = |one: &MechanismContact<'r>| ContactLayout {
+            position: component(recorder, one.position.0),
+            angular: one.position.1,
+        };
+        let velocity = |pair: &[Expression<'r>; 2]| vec![component(recorder, pair[1])];
+        let forcing = |(of, period)| ForcingLayout { component: component(recorder, of), period };
+        Layout {
+            contacts: self.contacts.iter().map(contact).collect(),
+            velocities: self.coordinates.iter().map(velocity).collect(),
+            vibration: None,
+            forcing: self.forcing.map(forcing),
+        }
+    }
+}
+
+/// Returns the number of a component of the state.
+fn component(recorder: &Recorder, of: Expression<'_>) -> usize {
+    match recorder.node_of(of) {
+        Node::State(component) | Node::Discrete(component) => component as usize,
+        other => panic!("a coordinate is a component of the state, not {other:?}"),
+    }
+}
