@@ -185,7 +185,8 @@ impl ClassRuns {
             self.places = class.roles.into_iter().map(place).collect();
         }
         for (place, ball) in self.places.iter_mut().zip(class.balls) {
-            let angles = cycle.angle_extremes.get(ball).copied().flatten();
+            let angles = cycle.position_extremes.get(ball).copied().flatten();
+            let angles = angles.filter(|_| model.ball_balancer().is_some());
             angles.into_iter().flatten().for_each(|angle| place.angles.add(angle));
             if let Some(&extremes) = cycle.speed_extremes.get(ball) {
                 let [least, greatest] = speeds_in_sense(model, extremes);

@@ -68,18 +68,23 @@ pub fn wilson_with_failures(successes: u64, failures: u64, trials: u64, z: f64) 
     (wilson(successes, trials, z).0, wilson(successes + failures, trials, z).1)
 }
 
-/// The two-sided 99 % point of the normal distribution. Five intervals with an error of 1 % each
-/// have a joint error of at most 5 % (Bonferroni).
-const Z_99: f64 = 2.575_829_303_548_901;
+/// The number of kinds of runs.
+const KINDS: usize = 6;
 
-/// Returns intervals for the fractions of five kinds of runs that hold jointly at 95 %. The last
+/// The two-sided point of the normal distribution with an error of 5 % over the number of kinds: all intervals together have an
+/// error of at most 5 % (Bonferroni).
+const JOINT: f64 = 2.638_257_273_476_751;
+
+/// Returns intervals for the fractions of six kinds of runs that hold jointly at 95 %. The last
 /// kind are failures. A failed run could have been of any other kind, so that the upper ends of the
 /// other intervals count it.
 ///
 /// Source: L. A. Goodman, Technometrics 7 (1965) 247, doi:10.1080/00401706.1965.10490252.
-pub fn simultaneous(counts: [u64; 5]) -> [(f64, f64); 5] {
+pub fn simultaneous(counts: [u64; KINDS]) -> [(f64, f64); KINDS] {
     let trials = counts.iter().sum();
-    let [others @ .., failures] = counts;
-    let [a, b, c, d] = others.map(|count| wilson_with_failures(count, failures, trials, Z_99));
-    [a, b, c, d, wilson(failures, trials, Z_99)]
+    let failures = counts[KINDS - 1];
+    std::array::from_fn(|kind| match kind + 1 == KINDS {
+        true => wilson(failures, trials, JOINT),
+        false => wilson_with_failures(counts[kind], failures, trials, JOINT),
+    })
 }

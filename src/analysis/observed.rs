@@ -21,7 +21,10 @@ pub struct Observed<'a> {
 
 /// Number of runs per label, in the order of [`Label::ALL`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LabelCounts([u64; 5]);
+pub struct LabelCounts([u64; LABELS]);
+
+/// The number of labels.
+const LABELS: usize = Label::ALL.len();
 
 impl LabelCounts {
     /// Counts one run.
@@ -55,7 +58,7 @@ impl LabelCounts {
     /// Returns intervals of the fractions of all labels, in the order of [`Label::ALL`], that hold
     /// jointly at 95 % (see [`simultaneous`]). They treat runs as independent; with a stratified
     /// design they are valid, but wider than necessary.
-    pub fn intervals(&self) -> [(f64, f64); 5] {
+    pub fn intervals(&self) -> [(f64, f64); LABELS] {
         simultaneous(self.0)
     }
 }

@@ -34,6 +34,9 @@ struct BreakAway {
     cycle_phases: Vec<CyclePhase>,
     /// Least and greatest sliding speed; 0 at break-away.
     speeds: [f64; 2],
+    /// The time for which the contact has stuck, and the time until which steps are added.
+    stuck: f64,
+    until: f64,
 }
 
 impl BreakAwayWatch {
@@ -70,8 +73,15 @@ impl BreakAwayWatch {
             return Some(time - last.time);
         }
         let extremes = Extremes::from_place(time, &positions);
-        let (cycle_phases, speeds) = (Vec::new(), [0.0; 2]);
-        self.last = Some(BreakAway { time, position, extremes, cycle_phases, speeds });
+        self.last = Some(BreakAway {
+            time,
+            position,
+            extremes,
+            cycle_phases: Vec::new(),
+            speeds: [0.0; 2],
+            stuck: 0.0,
+            until: time,
+        });
         None
     }
 
@@ -89,7 +99,10 @@ impl BreakAwayWatch {
             configurations: last.cycle_phases.iter().map(|&phase| vec![phase]).collect(),
             touching: Vec::new(),
             speed_extremes: vec![last.speeds.map(|speed| speed * speed_unit)],
-            angle_extremes: vec![None],
+            position_extremes: vec![
+                last.extremes.of(0).map(|two| two.map(|one| one * units.position)),
+            ],
+            stick_fraction: vec![last.stuck / (last.until - last.time)],
             peak_amplitude_m: last.extremes.amplitude()? * units.position,
             multipliers: vec![0.0],
             neutral_directions: 0,
@@ -107,7 +120,9 @@ impl BreakAway {
         if self.cycle_phases.last() != Some(&cycle_phase) {
             self.cycle_phases.push(cycle_phase);
         }
+        self.until = step.time();
         if cycle_phase == CyclePhase::Stick {
+            self.stuck += step.time() - step.began();
             return;
         }
         // It is fastest where its acceleration passes through zero, or at the end of the step.

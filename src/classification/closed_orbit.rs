@@ -59,7 +59,9 @@ pub struct Orbit {
     /// Least and greatest speed of each contact.
     pub speed_extremes: Vec<[f64; 2]>,
     /// Least and greatest position of each contact, an angle starting in [0, 2π).
-    pub angle_extremes: Vec<[f64; 2]>,
+    pub position_extremes: Vec<[f64; 2]>,
+    /// Share of the period for which each contact sticks.
+    pub stick_fraction: Vec<f64>,
     /// Root mean square over the period of the displacement, over the unit of length; 0 for a
     /// system without a displacement that is measured.
     pub amplitude: f64,
@@ -264,7 +266,8 @@ fn orbit(closed: &Closed, end: &Return, period: Period, multipliers: Vec<f64>) -
         configurations: period.configurations,
         speed: turned.iter().map(|angle| angle / end.time).collect(),
         speed_extremes: period.speeds,
-        angle_extremes: period.positions,
+        position_extremes: period.positions,
+        stick_fraction: period.stuck.iter().map(|time| time / end.time).collect(),
         amplitude: (period.square_time / end.time).sqrt(),
         peak: period.peak,
         rests: !section.rests.is_empty() && section.rests.iter().all(|rests| *rests),

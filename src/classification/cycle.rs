@@ -58,9 +58,11 @@ pub struct Cycle {
     /// Least and greatest speed of each contact relative to its support: rad/s for a ball, m/s for
     /// a block.
     pub speed_extremes: Vec<[f64; 2]>,
-    /// Least and greatest angle of each ball that does not revolve, rad, each within a turn of [0,
-    /// 2π); `None` for a ball that revolves, and for a block.
-    pub angle_extremes: Vec<Option<[f64; 2]>>,
+    /// Least and greatest position of each contact: rad, each within a turn of [0, 2π), or m; `None` for a contact that
+    /// revolves or moves on.
+    pub position_extremes: Vec<Option<[f64; 2]>>,
+    /// Share of the period for which each contact sticks.
+    pub stick_fraction: Vec<f64>,
     /// Greatest displacement of the table, or of a block from the middle of its cycle, m.
     pub peak_amplitude_m: f64,
     /// Moduli of the Floquet multipliers, without those of neutral directions, descending.
@@ -73,8 +75,10 @@ pub struct Cycle {
 impl Cycle {
     /// Returns whether the cycle belongs to a system with this number of contacts.
     pub fn is_of(&self, contacts: usize) -> bool {
-        let lengths = [self.turns.len(), self.speed_extremes.len(), self.angle_extremes.len()];
+        let Cycle { turns, speed_extremes, position_extremes, stick_fraction, .. } = self;
+        let lengths = [turns.len(), speed_extremes.len(), position_extremes.len()];
         lengths == [contacts; 3]
+            && stick_fraction.len() == contacts
             && self.configurations.iter().all(|configuration| configuration.len() == contacts)
             && self.touching.iter().all(|pair| pair.contacts[1] < contacts)
     }

@@ -44,6 +44,11 @@ impl Extremes {
         Extremes { start, ranges: positions.iter().map(|position| [*position; 2]).collect() }
     }
 
+    /// Returns the least and the greatest position of a contact.
+    pub(super) fn of(&self, contact: usize) -> Option<[f64; 2]> {
+        self.ranges.get(contact).copied()
+    }
+
     /// Returns the time from which on the extremes are taken.
     pub(super) fn start(&self) -> f64 {
         self.start

@@ -4,11 +4,13 @@
 //!
 //! | label | evidence | what has been shown |
 //! |---|---|---|
+//! | `equilibrium` | `rest_contracting` | all contacts stick, and bounds of the equations show that the motion approaches its rest point |
 //! | `equilibrium` | `rest_certified` | all balls stick and, by the closed form, can never break loose |
 //! | `equilibrium` | `creep` | all balls are slow and drift, ever slower, at the edge of the equilibrium set |
 //! | `equilibrium` | `periodic_rest` | all contacts stick throughout a period of the forcing, and the motion of the other components repeats |
 //! | `equilibrium` | `settled` | without dry friction: an equilibrium is near, and it is stable by its eigenvalues |
 //! | `limit_cycle` | `closed_orbit` | the orbit closes modulo 2π, its multipliers lie inside the unit circle, resting balls keep a margin |
+//! | `quasi_periodic` | `torus` | weighted averages of the returns to a section converge as on a torus with two frequencies |
 //! | `irregular` | `lyapunov` | neighbouring motions separate exponentially; the confidence interval of the exponent, from enough blocks, is positive |
 //! | `undecided` | `unstable_orbit` | the orbit closes, but a multiplier lies outside the unit circle |
 //! | `undecided` | `end_time` | none of the above until the end time |
@@ -45,11 +47,12 @@ mod stages;
 mod step_limit;
 mod stuck_motion;
 mod system_view;
+mod torus;
 mod window;
 
 /// Version of the computed outcomes, incremented with every change that alters an outcome; cached
 /// results of other versions are not reused. A test pins the outcomes of each version.
-pub const MODEL_VERSION: u32 = 13;
+pub const MODEL_VERSION: u32 = 14;
 
 pub use closed_orbit::Orbit;
 pub use cycle::{Cycle, CyclePhase, TouchingPair};

@@ -197,6 +197,11 @@ impl OrbitWatch {
         self.at_end().find_map(Passages::unstable_orbit)
     }
 
+    /// Returns whether the run fills a torus.
+    pub(super) fn fills_a_torus(&self) -> bool {
+        self.at_end().any(Passages::fill_a_torus)
+    }
+
     /// Returns the passages that count at the end of a run.
     fn at_end(&self) -> impl Iterator<Item = &Passages> {
         let with_stops = self.with_stops.iter().map(|(passages, _)| passages);

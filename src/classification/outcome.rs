@@ -13,6 +13,8 @@ pub enum Label {
     Equilibrium,
     /// A stable periodic motion, closed modulo 2π of the running balls' angles.
     LimitCycle,
+    /// The motion fills a torus: it has two frequencies without a common period.
+    QuasiPeriodic,
     /// Neighbouring motions separate exponentially.
     Irregular,
     /// Nothing could be shown until the end time.
@@ -23,14 +25,21 @@ pub enum Label {
 
 impl Label {
     /// All labels, in the order of the tables.
-    pub const ALL: [Label; 5] =
-        [Label::Equilibrium, Label::LimitCycle, Label::Irregular, Label::Undecided, Label::Failed];
+    pub const ALL: [Label; 6] = [
+        Label::Equilibrium,
+        Label::LimitCycle,
+        Label::QuasiPeriodic,
+        Label::Irregular,
+        Label::Undecided,
+        Label::Failed,
+    ];
 
     /// The label's name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Label::Equilibrium => "equilibrium",
             Label::LimitCycle => "limit_cycle",
+            Label::QuasiPeriodic => "quasi_periodic",
             Label::Irregular => "irregular",
             Label::Undecided => "undecided",
             Label::Failed => "failed",
@@ -43,6 +52,8 @@ impl Label {
 pub enum Evidence {
     /// All balls stick and the closed form excludes that any ever breaks loose.
     RestCertified,
+    /// All balls stick, and bounds show that the motion approaches its rest point without breaking any loose.
+    RestContracting,
     /// Balls drift ever slower towards the edge of the equilibrium set.
     Creep,
     /// Without dry friction, the motion has approached a stable equilibrium.
@@ -53,6 +64,8 @@ pub enum Evidence {
     ClosedOrbit,
     /// The orbit closes but is unstable.
     UnstableOrbit,
+    /// Weighted averages of the returns to a section converge as on a torus.
+    Torus,
     /// Neighbouring motions separate, and the confidence interval of the exponent, from enough blocks, is positive.
     Lyapunov,
     /// The end time was reached without any other evidence.
@@ -67,7 +80,7 @@ pub enum Evidence {
 
 impl Evidence {
     /// The names of all evidence in tables, in a fixed order.
-    pub const NAMES: [&'static str; 16] = [
+    pub const NAMES: [&'static str; 18] = [
         "rest_certified",
         "creep",
         "settled",
@@ -84,17 +97,21 @@ impl Evidence {
         "panic",
         "periodic_rest",
         "overlap",
+        "torus",
+        "rest_contracting",
     ];
 
     /// The evidence's name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Evidence::RestCertified => "rest_certified",
+            Evidence::RestContracting => "rest_contracting",
             Evidence::Creep => "creep",
             Evidence::Settled => "settled",
             Evidence::PeriodicRest => "periodic_rest",
             Evidence::ClosedOrbit => "closed_orbit",
             Evidence::UnstableOrbit => "unstable_orbit",
+            Evidence::Torus => "torus",
             Evidence::Lyapunov => "lyapunov",
             Evidence::EndTime => "end_time",
             Evidence::Failure(Failure::NotFinite) => "not_finite",
@@ -114,10 +131,12 @@ impl Evidence {
     pub fn label(self) -> Label {
         match self {
             Evidence::RestCertified
+            | Evidence::RestContracting
             | Evidence::Creep
             | Evidence::Settled
             | Evidence::PeriodicRest => Label::Equilibrium,
             Evidence::ClosedOrbit => Label::LimitCycle,
+            Evidence::Torus => Label::QuasiPeriodic,
             Evidence::Lyapunov => Label::Irregular,
             Evidence::UnstableOrbit | Evidence::EndTime => Label::Undecided,
             Evidence::Failure(_) | Evidence::InvalidParameters | Evidence::Panic => Label::Failed,

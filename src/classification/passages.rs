@@ -5,12 +5,13 @@ use std::collections::VecDeque;
 
 use super::closed_orbit::{Orbit, REACH};
 use super::section::{Mark, Section};
-use super::system_view::SystemView;
+use super::system_view::{ContactPlace, SystemView};
+use super::torus::Returns;
 use crate::model::{Components, wrap_to_pi};
 use crate::motion::{Phase, Phases};
 
 /// Maximum number of turns of the marking contact after which an orbit may close.
-pub(super) const MOST_TURNS: usize = 12;
+pub(super) const MOST_TURNS: usize = 16;
 /// Largest distance of a near return from an earlier passage, non-dimensional, times the number of
 /// turns: examining a longer orbit costs more.
 const NEAR: f64 = 1e-3;
@@ -54,6 +55,8 @@ pub(super) struct Passages {
     /// What marks the section, once it is known.
     pub(super) mark: Option<Mark>,
     latest: VecDeque<Passage>,
+    /// A smooth function of the state at all passages.
+    returns: Returns,
     near_in_a_row: [usize; MOST_TURNS + 1],
     close_in_a_row: [usize; MOST_TURNS + 1],
     /// An unstable closed orbit that the run has approached, and the number of turns after which it
@@ -105,6 +108,7 @@ impl Passages {
         mut passage: Passage,
     ) -> Option<usize> {
         self.mark = Some(mark);
+        self.returns.add(observed(view, &passage, mark));
         let mut closing = None;
         for turns in 1..=MOST_TURNS.min(self.latest.len()) {
             let earlier = &self.latest[self.latest.len() - turns];
@@ -132,6 +136,11 @@ impl Passages {
         }
         self.latest.push_back(passage);
         closing
+    }
+
+    /// Returns whether the passages fill a torus.
+    pub(super) fn fill_a_torus(&self) -> bool {
+        self.returns.fill_a_torus()
     }
 
     /// Returns the unstable orbit on which the run nearly closes at its latest passage: only a
@@ -175,6 +184,24 @@ impl Passages {
         let rests = rests.map(|(phase, last)| *phase == Phase::Stick && *last < earlier).collect();
         Some(Section::new(view, self.mark?, &passage.phases, rests))
     }
+}
+
+/// Returns a smooth function of a passage, in which all of its coordinates occur. The residual speed of a sticking ball does not
+/// count.
+fn observed(view: &SystemView, passage: &Passage, mark: Mark) -> f64 {
+    let (marking, _) = mark.component(view);
+    let of_contact = |(contact, phase): (&ContactPlace, &Phase)| {
+        let position = passage.state[contact.position];
+        let position = if contact.angular { libm::sin(position + 1.0) } else { position };
+        let counts = contact.position != marking && !contact.ignorable;
+        let speed = contact.speed.filter(|speed| *speed != marking && *phase != Phase::Stick);
+        [if counts { position } else { 0.0 }, speed.map_or(0.0, |speed| passage.state[speed])]
+    };
+    let contacts = view.contacts.iter().zip(&passage.phases).flat_map(of_contact);
+    let free = view.free.iter().filter(|place| **place != marking);
+    // Weights without a common ratio, so that no symmetry cancels.
+    let weighted = contacts.chain(free.map(|place| passage.state[*place])).enumerate();
+    weighted.map(|(place, value)| libm::sqrt(place as f64 + 2.0) * value).sum()
 }
 
 /// Returns the largest difference of two passages, with angles modulo 2π. If a difference is above [`FAR`], the function may

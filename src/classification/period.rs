@@ -24,6 +24,8 @@ pub(super) struct Period {
     pub(super) speeds: Vec<[f64; 2]>,
     /// Least and greatest position of each contact.
     pub(super) positions: Vec<[f64; 2]>,
+    /// The time for which each contact has stuck.
+    pub(super) stuck: Vec<f64>,
     /// Greatest displacement.
     pub(super) peak: f64,
     /// Integral over time of its square.
@@ -47,6 +49,7 @@ impl Period {
             gaps: vec![[false; 2]; phases.len() - view.contacts.len()],
             speeds: contacts.map(|contact| [view.speed(phases, start, contact); 2]).collect(),
             positions: view.wrapped(start).iter().map(|position| [*position; 2]).collect(),
+            stuck: vec![0.0; view.contacts.len()],
             peak: view.square(start).sqrt(),
             square_time: 0.0,
             margin: f64::INFINITY,
@@ -100,6 +103,9 @@ impl Period {
         let returned = step.end.map(|(time, state)| (time, Components::from_slice(state)));
         let (time, state) = returned.unwrap_or_else(at_end);
         let length = time - self.time;
+        for (stuck, phase) in self.stuck.iter_mut().zip(during) {
+            *stuck += if *phase == Phase::Stick { length } else { 0.0 };
+        }
         for (node, weight) in NODES.iter().zip(WEIGHTS) {
             let inside = motion.within_last_step(self.time + node * length);
             self.square_time += inside.map_or(0.0, |state| weight * length * view.square(&state));

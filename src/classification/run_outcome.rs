@@ -74,7 +74,7 @@ impl LaneRun {
         counted(match ending {
             Ending::Rest => Outcome {
                 rest_since_s: Some(latest(group.last_switches(lane)) / natural),
-                ..self.at_rest(&step, Evidence::RestCertified, base)
+                ..self.at_rest(&step, self.rest_evidence(), base)
             },
             Ending::Settled => Outcome {
                 rest_since_s: self.slow_since(&step).map(|since| since / natural),
@@ -123,6 +123,14 @@ impl LaneRun {
         })
     }
 
+    /// Returns why a run in which all contacts stick for good is at rest.
+    fn rest_evidence(&self) -> Evidence {
+        match self.view.rest_forms().is_none_or(|forms| forms.are_closed()) {
+            true => Evidence::RestCertified,
+            false => Evidence::RestContracting,
+        }
+    }
+
     /// Returns the outcome of a run at rest, except for the time at which the rest began.
     fn at_rest(&self, step: &LaneStep, evidence: Evidence, base: Outcome) -> Outcome {
         let state = step.group.state(step.lane);
@@ -167,15 +175,18 @@ impl LaneRun {
         let Late { vibration, separation } = self.horizons.window();
         let lyapunov = separation.exponent().map(|exponent| in_seconds(exponent, natural));
         let base = Outcome { lyapunov, ..base };
-        let unstable = match &self.watch {
-            CycleWatch::Orbits(watch) => watch.unstable_orbit(),
+        let orbits = match &self.watch {
+            CycleWatch::Orbits(watch) => Some(watch),
             CycleWatch::BreakAways(_) | CycleWatch::None => None,
         };
+        let unstable = orbits.and_then(|watch| watch.unstable_orbit());
         let base = Outcome {
             evidence: if unstable.is_some() {
                 Evidence::UnstableOrbit
             } else if separation.is_irregular() {
                 Evidence::Lyapunov
+            } else if orbits.is_some_and(|watch| watch.fills_a_torus()) {
+                Evidence::Torus
             } else {
                 Evidence::EndTime
             },
@@ -241,16 +252,17 @@ impl LaneRun {
         let half = |[low, high]: &[f64; 2]| 0.5 * (high - low) * self.units.position;
         match self.view.vibration {
             Some(_) => orbit.amplitude * self.units.length_m,
-            None => orbit.angle_extremes.iter().map(half).fold(0.0, f64::max),
+            None => orbit.position_extremes.iter().map(half).fold(0.0, f64::max),
         }
     }
 
     fn cycle(&self, orbit: &Orbit) -> Cycle {
         let units = &self.units;
-        let angle = |((contact, &turns), extremes): ((&ContactPlace, &i32), &[f64; 2])| {
-            (contact.angular && turns == 0).then_some(*extremes)
+        let position = |((contact, &turns), extremes): ((&ContactPlace, &i32), &[f64; 2])| {
+            (turns == 0 && !contact.ignorable).then(|| extremes.map(|one| one * units.position))
         };
-        let angles = self.view.contacts.iter().zip(&orbit.turns).zip(&orbit.angle_extremes);
+        let contacts = self.view.contacts.iter();
+        let positions = contacts.zip(&orbit.turns).zip(&orbit.position_extremes);
         let speed_unit = units.position * units.natural_rad_s;
         let speeds = orbit.speed_extremes.iter().map(|two| two.map(|speed| speed * speed_unit));
         let peak = self.view.vibration.map(|_| orbit.peak * units.length_m);
@@ -259,7 +271,8 @@ impl LaneRun {
             configurations: orbit.configurations.clone(),
             touching: orbit.touching.clone(),
             speed_extremes: speeds.collect(),
-            angle_extremes: angles.map(angle).collect(),
+            position_extremes: positions.map(position).collect(),
+            stick_fraction: orbit.stick_fraction.clone(),
             peak_amplitude_m: peak.unwrap_or_else(|| self.amplitude_of(orbit)),
             multipliers: orbit.multipliers.clone(),
             neutral_directions: orbit.neutral_directions as u8,

@@ -231,7 +231,7 @@ impl PointsTable {
 }
 
 /// The columns of `points.parquet` in the JSON object of a point, and those that need a precision or an audit.
-const COLUMNS: [&str; 22] = [
+const COLUMNS: [&str; 23] = [
     "runs",
     "amplitude_p50_m",
     "amplitude_p95_m",
@@ -246,6 +246,7 @@ const COLUMNS: [&str; 22] = [
     "overlapping_rest_fraction",
     "equilibrium_runs",
     "limit_cycle_runs",
+    "quasi_periodic_runs",
     "irregular_runs",
     "undecided_runs",
     "failed_runs",

@@ -23,6 +23,7 @@ mod existence;
 mod friction;
 mod graph;
 mod held;
+mod interval;
 mod invalid_parameter;
 mod kick;
 mod kind;
@@ -68,6 +69,7 @@ pub use graph::{
     SystemEquations,
 };
 pub use held::{Column, HeldContact, Holding, gap_columns, held, least_force, strength_that_holds};
+pub use interval::{Bounded, Interval};
 pub use invalid_parameter::InvalidParameter;
 pub use kick::Kick;
 pub use kind::{Bound, Capabilities, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor};

@@ -105,15 +105,20 @@ pub trait Touching {
     fn lasting_approach(&self) -> f64;
 }
 
-/// The closed forms of a system with all contacts sticking, for states of the system.
+/// What is known of a system with all contacts sticking, for states of the system.
 pub trait RestForms {
     /// Returns whether no contact can ever break loose, by a bound of negligible cost.
     fn surely_rests(&self, state: &[f64]) -> bool;
 
-    /// Returns whether no contact can ever break loose, by following the motion in closed form. `false` means that a
+    /// Returns whether no contact can ever break loose, by following the motion. `false` means that a
     /// contact breaks loose or that the margin is too small for a decision.
     fn rests(&self, state: &[f64]) -> bool {
         self.surely_rests(state)
+    }
+
+    /// Returns whether the forms are closed: they hold for any distance from the rest point.
+    fn are_closed(&self) -> bool {
+        true
     }
 
     /// Returns amplitude and friction margin at the rest point.

@@ -7,7 +7,7 @@ use smallvec::SmallVec;
 use super::in_one_state::Affected;
 use super::{Phase, Phases};
 use crate::model::{
-    Components, Dual, Elementary, Graph, Node, NodeId, Number, Opening, Solve, System,
+    Bounded, Components, Dual, Elementary, Graph, Node, NodeId, Number, Opening, Solve, System,
 };
 
 /// Speed, acceleration and forces of one contact.
@@ -238,6 +238,7 @@ pub(crate) trait Solved: Elementary {
 
 impl Solved for f64 {}
 impl Solved for Dual {}
+impl Solved for Bounded {}
 
 /// The solution of the latest linear system.
 pub(super) struct Solution<T> {

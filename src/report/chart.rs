@@ -105,6 +105,8 @@ pub enum Colour {
     Equilibrium,
     /// Runs that ended in a limit cycle.
     LimitCycle,
+    /// Runs of quasi-periodic motion.
+    QuasiPeriodic,
     /// Runs of irregular motion.
     Irregular,
     /// Undecided runs.

@@ -225,6 +225,9 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         list.number(name, unit, move |row| row.outcome.mean_speed.as_ref()?.get(contact).copied())
             .meaning("mean rate of the position over the limit cycle; the creep per period divided by the period");
     }
+    if let Model::Own(_) = model {
+        add_cycle_of_contacts(&mut list, model);
+    }
     // Nothing separates if position and speed of one contact are the whole state.
     if model.coordinates().len() > 2 {
         add_lyapunov(&mut list);
@@ -276,6 +279,25 @@ fn add_touching(list: &mut Columns<RunRecord>) {
         "balls that an impact lifted off the ring, which the model does not follow: the friction between the balls \
          is too large for the run to be trusted",
     );
+}
+
+/// Adds what the contacts of a system of one's own do in a limit cycle.
+fn add_cycle_of_contacts(list: &mut Columns<RunRecord>, model: &Model) {
+    for contact in 0..model.contacts() {
+        let (position, unit) = model.position_column(contact);
+        for (end, name, which) in [(0, "min", "least"), (1, "max", "greatest")] {
+            list.number(format!("{name}_{position}"), unit, move |row| {
+                let extremes = &row.outcome.cycle.as_ref()?.position_extremes;
+                extremes.get(contact).copied().flatten().map(|extremes| extremes[end])
+            })
+            .meaning(format!("{which} position in the limit cycle"));
+        }
+        let suffix = model.contact_suffix(contact);
+        list.number(format!("stick_fraction{suffix}"), "1", move |row| {
+            row.outcome.cycle.as_ref()?.stick_fraction.get(contact).copied()
+        })
+        .meaning("share of the period of the limit cycle for which the contact sticks");
+    }
 }
 
 /// Adds the columns of the Lyapunov exponent.

@@ -12,12 +12,13 @@ fn other_labels_and_failures_on_one_side_are_flips() {
             counts.add(first, second);
         }
     }
-    assert_eq!(counts, AuditCounts { runs: 25, flips: 20, rest_flips: 8 });
-    assert_eq!(counts.flip_rate(), Some(0.8));
-    // The roots of |p - 0.8| = z sqrt(p (1 - p) / 25).
+    assert_eq!(counts, AuditCounts { runs: 36, flips: 30, rest_flips: 10 });
+    let rate = 30.0 / 36.0;
+    assert_eq!(counts.flip_rate(), Some(rate));
+    // The roots of |p - 30/36| = z sqrt(p (1 - p) / 36).
     let (low, high) = counts.interval();
     for end in [low, high] {
-        let score = (end - 0.8).abs() - 1.959_963_984_540_054 * (end * (1.0 - end) / 25.0).sqrt();
+        let score = (end - rate).abs() - 1.959_963_984_540_054 * (end * (1.0 - end) / 36.0).sqrt();
         assert!(score.abs() < 1e-12, "{end}");
     }
 }

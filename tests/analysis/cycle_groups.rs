@@ -41,7 +41,8 @@ pub fn falls_back(turns: i32, period_s: f64, rests_at: f64, second_rests: bool) 
         } else {
             vec![[0.0; 2], [60.0 + period_s, 80.0 + period_s]]
         },
-        angle_extremes: in_order(second_rests, None, Some([rests_at; 2])),
+        stick_fraction: vec![0.0; 2],
+        position_extremes: in_order(second_rests, None, Some([rests_at; 2])),
         peak_amplitude_m: 2.0 * period_s,
         multipliers: vec![period_s, 0.5 * period_s],
         neutral_directions: 1,

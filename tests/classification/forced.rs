@@ -7,8 +7,9 @@ use stickslip::classification::{CyclePhase, Evidence, Outcome};
 use stickslip::model::{
     Capabilities, ContactEquations, ContactLayout, Expression, ForcingLayout, Friction, Layout,
     Method, ModelKind, Number, OwnModel, ParameterDescriptor, Recorder, Simulation, SlidingSpeed,
-    SystemEquations,
+    System, SystemEquations,
 };
+use stickslip::motion::{Direction, Motion, Phase, Settings, Tolerance};
 
 use crate::support::{OwnSystem, UnitKind, simulate_kind};
 
@@ -144,6 +145,37 @@ fn den_hartogs_oscillator_begins_to_stick_at_the_boundary_of_the_closed_form() {
             let found = cycle.configurations.iter().any(|phases| phases[0] == CyclePhase::Stick);
             assert_eq!(found, sticks, "{ratio} {friction}: {:?}", cycle.configurations);
         }
+    }
+}
+
+/// The force is ahead of the block: at the greatest deflection its phase has the cosine `A / V` and the sine `|s U / V|`
+/// (Den Hartog 1931).
+#[test]
+fn den_hartogs_oscillator_lags_by_the_phase_of_the_closed_form() {
+    for (ratio, friction) in [(0.8, 0.3), (1.3, 0.4)] {
+        let system: Arc<dyn System> = Arc::new(OwnSystem {
+            record: |recorder| shaken(recorder, true),
+            parameters: vec![ratio, 1.0, 0.0, friction],
+            friction: vec![Friction::coulomb(friction)],
+            longest_step: 0.5,
+            unique: true,
+        });
+        let tolerance = Tolerance { relative: 1e-12, absolute: 1e-14 };
+        let settings =
+            Settings { method: Method::Event, band: 0.0, tolerance, effort_limit: 1_000_000 };
+        let mut motion = Motion::new(&system, settings, &[0.0, 0.4, -0.1]).expect("starts");
+        let mut phase = f64::NAN;
+        while motion.time() < 2000.0 {
+            let turns = motion.advance(2000.0).expect("continues");
+            if turns && motion.phases()[0] == Phase::Slip(Direction::Backward) {
+                phase = motion.state()[0].rem_euclid(TAU);
+            }
+        }
+        let free = 1.0 / (1.0 - ratio * ratio);
+        let (sine, cosine) = (PI / ratio).sin_cos();
+        let held = sine / (ratio * (1.0 + cosine));
+        let exact = (friction * held / free).abs().atan2(den_hartog(ratio, friction) / free);
+        near(Some(phase), exact, 1e-9);
     }
 }
 

@@ -148,7 +148,11 @@ fn constructed(case: &Case) -> Outcome {
     };
     let cycle = cycle.map(|(turns, configurations)| {
         Box::new(Cycle {
-            angle_extremes: turns.iter().map(|&turns| (turns == 0).then_some([own; 2])).collect(),
+            position_extremes: turns
+                .iter()
+                .map(|&turns| (turns == 0).then_some([own; 2]))
+                .collect(),
+            stick_fraction: vec![0.0; turns.len()],
             turns,
             configurations,
             touching: Vec::new(),

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use stickslip::analysis::{Z_95, wilson};
+use stickslip::classification::Label;
 
 use crate::cli::support::{Scratch, counts, numbers, study_text, words};
 
@@ -18,7 +19,7 @@ fn point(design: &str, more: &str) -> (String, (f64, f64), u64, u64) {
     let printed_low = json["points"][0]["ci_low"].as_f64().unwrap();
     assert!((printed_low - low).abs() < 1e-12);
     let [equilibria, runs] = ["equilibrium_runs", "runs"].map(|name| counts(&points, name)[0]);
-    for label in ["equilibrium", "limit_cycle", "irregular", "undecided", "failed"] {
+    for label in Label::ALL.map(Label::name) {
         let runs_of = counts(&points, &format!("{label}_runs"))[0] as f64 / runs as f64;
         let [low, high] =
             ["low", "high"].map(|end| numbers(&points, &format!("{label}_{end}"))[0].unwrap());

@@ -190,7 +190,8 @@ last row, where the ball with more friction rests: the orbits of these runs form
                 [outcome.mean_speed.as_ref().expect("speeds")[running(outcome)]; 2]
             });
             let stays = range(&|outcome| {
-                cycle(outcome).angle_extremes[1 - running(outcome)].expect("it does not go round")
+                cycle(outcome).position_extremes[1 - running(outcome)]
+                    .expect("it does not go round")
             });
             let largest = range(&|outcome| [cycle(outcome).multipliers[0]; 2])[1];
             let _ = writeln!(

@@ -34,7 +34,7 @@ pub struct PointFacts {
     /// Finished runs.
     pub runs: u64,
     /// Fractions of the labels, in the order of [`Label::ALL`].
-    pub labels: [Fraction; 5],
+    pub labels: [Fraction; Label::ALL.len()],
     /// Fraction of equilibria with the interval that the study asks for, which includes failures.
     pub equilibrium: Fraction,
     /// Whether the intervals are as narrow as the study's precision requires; `None` without a precision.

@@ -31,6 +31,7 @@ pub fn label_colour(label: Label) -> Colour {
     match label {
         Label::Equilibrium => Colour::Equilibrium,
         Label::LimitCycle => Colour::LimitCycle,
+        Label::QuasiPeriodic => Colour::QuasiPeriodic,
         Label::Irregular => Colour::Irregular,
         Label::Undecided => Colour::Undecided,
         Label::Failed => Colour::Failed,
@@ -42,6 +43,7 @@ pub fn label_symbol(label: Label) -> Symbol {
     match label {
         Label::Equilibrium => Symbol::Disc,
         Label::LimitCycle => Symbol::Triangle,
+        Label::QuasiPeriodic => Symbol::Circle,
         Label::Irregular => Symbol::Square,
         Label::Undecided => Symbol::Diamond,
         Label::Failed => Symbol::Cross,

@@ -8,9 +8,10 @@ use super::schema_parts::{axes_of, numeric_parameters_of, parameters_of};
 use super::unit_keys::split_unit;
 use crate::model::{FRICTION_LAWS, LawParameter, ModelKind, ParameterDescriptor, model_kinds};
 
-const FRACTIONS: [&str; 6] = [
+const FRACTIONS: [&str; 7] = [
     "equilibrium_fraction",
     "limit_cycle_fraction",
+    "quasi_periodic_fraction",
     "irregular_fraction",
     "undecided_fraction",
     "failed_fraction",

@@ -240,6 +240,8 @@ pub struct ExpectationFile {
     pub equilibrium_fraction: Option<Range>,
     /// Range of the fraction of runs that end in a limit cycle, `[low, high]` within 0 and 1.
     pub limit_cycle_fraction: Option<Range>,
+    /// Range of the fraction of runs that move quasi-periodically, `[low, high]` within 0 and 1.
+    pub quasi_periodic_fraction: Option<Range>,
     /// Range of the fraction of runs that move irregularly, `[low, high]` within 0 and 1.
     pub irregular_fraction: Option<Range>,
     /// Range of the fraction of runs without sufficient evidence for any other label, `[low, high]`

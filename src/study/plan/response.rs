@@ -55,7 +55,7 @@ pub(crate) const SUFFIXES: [&str; 5] =
     ["_standard_error", "_low", "_high", "_reason", "_without_balls"];
 
 /// Names of columns that result tables use themselves.
-pub(in crate::study) const RESERVED_COLUMNS: [&str; 15] = [
+pub(in crate::study) const RESERVED_COLUMNS: [&str; 16] = [
     "id",
     "design",
     "point_id",
@@ -63,6 +63,7 @@ pub(in crate::study) const RESERVED_COLUMNS: [&str; 15] = [
     "runs",
     "equilibrium",
     "limit_cycle",
+    "quasi_periodic",
     "irregular",
     "undecided",
     "failed",
