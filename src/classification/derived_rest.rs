@@ -2,18 +2,20 @@
 //! loose.
 //!
 //! With the positions of the contacts fixed, the equations of the other components of the state may be affine. Their
-//! coefficients give the motion ([`super::stuck_motion`]). A system whose equations are not affine, or whose free components
-//! are not damped, has no such certificate.
+//! coefficients give the motion ([`super::stuck_motion`]). If they are not affine, Newton's method finds the rest point near
+//! the state, and bounds of the derivatives in a region that contains both show that the motion approaches the rest point. A
+//! system whose free components are not damped has no such certificate.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use nalgebra::{DMatrix, DVector};
 use smallvec::SmallVec;
 
-use super::stuck_motion::{AffineForce, Distance, StuckContact, StuckMotion};
+use super::stuck_motion::{AffineForce, Curvature, Distance, StuckContact, StuckMotion};
 use super::system_view::SystemView;
 use crate::model::{
-    Degree, Dual, Gap, NodeId, RestAmplitude, RestForms, TOUCHING, strength_that_holds,
+    Bounded, Degree, Dual, Gap, Interval, NodeId, RestAmplitude, RestForms, TOUCHING,
+    strength_that_holds,
 };
 use crate::motion::{Evaluator, PerContact, Phase, Phases};
 
@@ -21,10 +23,16 @@ use crate::motion::{Evaluator, PerContact, Phase, Phases};
 /// nearly in proportion to them, is bounded with this factor.
 const RESIDUAL: f64 = 2.0;
 
-/// The rest of a system whose equations with all contacts stuck are affine.
+/// The most steps of Newton's method, and the size of the last of them, over 1 and the largest component.
+const MOST_STEPS: usize = 20;
+const THERE: f64 = 1e-12;
+
+/// The rest of a system whose contacts do not move while all of them stick.
 #[derive(Debug)]
 pub(super) struct DerivedRest {
     evaluator: Evaluator,
+    /// Whether the equations are affine then.
+    is_affine: bool,
     free: Vec<usize>,
     positions: Vec<usize>,
     speeds: Vec<usize>,
@@ -34,13 +42,14 @@ pub(super) struct DerivedRest {
 }
 
 impl DerivedRest {
-    /// Returns the forms of a system, if its contacts can rest and its equations are affine.
+    /// Returns the forms of a system, if its contacts can rest.
     pub(super) fn of(view: &SystemView) -> Option<Self> {
         let graph = view.evaluator.graph();
         let speeds: Option<Vec<usize>> =
             view.contacts.iter().map(|contact| contact.speed).collect();
-        let forms = DerivedRest {
+        let mut forms = DerivedRest {
             evaluator: view.evaluator.clone(),
+            is_affine: false,
             free: view.free.clone(),
             positions: view.contacts.iter().map(|contact| contact.position).collect(),
             speeds: speeds?,
@@ -49,7 +58,9 @@ impl DerivedRest {
         };
         // The structure of the equations is the same in all states but for coincidences.
         let probe: Vec<f64> = (0..graph.derivative.len()).map(|i| 0.3 + 0.07 * i as f64).collect();
-        (graph.events.is_empty() && forms.is_affine(&forms.stopped(&probe))).then_some(forms)
+        let [stays, is_affine] = forms.structure(&forms.stopped(&probe));
+        forms.is_affine = is_affine;
+        (graph.events.is_empty() && stays).then_some(forms)
     }
 
     fn phases(&self) -> Phases {
@@ -66,8 +77,9 @@ impl DerivedRest {
         stopped
     }
 
-    /// Returns whether the free components have affine equations and the contacts affine forces, while they do not move.
-    fn is_affine(&self, state: &[f64]) -> bool {
+    /// Returns whether the contacts do not move while they stick, and whether the free components then have affine equations
+    /// and the contacts affine forces.
+    fn structure(&self, state: &[f64]) -> [bool; 2] {
         let graph = self.evaluator.graph();
         let values = self.evaluator.all_values(&self.phases(), |component| state[component]);
         let degrees = graph.degrees(&values, |component| self.free.contains(&component));
@@ -77,17 +89,16 @@ impl DerivedRest {
             is(rate, Degree::Constant) && values[rate as usize] == 0.0
         };
         let forces = graph.contacts.iter().flat_map(|[.., normal, friction]| [*normal, *friction]);
-        self.positions.iter().all(stays)
-            && self
-                .free
-                .iter()
-                .map(|one| graph.derivative[*one])
-                .chain(forces)
-                .all(|node| is(node, Degree::Affine))
+        let rates = self.free.iter().map(|one| graph.derivative[*one]);
+        let are_affine = rates.chain(forces).all(|node| is(node, Degree::Affine));
+        [self.positions.iter().all(stays), are_affine]
     }
 
     /// Returns the motion at the positions of the contacts in a state.
     fn motion(&self, state: &[f64]) -> Option<Arc<StuckMotion>> {
+        if !self.is_affine {
+            return self.near(self.stopped(state)).map(Arc::new);
+        }
         let positions: PerContact = self.positions.iter().map(|one| state[*one]).collect();
         // A panic while the motion is locked leaves it complete.
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
@@ -99,6 +110,58 @@ impl DerivedRest {
         let motion = self.derived(&self.stopped(state)).map(Arc::new);
         *latest = Some((positions, motion.clone()));
         motion
+    }
+
+    /// Returns the motion near the rest point that Newton's method finds from a state.
+    fn near(&self, mut state: Vec<f64>) -> Option<StuckMotion> {
+        for _ in 0..MOST_STEPS {
+            let motion = self.derived(&state)?;
+            let (mut step, mut largest) = (0.0_f64, 1.0_f64);
+            for (component, rest) in self.free.iter().zip(motion.rest.iter()) {
+                step = step.max((rest - state[*component]).abs());
+                largest = largest.max(rest.abs());
+                state[*component] = *rest;
+            }
+            if step <= THERE * largest {
+                return Some(motion);
+            }
+        }
+        None
+    }
+
+    /// Returns how much derivatives differ, within a distance of the rest point, from those at the rest point.
+    fn curvature(&self, motion: &StuckMotion, state: &[f64], distance: f64) -> Curvature {
+        let graph = self.evaluator.graph();
+        let (phases, stopped) = (self.phases(), self.stopped(state));
+        let n = self.free.len();
+        let radius = motion.distance.components(n) * distance;
+        let place = |component: usize| self.free.iter().position(|one| *one == component);
+        let along = |direction: usize| {
+            let component = |component: usize| Bounded {
+                value: place(component).map_or(Interval::exact(stopped[component]), |place| {
+                    Interval::around(motion.rest[place], radius[place])
+                }),
+                slope: Interval::exact(if component == direction { 1.0 } else { 0.0 }),
+            };
+            self.evaluator.all_values(&phases, component)
+        };
+        let columns: Vec<_> = self.free.iter().map(|component| along(*component)).collect();
+        let differs = |node: NodeId, column: usize, at_rest: f64| {
+            columns[column][node as usize].slope.farthest_from(at_rest)
+        };
+        let rates = DMatrix::from_fn(n, n, |row, column| {
+            let node = graph.derivative[self.free[row]];
+            differs(node, column, motion.matrix[(row, column)])
+        });
+        let of_contact = |(nodes, contact): (&[NodeId; 4], &StuckContact)| {
+            let [.., normal, friction] = *nodes;
+            let of = |node: NodeId, force: &AffineForce| {
+                DVector::from_fn(n, |column, _| differs(node, column, force.gradient(column)))
+            };
+            [of(friction, &contact.friction), of(normal, &contact.normal)]
+        };
+        let forces = graph.contacts.iter().zip(&motion.contacts).map(of_contact).collect();
+        Curvature { rates, forces }
     }
 
     fn derived(&self, state: &[f64]) -> Option<StuckMotion> {
@@ -183,7 +246,12 @@ impl DerivedRest {
     fn holds(&self, motion: &StuckMotion, state: &[f64], excess: f64) -> bool {
         let (displaced, push, residual) = self.displaced(motion, state);
         let distance = motion.distance.size(&displaced) + push;
-        motion.endures(&self.closed_gaps(state), 1.0 + excess, distance, &residual)
+        let gaps = self.closed_gaps(state);
+        if self.is_affine {
+            return motion.endures(&gaps, 1.0 + excess, distance, &residual);
+        }
+        let curvature = self.curvature(motion, state, distance);
+        motion.contracts(&gaps, 1.0 + excess, distance, &residual, &curvature)
     }
 }
 
@@ -195,14 +263,18 @@ impl RestForms for DerivedRest {
     }
 
     fn rests(&self, state: &[f64]) -> bool {
-        if self.free.is_empty() {
-            return true;
+        if self.free.is_empty() || !self.is_affine {
+            return self.surely_rests(state);
         }
         let Some(motion) = self.motion(state) else { return false };
         let gaps = self.closed_gaps(state);
         let (displaced, push, residual) = self.displaced(&motion, state);
         motion.endures(&gaps, 1.0, 0.0, &residual)
             && motion.followed_to_rest(&gaps, displaced, push, &residual)
+    }
+
+    fn are_closed(&self) -> bool {
+        self.is_affine || self.free.is_empty()
     }
 
     fn at_rest(&self, state: &[f64]) -> RestAmplitude {

@@ -6,6 +6,10 @@
 //! `z_0` never grows. A force `f_0 + c (z - z_0)` then differs from that at rest by at most `R sqrt(c P⁻¹ cᵀ)`, for all later
 //! times. If friction holds all contacts against these differences, the run has certainly ended in equilibrium. If the bound
 //! is too coarse, the motion is followed until the bound suffices.
+//!
+//! If the equations are not affine, `A` is their derivative at the rest point, and differs from that elsewhere by at most `Δ`
+//! within the distance `R`. The distance then still falls if `|| |P| Δ || < 1/2`, because
+//! `d/dt zᵀ P z <= -(1 - 2 || |P| Δ ||) zᵀ z`.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use smallvec::SmallVec;
@@ -27,6 +31,14 @@ pub(super) struct StuckMotion {
     pub(super) contacts: Vec<StuckContact>,
     /// The amplitude of the vibration at rest.
     pub(super) amplitude: f64,
+}
+
+/// By how much derivatives in a region around the rest point differ at most from those at the rest point.
+pub(super) struct Curvature {
+    /// Those of the rates of the free components, row by row.
+    pub(super) rates: DMatrix<f64>,
+    /// Those of the friction and the normal force of each contact.
+    pub(super) forces: Vec<[DVector<f64>; 2]>,
 }
 
 /// The distance from the rest point that never grows; 0 without free components.
@@ -67,6 +79,20 @@ impl Distance {
         self.0.as_ref().map_or(0.0, |form| form.l().tr_mul(displacement).norm())
     }
 
+    /// Returns the most by which each component differs from that at the rest point, over the distance.
+    pub(super) fn components(&self, number: usize) -> DVector<f64> {
+        let unit = |place| DVector::from_fn(number, |i, _| if i == place { 1.0 } else { 0.0 });
+        DVector::from_fn(number, |place, _| self.most(&unit(place)))
+    }
+
+    /// Returns whether the distance falls where the derivative of the rates differs from that at the rest point by at most these
+    /// numbers.
+    fn falls(&self, differences: &DMatrix<f64>) -> bool {
+        // `P = L Lᵀ`
+        let form = self.0.as_ref().map(|form| form.l() * form.l().transpose());
+        form.is_none_or(|form| (form.abs() * differences).norm() < 0.5)
+    }
+
     /// Returns the largest value of a linear form over the distance.
     fn most(&self, row: &DVector<f64>) -> f64 {
         let square = self.0.as_ref().map_or(0.0, |form| row.dot(&form.solve(row)));
@@ -89,6 +115,11 @@ impl AffineForce {
 
     pub(super) fn at_rest(&self) -> f64 {
         self.at_rest
+    }
+
+    /// Returns a component of the gradient.
+    pub(super) fn gradient(&self, component: usize) -> f64 {
+        self.gradient[component]
     }
 }
 
@@ -122,6 +153,25 @@ impl StuckMotion {
             widen(held, most, *residual);
         }
         held(&contacts, gaps).reserve >= 0.0
+    }
+
+    /// Returns whether the motion certainly approaches the rest point from this distance, and friction holds all contacts on its
+    /// way, if the derivatives within the distance differ from those at the rest point by at most these numbers.
+    pub(super) fn contracts(
+        &self,
+        gaps: &[Gap],
+        strength: f64,
+        distance: f64,
+        residual: &[[f64; 2]],
+        curvature: &Curvature,
+    ) -> bool {
+        let components = self.distance.components(self.rest.len());
+        let bent = curvature.forces.iter().zip(residual).map(|(forces, residual)| {
+            let of = |which: usize| residual[which] + distance * forces[which].dot(&components);
+            [of(0), of(1)]
+        });
+        let bent: SmallVec<[[f64; 2]; 8]> = bent.collect();
+        self.distance.falls(&curvature.rates) && self.endures(gaps, strength, distance, &bent)
     }
 
     /// Follows the motion until friction certainly holds all contacts. `false` means that a contact breaks loose, or that the

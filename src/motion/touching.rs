@@ -20,7 +20,7 @@ use super::lockstep::width;
 use super::modes::{check_forces, first_phases, is_finite, only_motion};
 use super::response::Meets;
 use super::{Direction, Evaluator, Failure, Phase, Phases, Settings, event_driven, switch_model};
-use crate::model::{Components, Dual, Gap, Holding, Method, Opening, TOUCHING};
+use crate::model::{Components, Dual, Gap, Holding, Method, Number, Opening, TOUCHING};
 
 /// The most combinations that are tried.
 const MOST_TRIED: usize = 100_000;
@@ -30,6 +30,9 @@ const FEW: usize = 3;
 
 /// Bodies that start deeper in each other than this, non-dimensional, are no start of a motion.
 const DEEPEST: f64 = 1e-6;
+
+/// The number of times that all speeds at rest are removed in turn.
+const MOST_SWEEPS: usize = 20;
 
 /// Sliding speeds up to this, over 1 and the opening and sliding speeds before an impact, are zero after it.
 const STOPPED: f64 = 1e-12;
@@ -178,6 +181,7 @@ impl<'a> InTouch<'a> {
                 phases[opening.contact] = Phase::Apart;
             }
         }
+        self.bring_to_rest(state, phases);
         self.decide(state, phases, &[])?;
         Ok(impact)
     }
@@ -210,7 +214,51 @@ impl<'a> InTouch<'a> {
             }
         }
         self.close(state, phases);
+        self.bring_to_rest(state, phases);
         self.decide(state, phases, &fixed)
+    }
+
+    /// Removes what is left of opening speeds where bodies touch, and of sliding speeds where they stick, by impulses of the
+    /// contacts, each in turn. The friction that sticking requires would contain what decays of these speeds, and no decision
+    /// would meet all conditions within their slack.
+    fn bring_to_rest(&self, state: &mut Components, phases: &[Phase]) {
+        let graph = self.evaluator.graph();
+        let touching: SmallVec<[usize; 4]> = (0..self.openings.len())
+            .filter(|one| phases[self.openings[*one].contact] != Phase::Apart)
+            .collect();
+        if touching.is_empty() {
+            return;
+        }
+        let places: SmallVec<[Meets; 4]> =
+            touching.iter().map(|one| Meets::Opening(*one)).collect();
+        let before: SmallVec<[Dual; 20]> =
+            state.iter().map(|value| Dual::constant(*value)).collect();
+        let responses = self.evaluator.responses(&before, &places);
+        let mut speeds = self.evaluator.openings(|place| state[place]);
+        for _ in 0..MOST_SWEEPS {
+            for (one, response) in touching.iter().zip(&responses) {
+                let contact = self.openings[*one].contact;
+                let slides = phases[contact] != Phase::Stick;
+                for (which, by) in response.iter().enumerate().take(if slides { 1 } else { 2 }) {
+                    let answer = by.openings[*one][which].value;
+                    let left = speeds[*one][1 + which];
+                    if answer == 0.0 || left == 0.0 {
+                        continue;
+                    }
+                    let impulse = -left / answer;
+                    for (value, by) in state.iter_mut().zip(&by.components) {
+                        *value += impulse * by.value;
+                    }
+                    for (speeds, by) in speeds.iter_mut().zip(&by.openings) {
+                        speeds[1] += impulse * by[0].value;
+                        speeds[2] += impulse * by[1].value;
+                    }
+                }
+                if !slides && graph.speed_component(contact).is_some() {
+                    self.stop(contact, state);
+                }
+            }
+        }
     }
 
     /// Closes the gaps whose contacts are at each other with equal speeds, such as two that have stopped there.
