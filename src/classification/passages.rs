@@ -10,8 +10,10 @@ use super::torus::Returns;
 use crate::model::{Components, wrap_to_pi};
 use crate::motion::{Phase, Phases};
 
-/// Maximum number of turns of the marking contact after which an orbit may close.
-pub(super) const MOST_TURNS: usize = 16;
+/// Maximum number of returns after which an orbit may close.
+const MOST_TURNS: usize = 16;
+/// The same of turns of a contact that goes round.
+const MOST_ROUNDS: usize = 12;
 /// Largest distance of a near return from an earlier passage, non-dimensional, times the number of
 /// turns: examining a longer orbit costs more.
 const NEAR: f64 = 1e-3;
@@ -26,6 +28,14 @@ const NEAR_AT_END: f64 = 1e-2;
 
 /// Distances above this one count as equally far: no orbit with such a distance is examined.
 const FAR: f64 = MOST_TURNS as f64 * NEAR_AT_END;
+
+/// Returns the maximum number of returns to the section of a mark after which an orbit may close.
+fn most_turns(mark: Mark) -> usize {
+    match mark {
+        Mark::Round { .. } => MOST_ROUNDS,
+        Mark::TurningPoint { .. } | Mark::Period(_) => MOST_TURNS,
+    }
+}
 
 fn near(turns: usize) -> f64 {
     NEAR / turns as f64
@@ -110,7 +120,7 @@ impl Passages {
         self.mark = Some(mark);
         self.returns.add(observed(view, &passage, mark));
         let mut closing = None;
-        for turns in 1..=MOST_TURNS.min(self.latest.len()) {
+        for turns in 1..=most_turns(mark).min(self.latest.len()) {
             let earlier = &self.latest[self.latest.len() - turns];
             let distance = difference(view, earlier, &passage, mark);
             passage.differences[turns] = distance;
@@ -131,7 +141,7 @@ impl Passages {
                 closing = Some(turns);
             }
         }
-        if self.latest.len() > MOST_TURNS {
+        if self.latest.len() > most_turns(mark) {
             self.latest.pop_front();
         }
         self.latest.push_back(passage);
@@ -199,9 +209,9 @@ fn observed(view: &SystemView, passage: &Passage, mark: Mark) -> f64 {
     };
     let contacts = view.contacts.iter().zip(&passage.phases).flat_map(of_contact);
     let free = view.free.iter().filter(|place| **place != marking);
-    // Weights without a common ratio, so that no symmetry cancels.
-    let weighted = contacts.chain(free.map(|place| passage.state[*place])).enumerate();
-    weighted.map(|(place, value)| libm::sqrt(place as f64 + 2.0) * value).sum()
+    // Different weights, so that no symmetry cancels.
+    let weighted = contacts.chain(free.map(|place| passage.state[*place])).zip(1..);
+    weighted.map(|(value, weight)| (1.0 + 0.29 * f64::from(weight)) * value).sum()
 }
 
 /// Returns the largest difference of two passages, with angles modulo 2π. If a difference is above [`FAR`], the function may

@@ -105,7 +105,7 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
     list.number("basin_entropy", "1", |row| row.summary.basin_entropy).meaning(
         "basin entropy (Daza and others 2016): mean over the cells of a stratified design of the \
          entropy -sum p ln p of the outcomes of the runs in the cell (Zhang's estimate); outcomes \
-         are rest, each class of limit cycles, irregular and undecided; null without cells with \
+         are rest, each class of limit cycles, quasi-periodic, irregular and undecided; null without cells with \
          at least two runs that did not fail",
     );
     let half_widths = study.precision().map(HalfWidths::from);
