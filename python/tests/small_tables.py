@@ -53,8 +53,8 @@ def write(folder, name, columns, options=None, study_hash=HASH):
 
 
 def points(folder, swept, labels, more=None):
-    """`points.parquet`: swept columns, and for each point the counts of its labels."""
-    counts = np.array(labels)
+    """`points.parquet`: swept columns, and for each point the counts of its labels but quasi-periodic motion."""
+    counts = np.insert(np.array(labels), LABELS.index("quasi_periodic"), 0, axis=1)
     runs = counts.sum(axis=1)
     columns = {"point_id": list(range(len(counts))), **swept, "runs": runs.tolist()}
     for place, label in enumerate(LABELS):

@@ -18,8 +18,9 @@
 const DIGITS: f64 = 1e-5;
 /// The least number of returns in each half.
 const LEAST_RETURNS: usize = 200;
-/// The most returns that are kept. When there are more, the earlier half is forgotten.
-const MOST_RETURNS: usize = 8192;
+/// The most returns that are kept. When there are more, the earlier half is forgotten: over many more, errors of integration change
+/// the torus of a system without damping.
+const MOST_RETURNS: usize = 2048;
 /// The smallest spread of returns that are no fixed point, and the largest difference of returns that repeat, over the spread.
 const LEAST_SPREAD: f64 = 1e-6;
 const REPEATS: f64 = 1e-6;
