@@ -9,8 +9,9 @@
 //! converges faster than any power of `N` if the motion is quasi-periodic with two frequencies, and as `N^-1/2` if it is
 //! irregular (S. Das, Y. Saiki, E. Sander, J. A. Yorke, *Quantitative quasiperiodicity*, Nonlinearity 30 (2017) 4111,
 //! doi:10.1088/1361-6544/aa84c2). A run fills a torus if the averages over both halves of its later returns agree in
-//! [`DIGITS`] digits, those of the function and those of its square, and the returns do not repeat. A run that still
-//! approaches another motion has a different square in each half. With three or more frequencies, thousands of returns are not
+//! [`DIGITS`] digits, those of the function and those of its square, and the returns neither repeat nor come nearer to it. A run
+//! that still approaches another motion has a different square in each half; one that locks to a closed orbit of many returns
+//! has nearly the same averages all the time, but what is missing to its repetition decays. With three or more frequencies, thousands of returns are not
 //! enough: such a run stays undecided.
 
 /// The number of digits in which averages agree, relative to the spread of the returns. Of irregular returns, about one
@@ -26,6 +27,9 @@ const LEAST_SPREAD: f64 = 1e-6;
 const REPEATS: f64 = 1e-6;
 /// The number of successive returns that repeat on a closed orbit.
 const IN_A_ROW: usize = 4;
+/// The least and the greatest ratio of the late to the early root mean square of what is missing to the nearest repetition, on
+/// a torus.
+const LASTS: (f64, f64) = (0.85, 1.0 / 0.85);
 
 /// A smooth function of the latest returns of a run.
 #[derive(Clone, Debug, Default)]
@@ -59,7 +63,7 @@ impl Returns {
                 .map(|values| weighted_average(values, |value| of(value / spread)));
             (early - late).abs() <= DIGITS
         };
-        agree(|value| value) && agree(|value| value * value)
+        agree(|value| value) && agree(|value| value * value) && keeps_its_distance(&centred)
     }
 }
 
@@ -83,6 +87,22 @@ fn repeats(values: &[f64], difference: f64) -> bool {
         places.all(|place| (values[place] - values[place - returns]).abs() <= difference)
     };
     (1..values.len() / 4).any(after)
+}
+
+/// Returns whether what is missing to the repetition that comes nearest, after at most a quarter of all returns, stays the same:
+/// on a torus, it is a shift by a constant angle.
+fn keeps_its_distance(values: &[f64]) -> bool {
+    let part = values.len() / 4;
+    let missing = |returns: usize, from: usize| -> f64 {
+        let squares = (from..from + part).map(|n| (values[n + returns] - values[n]).powi(2));
+        squares.sum::<f64>()
+    };
+    let late = |returns: &usize| missing(*returns, values.len() - part - returns);
+    let nearest = (1..part).min_by(|one, other| late(one).total_cmp(&late(other)));
+    nearest.is_some_and(|returns| {
+        let ratio = (late(&returns) / missing(returns, 0)).sqrt();
+        (LASTS.0..LASTS.1).contains(&ratio)
+    })
 }
 
 #[cfg(test)]
@@ -155,6 +175,15 @@ mod tests {
                 spiral.add((-rate * n).exp() * (TAU * 0.618_034 * n).cos());
             });
             assert!(!spiral.fill_a_torus(), "{rate}");
+        }
+        // It locks to an orbit of 36 returns.
+        for rate in [3e-3, 1e-3, 5e-4] {
+            let mut locks = Returns::default();
+            (0..1400).for_each(|n| {
+                let n = f64::from(n);
+                locks.add((TAU * 5.0 / 36.0 * n + 0.3 * (-rate * n).exp()).cos());
+            });
+            assert!(!locks.fill_a_torus(), "{rate}");
         }
         let mut torus = Returns::default();
         (0..2000).for_each(|n| torus.add((TAU * 0.618_034 * f64::from(n)).cos()));
