@@ -12,7 +12,7 @@ use crate::motion::{Phase, Phases};
 
 /// Maximum number of returns after which an orbit may close.
 const MOST_TURNS: usize = 16;
-/// The same of turns of a contact that goes round.
+/// Maximum number of turns of a contact that goes round after which an orbit may close.
 const MOST_ROUNDS: usize = 12;
 /// Largest distance of a near return from an earlier passage, non-dimensional, times the number of
 /// turns: examining a longer orbit costs more.

@@ -87,7 +87,7 @@ impl Default for ImpactLaw {
 struct Rows<'r> {
     /// The derivatives of the gap by the coordinates, and the part of its second time derivative without accelerations.
     normal: Option<(Vec<Expression<'r>>, Expression<'r>)>,
-    /// The same of the sliding speed, and its time derivative.
+    /// The derivatives of the sliding speed by the velocities, and the part of its time derivative without accelerations.
     tangential: (Vec<Expression<'r>>, Expression<'r>),
     gap: [Expression<'r>; 2],
     closed: Expression<'r>,

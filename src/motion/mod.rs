@@ -12,6 +12,7 @@ mod instant;
 pub(crate) mod lockstep;
 mod modes;
 mod phase;
+mod residual_speeds;
 mod response;
 mod root;
 mod saltation;

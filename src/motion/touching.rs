@@ -20,7 +20,7 @@ use super::lockstep::width;
 use super::modes::{check_forces, first_phases, is_finite, only_motion};
 use super::response::Meets;
 use super::{Direction, Evaluator, Failure, Phase, Phases, Settings, event_driven, switch_model};
-use crate::model::{Components, Dual, Gap, Holding, Method, Number, Opening, TOUCHING};
+use crate::model::{Components, Dual, Gap, Holding, Method, Opening, TOUCHING};
 
 /// The most combinations that are tried.
 const MOST_TRIED: usize = 100_000;
@@ -31,9 +31,6 @@ const FEW: usize = 3;
 /// Bodies that start deeper in each other than this, non-dimensional, are no start of a motion.
 const DEEPEST: f64 = 1e-6;
 
-/// The number of times that all speeds at rest are removed in turn.
-const MOST_SWEEPS: usize = 20;
-
 /// Sliding speeds up to this, over 1 and the opening and sliding speeds before an impact, are zero after it.
 const STOPPED: f64 = 1e-12;
 
@@ -41,7 +38,7 @@ const STOPPED: f64 = 1e-12;
 pub(super) struct InTouch<'a> {
     pub(super) evaluator: &'a Evaluator,
     pub(super) gaps: &'a [Gap],
-    openings: &'a [Opening],
+    pub(super) openings: &'a [Opening],
     settings: Settings,
 }
 
@@ -55,7 +52,7 @@ impl<'a> InTouch<'a> {
         is_any.then_some(InTouch { evaluator, gaps, openings, settings })
     }
 
-    fn contacts(&self) -> usize {
+    pub(super) fn contacts(&self) -> usize {
         self.evaluator.graph().contacts.len()
     }
 
@@ -65,7 +62,7 @@ impl<'a> InTouch<'a> {
     }
 
     /// Returns the component that is the speed of a contact, if it is one.
-    fn speed_component(&self, contact: usize) -> Option<usize> {
+    pub(super) fn speed_component(&self, contact: usize) -> Option<usize> {
         self.evaluator.graph().speed_component(contact)
     }
 
@@ -73,18 +70,11 @@ impl<'a> InTouch<'a> {
     ///
     /// # Panics
     /// Panics if the speed is no component; the crate's own systems make sure of that.
-    fn speed_at_gap(&self, contact: usize) -> usize {
+    pub(super) fn speed_at_gap(&self, contact: usize) -> usize {
         self.speed_component(contact).expect("speeds next to gaps are components")
     }
 
-    /// Stops a contact, if its speed is a component.
-    fn stop(&self, contact: usize, state: &mut [f64]) {
-        if let Some(speed) = self.speed_component(contact) {
-            state[speed] = 0.0;
-        }
-    }
-
-    fn width(&self, gap: &Gap, state: &[f64]) -> f64 {
+    pub(super) fn width(&self, gap: &Gap, state: &[f64]) -> f64 {
         gap.width(gap.contacts.map(|contact| state[self.position(contact)]))
     }
 
@@ -216,75 +206,6 @@ impl<'a> InTouch<'a> {
         self.close(state, phases);
         self.bring_to_rest(state, phases);
         self.decide(state, phases, &fixed)
-    }
-
-    /// Removes what is left of opening speeds where bodies touch, and of sliding speeds where they stick, by impulses of the
-    /// contacts, each in turn. The friction that sticking requires would contain what decays of these speeds, and no decision
-    /// would meet all conditions within their slack.
-    fn bring_to_rest(&self, state: &mut Components, phases: &[Phase]) {
-        let graph = self.evaluator.graph();
-        let touching: SmallVec<[usize; 4]> = (0..self.openings.len())
-            .filter(|one| phases[self.openings[*one].contact] != Phase::Apart)
-            .collect();
-        if touching.is_empty() {
-            return;
-        }
-        let places: SmallVec<[Meets; 4]> =
-            touching.iter().map(|one| Meets::Opening(*one)).collect();
-        let before: SmallVec<[Dual; 20]> =
-            state.iter().map(|value| Dual::constant(*value)).collect();
-        let responses = self.evaluator.responses(&before, &places);
-        let mut speeds = self.evaluator.openings(|place| state[place]);
-        for _ in 0..MOST_SWEEPS {
-            for (one, response) in touching.iter().zip(&responses) {
-                let contact = self.openings[*one].contact;
-                let slides = phases[contact] != Phase::Stick;
-                for (which, by) in response.iter().enumerate().take(if slides { 1 } else { 2 }) {
-                    let answer = by.openings[*one][which].value;
-                    let left = speeds[*one][1 + which];
-                    if answer == 0.0 || left == 0.0 {
-                        continue;
-                    }
-                    let impulse = -left / answer;
-                    for (value, by) in state.iter_mut().zip(&by.components) {
-                        *value += impulse * by.value;
-                    }
-                    for (speeds, by) in speeds.iter_mut().zip(&by.openings) {
-                        speeds[1] += impulse * by[0].value;
-                        speeds[2] += impulse * by[1].value;
-                    }
-                }
-                if !slides && graph.speed_component(contact).is_some() {
-                    self.stop(contact, state);
-                }
-            }
-        }
-    }
-
-    /// Closes the gaps whose contacts are at each other with equal speeds, such as two that have stopped there.
-    ///
-    /// An impact moves all contacts a little. Contacts that rest in touch separate by less than can be resolved, and stop
-    /// again. Where one of them needs the force of the other, it would then fall on it over the width within which impacts
-    /// are located, and this impact would separate others in the same way, without end.
-    fn close(&self, state: &[f64], phases: &mut Phases) {
-        for (gap, phase) in self.gaps.iter().zip(&mut phases[self.contacts()..]) {
-            let [behind, ahead] = gap.contacts.map(|contact| state[self.speed_at_gap(contact)]);
-            if behind == ahead && self.width(gap, state) <= TOUCHING {
-                *phase = Phase::Closed;
-            }
-        }
-    }
-
-    /// Makes the speeds of contacts that touch equal, which differ by rounding: to that of the contact `failed`, if it is
-    /// one of them.
-    fn join(&self, state: &mut Components, phases: &[Phase], failed: Option<usize>) {
-        for cluster in self.evaluator.clusters(phases) {
-            let leader = failed.filter(|one| cluster.contains(one)).unwrap_or(cluster[0]);
-            let speed = state[self.speed_at_gap(leader)];
-            for contact in cluster {
-                state[self.speed_at_gap(contact)] = speed;
-            }
-        }
     }
 
     /// Decides the phases of contacts at rest or in the band, and of closed gaps. The contacts `fixed` stay as they are.

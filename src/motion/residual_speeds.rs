@@ -1,0 +1,90 @@
+//! What is left of the speeds of bodies that touch or stick, to rounding or in the band: it is removed before their phases are
+//! decided.
+
+use smallvec::SmallVec;
+
+use super::response::Meets;
+use super::touching::InTouch;
+use super::{Phase, Phases};
+use crate::model::{Components, Dual, Number, TOUCHING};
+
+/// The number of times that all speeds at rest are removed in turn.
+const MOST_SWEEPS: usize = 20;
+
+impl InTouch<'_> {
+    /// Stops a contact, if its speed is a component.
+    pub(super) fn stop(&self, contact: usize, state: &mut [f64]) {
+        if let Some(speed) = self.speed_component(contact) {
+            state[speed] = 0.0;
+        }
+    }
+
+    /// Makes the speeds of contacts that touch equal, which differ by rounding: to that of the contact `failed`, if it is
+    /// one of them.
+    pub(super) fn join(&self, state: &mut Components, phases: &[Phase], failed: Option<usize>) {
+        for cluster in self.evaluator.clusters(phases) {
+            let leader = failed.filter(|one| cluster.contains(one)).unwrap_or(cluster[0]);
+            let speed = state[self.speed_at_gap(leader)];
+            for contact in cluster {
+                state[self.speed_at_gap(contact)] = speed;
+            }
+        }
+    }
+
+    /// Closes the gaps whose contacts are at each other with equal speeds, such as two that have stopped there.
+    ///
+    /// An impact moves all contacts a little. Contacts that rest in touch separate by less than can be resolved, and stop
+    /// again. Where one of them needs the force of the other, it would then fall on it over the width within which impacts
+    /// are located, and this impact would separate others in the same way, without end.
+    pub(super) fn close(&self, state: &[f64], phases: &mut Phases) {
+        for (gap, phase) in self.gaps.iter().zip(&mut phases[self.contacts()..]) {
+            let [behind, ahead] = gap.contacts.map(|contact| state[self.speed_at_gap(contact)]);
+            if behind == ahead && self.width(gap, state) <= TOUCHING {
+                *phase = Phase::Closed;
+            }
+        }
+    }
+
+    /// Removes what is left of opening speeds where bodies touch, and of sliding speeds where they stick, by impulses of the
+    /// contacts, each in turn. The friction that sticking requires would contain what decays of these speeds, and no decision
+    /// would meet all conditions within their slack.
+    pub(super) fn bring_to_rest(&self, state: &mut Components, phases: &[Phase]) {
+        let graph = self.evaluator.graph();
+        let touching: SmallVec<[usize; 4]> = (0..self.openings.len())
+            .filter(|one| phases[self.openings[*one].contact] != Phase::Apart)
+            .collect();
+        if touching.is_empty() {
+            return;
+        }
+        let places: SmallVec<[Meets; 4]> =
+            touching.iter().map(|one| Meets::Opening(*one)).collect();
+        let before: SmallVec<[Dual; 20]> =
+            state.iter().map(|value| Dual::constant(*value)).collect();
+        let responses = self.evaluator.responses(&before, &places);
+        let mut speeds = self.evaluator.openings(|place| state[place]);
+        for _ in 0..MOST_SWEEPS {
+            for (one, response) in touching.iter().zip(&responses) {
+                let contact = self.openings[*one].contact;
+                let slides = phases[contact] != Phase::Stick;
+                for (which, by) in response.iter().enumerate().take(if slides { 1 } else { 2 }) {
+                    let answer = by.openings[*one][which].value;
+                    let left = speeds[*one][1 + which];
+                    if answer == 0.0 || left == 0.0 {
+                        continue;
+                    }
+                    let impulse = -left / answer;
+                    for (value, by) in state.iter_mut().zip(&by.components) {
+                        *value += impulse * by.value;
+                    }
+                    for (speeds, by) in speeds.iter_mut().zip(&by.openings) {
+                        speeds[1] += impulse * by[0].value;
+                        speeds[2] += impulse * by[1].value;
+                    }
+                }
+                if !slides && graph.speed_component(contact).is_some() {
+                    self.stop(contact, state);
+                }
+            }
+        }
+    }
+}
