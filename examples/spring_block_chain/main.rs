@@ -9,10 +9,10 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use stickslip::model::{
-    Capabilities, Components, ContactEquations, ContactLayout, ContactMode, Coordinate, Expression,
-    Friction, Layout, ModelKind, Number, OwnKind, OwnModel, ParameterDescriptor as Parameter,
-    Recorder, Registry, SlidingSpeed, Structure, System, SystemEquations, Units,
-    add_contact_inputs, record_contact, stiff_pace,
+    Capabilities, Components, ContactEquations, ContactLayout, ContactMode, ContactUnits,
+    Coordinate, DefaultModel, Expression, Friction, Layout, ModelKind, Number, OwnKind, OwnModel,
+    ParameterDescriptor as Parameter, Recorder, Registry, SlidingSpeed, Structure, System,
+    SystemEquations, Units, add_contact_inputs, record_contact, stiff_pace,
 };
 
 static KIND: ModelKind = ModelKind {
@@ -30,7 +30,7 @@ static KIND: ModelKind = ModelKind {
     body: "block",
     sliding_speed: SlidingSpeed::MS,
     offers: Capabilities::MOTION,
-    default: || OwnModel::new(&KIND, &Chains).into(),
+    default: DefaultModel::Own(&Chains),
 };
 
 /// What the program asks about a chain in SI units.
@@ -53,11 +53,12 @@ impl OwnKind for Chains {
 
     fn units(&self, model: &OwnModel) -> Units {
         let length_m = model.number("normal_force_n") / model.number("leaf_stiffness_n_m");
+        let natural_rad_s = (model.number("leaf_stiffness_n_m") / model.number("mass_kg")).sqrt();
+        let block = ContactUnits::new(length_m, natural_rad_s, model.number("normal_force_n"));
         Units {
-            natural_rad_s: (model.number("leaf_stiffness_n_m") / model.number("mass_kg")).sqrt(),
+            natural_rad_s,
             length_m,
-            position: length_m,
-            force_n: vec![model.number("normal_force_n"); model.count("blocks")],
+            contacts: vec![block; model.count("blocks")],
             disc_rad_s: 0.0,
             ground_m_s: model.number("belt_speed_m_s"),
         }

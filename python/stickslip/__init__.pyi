@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, NoReturn, Protocol, SupportsIndex, Union, final
 
 from . import figures as figures
+from .system import System as System
 
 __all__ = [
     "EquilibriumSet",
@@ -15,6 +16,7 @@ __all__ = [
     "Simulation",
     "Study",
     "StudyError",
+    "System",
     "Table",
     "__version__",
     "equilibrium_set",

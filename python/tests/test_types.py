@@ -21,7 +21,7 @@ def test_stubs_are_those_of_the_module(tmp_path):
 
 
 def test_python_code_has_its_types(tmp_path):
-    modules = ["stickslip._display", "stickslip._progress", "stickslip.command"]
+    modules = ["stickslip._display", "stickslip._lagrange", "stickslip._progress", "stickslip.command", "stickslip.system"]
     options = [part for module in modules for part in ("--module", module)]
     command = [sys.executable, "-m", "mypy", "--strict", "--package", "stickslip.figures", *options]
     environment = {**os.environ, "MYPYPATH": str(ROOT / "python")}
@@ -75,7 +75,7 @@ def test_version():
 def test_examples_of_the_pages(tmp_path, monkeypatch, capsys):
     page = (ROOT / "docs/python.md").read_text() + (ROOT / "README.md").read_text()
     examples = re.findall(r"<!-- tested: python -->\n```python\n(.*?)```", page, re.DOTALL)
-    assert len(examples) == len(re.findall("^(?:import|from) stickslip", page, re.MULTILINE)) == 8
+    assert len(examples) == len(re.findall("^(?:import|from) stickslip", page, re.MULTILINE)) == 9
     monkeypatch.chdir(tmp_path)
     (tmp_path / "studies").symlink_to(ROOT / "studies")
     for number, example in enumerate(examples):

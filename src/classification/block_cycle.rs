@@ -93,17 +93,17 @@ impl BreakAwayWatch {
     /// Returns the cycle since the last break-away.
     pub(super) fn cycle(&self, units: &Units) -> Option<Cycle> {
         let last = self.last.as_ref()?;
-        let speed_unit = units.position * units.natural_rad_s;
+        let unit = units.contacts.first()?;
         Some(Cycle {
             turns: vec![0],
             configurations: last.cycle_phases.iter().map(|&phase| vec![phase]).collect(),
             touching: Vec::new(),
-            speed_extremes: vec![last.speeds.map(|speed| speed * speed_unit)],
+            speed_extremes: vec![last.speeds.map(|speed| speed * unit.sliding_speed)],
             position_extremes: vec![
-                last.extremes.of(0).map(|two| two.map(|one| one * units.position)),
+                last.extremes.of(0).map(|two| two.map(|one| one * unit.position)),
             ],
             stick_fraction: vec![last.stuck / (last.until - last.time)],
-            peak_amplitude_m: last.extremes.amplitude()? * units.position,
+            peak_amplitude_m: last.extremes.amplitude()? * unit.position,
             multipliers: vec![0.0],
             neutral_directions: 0,
         })

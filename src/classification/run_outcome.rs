@@ -9,6 +9,7 @@ use super::lane_step::LaneStep;
 use super::late::{Late, Vibration};
 use super::outcome::{Evidence, LyapunovExponent, Outcome, TouchingOutcome};
 use super::system_view::ContactPlace;
+use crate::model::ContactUnits;
 use crate::motion::lockstep::LaneGroup;
 use crate::motion::{Failure, Motion, Phase, any_closed};
 
@@ -39,7 +40,7 @@ impl LaneRun {
         let natural = self.units.natural_rad_s;
         let step = LaneStep { group, lane, view: &self.view };
         let position = self.view.wrapped(&group.state(lane));
-        let position = position.iter().map(|position| position * self.units.position);
+        let position = self.units.of_contacts(&position, |unit| unit.position);
         let begins_s = self.stages.present().begins_s;
         let counted = |outcome: Outcome| Outcome {
             time_to_rest_s: outcome.rest_since_s.map(|since_s| (since_s - begins_s).max(0.0)),
@@ -51,7 +52,7 @@ impl LaneRun {
             time_to_rest_s: None,
             end_time_s: Some(step.time() / natural),
             extended: self.extended,
-            position: Some(position.collect()),
+            position: Some(position),
             amplitude_m: None,
             friction_margin: None,
             period_s: None,
@@ -153,7 +154,7 @@ impl LaneRun {
 
     /// Returns what balls that touch have done, with a force on a contact, over its mass.
     fn with_force(&self, base: &Outcome, force: Option<(usize, f64)>) -> Option<TouchingOutcome> {
-        let force_n = force.map(|(contact, force)| force * self.units.force_n[contact]);
+        let force_n = force.map(|(contact, force)| force * self.units.contacts[contact].force_n);
         base.touching.map(|touching| TouchingOutcome { force_n, ..touching })
     }
 
@@ -211,8 +212,7 @@ impl LaneRun {
 
     /// Returns speeds of contacts in SI units.
     fn speeds(&self, speeds: &[f64]) -> Vec<f64> {
-        let unit = self.units.position * self.units.natural_rad_s;
-        speeds.iter().map(|speed| speed * unit).collect()
+        self.units.of_contacts(speeds, |unit| unit.sliding_speed)
     }
 
     /// Returns the time since which a settled run is at rest: if a displacement is measured, since
@@ -243,28 +243,36 @@ impl LaneRun {
             Vibration::Extremes(extremes) => extremes.amplitude(),
             Vibration::Means(_) => None,
         });
-        amplitude.map(|amplitude| amplitude * self.units.position)
+        Some(amplitude? * self.units.contacts.first().filter(|one| one.has_amplitude)?.position)
     }
 
     /// Returns the amplitude of an orbit, m: that of the displacement or, without one, the largest half distance between the
     /// extremes of a position.
     fn amplitude_of(&self, orbit: &Orbit) -> f64 {
-        let half = |[low, high]: &[f64; 2]| 0.5 * (high - low) * self.units.position;
+        let half = |([low, high], unit): (&[f64; 2], &ContactUnits)| {
+            if unit.has_amplitude { 0.5 * (high - low) * unit.position } else { 0.0 }
+        };
         match self.view.vibration {
             Some(_) => orbit.amplitude * self.units.length_m,
-            None => orbit.position_extremes.iter().map(half).fold(0.0, f64::max),
+            None => {
+                let contacts = orbit.position_extremes.iter().zip(&self.units.contacts);
+                contacts.map(half).fold(0.0, f64::max)
+            }
         }
     }
 
     fn cycle(&self, orbit: &Orbit) -> Cycle {
         let units = &self.units;
-        let position = |((contact, &turns), extremes): ((&ContactPlace, &i32), &[f64; 2])| {
-            (turns == 0 && !contact.ignorable).then(|| extremes.map(|one| one * units.position))
+        let contacts = self.view.contacts.iter().zip(&units.contacts);
+        let position = |(((contact, unit), &turns), extremes): (
+            ((&ContactPlace, &ContactUnits), &i32),
+            &[f64; 2],
+        )| {
+            (turns == 0 && !contact.ignorable).then(|| extremes.map(|one| one * unit.position))
         };
-        let contacts = self.view.contacts.iter();
         let positions = contacts.zip(&orbit.turns).zip(&orbit.position_extremes);
-        let speed_unit = units.position * units.natural_rad_s;
-        let speeds = orbit.speed_extremes.iter().map(|two| two.map(|speed| speed * speed_unit));
+        let speeds = orbit.speed_extremes.iter().zip(&units.contacts);
+        let speeds = speeds.map(|(two, unit)| two.map(|speed| speed * unit.sliding_speed));
         let peak = self.view.vibration.map(|_| orbit.peak * units.length_m);
         Cycle {
             turns: orbit.turns.clone(),

@@ -122,8 +122,8 @@ impl Stages {
         let LaneStep { group, lane, view } = *step;
         let state = group.state(lane);
         let phases = group.phases(lane);
-        let speed_unit = units.position * units.natural_rad_s;
         let speeds = (0..view.contacts.len()).map(|ball| view.speed(phases, &state, ball));
+        let speeds: Vec<f64> = speeds.collect();
         let rests = || {
             let forms = view.rest_forms();
             all_stick(phases) && forms.is_some_and(|forms| forms.rests(&state))
@@ -133,8 +133,8 @@ impl Stages {
             speed_rad_s: stage.speeds_rad_s.unwrap_or_default(),
             is_kicked: stage.is_kicked,
             lifted_off: self.lifted,
-            position: view.wrapped(&state).iter().map(|one| one * units.position).collect(),
-            ball_speed_rad_s: speeds.map(|speed| speed * speed_unit).collect(),
+            position: units.of_contacts(&view.wrapped(&state), |unit| unit.position),
+            ball_speed_rad_s: units.of_contacts(&speeds, |unit| unit.sliding_speed),
             is_at_rest: (!stage.is_driven()).then(rests),
             amplitude_m: view.square(&state).sqrt() * units.length_m,
             peak: in_si(self.peak, units),

@@ -8,6 +8,7 @@ use super::arguments::StudyArgument;
 use super::check_machine::{machine_json, machine_text};
 use super::check_points::ClosedForms;
 use super::check_run_up::{run_up_json, run_up_rows};
+use super::check_system::system_text;
 use super::cost::Cost;
 use super::design_cost::{DesignCost, identify_json, identify_row};
 use super::duration::cost_in_words;
@@ -81,6 +82,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         print(&existence.details())?;
     }
     print(&format!("\n{}", machine_text(&study)))?;
+    print(&system_text(&study))?;
     let closed_forms = ClosedForms::of(&study, design.as_ref(), most_printed(&study));
     print(&format!("\n{}", closed_forms.text()))?;
     say_all(&warnings, arguments.strict);
@@ -189,7 +191,7 @@ fn rows(
         (None, 1) => format!("{} with 1 {}", kind.name, kind.body),
         (None, contacts) => format!("{} with {contacts} {}s", kind.name, kind.body),
     };
-    let (friction, natural) = (model.friction().name(), natural_frequency(described));
+    let (friction, natural) = (model.friction_in_words(), natural_frequency(described));
     let (hash, seed) = (&study.hash()[..12], study.seed());
     let mut rows = vec![
         ("study", format!("{} (hash {hash}, seed {seed})", study.name())),
@@ -228,7 +230,7 @@ fn rows(
 /// Returns the natural frequencies of the points, with uncertain parameters at their medians.
 fn natural_frequency(study: &Study) -> String {
     let points = points_to_examine(study.point_count(), most_points(study)).into_iter();
-    let each = points.map(|point| study.point(point).model().natural_frequency_rad_s());
+    let each = points.map(|point| study.point(point).model().highest_frequency_rad_s());
     let [low, high] = each
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], one| [low.min(one), high.max(one)]);
     let unit = study.units().speed();

@@ -57,7 +57,7 @@ impl ClosedForms {
             } else if let Some(block) = model.block() {
                 Facts::Block(BlockFacts::of(block))
             } else {
-                Facts::Other { natural_frequency_rad_s: model.natural_frequency_rad_s() }
+                Facts::Other { natural_frequency_rad_s: model.highest_frequency_rad_s() }
             };
             Some((study.point(point_id), facts))
         };

@@ -6,6 +6,7 @@ mod check_legend;
 mod check_machine;
 mod check_points;
 mod check_run_up;
+mod check_system;
 mod compare;
 mod completions;
 mod cost;

@@ -1,6 +1,6 @@
 //! The ball balancer as a kind of model: its parameters.
 
-use super::kind::{Capabilities, Field, ModelKind, ParameterDescriptor};
+use super::kind::{Capabilities, DefaultModel, Field, ModelKind, ParameterDescriptor};
 use super::{Ball, Machine, Model, SlidingSpeed};
 
 /// The automatic ball balancer.
@@ -11,7 +11,9 @@ pub(super) static KIND: ModelKind = ModelKind {
     body: "ball",
     sliding_speed: SlidingSpeed::RadS,
     offers: Capabilities { vibration: true, equilibrium_set: true, animation: true },
-    default: || Model::BallBalancer(Machine { balls: vec![Ball::default()], ..Machine::default() }),
+    default: DefaultModel::BuiltIn(|| {
+        Model::BallBalancer(Machine { balls: vec![Ball::default()], ..Machine::default() })
+    }),
 };
 
 const PARAMETERS: [ParameterDescriptor; 24] = [

@@ -15,7 +15,7 @@
 use serde::Serialize;
 
 use super::invalid_parameter::{not_negative, positive};
-use super::kind::{Capabilities, Field, ModelKind, ParameterDescriptor};
+use super::kind::{Capabilities, DefaultModel, Field, ModelKind, ParameterDescriptor};
 use super::{
     Contact, Forces, Friction, FrictionLaw, InvalidParameter, Model, Number, SlidingSpeed, State,
 };
@@ -78,7 +78,7 @@ pub(super) static ON_SPRING: ModelKind = ModelKind {
     body: "block",
     sliding_speed: SlidingSpeed::MS,
     offers: Capabilities::MOTION,
-    default: || Model::Block(Block::on_spring()),
+    default: DefaultModel::BuiltIn(|| Model::Block(Block::on_spring())),
 };
 
 /// A block on a spring, on a moving belt.
@@ -89,7 +89,7 @@ pub(super) static ON_BELT: ModelKind = ModelKind {
     body: "block",
     sliding_speed: SlidingSpeed::MS,
     offers: Capabilities::MOTION,
-    default: || Model::Block(Block::on_belt()),
+    default: DefaultModel::BuiltIn(|| Model::Block(Block::on_belt())),
 };
 
 /// A block on a spring in SI units.

@@ -86,9 +86,11 @@ impl Coordinate {
 }
 
 /// Returns the ending of names with this unit: `_n_m` for `N/m`; nothing for dimensionless numbers.
-pub(super) fn unit_ending(unit: &str) -> String {
+pub fn unit_ending(unit: &str) -> String {
     match unit {
         "" | "1" => String::new(),
+        // `_n_m` is that of N/m.
+        "N m" => "_nm".to_owned(),
         unit => format!("_{}", unit.replace([' ', '/'], "_").to_lowercase()),
     }
 }

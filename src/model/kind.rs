@@ -5,8 +5,10 @@ use std::fmt;
 
 use super::coordinate::unit_ending;
 use super::registry::model_kinds;
+use super::written::written_kind_named;
 use super::{
-    Ball, BallContact, Block, Kick, Machine, Model, ProfilePart, Ramp, SlidingSpeed, SpeedProfile,
+    Ball, BallContact, Block, Kick, Machine, Model, OwnKind, OwnModel, ProfilePart, Ramp,
+    SlidingSpeed, SpeedProfile,
 };
 
 /// The name of the (kinetic) friction coefficient in every kind of model.
@@ -26,8 +28,16 @@ pub struct ModelKind {
     pub sliding_speed: SlidingSpeed,
     /// What the program offers for it beside its motion.
     pub offers: Capabilities,
-    /// Returns a model with the default values, with one ball if it has balls.
-    pub default: fn() -> Model,
+    /// The model with the default values.
+    pub default: DefaultModel,
+}
+
+/// The model of a kind with the default values.
+pub enum DefaultModel {
+    /// A model of this crate, with one ball if it has balls.
+    BuiltIn(fn() -> Model),
+    /// A model of which this is computed.
+    Own(&'static dyn OwnKind),
 }
 
 /// What the program offers for a kind of model beside its motion.
@@ -50,7 +60,24 @@ impl Capabilities {
 impl ModelKind {
     /// Returns the kind with this name.
     pub fn named(name: &str) -> Option<&'static ModelKind> {
-        model_kinds().iter().copied().find(|kind| kind.name == name)
+        let registered = model_kinds().iter().copied().find(|kind| kind.name == name);
+        registered.or_else(|| written_kind_named(name))
+    }
+
+    /// Returns a model with the default values.
+    pub fn default_model(&'static self) -> Model {
+        match self.default {
+            DefaultModel::BuiltIn(model) => model(),
+            DefaultModel::Own(own) => OwnModel::new(self, own).into(),
+        }
+    }
+
+    /// Returns the system file, as plain values, of a kind that a file defines.
+    pub fn source(&self) -> Option<&'static serde_json::Value> {
+        match self.default {
+            DefaultModel::Own(own) => own.source(),
+            DefaultModel::BuiltIn(_) => None,
+        }
     }
 }
 
@@ -62,7 +89,8 @@ impl fmt::Debug for ParameterDescriptor {
 
 impl PartialEq for ModelKind {
     fn eq(&self, other: &Self) -> bool {
-        self.name == other.name
+        // Definitions are long.
+        std::ptr::eq(self, other) || (self.name, self.source()) == (other.name, other.source())
     }
 }
 

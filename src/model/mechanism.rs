@@ -7,7 +7,7 @@
 //! ```
 //!
 //! with a normal force `λ_N ≥ 0` and a friction force `λ_T` in each contact. The directions `w_N` and `w_T` are the
-//! derivatives of the gap by the coordinates and of the sliding speed by the velocities (C. Glocker, *Set-Valued Force Laws*,
+//! derivatives of the rate of the gap and of the sliding speed by the velocities (C. Glocker, *Set-Valued Force Laws*,
 //! Springer 2001, doi:10.1007/978-3-540-44479-4; R. I. Leine, H. Nijmeijer, *Dynamics and Bifurcations of Non-Smooth Mechanical
 //! Systems*, Springer 2004, doi:10.1007/978-3-540-44398-8). Accelerations, normal forces and friction forces are the unknowns
 //! of one linear system, whose equations depend on the modes of the contacts:
@@ -17,6 +17,9 @@
 //! | apart | `λ_N = 0` | `λ_T = 0` |
 //! | slip | `g̈ = -2ġ - g` | `λ_T = σ μ λ_N` and the drag |
 //! | stick | `g̈ = -2ġ - g` | `γ̇ = -γ` |
+//!
+//! The normal force of a contact that does not open is given, or it is a reaction: a linear function of the accelerations, such as
+//! the force of a ring on a ball.
 //!
 //! What rounding leaves of the gap `g` and of the sliding speed `γ` decays.
 
@@ -30,6 +33,9 @@ use super::{
 pub struct Mechanism<'r> {
     /// Each coordinate with its velocity, components of the state.
     pub coordinates: Vec<[Expression<'r>; 2]>,
+    /// The rates of change of the coordinates, linear functions of the velocities; none: each is its velocity. Mass matrix and
+    /// forces are those of the velocities.
+    pub rates: Vec<Expression<'r>>,
     /// Other components of the state with their rates of change, such as the phase of a force.
     pub others: Vec<[Expression<'r>; 2]>,
     /// The mass matrix, row by row.
@@ -55,10 +61,12 @@ pub struct MechanismContact<'r> {
 }
 
 /// The normal force of a contact of a mechanism.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub enum MechanismNormal<'r> {
     /// It is given, and part of the forces of the mechanism.
     Given(Expression<'r>),
+    /// It is the reaction of a guide: the first number, and for each coordinate a factor of its acceleration.
+    Reaction(Expression<'r>, Vec<Expression<'r>>),
     /// It keeps this gap from becoming negative.
     Gap(Expression<'r>),
 }
@@ -85,7 +93,7 @@ impl Default for ImpactLaw {
 
 /// The equations of a contact for the linear system.
 struct Rows<'r> {
-    /// The derivatives of the gap by the coordinates, and the part of its second time derivative without accelerations.
+    /// The derivatives of the rate of the gap by the velocities, and the part of its second time derivative without accelerations.
     normal: Option<(Vec<Expression<'r>>, Expression<'r>)>,
     /// The derivatives of the sliding speed by the velocities, and the part of its time derivative without accelerations.
     tangential: (Vec<Expression<'r>>, Expression<'r>),
@@ -138,7 +146,7 @@ impl<'r> Mechanism<'r> {
                 matrix[place][place] = one;
                 right[place] = zero;
             }
-            match (&row.normal, normals[k], self.contacts[k].normal) {
+            match (&row.normal, normals[k], &self.contacts[k].normal) {
                 (Some((across, drift)), Some(normal), _) => {
                     let [gap, speed] = row.gap;
                     for (i, share) in across.iter().enumerate() {
@@ -150,7 +158,13 @@ impl<'r> Mechanism<'r> {
                     matrix[place][normal] = -signed_friction;
                 }
                 (_, _, MechanismNormal::Given(force)) => {
-                    right[place] = right[place] + signed_friction * force;
+                    right[place] = right[place] + signed_friction * *force;
+                }
+                (_, _, MechanismNormal::Reaction(rest, factors)) => {
+                    right[place] = right[place] + signed_friction * *rest;
+                    for (i, factor) in factors.iter().enumerate() {
+                        matrix[place][i] = matrix[place][i] - signed_friction * *factor;
+                    }
                 }
                 _ => {}
             }
@@ -165,8 +179,8 @@ impl<'r> Mechanism<'r> {
             ..SystemEquations::default()
         };
         for (k, (row, own)) in rows.iter().zip(&self.contacts).enumerate() {
-            let normal = match (own.normal, normals[k]) {
-                (MechanismNormal::Gap(gap), Some(place)) => {
+            let normal = match (&own.normal, normals[k]) {
+                (&MechanismNormal::Gap(gap), Some(place)) => {
                     let (across, drift) =
                         row.normal.as_ref().expect("a gap has a normal direction");
                     equations.openings.push(OpeningEquations {
@@ -178,7 +192,8 @@ impl<'r> Mechanism<'r> {
                     });
                     row.closed * unknowns[place] + (one - row.closed) * gap
                 }
-                (MechanismNormal::Given(force) | MechanismNormal::Gap(force), _) => force,
+                (MechanismNormal::Reaction(rest, factors), _) => sum(factors, *rest),
+                (MechanismNormal::Given(force) | MechanismNormal::Gap(force), _) => *force,
             };
             equations.contacts.push(ContactEquations {
                 sliding_speed: own.sliding_speed,
@@ -194,26 +209,27 @@ impl<'r> Mechanism<'r> {
     fn rows(&self, recorder: &'r Recorder, contact: &MechanismContact<'r>) -> Rows<'r> {
         let zero = Expression::constant(0.0);
         // Positions move with the velocities, and other components with their rates.
-        let moves: Vec<_> =
-            self.coordinates.iter().chain(&self.others).map(|[of, rate]| (*of, *rate)).collect();
-        let by_each = |of: Expression<'r>, which: usize| -> Vec<Expression<'r>> {
+        let others = self.others.iter().map(|[of, rate]| (*of, *rate));
+        let moves: Vec<_> = self.moves().chain(others).collect();
+        let by_velocities = |of: Expression<'r>| -> Vec<Expression<'r>> {
             let one = Expression::constant(1.0);
-            let by =
-                |pair: &[Expression<'r>; 2]| recorder.rate_of_change(of, &[(pair[which], one)]);
+            let by = |[_, velocity]: &[Expression<'r>; 2]| {
+                recorder.rate_of_change(of, &[(*velocity, one)])
+            };
             self.coordinates.iter().map(by).collect()
         };
         let speed = contact.sliding_speed;
-        let tangential = (by_each(speed, 1), recorder.rate_of_change(speed, &moves));
+        let tangential = (by_velocities(speed), recorder.rate_of_change(speed, &moves));
         let recorded = record_contact(recorder, &contact.friction, speed);
         match contact.normal {
-            MechanismNormal::Given(_) => {
+            MechanismNormal::Given(_) | MechanismNormal::Reaction(..) => {
                 Rows { normal: None, tangential, gap: [zero; 2], closed: zero, contact: recorded }
             }
             MechanismNormal::Gap(gap) => {
                 let opening = recorder.rate_of_change(gap, &moves);
                 let drift = recorder.rate_of_change(opening, &moves);
                 Rows {
-                    normal: Some((by_each(gap, 0), drift)),
+                    normal: Some((by_velocities(opening), drift)),
                     tangential,
                     gap: [gap, opening],
                     closed: recorder.switch("closed"),
@@ -223,10 +239,20 @@ impl<'r> Mechanism<'r> {
         }
     }
 
+    /// Returns each coordinate with its rate of change.
+    fn moves(&self) -> impl Iterator<Item = (Expression<'r>, Expression<'r>)> + '_ {
+        let rate = |(place, [position, velocity]): (usize, &[Expression<'r>; 2])| {
+            (*position, self.rates.get(place).copied().unwrap_or(*velocity))
+        };
+        self.coordinates.iter().enumerate().map(rate)
+    }
+
     fn derivative(&self, recorder: &Recorder, unknowns: &[Expression<'r>]) -> Vec<Expression<'r>> {
         let mut derivative = vec![Expression::constant(0.0); recorder.components()];
-        for ([position, velocity], acceleration) in self.coordinates.iter().zip(unknowns) {
-            derivative[component(recorder, *position)] = *velocity;
+        for (position, rate) in self.moves() {
+            derivative[component(recorder, position)] = rate;
+        }
+        for ([_, velocity], acceleration) in self.coordinates.iter().zip(unknowns) {
             derivative[component(recorder, *velocity)] = *acceleration;
         }
         for [other, rate] in &self.others {

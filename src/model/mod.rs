@@ -42,6 +42,7 @@ mod speed_profile;
 mod stage;
 mod system;
 mod units;
+mod written;
 
 pub use angle::{wrap_to_pi, wrap_to_two_pi};
 pub use balancer::{Balancer, BalancerBall, SPHERE_INERTIA, State};
@@ -52,7 +53,7 @@ pub use block::{Block, Ground, Slider, SliderState};
 pub use case::{Case, Endings, Extend, Method, Simulation, Start};
 pub use certificate::{certified, certified_by_closed_form};
 pub use contact::Contact;
-pub use coordinate::Coordinate;
+pub use coordinate::{Coordinate, unit_ending};
 pub use disc_motion::DiscMotion;
 pub use driven::SPEED_TERMS;
 pub use dual::Dual;
@@ -72,13 +73,15 @@ pub use held::{Column, HeldContact, Holding, gap_columns, held, least_force, str
 pub use interval::{Bounded, Interval};
 pub use invalid_parameter::InvalidParameter;
 pub use kick::Kick;
-pub use kind::{Bound, Capabilities, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor};
+pub use kind::{
+    Bound, Capabilities, DefaultModel, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor,
+};
 pub use machine::{Ball, MAX_BALLS, Machine, NormalForce};
 pub use material::{MATERIALS, Material, STEEL_KG_M3};
 pub use mechanism::{ImpactLaw, Mechanism, MechanismContact, MechanismNormal};
 pub use modelled::{Model, OtherCoordinates};
 pub use number::{Elementary, Number};
-pub use own::{OwnKind, OwnModel};
+pub use own::{ContactNames, OwnKind, OwnModel};
 pub use recorded::{ContactMode, add_contact_inputs, add_mechanism_inputs, record_contact};
 pub use registry::{Registry, RegistryError, model_kinds};
 pub use rest::RestPoint;
@@ -88,4 +91,9 @@ pub use stage::Stage;
 pub use system::{
     Components, Recorded, RestAmplitude, RestForms, Structure, System, Touching, stiff_pace,
 };
-pub use units::Units;
+pub use units::{ContactUnits, Units};
+pub use written::{
+    COEFFICIENT, Definition, FaultAt, Formula, FormulaFault, LONGEST_FORMULA, Place, Unit, WHOLE,
+    WRITTEN, WrittenContact, WrittenCoordinate, WrittenFriction, WrittenNormal, WrittenParameter,
+    law_key, written_kind,
+};

@@ -6,8 +6,8 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::{
-    Balancer, BallsInContact, Block, Components, FRICTION_COEFFICIENT, FrictionLaw, Ground,
-    InvalidParameter, Machine, ModelKind, OwnModel, Start, System, ball_balancer, block,
+    Balancer, BallsInContact, Block, Components, FrictionLaw, Ground, InvalidParameter, Machine,
+    ModelKind, OwnModel, Start, System, ball_balancer, block,
 };
 
 /// One of the mechanical systems with its parameters.
@@ -198,7 +198,7 @@ impl Model {
         match self {
             Model::BallBalancer(machine) => machine.balls.len().max(1),
             Model::Block(_) => 1,
-            Model::Own(_) => self.units().force_n.len(),
+            Model::Own(_) => self.units().contacts.len(),
         }
     }
 
@@ -225,7 +225,7 @@ impl Model {
         match self {
             Model::BallBalancer(_) => None,
             Model::Block(block) => Some(block.friction_coefficient),
-            Model::Own(own) => Some(own.number(FRICTION_COEFFICIENT)),
+            Model::Own(own) => own.friction_coefficient(),
         }
     }
 
@@ -236,6 +236,25 @@ impl Model {
             Model::Block(block) => block.natural_frequency_rad_s(),
             Model::Own(own) => own.own().units(own).natural_rad_s,
         }
+    }
+
+    /// Returns the natural frequency that people read, rad/s: for a system of a file, its highest one without contacts.
+    pub fn highest_frequency_rad_s(&self) -> f64 {
+        match self {
+            Model::Own(own) => own.own().highest_frequency_rad_s(own),
+            Model::BallBalancer(_) | Model::Block(_) => self.natural_frequency_rad_s(),
+        }
+    }
+
+    /// Returns the names of the laws of friction of all contacts.
+    pub fn friction_in_words(&self) -> String {
+        let Some(system) = self.system().filter(|_| self.kind().source().is_some()) else {
+            return self.friction().name().to_owned();
+        };
+        let mut laws: Vec<&str> =
+            (0..system.contacts()).map(|contact| system.friction(contact).law_name()).collect();
+        laws.dedup();
+        laws.join(", ")
     }
 
     /// Returns the largest damping rate of a contact by friction that grows with speed, over the

@@ -4,6 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use serde::{Serialize, Serializer};
+use serde_json::Value;
 
 use super::invalid_parameter::{invalid, not_negative, positive};
 use super::kind::{Bound, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor};
@@ -16,6 +17,17 @@ pub trait OwnKind: Sync {
     /// not reuse finished runs on disk.
     fn version(&self) -> u32 {
         1
+    }
+
+    /// Returns the system file, as plain values, of a kind that a file defines. It tells stored results of different systems
+    /// with the same name apart.
+    fn source(&self) -> Option<&Value> {
+        None
+    }
+
+    /// Returns what results call the contacts; by default, they have numbers.
+    fn contact_names(&self, _model: &OwnModel) -> Option<Vec<ContactNames>> {
+        None
     }
 
     /// Checks the parameters against each other. Each value alone is already within its bound.
@@ -32,11 +44,31 @@ pub trait OwnKind: Sync {
     /// Returns the units of the model, with a unit of force for each contact.
     fn units(&self, model: &OwnModel) -> Units;
 
+    /// Returns the natural frequency that people read, rad/s; by default, the reciprocal of the unit of time.
+    fn highest_frequency_rad_s(&self, model: &OwnModel) -> f64 {
+        self.units(model).natural_rad_s
+    }
+
     /// Returns the system without dimensions.
     fn system(&self, model: &OwnModel) -> Arc<dyn System>;
 
     /// Returns a start state in the components of the system; `start` has one value for each coordinate.
     fn start_state(&self, model: &OwnModel, start: &[f64]) -> Components;
+}
+
+/// What results call a contact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactNames {
+    /// The name of the contact.
+    pub contact: String,
+    /// The name and the unit of the coordinate that is its position.
+    pub position: (String, &'static str),
+    /// The name and the unit of the rate of change of this coordinate.
+    pub rate: (String, &'static str),
+    /// The unit of the sliding speed.
+    pub speed_unit: String,
+    /// The unit of the friction force.
+    pub force_unit: String,
 }
 
 /// A model that is defined outside this crate, in SI units.
@@ -54,6 +86,11 @@ impl OwnModel {
     pub fn new(kind: &'static ModelKind, own: &'static dyn OwnKind) -> Self {
         let values = kind.parameters.iter().map(|parameter| parameter.field.default_number());
         OwnModel { kind, own, values: values.collect(), friction: FrictionLaw::COULOMB }
+    }
+
+    /// Returns the values of the parameters, in their order.
+    pub fn values(&self) -> &[f64] {
+        &self.values
     }
 
     /// Returns the kind.
@@ -85,6 +122,13 @@ impl OwnModel {
     /// sliding speed is `speed_unit` (SI), and that of the viscous coefficient `drag_unit` (N s/m).
     pub fn contact(&self, speed_unit: f64, drag_unit: f64) -> Friction {
         self.friction.contact(self.number(FRICTION_COEFFICIENT), speed_unit, drag_unit)
+    }
+
+    /// Returns the coefficient of friction that all contacts share; `None` for contacts with their own.
+    pub(super) fn friction_coefficient(&self) -> Option<f64> {
+        let mut parameters = self.kind.parameters.iter();
+        let place = parameters.position(|one| one.name == FRICTION_COEFFICIENT)?;
+        self.own.source().is_none().then(|| self.values[place])
     }
 
     /// Returns what the kind computes.
@@ -119,7 +163,9 @@ impl OwnModel {
                 _ => {}
             }
         }
-        self.friction.validate(self.number(FRICTION_COEFFICIENT), self.kind.sliding_speed)?;
+        if let Some(coefficient) = self.friction_coefficient() {
+            self.friction.validate(coefficient, self.kind.sliding_speed)?;
+        }
         self.own.validate(self)
     }
 }
@@ -144,6 +190,10 @@ impl fmt::Debug for OwnModel {
 impl Serialize for OwnModel {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let version = self.own.version();
-        (self.kind.name, version, &self.values, &self.friction).serialize(serializer)
+        let own = (self.kind.name, version, &self.values, &self.friction);
+        match self.own.source() {
+            Some(source) => (own, source).serialize(serializer),
+            None => own.serialize(serializer),
+        }
     }
 }

@@ -118,7 +118,7 @@ fn check_names(kind: &ModelKind) -> Result<(), String> {
 
 /// Checks that the default model is sound, and that its functions agree also with the largest whole numbers.
 fn check_default(kind: &'static ModelKind) -> Result<(), String> {
-    let model = (kind.default)();
+    let model = kind.default_model();
     if model.kind() != kind || !matches!(model, Model::Own(_)) {
         return Err("its default is not an `OwnModel` of this kind".into());
     }
@@ -146,7 +146,7 @@ fn check_numbers(model: &Model) -> Result<(), String> {
         ("recorded inputs and values of inputs", graph.inputs.len(), system.inputs(&modes).len()),
         ("recorded contacts and contacts", graph.contacts.len(), system.contacts()),
         ("contacts in the layout and contacts", graph.layout.contacts.len(), system.contacts()),
-        ("units of force and contacts", model.units().force_n.len(), system.contacts()),
+        ("units of contacts and contacts", model.units().contacts.len(), system.contacts()),
     ];
     if let Some((what, one, other)) = pairs.into_iter().find(|(_, one, other)| one != other) {
         return Err(format!("the numbers of {what} differ: {one} and {other}, for {model:?}"));

@@ -3,20 +3,51 @@
 use super::{Ground, Model};
 
 /// Conversion of non-dimensional values of a model to SI units.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Units {
     /// Natural frequency, rad/s: the reciprocal of the unit of time.
     pub natural_rad_s: f64,
     /// Unit of length, m.
     pub length_m: f64,
-    /// Unit of a contact's position: 1 rad for a ball, the unit of length for a block.
-    pub position: f64,
-    /// Unit of force of each contact, N.
-    pub force_n: Vec<f64>,
+    /// The units of each contact.
+    pub contacts: Vec<ContactUnits>,
     /// Speed of the disc, rad/s; 0 without a disc.
     pub disc_rad_s: f64,
     /// Speed of the ground of a block, m/s; 0 for a ball.
     pub ground_m_s: f64,
+}
+
+/// The units of a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactUnits {
+    /// Unit of its position: 1 rad for a ball, the unit of length for a block.
+    pub position: f64,
+    /// Whether results measure the amplitude of its position.
+    pub has_amplitude: bool,
+    /// Unit of its sliding speed, rad/s or m/s.
+    pub sliding_speed: f64,
+    /// Unit of its forces, N.
+    pub force_n: f64,
+}
+
+impl ContactUnits {
+    /// Returns the units of a contact whose sliding speed is the rate of change of its position, for a unit of time of
+    /// `1 / natural_rad_s`.
+    pub fn new(position: f64, natural_rad_s: f64, force_n: f64) -> Self {
+        let sliding_speed = position * natural_rad_s;
+        ContactUnits { position, has_amplitude: true, sliding_speed, force_n }
+    }
+}
+
+impl Units {
+    /// Returns values of all contacts, each times a unit of the contact.
+    pub fn of_contacts<'a>(
+        &self,
+        values: impl IntoIterator<Item = &'a f64>,
+        unit: fn(&ContactUnits) -> f64,
+    ) -> Vec<f64> {
+        values.into_iter().zip(&self.contacts).map(|(value, own)| value * unit(own)).collect()
+    }
 }
 
 impl Model {
@@ -28,9 +59,9 @@ impl Model {
             Model::BallBalancer(machine) => Units {
                 natural_rad_s: natural,
                 length_m: machine.ring_radius_m,
-                position: 1.0,
-                force_n: (machine.balls.iter())
+                contacts: (machine.balls.iter())
                     .map(|ball| ball.mass_kg * natural * natural * machine.ring_radius_m)
+                    .map(|force_n| ContactUnits::new(1.0, natural, force_n))
                     .collect(),
                 disc_rad_s: machine.speed_rad_s,
                 ground_m_s: 0.0,
@@ -38,8 +69,11 @@ impl Model {
             Model::Block(block) => Units {
                 natural_rad_s: natural,
                 length_m: block.unit_length_m(),
-                position: block.unit_length_m(),
-                force_n: vec![block.normal_force_n],
+                contacts: vec![ContactUnits::new(
+                    block.unit_length_m(),
+                    natural,
+                    block.normal_force_n,
+                )],
                 disc_rad_s: 0.0,
                 ground_m_s: match block.ground {
                     Ground::Fixed => 0.0,

@@ -4,7 +4,7 @@ use super::column::{Column, Columns};
 use super::point_key::{OfPoint, add_point};
 use super::runs::class_meaning;
 use crate::analysis::CycleGroup;
-use crate::model::{Model, SlidingSpeed};
+use crate::model::Model;
 use crate::study::Study;
 
 /// A class of limit cycles at a point, with its runs.
@@ -73,13 +73,9 @@ pub fn cycle_columns(study: &Study) -> Vec<Column<CycleRow>> {
 
 /// Adds the extreme sliding speeds of a contact of a model without balls.
 fn add_sliding_speed(list: &mut Columns<CycleRow>, model: &Model, contact: usize) {
-    let suffix = model.contact_suffix(contact);
-    let (ending, unit) = match model.kind().sliding_speed {
-        SlidingSpeed::MS => ("m_s", "m/s"),
-        SlidingSpeed::RadS => ("rad_s", "rad/s"),
-    };
+    let (ending, unit) = model.sliding_speed_unit(contact);
     for (end, name, word) in [(0, "min_speed", "smallest"), (1, "max_speed", "largest")] {
-        list.number(format!("{name}{suffix}_{ending}"), unit, move |row| {
+        list.number(format!("{name}{ending}"), &unit, move |row| {
             row.value.roles.get(contact).map(|role| role.speed_extremes[end])
         })
         .meaning(match model.block() {

@@ -4,7 +4,7 @@
 use super::column::{Column, Columns, NON_DIMENSIONAL};
 use super::touches::add_gaps;
 use crate::classification::{ContactSample, Sample, Switch};
-use crate::model::{DiscMotion, Model, SlidingSpeed, Units, wrap_to_two_pi};
+use crate::model::{DiscMotion, Model, SlidingSpeed, Units, unit_ending, wrap_to_two_pi};
 use crate::motion::{Direction, Phase};
 
 impl Units {
@@ -31,13 +31,13 @@ impl Units {
     }
 
     /// Returns the sliding speed of a contact: rad/s for a ball, m/s for a block.
-    pub fn sliding_speed(&self, contact: &ContactSample) -> f64 {
-        contact.speed * self.position * self.natural_rad_s
+    pub fn sliding_speed(&self, contact: usize, sample: &ContactSample) -> f64 {
+        self.contacts.get(contact).map_or(f64::NAN, |unit| unit.sliding_speed * sample.speed)
     }
 
     /// Converts a force on a contact to N.
     pub fn newtons(&self, contact: usize, force: f64) -> Option<f64> {
-        self.force_n.get(contact).map(|unit| unit * force)
+        self.contacts.get(contact).map(|unit| unit.force_n * force)
     }
 }
 
@@ -83,8 +83,8 @@ pub fn trajectory_columns(model: &Model, gaps: &[[usize; 2]]) -> Vec<Column<Samp
     }
     for contact in 0..model.contacts() {
         match (model.ball_balancer(), model.block()) {
-            (Some(_), _) => add_ball(&mut list, &units, contact),
-            (None, Some(_)) => add_block(&mut list, &units),
+            (Some(_), _) => add_ball(&mut list, model, contact),
+            (None, Some(_)) => add_block(&mut list, model),
             (None, None) => add_body(&mut list, model, contact),
         }
     }
@@ -155,9 +155,9 @@ fn add_table(list: &mut Columns<Sample>, units: &Units, disc: &DiscMotion) {
     }
 }
 
-fn add_ball(list: &mut Columns<Sample>, units: &Units, ball: usize) {
+fn add_ball(list: &mut Columns<Sample>, model: &Model, ball: usize) {
     let number = ball + 1;
-    let natural = units.natural_rad_s;
+    let natural = model.natural_frequency_rad_s();
     of_contact(list, ball, format!("beta_{number}_rad"), "rad", |ball| {
         wrap_to_two_pi(ball.position)
     })
@@ -168,10 +168,11 @@ fn add_ball(list: &mut Columns<Sample>, units: &Units, ball: usize) {
         ball.speed * natural
     })
     .meaning("speed of the ball relative to the ring, positive where its angle grows");
-    add_forces(list, units, ball, &format!("_{number}"));
+    add_forces(list, model, ball, &format!("_{number}"));
 }
 
-fn add_block(list: &mut Columns<Sample>, units: &Units) {
+fn add_block(list: &mut Columns<Sample>, model: &Model) {
+    let units = model.units();
     let (length, speed) = (units.length_m, units.length_m * units.natural_rad_s);
     let ground = units.ground_m_s;
     of_contact(list, 0, "position_m", "m", move |block| block.position * length)
@@ -180,40 +181,48 @@ fn add_block(list: &mut Columns<Sample>, units: &Units) {
         .meaning("velocity of the block");
     of_contact(list, 0, "sliding_speed_m_s", "m/s", move |block| block.speed * speed)
         .meaning("speed of the block relative to the ground");
-    add_forces(list, units, 0, "");
+    add_forces(list, model, 0, "");
 }
 
 /// Adds position, speed and forces of a body of a model that is defined outside this crate.
 fn add_body(list: &mut Columns<Sample>, model: &Model, contact: usize) {
-    let (units, kind, suffix) = (model.units(), model.kind(), model.contact_suffix(contact));
-    let speed_unit = units.position * units.natural_rad_s;
-    let (name, unit) = model.position_column(contact);
-    let (ending, per_second) = match kind.sliding_speed {
-        SlidingSpeed::MS => ("m_s", "m/s"),
-        SlidingSpeed::RadS => ("rad_s", "rad/s"),
-    };
-    let body = format!("{} {}", kind.body, contact + 1);
-    of_contact(list, contact, name, unit, move |one| one.position * units.position)
-        .meaning(format!("position of {body}"));
-    let name = format!("sliding_speed{suffix}_{ending}");
-    of_contact(list, contact, name, per_second, move |one| one.speed * speed_unit)
-        .meaning(format!("sliding speed of {body}"));
-    add_forces(list, &model.units(), contact, &suffix);
+    let (units, suffix) = (model.units(), model.contact_suffix(contact));
+    let Some(unit) = units.contacts.get(contact).copied() else { return };
+    let body = model.contact_in_words(contact);
+    if !model.repeats_position(contact) {
+        let (name, symbol) = model.position_column(contact);
+        of_contact(list, contact, name, symbol, move |one| one.position * unit.position)
+            .meaning(format!("position of {body}"));
+    }
+    let (ending, per_second) = model.sliding_speed_unit(contact);
+    of_contact(list, contact, format!("sliding_speed{ending}"), &per_second, move |one| {
+        one.speed * unit.sliding_speed
+    })
+    .meaning(format!("sliding speed of {body}"));
+    add_forces(list, model, contact, &suffix);
 }
 
 /// Adds the phase of a contact, and its forces in N.
-fn add_forces(list: &mut Columns<Sample>, units: &Units, contact: usize, suffix: &str) {
-    let force = units.force_n.get(contact).copied().unwrap_or(f64::NAN);
+fn add_forces(list: &mut Columns<Sample>, model: &Model, contact: usize, suffix: &str) {
+    let (units, symbol) = (model.units(), model.force_unit(contact));
+    let ending = unit_ending(&symbol);
+    let force = units.contacts.get(contact).map_or(f64::NAN, |one| one.force_n);
     list.word(format!("phase{suffix}"), move |row| {
         row.contacts.get(contact).map(|contact| phase_name(contact.phase))
     })
     .meaning(PHASE);
-    of_contact(list, contact, format!("friction{suffix}_n"), "N", move |c| c.friction * force)
-        .meaning(FRICTION);
-    of_contact(list, contact, format!("friction_limit{suffix}_n"), "N", move |c| c.limit * force)
-        .meaning(LIMIT);
-    of_contact(list, contact, format!("normal{suffix}_n"), "N", move |c| c.normal * force)
-        .meaning("normal force, compression positive");
+    of_contact(list, contact, format!("friction{suffix}{ending}"), &symbol, move |c| {
+        c.friction * force
+    })
+    .meaning(FRICTION);
+    of_contact(list, contact, format!("friction_limit{suffix}{ending}"), &symbol, move |c| {
+        c.limit * force
+    })
+    .meaning(LIMIT);
+    of_contact(list, contact, format!("normal{suffix}{ending}"), &symbol, move |c| {
+        c.normal * force
+    })
+    .meaning("normal force, compression positive");
 }
 
 /// Adds the non-dimensional speed and forces of a contact.
@@ -245,15 +254,17 @@ pub fn switch_columns(model: &Model) -> Vec<Column<Switch>> {
     }
     list.word("from", |row| phase_name(row.before.phase)).meaning(PHASE);
     list.word("to", |row| phase_name(row.after.phase)).meaning("phase after the switch");
+    let is_of_file = model.kind().source().is_some();
     let (name, unit) = match (model.ball_balancer(), has_angles) {
         (Some(_), _) => ("beta_rad", "rad"),
         (None, true) => ("angle_rad", "rad"),
+        (None, false) if is_of_file => ("position", "SI"),
         (None, false) => ("position_m", "m"),
     };
-    let factor = units.position;
+    let factors: Vec<f64> = units.contacts.iter().map(|one| one.position).collect();
     list.number(name, unit, move |row| {
-        let position = row.after.position * factor;
-        if has_angles { wrap_to_two_pi(position) } else { position }
+        let position = row.after.position * factors.get(row.contact)?;
+        Some(if has_angles { wrap_to_two_pi(position) } else { position })
     })
     .meaning("place: angle of the ball from the imbalance, in [0, 2π), or position of the block");
     let mut force = |name: &str, meaning: &str, value: fn(&Switch) -> f64| {

@@ -123,14 +123,14 @@ pub fn add_position<R: 'static>(
     value: impl Fn(&R) -> Option<&Vec<f64>> + Copy + Send + Sync + 'static,
 ) {
     let model = study.model();
-    for contact in 0..model.contacts() {
+    for contact in (0..model.contacts()).filter(|contact| !model.repeats_position(*contact)) {
         let (name, unit) = model.position_column(contact);
         let meaning = match (model.ball_balancer(), model.block()) {
             (Some(_), _) => meaning.to_owned(),
             (None, Some(_)) => {
                 "position of the block at the end, from where the spring is free".to_owned()
             }
-            (None, None) => format!("position of {} {} at the end", model.kind().body, contact + 1),
+            (None, None) => format!("position of {} at the end", model.contact_in_words(contact)),
         };
         list.number(name, unit, move |row| value(row)?.get(contact).copied()).meaning(meaning);
     }
@@ -222,7 +222,7 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         );
     }
     for (contact, name, unit) in model.mean_speed_columns() {
-        list.number(name, unit, move |row| row.outcome.mean_speed.as_ref()?.get(contact).copied())
+        list.number(name, &unit, move |row| row.outcome.mean_speed.as_ref()?.get(contact).copied())
             .meaning("mean rate of the position over the limit cycle; the creep per period divided by the period");
     }
     if let Model::Own(_) = model {
@@ -285,7 +285,10 @@ fn add_touching(list: &mut Columns<RunRecord>) {
 fn add_cycle_of_contacts(list: &mut Columns<RunRecord>, model: &Model) {
     for contact in 0..model.contacts() {
         let (position, unit) = model.position_column(contact);
-        for (end, name, which) in [(0, "min", "least"), (1, "max", "greatest")] {
+        let shown = if model.repeats_position(contact) { 0 } else { 2 };
+        for (end, name, which) in
+            [(0, "min", "least"), (1, "max", "greatest")].into_iter().take(shown)
+        {
             list.number(format!("{name}_{position}"), unit, move |row| {
                 let extremes = &row.outcome.cycle.as_ref()?.position_extremes;
                 extremes.get(contact).copied().flatten().map(|extremes| extremes[end])

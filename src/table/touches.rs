@@ -9,13 +9,14 @@ use crate::motion::Phase;
 impl Units {
     /// Converts the speed at which a gap opens: rad/s for balls, m/s for bodies on a line.
     pub fn opening_speed(&self, gap: &GapSample) -> f64 {
-        gap.opening_speed * self.position * self.natural_rad_s
+        let unit = self.contacts.first();
+        gap.opening_speed * unit.map_or(f64::NAN, |unit| unit.sliding_speed)
     }
 }
 
 /// Adds width and contact of each gap, between the contacts `[behind, ahead]`.
 pub(super) fn add_gaps(list: &mut Columns<Sample>, model: &Model, gaps: &[[usize; 2]]) {
-    let factor = model.units().position;
+    let factor = model.units().contacts.first().map_or(f64::NAN, |one| one.position);
     let unit = position_unit(model);
     let body = model.kind().body;
     for (index, &contacts) in gaps.iter().enumerate() {
@@ -37,7 +38,8 @@ pub(super) fn add_gaps(list: &mut Columns<Sample>, model: &Model, gaps: &[[usize
 /// Returns the columns of `touches.parquet`.
 pub fn touch_columns(model: &Model) -> Vec<Column<Touch>> {
     let units = model.units();
-    let (natural, factor) = (units.natural_rad_s, units.position);
+    let factor = units.contacts.first().map_or(f64::NAN, |one| one.position);
+    let natural = units.natural_rad_s;
     let (body, unit) = (model.kind().body, position_unit(model));
     let mut list = Columns::<Touch>::new();
     list.number("time_s", "s", move |row| row.time / natural).meaning("time since the start");

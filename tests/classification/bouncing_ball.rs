@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 use stickslip::classification::{Evidence, Outcome};
 use stickslip::model::{
-    Capabilities, EventEquations, Expression, ForcingLayout, Layout, Method, ModelKind, Number,
-    OwnModel, ParameterDescriptor, Recorder, Simulation, SlidingSpeed, SystemEquations,
+    Capabilities, DefaultModel, EventEquations, Expression, ForcingLayout, Layout, Method,
+    ModelKind, Number, ParameterDescriptor, Recorder, Simulation, SlidingSpeed, SystemEquations,
 };
 
 use crate::support::{OwnSystem, UnitKind, simulate_kind};
@@ -51,7 +51,7 @@ static KIND: ModelKind = ModelKind {
     body: "ball",
     sliding_speed: SlidingSpeed::MS,
     offers: Capabilities::MOTION,
-    default: || OwnModel::new(&KIND, &BOUNCING).into(),
+    default: DefaultModel::Own(&BOUNCING),
 };
 
 static BOUNCING: UnitKind = UnitKind {

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use stickslip::classification::{Evidence, Label, Outcome};
 use stickslip::model::{
-    Capabilities, Expression, Friction, ImpactLaw, Mechanism, MechanismContact, MechanismNormal,
-    Method, ModelKind, Number, OwnModel, ParameterDescriptor, Recorder, Simulation, SlidingSpeed,
-    System,
+    Capabilities, DefaultModel, Expression, Friction, ImpactLaw, Mechanism, MechanismContact,
+    MechanismNormal, Method, ModelKind, Number, ParameterDescriptor, Recorder, Simulation,
+    SlidingSpeed, System,
 };
 use stickslip::motion::{Motion, Settings, Tolerance};
 
@@ -22,6 +22,7 @@ fn block_with_pendulum<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mec
     let centrifugal = mass * turn * turn;
     Mechanism {
         coordinates: vec![[x, x_speed], [y, y_speed], [angle, turn]],
+        rates: vec![],
         others: vec![],
         mass: vec![
             vec![both, zero, mass * cosine],
@@ -58,7 +59,7 @@ static KIND: ModelKind = ModelKind {
     body: "block",
     sliding_speed: SlidingSpeed::MS,
     offers: Capabilities::MOTION,
-    default: || OwnModel::new(&KIND, &BLOCK).into(),
+    default: DefaultModel::Own(&BLOCK),
 };
 
 static BLOCK: UnitKind = UnitKind {

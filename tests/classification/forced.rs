@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use stickslip::classification::{CyclePhase, Evidence, Outcome};
 use stickslip::model::{
-    Capabilities, ContactEquations, ContactLayout, Expression, ForcingLayout, Friction, Layout,
-    Method, ModelKind, Number, OwnModel, ParameterDescriptor, Recorder, Simulation, SlidingSpeed,
-    System, SystemEquations,
+    Capabilities, ContactEquations, ContactLayout, DefaultModel, Expression, ForcingLayout,
+    Friction, Layout, Method, ModelKind, Number, ParameterDescriptor, Recorder, Simulation,
+    SlidingSpeed, System, SystemEquations,
 };
 use stickslip::motion::{Direction, Motion, Phase, Settings, Tolerance};
 
@@ -57,7 +57,7 @@ static KIND: ModelKind = ModelKind {
     body: "block",
     sliding_speed: SlidingSpeed::MS,
     offers: Capabilities::MOTION,
-    default: || OwnModel::new(&KIND, &SHAKEN).into(),
+    default: DefaultModel::Own(&SHAKEN),
 };
 
 static SHAKEN: UnitKind = UnitKind {

@@ -31,3 +31,4 @@ mod stages;
 mod step_limit;
 mod torus;
 mod woodpecker;
+mod written;

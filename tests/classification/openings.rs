@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use stickslip::classification::{CyclePhase, Evidence, Label, Outcome};
 use stickslip::model::{
-    Capabilities, Expression, Friction, FrictionLaw, ImpactLaw, Mechanism, MechanismContact,
-    MechanismNormal, Method, ModelKind, Number, OwnModel, ParameterDescriptor, Recorder,
-    Simulation, SlidingSpeed, System,
+    Capabilities, DefaultModel, Expression, Friction, FrictionLaw, ImpactLaw, Mechanism,
+    MechanismContact, MechanismNormal, Method, ModelKind, Number, OwnModel, ParameterDescriptor,
+    Recorder, Simulation, SlidingSpeed, System,
 };
 
 use crate::support::{OwnMechanism, UnitKind, simulate_kind};
@@ -21,6 +21,7 @@ fn block<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanism<'r> {
     let [zero, one] = [0.0, 1.0].map(Expression::constant);
     Mechanism {
         coordinates: vec![[along, speed], [height, rise]],
+        rates: vec![],
         others: vec![[phase, one]],
         mass: vec![vec![one, zero], vec![zero, one]],
         forces: vec![push, shaking * phase.sin_cos().1 - one],
@@ -51,7 +52,7 @@ static KIND: ModelKind = ModelKind {
     body: "block",
     sliding_speed: SlidingSpeed::MS,
     offers: Capabilities::MOTION,
-    default: || OwnModel::new(&KIND, &BLOCK).into(),
+    default: DefaultModel::Own(&BLOCK),
 };
 
 static BLOCK: UnitKind = UnitKind { coordinates: 2, phases: 1, contacts: 1, system };

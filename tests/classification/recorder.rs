@@ -103,7 +103,7 @@ fn a_record_is_whole() {
         let taken = outcome.effort.steps + 1 - steps.len() as u64;
         assert!(taken == 0 || failed && taken == 1, "{case:?}: {taken}");
         assert!(samples.windows(2).all(|pair| pair[0].time <= pair[1].time));
-        let unit = case.model.units().position;
+        let unit = case.model.units().contacts[0].position;
         for (contact, position) in outcome.position.iter().flatten().enumerate() {
             let apart = last.contacts[contact].position * unit - position;
             let turn = std::f64::consts::TAU;

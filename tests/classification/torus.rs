@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use stickslip::classification::{Evidence, Label, Outcome};
 use stickslip::model::{
-    Capabilities, Expression, Friction, Mechanism, Method, ModelKind, Number, OwnModel,
+    Capabilities, DefaultModel, Expression, Friction, Mechanism, Method, ModelKind, Number,
     ParameterDescriptor, Recorder, Simulation, SlidingSpeed,
 };
 
@@ -20,6 +20,7 @@ fn oscillator<'r>(recorder: &'r Recorder, _: &[Friction]) -> Mechanism<'r> {
     let driven = amplitude * phase.sin_cos().1 - position;
     Mechanism {
         coordinates: vec![[position, speed]],
+        rates: vec![],
         others: vec![[phase, frequency]],
         mass: vec![vec![one]],
         forces: vec![driven + excitation * (one - position * position) * speed],
@@ -40,7 +41,7 @@ static KIND: ModelKind = ModelKind {
     body: "body",
     sliding_speed: SlidingSpeed::MS,
     offers: Capabilities::MOTION,
-    default: || OwnModel::new(&KIND, &OSCILLATOR).into(),
+    default: DefaultModel::Own(&OSCILLATOR),
 };
 
 static OSCILLATOR: UnitKind = UnitKind {

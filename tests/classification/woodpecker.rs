@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use stickslip::classification::Evidence;
 use stickslip::model::{
-    Capabilities, Expression, Friction, ImpactLaw, Mechanism, MechanismContact, MechanismNormal,
-    Method, ModelKind, Number, OwnModel, ParameterDescriptor, Recorder, Simulation, SlidingSpeed,
-    System,
+    Capabilities, DefaultModel, Expression, Friction, ImpactLaw, Mechanism, MechanismContact,
+    MechanismNormal, Method, ModelKind, Number, ParameterDescriptor, Recorder, Simulation,
+    SlidingSpeed, System,
 };
 use stickslip::motion::{Motion, Phase, Settings, Tolerance};
 
@@ -57,6 +57,7 @@ fn woodpecker<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanism<'r
     let coupling = number(SLEEVE[2] * BIRD);
     Mechanism {
         coordinates: vec![[y, y_speed], [sleeve, sleeve_speed], [bird, bird_speed]],
+        rates: vec![],
         others: vec![],
         mass: vec![
             vec![number(1.0 + SLEEVE_MASS), arm, number(BIRD)],
@@ -128,7 +129,7 @@ static KIND: ModelKind = ModelKind {
     body: "body",
     sliding_speed: SlidingSpeed::MS,
     offers: Capabilities::MOTION,
-    default: || OwnModel::new(&KIND, &WOODPECKER).into(),
+    default: DefaultModel::Own(&WOODPECKER),
 };
 
 static WOODPECKER: UnitKind =

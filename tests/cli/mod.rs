@@ -37,5 +37,6 @@ mod resume;
 mod stages;
 mod streams;
 mod summary;
+mod system_files;
 mod tables;
 mod usage;

@@ -8,6 +8,7 @@ pub mod named;
 mod open_questions;
 mod own_system;
 mod records;
+mod system_files;
 mod tutorial;
 
 use std::path::{Path, PathBuf};
@@ -21,6 +22,7 @@ use crate::cli::support::{counts, numbers, table, words};
 const README: &str = include_str!("../../README.md");
 const EQUILIBRIA: &str = include_str!("../../docs/equilibria.md");
 const STUDY_FILE: &str = include_str!("../../docs/study-file.md");
+const SYSTEM_FILES: &str = include_str!("../../docs/system-files.md");
 
 fn stickslip(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_stickslip"))

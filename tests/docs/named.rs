@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::{EQUILIBRIA, STUDY_FILE, stickslip};
+use super::{EQUILIBRIA, STUDY_FILE, SYSTEM_FILES, stickslip};
 use crate::cli::support::table;
 
 const RESULTS: &str = include_str!("../../docs/results.md");
@@ -70,7 +70,7 @@ fn keys_of(schema: &Value, keys: &mut BTreeSet<String>) {
 }
 
 #[test]
-fn keys_of_study_files_are_on_their_page() {
+fn keys_of_files_are_on_their_pages() {
     let schema: Value = serde_json::from_slice(&stickslip(&["schema"]).stdout).expect("JSON");
     let mut keys = BTreeSet::new();
     keys_of(&schema, &mut keys);
@@ -81,7 +81,8 @@ fn keys_of_study_files_are_on_their_page() {
         let key = parts.join("_");
         let forms =
             [format!("`{key}`"), format!("`{key}."), format!(".{key}`"), format!("{key}: ")];
-        let found = forms.iter().any(|form| STUDY_FILE.contains(form.as_str()));
+        let is_on = |page: &str| forms.iter().any(|form| page.contains(form.as_str()));
+        let found = is_on(STUDY_FILE) || is_on(SYSTEM_FILES);
         assert!(found, "`{key}` is not on the page");
     }
 }

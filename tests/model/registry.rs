@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use stickslip::model::{
-    BallContact, Block, Bound, Capabilities, Components, Coordinate, FRICTION_LAWS, Field,
-    FrictionLaw, Kick, Law, MAX_LAW_PARAMETERS, Model, ModelKind, OwnKind, OwnModel,
-    ParameterDescriptor, ProfilePart, Ramp, RampShape, Registry, SlidingSpeed, SpeedProfile,
-    System, Units, model_kinds,
+    BallContact, Block, Bound, Capabilities, Components, ContactUnits, Coordinate, DefaultModel,
+    FRICTION_LAWS, Field, FrictionLaw, Kick, Law, MAX_LAW_PARAMETERS, Model, ModelKind, OwnKind,
+    OwnModel, ParameterDescriptor, ProfilePart, Ramp, RampShape, Registry, SlidingSpeed,
+    SpeedProfile, System, Units, model_kinds,
 };
 
 /// Gives a machine what it has only on request: contact between balls, a speed profile with one part of each form, and a
@@ -32,7 +32,7 @@ fn with_all_parts(mut model: Model) -> Model {
 #[test]
 fn defaults_have_all_parameters() {
     for kind in model_kinds().iter().copied() {
-        let mut model = with_all_parts((kind.default)());
+        let mut model = with_all_parts(kind.default_model());
         assert_eq!(model.kind(), kind);
         assert_eq!(model.validate(), Ok(()), "{kind:?}");
         for parameter in kind.parameters.iter().filter(|parameter| parameter.is_number()) {
@@ -48,7 +48,7 @@ fn parameters_have_fields_of_their_own() {
     for kind in model_kinds().iter().copied() {
         let numbers = || kind.parameters.iter().filter(|parameter| parameter.is_number());
         for changed in numbers() {
-            let mut model = with_all_parts((kind.default)());
+            let mut model = with_all_parts(kind.default_model());
             *changed.numbers(&mut model, None)[0] = 1234.5;
             let is_changed = |name: &str| {
                 let own = numbers().find(|parameter| parameter.name == name).expect("a number");
@@ -111,7 +111,7 @@ fn laws_are_what_they_state() {
         assert!(law.parameters().len() <= MAX_LAW_PARAMETERS);
         for kind in model_kinds().iter().copied() {
             let unit = usize::from(kind.sliding_speed == SlidingSpeed::MS);
-            let mut model = (kind.default)();
+            let mut model = kind.default_model();
             *model.friction_mut() = example(law, unit);
             assert_eq!(model.validate(), Ok(()), "{kind:?} with {}", law.name());
         }
@@ -157,7 +157,7 @@ fn kind(name: &'static str, parameters: Vec<ParameterDescriptor>) -> ModelKind {
         body: "block",
         sliding_speed: SlidingSpeed::MS,
         offers: Capabilities::MOTION,
-        default: || Block::on_belt().into(),
+        default: DefaultModel::BuiltIn(|| Block::on_belt().into()),
     }
 }
 
@@ -170,7 +170,10 @@ impl OwnKind for TwoForces {
     }
 
     fn units(&self, _: &OwnModel) -> Units {
-        Units { force_n: vec![1.0; 2], ..Model::from(Block::on_belt()).units() }
+        Units {
+            contacts: vec![ContactUnits::new(1.0, 1.0, 1.0); 2],
+            ..Model::from(Block::on_belt()).units()
+        }
     }
 
     fn system(&self, _: &OwnModel) -> Arc<dyn System> {
@@ -189,7 +192,7 @@ static TWO_FORCES: ModelKind = ModelKind {
     body: "block",
     sliding_speed: SlidingSpeed::MS,
     offers: Capabilities::MOTION,
-    default: || OwnModel::new(&TWO_FORCES, &TwoForces).into(),
+    default: DefaultModel::Own(&TwoForces),
 };
 
 static INVALID: ModelKind = ModelKind {
@@ -199,7 +202,7 @@ static INVALID: ModelKind = ModelKind {
     body: "block",
     sliding_speed: SlidingSpeed::MS,
     offers: Capabilities::MOTION,
-    default: || OwnModel::new(&INVALID, &TwoForces).into(),
+    default: DefaultModel::Own(&TwoForces),
 };
 
 /// A registry with a kind that contradicts itself or another one is refused, with its name and the reason.
@@ -234,7 +237,7 @@ fn unsound_kinds_are_refused() {
         assert!(error.contains(&format!("`{name}`")) && error.contains(reason), "{error}");
     }
     for (kind, reason) in [
-        (&TWO_FORCES, "the numbers of units of force and contacts differ: 2 and 1"),
+        (&TWO_FORCES, "the numbers of units of contacts and contacts differ: 2 and 1"),
         (&INVALID, "its default is invalid: friction_coefficient is 0"),
     ] {
         let error = Registry::new().with(kind).install().expect_err(reason).to_string();

@@ -31,6 +31,7 @@ fn ball_on_plate<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanism
     let one = Expression::constant(1.0);
     Mechanism {
         coordinates: vec![[height, speed]],
+        rates: vec![],
         others: vec![[phase, one]],
         mass: vec![vec![one]],
         forces: vec![shaking * phase.sin_cos().1 - one],
@@ -117,6 +118,7 @@ fn falling_sphere<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanis
     let [zero, one] = [0.0, 1.0].map(Expression::constant);
     Mechanism {
         coordinates: vec![[x, x_speed], [y, y_speed], [angle, spin]],
+        rates: vec![],
         others: vec![],
         mass: vec![vec![one, zero, zero], vec![zero, one, zero], vec![zero, zero, inertia]],
         forces: vec![zero, -one, zero],

@@ -30,6 +30,7 @@ mod schema_agrees;
 mod shipped;
 mod stability;
 mod stages;
+mod system_files;
 mod table_places;
 mod templates;
 mod uncertain_sampling;

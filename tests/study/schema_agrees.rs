@@ -262,6 +262,10 @@ fn the_schema_and_the_program_agree() {
             .collect();
         assert!(found.is_empty(), "{name}: {found:?}");
         assert_eq!(program(&study), Ok(()), "{name}");
+        // The schema knows neither the names of a system nor its formulas.
+        if study["model"].get("system").is_some() {
+            continue;
+        }
         let kind = study["model"]["kind"].to_string();
         for (damage, study) in damaged(&study) {
             // The same damage to two studies of one kind of model shows the same.

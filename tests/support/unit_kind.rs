@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use stickslip::classification::{Outcome, simulate};
 use stickslip::model::{
-    Case, Components, Coordinate, ModelKind, OwnKind, OwnModel, Simulation, Start, System, Units,
+    Case, Components, ContactUnits, Coordinate, ModelKind, OwnKind, OwnModel, Simulation, Start,
+    System, Units,
 };
 
 /// A kind whose start states follow a phase that is 0.
@@ -30,8 +31,7 @@ impl OwnKind for UnitKind {
         Units {
             natural_rad_s: 1.0,
             length_m: 1.0,
-            position: 1.0,
-            force_n: vec![1.0; self.contacts],
+            contacts: vec![ContactUnits::new(1.0, 1.0, 1.0); self.contacts],
             disc_rad_s: 0.0,
             ground_m_s: 0.0,
         }
@@ -54,7 +54,7 @@ pub fn simulate_kind(
     start: &[f64],
     simulation: Simulation,
 ) -> Outcome {
-    let mut model = (kind.default)();
+    let mut model = kind.default_model();
     for (parameter, value) in kind.parameters.iter().zip(parameters) {
         parameter.numbers(&mut model, None).into_iter().for_each(|one| *one = *value);
     }

@@ -4,8 +4,8 @@ use super::{Expression, Node, NodeId, Recorder};
 use crate::model::Number;
 
 impl Recorder {
-    /// Returns the rate of change of an expression whose components of the state change at these rates: each pair is a
-    /// component and its rate. All other components are constant.
+    /// Returns the rate of change of an expression whose components of the state or inputs change at these rates: each pair is
+    /// one of them and its rate. All others are constant.
     ///
     /// # Panics
     /// Panics if the expression contains an unknown of a linear system: the caller writes gaps and sliding speeds, which
@@ -34,8 +34,8 @@ impl Recorder {
             let change = |node: NodeId| changes[node as usize];
             let value = |node: NodeId| Expression::node(self, node);
             changes[place as usize] = match node {
-                Node::Constant(_) | Node::Input(_) | Node::Discrete(_) => zero,
-                Node::State(_) => {
+                Node::Constant(_) | Node::Discrete(_) => zero,
+                Node::Input(_) | Node::State(_) => {
                     rates.iter().find(|(of, _)| *of == place).map_or(zero, |(_, rate)| *rate)
                 }
                 Node::Sum(one, other) => change(one) + change(other),

@@ -82,7 +82,7 @@ pub fn motion(study: &Study, run_id: u64, end_s: f64) -> Option<Motion> {
         motion.amplitude_m.push(largest * units.length_m);
         for (ball, speeds) in motion.ball_speed_rad_s.iter_mut().enumerate() {
             let of_ball = samples.iter().filter_map(|sample| sample.contacts.get(ball));
-            let sum: f64 = of_ball.map(|contact| units.sliding_speed(contact)).sum();
+            let sum: f64 = of_ball.map(|contact| units.sliding_speed(ball, contact)).sum();
             speeds.push(sum / samples.len() as f64);
         }
     }

@@ -14,6 +14,7 @@ use serde::de::{
 };
 use serde::forward_to_deserialize_any;
 
+use crate::model::WRITTEN;
 use crate::study::error::{Fault, Location, StudyError, list_keys, list_names, shorten};
 use crate::study::file::friction_file::example_of_friction;
 use crate::study::file::key_path::{KeyPath, Segment};
@@ -320,7 +321,8 @@ impl<'de> Deserializer<'de> for At<'de> {
             }
         };
         let (variant, at) = self.entry(Keys::Of(variants), name, value.unwrap_or(&NOTHING));
-        if !variants.contains(&variant) {
+        // The visitor of kinds knows those of system files.
+        if !variants.contains(&variant) && !variant.starts_with(WRITTEN) {
             let unknown = DecodeError::unknown_variant(variant, variants);
             return Err(DecodeError { place: Some(name.place), ..unknown }.at(self.node));
         }

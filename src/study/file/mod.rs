@@ -23,6 +23,7 @@ pub(in crate::study) mod schema_units;
 pub(in crate::study) mod source_path;
 pub mod stages_file;
 pub mod study_file;
+pub(in crate::study) mod system_file;
 pub(in crate::study) mod table_folders;
 pub(in crate::study) mod table_input;
 pub mod uncertain_sampling_file;

@@ -53,6 +53,13 @@ pub(in crate::study) fn parameter_keys() -> &'static [&'static str] {
     &KEYS
 }
 
+impl KindFile {
+    /// Returns whether a system file defines the kind.
+    pub fn is_of_file(&self) -> bool {
+        self.0.source().is_some()
+    }
+}
+
 impl<'de> Deserialize<'de> for KindFile {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_enum("ModelKind", &KINDS, KindVisitor)
@@ -96,7 +103,8 @@ impl JsonSchema for KindFile {
 
 impl<'de> Deserialize<'de> for ParametersFile {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_struct("ParametersFile", &KEYS, ParametersVisitor)
+        // The names depend on the kind of model, and are checked before.
+        deserializer.deserialize_map(ParametersVisitor)
     }
 }
 

@@ -165,6 +165,58 @@ impl Conversion {
     }
 }
 
+/// Units that keys have, and further units of mechanics.
+const SI_UNITS: [&str; 21] = [
+    "kg",
+    "m",
+    "s",
+    "rad",
+    "N",
+    "N/m",
+    "N s/m",
+    "kg/m3",
+    "kg m",
+    "rad/s",
+    "m/s",
+    "m/s2",
+    "rad/s2",
+    "kg m2",
+    "N m",
+    "N m/rad",
+    "N m s/rad",
+    "1/s",
+    "N s",
+    "N/m2",
+    "N/m3",
+];
+
+/// Returns the SI unit of a unit, such as `N/m` of `N/mm`, and its exponents of length, mass, time and angle; `1` without any.
+///
+/// # Errors
+/// Returns a fault if the text is not a unit.
+pub(crate) fn unit_of(text: &str) -> Result<(String, Dimension), Fault> {
+    if text == "1" {
+        return Ok(("1".to_owned(), [0; 4]));
+    }
+    let factors = factors(text).map_err(|symbol| unknown(text, &symbol, ""))?;
+    let dimension = dimension_of(&factors);
+    let known = SI_UNITS.iter().find(|unit| dimension_of(&factors_of_si(unit)) == dimension);
+    if let Some(known) = known {
+        return Ok(((*known).to_owned(), dimension));
+    }
+    let (mut above, mut below) = (Vec::new(), String::new());
+    for (symbol, exponent) in ["m", "kg", "s", "rad"].iter().zip(dimension) {
+        let power = if exponent.abs() == 1 { String::new() } else { exponent.abs().to_string() };
+        match exponent {
+            1.. => above.push(format!("{symbol}{power}")),
+            0 => {}
+            _ => below += &format!("/{symbol}{power}"),
+        }
+    }
+    let above = if above.is_empty() { "1".to_owned() } else { above.join(" ") };
+    Ok((above + &below, dimension))
+}
+
 fn factors_of_si(unit: &str) -> Vec<(Symbol, i32)> {
     factors(unit).unwrap_or_default()
 }
@@ -252,6 +304,9 @@ fn factors(unit: &str) -> Result<Vec<(Symbol, i32)>, String> {
             };
             let power = power.parse::<i32>().ok().filter(|power| (-9..=9).contains(power));
             let power = power.ok_or_else(String::new)?;
+            if word == "1" {
+                continue;
+            }
             let symbol = symbols.iter().find(|(symbol, ..)| *symbol == name);
             let symbol = symbol.ok_or_else(|| name.to_owned())?;
             all.push((*symbol, if place > 0 { -power } else { power }));

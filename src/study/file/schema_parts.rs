@@ -11,6 +11,7 @@ use super::identify_file::PriorFile;
 use super::parameters_file::{BALLS, is_before_balls, parameter_keys};
 use super::response_file::VariableFile;
 use super::schema_units::QUANTITY;
+use super::system_file::SystemFile;
 use super::table_folders::MAX_VALUES;
 use super::values::Range;
 use crate::model::{
@@ -92,6 +93,12 @@ pub(in crate::study) fn units(_: &mut SchemaGenerator) -> Schema {
     })
 }
 
+/// Returns the schema of a system: the name of a file, or the keys of one.
+pub(in crate::study) fn system(generator: &mut SchemaGenerator) -> Schema {
+    let keys = generator.subschema_for::<SystemFile>().to_value();
+    json_schema!({ "anyOf": [{ "type": "string" }, keys] })
+}
+
 /// Returns the schema of a limit of an amplitude.
 pub(in crate::study) fn length_limit(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "anyOf": [{ "type": "number", "minimum": 0 }, { "type": "string", "pattern": QUANTITY }] })
@@ -157,7 +164,7 @@ pub(in crate::study) fn parameters_schema(generator: &mut SchemaGenerator) -> Sc
         if !is_before_balls(name) {
             properties.entry(BALLS).or_insert_with(|| described(balls.clone(), words.clone()));
         }
-        let find = |kind: &&ModelKind| Parameter::find(name, &(kind.default)());
+        let find = |kind: &&'static ModelKind| Parameter::find(name, &kind.default_model());
         let found = model_kinds().iter().find_map(find);
         if let Some(schema) = found.map(|found| value(found, &models)).or_else(|| count(name)) {
             let words = parameter_in_words(name, &schema);
@@ -168,7 +175,6 @@ pub(in crate::study) fn parameters_schema(generator: &mut SchemaGenerator) -> Sc
         "description": "Parameters in SI units; each kind of model has its own.",
         "type": "object",
         "properties": properties,
-        "additionalProperties": false,
     })
 }
 
@@ -184,7 +190,7 @@ fn parameter_in_words(name: &str, schema: &Value) -> String {
     let mut meanings: Vec<(String, String)> = Vec::new();
     let mut unit = "";
     for kind in model_kinds() {
-        let model = (kind.default)();
+        let model = kind.default_model();
         let Some(own) = kind.parameters.iter().find(|own| own.name == name) else { continue };
         let each = if own.is_of_each_ball() { " of each ball without its own value" } else { "" };
         let number = || Some(own.numbers(&mut model.clone(), None).first()?.to_string());
@@ -229,9 +235,8 @@ pub(in crate::study) fn uncertain(generator: &mut SchemaGenerator) -> Schema {
 }
 
 /// Returns the coordinates of the box of start states of this kind of model, for any number of balls.
-pub(in crate::study) fn axes_of(kind: &str) -> Vec<String> {
-    let mut models = all_models();
-    models.retain(|model| model.kind().name == kind);
+pub(in crate::study) fn axes_of(kind: &'static ModelKind) -> Vec<String> {
+    let models = models_of(kind);
     let general = models.first().map(general_axes).unwrap_or_default().into_iter();
     let own = models.iter().take(1).flat_map(axis_names);
     general.map(str::to_owned).chain(own).collect()
@@ -248,7 +253,8 @@ pub(in crate::study) fn start_box(generator: &mut SchemaGenerator) -> Schema {
     let axes = models.iter().flat_map(axes_in_words);
     let properties: Map<String, Value> =
         axes.map(|(name, meaning)| (name, described(range.clone().to_value(), meaning))).collect();
-    json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
+    // A system file has names of its own; the rules of each kind of model exclude other names.
+    json_schema!({ "type": "object", "properties": properties })
 }
 
 /// Returns the schema of the labels of runs that can be continued.
@@ -274,8 +280,14 @@ fn longest_profile(speed_rad_s: f64) -> SpeedProfile {
 
 /// Returns one model of every kind and every friction law, with the largest number of balls or other bodies.
 fn all_models() -> Vec<Model> {
-    let kinds = model_kinds().iter().map(|kind| {
-        let mut model = (kind.default)();
+    model_kinds().iter().copied().flat_map(models_of).collect()
+}
+
+/// Returns one model of a kind with every friction law that a study can give it, with the largest number of balls or other
+/// bodies.
+fn models_of(kind: &'static ModelKind) -> Vec<Model> {
+    let model = || {
+        let mut model = kind.default_model();
         if let Some(machine) = model.ball_balancer_mut() {
             machine.balls = vec![Ball::default(); MAX_BALLS];
             machine.contact = Some(BallContact::default());
@@ -288,7 +300,10 @@ fn all_models() -> Vec<Model> {
             }
         }
         model
-    });
+    };
+    if kind.source().is_some() {
+        return vec![model()];
+    }
     let laws = FRICTION_LAWS.map(|law| {
         let examples: Vec<f64> = law.parameters().iter().map(|one| one.examples[1]).collect();
         FrictionLaw::new(law, &examples)
@@ -298,26 +313,24 @@ fn all_models() -> Vec<Model> {
         *model.friction_mut() = law;
         model
     };
-    kinds.flat_map(|model| laws.map(|law| with(&model, law))).collect()
+    laws.map(|law| with(&model(), law)).into()
 }
 
-/// Returns the names of the parameters of this kind of model with any friction law. For an unknown kind, these are the
-/// parameters of all kinds, except for a force whose name without its unit is also the name of a choice.
-pub(in crate::study) fn parameters_of(kind: &str) -> Vec<String> {
-    let mut models = all_models();
-    models.retain(|model| model.kind().name == kind);
-    if models.is_empty() {
-        let names = all_parameters().into_iter().map(Parameter::name);
-        return names.filter(|name| name != "normal_force_n").collect();
-    }
-    distinct(&models).into_iter().map(Parameter::name).collect()
+/// Returns the names of the parameters of this kind of model with any friction law, and those of its whole numbers.
+pub(in crate::study) fn parameters_of(kind: &'static ModelKind) -> Vec<String> {
+    distinct(&models_of(kind)).into_iter().map(Parameter::name).collect()
+}
+
+/// Returns the names of the parameters of all kinds, except for a force whose name without its unit is also the name of a
+/// choice.
+pub(in crate::study) fn parameters_of_any() -> Vec<String> {
+    let names = all_parameters().into_iter().map(Parameter::name);
+    names.filter(|name| name != "normal_force_n").collect()
 }
 
 /// Returns the names of the numeric parameters of this kind of model with any friction law.
-pub(in crate::study) fn numeric_parameters_of(kind: &str) -> Vec<String> {
-    let mut models = all_models();
-    models.retain(|model| model.kind().name == kind);
-    let numeric = distinct(&models).into_iter().filter(|parameter| parameter.is_number());
+pub(in crate::study) fn numeric_parameters_of(kind: &'static ModelKind) -> Vec<String> {
+    let numeric = distinct(&models_of(kind)).into_iter().filter(|parameter| parameter.is_number());
     numeric.map(Parameter::name).collect()
 }
 
@@ -363,5 +376,5 @@ fn per_parameter(value: impl Fn(&Parameter) -> Value, parameters: &[Parameter]) 
             (parameter.name(), described(value(parameter), meaning))
         })
         .collect();
-    json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
+    json_schema!({ "type": "object", "properties": properties })
 }

@@ -42,6 +42,7 @@ pub(in crate::study) fn add_rules(schema: &mut Value) {
             "/$defs/ExpectationFile",
             json!({ "anyOf": FRACTIONS.map(|fraction| required(&[fraction])) }),
         ),
+        ("/$defs/ModelFile", json!({ "oneOf": [required(&["kind"]), required(&["system"])] })),
         ("/$defs/VariableFile", range_or_choices()),
         ("/$defs/VariableFileWithUnits", range_or_choices()),
         (
@@ -53,6 +54,9 @@ pub(in crate::study) fn add_rules(schema: &mut Value) {
         ),
         ("", json!({ "allOf": [{ "anyOf": [common_design, own_designs] }] })),
     ];
+    if let Some(Value::Object(model)) = schema.pointer_mut("/$defs/ModelFile") {
+        model.shift_remove("required");
+    }
     for (pointer, rule) in rules {
         merge(schema.pointer_mut(pointer), rule);
     }
@@ -103,10 +107,9 @@ fn without_balls() -> Value {
 }
 
 /// Returns the rules of the top-level keys for a kind of model; `parameters` are the keys of any model's parameters.
-fn of_kind(kind: &ModelKind, parameters: &Map<String, Value>) -> Value {
+fn of_kind(kind: &'static ModelKind, parameters: &Map<String, Value>) -> Value {
     let has_balls = kind.parameters.iter().any(ParameterDescriptor::is_of_each_ball);
-    let name = kind.name;
-    let [mut swept, numeric] = [parameters_of(name), numeric_parameters_of(name)].map(with_short);
+    let [mut swept, numeric] = [parameters_of(kind), numeric_parameters_of(kind)].map(with_short);
     swept.extend(has_balls.then(|| BALLS.to_owned()));
     let is_count = |name: &str| {
         kind.parameters.iter().any(|one| one.name == name && one.largest_count().is_some())
@@ -155,7 +158,7 @@ fn of_kind(kind: &ModelKind, parameters: &Map<String, Value>) -> Value {
             },
         },
         "identify": { "properties": { "parameters": names(&numeric) } },
-        "initial_conditions": { "properties": { "box": names(&with_short(axes_of(name))) } },
+        "initial_conditions": { "properties": { "box": names(&with_short(axes_of(kind))) } },
     })
 }
 

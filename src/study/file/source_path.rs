@@ -12,6 +12,11 @@ pub(crate) struct SourcePath<'a> {
 }
 
 impl Source {
+    /// Returns the path of the whole file.
+    pub fn root_path(&self) -> SourcePath<'_> {
+        SourcePath { source: self, path: KeyPath::default() }
+    }
+
     /// Returns a path, such as `simulation.band`.
     pub fn path(&self, path: &str) -> SourcePath<'_> {
         SourcePath { source: self, path: KeyPath::of(path) }

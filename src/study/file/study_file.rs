@@ -5,6 +5,7 @@
 use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use crate::model::{Endings, Method, NormalForce};
 use crate::study::file::contact_file::ContactFile;
@@ -82,7 +83,12 @@ pub struct StudyFile {
 #[serde(deny_unknown_fields)]
 pub struct ModelFile {
     /// Kind of model.
+    #[serde(skip_serializing_if = "KindFile::is_of_file")]
     pub kind: KindFile,
+    /// A system file with the equations of a machine, or its keys, in place of a kind.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "schema::system")]
+    pub system: Option<Value>,
     /// Parameters in SI units; the defaults are the machine of the thesis, or a block of 1 kg on a
     /// spring of 100 N/m.
     pub parameters: Option<ParametersFile>,

@@ -3,19 +3,27 @@
 
 use std::cell::RefCell;
 
-use crate::model::{MATERIALS, Material};
+use crate::model::{MATERIALS, Material, ModelKind};
 use crate::study::error::{Fault, list_names, shorten};
 use crate::study::file::key_path::Segment;
 use crate::study::file::quantity::{convert, decimal_comma, measured, split_number};
-use crate::study::file::schema_parts::{axes_of, parameters_of};
+use crate::study::file::schema_parts::{axes_of, parameters_of, parameters_of_any};
 use crate::study::file::yaml_tree::{Content, Node};
 
 /// The endings of SI keys with their units; a longer ending stands before the shorter one that it contains.
-const ENDINGS: [(&str, &str); 10] = [
+const ENDINGS: [(&str, &str); 18] = [
+    ("_n_m_s_rad", "N m s/rad"),
+    ("_n_m_rad", "N m/rad"),
     ("_n_s_m", "N s/m"),
+    ("_rad_s2", "rad/s2"),
     ("_rad_s", "rad/s"),
     ("_n_m", "N/m"),
+    ("_m_s2", "m/s2"),
     ("_m_s", "m/s"),
+    ("_kg_m2", "kg m2"),
+    ("_nm", "N m"),
+    ("_1_s", "1/s"),
+    ("_rad", "rad"),
     ("_kg_m3", "kg/m3"),
     ("_kg_m", "kg m"),
     ("_kg", "kg"),
@@ -111,9 +119,19 @@ impl Names {
     pub fn of(root: &Node) -> Names {
         let kind = root.get("model").and_then(|model| model.get("kind")).map_or("", Node::name);
         Names {
-            parameters: parameters_of(kind),
-            coordinates: coordinates_of(kind),
+            parameters: ModelKind::named(kind).map_or_else(parameters_of_any, parameters_of),
+            coordinates: coordinates_of(ModelKind::named(kind)),
             choices: names_of_choices(root),
+            units: RefCell::default(),
+        }
+    }
+
+    /// Returns no names, for a file that is no study.
+    pub fn none() -> Names {
+        Names {
+            parameters: Vec::new(),
+            coordinates: Vec::new(),
+            choices: Vec::new(),
             units: RefCell::default(),
         }
     }
@@ -288,9 +306,9 @@ pub(in crate::study) fn add_restitution(root: &mut Node) {
 }
 
 /// Returns the names of the coordinates of this kind of model that end with a unit, and those of a block.
-fn coordinates_of(kind: &str) -> Vec<String> {
+fn coordinates_of(kind: Option<&'static ModelKind>) -> Vec<String> {
     let mut names = ["position_m", "velocity_m_s"].map(str::to_owned).to_vec();
-    names.extend(axes_of(kind).into_iter().filter(|name| split_unit(name).is_some()));
+    names.extend(kind.into_iter().flat_map(axes_of).filter(|name| split_unit(name).is_some()));
     names.sort_unstable();
     names.dedup();
     names

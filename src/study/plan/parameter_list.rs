@@ -81,8 +81,10 @@ impl Study {
         let of_friction =
             |name: &str| name.starts_with("friction_") || of_law.iter().any(|own| own == name);
         let place = before(&list, &of_friction);
-        let law = ParameterValue::Text(self.base.model.friction().name());
-        list.insert(place, self.fixed("friction", "", law));
+        if self.model().kind().source().is_none() {
+            let law = ParameterValue::Text(self.base.model.friction().name());
+            list.insert(place, self.fixed("friction", "", law));
+        }
         if self.base.model.ball_balancer().is_some_and(|machine| machine.contact.is_none()) {
             list.push(self.fixed("contact", "", ParameterValue::Text("none")));
         }

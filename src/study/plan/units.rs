@@ -90,7 +90,7 @@ impl Units {
 /// Returns a name without its unit, such as `ball_mass_1` for `ball_mass_1_kg` and `beta_1` for `beta_1_rad`, and the SI
 /// unit; `None` if it has no unit.
 pub(in crate::study) fn si_name(name: &str) -> Option<(&str, &'static str)> {
-    split_unit(name).or_else(|| Some((name.strip_suffix("_rad")?, "rad")))
+    split_unit(name)
 }
 
 /// Returns the name of a parameter without its unit, such as `ball_mass_1` for `ball_mass_1_kg`.

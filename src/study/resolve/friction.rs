@@ -41,9 +41,14 @@ pub(in crate::study) fn resolve_friction(
 /// Returns an error if a value of the law is physically impossible.
 pub(in crate::study) fn check_friction(source: &Source, model: &Model) -> Result<(), StudyError> {
     model.validate().map_err(|invalid| {
+        let problem = "no physical meaning";
+        if model.kind().source().is_some() {
+            let found = format!("{} is {}", invalid.name, invalid.found);
+            let fault = Fault::new(problem, found, invalid.allowed);
+            return source.path("model.parameters").refuse_value(fault);
+        }
         let path = source.path("model.friction").key(model.friction().name()).key(&invalid.name);
-        let fault = Fault::new("no physical meaning", invalid.found, invalid.allowed);
-        path.refuse_value(fault)
+        path.refuse_value(Fault::new(problem, invalid.found, invalid.allowed))
     })
 }
 

@@ -20,6 +20,8 @@ pub(in crate::study) mod sampling;
 pub(in crate::study) mod simulation;
 pub(in crate::study) mod stages;
 pub(in crate::study) mod sweep;
+mod system;
+mod system_contact;
 pub(in crate::study) mod uncertain;
 pub(in crate::study) mod uncertain_sampling;
 pub(in crate::study) mod units;

@@ -33,7 +33,7 @@ impl Base {
         let given = written.parameters.clone().unwrap_or_default();
         let kind = written.kind.0;
         // One ball represents all balls until all values are known.
-        let mut model = (kind.default)();
+        let mut model = kind.default_model();
         *model.friction_mut() =
             resolve_friction(source, written.friction.as_ref(), kind.sliding_speed)?;
         for (name, value) in &given.numbers {
@@ -118,8 +118,10 @@ impl Base {
         });
         ModelFile {
             kind: KindFile(kind),
+            system: kind.source().cloned(),
             parameters: Some(parameters),
-            friction: Some(friction_to_file(self.model.friction(), kind.sliding_speed)),
+            friction: (kind.source().is_none())
+                .then(|| friction_to_file(self.model.friction(), kind.sliding_speed)),
             normal_force: machine.map(|machine| machine.normal_force),
             contact: machine.map(|machine| contact_to_file(machine.contact)),
             speed_profile: machine
@@ -190,7 +192,11 @@ pub(in crate::study) fn check_parameters(source: &Source, names: &Names) -> Resu
                 allowed,
             )));
         }
-        if !parameter_keys().contains(&name) {
+        let is_known = match kind.source() {
+            Some(_) => kind.parameters.iter().any(|one| one.name == name),
+            None => parameter_keys().contains(&name),
+        };
+        if !is_known {
             let allowed = list_keys(name, &parameter_names(kind));
             return Err(path.key(name).refuse_key(Fault::new(
                 "unknown key",

@@ -2,6 +2,7 @@
 
 use indexmap::IndexMap;
 
+use crate::model::ModelKind;
 use crate::study::error::{Fault, StudyError, list_names, shorten};
 use crate::study::file::quantity::convert;
 use crate::study::file::schema_parts::parameters_of;
@@ -17,7 +18,7 @@ use crate::study::plan::units::{QUANTITIES, Unit, Units, quantity};
 pub(crate) fn resolve_units(
     source: &Source,
     written: Option<&IndexMap<String, String>>,
-    kind: &str,
+    kind: &'static ModelKind,
 ) -> Result<Units, StudyError> {
     let path = source.path("units");
     let parameters = parameters_of(kind);
@@ -46,6 +47,10 @@ pub(crate) fn resolve_units(
     }
     for (key, symbol, si) in &source.units {
         let is_chosen = |name: &str| written.is_some_and(|written| written.contains_key(name));
+        // A parameter may have the name of another quantity, such as a stiffness in N m/rad.
+        if QUANTITIES.iter().any(|(name, unit)| name == key && unit != si) {
+            continue;
+        }
         if units.0.contains_key(key) || quantity(si).is_some_and(is_chosen) {
             continue;
         }

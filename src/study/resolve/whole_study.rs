@@ -41,6 +41,7 @@ use crate::study::resolve::sampling::{ResolvedDesign, resolve_design};
 use crate::study::resolve::simulation::{resolve_simulation, simulation_to_file};
 use crate::study::resolve::stages::check_kicks;
 use crate::study::resolve::sweep::{ResolvedBlock, resolve_block};
+use crate::study::resolve::system::read_system;
 use crate::study::resolve::uncertain::resolve_uncertain;
 use crate::study::resolve::uncertain_sampling::UncertainSampling;
 use crate::study::resolve::units::{resolve_units, units_to_file};
@@ -128,6 +129,7 @@ fn read(
     let mut source = Source::new(file, text).map_err(in_key)?;
     without.iter().for_each(|path| leave_out(&mut source.root, path));
     check_schema(&source).map_err(in_key)?;
+    read_system(&mut source, &folders).map_err(in_key)?;
     expand_ranges(&mut source).map_err(in_key)?;
     add_restitution(&mut source.root);
     let names = Names::of(&source.root);
@@ -199,7 +201,7 @@ fn resolve(
         &uncertain_parameters,
         written.seed,
     )?;
-    let units = resolve_units(source, written.units.as_ref(), base.model.kind().name)?;
+    let units = resolve_units(source, written.units.as_ref(), base.model.kind())?;
     let column = |parameter: &Parameter| parameter.column().shown_in(&units);
     let uncertain: Vec<VariedParameter> =
         uncertain_parameters.iter().map(|one| column(&one.parameter)).collect();

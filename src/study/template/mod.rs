@@ -30,7 +30,7 @@ pub struct Template {
 
 impl Template {
     /// All templates.
-    pub const ALL: [Template; 5] = [
+    pub const ALL: [Template; 6] = [
         Template {
             name: "machine",
             summary: "a ball balancer of your own, with all its parameters",
@@ -45,6 +45,11 @@ impl Template {
             name: "blocks",
             summary: "a block on a spring, on a belt or on rigid ground",
             source: include_str!("blocks.yaml"),
+        },
+        Template {
+            name: "system",
+            summary: "a machine of your own with its equations",
+            source: include_str!("system.yaml"),
         },
         Template {
             name: "monte-carlo",

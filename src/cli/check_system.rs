@@ -1,0 +1,72 @@
+//! The system file of a study for `check`: its equations as they were read, and what the program can prove about its rest.
+
+use serde_json::Value;
+
+use crate::model::{Graph, Model};
+use crate::printed_table::text_table;
+use crate::study::Study;
+
+/// Returns the equations as lines of text; nothing for a kind of model that no file defines.
+pub(super) fn system_text(study: &Study) -> String {
+    let Some(source) = study.model().kind().source() else { return String::new() };
+    let mut rows: Vec<[String; 2]> = Vec::new();
+    for (name, coordinate) in entries(&source["coordinates"]) {
+        rows.push([format!("coordinate {name}"), in_words(coordinate)]);
+    }
+    for (row, columns) in entries(&source["mass"]) {
+        for (column, formula) in entries(columns) {
+            rows.push([format!("mass {row}, {column}"), in_words(formula)]);
+        }
+    }
+    for (name, formula) in entries(&source["force"]) {
+        rows.push([format!("force {name}"), in_words(formula)]);
+    }
+    for (name, contact) in entries(&source["contacts"]) {
+        rows.push([format!("contact {name}"), in_words(contact)]);
+    }
+    if let Some(period) = source.get("period") {
+        rows.push(["period".to_owned(), in_words(period)]);
+    }
+    rows.push(["rest".to_owned(), rest_in_words(study.model())]);
+    let rows: Vec<Vec<String>> =
+        rows.into_iter().map(|[name, text]| vec![String::new(), name, text]).collect();
+    format!("\nsystem ({})\n{}", study.model().kind().name, text_table(&rows, &[0, 1, 2]))
+}
+
+fn entries(map: &Value) -> impl Iterator<Item = (&String, &Value)> {
+    map.as_object().into_iter().flatten()
+}
+
+/// Returns a value as a study file may write it, on one line.
+fn in_words(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.split_whitespace().collect::<Vec<_>>().join(" "),
+        Value::Object(fields) => {
+            let each = fields.iter().map(|(key, value)| format!("{key}: {}", in_words(value)));
+            each.collect::<Vec<_>>().join(", ")
+        }
+        Value::Array(items) => {
+            format!("[{}]", items.iter().map(in_words).collect::<Vec<_>>().join(", "))
+        }
+        other => other.to_string(),
+    }
+}
+
+/// Returns whether a rest with all contacts sticking can be certified.
+fn rest_in_words(model: &Model) -> String {
+    let Some(system) = model.system() else { return String::new() };
+    let graph = Graph::of(system.as_ref());
+    let contacts = 0..system.contacts();
+    let without: Vec<String> = contacts
+        .filter(|contact| graph.speed_component(*contact).is_none())
+        .map(|contact| model.contact_in_words(contact))
+        .collect();
+    match without.is_empty() {
+        true => "certified where all contacts stick and cannot break loose again".to_owned(),
+        false => format!(
+            "not certified: the sliding speed of {} is not a constant and the rate of change of one coordinate, \
+             with the factor 1",
+            without.join(", ")
+        ),
+    }
+}

@@ -1,0 +1,369 @@
+//! Checks a system file as a whole: names, dimensions, and what each formula may depend on.
+
+use std::ptr;
+
+use super::definition::{COEFFICIENT, Definition, WrittenNormal, law_key};
+use super::dependence::Dependence;
+use super::dimensions::Measured;
+use super::evaluate::Bodies;
+use super::formula::{Dimension, Formula, FormulaFault, NONE, WHOLE};
+use super::instance::{FaultAt, Instance, with_index};
+use super::names::RESERVED;
+use crate::model;
+
+/// The largest numbers of coordinates and of contacts, of parameters, and of indices.
+const MOST_MEMBERS: usize = 64;
+const MOST_PARAMETERS: usize = 500;
+const MOST_INDICES: usize = 8;
+
+/// What a formula may depend on.
+#[derive(Clone, Copy)]
+enum Allowed {
+    Constants,
+    /// Positions and the time.
+    Positions,
+    /// Positions and the time, and linearly on rates of change.
+    LinearRates,
+    /// Anything but accelerations.
+    Anything,
+    /// Anything, and linearly on accelerations.
+    LinearAccelerations,
+}
+
+impl Allowed {
+    fn refuses(self, found: Dependence) -> Option<(&'static str, &'static str)> {
+        let rates = ("a formula with rates of change", "positions, parameters and the time");
+        let is_linear = matches!(self, Allowed::LinearAccelerations) && found.accelerations == 1;
+        if found.accelerations > 0 && !is_linear {
+            return Some((
+                "a formula with an acceleration",
+                "accelerations (two primes) only in the normal force of a contact, and linear there",
+            ));
+        }
+        match self {
+            Allowed::Constants if !found.is_constant() => Some((
+                "a formula that changes with the state or the time",
+                "parameters and numbers",
+            )),
+            Allowed::Positions if found.rates > 0 => Some(rates),
+            Allowed::LinearRates if found.rates > 1 => Some((
+                "a formula that is not linear in the rates of change",
+                "a sum of rates of change with factors of positions, parameters and the time",
+            )),
+            _ => None,
+        }
+    }
+}
+
+/// A formula with what is required of it.
+struct Use<'d> {
+    path: Vec<String>,
+    formula: &'d Formula,
+    allowed: Allowed,
+    dimension: Option<Dimension>,
+    bodies: Bodies,
+}
+
+/// `kg m²/s²`
+const ENERGY: Dimension = [WHOLE, 2 * WHOLE, -2 * WHOLE];
+const SECOND: Dimension = [0, 0, WHOLE];
+
+fn over(one: Dimension, other: Dimension) -> Dimension {
+    [one[0] - other[0], one[1] - other[1], one[2] - other[2]]
+}
+
+impl Definition {
+    /// Checks the system with the default numbers of bodies, and finds the dimension of each number in its formulas.
+    ///
+    /// # Errors
+    /// The first fault, with the path of its key.
+    pub fn check(&mut self) -> Result<(), FaultAt> {
+        self.check_names()?;
+        self.check_sizes()?;
+        let (found, all) = {
+            let definition: &Definition = self;
+            let instance = Instance::new(definition, |name| definition.default_count(name))?;
+            check_formulas(&instance)?
+        };
+        self.uses_time = all.time;
+        self.uses_accelerations = all.accelerations > 0;
+        if let Some(period) = self.period.as_ref().filter(|_| !all.time) {
+            let allowed = "no period: no formula contains the time t";
+            let fault = FormulaFault::new(0, "a period without the time", &period.text, allowed);
+            return Err((vec!["period".to_owned()], fault));
+        }
+        for formula in self.formulas_mut() {
+            if let Some((_, numbers)) = found.iter().find(|(one, _)| ptr::eq(*one, formula)) {
+                formula.numbers = numbers.iter().map(|one| one.unwrap_or(NONE)).collect();
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the default of a whole number; 1 for another parameter.
+    pub(super) fn default_count(&self, name: &str) -> i64 {
+        let parameter = self.parameters.iter().find(|one| one.name == name);
+        parameter.map_or(1, |one| one.value as i64)
+    }
+
+    fn formulas_mut(&mut self) -> impl Iterator<Item = &mut Formula> {
+        let mass = self.mass.iter_mut().map(|(_, formula)| formula);
+        let force = self.force.iter_mut().map(|(_, formula)| formula);
+        let starts = self.coordinates.iter_mut().flat_map(|one| one.start.iter_mut().flatten());
+        let contacts = self.contacts.iter_mut().flat_map(|contact| {
+            let normal = match &mut contact.normal {
+                WrittenNormal::Given(force) => force,
+                WrittenNormal::Gap(gap) => gap,
+            };
+            let friction = contact.friction.iter_mut();
+            let friction =
+                friction.flat_map(|law| [&mut law.coefficient].into_iter().chain(&mut law.values));
+            contact
+                .sliding
+                .iter_mut()
+                .chain([normal])
+                .chain(friction)
+                .chain(&mut contact.restitution)
+        });
+        mass.chain(force).chain(starts).chain(contacts).chain(&mut self.period)
+    }
+
+    /// Checks that the equations stay small with the largest numbers of bodies.
+    fn check_sizes(&self) -> Result<(), FaultAt> {
+        let most = |index: &Option<String>| {
+            let count = self.repeat.iter().find(|(known, _)| Some(known) == index.as_ref());
+            let own = |(_, count): &(String, String)| {
+                self.parameters.iter().find(|one| one.name == *count)?.most
+            };
+            count.and_then(own).unwrap_or(1)
+        };
+        let coordinates: usize = self.coordinates.iter().map(|one| most(&one.index)).sum();
+        let contacts: usize = self.contacts.iter().map(|one| most(&one.index)).sum();
+        let sizes = [
+            ("coordinates", coordinates, MOST_MEMBERS),
+            ("contacts", contacts, MOST_MEMBERS),
+            ("parameters", self.parameters.len(), MOST_PARAMETERS),
+            ("repeat", self.repeat.len(), MOST_INDICES),
+        ];
+        match sizes.into_iter().find(|(_, count, most)| count > most) {
+            Some((key, count, most)) => {
+                let found = format!("{count} {key}, with the largest numbers of bodies");
+                let fault =
+                    FormulaFault::new(0, "too large a system", found, format!("at most {most}"));
+                Err((vec![key.to_owned()], fault))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn check_names(&self) -> Result<(), FaultAt> {
+        let mut known: Vec<&str> = RESERVED.to_vec();
+        let parameters = self.parameters.iter().map(|one| ("parameters", one.name.as_str(), None));
+        let indices = self.repeat.iter().map(|(index, _)| ("repeat", index.as_str(), None));
+        let coordinates = self.coordinates.iter();
+        let coordinates =
+            coordinates.map(|one| ("coordinates", one.name.as_str(), one.index.as_deref()));
+        for (key, name, index) in parameters.chain(indices).chain(coordinates) {
+            let fault = |problem: &str, allowed: &str| {
+                let path = vec![key.to_owned(), with_index(name, index)];
+                (path, FormulaFault::new(0, problem, name, allowed))
+            };
+            if !is_name(name) {
+                return Err(fault("not a name", "letters, digits and _, with a letter first"));
+            }
+            if RESERVED.contains(&name) {
+                return Err(fault("a name with another meaning in formulas", "a name of its own"));
+            }
+            if known.contains(&name) {
+                return Err(fault("a name that is given twice", "one name for each thing"));
+            }
+            known.push(name);
+        }
+        let mut contacts: Vec<&str> = Vec::new();
+        for contact in &self.contacts {
+            let name = contact.name.as_str();
+            if !is_name(name) || contacts.contains(&name) {
+                let path = vec!["contacts".to_owned(), with_index(name, contact.index.as_deref())];
+                let allowed = "a name of its own, of letters, digits and _";
+                return Err((path, FormulaFault::new(0, "not a name of a contact", name, allowed)));
+            }
+            contacts.push(name);
+        }
+        Ok(())
+    }
+}
+
+fn is_name(name: &str) -> bool {
+    let is_part = |one: char| one.is_ascii_alphanumeric() || one == '_';
+    name.starts_with(|first: char| first.is_ascii_alphabetic()) && name.chars().all(is_part)
+}
+
+/// The dimensions of the numbers in each formula.
+type Numbers = Vec<(*const Formula, Vec<Option<Dimension>>)>;
+
+/// Checks all formulas; returns the dimensions of their numbers, and what any of them depends on.
+fn check_formulas(instance: &Instance<'_>) -> Result<(Numbers, Dependence), FaultAt> {
+    let mut found = Numbers::new();
+    let (mut terms, mut all) = (0, Dependence::default());
+    for one in uses(instance)? {
+        let Use { path, formula, allowed, dimension, mut bodies } = one;
+        let at = |fault: FormulaFault| (path.clone(), fault);
+        bodies.terms = terms;
+        let (found_here, mut values) = instance.analysed(formula, &mut bodies).map_err(at)?;
+        let depends = found_here.depends;
+        if let Some((problem, allowed)) = allowed.refuses(depends) {
+            return Err(at(FormulaFault::new(0, problem, formula.text.as_str(), allowed)));
+        }
+        all = all.with(depends);
+        if let Some(wanted) = dimension {
+            values.require(0, found_here.measured, wanted).map_err(at)?;
+        }
+        terms = bodies.terms;
+        let known = found.iter_mut().find(|(known, _)| ptr::eq(*known, formula));
+        let Some((_, known)) = known else {
+            found.push((ptr::from_ref(formula), values.numbers));
+            continue;
+        };
+        for (known, number) in known.iter_mut().zip(values.numbers) {
+            if known.is_some() && number.is_some() && *known != number {
+                let problem = "a formula with other dimensions for other bodies";
+                let allowed = "parameters with units in place of its numbers";
+                return Err(at(FormulaFault::new(0, problem, formula.text.as_str(), allowed)));
+            }
+            *known = known.or(number);
+        }
+    }
+    Ok((found, all))
+}
+
+/// Returns all formulas of a system, for each body.
+fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<Use<'d>>, FaultAt> {
+    let definition = instance.definition;
+    let path = |keys: &[&str]| keys.iter().map(|key| (*key).to_owned()).collect::<Vec<String>>();
+    let unit =
+        |number: usize| definition.coordinates[instance.coordinates[number].of].unit.dimension;
+    let mut all = Vec::new();
+    for member in &instance.coordinates {
+        let coordinate = &definition.coordinates[member.of];
+        let name = with_index(&coordinate.name, coordinate.index.as_deref());
+        let own = coordinate.unit.dimension;
+        let both = [("start", own), ("start_rate", over(own, SECOND))];
+        for (range, (key, dimension)) in coordinate.start.iter().zip(both) {
+            for (end, formula) in range.iter().enumerate() {
+                let mut path = path(&["coordinates", &name, key]);
+                path.push(format!("[{end}]"));
+                let bodies = instance.bound(coordinate.index.as_deref(), member.body);
+                let (allowed, dimension) = (Allowed::Constants, Some(dimension));
+                all.push(Use { path, formula, allowed, dimension, bodies });
+            }
+        }
+    }
+    let mut taken = Vec::new();
+    for ([row, column], formula) in &definition.mass {
+        let path = path(&["mass", &row.0.text, &column.0.text]);
+        let places = instance
+            .places([row, column])
+            .map_err(|(which, fault)| (path[..2 + which].to_vec(), fault))?;
+        for ([row, column], bodies) in places {
+            let pair = [row.min(column), row.max(column)];
+            if taken.contains(&pair) {
+                let allowed = "one entry for each pair of coordinates: the matrix is symmetric";
+                let fault = FormulaFault::new(0, "an entry that is given twice", &path[2], allowed);
+                return Err((path, fault));
+            }
+            taken.push(pair);
+            let dimension =
+                Some(over(over(over(ENERGY, unit(row)), unit(column)), [0, 0, -2 * WHOLE]));
+            let path = path.clone();
+            all.push(Use { path, formula, allowed: Allowed::Positions, dimension, bodies });
+        }
+    }
+    for (place, formula) in &definition.force {
+        let path = path(&["force", &place.0.text]);
+        let places = instance.places([place]).map_err(|(_, fault)| (path.clone(), fault))?;
+        for ([number], bodies) in places {
+            let dimension = Some(over(ENERGY, unit(number)));
+            let path = path.clone();
+            all.push(Use { path, formula, allowed: Allowed::Anything, dimension, bodies });
+        }
+    }
+    for number in 0..instance.contacts.len() {
+        let speed = instance.speed_dimension(number)?;
+        let (contact, bodies) = instance.contact(number);
+        let mut add =
+            |key: &str, formula: &'d Formula, allowed: Allowed, dimension: Option<Dimension>| {
+                let (path, bodies) = (instance.contact_path(number, key), bodies.clone());
+                all.push(Use { path, formula, allowed, dimension, bodies });
+            };
+        if let Some(sliding) = &contact.sliding {
+            add("sliding", sliding, Allowed::LinearRates, Some(speed));
+        }
+        let power = over(ENERGY, SECOND);
+        match &contact.normal {
+            WrittenNormal::Given(force) => {
+                add("normal", force, Allowed::LinearAccelerations, Some(over(power, speed)));
+            }
+            WrittenNormal::Gap(gap) => {
+                let length = [speed[0], speed[1], speed[2] + WHOLE];
+                add("gap", gap, Allowed::Positions, Some(length));
+            }
+        }
+        if let Some(friction) = &contact.friction {
+            let key = |name: &str| format!("friction.{}.{name}", friction.law.name());
+            add(&key(COEFFICIENT), &friction.coefficient, Allowed::Constants, Some(NONE));
+            for (parameter, formula) in friction.law.parameters().iter().zip(&friction.values) {
+                let dimension = match parameter.dimension {
+                    model::Dimension::Ratio => NONE,
+                    model::Dimension::SlidingSpeed { .. } => speed,
+                    model::Dimension::Drag => over(over(power, speed), speed),
+                };
+                add(&key(law_key(parameter)), formula, Allowed::Constants, Some(dimension));
+            }
+        }
+        for (key, formula) in
+            ["restitution", "tangential_restitution"].iter().zip(&contact.restitution)
+        {
+            add(key, formula, Allowed::Constants, Some(NONE));
+        }
+    }
+    if let Some(formula) = &definition.period {
+        let (allowed, bodies) = (Allowed::Constants, instance.bodies.clone());
+        all.push(Use {
+            path: path(&["period"]),
+            formula,
+            allowed,
+            dimension: Some(SECOND),
+            bodies,
+        });
+    }
+    Ok(all)
+}
+
+impl Instance<'_> {
+    /// Checks all formulas with the numbers of bodies of this system.
+    ///
+    /// # Errors
+    /// The first fault, with the path of its key.
+    pub fn check(&self) -> Result<(), FaultAt> {
+        check_formulas(self).map(|_| ())
+    }
+
+    /// Returns the dimension of the sliding speed of a contact, or of the rate of change of its gap.
+    ///
+    /// # Errors
+    /// A fault in the formula.
+    pub fn speed_dimension(&self, number: usize) -> Result<Dimension, FaultAt> {
+        let (contact, mut bodies) = self.contact(number);
+        let (key, formula) = match &contact.sliding {
+            Some(sliding) => ("sliding", sliding),
+            None => contact.normal.entry(),
+        };
+        let found = self.analysed(formula, &mut bodies);
+        let (found, _) = found.map_err(|fault| (self.contact_path(number, key), fault))?;
+        Ok(match (found.measured, key) {
+            (Measured::Known(dimension), "gap") => over(dimension, SECOND),
+            (Measured::Known(dimension), _) => dimension,
+            _ => NONE,
+        })
+    }
+}

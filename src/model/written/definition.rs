@@ -1,0 +1,144 @@
+//! A mechanical system as its file describes it.
+
+use super::formula::{Dimension, Formula};
+use crate::model::{Law, LawParameter};
+
+/// A mechanical system with formulas for its mass matrix, its forces and its contacts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Definition {
+    /// The name, in lower-case letters, digits and `_`.
+    pub name: String,
+    /// What it is, in a sentence.
+    pub meaning: String,
+    /// The parameters, in the order of the file.
+    pub parameters: Vec<WrittenParameter>,
+    /// The indices that count bodies, each with the whole number among the parameters that is the number of bodies.
+    pub repeat: Vec<(String, String)>,
+    /// The coordinates, in the order of the file.
+    pub coordinates: Vec<WrittenCoordinate>,
+    /// The entries of the mass matrix; the matrix is symmetric, and missing entries are 0.
+    pub mass: Vec<([Place; 2], Formula)>,
+    /// The forces; missing ones are 0.
+    pub force: Vec<(Place, Formula)>,
+    /// The contacts.
+    pub contacts: Vec<WrittenContact>,
+    /// The time after which the equations repeat.
+    pub period: Option<Formula>,
+    /// Whether a formula contains the time; [`Definition::check`] finds this.
+    pub uses_time: bool,
+    /// Whether a normal force contains an acceleration; [`Definition::check`] finds this.
+    pub uses_accelerations: bool,
+    /// The file as plain values, from which it can be read again.
+    pub source: serde_json::Value,
+}
+
+/// A unit of a system file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unit {
+    /// The SI unit, such as `N s/m`; `1` without a dimension.
+    pub si: String,
+    /// Its dimension.
+    pub dimension: Dimension,
+}
+
+/// A parameter of a system.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenParameter {
+    /// The name in formulas.
+    pub name: String,
+    /// Its unit.
+    pub unit: Unit,
+    /// The default, in the SI unit.
+    pub value: f64,
+    /// What it is, in a few words.
+    pub meaning: String,
+    /// The largest value of a whole number, which is the same for all runs of a study.
+    pub most: Option<usize>,
+}
+
+/// A coordinate, with its start range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenCoordinate {
+    /// The name in formulas.
+    pub name: String,
+    /// The index that counts the bodies with this coordinate.
+    pub index: Option<String>,
+    /// Its unit.
+    pub unit: Unit,
+    /// Whether it is an angle with a period of one turn.
+    pub periodic: bool,
+    /// What it is, in a few words.
+    pub meaning: String,
+    /// The default ranges of its start value and of its rate of change.
+    pub start: [[Formula; 2]; 2],
+}
+
+/// A name with the index of a body, such as `x[block + 1]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place(pub Formula);
+
+/// A contact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenContact {
+    /// The name.
+    pub name: String,
+    /// The index that counts the bodies with this contact.
+    pub index: Option<String>,
+    /// The sliding speed; none without friction.
+    pub sliding: Option<Formula>,
+    /// The force that presses the bodies together.
+    pub normal: WrittenNormal,
+    /// The law of friction; none without friction.
+    pub friction: Option<WrittenFriction>,
+    /// The coefficients of restitution, in the normal and in the tangential direction.
+    pub restitution: [Formula; 2],
+}
+
+/// The normal force of a contact.
+#[derive(Clone, Debug, PartialEq)]
+pub enum WrittenNormal {
+    /// It is given.
+    Given(Formula),
+    /// It keeps this distance from becoming negative.
+    Gap(Formula),
+}
+
+impl WrittenNormal {
+    /// Returns the key in the file, and the formula.
+    pub fn entry(&self) -> (&'static str, &Formula) {
+        match self {
+            WrittenNormal::Given(force) => ("normal", force),
+            WrittenNormal::Gap(gap) => ("gap", gap),
+        }
+    }
+}
+
+/// A law of friction with formulas for its coefficient and its parameters.
+#[derive(Clone, Debug)]
+pub struct WrittenFriction {
+    /// The law.
+    pub law: &'static dyn Law,
+    /// The (kinetic) coefficient; 0 for a law without it.
+    pub coefficient: Formula,
+    /// The other parameters, in the order of the law.
+    pub values: Vec<Formula>,
+}
+
+impl PartialEq for WrittenFriction {
+    fn eq(&self, other: &Self) -> bool {
+        (self.law.name(), &self.coefficient, &self.values)
+            == (other.law.name(), &other.coefficient, &other.values)
+    }
+}
+
+/// The key of the friction coefficient in a system file.
+pub const COEFFICIENT: &str = "coefficient";
+
+/// Returns the key of a parameter of a law in a system file.
+pub fn law_key(parameter: &LawParameter) -> &'static str {
+    match parameter.name {
+        "static_friction_coefficient" => "static_coefficient",
+        "viscous_coefficient_n_s_m" => "viscous_coefficient",
+        name => name,
+    }
+}

@@ -1,0 +1,200 @@
+//! Analyses formulas: dimensions, what they depend on, and the names in them. Each number gets the dimension of the terms around
+//! it.
+
+use super::dependence::Dependence;
+use super::evaluate::Values;
+use super::formula::{Dimension, FormulaFault, Function, NONE, Name, WHOLE};
+use super::names::Names;
+
+/// The dimension of a term; a number alone, by its place, fits any dimension.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Measured {
+    Known(Dimension),
+    Any(Vec<usize>),
+}
+
+/// The largest exponent of a unit, in twelfths.
+const HIGHEST: i32 = 1000 * WHOLE;
+
+/// The analysis of one formula.
+pub(super) struct Dimensions<'a> {
+    pub names: &'a Names,
+    /// The dimensions of the numbers found so far.
+    pub numbers: Vec<Option<Dimension>>,
+    /// Whether dimensions are checked: a system without any unit has none.
+    pub checks: bool,
+    /// The names that have appeared, in their order, with their bodies.
+    pub appearing: Vec<(String, Option<i64>)>,
+}
+
+/// What the analysis of a term finds.
+#[derive(Clone, Debug)]
+pub(super) struct Found {
+    pub measured: Measured,
+    pub depends: Dependence,
+}
+
+type Checked = Result<Found, FormulaFault>;
+
+impl Dimensions<'_> {
+    /// Gives a term this dimension.
+    ///
+    /// # Errors
+    /// A fault if it has another one.
+    pub fn require(
+        &mut self,
+        at: usize,
+        term: Measured,
+        wanted: Dimension,
+    ) -> Result<(), FormulaFault> {
+        match term {
+            Measured::Any(places) => {
+                for place in places {
+                    // Indices and numbers of bodies have no place.
+                    if let Some(dimension) = self.numbers.get_mut(place) {
+                        *dimension = Some(wanted);
+                    }
+                }
+                Ok(())
+            }
+            Measured::Known(found) if found == wanted || !self.checks => Ok(()),
+            Measured::Known(found) => {
+                let (found, wanted) = (in_words(found), in_words(wanted));
+                Err(FormulaFault::new(at, "another quantity", found, wanted))
+            }
+        }
+    }
+
+    /// Returns the dimension of a term; a number alone gets none.
+    ///
+    /// # Errors
+    /// None.
+    fn dimension(&mut self, at: usize, term: Measured) -> Result<Dimension, FormulaFault> {
+        match term {
+            Measured::Known(dimension) => Ok(dimension),
+            any => self.require(at, any, NONE).map(|()| NONE),
+        }
+    }
+}
+
+impl Values for Dimensions<'_> {
+    type Value = Found;
+
+    fn number(&mut self, _: f64, _: Dimension, place: usize) -> Found {
+        Found { measured: Measured::Any(vec![place]), depends: Dependence::default() }
+    }
+
+    fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Checked {
+        let (meaning, dimension) = self.names.find(at, name, body)?;
+        self.appearing.push((name.name.clone(), body));
+        Ok(Found { measured: Measured::Known(dimension), depends: Dependence::of(meaning) })
+    }
+
+    fn sum(&mut self, at: usize, terms: Vec<(bool, Found)>) -> Checked {
+        let depends = terms.iter().map(|(_, term)| term.depends).sum();
+        let known = terms.iter().find_map(|(_, term)| match term.measured {
+            Measured::Known(dimension) => Some(dimension),
+            Measured::Any(_) => None,
+        });
+        let Some(known) = known else {
+            let all = terms.into_iter().filter_map(|(_, term)| match term.measured {
+                Measured::Any(places) => Some(places),
+                Measured::Known(_) => None,
+            });
+            return Ok(Found { measured: Measured::Any(all.flatten().collect()), depends });
+        };
+        for (_, term) in terms {
+            self.require(at, term.measured, known).map_err(|fault| FormulaFault {
+                problem: "a sum of different quantities".into(),
+                ..fault
+            })?;
+        }
+        Ok(Found { measured: Measured::Known(known), depends })
+    }
+
+    fn product(&mut self, at: usize, factors: Vec<(bool, Found)>) -> Checked {
+        let (mut product, mut depends) = (NONE, Dependence::default());
+        for (over, factor) in factors {
+            depends = depends.times(over, factor.depends);
+            for (sum, exponent) in product.iter_mut().zip(self.dimension(at, factor.measured)?) {
+                *sum += if over { -exponent } else { exponent };
+                if sum.abs() > HIGHEST {
+                    return Err(FormulaFault::new(
+                        at,
+                        "too high a power",
+                        "a unit",
+                        "a lower power",
+                    ));
+                }
+            }
+        }
+        Ok(Found { measured: Measured::Known(product), depends })
+    }
+
+    fn power(&mut self, at: usize, base: Found, exponent: f64) -> Checked {
+        let dimension = self.dimension(at, base.measured)?;
+        if (2.0 * exponent).fract() != 0.0 || exponent.abs() > 100.0 {
+            let allowed = "a multiple of 1/2 up to 100, such as 3 or (1/2)";
+            return Err(FormulaFault::new(at, "an exponent", exponent.to_string(), allowed));
+        }
+        let twice = (2.0 * exponent) as i32;
+        let power = dimension.map(|one| one * twice / 2);
+        if power.iter().any(|one| one.abs() > HIGHEST) {
+            return Err(FormulaFault::new(at, "too high a power", "a unit", "a lower power"));
+        }
+        let depends = if exponent == 1.0 { base.depends } else { base.depends.curved() };
+        Ok(Found { measured: Measured::Known(power), depends })
+    }
+
+    fn call(&mut self, at: usize, function: Function, of: Found) -> Checked {
+        let dimension = match function {
+            Function::SquareRoot => self.dimension(at, of.measured)?.map(|one| one / 2),
+            _ => {
+                self.require(at, of.measured, NONE).map_err(|fault| FormulaFault {
+                    problem: "the argument of a function with a dimension".into(),
+                    ..fault
+                })?;
+                NONE
+            }
+        };
+        Ok(Found { measured: Measured::Known(dimension), depends: of.depends.curved() })
+    }
+}
+
+/// Units that have names.
+const NAMED: [(&str, Dimension); 12] = [
+    ("kg", [1, 0, 0]),
+    ("m", [0, 1, 0]),
+    ("s", [0, 0, 1]),
+    ("N", [1, 1, -2]),
+    ("N m", [1, 2, -2]),
+    ("N/m", [1, 0, -2]),
+    ("N s/m", [1, 0, -1]),
+    ("N m s", [1, 2, -1]),
+    ("kg m2", [1, 2, 0]),
+    ("m/s", [0, 1, -1]),
+    ("m/s2", [0, 1, -2]),
+    ("1/s", [0, 0, -1]),
+];
+
+/// Returns a dimension in words.
+fn in_words(dimension: Dimension) -> String {
+    if dimension == NONE { "no dimension".to_owned() } else { unit_of(dimension) }
+}
+
+/// Returns the SI unit of a dimension; `1` for none.
+pub(super) fn unit_of(dimension: Dimension) -> String {
+    if dimension == NONE {
+        return "1".to_owned();
+    }
+    let is_it = |(_, named): &&(&str, Dimension)| named.map(|one| one * WHOLE) == dimension;
+    if let Some((name, _)) = NAMED.iter().find(is_it) {
+        return (*name).to_owned();
+    }
+    let each = ["kg", "m", "s"].iter().zip(dimension).filter(|(_, exponent)| *exponent != 0);
+    let each = each.map(|(unit, exponent)| match exponent == WHOLE {
+        true => (*unit).to_owned(),
+        false => format!("{unit}^{}", f64::from(exponent) / f64::from(WHOLE)),
+    });
+    each.collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,264 @@
+//! What the values of the parameters say about a system of a file: whether it is sound, its friction, and its start states.
+
+use std::sync::Arc;
+
+use super::definition::{COEFFICIENT, Definition};
+use super::formula::{Dimension, Formula, FormulaFault, NONE, WHOLE};
+use super::instance::Instance;
+use super::numeric::Numeric;
+use super::scales::Scales;
+use super::sizes::Sizes;
+use super::system::WrittenSystem;
+use super::velocities::SpeedOf;
+use crate::model::invalid_parameter::{invalid, not_negative};
+use crate::model::{FrictionLaw, ImpactLaw, InvalidParameter, SlidingSpeed};
+
+/// A system with values of its parameters.
+pub(super) struct Examined {
+    /// The system without dimensions.
+    pub system: Arc<WrittenSystem>,
+    pub scales: Scales,
+    /// The dimension of the sliding speed of each contact.
+    pub speeds: Vec<Dimension>,
+    /// The first value without physical meaning.
+    pub sound: Result<(), InvalidParameter>,
+}
+
+impl Examined {
+    /// Examines a system with these values of its parameters, in SI units; `number` is that of its definition.
+    ///
+    /// # Errors
+    /// A fault that the check has found before, or one of other numbers of bodies.
+    pub fn new(
+        instance: Instance<'static>,
+        number: usize,
+        values: &[f64],
+    ) -> Result<Self, FormulaFault> {
+        let definition = instance.definition;
+        let period = definition.period.as_ref().map(|formula| instance.constant(formula, values));
+        let period = period.transpose()?;
+        let Sizes { middle, has_sound_mass, rates, scales } = instance.sizes(values, period)?;
+        let speeds = (0..instance.contacts.len())
+            .map(|number| instance.speed_dimension(number).map_err(|(_, fault)| fault))
+            .collect::<Result<Vec<_>, _>>()?;
+        let second = scales.unit([0, 0, WHOLE]);
+        let (mut friction, mut impacts, mut sound) = (Vec::new(), Vec::new(), Ok(()));
+        for (number, speed) in speeds.iter().enumerate() {
+            let (law, coefficient) = instance.law(number, values)?;
+            let impact = instance.impact_law(number, values)?;
+            sound = sound.and_then(|()| check_contact(&law, coefficient, impact));
+            let speed = scales.unit(*speed);
+            let drag = scales.unit([WHOLE, 2 * WHOLE, -3 * WHOLE]) / (speed * speed);
+            friction.push(law.contact(coefficient, speed, drag));
+            impacts.push(impact);
+        }
+        if !has_sound_mass {
+            let found = "not positive definite in the middle of the start ranges";
+            sound =
+                Err(invalid("mass", found, "a symmetric matrix with positive kinetic energies"));
+        }
+        if let Some(period) = period.filter(|period| !(period.is_finite() && *period > 0.0)) {
+            sound = Err(invalid("period", &period.to_string(), "a positive, finite time"));
+        }
+        if let (Some(period), true) = (period, sound.is_ok())
+            && !instance.repeats(values, &middle, period)?
+        {
+            let found = period.to_string();
+            sound = Err(invalid("period", &found, "the time after which all formulas repeat"));
+        }
+        let parameters = definition.parameters.iter().zip(values);
+        let scaled: Vec<f64> =
+            parameters.map(|(one, value)| value / scales.unit(one.unit.dimension)).collect();
+        let largest_force = instance.largest_force(&scaled, scales, &middle)?;
+        let named = instance.parameters(&scaled);
+        let numeric = Numeric { scales, parameters: &named, coordinates: &[], time: 0.0 };
+        let speed_of = instance.choose_velocities(numeric)?;
+        let system = WrittenSystem {
+            number,
+            friction,
+            impacts,
+            period: period.map(|period| period / second),
+            speeds: speed_of,
+            rates: rates.map(|rate| rate * second),
+            largest_force,
+            values: scaled,
+            scales,
+            instance,
+        };
+        Ok(Examined { system: Arc::new(system), scales, speeds, sound })
+    }
+
+    /// Returns a start state in the components of the system: positions, velocities, and the time if the equations contain it.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    pub fn start_state(&self, start: &[f64]) -> Result<Vec<f64>, FormulaFault> {
+        let WrittenSystem { instance, scales, values, speeds, .. } = &*self.system;
+        let (positions, rates) = start.split_at(instance.coordinates.len().min(start.len()));
+        let state: Vec<[f64; 2]> =
+            positions.iter().zip(rates).map(|(position, rate)| [*position, *rate]).collect();
+        let state = instance.scaled(*scales, &state);
+        let parameters = instance.parameters(values);
+        let coordinates = instance.named(|number| state[number]);
+        let mut numeric = Numeric {
+            scales: *scales,
+            parameters: &parameters,
+            coordinates: &coordinates,
+            time: 0.0,
+        };
+        let mut velocities: Vec<f64> = state.iter().map(|[_, rate]| *rate).collect();
+        for (number, speed) in speeds.iter().enumerate() {
+            let (contact, mut bodies) = instance.contact(number);
+            if let (SpeedOf::Velocity(place), Some(sliding)) = (speed, &contact.sliding) {
+                velocities[*place] = bodies.evaluate(sliding, &mut numeric)?;
+            }
+        }
+        let clock = instance.definition.uses_time.then_some(0.0);
+        Ok(state.iter().map(|[position, _]| *position).chain(velocities).chain(clock).collect())
+    }
+}
+
+/// Checks the values of a contact.
+///
+/// # Errors
+/// The first value without physical meaning.
+fn check_contact(
+    law: &FrictionLaw,
+    coefficient: f64,
+    impact: ImpactLaw,
+) -> Result<(), InvalidParameter> {
+    not_negative(COEFFICIENT, coefficient)?;
+    law.validate(coefficient, SlidingSpeed::MS)?;
+    let both = [impact.restitution, impact.tangential_restitution];
+    match both.iter().find(|one| !(0.0..=1.0).contains(*one)) {
+        Some(found) => Err(invalid("restitution", &found.to_string(), "a number from 0 to 1")),
+        None => Ok(()),
+    }
+}
+
+impl Instance<'_> {
+    /// Returns the law of friction of a contact and its coefficient, in SI units.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    fn law(&self, number: usize, values: &[f64]) -> Result<(FrictionLaw, f64), FormulaFault> {
+        let Some(friction) = &self.contact(number).0.friction else {
+            // No force, and no stick either.
+            return Ok((FrictionLaw::viscous(0.0), 0.0));
+        };
+        let constant = |formula: &Formula| self.constant(formula, values);
+        let own = friction.values.iter().map(constant).collect::<Result<Vec<_>, _>>()?;
+        Ok((FrictionLaw::new(friction.law, &own), constant(&friction.coefficient)?))
+    }
+
+    /// Returns the law of impact of a contact.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    fn impact_law(&self, number: usize, values: &[f64]) -> Result<ImpactLaw, FormulaFault> {
+        let [normal, tangential] = &self.contact(number).0.restitution;
+        Ok(ImpactLaw {
+            restitution: self.constant(normal, values)?,
+            tangential_restitution: self.constant(tangential, values)?,
+            ..ImpactLaw::default()
+        })
+    }
+
+    /// Returns the largest force in the middle of the start ranges, without dimensions.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    fn largest_force(
+        &self,
+        scaled: &[f64],
+        scales: Scales,
+        middle: &[[f64; 2]],
+    ) -> Result<f64, FormulaFault> {
+        let (parameters, middle) = (self.parameters(scaled), self.scaled(scales, middle));
+        let coordinates = self.named(|number| middle[number]);
+        let mut numeric =
+            Numeric { scales, parameters: &parameters, coordinates: &coordinates, time: 0.0 };
+        let (_, mut forces) = self.mass_and_forces(&mut numeric)?;
+        for number in 0..self.contacts.len() {
+            let (contact, mut bodies) = self.contact(number);
+            if let ("normal", force) = contact.normal.entry() {
+                forces.push(bodies.evaluate(force, &mut numeric)?);
+            }
+        }
+        Ok(forces.into_iter().map(f64::abs).filter(|one| one.is_finite()).fold(0.0, f64::max))
+    }
+
+    /// Returns whether the equations in a state are the same after a time.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    fn repeats(
+        &self,
+        values: &[f64],
+        state: &[[f64; 2]],
+        period: f64,
+    ) -> Result<bool, FormulaFault> {
+        let at = |time: f64| -> Result<Vec<f64>, FormulaFault> {
+            let (parameters, coordinates) =
+                (self.parameters(values), self.named(|number| state[number]));
+            let mut numeric = Numeric {
+                scales: Scales::default(),
+                parameters: &parameters,
+                coordinates: &coordinates,
+                time,
+            };
+            let (mass, mut all) = self.mass_and_forces(&mut numeric)?;
+            all.extend(mass.into_iter().flatten());
+            for number in 0..self.contacts.len() {
+                let (contact, mut bodies) = self.contact(number);
+                for formula in contact.sliding.iter().chain([contact.normal.entry().1]) {
+                    all.push(bodies.evaluate(formula, &mut numeric)?);
+                }
+            }
+            Ok(all)
+        };
+        for part in [0.1, 0.37, 0.83] {
+            let [now, later] = [at(part * period)?, at((part + 1.0) * period)?];
+            let size = now.iter().chain(&later).fold(0.0_f64, |size, one| size.max(one.abs()));
+            if now.iter().zip(&later).any(|(now, later)| (now - later).abs() > 1e-9 * size) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Returns positions and rates in the units of the motion.
+    fn scaled(&self, scales: Scales, state: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        let members = self.coordinates.iter().zip(state);
+        let scaled = members.map(|(member, [position, rate])| {
+            let [mass, length, time] = self.definition.coordinates[member.of].unit.dimension;
+            let rate_unit = scales.unit([mass, length, time - WHOLE]);
+            [position / scales.unit([mass, length, time]), rate / rate_unit]
+        });
+        scaled.collect()
+    }
+
+    /// Returns the value of a formula of parameters.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    fn constant(&self, formula: &Formula, values: &[f64]) -> Result<f64, FormulaFault> {
+        let parameters = self.parameters(values);
+        let mut numeric = Numeric {
+            scales: Scales::default(),
+            parameters: &parameters,
+            coordinates: &[],
+            time: 0.0,
+        };
+        self.bodies.clone().evaluate(formula, &mut numeric)
+    }
+}
+
+impl Definition {
+    /// Returns whether a coordinate or a parameter has a unit, so that dimensions are checked.
+    pub(super) fn has_units(&self) -> bool {
+        let coordinates = self.coordinates.iter().map(|one| &one.unit);
+        let mut units = coordinates.chain(self.parameters.iter().map(|one| &one.unit));
+        units.any(|unit| unit.dimension != NONE)
+    }
+}

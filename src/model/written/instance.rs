@@ -1,0 +1,215 @@
+//! A system with certain numbers of bodies: its coordinates, contacts and equations, one by one.
+
+use super::definition::{Definition, Place, WrittenContact};
+use super::dependence::Dependence;
+use super::dimensions::{Dimensions, Found};
+use super::evaluate::Bodies;
+use super::formula::{Content, Formula, FormulaFault, Name, Term};
+use super::names::{Names, place_of};
+
+/// One of the coordinates or contacts of a definition, and the body that it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Member {
+    /// The place in the definition.
+    pub of: usize,
+    pub body: Option<i64>,
+}
+
+/// A system with its bodies.
+#[derive(Clone, Debug)]
+pub(super) struct Instance<'d> {
+    pub definition: &'d Definition,
+    pub bodies: Bodies,
+    pub names: Names,
+    pub coordinates: Vec<Member>,
+    pub contacts: Vec<Member>,
+    /// The coordinate that results show as the position of each contact.
+    pub positions: Vec<usize>,
+}
+
+/// The numbers of coordinates, with the bodies that they are meant for.
+type Places<const N: usize> = Vec<([usize; N], Bodies)>;
+
+/// The path of a key in a system file, and what is wrong there.
+pub type FaultAt = (Vec<String>, FormulaFault);
+
+impl<'d> Instance<'d> {
+    /// Creates the system; `count` returns the value of a whole number among the parameters.
+    ///
+    /// # Errors
+    /// The first fault of a sliding speed or of the place of an entry.
+    pub fn new(definition: &'d Definition, count: impl Fn(&str) -> i64) -> Result<Self, FaultAt> {
+        let counts = definition.parameters.iter().filter(|one| one.most.is_some());
+        let counts: Vec<_> = counts.map(|one| (one.name.clone(), count(&one.name))).collect();
+        let indices = definition.repeat.iter().map(|(index, of)| (index.clone(), count(of)));
+        let bodies = Bodies { indices: indices.collect(), counts, ..Bodies::default() };
+        let names = Names::of(definition, &bodies);
+        let members = |index: &Option<String>, of: usize| -> Vec<Member> {
+            match index.as_ref().and_then(|index| bodies.of(index)) {
+                Some(count) => (1..=count).map(|body| Member { of, body: Some(body) }).collect(),
+                None => vec![Member { of, body: None }],
+            }
+        };
+        let coordinates = definition.coordinates.iter().enumerate();
+        let contacts = definition.contacts.iter().enumerate();
+        let mut instance = Instance {
+            coordinates: coordinates.flat_map(|(of, one)| members(&one.index, of)).collect(),
+            contacts: contacts.flat_map(|(of, one)| members(&one.index, of)).collect(),
+            positions: Vec::new(),
+            definition,
+            names,
+            bodies,
+        };
+        // A contact with few coordinates chooses first, so that results show many of them.
+        let mut candidates = Vec::new();
+        for number in 0..instance.contacts.len() {
+            let (contact, bodies) = instance.contact(number);
+            let formulas = contact.sliding.iter().map(|one| ("sliding", one));
+            let mut named = Vec::new();
+            for (key, formula) in formulas.chain([contact.normal.entry()]) {
+                let found = instance.analysed(formula, &mut bodies.clone());
+                let fault = |fault| (instance.contact_path(number, key), fault);
+                named.extend(found.map_err(fault)?.1.appearing);
+            }
+            let numbers = named.iter().filter_map(|(name, body)| instance.number_of(name, *body));
+            let mut numbers: Vec<usize> = numbers.collect();
+            let mut seen = Vec::new();
+            numbers.retain(|one| {
+                !seen.contains(one) && {
+                    seen.push(*one);
+                    true
+                }
+            });
+            candidates.push((number, numbers));
+        }
+        candidates.sort_by_key(|(_, numbers)| numbers.len());
+        let mut positions = vec![None; candidates.len()];
+        for (number, numbers) in candidates {
+            let is_new = |one: &&usize| !positions.contains(&Some(**one));
+            positions[number] = numbers.iter().find(is_new).or(numbers.first()).copied();
+        }
+        instance.positions = positions.into_iter().map(|one| one.unwrap_or(0)).collect();
+        Ok(instance)
+    }
+
+    /// Returns the definition of a contact, with the body that it belongs to.
+    pub fn contact(&self, number: usize) -> (&'d WrittenContact, Bodies) {
+        let Member { of, body } = self.contacts[number];
+        let contact = &self.definition.contacts[of];
+        (contact, self.bound(contact.index.as_deref(), body))
+    }
+
+    /// Returns the path of a key of a contact in the file.
+    pub fn contact_path(&self, number: usize, key: &str) -> Vec<String> {
+        let contact = &self.definition.contacts[self.contacts[number].of];
+        vec![
+            "contacts".to_owned(),
+            with_index(&contact.name, contact.index.as_deref()),
+            key.to_owned(),
+        ]
+    }
+
+    /// Returns the bodies with the number that an index has.
+    pub fn bound(&self, index: Option<&str>, body: Option<i64>) -> Bodies {
+        let mut bodies = self.bodies.clone();
+        bodies.bound.extend(index.map(str::to_owned).zip(body));
+        bodies
+    }
+
+    /// Returns the number of a coordinate.
+    pub fn number_of(&self, name: &str, body: Option<i64>) -> Option<usize> {
+        let is_it =
+            |one: &Member| self.definition.coordinates[one.of].name == name && one.body == body;
+        self.coordinates.iter().position(is_it)
+    }
+
+    /// Returns whether the sliding speed of a contact has the same factors of the rates of change in all states.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    pub fn has_constant_factors(&self, contact: usize) -> Result<bool, FormulaFault> {
+        let (contact, mut bodies) = self.contact(contact);
+        let Some(sliding) = &contact.sliding else { return Ok(false) };
+        let (found, _) = self.analysed(sliding, &mut bodies)?;
+        Ok(found.depends == Dependence { rates: 1, ..Dependence::default() })
+    }
+
+    /// Analyses a formula.
+    ///
+    /// # Errors
+    /// The first fault in it.
+    pub fn analysed(
+        &self,
+        formula: &Formula,
+        bodies: &mut Bodies,
+    ) -> Result<(Found, Dimensions<'_>), FormulaFault> {
+        let mut values = Dimensions {
+            names: &self.names,
+            numbers: vec![None; formula.numbers.len()],
+            checks: self.definition.has_units(),
+            appearing: Vec::new(),
+        };
+        Ok((bodies.evaluate(formula, &mut values)?, values))
+    }
+
+    /// Returns the coordinates of places such as `x[block]` with the bodies for which all of them exist.
+    ///
+    /// # Errors
+    /// A fault if a name is not a coordinate, or if a place without an index does not exist.
+    pub fn places<const N: usize>(
+        &self,
+        places: [&Place; N],
+    ) -> Result<Places<N>, (usize, FormulaFault)> {
+        let indices = self.definition.repeat.iter().map(|(index, _)| index.as_str());
+        let index =
+            indices.into_iter().find(|index| places.iter().any(|one| mentions(&one.0, index)));
+        let last = index.map_or(1, |index| self.bodies.of(index).unwrap_or(0));
+        let mut all = Vec::new();
+        'bodies: for body in 1..=last {
+            let bodies = self.bound(index, index.map(|_| body));
+            let mut numbers = [0; N];
+            for (which, place) in places.iter().enumerate() {
+                let (name, of) = place_of(&place.0, &bodies).map_err(|fault| (which, fault))?;
+                let known = self.definition.coordinates.iter().find(|one| one.name == name);
+                match (self.number_of(&name, of), known) {
+                    (Some(number), _) => numbers[which] = number,
+                    (None, Some(_)) if index.is_some() && of.is_some() => continue 'bodies,
+                    _ => {
+                        let meaning = Name { name, primes: 0, body: None };
+                        let fault = self.names.find(0, &meaning, of).err();
+                        let other = || {
+                            FormulaFault::new(0, "not a coordinate", &place.0.text, "a coordinate")
+                        };
+                        return Err((which, fault.unwrap_or_else(other)));
+                    }
+                }
+            }
+            all.push((numbers, bodies));
+        }
+        Ok(all)
+    }
+}
+
+/// Returns a name with its index, as the file writes it.
+pub(super) fn with_index(name: &str, index: Option<&str>) -> String {
+    index.map_or_else(|| name.to_owned(), |index| format!("{name}[{index}]"))
+}
+
+/// Returns whether the body of a place depends on an index.
+fn mentions(place: &Formula, index: &str) -> bool {
+    fn in_term(term: &Term, index: &str) -> bool {
+        match &term.content {
+            Content::Name(name) => {
+                name.name == index || name.body.as_ref().is_some_and(|body| in_term(body, index))
+            }
+            Content::Sum(parts) | Content::Product(parts) => {
+                parts.iter().any(|(_, part)| in_term(part, index))
+            }
+            _ => false,
+        }
+    }
+    match &place.root.content {
+        Content::Name(Name { body: Some(body), .. }) => in_term(body, index),
+        _ => false,
+    }
+}

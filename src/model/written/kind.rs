@@ -1,0 +1,283 @@
+//! The kind of model that a system file defines.
+
+use std::cell::RefCell;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::definition::Definition;
+use super::dimensions::unit_of;
+use super::evaluate::Counts;
+use super::examined::Examined;
+use super::formula::{Dimension, FormulaFault, WHOLE};
+use super::instance::Instance;
+use super::sizes::ranges;
+use crate::model::coordinate::unit_ending;
+use crate::model::invalid_parameter::invalid;
+use crate::model::kind::member_name;
+use crate::model::{
+    Bound, Capabilities, Components, ContactNames, ContactUnits, Coordinate, DefaultModel, Field,
+    InvalidParameter, ModelKind, OwnKind, OwnModel, ParameterDescriptor, SlidingSpeed, System,
+    Units,
+};
+
+/// What a kind of model of a file computes, with the texts that a process keeps.
+struct WrittenKind {
+    definition: &'static Definition,
+    /// A number for each definition of the process.
+    number: usize,
+    /// For each coordinate of the definition, its position and its rate of change.
+    coordinates: Vec<[StartName; 2]>,
+    /// The numbers of bodies for which all formulas have been checked.
+    sound: Mutex<Vec<Counts>>,
+}
+
+/// A coordinate of a start state for all bodies together.
+struct StartName {
+    /// The name in study files, with its unit.
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+}
+
+/// All definitions of the process. A definition is kept for the life of the process, as all kinds of models are.
+static KINDS: Mutex<Vec<(&'static WrittenKind, &'static ModelKind)>> = Mutex::new(Vec::new());
+
+/// A definition's number, values of its parameters, and what they say about the system.
+type Latest = (usize, Vec<f64>, Arc<Examined>);
+
+/// How many are kept in each thread.
+const MOST_KEPT: usize = 4;
+
+thread_local! {
+    static LATEST: RefCell<Vec<Latest>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Begins the names by which a program calls kinds of files: different systems may have one name.
+pub const WRITTEN: char = '#';
+
+/// Returns the kind of model of a definition, which has been checked, and a name of this kind that no other has in this
+/// process. Equal definitions give the same kind.
+pub fn written_kind(definition: Definition) -> (&'static ModelKind, String) {
+    let mut all = KINDS.lock().unwrap_or_else(PoisonError::into_inner);
+    let number = all.iter().position(|(known, _)| *known.definition == definition);
+    let number = number.unwrap_or_else(|| {
+        let number = all.len();
+        all.push(leaked(definition, number));
+        number
+    });
+    (all[number].1, format!("{WRITTEN}{number}"))
+}
+
+/// Returns the kind of a file with this name of [`written_kind`].
+pub(in crate::model) fn written_kind_named(name: &str) -> Option<&'static ModelKind> {
+    let number: usize = name.strip_prefix(WRITTEN)?.parse().ok()?;
+    let all = KINDS.lock().unwrap_or_else(PoisonError::into_inner);
+    all.get(number).map(|(_, kind)| *kind)
+}
+
+fn kept(text: String) -> &'static str {
+    Box::leak(text.into_boxed_str())
+}
+
+fn leaked(definition: Definition, number: usize) -> (&'static WrittenKind, &'static ModelKind) {
+    let definition: &'static Definition = Box::leak(Box::new(definition));
+    let parameters = definition.parameters.iter().map(|one| ParameterDescriptor {
+        name: kept(format!("{}{}", one.name, unit_ending(&one.unit.si))),
+        unit: &one.unit.si,
+        meaning: &one.meaning,
+        field: match one.most {
+            Some(most) => Field::Count { default: one.value as usize, most },
+            None => Field::Own { default: one.value, bound: Bound::None },
+        },
+    });
+    let coordinates = definition.coordinates.iter().map(|one| {
+        let unit = one.unit.si.as_str();
+        let rate = match (definition.has_units(), unit) {
+            (false, _) => "1",
+            (true, "1") => "1/s",
+            (true, unit) => kept(format!("{unit}/s")),
+        };
+        let of = if one.meaning.is_empty() { &one.name } else { &one.meaning };
+        let name = |stem: String, unit: &str| kept(stem + &unit_ending(unit));
+        let position = StartName {
+            name: name(one.name.clone(), unit),
+            unit,
+            meaning: kept(format!("start value: {of}")),
+        };
+        let velocity = StartName {
+            name: name(format!("{}_rate", one.name), rate),
+            unit: rate,
+            meaning: kept(format!("rate of change at the start: {of}")),
+        };
+        [position, velocity]
+    });
+    let own: &'static WrittenKind = Box::leak(Box::new(WrittenKind {
+        coordinates: coordinates.collect(),
+        sound: Mutex::default(),
+        definition,
+        number,
+    }));
+    let kind = ModelKind {
+        name: &definition.name,
+        meaning: &definition.meaning,
+        parameters: Box::leak(parameters.collect::<Vec<_>>().into_boxed_slice()),
+        body: "contact",
+        sliding_speed: SlidingSpeed::MS,
+        offers: Capabilities::MOTION,
+        default: DefaultModel::Own(own),
+    };
+    (own, Box::leak(Box::new(kind)))
+}
+
+impl WrittenKind {
+    /// Returns the system with the numbers of bodies of a model.
+    ///
+    /// # Errors
+    /// The first fault of a formula with these numbers of bodies.
+    fn instance(&self, model: &OwnModel) -> Result<Instance<'static>, FormulaFault> {
+        let count = |name: &str| self.value(model, name) as i64;
+        let instance = Instance::new(self.definition, count).map_err(|(_, fault)| fault)?;
+        let mut sound = self.sound.lock().unwrap_or_else(PoisonError::into_inner);
+        if !sound.contains(&instance.bodies.counts) {
+            instance.check().map_err(|(_, fault)| fault)?;
+            sound.push(instance.bodies.counts.clone());
+        }
+        Ok(instance)
+    }
+
+    /// Returns the value of a parameter by its name in formulas.
+    fn value(&self, model: &OwnModel, name: &str) -> f64 {
+        let own = self.definition.parameters.iter().position(|one| one.name == name);
+        own.map_or(f64::NAN, |own| model.values()[own])
+    }
+
+    /// Returns what the values of a model say about the system. The latest ones of each thread are kept, because all runs at one
+    /// point have the same values.
+    fn examined(&self, model: &OwnModel) -> Result<Arc<Examined>, FormulaFault> {
+        LATEST.with_borrow_mut(|latest| {
+            let is_it =
+                |(number, values, _): &Latest| *number == self.number && values == model.values();
+            if let Some((.., known)) = latest.iter().find(|one| is_it(one)) {
+                return Ok(Arc::clone(known));
+            }
+            let own = Arc::new(Examined::new(self.instance(model)?, self.number, model.values())?);
+            latest.truncate(MOST_KEPT - 1);
+            latest.insert(0, (self.number, model.values().to_vec(), Arc::clone(&own)));
+            Ok(own)
+        })
+    }
+
+    /// Returns a part of a model that has been validated.
+    fn part<T: Default>(part: Result<T, FormulaFault>) -> T {
+        // A model is validated before it is simulated; what has a fault has no coordinates.
+        part.unwrap_or_default()
+    }
+}
+
+impl OwnKind for WrittenKind {
+    fn source(&self) -> Option<&serde_json::Value> {
+        Some(&self.definition.source)
+    }
+
+    fn validate(&self, model: &OwnModel) -> Result<(), InvalidParameter> {
+        let refuse = |fault: FormulaFault| {
+            let found = format!("{}: {}", fault.problem, fault.found);
+            invalid("system", &found, "numbers of bodies for which all formulas exist")
+        };
+        let examined = self.examined(model).map_err(refuse)?;
+        examined.sound.clone()
+    }
+
+    fn coordinates(&self, model: &OwnModel) -> Vec<Coordinate> {
+        let all = self.instance(model).and_then(|instance| {
+            let ranges = ranges(&instance, model.values())?;
+            let one = |which: usize| {
+                let members = instance.coordinates.iter().zip(&ranges);
+                members.map(move |(member, range)| {
+                    let StartName { name, unit, meaning } = &self.coordinates[member.of][which];
+                    match member.body {
+                        Some(body) => {
+                            Coordinate::of_body(name, body as usize, unit, meaning, range[which])
+                        }
+                        None => Coordinate::new(*name, unit, meaning, range[which]),
+                    }
+                })
+            };
+            Ok(one(0).chain(one(1)).collect())
+        });
+        Self::part(all)
+    }
+
+    fn units(&self, model: &OwnModel) -> Units {
+        let Ok(examined) = self.examined(model) else { return Units::default() };
+        let Examined { scales, speeds, system, .. } = &*examined;
+        let instance = &system.instance;
+        let unit = |dimension: Dimension| scales.unit(dimension);
+        let power = unit([WHOLE, 2 * WHOLE, -3 * WHOLE]);
+        let contact = |(number, speed): (&usize, &Dimension)| {
+            let member = instance.coordinates[*number];
+            let position = &self.definition.coordinates[member.of].unit;
+            let sliding_speed = unit(*speed);
+            ContactUnits {
+                position: unit(position.dimension),
+                has_amplitude: position.si == "m" || position.si == "1",
+                sliding_speed,
+                force_n: power / sliding_speed,
+            }
+        };
+        Units {
+            natural_rad_s: 1.0 / unit([0, 0, WHOLE]),
+            length_m: unit([0, WHOLE, 0]),
+            contacts: instance.positions.iter().zip(speeds).map(contact).collect(),
+            disc_rad_s: 0.0,
+            ground_m_s: 0.0,
+        }
+    }
+
+    fn highest_frequency_rad_s(&self, model: &OwnModel) -> f64 {
+        let examined = self.examined(model);
+        examined.map_or(f64::NAN, |one| one.system.rates[0] / one.scales.unit([0, 0, WHOLE]))
+    }
+
+    fn system(&self, model: &OwnModel) -> Arc<dyn System> {
+        match self.examined(model) {
+            Ok(examined) => Arc::clone(&examined.system) as Arc<dyn System>,
+            // A model is validated before it is simulated.
+            Err(fault) => panic!("a model that has not been validated: {fault:?}"),
+        }
+    }
+
+    fn start_state(&self, model: &OwnModel, start: &[f64]) -> Components {
+        let state = self.examined(model).and_then(|one| one.start_state(start));
+        Self::part(state).into()
+    }
+
+    fn contact_names(&self, model: &OwnModel) -> Option<Vec<ContactNames>> {
+        let instance = self.instance(model).ok()?;
+        let name = |number: usize| {
+            let member = instance.contacts[number];
+            let contact = &self.definition.contacts[member.of];
+            let numbered = |name: &str, unit: &str, body: Option<i64>| match body {
+                Some(body) => member_name(name, unit, body as usize),
+                None => name.to_owned(),
+            };
+            let position = instance.coordinates[instance.positions[number]];
+            let [start, rate] = &self.coordinates[position.of];
+            let speed = instance.speed_dimension(number).ok()?;
+            let power = [WHOLE, 2 * WHOLE, -3 * WHOLE];
+            let force = [0, 1, 2].map(|place| power[place] - speed[place]);
+            let has_units = self.definition.has_units();
+            let unit = |dimension| match has_units {
+                true => unit_of(dimension),
+                false => "1".to_owned(),
+            };
+            Some(ContactNames {
+                contact: numbered(&contact.name, "1", member.body),
+                position: (numbered(start.name, start.unit, position.body), start.unit),
+                rate: (numbered(rate.name, rate.unit, position.body), rate.unit),
+                speed_unit: unit(speed).replace("1/s", "rad/s"),
+                force_unit: unit(force),
+            })
+        };
+        (0..instance.contacts.len()).map(name).collect()
+    }
+}

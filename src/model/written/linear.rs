@@ -1,0 +1,105 @@
+//! Sliding speeds as linear functions of the rates of change.
+
+use super::evaluate::Values;
+use super::formula::{Dimension, FormulaFault, Function, Name};
+use super::instance::Instance;
+use super::numeric::{Numeric, Quantity};
+
+/// A constant and the factors of rates of change, by the numbers of their coordinates.
+#[derive(Clone, Debug)]
+pub(super) struct Linear<T> {
+    pub constant: T,
+    pub factors: Vec<(usize, T)>,
+}
+
+impl<T: Quantity> Linear<T> {
+    fn constant(constant: T) -> Self {
+        Linear { constant, factors: Vec::new() }
+    }
+
+    fn map(self, change: impl Fn(T) -> T) -> Self {
+        let factors = self.factors.into_iter().map(|(of, factor)| (of, change(factor)));
+        Linear { constant: change(self.constant), factors: factors.collect() }
+    }
+
+    fn plus(mut self, other: Self) -> Self {
+        self.constant = self.constant + other.constant;
+        for (of, factor) in other.factors {
+            match self.factors.iter_mut().find(|(known, _)| *known == of) {
+                Some((_, sum)) => *sum = *sum + factor,
+                None => self.factors.push((of, factor)),
+            }
+        }
+        self
+    }
+}
+
+/// Evaluates a formula that is linear in the rates of change.
+pub(super) struct Linearised<'a, 'd, T> {
+    pub instance: &'a Instance<'d>,
+    pub numeric: Numeric<'a, T>,
+}
+
+impl<T: Quantity> Values for Linearised<'_, '_, T> {
+    type Value = Linear<T>;
+
+    fn number(&mut self, value: f64, dimension: Dimension, place: usize) -> Linear<T> {
+        Linear::constant(self.numeric.number(value, dimension, place))
+    }
+
+    fn named(
+        &mut self,
+        at: usize,
+        name: &Name,
+        body: Option<i64>,
+    ) -> Result<Linear<T>, FormulaFault> {
+        match self.instance.number_of(&name.name, body).filter(|_| name.primes == 1) {
+            Some(number) => {
+                Ok(Linear { constant: T::constant(0.0), factors: vec![(number, T::constant(1.0))] })
+            }
+            None => self.numeric.named(at, name, body).map(Linear::constant),
+        }
+    }
+
+    fn sum(&mut self, _: usize, terms: Vec<(bool, Linear<T>)>) -> Result<Linear<T>, FormulaFault> {
+        let signed =
+            |(minus, term): (bool, Linear<T>)| if minus { term.map(|one| -one) } else { term };
+        let sum = terms.into_iter().map(signed).reduce(Linear::plus);
+        Ok(sum.unwrap_or_else(|| Linear::constant(T::constant(0.0))))
+    }
+
+    fn product(
+        &mut self,
+        _: usize,
+        factors: Vec<(bool, Linear<T>)>,
+    ) -> Result<Linear<T>, FormulaFault> {
+        let one = Linear::constant(T::constant(1.0));
+        let times = |product: Linear<T>, (over, factor): (bool, Linear<T>)| match over {
+            true => product.map(|one| one / factor.constant),
+            false if product.factors.is_empty() => factor.map(|one| product.constant * one),
+            false => product.map(|one| one * factor.constant),
+        };
+        Ok(factors.into_iter().fold(one, times))
+    }
+
+    fn power(
+        &mut self,
+        at: usize,
+        base: Linear<T>,
+        exponent: f64,
+    ) -> Result<Linear<T>, FormulaFault> {
+        match exponent == 1.0 {
+            true => Ok(base),
+            false => self.numeric.power(at, base.constant, exponent).map(Linear::constant),
+        }
+    }
+
+    fn call(
+        &mut self,
+        at: usize,
+        function: Function,
+        of: Linear<T>,
+    ) -> Result<Linear<T>, FormulaFault> {
+        self.numeric.call(at, function, of.constant).map(Linear::constant)
+    }
+}

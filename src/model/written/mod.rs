@@ -1,0 +1,34 @@
+//! Mechanical systems that a file describes by formulas.
+//!
+//! Read [`definition`] first: what a file contains. [`formula`] and [`parser`] turn texts into trees, which [`evaluate`] computes
+//! with numbers, expressions ([`numeric`]), dimensions ([`dimensions`]) or dependences ([`dependence`]). [`check`] refuses a
+//! definition that contradicts itself, [`instance`] has certain numbers of bodies, [`examined`] certain values of the
+//! parameters, whose [`sizes`] give the units of the motion, [`velocities`] makes sliding speeds components of the state, and [`system`] records the equations. [`kind`] makes all this a kind of model.
+
+mod check;
+mod definition;
+mod dependence;
+mod dimensions;
+mod evaluate;
+mod examined;
+mod formula;
+mod instance;
+mod kind;
+mod linear;
+mod names;
+mod numeric;
+mod parser;
+mod scales;
+mod sizes;
+mod system;
+mod uniqueness;
+mod velocities;
+
+pub use definition::{
+    COEFFICIENT, Definition, Place, Unit, WrittenContact, WrittenCoordinate, WrittenFriction,
+    WrittenNormal, WrittenParameter, law_key,
+};
+pub use formula::{Formula, FormulaFault, LONGEST_FORMULA, WHOLE};
+pub use instance::FaultAt;
+pub(in crate::model) use kind::written_kind_named;
+pub use kind::{WRITTEN, written_kind};

@@ -1,0 +1,132 @@
+//! The names in the formulas of a system.
+
+use super::definition::Definition;
+use super::evaluate::Bodies;
+use super::formula::{Dimension, Formula, FormulaFault, NONE, Name, WHOLE};
+
+/// The names of a system with certain numbers of bodies.
+#[derive(Clone, Debug)]
+pub(super) struct Names {
+    parameters: Vec<(String, Dimension)>,
+    coordinates: Vec<(String, Option<i64>, Dimension)>,
+}
+
+/// What a name means.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Meaning {
+    Constant,
+    Time,
+    Position,
+    Rate,
+    Acceleration,
+}
+
+/// The names that no system can give away.
+pub(super) const RESERVED: [&str; 11] =
+    ["t", "pi", "sin", "cos", "tan", "exp", "sqrt", "tanh", "atan", "sum", "if"];
+
+impl Names {
+    pub fn of(definition: &Definition, bodies: &Bodies) -> Names {
+        let parameters = definition.parameters.iter();
+        let coordinates = definition.coordinates.iter().map(|one| {
+            let count = one.index.as_ref().and_then(|index| bodies.of(index));
+            (one.name.clone(), count, one.unit.dimension)
+        });
+        Names {
+            parameters: parameters.map(|one| (one.name.clone(), one.unit.dimension)).collect(),
+            coordinates: coordinates.collect(),
+        }
+    }
+
+    /// Returns what a name means, and its dimension.
+    ///
+    /// # Errors
+    /// A fault if there is no such name, or if its body does not exist.
+    pub fn find(
+        &self,
+        at: usize,
+        name: &Name,
+        body: Option<i64>,
+    ) -> Result<(Meaning, Dimension), FormulaFault> {
+        let text = name.name.as_str();
+        let shown = format!("`{text}{}`", "'".repeat(name.primes));
+        let of_one = |body: Option<i64>, count: Option<i64>| match (body, count) {
+            (None, None) => Ok(()),
+            (Some(body), Some(count)) if (1..=count).contains(&body) => Ok(()),
+            (Some(body), Some(count)) => Err(FormulaFault::new(
+                at,
+                "a body that does not exist",
+                format!("`{text}[{body}]` of {count}"),
+                format!(
+                    "{text}[1] to {text}[{count}]; if(condition, ..., 0) leaves out a term, as in \
+                         if(block < blocks, ..., 0)"
+                ),
+            )),
+            (None, Some(_)) => {
+                let allowed = format!("the number of the body, such as {text}[1]");
+                Err(FormulaFault::new(at, "one of several bodies", &shown, allowed))
+            }
+            (Some(_), None) => {
+                let allowed = format!("{text} without a number: it is the coordinate of one body");
+                Err(FormulaFault::new(at, "only one body", &shown, allowed))
+            }
+        };
+        if let Some((_, count, dimension)) = self.coordinates.iter().find(|one| one.0 == text) {
+            of_one(body, *count)?;
+            let [mass, length, time] = *dimension;
+            return match name.primes {
+                0 => Ok((Meaning::Position, *dimension)),
+                1 => Ok((Meaning::Rate, [mass, length, time - WHOLE])),
+                2 => Ok((Meaning::Acceleration, [mass, length, time - 2 * WHOLE])),
+                _ => {
+                    let allowed = "at most two primes: x'' is an acceleration";
+                    Err(FormulaFault::new(at, "a third derivative", shown, allowed))
+                }
+            };
+        }
+        let constant = match text {
+            "t" => Some((Meaning::Time, [0, 0, WHOLE])),
+            "pi" => Some((Meaning::Constant, NONE)),
+            _ => {
+                let parameter = self.parameters.iter().find(|one| one.0 == text);
+                parameter.map(|one| (Meaning::Constant, one.1))
+            }
+        };
+        match constant {
+            Some(_) if name.primes > 0 || body.is_some() => {
+                let allowed = format!("{text}; only a coordinate has rates and bodies");
+                Err(FormulaFault::new(at, "not a coordinate", shown, allowed))
+            }
+            Some(constant) => Ok(constant),
+            None => {
+                let coordinates = self.coordinates.iter().map(|one| one.0.clone());
+                let parameters = self.parameters.iter().map(|one| one.0.clone());
+                let names = coordinates.chain(parameters).chain(["t", "pi"].map(str::to_owned));
+                Err(FormulaFault {
+                    names: names.collect(),
+                    ..FormulaFault::new(at, "unknown name", text, "")
+                })
+            }
+        }
+    }
+}
+
+/// Returns the coordinate and the body that a place such as `x[block + 1]` names.
+///
+/// # Errors
+/// A fault if the text is something else.
+pub(super) fn place_of(
+    place: &Formula,
+    bodies: &Bodies,
+) -> Result<(String, Option<i64>), FormulaFault> {
+    match &place.root.content {
+        super::formula::Content::Name(Name { name, primes: 0, body }) => {
+            let body = body.as_ref().map(|body| bodies.index(body)).transpose()?;
+            Ok((name.clone(), body))
+        }
+        _ => {
+            let allowed = "a coordinate, such as x or x[block]";
+            Err(FormulaFault::new(0, "not a coordinate", place.text.as_str(), allowed))
+        }
+    }
+}

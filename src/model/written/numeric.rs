@@ -1,0 +1,135 @@
+//! Formulas with numbers or with expressions of a record.
+
+use std::f64::consts::PI;
+use std::ops::Div;
+
+use super::evaluate::Values;
+use super::formula::{Dimension, FormulaFault, Function, Name};
+use super::scales::Scales;
+use crate::model::{Elementary, Expression, Number};
+
+/// A number or an expression.
+pub(super) trait Quantity: Number + Div<Output = Self> {
+    fn root(self) -> Self;
+    fn exponential(self) -> Self;
+    fn arc_tangent(self) -> Self;
+}
+
+impl Quantity for f64 {
+    fn root(self) -> Self {
+        Elementary::sqrt(self)
+    }
+
+    fn exponential(self) -> Self {
+        Elementary::exp(self)
+    }
+
+    fn arc_tangent(self) -> Self {
+        Elementary::atan(self)
+    }
+}
+
+impl Quantity for Expression<'_> {
+    fn root(self) -> Self {
+        self.sqrt()
+    }
+
+    fn exponential(self) -> Self {
+        self.exp()
+    }
+
+    fn arc_tangent(self) -> Self {
+        self.atan()
+    }
+}
+
+/// The values of names.
+#[derive(Clone, Copy)]
+pub(super) struct Numeric<'a, T> {
+    /// The units of numbers.
+    pub scales: Scales,
+    /// The names of the parameters with their values.
+    pub parameters: &'a [(&'a str, T)],
+    /// Each coordinate by its name and its body, with its value, its rate of change and its acceleration.
+    pub coordinates: &'a [(&'a str, Option<i64>, [T; 3])],
+    /// The time.
+    pub time: T,
+}
+
+impl<T: Quantity> Values for Numeric<'_, T> {
+    type Value = T;
+
+    fn number(&mut self, value: f64, dimension: Dimension, _: usize) -> T {
+        T::constant(value / self.scales.unit(dimension))
+    }
+
+    fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Result<T, FormulaFault> {
+        let coordinate =
+            self.coordinates.iter().find(|(own, of, _)| *own == name.name && *of == body);
+        if let (Some((.., values)), Some(which @ 0..=2)) = (coordinate, Some(name.primes)) {
+            return Ok(values[which]);
+        }
+        let parameter = self.parameters.iter().find(|(own, _)| *own == name.name);
+        match (parameter, name.name.as_str()) {
+            (Some((_, value)), _) => Ok(*value),
+            (None, "pi") => Ok(T::constant(PI)),
+            (None, "t") => Ok(self.time),
+            // A check has found all names before.
+            _ => Err(FormulaFault::new(at, "unknown name", name.name.as_str(), "a known name")),
+        }
+    }
+
+    fn sum(&mut self, _: usize, terms: Vec<(bool, T)>) -> Result<T, FormulaFault> {
+        let mut terms = terms.into_iter();
+        let first = terms.next().map_or(T::constant(0.0), |(minus, value)| match minus {
+            true => -value,
+            false => value,
+        });
+        Ok(terms.fold(first, |sum, (minus, value)| if minus { sum - value } else { sum + value }))
+    }
+
+    fn product(&mut self, _: usize, factors: Vec<(bool, T)>) -> Result<T, FormulaFault> {
+        let times = |product: T, (over, value): (bool, T)| match over {
+            true => product / value,
+            false => product * value,
+        };
+        Ok(factors.into_iter().fold(T::constant(1.0), times))
+    }
+
+    fn power(&mut self, _: usize, base: T, exponent: f64) -> Result<T, FormulaFault> {
+        // Whole powers by repeated squares, and half powers with a root.
+        let (base, mut left) = match exponent.fract() == 0.0 {
+            true => (base, exponent.abs() as u64),
+            false => (base.root(), (2.0 * exponent).abs() as u64),
+        };
+        let (mut power, mut square) = (None::<T>, base);
+        while left > 0 {
+            if left % 2 == 1 {
+                power = Some(power.map_or(square, |power| power * square));
+            }
+            left /= 2;
+            if left > 0 {
+                square = square * square;
+            }
+        }
+        let power = power.unwrap_or(T::constant(1.0));
+        Ok(if exponent < 0.0 { T::constant(1.0) / power } else { power })
+    }
+
+    fn call(&mut self, _: usize, function: Function, of: T) -> Result<T, FormulaFault> {
+        let one = T::constant(1.0);
+        Ok(match function {
+            Function::Sine => of.sin_cos().0,
+            Function::Cosine => of.sin_cos().1,
+            Function::Tangent => {
+                let (sine, cosine) = of.sin_cos();
+                sine / cosine
+            }
+            Function::Exponential => of.exponential(),
+            Function::SquareRoot => of.root(),
+            // A large exponential gives 1 without an overflow of a product.
+            Function::HyperbolicTangent => one - T::constant(2.0) / ((of + of).exponential() + one),
+            Function::ArcTangent => of.arc_tangent(),
+        })
+    }
+}

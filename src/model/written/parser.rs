@@ -1,0 +1,299 @@
+//! Reads the text of a formula: sums, products, powers, functions, and `sum(body, ...)`.
+
+use super::formula::{Comparison, Content, FormulaFault, Function, LONGEST_FORMULA, Name, Term};
+
+/// The deepest nesting of parentheses.
+const DEEPEST: usize = 60;
+
+/// Functions that are not smooth.
+const KINKED: [&str; 11] =
+    ["abs", "sign", "sgn", "min", "max", "floor", "ceil", "round", "mod", "heaviside", "step"];
+
+/// Returns the tree of a text, and how many numbers it contains.
+///
+/// # Errors
+/// What is wrong first in the text.
+pub(super) fn parsed(text: &str) -> Result<(Term, usize), FormulaFault> {
+    if text.len() > LONGEST_FORMULA {
+        let found = format!("{} bytes", text.len());
+        let allowed =
+            format!("at most {LONGEST_FORMULA} bytes; give parts of it names as parameters");
+        return Err(FormulaFault::new(0, "too long a formula", found, allowed));
+    }
+    let mut parser = Parser { text, at: 0, depth: 0, numbers: 0 };
+    let root = parser.sum()?;
+    match parser.next() {
+        None => Ok((root, parser.numbers)),
+        Some(_) => Err(parser.unexpected("an operator: + - * / ^")),
+    }
+}
+
+struct Parser<'t> {
+    text: &'t str,
+    /// The place of the next character, in bytes.
+    at: usize,
+    depth: usize,
+    /// How many numbers have been read.
+    numbers: usize,
+}
+
+type Parsed = Result<Term, FormulaFault>;
+
+impl<'t> Parser<'t> {
+    fn rest(&self) -> &'t str {
+        self.text.get(self.at..).unwrap_or_default()
+    }
+
+    /// Returns the next character that is no blank, which comes next.
+    fn next(&mut self) -> Option<char> {
+        self.at += self.rest().len() - self.rest().trim_start().len();
+        self.rest().chars().next()
+    }
+
+    /// Passes a text if it comes next.
+    fn take(&mut self, wanted: &str) -> bool {
+        self.next();
+        let comes = self.rest().starts_with(wanted);
+        self.at += if comes { wanted.len() } else { 0 };
+        comes
+    }
+
+    fn unexpected(&mut self, allowed: &str) -> FormulaFault {
+        let problem = "not a formula";
+        match self.next() {
+            None => FormulaFault::new(self.at, problem, "its end", allowed),
+            Some(found) => {
+                let allowed = match found {
+                    '\'' => "a prime only after a coordinate, as in x'",
+                    '=' => "a comparison (==) only inside if(...)",
+                    _ => allowed,
+                };
+                FormulaFault::new(self.at, problem, format!("`{found}`"), allowed)
+            }
+        }
+    }
+
+    fn expect(&mut self, wanted: &str) -> Result<(), FormulaFault> {
+        if self.take(wanted) { Ok(()) } else { Err(self.unexpected(&format!("`{wanted}`"))) }
+    }
+
+    fn sum(&mut self) -> Parsed {
+        self.next();
+        let at = self.at;
+        self.depth += 1;
+        if self.depth > DEEPEST {
+            let allowed = format!("at most {DEEPEST} levels of parentheses and signs");
+            return Err(FormulaFault::new(at, "too deep a formula", "one more level", allowed));
+        }
+        let is_negative = self.take("-");
+        if !is_negative {
+            self.take("+");
+        }
+        let mut terms = vec![(is_negative, self.product()?)];
+        while let Some(sign @ ('+' | '-')) = self.next() {
+            self.at += 1;
+            terms.push((sign == '-', self.product()?));
+        }
+        self.depth -= 1;
+        Ok(joined(at, terms, Content::Sum))
+    }
+
+    fn product(&mut self) -> Parsed {
+        self.next();
+        let at = self.at;
+        let mut factors = vec![(false, self.factor()?)];
+        while let Some(sign @ ('*' | '/')) = self.next() {
+            self.at += 1;
+            factors.push((sign == '/', self.factor()?));
+        }
+        Ok(joined(at, factors, Content::Product))
+    }
+
+    /// A power, or a negative one.
+    fn factor(&mut self) -> Parsed {
+        self.next();
+        let at = self.at;
+        if self.take("-") {
+            self.depth += 1;
+            if self.depth > DEEPEST {
+                return Err(self.unexpected("fewer signs"));
+            }
+            let negative = vec![(true, self.factor()?)];
+            self.depth -= 1;
+            return Ok(Term { at, content: Content::Sum(negative) });
+        }
+        let base = self.atom()?;
+        if !(self.take("^") || self.take("**")) {
+            return Ok(base);
+        }
+        self.next();
+        let place = self.at;
+        let before = self.numbers;
+        let exponent = self.factor()?;
+        self.numbers = before;
+        match constant(&exponent) {
+            Some(exponent) => Ok(Term { at, content: Content::Power(Box::new(base), exponent) }),
+            None => {
+                let found = self.text[place..self.at].trim_end();
+                let allowed = "a number, such as 2, -1 or (1/2)";
+                Err(FormulaFault::new(place, "not a constant exponent", found, allowed))
+            }
+        }
+    }
+
+    fn atom(&mut self) -> Parsed {
+        let first = self.next();
+        let at = self.at;
+        match first {
+            Some('(') => {
+                self.at += 1;
+                let inner = self.sum()?;
+                self.expect(")")?;
+                Ok(inner)
+            }
+            Some(digit) if digit.is_ascii_digit() || digit == '.' => self.number(),
+            Some(letter) if letter.is_alphabetic() || letter == '_' => self.named(),
+            _ => {
+                self.at = at;
+                Err(self.unexpected("a number, a name, a function or `(`"))
+            }
+        }
+    }
+
+    fn number(&mut self) -> Parsed {
+        let (at, rest) = (self.at, self.rest());
+        let mut end = rest.bytes().take_while(|one| one.is_ascii_digit() || *one == b'.').count();
+        let exponent = rest[end..].strip_prefix(['e', 'E']).map(|exponent| {
+            let digits = exponent.strip_prefix(['+', '-']).unwrap_or(exponent);
+            let count = digits.bytes().take_while(u8::is_ascii_digit).count();
+            (1 + exponent.len() - digits.len() + count, count)
+        });
+        if let Some((length, 1..)) = exponent {
+            end += length;
+        }
+        let text = &rest[..end];
+        let value = text.parse().ok().filter(|value: &f64| value.is_finite());
+        let value = value.ok_or_else(|| {
+            FormulaFault::new(at, "not a number", text, "a finite number, such as 0.5 or 1.2e-3")
+        })?;
+        self.at += end;
+        let place = self.numbers;
+        self.numbers += 1;
+        if self.rest().starts_with(|next: char| next.is_alphabetic() || next == '_') {
+            let allowed = "`*` between a number and a name; a value with a unit is a parameter";
+            return Err(self.unexpected(allowed));
+        }
+        Ok(Term { at, content: Content::Number(value, place) })
+    }
+
+    fn name(&mut self) -> &'t str {
+        self.next();
+        let rest = self.rest();
+        let is_part = |one: char| one.is_alphanumeric() || one == '_';
+        let end = rest.find(|one| !is_part(one)).unwrap_or(rest.len());
+        self.at += end;
+        &rest[..end]
+    }
+
+    fn named(&mut self) -> Parsed {
+        let at = self.at;
+        let name = self.name();
+        if self.next() == Some('(') {
+            return self.call(at, name);
+        }
+        let mut primes = self.primes();
+        let mut body = None;
+        if self.take("[") {
+            let before = self.numbers;
+            body = Some(Box::new(self.sum()?));
+            self.numbers = before;
+            self.expect("]")?;
+            primes += self.primes();
+        }
+        Ok(Term { at, content: Content::Name(Name { name: name.to_owned(), primes, body }) })
+    }
+
+    fn primes(&mut self) -> usize {
+        let mut primes = 0;
+        while self.take("'") {
+            primes += 1;
+        }
+        primes
+    }
+
+    fn call(&mut self, at: usize, name: &str) -> Parsed {
+        self.expect("(")?;
+        let content = match (name, Function::ALL.iter().find(|(known, _)| *known == name)) {
+            ("sum", _) => {
+                let index = self.name().to_owned();
+                self.expect(",")?;
+                Content::SumOver(index, Box::new(self.sum()?))
+            }
+            ("if", _) => self.choice()?,
+            (_, Some((_, function))) => Content::Call(*function, Box::new(self.sum()?)),
+            _ => return Err(unknown_function(at, name)),
+        };
+        self.expect(")")?;
+        Ok(Term { at, content })
+    }
+
+    fn choice(&mut self) -> Result<Content, FormulaFault> {
+        let before = self.numbers;
+        let one = self.sum()?;
+        let comparison = Comparison::ALL.iter().find(|(sign, _)| self.take(sign));
+        let Some((_, comparison)) = comparison else {
+            return Err(
+                self.unexpected("a comparison of whole numbers, as in if(block < blocks, ...)")
+            );
+        };
+        let other = self.sum()?;
+        self.numbers = before;
+        self.expect(",")?;
+        let then = self.sum()?;
+        self.expect(",")?;
+        let otherwise = self.sum()?;
+        Ok(Content::If(Box::new([one, other]), *comparison, Box::new([then, otherwise])))
+    }
+}
+
+/// Returns a term of several parts, or its only part.
+fn joined(at: usize, mut parts: Vec<(bool, Term)>, all: fn(Vec<(bool, Term)>) -> Content) -> Term {
+    match (parts.len(), parts.pop()) {
+        (1, Some((false, only))) => only,
+        (_, last) => {
+            parts.extend(last);
+            Term { at, content: all(parts) }
+        }
+    }
+}
+
+/// Returns the value of a term of numbers.
+fn constant(term: &Term) -> Option<f64> {
+    match &term.content {
+        Content::Number(value, _) => Some(*value),
+        Content::Sum(terms) => terms.iter().try_fold(0.0, |sum, (minus, term)| {
+            constant(term).map(|value| if *minus { sum - value } else { sum + value })
+        }),
+        Content::Product(factors) => factors.iter().try_fold(1.0, |product, (over, factor)| {
+            constant(factor).map(|value| if *over { product / value } else { product * value })
+        }),
+        _ => None,
+    }
+    .filter(|value| value.is_finite())
+}
+
+fn unknown_function(at: usize, name: &str) -> FormulaFault {
+    let names: Vec<&str> = Function::ALL.iter().map(|(name, _)| *name).collect();
+    let all = format!("{}, sum and if", names.join(", "));
+    if KINKED.contains(&name) {
+        let allowed = format!(
+            "a smooth function ({all}); what has a kink or a jump is a contact with a gap or with friction"
+        );
+        return FormulaFault::new(at, "a function that is not smooth", name, allowed);
+    }
+    let allowed = match name {
+        "log" | "ln" => format!("{all}; there is no logarithm"),
+        _ => format!("{all}; a product needs `*`"),
+    };
+    FormulaFault::new(at, "unknown function", name, allowed)
+}

@@ -1,0 +1,155 @@
+//! The sizes of a system in the middle of its start ranges: its frequencies, and the units in which its motion is computed.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{DMatrix, Schur};
+
+use super::formula::{FormulaFault, WHOLE};
+use super::instance::Instance;
+use super::numeric::Numeric;
+use super::scales::Scales;
+
+/// The sizes of a system with values of its parameters, in SI units.
+pub(super) struct Sizes {
+    /// Each coordinate and its rate of change in the middle of its start ranges.
+    pub middle: Vec<[f64; 2]>,
+    /// Whether the mass matrix is positive definite there.
+    pub has_sound_mass: bool,
+    /// The highest frequency and the largest rate of damping without contacts, 1/s.
+    pub rates: [f64; 2],
+    pub scales: Scales,
+}
+
+/// Returns the range of start values and that of start rates of each coordinate, in SI units.
+///
+/// # Errors
+/// A fault that the check has found before, or one of other numbers of bodies.
+pub(super) fn ranges(
+    instance: &Instance<'_>,
+    values: &[f64],
+) -> Result<Vec<[[f64; 2]; 2]>, FormulaFault> {
+    let parameters = instance.parameters(values);
+    let mut numeric =
+        Numeric { scales: Scales::default(), parameters: &parameters, coordinates: &[], time: 0.0 };
+    let mut all = Vec::new();
+    for member in &instance.coordinates {
+        let coordinate = &instance.definition.coordinates[member.of];
+        let mut bodies = instance.bound(coordinate.index.as_deref(), member.body);
+        let mut ranges = [[0.0; 2]; 2];
+        for (range, formulas) in ranges.iter_mut().zip(&coordinate.start) {
+            for (end, formula) in range.iter_mut().zip(formulas) {
+                *end = bodies.evaluate(formula, &mut numeric)?;
+            }
+        }
+        all.push(ranges);
+    }
+    Ok(all)
+}
+
+impl Instance<'_> {
+    /// Returns the sizes for these values of the parameters; `period` is that of the equations.
+    ///
+    /// # Errors
+    /// A fault that the check has found before, or one of other numbers of bodies.
+    pub fn sizes(&self, values: &[f64], period: Option<f64>) -> Result<Sizes, FormulaFault> {
+        let (instance, n) = (self, self.coordinates.len());
+        let ranges = ranges(self, values)?;
+        let middle: Vec<[f64; 2]> =
+            ranges.iter().map(|both| both.map(|[low, high]| 0.5 * (low + high))).collect();
+        let reach: Vec<[f64; 2]> =
+            ranges.iter().map(|both| both.map(|[low, high]| low.abs().max(high.abs()))).collect();
+        let accelerations = |state: &[[f64; 2]]| instance.accelerations(values, state);
+        let at_middle = accelerations(&middle)?;
+        // Central differences; the equations are smooth, and only sizes matter.
+        let mut slopes = [DMatrix::zeros(n, n), DMatrix::zeros(n, n)];
+        for column in 0..n {
+            for (which, slopes) in slopes.iter_mut().enumerate() {
+                let step =
+                    if reach[column][which] > 0.0 { 1e-4 * reach[column][which] } else { 1e-6 };
+                let mut both = [middle.clone(), middle.clone()];
+                both[0][column][which] += step;
+                both[1][column][which] -= step;
+                let [ahead, behind] = [accelerations(&both[0])?, accelerations(&both[1])?];
+                if let (Some([ahead, _]), Some([behind, _])) = (ahead, behind) {
+                    for row in 0..n {
+                        slopes[(row, column)] = (ahead[row] - behind[row]) / (2.0 * step);
+                    }
+                }
+            }
+        }
+        let [stiffness, damping] = slopes.map(|slopes| largest_eigenvalue(&slopes));
+        let definition = instance.definition;
+        let forcing = period.map_or(0.0, |period| TAU / period.abs());
+        let frequency = stiffness.sqrt().max(forcing);
+        let [acceleration, mass] =
+            at_middle.clone().unwrap_or_else(|| [vec![0.0; n], vec![0.0; n]]);
+        let largest = |of: &dyn Fn(usize) -> f64| {
+            (0..n).map(of).filter(|one| one.is_finite()).fold(0.0, f64::max)
+        };
+        let rate = [
+            frequency,
+            largest(&|i| reach[i][1] / reach[i][0]),
+            largest(&|i| (acceleration[i].abs() / reach[i][0]).sqrt()),
+            largest(&|i| acceleration[i].abs() / reach[i][1]),
+            damping,
+            1.0,
+        ];
+        let rate = rate.into_iter().find(|rate| rate.is_finite() && *rate > 0.0).unwrap_or(1.0);
+        let is_length = |i: &usize| {
+            definition.coordinates[instance.coordinates[*i].of].unit.dimension == [0, WHOLE, 0]
+        };
+        let length = (0..n).filter(is_length).map(|i| {
+            reach[i][0].max(reach[i][1] / rate).max(acceleration[i].abs() / (rate * rate))
+        });
+        let length = length.filter(|one| one.is_finite()).fold(0.0, f64::max);
+        let length = if length > 0.0 { length } else { 1.0 };
+        let masses =
+            (0..n).map(|i| if is_length(&i) { mass[i] } else { mass[i] / (length * length) });
+        let mass = masses.filter(|one| one.is_finite()).fold(0.0, f64::max);
+        let scales = match definition.has_units() {
+            true => Scales::near([mass, length, 1.0 / rate]),
+            false => Scales::default(),
+        };
+        let has_sound_mass = at_middle.is_some();
+        Ok(Sizes { middle, has_sound_mass, rates: [frequency, damping], scales })
+    }
+
+    /// Returns the accelerations without contacts, and the diagonal of the mass matrix; `None` if this is not positive definite.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    fn accelerations(
+        &self,
+        values: &[f64],
+        state: &[[f64; 2]],
+    ) -> Result<Option<[Vec<f64>; 2]>, FormulaFault> {
+        let (parameters, coordinates) =
+            (self.parameters(values), self.named(|number| state[number]));
+        let mut numeric = Numeric {
+            scales: Scales::default(),
+            parameters: &parameters,
+            coordinates: &coordinates,
+            time: 0.0,
+        };
+        let (mass, forces) = self.mass_and_forces(&mut numeric)?;
+        let n = forces.len();
+        let matrix = DMatrix::from_fn(n, n, |row, column| mass[row][column]);
+        if !matrix.iter().chain(&forces).all(|one| one.is_finite()) {
+            return Ok(None);
+        }
+        let diagonal = (0..n).map(|i| mass[i][i]).collect();
+        let Some(factors) = matrix.cholesky() else { return Ok(None) };
+        let accelerations = factors.solve(&nalgebra::DVector::from_vec(forces));
+        Ok(Some([accelerations.iter().copied().collect(), diagonal]))
+    }
+}
+
+/// Returns the largest modulus of an eigenvalue; 0 for a matrix that is not finite.
+fn largest_eigenvalue(matrix: &DMatrix<f64>) -> f64 {
+    if matrix.is_empty() || !matrix.iter().all(|one| one.is_finite()) {
+        return 0.0;
+    }
+    let schur = Schur::try_new(matrix.clone(), f64::EPSILON, 10_000);
+    let eigenvalues = schur.map(|schur| schur.complex_eigenvalues());
+    eigenvalues.map_or(0.0, |all| all.iter().map(|one| one.norm()).fold(0.0, f64::max))
+}

@@ -1,0 +1,258 @@
+//! A system of a file as one that the program computes: its record, its inputs and its rates.
+
+use std::any::{Any, TypeId};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use super::definition::WrittenNormal;
+use super::formula::FormulaFault;
+use super::instance::{Instance, Member};
+use super::numeric::{Numeric, Quantity};
+use super::scales::Scales;
+use super::velocities::SpeedOf;
+use crate::model::{
+    ContactMode, Expression, Friction, ImpactLaw, Mechanism, MechanismContact, MechanismNormal,
+    Number, Recorder, Structure, System, SystemEquations, add_mechanism_inputs, stiff_pace,
+};
+
+/// A system of a file with values of its parameters, without dimensions.
+#[derive(Debug)]
+pub(super) struct WrittenSystem {
+    pub instance: Instance<'static>,
+    /// A number for each definition of the process.
+    pub number: usize,
+    pub scales: Scales,
+    /// The values of the parameters, in the units of `scales`.
+    pub values: Vec<f64>,
+    pub friction: Vec<Friction>,
+    pub impacts: Vec<ImpactLaw>,
+    /// How the sliding speed of each contact is computed.
+    pub speeds: Vec<SpeedOf>,
+    /// The period after which the equations repeat, if they depend on the time.
+    pub period: Option<f64>,
+    /// The highest frequency, and the largest rate of damping, of motions without friction.
+    pub rates: [f64; 2],
+    pub largest_force: f64,
+}
+
+/// The values of names of an instance.
+pub(super) type Coordinates<'a, T> = Vec<(&'a str, Option<i64>, [T; 3])>;
+
+impl Instance<'_> {
+    /// Returns the coordinates by name, with their values and rates of change, and accelerations of 0.
+    pub fn named<T: Quantity>(&self, values: impl Fn(usize) -> [T; 2]) -> Coordinates<'_, T> {
+        let members = self.coordinates.iter().enumerate();
+        let named = |(number, member): (usize, &Member)| {
+            let [position, rate] = values(number);
+            let name = self.definition.coordinates[member.of].name.as_str();
+            (name, member.body, [position, rate, T::constant(0.0)])
+        };
+        members.map(named).collect()
+    }
+
+    /// Returns the parameters by name.
+    pub fn parameters<T: Copy>(&self, values: &[T]) -> Vec<(&str, T)> {
+        let names = self.definition.parameters.iter().map(|one| one.name.as_str());
+        names.zip(values.iter().copied()).collect()
+    }
+
+    /// Returns the mass matrix, and the forces.
+    ///
+    /// # Errors
+    /// A fault that [`super::Definition::check`] has found before, or one of other numbers of bodies.
+    pub fn mass_and_forces<T: Quantity>(
+        &self,
+        values: &mut Numeric<'_, T>,
+    ) -> Result<(Vec<Vec<T>>, Vec<T>), FormulaFault> {
+        let (n, zero) = (self.coordinates.len(), T::constant(0.0));
+        let (mut mass, mut forces) = (vec![vec![zero; n]; n], vec![zero; n]);
+        for ([row, column], formula) in &self.definition.mass {
+            for ([row, column], mut bodies) in
+                self.places([row, column]).map_err(|(_, fault)| fault)?
+            {
+                let entry = bodies.evaluate(formula, values)?;
+                mass[row][column] = entry;
+                mass[column][row] = entry;
+            }
+        }
+        for (place, formula) in &self.definition.force {
+            for ([number], mut bodies) in self.places([place]).map_err(|(_, fault)| fault)? {
+                forces[number] = forces[number] + bodies.evaluate(formula, values)?;
+            }
+        }
+        Ok((mass, forces))
+    }
+}
+
+impl WrittenSystem {
+    fn mechanism<'r>(&self, recorder: &'r Recorder) -> Result<Mechanism<'r>, FormulaFault> {
+        let (instance, n) = (&self.instance, self.instance.coordinates.len());
+        let positions: Vec<_> = (0..n).map(|_| recorder.state()).collect();
+        let speeds: Vec<_> = (0..n).map(|_| recorder.state()).collect();
+        let uses_time = instance.definition.uses_time;
+        let clock = uses_time.then(|| recorder.state());
+        let (zero, one) = (Expression::constant(0.0), Expression::constant(1.0));
+        let names = instance.definition.parameters.iter().map(|one| one.name.as_str());
+        let values: Vec<_> = names.map(|name| recorder.parameter(name)).collect();
+        let [time, rate] = match (clock, self.period) {
+            (Some(phase), Some(_)) => {
+                let [unit, rate] = ["per_radian", "frequency"].map(|name| recorder.parameter(name));
+                [phase * unit, rate]
+            }
+            (Some(time), None) => [time, one],
+            (None, _) => [zero; 2],
+        };
+        let parameters = instance.parameters(&values);
+        let at_rest = instance.named(|_| [zero; 2]);
+        let base =
+            Numeric { scales: self.scales, parameters: &parameters, coordinates: &at_rest, time };
+        let rates = instance.rates(&self.speeds, base)?;
+        let moving = rates.at(&speeds);
+        let coordinates = instance.named(|number| [positions[number], moving[number]]);
+        // The factors of accelerations in normal forces are derivatives by these inputs, which are 0.
+        let accelerations: Vec<_> = (0..n)
+            .filter(|_| instance.definition.uses_accelerations)
+            .map(|_| recorder.parameter("acceleration"))
+            .collect();
+        let mut accelerated = coordinates.clone();
+        for ((.., values), acceleration) in accelerated.iter_mut().zip(&accelerations) {
+            values[2] = *acceleration;
+        }
+        let mut values = Numeric { coordinates: &coordinates, ..base };
+        let (mass, forces) = instance.mass_and_forces(&mut values)?;
+        let mut contacts = Vec::new();
+        for (number, friction) in self.friction.iter().enumerate() {
+            let (contact, mut bodies) = instance.contact(number);
+            let formula = contact.normal.entry().1;
+            let normal = bodies.evaluate(formula, &mut values)?;
+            let position = instance.positions[number];
+            let member = instance.coordinates[position];
+            contacts.push(MechanismContact {
+                position: (
+                    positions[position],
+                    instance.definition.coordinates[member.of].periodic,
+                ),
+                sliding_speed: match (self.speeds[number], &contact.sliding) {
+                    (SpeedOf::Velocity(place) | SpeedOf::Same(place), _) => speeds[place],
+                    (SpeedOf::Formula, Some(sliding)) => bodies.evaluate(sliding, &mut values)?,
+                    (SpeedOf::Formula, None) => zero,
+                },
+                normal: match contact.normal {
+                    WrittenNormal::Given(_) if accelerations.is_empty() => {
+                        MechanismNormal::Given(normal)
+                    }
+                    WrittenNormal::Given(_) => {
+                        let mut moving = Numeric { coordinates: &accelerated, ..values };
+                        let force = bodies.evaluate(formula, &mut moving)?;
+                        let factor =
+                            |of: &Expression<'r>| recorder.rate_of_change(force, &[(*of, one)]);
+                        let factors: Vec<_> = accelerations.iter().map(factor).collect();
+                        MechanismNormal::Reaction(normal, rates.across(&factors))
+                    }
+                    WrittenNormal::Gap(_) => MechanismNormal::Gap(normal),
+                },
+                friction: *friction,
+            });
+        }
+        Ok(Mechanism {
+            coordinates: positions
+                .into_iter()
+                .zip(speeds)
+                .map(|(one, other)| [one, other])
+                .collect(),
+            rates: moving,
+            others: clock.into_iter().map(|clock| [clock, rate]).collect(),
+            mass: rates.between(&mass),
+            forces: rates.across(&forces),
+            contacts,
+            forcing: clock.filter(|_| self.period.is_some()).map(|phase| (phase, TAU)),
+        })
+    }
+}
+
+impl WrittenSystem {
+    /// Returns whether no contact opens, and each has a sliding speed that is a velocity of its own.
+    fn does_not_open(&self) -> bool {
+        self.speeds.iter().enumerate().all(|(number, speed)| {
+            let normal = &self.instance.contact(number).0.normal;
+            matches!((normal, speed), (WrittenNormal::Given(_), SpeedOf::Velocity(_)))
+        })
+    }
+}
+
+impl System for WrittenSystem {
+    /// # Panics
+    /// Panics if the formulas have a fault: the kind refuses such a model before.
+    fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
+        self.mechanism(recorder).expect("the model has been checked").record(recorder)
+    }
+
+    fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
+        let mut inputs = self.values.clone();
+        inputs.extend(self.period.iter().flat_map(|period| [period / TAU, TAU / period]));
+        if self.instance.definition.uses_accelerations {
+            inputs.extend(self.instance.coordinates.iter().map(|_| 0.0));
+        }
+        for (number, mode) in modes.iter().enumerate() {
+            let opens = matches!(self.instance.contact(number).0.normal, WrittenNormal::Gap(_));
+            add_mechanism_inputs(&mut inputs, *mode, &self.friction[number], opens);
+        }
+        inputs
+    }
+
+    fn structure(&self) -> Option<Structure> {
+        let laws = self.friction.iter().map(Friction::law_name).collect();
+        let numbers = [self.number, self.instance.coordinates.len()].into_iter();
+        let counts = self.instance.bodies.counts.iter().map(|(_, count)| *count as usize);
+        let units = self.scales.0.map(|exponent| exponent.cast_unsigned() as usize);
+        let speeds = self.speeds.iter().map(|speed| match speed {
+            SpeedOf::Velocity(place) => 2 * place + 1,
+            SpeedOf::Same(place) => 2 * place + 2,
+            SpeedOf::Formula => 0,
+        });
+        Some((
+            TypeId::of::<Self>(),
+            laws,
+            numbers.chain(counts).chain(units).chain(speeds).collect(),
+        ))
+    }
+
+    fn contacts(&self) -> usize {
+        self.friction.len()
+    }
+
+    fn friction(&self, contact: usize) -> &Friction {
+        &self.friction[contact]
+    }
+
+    fn impact_law(&self, contact: usize) -> ImpactLaw {
+        self.impacts[contact]
+    }
+
+    /// A quarter of the shortest period.
+    fn longest_step(&self) -> f64 {
+        FRAC_PI_2 / self.rates[0].max(1.0)
+    }
+
+    fn pace(&self) -> f64 {
+        let damping = self.friction.iter().map(|one| one.damping_rate(self.largest_force));
+        self.rates[0].max(1.0) + stiff_pace(damping.fold(self.rates[1], f64::max))
+    }
+
+    /// Given normal forces and independent sliding speeds.
+    fn surely_one_solution(&self) -> bool {
+        !self.instance.definition.uses_accelerations && self.does_not_open()
+    }
+
+    fn one_solution_at(&self, state: &[f64]) -> bool {
+        self.surely_one_solution()
+            || self.does_not_open() && self.has_one_solution(state).unwrap_or(false)
+    }
+
+    fn force_scale(&self) -> f64 {
+        self.largest_force.max(1.0)
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}

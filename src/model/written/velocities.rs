@@ -1,0 +1,168 @@
+//! The velocities of a system: sliding speeds where that is possible, so that a contact that sticks has a velocity of exactly 0.
+//!
+//! A sliding speed with constant factors of the rates of change, such as `x' - v_belt` or `y' + r phi'`, becomes the velocity
+//! in place of the rate of change of one coordinate. The rates of change are then linear functions of the velocities.
+
+use super::formula::FormulaFault;
+use super::instance::Instance;
+use super::linear::{Linear, Linearised};
+use super::numeric::{Numeric, Quantity};
+
+/// What elimination leaves of a factor that is 0, in units of the motion.
+const ROUNDING: f64 = 1e-12;
+
+/// How a contact's sliding speed is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum SpeedOf {
+    /// It is the velocity in place of the rate of change of this coordinate.
+    Velocity(usize),
+    /// It equals this velocity, which belongs to an earlier contact.
+    Same(usize),
+    /// It is a formula.
+    Formula,
+}
+
+/// Rates of change as linear functions of velocities.
+#[derive(Clone, Debug)]
+pub(super) struct Rates<T> {
+    /// The factors of the velocities in each rate of change.
+    pub factors: Vec<Vec<T>>,
+    pub constants: Vec<T>,
+}
+
+impl<T: Quantity> Rates<T> {
+    fn identity(count: usize) -> Self {
+        let [zero, one] = [0.0, 1.0].map(T::constant);
+        let row =
+            |row: usize| (0..count).map(|place| if place == row { one } else { zero }).collect();
+        Rates { factors: (0..count).map(row).collect(), constants: vec![zero; count] }
+    }
+
+    /// Returns a linear function of rates as one of velocities: the factor of each velocity, and the constant.
+    fn of_velocities(&self, speed: &Linear<T>) -> (Vec<T>, T) {
+        let start = (vec![T::constant(0.0); self.constants.len()], speed.constant);
+        speed.factors.iter().fold(start, |(mut factors, constant), (of, factor)| {
+            for (sum, own) in factors.iter_mut().zip(&self.factors[*of]) {
+                *sum = *sum + *factor * *own;
+            }
+            (factors, constant + *factor * self.constants[*of])
+        })
+    }
+
+    /// Makes a linear function of velocities the velocity at a place.
+    fn replace(&mut self, place: usize, (factors, constant): &(Vec<T>, T)) {
+        for (row, own) in self.factors.iter_mut().zip(&mut self.constants) {
+            let share = row[place] / factors[place];
+            for (which, (sum, factor)) in row.iter_mut().zip(factors).enumerate() {
+                *sum = if which == place { share } else { *sum - share * *factor };
+            }
+            *own = *own - share * *constant;
+        }
+    }
+
+    /// Returns forces, or other factors of rates of change, as factors of velocities.
+    pub fn across(&self, forces: &[T]) -> Vec<T> {
+        let of = |place: usize| {
+            let each = self.factors.iter().zip(forces);
+            each.fold(T::constant(0.0), |sum, (row, force)| sum + row[place] * *force)
+        };
+        (0..forces.len()).map(of).collect()
+    }
+
+    /// Returns a mass matrix of rates of change as one of velocities.
+    pub fn between(&self, mass: &[Vec<T>]) -> Vec<Vec<T>> {
+        let half: Vec<Vec<T>> = mass.iter().map(|row| self.across(row)).collect();
+        let column = |place: usize| half.iter().map(|row| row[place]).collect::<Vec<_>>();
+        (0..mass.len()).map(|place| self.across(&column(place))).collect()
+    }
+
+    /// Returns the rates of change of these velocities.
+    pub fn at(&self, velocities: &[T]) -> Vec<T> {
+        let rows = self.factors.iter().zip(&self.constants);
+        let sum = |(row, constant): (&Vec<T>, &T)| {
+            row.iter().zip(velocities).fold(*constant, |sum, (one, other)| sum + *one * *other)
+        };
+        rows.map(sum).collect()
+    }
+}
+
+impl Instance<'_> {
+    /// Returns the sliding speed of a contact as a linear function of the rates of change.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    fn linear<T: Quantity>(
+        &self,
+        contact: usize,
+        numeric: Numeric<'_, T>,
+    ) -> Result<Option<Linear<T>>, FormulaFault> {
+        let (contact, mut bodies) = self.contact(contact);
+        let Some(sliding) = &contact.sliding else { return Ok(None) };
+        bodies.evaluate(sliding, &mut Linearised { instance: self, numeric }).map(Some)
+    }
+
+    /// Chooses the velocities, for these values of the parameters.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    pub fn choose_velocities(
+        &self,
+        numeric: Numeric<'_, f64>,
+    ) -> Result<Vec<SpeedOf>, FormulaFault> {
+        let mut rates = Rates::<f64>::identity(self.coordinates.len());
+        let mut chosen: Vec<SpeedOf> = Vec::new();
+        for contact in 0..self.contacts.len() {
+            let speed = match self.has_constant_factors(contact)? {
+                true => self.linear(contact, numeric)?,
+                false => None,
+            };
+            let Some(speed) = speed else {
+                chosen.push(SpeedOf::Formula);
+                continue;
+            };
+            let all = rates.of_velocities(&speed);
+            let taken = |place: &usize| chosen.contains(&SpeedOf::Velocity(*place));
+            let size = |place: &usize| all.0[*place].abs();
+            let free = (0..all.0.len()).filter(|place| !taken(place) && size(place) > ROUNDING);
+            let largest =
+                free.max_by(|one, other| size(one).total_cmp(&size(other)).then(other.cmp(one)));
+            // Elimination rounds what is exactly 0 or 1.
+            let is_near = |one: f64, other: f64| (one - other).abs() <= ROUNDING;
+            let is_same = |place: usize| {
+                let mut factors = all.0.iter().enumerate();
+                is_near(all.1, 0.0)
+                    && factors.all(|(at, one)| is_near(*one, f64::from(u8::from(at == place))))
+            };
+            chosen.push(match (largest, (0..all.0.len()).find(|place| is_same(*place))) {
+                (Some(place), _) => {
+                    rates.replace(place, &all);
+                    SpeedOf::Velocity(place)
+                }
+                (None, Some(place)) => SpeedOf::Same(place),
+                (None, None) => SpeedOf::Formula,
+            });
+        }
+        Ok(chosen)
+    }
+
+    /// Returns the rates of change for chosen velocities.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    pub fn rates<T: Quantity>(
+        &self,
+        chosen: &[SpeedOf],
+        numeric: Numeric<'_, T>,
+    ) -> Result<Rates<T>, FormulaFault> {
+        let mut rates = Rates::identity(self.coordinates.len());
+        for (contact, speed_of) in chosen.iter().enumerate() {
+            if let (SpeedOf::Velocity(place), Some(speed)) =
+                (speed_of, self.linear(contact, numeric)?)
+            {
+                let all = rates.of_velocities(&speed);
+                rates.replace(*place, &all);
+            }
+        }
+        Ok(rates)
+    }
+}

@@ -1,0 +1,149 @@
+//! The keys of a system file: a mechanical system that its user describes with formulas.
+
+use indexmap::IndexMap;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::notations::notations;
+use super::yaml_tree::describe_number;
+
+/// A mechanical system: `M q'' = force + contacts`.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::study) struct SystemFile {
+    /// The name of the system: lower-case letters, digits and `_`.
+    pub system: String,
+    /// What it is, in a sentence.
+    #[serde(default)]
+    pub meaning: String,
+    /// Parameters by name.
+    #[serde(default)]
+    pub parameters: IndexMap<String, ParameterEntry>,
+    /// Indices that count bodies, each with the parameter that is the number of bodies.
+    #[serde(default)]
+    pub repeat: IndexMap<String, String>,
+    /// Coordinates by name; `x[block]` for a coordinate of each body.
+    pub coordinates: IndexMap<String, CoordinateEntry>,
+    /// Entries of the mass matrix by row and column: one half; the other half is equal, and what is missing is 0.
+    pub mass: IndexMap<String, IndexMap<String, FormulaText>>,
+    /// Forces by coordinate, without those of contacts.
+    #[serde(default)]
+    pub force: IndexMap<String, FormulaText>,
+    /// Contacts by name; `belt[block]` for a contact of each body.
+    pub contacts: IndexMap<String, ContactEntry>,
+    /// The time after which the equations repeat, if they contain the time `t`.
+    pub period: Option<FormulaText>,
+}
+
+/// A parameter: its value with a unit, such as `0.3 kg`, or keys.
+#[derive(Clone, Debug, JsonSchema)]
+pub(in crate::study) struct ParameterEntry(#[schemars(with = "ValueOrKeys")] pub ParameterKeys);
+
+/// The keys of a parameter.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::study) struct ParameterKeys {
+    /// The default: a number, or a value with a unit such as `0.3 kg`.
+    pub value: FormulaText,
+    /// What it is, in a few words.
+    #[serde(default)]
+    pub meaning: String,
+    /// The largest value of a whole number, such as a number of bodies.
+    pub most: Option<u64>,
+}
+
+/// A coordinate.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::study) struct CoordinateEntry {
+    /// Its unit, such as `m` or `rad`; by default, none.
+    pub unit: Option<String>,
+    /// Start value, or range `[low, high]` of start values; by default 0.
+    pub start: Option<Ends>,
+    /// Start value, or range, of its rate of change; by default 0.
+    pub start_rate: Option<Ends>,
+    /// Whether it is an angle that may go round and round.
+    #[serde(default)]
+    pub periodic: bool,
+    /// What it is, in a few words.
+    #[serde(default)]
+    pub meaning: String,
+}
+
+/// A contact with a given normal force, or with a gap.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::study) struct ContactEntry {
+    /// The distance of the bodies, which does not become negative.
+    pub gap: Option<FormulaText>,
+    /// The force that presses the bodies together, for a contact that does not open.
+    pub normal: Option<FormulaText>,
+    /// The sliding speed; x' is the rate of change of x.
+    pub sliding: Option<FormulaText>,
+    /// The law of friction with its parameters; by default, no friction.
+    pub friction: Option<IndexMap<String, IndexMap<String, FormulaText>>>,
+    /// Speed of separation over speed of approach in an impact, 0 to 1; by default 0.
+    pub restitution: Option<FormulaText>,
+    /// The same for the sliding speed, 0 to 1; by default 0.
+    pub tangential_restitution: Option<FormulaText>,
+}
+
+/// A formula, a number, or a value with a unit.
+#[derive(Clone, Debug, JsonSchema, PartialEq)]
+pub(in crate::study) struct FormulaText(#[schemars(with = "NumberOrText")] pub String);
+
+notations! {
+    FormulaText: "a formula or a number",
+    number => |number: f64| Some(FormulaText(describe_number(number))),
+    text => |text: &str| Some(FormulaText(text.to_owned())),
+}
+
+/// One value, or the two ends of a range.
+#[derive(Clone, Debug, JsonSchema)]
+pub(in crate::study) struct Ends(#[schemars(with = "OneOrTwo")] pub Vec<FormulaText>);
+
+notations! {
+    Ends: "a value, or two values [low, high]",
+    number => |number: f64| Some(Ends(vec![FormulaText(describe_number(number))])),
+    text => |text: &str| Some(Ends(vec![FormulaText(text.to_owned())])),
+    list(Vec<FormulaText>) => Ends,
+}
+
+notations! {
+    ParameterEntry: "a value such as 0.3 kg, or keys and values",
+    number => |number: f64| Some(ParameterEntry::of(describe_number(number))),
+    text => |text: &str| Some(ParameterEntry::of(text.to_owned())),
+    map(ParameterKeys) => ParameterEntry,
+}
+
+impl ParameterEntry {
+    fn of(value: String) -> Self {
+        let value = FormulaText(value);
+        ParameterEntry(ParameterKeys { value, meaning: String::new(), most: None })
+    }
+}
+
+/// The notations of a formula, of a range and of a parameter, for the JSON Schema.
+#[derive(JsonSchema)]
+#[serde(untagged)]
+#[expect(dead_code, reason = "only the schema of these types is used")]
+enum NumberOrText {
+    Number(f64),
+    Text(String),
+}
+
+#[derive(JsonSchema)]
+#[serde(untagged)]
+#[expect(dead_code, reason = "only the schema of these types is used")]
+enum OneOrTwo {
+    One(NumberOrText),
+    Two([NumberOrText; 2]),
+}
+
+#[derive(JsonSchema)]
+#[serde(untagged)]
+#[expect(dead_code, reason = "only the schema of these types is used")]
+enum ValueOrKeys {
+    Value(NumberOrText),
+    Keys(ParameterKeys),
+}

@@ -1,0 +1,390 @@
+//! Reads a system file, or the keys of one in a study, and makes it a kind of model.
+
+use serde_json::Value;
+
+use crate::model::{
+    Definition, FaultAt, Formula, FormulaFault, Place, Unit, WHOLE, WrittenCoordinate,
+    WrittenParameter, written_kind,
+};
+use crate::study::error::{Fault, StudyError, list_names, shorten};
+use crate::study::file::decode::decode;
+use crate::study::file::key_path::Segment;
+use crate::study::file::quantity::{convert, split_number, unit_of};
+use crate::study::file::source_path::SourcePath;
+use crate::study::file::system_file::{
+    CoordinateEntry, Ends, FormulaText, ParameterKeys, SystemFile,
+};
+use crate::study::file::table_folders::TableFolders;
+use crate::study::file::unit_keys::{Names, split_unit};
+use crate::study::file::yaml_tree::{Content, Node, Source};
+use crate::tabular::to_text;
+
+/// The largest number of bodies that an index counts.
+const MOST_BODIES: u64 = 64;
+
+/// Replaces the key `system` of a model by the key `kind` with the kind that the system defines.
+///
+/// # Errors
+/// Returns an error if the system file cannot be read, or the first fault in it.
+pub(in crate::study) fn read_system(
+    source: &mut Source,
+    folders: &TableFolders,
+) -> Result<(), StudyError> {
+    let path = source.path("model.system");
+    let Some(node) = path.node() else { return Ok(()) };
+    for key in ["kind", "friction"] {
+        let other = source.path("model").key(key);
+        if other.node().is_some() {
+            let allowed = match key {
+                "kind" => "`kind` or `system`",
+                _ => "the key `friction` of each contact of the system",
+            };
+            return Err(other.refuse_key(Fault::new("not beside `system`", key, allowed)));
+        }
+    }
+    let place = node.place;
+    let definition = match &node.content {
+        Content::Text(name) => {
+            let refuse = |fault: Fault| {
+                let plain = |text: String| text.replace("table", "system file");
+                let allowed = fault.allowed.map(|text| text.replace("the system file", "it"));
+                path.refuse_value(Fault { problem: plain(fault.problem), allowed, ..fault })
+            };
+            let (file, bytes) = folders.read(name).map_err(refuse)?;
+            let text = to_text(bytes).map_err(|fault| StudyError::about_file(&file, fault))?;
+            let own = Source::new(&file, text).map_err(|error| with_hint(error, true))?;
+            definition(&own)?
+        }
+        Content::Map(_) => {
+            let own = Source {
+                file: source.file.clone(),
+                text: source.text.clone(),
+                root: node.clone(),
+                units: Vec::new(),
+            };
+            definition(&own)?
+        }
+        _ => {
+            let allowed = "the name of a system file, or the keys of one";
+            return Err(path.refuse_value(Fault::new("not a system", node.describe(), allowed)));
+        }
+    };
+    let (_, name) = written_kind(definition);
+    let model = [Segment::Key("model".to_owned())];
+    if let Some(Node { content: Content::Map(entries), .. }) = source.root.at_mut(&model) {
+        for (key, value) in entries.iter_mut().filter(|(key, _)| key.name() == "system") {
+            key.content = Content::Text("kind".to_owned());
+            *value = Node { place, content: Content::Text(name.clone()) };
+        }
+    }
+    Ok(())
+}
+
+/// Reads and checks the keys of a system.
+fn definition(source: &Source) -> Result<Definition, StudyError> {
+    let file: SystemFile = decode(source, &Names::none()).map_err(|error| {
+        let is_cut = error.found().is_some_and(|found| found.contains([')', ']', '}']));
+        with_hint(error, is_cut)
+    })?;
+    let reader = Reader { source };
+    let mut definition = reader.definition(&file)?;
+    definition.check().map_err(|fault| reader.refuse(fault))?;
+    Ok(definition)
+}
+
+/// Adds a remedy to the message for a formula that YAML may have cut.
+fn with_hint(error: StudyError, is_cut: bool) -> StudyError {
+    if !is_cut {
+        return error;
+    }
+    let hint = "inside {...}, a formula with a comma, [ or { needs quotation marks";
+    let allowed =
+        error.allowed().unwrap_or_default().replace("a study in YAML", "a system in YAML");
+    let (problem, found) =
+        (error.problem().to_owned(), error.found().unwrap_or_default().to_owned());
+    error.with_fault(Fault::new(problem, found, format!("{allowed}; {hint}")))
+}
+
+/// Reads the parts of a system.
+pub(super) struct Reader<'s> {
+    source: &'s Source,
+}
+
+impl<'s> Reader<'s> {
+    fn definition(&self, file: &SystemFile) -> Result<Definition, StudyError> {
+        let is_letter = |one: char| one.is_ascii_lowercase() || one.is_ascii_digit() || one == '_';
+        if !file.system.starts_with(|one: char| one.is_ascii_lowercase())
+            || !file.system.chars().all(is_letter)
+        {
+            let allowed = "lower-case letters, digits and _, with a letter first";
+            let fault = Fault::new("not a name of a system", shorten(&file.system), allowed);
+            return Err(self.path(&["system"]).refuse_value(fault));
+        }
+        let mut parameters = Vec::new();
+        for (name, entry) in &file.parameters {
+            parameters.push(self.parameter(name, &entry.0)?);
+        }
+        for (index, count) in &file.repeat {
+            if !parameters.iter().any(|one| one.name == *count && one.most.is_some()) {
+                let counts = parameters.iter().filter(|one| one.most.is_some());
+                let counts: Vec<&str> = counts.map(|one| one.name.as_str()).collect();
+                let allowed = match counts[..] {
+                    [] => {
+                        "a parameter with the key `most`: blocks: {value: 3, most: 10}".to_owned()
+                    }
+                    _ => list_names(count, &counts),
+                };
+                let fault = Fault::new("not a number of bodies", shorten(count), allowed);
+                return Err(self.path(&["repeat", index]).refuse_value(fault));
+            }
+        }
+        let mut coordinates = Vec::new();
+        for (key, entry) in &file.coordinates {
+            coordinates.push(self.coordinate(key, entry, file)?);
+        }
+        let mut mass = Vec::new();
+        for (row, columns) in &file.mass {
+            let row_place = self.place(&["mass", row], row)?;
+            for (column, text) in columns {
+                let column_place = self.place(&["mass", row, column], column)?;
+                let entry = self.formula(&["mass", row, column], text)?;
+                mass.push(([row_place.clone(), column_place], entry));
+            }
+        }
+        let mut force = Vec::new();
+        for (key, text) in &file.force {
+            force.push((self.place(&["force", key], key)?, self.formula(&["force", key], text)?));
+        }
+        let mut contacts = Vec::new();
+        for (key, entry) in &file.contacts {
+            contacts.push(self.contact(key, entry, file)?);
+        }
+        for (key, is_empty) in
+            [("coordinates", coordinates.is_empty()), ("contacts", contacts.is_empty())]
+        {
+            if is_empty {
+                let fault = Fault::new("an empty list", "no keys", "at least one");
+                return Err(self.path(&[key]).refuse_value(fault));
+            }
+        }
+        let period = file.period.as_ref().map(|text| self.formula(&["period"], text));
+        Ok(Definition {
+            name: file.system.clone(),
+            meaning: file.meaning.clone(),
+            parameters,
+            repeat: file.repeat.iter().map(|(index, of)| (index.clone(), of.clone())).collect(),
+            coordinates,
+            mass,
+            force,
+            contacts,
+            period: period.transpose()?,
+            uses_time: false,
+            uses_accelerations: false,
+            source: plain(&self.source.root),
+        })
+    }
+
+    fn parameter(&self, name: &str, entry: &ParameterKeys) -> Result<WrittenParameter, StudyError> {
+        let path = self.path(&["parameters", name]);
+        let value =
+            if path.key("value").node().is_some() { path.key("value") } else { path.clone() };
+        let text = entry.value.0.as_str();
+        let fault = |fault: Fault| value.refuse_value(fault);
+        let (number, unit) = match split_number(text) {
+            Some((number, "")) => (number.parse().unwrap_or(f64::NAN), "1"),
+            Some((_, unit)) => (f64::NAN, unit),
+            None => {
+                let allowed = "a number, or a value with a unit such as 0.3 kg";
+                return Err(fault(Fault::new("not a value", shorten(text), allowed)));
+            }
+        };
+        let unit = self.unit(unit).map_err(fault)?;
+        let number = if number.is_nan() { convert(text, &unit.si).map_err(fault)? } else { number };
+        if !number.is_finite() {
+            return Err(fault(Fault::new("not a finite number", shorten(text), "a finite number")));
+        }
+        self.check_ending(&path, name, &unit)?;
+        if let Some(most) = entry.most {
+            let is_count = number.fract() == 0.0 && number >= 1.0 && number <= most as f64;
+            if !is_count || most > MOST_BODIES || unit.si != "1" {
+                let allowed =
+                    format!("a whole number from 1 to `most`, which is at most {MOST_BODIES}");
+                let found = format!("{} with most: {most}", shorten(text));
+                return Err(fault(Fault::new("not a number of bodies", found, allowed)));
+            }
+        }
+        Ok(WrittenParameter {
+            name: name.to_owned(),
+            unit,
+            value: number,
+            meaning: entry.meaning.clone(),
+            most: entry.most.map(|most| most as usize),
+        })
+    }
+
+    fn coordinate(
+        &self,
+        key: &str,
+        entry: &CoordinateEntry,
+        file: &SystemFile,
+    ) -> Result<WrittenCoordinate, StudyError> {
+        let path = self.path(&["coordinates", key]);
+        let (name, index) = self.indexed(&path, key, file)?;
+        let unit = entry.unit.as_deref().unwrap_or("1");
+        let unit = self.unit(unit).map_err(|fault| path.key("unit").refuse_value(fault))?;
+        self.check_ending(&path, &name, &unit)?;
+        if entry.periodic && unit.dimension != [0; 3] {
+            let allowed = "a coordinate with the unit rad: a period is one turn";
+            let fault = Fault::new("a periodic coordinate", shorten(&unit.si), allowed);
+            return Err(path.key("periodic").refuse_value(fault));
+        }
+        let rate = if unit.si == "1" { "1/s".to_owned() } else { format!("{}/s", unit.si) };
+        let range = |key: &str, si: &str, ends: &Option<Ends>| {
+            let path = path.key(key);
+            let texts = ends.as_ref().map_or(&[][..], |ends| &ends.0);
+            let parse = |path: SourcePath<'s>, text: &FormulaText| self.start(&path, text, si);
+            match texts {
+                [] if ends.is_none() => Ok([Formula::number(0.0), Formula::number(0.0)]),
+                [one] => parse(path, one).map(|one| [one.clone(), one]),
+                [low, high] => Ok([parse(path.item(0), low)?, parse(path.item(1), high)?]),
+                _ => {
+                    let found = format!("{} values", texts.len());
+                    let allowed = "a value, or two values [low, high]";
+                    Err(path.refuse_value(Fault::new("not a range", found, allowed)))
+                }
+            }
+        };
+        let start = [
+            range("start", &unit.si, &entry.start)?,
+            range("start_rate", &rate, &entry.start_rate)?,
+        ];
+        let (periodic, meaning) = (entry.periodic, entry.meaning.clone());
+        Ok(WrittenCoordinate { name, index, unit, periodic, meaning, start })
+    }
+
+    /// Returns an end of a range: a value with a unit, or a formula of parameters.
+    fn start(
+        &self,
+        path: &SourcePath<'s>,
+        text: &FormulaText,
+        si: &str,
+    ) -> Result<Formula, StudyError> {
+        // `0 * t` is a formula, not a number of tons.
+        let is_unit = |unit: &str| !unit.starts_with('*') && unit_of(unit).is_ok();
+        let number = split_number(&text.0).filter(|(_, unit)| is_unit(unit));
+        match number {
+            Some(_) => {
+                let value = convert(&text.0, si).map_err(|fault| path.refuse_value(fault))?;
+                Ok(Formula::number(value))
+            }
+            None => Formula::parse(&text.0).map_err(|fault| refuse(path, &text.0, fault)),
+        }
+    }
+
+    /// Splits a key such as `x[block]` into the name and the index.
+    pub(super) fn indexed(
+        &self,
+        path: &SourcePath<'_>,
+        key: &str,
+        file: &SystemFile,
+    ) -> Result<(String, Option<String>), StudyError> {
+        let Some((name, rest)) = key.split_once('[') else { return Ok((key.to_owned(), None)) };
+        let index = rest.strip_suffix(']').unwrap_or(rest);
+        if file.repeat.contains_key(index) {
+            return Ok((name.to_owned(), Some(index.to_owned())));
+        }
+        let indices: Vec<&str> = file.repeat.keys().map(String::as_str).collect();
+        let allowed = match indices[..] {
+            [] => {
+                "a name without [...], or a key `repeat: {block: blocks}` with an index".to_owned()
+            }
+            _ => format!("an index of `repeat`: {}", list_names(index, &indices)),
+        };
+        Err(path.refuse_key(Fault::new("unknown index", shorten(index), allowed)))
+    }
+
+    fn unit(&self, text: &str) -> Result<Unit, Fault> {
+        let (si, [length, mass, time, _]) = unit_of(text)?;
+        Ok(Unit { si, dimension: [mass, length, time].map(|one| one * WHOLE) })
+    }
+
+    /// Names in tables end with their units, so that a name without a unit must not look like one with a unit.
+    fn check_ending(
+        &self,
+        path: &SourcePath<'_>,
+        name: &str,
+        unit: &Unit,
+    ) -> Result<(), StudyError> {
+        match split_unit(name).filter(|_| unit.si == "1") {
+            Some((short, ending)) => {
+                let found = format!("{} without a unit", shorten(name));
+                let allowed =
+                    format!("another ending: tables take it for {} in {ending}", shorten(short));
+                Err(path.refuse_key(Fault::new("a name that ends like a unit", found, allowed)))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn place(&self, path: &[&str], text: &str) -> Result<Place, StudyError> {
+        let parsed = Formula::parse(text);
+        parsed.map(Place).map_err(|fault| refuse(&self.path(path), text, fault))
+    }
+
+    pub(super) fn formula(&self, path: &[&str], text: &FormulaText) -> Result<Formula, StudyError> {
+        Formula::parse(&text.0).map_err(|fault| refuse(&self.path(path), &text.0, fault))
+    }
+
+    pub(super) fn path(&self, keys: &[&str]) -> SourcePath<'s> {
+        let mut path = self.source.root_path();
+        for key in keys {
+            path = match key.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')?.parse().ok())
+            {
+                Some(item) => path.item(item),
+                None => key.split('.').fold(path, |path, key| path.key(key)),
+            };
+        }
+        path
+    }
+
+    /// Creates the message for a fault of the whole system.
+    fn refuse(&self, (keys, fault): FaultAt) -> StudyError {
+        let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
+        let path = self.path(&keys);
+        let text = path.node().map(|node| match &node.content {
+            Content::Text(text) => text.clone(),
+            _ => node.describe(),
+        });
+        refuse(&path, &text.unwrap_or_default(), fault)
+    }
+}
+
+/// Creates the message for a fault of a formula.
+fn refuse(path: &SourcePath<'_>, text: &str, fault: FormulaFault) -> StudyError {
+    let FormulaFault { at, problem, found, allowed, names } = fault;
+    let allowed = if names.is_empty() { allowed } else { list_names(&found, &names) };
+    let shown = if names.is_empty() { found.clone() } else { format!("`{found}`") };
+    let found = match text.is_empty() || found == text {
+        true => shorten(&shown),
+        false => {
+            let character = text.get(..at).map_or(1, |before| before.chars().count() + 1);
+            format!("{} at character {character} of {:?}", shorten(&shown), shorten(text))
+        }
+    };
+    path.refuse_value(Fault::new(problem, found, allowed))
+}
+
+/// Returns a tree as plain values.
+fn plain(node: &Node) -> Value {
+    match &node.content {
+        Content::Nothing | Content::Placeholder => Value::Null,
+        Content::Truth(truth) => (*truth).into(),
+        Content::Natural(number) => (*number).into(),
+        Content::Number(number) => (*number).into(),
+        Content::Text(text) => text.as_str().into(),
+        Content::List(items) => items.iter().map(plain).collect(),
+        Content::Map(entries) => Value::Object(
+            entries.iter().map(|(key, value)| (key.name().to_owned(), plain(value))).collect(),
+        ),
+    }
+}

@@ -1,0 +1,97 @@
+//! Reads the contacts of a system file.
+
+use indexmap::IndexMap;
+
+use super::system::Reader;
+use crate::model::{
+    COEFFICIENT, FRICTION_LAWS, Formula, WrittenContact, WrittenFriction, WrittenNormal, law_key,
+};
+use crate::study::error::{Fault, StudyError, list_names, shorten};
+use crate::study::file::source_path::SourcePath;
+use crate::study::file::system_file::{ContactEntry, FormulaText, SystemFile};
+
+impl Reader<'_> {
+    /// Reads a contact.
+    ///
+    /// # Errors
+    /// The first fault in it.
+    pub(super) fn contact(
+        &self,
+        key: &str,
+        entry: &ContactEntry,
+        file: &SystemFile,
+    ) -> Result<WrittenContact, StudyError> {
+        let path = self.path(&["contacts", key]);
+        let (name, index) = self.indexed(&path, key, file)?;
+        let formula = |name: &str, text: &FormulaText| self.formula(&["contacts", key, name], text);
+        let sliding = entry.sliding.as_ref().map(|text| formula("sliding", text)).transpose()?;
+        let refuse = |problem: &str, found: &str, allowed: &str| {
+            Err(path.refuse_key(Fault::new(problem, found, allowed)))
+        };
+        let allowed = "`gap: ...` for a contact that opens, or `normal: ...` for a given force";
+        let normal = match (&entry.gap, &entry.normal) {
+            (Some(gap), None) => WrittenNormal::Gap(formula("gap", gap)?),
+            (None, Some(normal)) => WrittenNormal::Given(formula("normal", normal)?),
+            (Some(_), Some(_)) => {
+                return refuse("two normal forces", "`gap` and `normal`", allowed);
+            }
+            (None, None) => {
+                return refuse("no normal force", "neither `gap` nor `normal`", allowed);
+            }
+        };
+        if sliding.is_none() && (entry.friction.is_some() || entry.normal.is_some()) {
+            let allowed = "`sliding: ...`, such as x' or x' - v_belt";
+            return refuse("missing key", "no `sliding`", allowed);
+        }
+        let friction =
+            entry.friction.as_ref().map(|laws| self.friction(&path.key("friction"), key, laws));
+        let friction = friction.transpose()?;
+        let or_zero = |name: &str, text: &Option<FormulaText>| {
+            text.as_ref().map_or(Ok(Formula::number(0.0)), |text| formula(name, text))
+        };
+        let restitution = [
+            or_zero("restitution", &entry.restitution)?,
+            or_zero("tangential_restitution", &entry.tangential_restitution)?,
+        ];
+        Ok(WrittenContact { name, index, sliding, normal, friction, restitution })
+    }
+
+    /// Reads the law of friction of a contact.
+    fn friction(
+        &self,
+        path: &SourcePath<'_>,
+        key: &str,
+        laws: &IndexMap<String, IndexMap<String, FormulaText>>,
+    ) -> Result<WrittenFriction, StudyError> {
+        let names: Vec<&str> = FRICTION_LAWS.iter().map(|law| law.name()).collect();
+        let Some((name, values)) = laws.iter().next().filter(|_| laws.len() == 1) else {
+            let (found, allowed) =
+                (format!("{} laws", laws.len()), format!("one of {}", names.join(", ")));
+            return Err(path.refuse_value(Fault::new("not one law of friction", found, allowed)));
+        };
+        let path = path.key(name);
+        let Some(law) = FRICTION_LAWS.iter().find(|law| law.name() == name) else {
+            let allowed = list_names(name, &names);
+            return Err(path.refuse_key(Fault::new("unknown choice", shorten(name), allowed)));
+        };
+        let has_coefficient = law.uses_friction_coefficient();
+        let own = law.parameters().iter().map(law_key);
+        let keys: Vec<&str> =
+            has_coefficient.then_some(COEFFICIENT).into_iter().chain(own).collect();
+        if let Some(unknown) = values.keys().find(|key| !keys.contains(&key.as_str())) {
+            let fault = Fault::new("unknown key", shorten(unknown), list_names(unknown, &keys));
+            return Err(path.key(unknown).refuse_key(fault));
+        }
+        let value = |law_key: &str| match values.get(law_key) {
+            Some(text) => self.formula(&["contacts", key, "friction", name, law_key], text),
+            None => {
+                let allowed = format!("a value for `{law_key}`");
+                Err(path.refuse_key(Fault::new("missing key", "no such key", allowed)))
+            }
+        };
+        let coefficient = if has_coefficient { value(COEFFICIENT)? } else { Formula::number(0.0) };
+        let own = law.parameters().iter().map(|parameter| value(law_key(parameter)));
+        let values = own.collect::<Result<_, _>>()?;
+        Ok(WrittenFriction { law: *law, coefficient, values })
+    }
+}

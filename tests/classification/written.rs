@@ -1,0 +1,92 @@
+//! Systems in files end as the systems of Rust programs, and as publications say.
+
+use std::path::PathBuf;
+
+use stickslip::classification::{Evidence, Label, Outcome, simulate};
+use stickslip::model::{Case, Machine, Simulation};
+use stickslip::study::Study;
+
+use crate::support::angular_distance;
+
+/// Returns the outcomes of the runs of a study of this folder, with some texts replaced.
+fn outcomes(name: &str, replaced: &[(&str, &str)]) -> Vec<Outcome> {
+    let file: PathBuf = [env!("CARGO_MANIFEST_DIR"), "studies", name].iter().collect();
+    let mut text = std::fs::read_to_string(&file).expect("a study");
+    for (old, new) in replaced {
+        assert!(text.contains(old), "{old}");
+        text = text.replace(old, new);
+    }
+    let study = Study::parse(&file, text).unwrap_or_else(|error| panic!("{error}"));
+    (0..study.run_count())
+        .map(|run| simulate(&study.planned_run(run).case.expect("a case")))
+        .collect()
+}
+
+/// The woodpecker from its file ends as the one of [`super::woodpecker`]: the period is that of time stepping.
+#[test]
+fn a_woodpecker_of_a_file_comes_down_on_its_limit_cycle() {
+    for outcome in outcomes("woodpecker.yaml", &[("samples: 16", "samples: 2")]) {
+        assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{outcome:?}");
+        let period_s = outcome.period_s.expect("a cycle has a period");
+        assert!((period_s - 0.14600).abs() < 5e-5, "{period_s}");
+        // The height is the coordinate of the lower edge of the sleeve.
+        let mean = outcome.mean_speed.expect("the bird moves on")[1];
+        assert!((mean + 0.1332).abs() < 1e-4, "{mean}");
+        let multiplier = outcome.cycle.expect("known").multipliers[0];
+        assert!((multiplier - 0.8392).abs() < 1e-4, "{multiplier}");
+    }
+}
+
+/// Steady sliding of the oscillator of Stender et al. (2020) in 0.312 of the start states; of 600 here, 4 standard errors.
+#[test]
+fn a_belt_oscillator_of_a_file_slides_as_often_as_published() {
+    let all = outcomes("belt-oscillator.yaml", &[("samples: 4000", "samples: 600")]);
+    let fraction = |label| all.iter().filter(|one| one.label() == label).count() as f64 / 600.0;
+    let slides = fraction(Label::Equilibrium);
+    assert!((slides - 0.312).abs() < 4.0 * (0.312_f64 * 0.688 / 600.0).sqrt(), "{slides}");
+    assert_eq!(fraction(Label::Undecided) + fraction(Label::Failed), 0.0);
+}
+
+/// The balancer with two balls, written as a file, ends as the built-in one does: its normal forces are reactions that contain
+/// accelerations.
+#[test]
+fn a_balancer_of_a_file_ends_as_the_built_in_one() {
+    let mut rests = 0;
+    for speed_rad_s in [-160.8103, -216.3772] {
+        let machine = Machine { speed_rad_s, ..Machine::default() };
+        let natural = machine.natural_frequency_rad_s();
+        let ball = machine.balls[0];
+        let mass = machine.table_mass_kg + machine.imbalance_mass_kg + 2.0 * ball.mass_kg;
+        let radius = machine.ring_radius_m;
+        let text = format!(
+            "schema: 1\nname: a\nseed: 2003\nmodel:\n  system: systems/ball_balancer.yaml\n  parameters:\n    \
+             omega: {}\n    m: {}\n    imbalance: {}\n    zeta: {}\n    d: {}\n    mu: {}\n\
+             initial_conditions: {{design: {{monte_carlo: {{samples: 48}}}}}}\n\
+             simulation: {{end_time_s: {}}}\n",
+            speed_rad_s / natural,
+            ball.mass_kg / mass,
+            machine.imbalance_mass_kg * machine.imbalance_radius_m / (mass * radius),
+            machine.damping_n_s_m / (2.0 * mass * natural),
+            ball.diameter_m / radius,
+            ball.friction_coefficient,
+            16.5 * natural,
+        );
+        let file: PathBuf = [env!("CARGO_MANIFEST_DIR"), "studies", "a.yaml"].iter().collect();
+        let study = Study::parse(&file, text).unwrap_or_else(|error| panic!("{error}"));
+        for run in 0..study.run_count() {
+            let written = study.planned_run(run).case.expect("a case");
+            let (model, start) = (machine.clone().into(), written.start.clone());
+            let own = simulate(&Case { model, start, simulation: Simulation::default() });
+            let other = simulate(&written);
+            assert_eq!(own.evidence, other.evidence, "{speed_rad_s} {run}: {own:?} {other:?}");
+            if own.label() == Label::Equilibrium {
+                let [own, other] = [own, other].map(|one| one.position.expect("positions"));
+                for (own, other) in own.iter().zip(other) {
+                    assert!(angular_distance(*own, other) < 1e-5, "{run}: {own} {other}");
+                }
+                rests += 1;
+            }
+        }
+    }
+    assert!(rests > 60, "{rests}");
+}

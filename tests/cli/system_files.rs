@@ -1,0 +1,165 @@
+//! Studies of systems in files: their runs are as reproducible as those of built-in models, and commands speak of them by
+//! their names.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::support::{Scratch, assert_has, numbers, words};
+
+const STUDIES: [(&str, &str, &str); 2] =
+    [("woodpecker", "woodpecker", "samples: 16"), ("block-chain", "block_chain", "samples: 8")];
+
+/// Returns a folder with both studies and their systems, with four runs at each point.
+fn studies() -> Scratch {
+    let scratch = Scratch::new();
+    std::fs::create_dir(scratch.path("systems")).expect("a folder");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    for (study, system, samples) in STUDIES {
+        let text = std::fs::read_to_string(shipped.join(format!("{study}.yaml"))).expect("a study");
+        assert!(text.contains(samples), "{study}");
+        scratch.write(&format!("{study}.yaml"), text.replace(samples, "samples: 4"));
+        let file = format!("systems/{system}.yaml");
+        let text = std::fs::read_to_string(shipped.join(&file)).expect("a system");
+        scratch.write(&file, text);
+    }
+    scratch
+}
+
+/// Threads, an interruption and shards change no byte, and a replay gives its row.
+#[test]
+fn runs_of_systems_in_files_are_reproducible() {
+    let scratch = studies();
+    for (name, _, _) in STUDIES {
+        scratch.well(&format!("run {name}.yaml --out {name} --threads 1"));
+        let data = scratch.data(name);
+        scratch.well(&format!("run {name}.yaml --out {name}-2 --threads 2 --chunk 3"));
+        assert_eq!(scratch.data(&format!("{name}-2")), data, "{name}");
+
+        let stopped = format!("{name}-stopped");
+        let ended = scratch.stickslip(&format!("run {name}.yaml --out {stopped} --max-seconds 0"));
+        assert_eq!(ended.code, Some(130), "{}", ended.err);
+        // The results contain the system: its file is not needed any more.
+        std::fs::rename(scratch.path("systems"), scratch.path("away")).expect("it moves");
+        scratch.well(&format!("resume {stopped}"));
+        assert_eq!(scratch.data(&stopped), data, "{name}");
+        let report = scratch.well(&format!("replay {name} 1 --out {name}-replay --json"));
+        let report: Value = serde_json::from_str(&report).expect("JSON");
+        assert_eq!(report["same_as_row"], true, "{name}");
+        std::fs::rename(scratch.path("away"), scratch.path("systems")).expect("it moves back");
+
+        for shard in [1, 2] {
+            scratch.well(&format!("run {name}.yaml --shard {shard}/2 --out {name}-s{shard}"));
+        }
+        scratch.well(&format!("merge {name}-s1 {name}-s2 --out {name}-merged"));
+        assert_eq!(scratch.data(&format!("{name}-merged")), data, "{name}");
+        scratch.well(&format!("report {name}"));
+    }
+}
+
+/// Tables name coordinates and contacts as the file does, with their units.
+#[test]
+fn columns_have_the_names_of_the_file() {
+    let scratch = studies();
+    scratch.well("run woodpecker.yaml --out a");
+    let rows = scratch.table("a", "runs");
+    assert!(words(&rows, "label").iter().all(|label| label.as_deref() == Some("limit_cycle")));
+    let least = numbers(&rows, "min_position_phi_bird_rad");
+    let most = numbers(&rows, "max_position_phi_bird_rad");
+    assert!(least.iter().zip(&most).all(|(least, most)| least < most), "{least:?} {most:?}");
+    for column in
+        ["initial_y_m", "initial_phi_bird_rate_rad_s", "position_phi_sleeve_rad", "mean_y_rate_m_s"]
+    {
+        assert_eq!(numbers(&rows, column).iter().flatten().count(), 4, "{column}");
+    }
+    // The lower edge of the sleeve sticks while the bird swings; the beak only hits the pole.
+    let sticks = |contact: &str| numbers(&rows, &format!("stick_fraction_{contact}"));
+    assert!(sticks("lower").iter().all(|one| one.is_some_and(|one| (0.2..0.4).contains(&one))));
+    assert_eq!(sticks("beak"), [Some(0.0); 4]);
+    scratch.well("replay a 0 --out b");
+    let motion = scratch.table("b", "trajectory");
+    let normal = numbers(&motion, "normal_lower_n");
+    assert!(normal.iter().flatten().any(|force| *force > 0.0));
+    assert!(motion.column_by_name("sliding_speed_upper_m_s").is_some());
+}
+
+/// `check` prints the equations as they were read.
+#[test]
+fn check_prints_the_equations() {
+    let scratch = studies();
+    let printed = scratch.well("check woodpecker.yaml");
+    assert_has(
+        &printed,
+        &[
+            "woodpecker with 3 contacts, coulomb friction",
+            "system (woodpecker)",
+            "mass y, phi_bird",
+            "m_bird * l_bird",
+            "-(m_bird + m_sleeve) * g",
+            "restitution: 0.5",
+            "certified where all contacts stick",
+            "natural frequency 458",
+        ],
+    );
+}
+
+/// Results of other equations are never taken for those of a study.
+#[test]
+fn changed_equations_are_noticed() {
+    let scratch = studies();
+    scratch.well("run block-chain.yaml --out a");
+    let file = "systems/block_chain.yaml";
+    let text = std::fs::read_to_string(scratch.path(file)).expect("a system");
+    scratch.write(
+        file,
+        text.replace("-leaf_stiffness * x[block]", "-1.5 * leaf_stiffness * x[block]"),
+    );
+    scratch.refused("run block-chain.yaml --out a", &["a"]);
+    scratch.well("run block-chain.yaml --out b");
+    assert_ne!(scratch.data("a"), scratch.data("b"));
+    // A comment changes no equation.
+    scratch.write(file, format!("# Changed.\n{text}"));
+    scratch.well("run block-chain.yaml --out a");
+}
+
+/// A system file lies with its study, and a missing one is said.
+#[test]
+fn places_of_system_files_are_limited() {
+    let scratch = studies();
+    let text = std::fs::read_to_string(scratch.path("block-chain.yaml")).expect("a study");
+    let with = |file: &str| text.replace("systems/block_chain.yaml", file);
+    scratch.write("missing.yaml", with("systems/chain.yaml"));
+    scratch
+        .refused("check missing.yaml", &["missing.yaml:", "`model.system`", "systems/chain.yaml"]);
+    scratch.write("outside.yaml", with("../block_chain.yaml"));
+    scratch.refused("check outside.yaml", &["the system file lies outside"]);
+    scratch.write("number.yaml", with("3"));
+    scratch.refused("check number.yaml", &["not a system", "the name of a system file"]);
+    scratch.write("systems/cut.yaml", "system: a\nforce: {x: sum(block, x[block])}\n");
+    scratch.write("cut.yaml", with("systems/cut.yaml"));
+    scratch.refused("check cut.yaml", &["systems/cut.yaml:2:", "needs quotation marks"]);
+    scratch.write("systems/empty.yaml", "");
+    scratch.write("empty.yaml", with("systems/empty.yaml"));
+    scratch.refused("check empty.yaml", &["systems/empty.yaml", "the file is empty"]);
+}
+
+/// The template is a study of a system, and the schema accepts it.
+#[test]
+fn the_template_and_the_schema_know_systems() {
+    let scratch = studies();
+    scratch.well("new mine.yaml --template system");
+    let printed = scratch.well("check mine.yaml");
+    assert_has(&printed, &["two_blocks with 2 contacts, stribeck friction"]);
+    let schema: Value = serde_json::from_str(&scratch.well("schema")).expect("JSON");
+    let validator = jsonschema::validator_for(&schema).expect("a schema");
+    for file in ["mine.yaml", "woodpecker.yaml", "block-chain.yaml"] {
+        let text = std::fs::read_to_string(scratch.path(file)).expect("a study");
+        let study: Value = serde_saphyr::from_str(&text).expect("YAML");
+        let found: Vec<String> = validator.iter_errors(&study).map(|one| one.to_string()).collect();
+        assert!(found.is_empty(), "{file}: {found:?}");
+    }
+    let text = std::fs::read_to_string(scratch.path("mine.yaml")).expect("a study");
+    let wrong: Value =
+        serde_saphyr::from_str(&text.replace("contacts:", "contact:")).expect("YAML");
+    assert!(!validator.is_valid(&wrong));
+}

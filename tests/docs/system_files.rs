@@ -1,0 +1,21 @@
+//! The page on system files quotes shipped systems.
+
+const PAGE: &str = include_str!("../../docs/system-files.md");
+
+/// Each block of YAML stands in a shipped system or study.
+#[test]
+fn systems_on_the_page_are_shipped() {
+    let shipped = [
+        include_str!("../../studies/systems/belt_oscillator.yaml"),
+        include_str!("../../studies/systems/woodpecker.yaml"),
+        include_str!("../../studies/systems/block_chain.yaml"),
+        include_str!("../../studies/belt-oscillator.yaml"),
+    ];
+    let mut blocks = 0;
+    for block in PAGE.split("\n```yaml\n").skip(1) {
+        let (text, _) = block.split_once("\n```").expect("its end");
+        assert!(shipped.iter().any(|file| file.contains(text)), "not shipped:\n{text}");
+        blocks += 1;
+    }
+    assert_eq!(blocks, 4);
+}

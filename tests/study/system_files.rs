@@ -1,0 +1,241 @@
+//! Files with a mechanical system: what is wrong in one is said with its place and a remedy, and right ones keep their
+//! meaning in every notation.
+
+use super::parse;
+
+/// A study with a valid system, one key per line.
+const GOOD: &str = "\
+schema: 1
+name: good
+seed: 5
+model:
+  system:
+    system: two_carts
+    meaning: Two carts on a belt.
+    parameters:
+      carts: {value: 2, most: 5, meaning: number of carts}
+      m: {value: 2 kg, meaning: mass of a cart}
+      k: {value: 300 N/m, meaning: stiffness}
+      f: 20 N
+      mu: 0.2
+      v: 0.1 m/s
+      omega: 5 rad/s
+    repeat:
+      cart: carts
+    coordinates:
+      x[cart]: {unit: m, start: [-5 mm, f / k], start_rate: 0}
+    mass:
+      x[cart]: {'x[cart]': m}
+    force:
+      x[cart]: -k * x[cart] + if(cart > 1, k * (x[cart - 1] - x[cart]), 0) + f * cos(omega * t)
+    contacts:
+      belt[cart]:
+        normal: 9.81 * f / 9.81
+        sliding: x[cart]' - v
+        friction: {stribeck: {coefficient: mu, static_coefficient: 2 * mu, stribeck_speed: v}}
+    period: 2 * pi / omega
+initial_conditions:
+  design: {monte_carlo: {samples: 3}}
+";
+
+/// Replaces one text by another and checks the message.
+#[track_caller]
+fn refused(old: &str, new: &str, line: usize, problem: &str, found: &str, allowed: &str) {
+    assert!(GOOD.contains(old), "{old}");
+    let text = GOOD.replacen(old, new, 1);
+    let error = parse(&text).err().unwrap_or_else(|| panic!("accepted: {new}"));
+    assert_eq!(error.line(), Some(line), "{error}");
+    assert!(error.column().is_some() && !error.key().is_empty(), "{error}");
+    assert!(error.problem().contains(problem), "{error}");
+    assert!(error.found().unwrap_or_default().contains(found), "{error}");
+    assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
+}
+
+#[test]
+fn the_good_system_is_good() {
+    let study = parse(GOOD).unwrap_or_else(|error| panic!("{error}"));
+    let names: Vec<String> =
+        study.model().coordinates().into_iter().map(|coordinate| coordinate.name).collect();
+    assert_eq!(names, ["x_1_m", "x_2_m", "x_rate_1_m_s", "x_rate_2_m_s"]);
+    let parameters = study.model().kind().parameters;
+    let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name).collect();
+    assert_eq!(names, ["carts", "m_kg", "k_n_m", "f_n", "mu", "v_m_s", "omega_rad_s"]);
+}
+
+#[test]
+fn formulas_are_read_in_full() {
+    let force = "-k * x[cart] + if(cart > 1, k * (x[cart - 1] - x[cart]), 0) + f * cos(omega * t)";
+    for (formula, problem, found, allowed) in [
+        ("-k * * x[cart]", "not a formula", "`*`", "a number, a name"),
+        ("-k * x[cart", "not a formula", "its end", "`]`"),
+        ("(-k * x[cart]", "not a formula", "its end", "`)`"),
+        ("-k x[cart]", "not a formula", "`x` at character 4", "an operator"),
+        ("-2k * x[cart]", "not a formula", "`k`", "`*` between a number and a name"),
+        ("-q * x[cart]", "unknown name", "`q` at character 2", "x, carts"),
+        ("-kk * x[cart]", "unknown name", "`kk`", "k (did you mean this?)"),
+        ("-k * x", "one of several bodies", "`x`", "x[1]"),
+        ("-k * m[cart]", "not a coordinate", "`m`", "only a coordinate"),
+        ("-k * x[cart + 1]", "a body that does not exist", "`x[3]` of 2", "if(condition"),
+        ("-k * x[f]", "not a whole number", "`f`", "whole numbers"),
+        ("-k * abs(x[cart])", "not smooth", "abs", "a contact with a gap"),
+        ("f * log(x[cart])", "unknown function", "log", "there is no logarithm"),
+        ("f * sine(t)", "unknown function", "sine", "sin, cos"),
+        ("f * if(x[cart] > 0, 1, 0)", "not a whole number", "x", "a contact"),
+        ("f * if(cart, 1, 0)", "not a formula", "`,`", "a comparison"),
+        ("x[cart]''", "an acceleration", "x[cart]''", "linear there"),
+        ("f * x[cart]^m", "not a constant exponent", "m", "a number"),
+        ("f * 2^(1/3)", "an exponent", "0.333", "a multiple of 1/2"),
+        ("sum(wheel, f)", "unknown index", "`wheel`", "cart"),
+        ("1e400 * f", "not a number", "1e400", "a finite number"),
+        ("f = 3", "not a formula", "`=`", "comparison"),
+        ("f * 'x", "not a formula", "`'`", "a prime only after a coordinate"),
+        ("m * x[cart]", "another quantity", "kg m", "N"),
+        ("k * x[cart] + m", "a sum of different quantities", "kg", "N"),
+        ("f * sin(x[cart])", "the argument of a function with a dimension", "m", "no dimension"),
+        ("f + 3 * k", "a sum of different quantities", "N/m", "N"),
+    ] {
+        refused(force, &format!("\"{formula}\""), 23, problem, found, allowed);
+    }
+}
+
+/// What is replaced, by what, the line of the message, its problem, what it found, and what it allows.
+const WRONG_KEYS: &str = r#"system: two_carts ¦ system: Two Carts ¦ 6 ¦ not a name of a system ¦ Two Carts ¦ lower-case
+meaning: Two carts on a belt. ¦ means: x ¦ 7 ¦ unknown key ¦ means ¦ meaning (did you
+2 kg, meaning ¦ 2 kq, meaning ¦ 10 ¦ unknown unit ¦ kq ¦ the units are
+m: {value: 2 kg ¦ m: {value: heavy ¦ 10 ¦ not a value ¦ heavy ¦ 0.3 kg
+mu: 0.2 ¦ l_m: 0.2 ¦ 13 ¦ a name that ends like a unit ¦ l_m ¦ another ending
+mu: 0.2 ¦ pi: 0.2 ¦ 13 ¦ another meaning ¦ pi ¦ a name of its own
+mu: 0.2 ¦ x: 0.2 ¦ 19 ¦ given twice ¦ x ¦ one name
+most: 5 ¦ most: 1 ¦ 9 ¦ not a number of bodies ¦ most: 1 ¦ a whole number
+cart: carts ¦ cart: m ¦ 17 ¦ not a number of bodies ¦ m ¦ carts
+x[cart]: {unit: m ¦ x[wheel]: {unit: m ¦ 19 ¦ unknown index ¦ wheel ¦ cart
+{unit: m, start ¦ {unit: furlong, start ¦ 19 ¦ unknown unit ¦ furlong ¦ the units are
+start: [-5 mm ¦ start: [-5 s ¦ 19 ¦ a unit of another quantity ¦ -5 s ¦ a length
+start: [-5 mm, f / k] ¦ start: [0, f] ¦ 19 ¦ another quantity ¦ N ¦ m
+start: [-5 mm, f / k] ¦ start: [0, 0, 1] ¦ 19 ¦ not a range ¦ 3 values ¦ two values
+start: [-5 mm, f / k] ¦ start: 0 * t ¦ 19 ¦ changes with the state or the time ¦ t ¦ parameters
+start_rate: 0 ¦ start_rate: 0, periodic: true ¦ 19 ¦ periodic ¦ m ¦ rad
+]': m} ¦ ]': k} ¦ 21 ¦ another quantity ¦ N/m ¦ kg
+{'x[cart] ¦ {'y[cart] ¦ 21 ¦ unknown name ¦ y ¦ x
+]': m} ¦ ]': "m * x[cart]'"} ¦ 21 ¦ rates of change ¦ m * x ¦ positions
+normal: 9.81 * f / 9.81 ¦ force: f ¦ 26 ¦ unknown key ¦ force ¦ gap, normal
+  normal: 9.81 * f / 9.81\n ¦ \n ¦ 25 ¦ no normal force ¦ neither ¦ `gap: ...`
+normal: 9.81 * f / 9.81 ¦ normal: m ¦ 26 ¦ another quantity ¦ kg ¦ N
+normal: 9.81 * f / 9.81 ¦ normal: f * x[cart]''^2 / 1 ¦ 26 ¦ an acceleration ¦ f * x ¦ linear there
+sliding: x[cart]' - v ¦ sliding: (x[cart]' - v)^2 ¦ 27 ¦ not linear ¦ ^2 ¦ a sum of rates
+sliding: x[cart]' - v ¦ gap: x[cart] ¦ 25 ¦ two normal forces ¦ `gap` and ¦ given force
+coefficient: mu, ¦ coefficent: mu, ¦ 28 ¦ unknown key ¦ coefficent ¦ coefficient (did you
+stribeck_speed: v} ¦ stribeck_speed: f} ¦ 28 ¦ another quantity ¦ N ¦ m/s
+{stribeck: { ¦ {stribek: { ¦ 28 ¦ unknown choice ¦ stribek ¦ stribeck (did you
+, stribeck_speed: v ¦  ¦ 28 ¦ missing key ¦ no such key ¦ stribeck_speed
+period: 2 * pi / omega ¦ period: omega ¦ 29 ¦ another quantity ¦ 1/s ¦ s
++ f * cos(omega * t) ¦  ¦ 29 ¦ a period without the time ¦ 2 * pi ¦ no period
+  system:\n ¦   kind: ball_balancer\n  system:\n ¦ 5 ¦ not beside `system` ¦ kind ¦ `system`"#;
+
+#[test]
+fn keys_of_a_system_are_checked() {
+    for case in WRONG_KEYS.lines() {
+        let case = case.replace("\\n", "\n");
+        let parts: Vec<&str> = case.split(" ¦ ").collect();
+        let [old, new, line, problem, found, allowed] = parts[..] else { panic!("{case}") };
+        refused(old, new, line.parse().expect("a line"), problem, found, allowed);
+    }
+}
+
+/// Numbers without physical meaning are found when a study gives values.
+#[test]
+fn values_without_meaning_are_refused() {
+    let with = |parameters: &str| {
+        let text = GOOD.replace(
+            "initial_conditions",
+            &format!("  parameters: {{{parameters}}}\ninitial_conditions"),
+        );
+        parse(&text)
+    };
+    for (parameters, found) in [
+        ("m: -2 kg", "not positive definite"),
+        ("m: 0 kg", "not positive definite"),
+        ("omega: 0 rad/s", "inf"),
+        ("mu: -0.1", "-0.1"),
+        ("carts: 0", "0"),
+        ("carts: 6", "6"),
+        ("carts: 1.5", "1.5"),
+        ("n: 1", "n"),
+    ] {
+        let error = with(parameters).err().unwrap_or_else(|| panic!("accepted: {parameters}"));
+        assert!(error.to_string().contains(found), "{error}");
+        assert!(error.line().is_some(), "{error}");
+    }
+    let text = GOOD.replace("period: 2 * pi / omega", "period: 3 / omega");
+    let error = parse(&text).expect_err("not the period of the force").to_string();
+    assert!(error.contains("0.6") && error.contains("all formulas repeat"), "{error}");
+    let study = with("carts: 5, m: 300 g").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(study.model().contacts(), 5);
+}
+
+/// A formula that exists for the default number of bodies only is refused where a study gives another one.
+#[test]
+fn numbers_of_bodies_without_formulas_are_refused() {
+    let cut = GOOD
+        .replace("sliding: x[cart]' - v", "sliding: x[cart]' - v + if(cart == 3, 0 * x[9]', 0)");
+    assert!(parse(&cut).is_ok());
+    let text = cut.replace("initial_conditions", "  parameters: {carts: 3}\ninitial_conditions");
+    let error = parse(&text).expect_err("x[9] does not exist").to_string();
+    assert!(error.contains("a body that does not exist"), "{error}");
+    let many = (0..70).map(|number| format!("      y{number}: {{unit: m}}\n"));
+    let many = GOOD.replace("    mass:\n", &format!("{}    mass:\n", many.collect::<String>()));
+    let error = parse(&many).expect_err("75 coordinates").to_string();
+    assert!(error.contains("75 coordinates") && error.contains("at most 64"), "{error}");
+}
+
+/// The resolved study contains the system, and is the same study.
+#[test]
+fn a_resolved_study_contains_its_system() {
+    let study = parse(GOOD).unwrap_or_else(|error| panic!("{error}"));
+    let again = parse(&study.resolved_yaml()).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(study.hash(), again.hash());
+    assert_eq!(study.resolved_yaml(), again.resolved_yaml());
+    let other = parse(&GOOD.replace("-k * x[cart] +", "-2 * k * x[cart] +"));
+    assert_ne!(study.hash(), other.unwrap_or_else(|error| panic!("{error}")).hash());
+}
+
+/// Texts that try to exhaust time or memory end with a message.
+#[test]
+fn hostile_systems_are_refused() {
+    let force = "-k * x[cart] + if(cart > 1, k * (x[cart - 1] - x[cart]), 0) + f * cos(omega * t)";
+    let deep = |open: &str, close: &str| format!("{}f{}", open.repeat(3000), close.repeat(3000));
+    for formula in [
+        deep("(", ")"),
+        deep("-", ""),
+        deep("sin(", ")"),
+        deep("sum(cart, ", ")"),
+        format!("f{}", " + f".repeat(40_000)),
+        format!("f * {}1{}", "sum(cart, ".repeat(40), ")".repeat(40)),
+        "f * 2^99".to_owned() + &"^99".repeat(500),
+        "f * (x[cart] / (1 m))^1e300".to_owned(),
+        "\u{0}f".to_owned(),
+        "f\u{202e}".to_owned(),
+        "x[999999999999999999999]".to_owned(),
+        "x[1 - 9223372036854775807]".to_owned(),
+        "x[-cart]'".to_owned(),
+        "pi'".to_owned(),
+        "t[1]".to_owned(),
+        String::new(),
+        "   ".to_owned(),
+        "()".to_owned(),
+        "if".to_owned(),
+        "sum".to_owned(),
+        "sum()".to_owned(),
+        "if(1 < 2, f)".to_owned(),
+        "x[cart][cart]".to_owned(),
+        "'".to_owned(),
+        "1e".to_owned(),
+        "0x10 * f".to_owned(),
+        "f % 2".to_owned(),
+        "f ** ".to_owned(),
+    ] {
+        let text = GOOD.replacen(force, &serde_json::Value::from(formula.as_str()).to_string(), 1);
+        let error = parse(&text).err().unwrap_or_else(|| panic!("accepted: {formula:.80}"));
+        assert!(error.line().is_some() && error.to_string().len() < 3000, "{error}");
+    }
+}
