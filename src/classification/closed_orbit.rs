@@ -11,6 +11,7 @@ use super::cycle::{CyclePhase, TouchingPair};
 use super::period::Period;
 use super::return_map::{Return, ReturnMap, cost_of_a_step};
 use super::section::Mark;
+use super::settled::SLOW;
 use super::system_view::ContactPlace;
 use crate::model::Components;
 use crate::motion::Phases;
@@ -104,6 +105,9 @@ pub(super) type Passed<'a> = (&'a Phases, &'a Components);
 pub(super) fn examine(map: ReturnMap, passed: &[Passed], closure: f64) -> Option<Verdict> {
     let (_, run) = passed.first()?;
     let closed = in_fewest_turns(shoot(map, run, closure)?, closure);
+    if is_equilibrium(&closed) {
+        return None;
+    }
     let multipliers = moduli(closed.slope.clone())?;
     let (end, period) = closed.map.follow_closely(&closed.state)?;
     let orbit = orbit(&closed, &end, period, multipliers);
@@ -115,6 +119,13 @@ pub(super) fn examine(map: ReturnMap, passed: &[Passed], closure: f64) -> Option
         && orbit.margin.is_none_or(|margin| margin > 0.0)
         && (has_attracted(&closed, passed, largest) || attracts(&closed, run, largest, closure));
     Some(if is_stable { Verdict::Stable(orbit) } else { Verdict::Open })
+}
+
+/// Returns whether an orbit has shrunk to an equilibrium: a motion that swings about one also returns to the section.
+fn is_equilibrium(closed: &Closed) -> bool {
+    let ReturnMap { section, view, .. } = closed.map;
+    let rates = view.evaluator.rates(&section.phases, &closed.state);
+    rates.iter().all(|rate| rate.abs() <= SLOW)
 }
 
 /// Finds a fixed point of the return map by Newton's method. The derivative is reused while the

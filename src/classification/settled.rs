@@ -20,7 +20,7 @@ use crate::model::Friction;
 use crate::motion::Phase;
 
 /// Largest component of the time derivative, non-dimensional, at which the motion is examined.
-const SLOW: f64 = 1e-6;
+pub(super) const SLOW: f64 = 1e-6;
 /// Largest distance of the equilibrium, non-dimensional.
 const NEAR: f64 = 1e-3;
 /// Largest size of Newton's last step, non-dimensional.

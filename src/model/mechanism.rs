@@ -16,7 +16,7 @@
 //! |---|---|---|
 //! | apart | `λ_N = 0` | `λ_T = 0` |
 //! | slip | `g̈ = -2ġ - g` | `λ_T = σ μ λ_N` and the drag |
-//! | stick | `g̈ = -2ġ - g` | `γ̇ = -γ` |
+//! | stick | `g̈ = -2ġ - g` | `γ̇ = 0`, or `γ̇ = -γ` for a sliding speed that is no component of the state |
 //!
 //! The normal force of a contact that does not open is given, or it is a reaction: a linear function of the accelerations, such as
 //! the force of a ring on a ball.
@@ -124,6 +124,12 @@ impl<'r> Mechanism<'r> {
             .collect();
         let first_friction = n + normals.iter().flatten().count();
         let size = first_friction + rows.len();
+        // What rounding leaves of a sliding speed decays by itself if the speed is a component of the state; otherwise the
+        // friction force removes it.
+        let residual = |speed: Expression<'r>| match recorder.node_of(speed) {
+            Node::State(_) => zero,
+            _ => speed,
+        };
         let mut matrix = vec![vec![zero; size]; size];
         let mut right = vec![zero; size];
         for (i, row) in self.mass.iter().enumerate() {
@@ -140,7 +146,7 @@ impl<'r> Mechanism<'r> {
                 matrix[place][i] = stuck * *share;
             }
             matrix[place][place] = free;
-            right[place] = drag - stuck * (*drift + self.contacts[k].sliding_speed);
+            right[place] = drag - stuck * (*drift + residual(self.contacts[k].sliding_speed));
             if along.iter().all(|share| share.known() == Some(0.0)) {
                 // No friction.
                 matrix[place][place] = one;
@@ -174,7 +180,7 @@ impl<'r> Mechanism<'r> {
             shares.iter().zip(&unknowns).fold(drift, |sum, (share, one)| sum + *share * *one)
         };
         let mut equations = SystemEquations {
-            derivative: self.derivative(recorder, &unknowns),
+            derivative: self.derivative(recorder, &unknowns, &rows),
             layout: self.layout(recorder),
             ..SystemEquations::default()
         };
@@ -247,13 +253,25 @@ impl<'r> Mechanism<'r> {
         self.coordinates.iter().enumerate().map(rate)
     }
 
-    fn derivative(&self, recorder: &Recorder, unknowns: &[Expression<'r>]) -> Vec<Expression<'r>> {
+    fn derivative(
+        &self,
+        recorder: &Recorder,
+        unknowns: &[Expression<'r>],
+        rows: &[Rows<'r>],
+    ) -> Vec<Expression<'r>> {
         let mut derivative = vec![Expression::constant(0.0); recorder.components()];
         for (position, rate) in self.moves() {
             derivative[component(recorder, position)] = rate;
         }
         for ([_, velocity], acceleration) in self.coordinates.iter().zip(unknowns) {
             derivative[component(recorder, *velocity)] = *acceleration;
+        }
+        for (own, row) in self.contacts.iter().zip(rows) {
+            if let Node::State(place) = recorder.node_of(own.sliding_speed) {
+                let stuck = Expression::constant(1.0) - row.contact.free;
+                let rate = &mut derivative[place as usize];
+                *rate = *rate - stuck * own.sliding_speed;
+            }
         }
         for [other, rate] in &self.others {
             derivative[component(recorder, *other)] = *rate;

@@ -49,11 +49,11 @@ pub enum Failure {
     /// A state or force is infinite or not a number.
     #[error("the state is no longer finite")]
     NotFinite,
-    /// A normal force turned negative: a ball would leave the ring, which the model has no
+    /// A normal force is no longer positive: a ball would leave the ring, or a body its support, which the model has no
     /// equations for.
-    #[error("the normal force on ball {ball} turned negative: it would leave the ring")]
+    #[error("the normal force of contact {ball} is not positive: its bodies would separate")]
     ContactLost {
-        /// The ball, from 1.
+        /// The contact, from 1.
         ball: usize,
     },
     /// Bodies are inside each other at the start.

@@ -103,7 +103,7 @@ pub fn trajectory_columns(model: &Model, gaps: &[[usize; 2]]) -> Vec<Column<Samp
         for ball in 0..model.balls() {
             add_non_dimensional(&mut list, ball, "beta_dot", &format!("_{}", ball + 1));
         }
-    } else {
+    } else if model.kind().source().is_none() {
         let meaning = match model.block() {
             Some(_) => "position over F_n / k",
             None => "position divided by its unit",

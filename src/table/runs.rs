@@ -5,7 +5,7 @@ use super::point_key::add_point_id;
 use super::run_record::RunRecord;
 use crate::analysis::CycleClass;
 use crate::classification::{Evidence, LyapunovExponent};
-use crate::model::Model;
+use crate::model::{Graph, Model};
 use crate::study::{ParameterKind, ParameterValue, PlannedRun, Study, VariedParameter};
 
 /// Returns the columns that identify a run and its start state; `planned` gets the planned run from
@@ -229,7 +229,8 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         add_cycle_of_contacts(&mut list, model);
     }
     // Nothing separates if position and speed of one contact are the whole state.
-    if model.coordinates().len() > 2 {
+    let components = model.system().map_or(0, |system| Graph::of(system.as_ref()).derivative.len());
+    if components > 2 {
         add_lyapunov(&mut list);
     }
     if model.ball_balancer().is_some_and(|machine| machine.contact.is_some()) {

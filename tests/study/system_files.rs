@@ -87,7 +87,7 @@ fn formulas_are_read_in_full() {
         ("f * 2^(1/3)", "an exponent", "0.333", "a multiple of 1/2"),
         ("sum(wheel, f)", "unknown index", "`wheel`", "cart"),
         ("1e400 * f", "not a number", "1e400", "a finite number"),
-        ("f = 3", "not a formula", "`=`", "comparison"),
+        ("f = 3", "not a formula", "`=`", "`==` for a comparison"),
         ("f * 'x", "not a formula", "`'`", "a prime only after a coordinate"),
         ("m * x[cart]", "another quantity", "kg m", "N"),
         ("k * x[cart] + m", "a sum of different quantities", "kg", "N"),
@@ -101,7 +101,7 @@ fn formulas_are_read_in_full() {
 /// What is replaced, by what, the line of the message, its problem, what it found, and what it allows.
 const WRONG_KEYS: &str = r#"system: two_carts ¦ system: Two Carts ¦ 6 ¦ not a name of a system ¦ Two Carts ¦ lower-case
 meaning: Two carts on a belt. ¦ means: x ¦ 7 ¦ unknown key ¦ means ¦ meaning (did you
-2 kg, meaning ¦ 2 kq, meaning ¦ 10 ¦ unknown unit ¦ kq ¦ the units are
+2 kg, meaning ¦ 2 kq, meaning ¦ 10 ¦ unknown unit ¦ kq ¦ an SI unit
 m: {value: 2 kg ¦ m: {value: heavy ¦ 10 ¦ not a value ¦ heavy ¦ 0.3 kg
 mu: 0.2 ¦ l_m: 0.2 ¦ 13 ¦ a name that ends like a unit ¦ l_m ¦ another ending
 mu: 0.2 ¦ pi: 0.2 ¦ 13 ¦ another meaning ¦ pi ¦ a name of its own
@@ -109,8 +109,16 @@ mu: 0.2 ¦ x: 0.2 ¦ 19 ¦ given twice ¦ x ¦ one name
 most: 5 ¦ most: 1 ¦ 9 ¦ not a number of bodies ¦ most: 1 ¦ a whole number
 cart: carts ¦ cart: m ¦ 17 ¦ not a number of bodies ¦ m ¦ carts
 x[cart]: {unit: m ¦ x[wheel]: {unit: m ¦ 19 ¦ unknown index ¦ wheel ¦ cart
-{unit: m, start ¦ {unit: furlong, start ¦ 19 ¦ unknown unit ¦ furlong ¦ the units are
-start: [-5 mm ¦ start: [-5 s ¦ 19 ¦ a unit of another quantity ¦ -5 s ¦ a length
+{unit: m, start ¦ {unit: furlong, start ¦ 19 ¦ unknown unit ¦ furlong ¦ an SI unit
+start: [-5 mm ¦ start: [-5 s ¦ 19 ¦ another quantity ¦ s ¦ m
+x[cart]: {unit: m ¦ x[cart]: {unit: mm ¦ 19 ¦ not an SI unit ¦ mm ¦ m; values
+mu: 0.2 ¦ label: 0.2 ¦ 13 ¦ another column ¦ label ¦ another name
+x[cart]: {unit: m ¦ x[cart]: {unit: m, start: 0}\n      x_1: {unit: m ¦ 20 ¦ another column ¦ x_1 ¦ another name
+  x[cart]: -k ¦   x[cart + 1]: -k ¦ 23 ¦ a body that does not exist ¦ x[3] ¦ x[1] to x[2]
+sliding: x[cart]' - v ¦ sliding: v ¦ 27 ¦ without a rate of change ¦ v ¦ one prime
+sliding: x[cart]' - v ¦ sliding: x[cart]' - v\n        restitution: 0.5 ¦ 25 ¦ without an impact ¦ no gap ¦ only with
+normal: 9.81 * f / 9.81 ¦ normal: carts ¦ 26 ¦ another quantity ¦ no dimension ¦ N
+normal: 9.81 * f / 9.81 ¦ normal: 20 mm ¦ 26 ¦ another quantity ¦ m ¦ N
 start: [-5 mm, f / k] ¦ start: [0, f] ¦ 19 ¦ another quantity ¦ N ¦ m
 start: [-5 mm, f / k] ¦ start: [0, 0, 1] ¦ 19 ¦ not a range ¦ 3 values ¦ two values
 start: [-5 mm, f / k] ¦ start: 0 * t ¦ 19 ¦ changes with the state or the time ¦ t ¦ parameters

@@ -16,6 +16,52 @@ const MOST_MEMBERS: usize = 64;
 const MOST_PARAMETERS: usize = 500;
 const MOST_INDICES: usize = 8;
 
+/// Columns of tables without a unit, which a parameter without a unit must not have as its name.
+const COLUMNS: [&str; 30] = [
+    "label",
+    "evidence",
+    "run_id",
+    "point_id",
+    "cell",
+    "replicate",
+    "steps",
+    "switches",
+    "error",
+    "extended",
+    "friction_margin",
+    "cycle_class",
+    "audit_label",
+    "audit_evidence",
+    "neutral_directions",
+    "largest_multiplier",
+    "rejected_steps",
+    "lyapunov_blocks",
+    "runs",
+    "points",
+    "equilibrium_runs",
+    "ci_low",
+    "ci_high",
+    "class",
+    "fraction",
+    "multipliers",
+    "audited_runs",
+    "balls",
+    "friction",
+    "contact",
+];
+const PREFIXES: [&str; 10] = [
+    "initial_",
+    "position_",
+    "min_",
+    "max_",
+    "mean_",
+    "stick_fraction_",
+    "equilibrium_",
+    "limit_cycle_",
+    "undecided_",
+    "failed_",
+];
+
 /// What a formula may depend on.
 #[derive(Clone, Copy)]
 enum Allowed {
@@ -46,6 +92,10 @@ impl Allowed {
                 "parameters and numbers",
             )),
             Allowed::Positions if found.rates > 0 => Some(rates),
+            Allowed::LinearRates if found.rates == 0 => Some((
+                "a sliding speed without a rate of change",
+                "rates of change (one prime), as in x' - v_belt",
+            )),
             Allowed::LinearRates if found.rates > 1 => Some((
                 "a formula that is not linear in the rates of change",
                 "a sum of rates of change with factors of positions, parameters and the time",
@@ -156,6 +206,38 @@ impl Definition {
         }
     }
 
+    /// Checks that no two columns of tables have one name.
+    fn check_columns(&self) -> Result<(), FaultAt> {
+        let fault = |key: &str, name: &str, index: Option<&str>| {
+            let path = vec![key.to_owned(), with_index(name, index)];
+            let problem = "a name that another column of tables has";
+            Err((path, FormulaFault::new(0, problem, name, "another name")))
+        };
+        for one in &self.parameters {
+            let begins = |prefix: &&str| one.name.starts_with(*prefix);
+            if COLUMNS.contains(&one.name.as_str()) || PREFIXES.iter().any(|prefix| begins(prefix))
+            {
+                return fault("parameters", &one.name, None);
+            }
+        }
+        let coordinates =
+            self.coordinates.iter().map(|one| (one.name.as_str(), one.index.as_deref()));
+        let contacts = self.contacts.iter().map(|one| (one.name.as_str(), one.index.as_deref()));
+        let all =
+            [("coordinates", coordinates.collect::<Vec<_>>()), ("contacts", contacts.collect())];
+        for (key, members) in all {
+            for (name, index) in &members {
+                // `x_2` is the second body of `x`, and `x_rate` its rate of change.
+                let Some((base, end)) = name.rsplit_once('_') else { continue };
+                let is_number = end.bytes().all(|one| one.is_ascii_digit());
+                if (is_number || end == "rate") && members.iter().any(|(other, _)| *other == base) {
+                    return fault(key, name, *index);
+                }
+            }
+        }
+        Ok(())
+    }
+
     fn check_names(&self) -> Result<(), FaultAt> {
         let mut known: Vec<&str> = RESERVED.to_vec();
         let parameters = self.parameters.iter().map(|one| ("parameters", one.name.as_str(), None));
@@ -179,6 +261,7 @@ impl Definition {
             }
             known.push(name);
         }
+        self.check_columns()?;
         let mut contacts: Vec<&str> = Vec::new();
         for contact in &self.contacts {
             let name = contact.name.as_str();
@@ -345,7 +428,17 @@ impl Instance<'_> {
     /// # Errors
     /// The first fault, with the path of its key.
     pub fn check(&self) -> Result<(), FaultAt> {
-        check_formulas(self).map(|_| ())
+        let (found, _) = check_formulas(self)?;
+        for (path, formula) in uses(self)?.into_iter().map(|one| (one.path, one.formula)) {
+            let numbers = found.iter().find(|(known, _)| ptr::eq(*known, formula));
+            let mut both = numbers.iter().flat_map(|(_, numbers)| numbers).zip(&formula.numbers);
+            if both.any(|(found, known)| found.is_some_and(|found| found != *known)) {
+                let problem = "a number whose unit the default numbers of bodies do not show";
+                let allowed = "a parameter with a unit in its place";
+                return Err((path, FormulaFault::new(0, problem, formula.text.as_str(), allowed)));
+            }
+        }
+        Ok(())
     }
 
     /// Returns the dimension of the sliding speed of a contact, or of the rate of change of its gap.

@@ -50,10 +50,7 @@ impl Dimensions<'_> {
         match term {
             Measured::Any(places) => {
                 for place in places {
-                    // Indices and numbers of bodies have no place.
-                    if let Some(dimension) = self.numbers.get_mut(place) {
-                        *dimension = Some(wanted);
-                    }
+                    self.numbers[place] = Some(wanted);
                 }
                 Ok(())
             }
@@ -80,8 +77,14 @@ impl Dimensions<'_> {
 impl Values for Dimensions<'_> {
     type Value = Found;
 
-    fn number(&mut self, _: f64, _: Dimension, place: usize) -> Found {
-        Found { measured: Measured::Any(vec![place]), depends: Dependence::default() }
+    fn number(&mut self, value: f64, _: Dimension, place: usize) -> Found {
+        // Zero is the same in all units.
+        let places = if value == 0.0 { Vec::new() } else { vec![place] };
+        Found { measured: Measured::Any(places), depends: Dependence::default() }
+    }
+
+    fn quantity(&mut self, _: f64, dimension: Dimension) -> Found {
+        Found { measured: Measured::Known(dimension), depends: Dependence::default() }
     }
 
     fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Checked {

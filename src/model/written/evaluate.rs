@@ -13,6 +13,9 @@ pub(super) trait Values {
     /// Returns a number; `dimension` is that of the terms around it, and `place` its place among the numbers.
     fn number(&mut self, value: f64, dimension: Dimension, place: usize) -> Self::Value;
 
+    /// Returns a number in the SI unit of a dimension.
+    fn quantity(&mut self, value: f64, dimension: Dimension) -> Self::Value;
+
     /// Returns the value of a name; `body` is the number of the body, if the name has one.
     fn named(
         &mut self,
@@ -103,8 +106,9 @@ impl Bodies {
             Content::Number(value, place) => {
                 Ok(values.number(*value, formula.numbers[*place], *place))
             }
+            Content::Quantity(value, dimension) => Ok(values.quantity(*value, *dimension)),
             Content::Name(name) => match self.whole(term) {
-                Some(whole) => Ok(values.number(whole as f64, super::formula::NONE, usize::MAX)),
+                Some(whole) => Ok(values.quantity(whole as f64, super::formula::NONE)),
                 None => {
                     let body = name.body.as_ref().map(|body| self.index(body)).transpose()?;
                     values.named(at, name, body)

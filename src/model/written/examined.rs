@@ -1,8 +1,10 @@
 //! What the values of the parameters say about a system of a file: whether it is sound, its friction, and its start states.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::definition::{COEFFICIENT, Definition};
+use super::evaluate::Bodies;
 use super::formula::{Dimension, Formula, FormulaFault, NONE, WHOLE};
 use super::instance::Instance;
 use super::numeric::Numeric;
@@ -20,6 +22,8 @@ pub(super) struct Examined {
     pub scales: Scales,
     /// The dimension of the sliding speed of each contact.
     pub speeds: Vec<Dimension>,
+    /// The highest natural frequency without contacts, rad/s.
+    pub natural_rad_s: f64,
     /// The first value without physical meaning.
     pub sound: Result<(), InvalidParameter>,
 }
@@ -37,7 +41,8 @@ impl Examined {
         let definition = instance.definition;
         let period = definition.period.as_ref().map(|formula| instance.constant(formula, values));
         let period = period.transpose()?;
-        let Sizes { middle, has_sound_mass, rates, scales } = instance.sizes(values, period)?;
+        let Sizes { middle, reach, is_finite, has_sound_mass, rates, natural_rad_s, scales } =
+            instance.sizes(values, period)?;
         let speeds = (0..instance.contacts.len())
             .map(|number| instance.speed_dimension(number).map_err(|(_, fault)| fault))
             .collect::<Result<Vec<_>, _>>()?;
@@ -46,13 +51,25 @@ impl Examined {
         for (number, speed) in speeds.iter().enumerate() {
             let (law, coefficient) = instance.law(number, values)?;
             let impact = instance.impact_law(number, values)?;
-            sound = sound.and_then(|()| check_contact(&law, coefficient, impact));
+            let own =
+                check_contact(&law, coefficient, impact).map_err(|invalid| InvalidParameter {
+                    name: format!(
+                        "{} of contact {}",
+                        invalid.name,
+                        instance.contact(number).0.name
+                    ),
+                    ..invalid
+                });
+            sound = sound.and(own);
             let speed = scales.unit(*speed);
             let drag = scales.unit([WHOLE, 2 * WHOLE, -3 * WHOLE]) / (speed * speed);
             friction.push(law.contact(coefficient, speed, drag));
             impacts.push(impact);
         }
-        if !has_sound_mass {
+        if !is_finite {
+            let found = "not finite in the middle of the start ranges";
+            sound = Err(invalid("a mass or a force", found, "a finite number there"));
+        } else if !has_sound_mass {
             let found = "not positive definite in the middle of the start ranges";
             sound =
                 Err(invalid("mass", found, "a symmetric matrix with positive kinetic energies"));
@@ -60,11 +77,28 @@ impl Examined {
         if let Some(period) = period.filter(|period| !(period.is_finite() && *period > 0.0)) {
             sound = Err(invalid("period", &period.to_string(), "a positive, finite time"));
         }
+        let aside = |part: f64| {
+            let each = middle.iter().zip(&reach);
+            let moved = |(middle, reach): (&[f64; 2], &[f64; 2])| {
+                [0, 1].map(|which| {
+                    middle[which] + part * if reach[which] > 0.0 { reach[which] } else { 1.0 }
+                })
+            };
+            each.map(moved).collect::<Vec<_>>()
+        };
+        let states = [middle.clone(), aside(0.29), aside(-0.37)];
         if let (Some(period), true) = (period, sound.is_ok())
-            && !instance.repeats(values, &middle, period)?
+            && !instance.repeats(values, &states, (period, None))?
         {
             let found = period.to_string();
             sound = Err(invalid("period", &found, "the time after which all formulas repeat"));
+        }
+        for (number, member) in instance.coordinates.iter().enumerate() {
+            let coordinate = &definition.coordinates[member.of];
+            if coordinate.periodic && !instance.repeats(values, &states, (1.0, Some(number)))? {
+                let found = "periodic, but not all formulas are the same after a turn";
+                sound = Err(invalid(&coordinate.name, found, "a coordinate without `periodic`"));
+            }
         }
         let parameters = definition.parameters.iter().zip(values);
         let scaled: Vec<f64> =
@@ -85,7 +119,7 @@ impl Examined {
             scales,
             instance,
         };
-        Ok(Examined { system: Arc::new(system), scales, speeds, sound })
+        Ok(Examined { system: Arc::new(system), scales, speeds, natural_rad_s, sound })
     }
 
     /// Returns a start state in the components of the system: positions, velocities, and the time if the equations contain it.
@@ -142,11 +176,12 @@ impl Instance<'_> {
     /// # Errors
     /// A fault that the check has found before.
     fn law(&self, number: usize, values: &[f64]) -> Result<(FrictionLaw, f64), FormulaFault> {
-        let Some(friction) = &self.contact(number).0.friction else {
+        let (contact, bodies) = self.contact(number);
+        let Some(friction) = &contact.friction else {
             // No force, and no stick either.
             return Ok((FrictionLaw::viscous(0.0), 0.0));
         };
-        let constant = |formula: &Formula| self.constant(formula, values);
+        let constant = |formula: &Formula| self.constant_of(&bodies, formula, values);
         let own = friction.values.iter().map(constant).collect::<Result<Vec<_>, _>>()?;
         Ok((FrictionLaw::new(friction.law, &own), constant(&friction.coefficient)?))
     }
@@ -156,10 +191,11 @@ impl Instance<'_> {
     /// # Errors
     /// A fault that the check has found before.
     fn impact_law(&self, number: usize, values: &[f64]) -> Result<ImpactLaw, FormulaFault> {
-        let [normal, tangential] = &self.contact(number).0.restitution;
+        let (contact, bodies) = self.contact(number);
+        let [normal, tangential] = &contact.restitution;
         Ok(ImpactLaw {
-            restitution: self.constant(normal, values)?,
-            tangential_restitution: self.constant(tangential, values)?,
+            restitution: self.constant_of(&bodies, normal, values)?,
+            tangential_restitution: self.constant_of(&bodies, tangential, values)?,
             ..ImpactLaw::default()
         })
     }
@@ -188,43 +224,64 @@ impl Instance<'_> {
         Ok(forces.into_iter().map(f64::abs).filter(|one| one.is_finite()).fold(0.0, f64::max))
     }
 
-    /// Returns whether the equations in a state are the same after a time.
+    /// Returns whether the equations at some states and times are the same after a time, or after a turn of a coordinate.
     ///
     /// # Errors
     /// A fault that the check has found before.
     fn repeats(
         &self,
         values: &[f64],
-        state: &[[f64; 2]],
-        period: f64,
+        states: &[Vec<[f64; 2]>],
+        (period, turned): (f64, Option<usize>),
     ) -> Result<bool, FormulaFault> {
-        let at = |time: f64| -> Result<Vec<f64>, FormulaFault> {
-            let (parameters, coordinates) =
-                (self.parameters(values), self.named(|number| state[number]));
-            let mut numeric = Numeric {
-                scales: Scales::default(),
-                parameters: &parameters,
-                coordinates: &coordinates,
-                time,
-            };
-            let (mass, mut all) = self.mass_and_forces(&mut numeric)?;
-            all.extend(mass.into_iter().flatten());
-            for number in 0..self.contacts.len() {
-                let (contact, mut bodies) = self.contact(number);
-                for formula in contact.sliding.iter().chain([contact.normal.entry().1]) {
-                    all.push(bodies.evaluate(formula, &mut numeric)?);
+        let mut pairs: Vec<[Vec<f64>; 2]> = Vec::new();
+        for state in states {
+            for time in [0.1, 0.37, 0.83].map(|part| part * period) {
+                let mut later = state.clone();
+                let mut after = time + period;
+                if let Some(coordinate) = turned {
+                    later[coordinate][0] += TAU;
+                    after = time;
                 }
-            }
-            Ok(all)
-        };
-        for part in [0.1, 0.37, 0.83] {
-            let [now, later] = [at(part * period)?, at((part + 1.0) * period)?];
-            let size = now.iter().chain(&later).fold(0.0_f64, |size, one| size.max(one.abs()));
-            if now.iter().zip(&later).any(|(now, later)| (now - later).abs() > 1e-9 * size) {
-                return Ok(false);
+                pairs
+                    .push([self.all_at(values, state, time)?, self.all_at(values, &later, after)?]);
             }
         }
-        Ok(true)
+        let count = pairs.first().map_or(0, |[now, _]| now.len());
+        Ok((0..count).all(|place| {
+            let entries = || pairs.iter().map(|pair| [pair[0][place], pair[1][place]]);
+            let size = entries().flatten().fold(0.0_f64, |size, one| size.max(one.abs()));
+            entries().all(|[now, later]| (now - later).abs() <= 1e-9 * size || !size.is_finite())
+        }))
+    }
+
+    /// Returns the values of all formulas of the equations.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    pub fn all_at(
+        &self,
+        values: &[f64],
+        state: &[[f64; 2]],
+        time: f64,
+    ) -> Result<Vec<f64>, FormulaFault> {
+        let (parameters, coordinates) =
+            (self.parameters(values), self.named(|number| state[number]));
+        let mut numeric = Numeric {
+            scales: Scales::default(),
+            parameters: &parameters,
+            coordinates: &coordinates,
+            time,
+        };
+        let (mass, mut all) = self.mass_and_forces(&mut numeric)?;
+        all.extend(mass.into_iter().flatten());
+        for number in 0..self.contacts.len() {
+            let (contact, mut bodies) = self.contact(number);
+            for formula in contact.sliding.iter().chain([contact.normal.entry().1]) {
+                all.push(bodies.evaluate(formula, &mut numeric)?);
+            }
+        }
+        Ok(all)
     }
 
     /// Returns positions and rates in the units of the motion.
@@ -243,6 +300,19 @@ impl Instance<'_> {
     /// # Errors
     /// A fault that the check has found before.
     fn constant(&self, formula: &Formula, values: &[f64]) -> Result<f64, FormulaFault> {
+        self.constant_of(&self.bodies, formula, values)
+    }
+
+    /// Returns the value of a formula of parameters for a body.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    fn constant_of(
+        &self,
+        bodies: &Bodies,
+        formula: &Formula,
+        values: &[f64],
+    ) -> Result<f64, FormulaFault> {
         let parameters = self.parameters(values);
         let mut numeric = Numeric {
             scales: Scales::default(),
@@ -250,7 +320,7 @@ impl Instance<'_> {
             coordinates: &[],
             time: 0.0,
         };
-        self.bodies.clone().evaluate(formula, &mut numeric)
+        bodies.clone().evaluate(formula, &mut numeric)
     }
 }
 

@@ -63,6 +63,8 @@ pub(super) struct Term {
 pub(super) enum Content {
     /// A number, with its place among the numbers of the formula.
     Number(f64, usize),
+    /// A number in an SI unit of this dimension.
+    Quantity(f64, Dimension),
     Name(Name),
     /// Terms that are added, or subtracted where the flag is set.
     Sum(Vec<(bool, Term)>),
@@ -150,6 +152,12 @@ impl Formula {
     pub fn parse(text: &str) -> Result<Formula, FormulaFault> {
         let (root, numbers) = parsed(text)?;
         Ok(Formula { text: text.to_owned(), root, numbers: vec![NONE; numbers] })
+    }
+
+    /// Returns the formula of a value in the SI unit of a dimension.
+    pub fn quantity(value: f64, dimension: Dimension) -> Formula {
+        let root = Term { at: 0, content: Content::Quantity(value, dimension) };
+        Formula { text: value.to_string(), root, numbers: Vec::new() }
     }
 
     /// Returns the formula of a number.

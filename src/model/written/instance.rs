@@ -173,7 +173,8 @@ impl<'d> Instance<'d> {
                 let known = self.definition.coordinates.iter().find(|one| one.name == name);
                 match (self.number_of(&name, of), known) {
                     (Some(number), _) => numbers[which] = number,
-                    (None, Some(_)) if index.is_some() && of.is_some() => continue 'bodies,
+                    // The last body has no coupling to a next one.
+                    (None, Some(_)) if N > 1 && index.is_some() && of.is_some() => continue 'bodies,
                     _ => {
                         let meaning = Name { name, primes: 0, body: None };
                         let fault = self.names.find(0, &meaning, of).err();
@@ -185,6 +186,12 @@ impl<'d> Instance<'d> {
                 }
             }
             all.push((numbers, bodies));
+        }
+        if all.is_empty() {
+            let found = places[0].0.text.as_str();
+            let allowed = "bodies from 1 to their number";
+            let fault = FormulaFault::new(0, "bodies that do not exist", found, allowed);
+            return Err((0, fault));
         }
         Ok(all)
     }

@@ -234,8 +234,7 @@ impl OwnKind for WrittenKind {
     }
 
     fn highest_frequency_rad_s(&self, model: &OwnModel) -> f64 {
-        let examined = self.examined(model);
-        examined.map_or(f64::NAN, |one| one.system.rates[0] / one.scales.unit([0, 0, WHOLE]))
+        self.examined(model).map_or(f64::NAN, |one| one.natural_rad_s)
     }
 
     fn system(&self, model: &OwnModel) -> Arc<dyn System> {

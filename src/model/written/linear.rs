@@ -47,6 +47,10 @@ impl<T: Quantity> Values for Linearised<'_, '_, T> {
         Linear::constant(self.numeric.number(value, dimension, place))
     }
 
+    fn quantity(&mut self, value: f64, dimension: Dimension) -> Linear<T> {
+        Linear::constant(self.numeric.quantity(value, dimension))
+    }
+
     fn named(
         &mut self,
         at: usize,

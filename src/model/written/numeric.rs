@@ -63,6 +63,10 @@ impl<T: Quantity> Values for Numeric<'_, T> {
         T::constant(value / self.scales.unit(dimension))
     }
 
+    fn quantity(&mut self, value: f64, dimension: Dimension) -> T {
+        self.number(value, dimension, 0)
+    }
+
     fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Result<T, FormulaFault> {
         let coordinate =
             self.coordinates.iter().find(|(own, of, _)| *own == name.name && *of == body);
@@ -80,6 +84,13 @@ impl<T: Quantity> Values for Numeric<'_, T> {
     }
 
     fn sum(&mut self, _: usize, terms: Vec<(bool, T)>) -> Result<T, FormulaFault> {
+        // Sums of many bodies are added in halves, so that the expression stays shallow.
+        if terms.len() > 16 {
+            let later = terms.len() / 2;
+            let halves = [terms[..later].to_vec(), terms[later..].to_vec()];
+            let [one, other] = halves.map(|half| self.sum(0, half));
+            return Ok(one? + other?);
+        }
         let mut terms = terms.into_iter();
         let first = terms.next().map_or(T::constant(0.0), |(minus, value)| match minus {
             true => -value,

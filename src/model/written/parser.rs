@@ -5,6 +5,9 @@ use super::formula::{Comparison, Content, FormulaFault, Function, LONGEST_FORMUL
 /// The deepest nesting of parentheses.
 const DEEPEST: usize = 60;
 
+/// The largest number of factors of a product.
+const MOST_FACTORS: usize = 64;
+
 /// Functions that are not smooth.
 const KINKED: [&str; 11] =
     ["abs", "sign", "sgn", "min", "max", "floor", "ceil", "round", "mod", "heaviside", "step"];
@@ -24,7 +27,9 @@ pub(super) fn parsed(text: &str) -> Result<(Term, usize), FormulaFault> {
     let root = parser.sum()?;
     match parser.next() {
         None => Ok((root, parser.numbers)),
-        Some(_) => Err(parser.unexpected("an operator: + - * / ^")),
+        Some(_) => Err(parser.unexpected(
+            "an operator (+ - * / ^); a value with a unit is a parameter, or stands alone",
+        )),
     }
 }
 
@@ -65,7 +70,7 @@ impl<'t> Parser<'t> {
             Some(found) => {
                 let allowed = match found {
                     '\'' => "a prime only after a coordinate, as in x'",
-                    '=' => "a comparison (==) only inside if(...)",
+                    '=' => "`==` for a comparison, which stands only in if(...)",
                     _ => allowed,
                 };
                 FormulaFault::new(self.at, problem, format!("`{found}`"), allowed)
@@ -77,14 +82,20 @@ impl<'t> Parser<'t> {
         if self.take(wanted) { Ok(()) } else { Err(self.unexpected(&format!("`{wanted}`"))) }
     }
 
+    /// Enters a further level of nesting.
+    fn deeper(&mut self) -> Result<(), FormulaFault> {
+        self.depth += 1;
+        if self.depth <= DEEPEST {
+            return Ok(());
+        }
+        let allowed = format!("at most {DEEPEST} levels of parentheses, signs and powers");
+        Err(FormulaFault::new(self.at, "too deep a formula", "one more level", allowed))
+    }
+
     fn sum(&mut self) -> Parsed {
         self.next();
         let at = self.at;
-        self.depth += 1;
-        if self.depth > DEEPEST {
-            let allowed = format!("at most {DEEPEST} levels of parentheses and signs");
-            return Err(FormulaFault::new(at, "too deep a formula", "one more level", allowed));
-        }
+        self.deeper()?;
         let is_negative = self.take("-");
         if !is_negative {
             self.take("+");
@@ -106,6 +117,11 @@ impl<'t> Parser<'t> {
             self.at += 1;
             factors.push((sign == '/', self.factor()?));
         }
+        if factors.len() > MOST_FACTORS {
+            let (found, allowed) =
+                (format!("{} factors", factors.len()), format!("at most {MOST_FACTORS}"));
+            return Err(FormulaFault::new(at, "too long a product", found, allowed));
+        }
         Ok(joined(at, factors, Content::Product))
     }
 
@@ -114,10 +130,7 @@ impl<'t> Parser<'t> {
         self.next();
         let at = self.at;
         if self.take("-") {
-            self.depth += 1;
-            if self.depth > DEEPEST {
-                return Err(self.unexpected("fewer signs"));
-            }
+            self.deeper()?;
             let negative = vec![(true, self.factor()?)];
             self.depth -= 1;
             return Ok(Term { at, content: Content::Sum(negative) });
@@ -129,7 +142,9 @@ impl<'t> Parser<'t> {
         self.next();
         let place = self.at;
         let before = self.numbers;
+        self.deeper()?;
         let exponent = self.factor()?;
+        self.depth -= 1;
         self.numbers = before;
         match constant(&exponent) {
             Some(exponent) => Ok(Term { at, content: Content::Power(Box::new(base), exponent) }),

@@ -13,10 +13,16 @@ use super::scales::Scales;
 pub(super) struct Sizes {
     /// Each coordinate and its rate of change in the middle of its start ranges.
     pub middle: Vec<[f64; 2]>,
+    /// The largest start value and start rate of each coordinate.
+    pub reach: Vec<[f64; 2]>,
+    /// Whether masses and forces are finite in the middle.
+    pub is_finite: bool,
     /// Whether the mass matrix is positive definite there.
     pub has_sound_mass: bool,
     /// The highest frequency and the largest rate of damping without contacts, 1/s.
     pub rates: [f64; 2],
+    /// The highest natural frequency, rad/s.
+    pub natural_rad_s: f64,
     pub scales: Scales,
 }
 
@@ -111,7 +117,16 @@ impl Instance<'_> {
             false => Scales::default(),
         };
         let has_sound_mass = at_middle.is_some();
-        Ok(Sizes { middle, has_sound_mass, rates: [frequency, damping], scales })
+        let is_finite = self.all_at(values, &middle, 0.0)?.iter().all(|one| one.is_finite());
+        Ok(Sizes {
+            middle,
+            reach,
+            is_finite,
+            has_sound_mass,
+            rates: [frequency, damping],
+            natural_rad_s: stiffness.sqrt(),
+            scales,
+        })
     }
 
     /// Returns the accelerations without contacts, and the diagonal of the mass matrix; `None` if this is not positive definite.

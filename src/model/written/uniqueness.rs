@@ -70,10 +70,11 @@ impl WrittenSystem {
                 reactions[row][columns[column]]
             })
         };
-        let follow = match part(&free, &free).lu().solve(&part(&free, &places)) {
-            Some(follow) => follow,
-            None => return Ok(false),
+        let follow = match free.is_empty() {
+            true => Some(DMatrix::zeros(0, places.len())),
+            false => part(&free, &free).lu().solve(&part(&free, &places)),
         };
+        let Some(follow) = follow else { return Ok(false) };
         let a = part(&places, &places) - part(&places, &free) * &follow;
         let b = reaction(&places) - reaction(&free) * &follow;
         // Each acceleration is taken over the square root of its own inertia.

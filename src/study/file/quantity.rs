@@ -18,7 +18,13 @@ type Dimension = [i32; 4];
 type Symbol = (&'static str, Dimension, f64);
 
 /// What each SI unit of a key measures, with two examples.
-const MEASURED: [(&str, &str); 11] = [
+const MEASURED: [(&str, &str); 17] = [
+    ("m/s2", "an acceleration, such as 9.81 m/s^2"),
+    ("kg m2", "a moment of inertia, such as 0.02 kg m^2 or 200 kg cm^2"),
+    ("N m", "a torque, such as 0.2 N m"),
+    ("N m/rad", "a stiffness of a joint, such as 0.0056 N m/rad"),
+    ("N m s/rad", "a damping of a joint, such as 0.1 N m s/rad"),
+    ("1/s", "a rate, such as 3 1/s"),
     ("kg", "a mass, such as 0.056 kg or 56 g"),
     ("m", "a length, such as 0.006 m or 6 mm"),
     ("s", "a time, such as 15 s or 0.25 min"),
@@ -166,7 +172,7 @@ impl Conversion {
 }
 
 /// Units that keys have, and further units of mechanics.
-const SI_UNITS: [&str; 21] = [
+const SI_UNITS: [&str; 22] = [
     "kg",
     "m",
     "s",
@@ -182,6 +188,7 @@ const SI_UNITS: [&str; 21] = [
     "rad/s2",
     "kg m2",
     "N m",
+    "N m s",
     "N m/rad",
     "N m s/rad",
     "1/s",
@@ -198,7 +205,8 @@ pub(crate) fn unit_of(text: &str) -> Result<(String, Dimension), Fault> {
     if text == "1" {
         return Ok(("1".to_owned(), [0; 4]));
     }
-    let factors = factors(text).map_err(|symbol| unknown(text, &symbol, ""))?;
+    let allowed = "an SI unit or a multiple of one, such as kg, mm, N, N/m, N s/m, rad/s or kg m^2";
+    let factors = factors(text).map_err(|_| Fault::new("unknown unit", shorten(text), allowed))?;
     let dimension = dimension_of(&factors);
     let known = SI_UNITS.iter().find(|unit| dimension_of(&factors_of_si(unit)) == dimension);
     if let Some(known) = known {

@@ -11,9 +11,10 @@ use crate::study::file::schema_parts::{axes_of, parameters_of, parameters_of_any
 use crate::study::file::yaml_tree::{Content, Node};
 
 /// The endings of SI keys with their units; a longer ending stands before the shorter one that it contains.
-const ENDINGS: [(&str, &str); 18] = [
+const ENDINGS: [(&str, &str); 19] = [
     ("_n_m_s_rad", "N m s/rad"),
     ("_n_m_rad", "N m/rad"),
+    ("_n_m_s", "N m s"),
     ("_n_s_m", "N s/m"),
     ("_rad_s2", "rad/s2"),
     ("_rad_s", "rad/s"),

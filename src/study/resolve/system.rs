@@ -94,6 +94,12 @@ fn definition(source: &Source) -> Result<Definition, StudyError> {
 
 /// Adds a remedy to the message for a formula that YAML may have cut.
 fn with_hint(error: StudyError, is_cut: bool) -> StudyError {
+    if error.allowed().is_some_and(|allowed| allowed.contains("`schema: 1`")) {
+        let (problem, found) = (error.problem().replace("study", "system"), error.found());
+        let allowed = "keys and values, starting with `system: NAME`";
+        let fault = Fault::new(problem, found.unwrap_or_default(), allowed);
+        return error.clone().with_fault(fault);
+    }
     if !is_cut {
         return error;
     }
@@ -231,22 +237,31 @@ impl<'s> Reader<'s> {
         let path = self.path(&["coordinates", key]);
         let (name, index) = self.indexed(&path, key, file)?;
         let unit = entry.unit.as_deref().unwrap_or("1");
-        let unit = self.unit(unit).map_err(|fault| path.key("unit").refuse_value(fault))?;
+        let refuse = |fault| path.key("unit").refuse_value(fault);
+        let written = unit;
+        let unit = self.unit(unit).map_err(refuse)?;
+        if convert(&format!("1 {written}"), &unit.si).is_ok_and(|one| one != 1.0) {
+            let allowed =
+                format!("{}; values may have other units, as in `start: 5 {written}`", unit.si);
+            return Err(refuse(Fault::new("not an SI unit", shorten(written), allowed)));
+        }
         self.check_ending(&path, &name, &unit)?;
         if entry.periodic && unit.dimension != [0; 3] {
             let allowed = "a coordinate with the unit rad: a period is one turn";
             let fault = Fault::new("a periodic coordinate", shorten(&unit.si), allowed);
             return Err(path.key("periodic").refuse_value(fault));
         }
-        let rate = if unit.si == "1" { "1/s".to_owned() } else { format!("{}/s", unit.si) };
-        let range = |key: &str, si: &str, ends: &Option<Ends>| {
+        let range = |key: &str, ends: &Option<Ends>| {
             let path = path.key(key);
             let texts = ends.as_ref().map_or(&[][..], |ends| &ends.0);
-            let parse = |path: SourcePath<'s>, text: &FormulaText| self.start(&path, text, si);
             match texts {
                 [] if ends.is_none() => Ok([Formula::number(0.0), Formula::number(0.0)]),
-                [one] => parse(path, one).map(|one| [one.clone(), one]),
-                [low, high] => Ok([parse(path.item(0), low)?, parse(path.item(1), high)?]),
+                [one] => self.formula_at(&path, one).map(|one| [one.clone(), one]),
+                [low, high] => {
+                    let [low, high] = [(0, low), (1, high)]
+                        .map(|(place, text)| self.formula_at(&path.item(place), text));
+                    Ok([low?, high?])
+                }
                 _ => {
                     let found = format!("{} values", texts.len());
                     let allowed = "a value, or two values [low, high]";
@@ -254,31 +269,9 @@ impl<'s> Reader<'s> {
                 }
             }
         };
-        let start = [
-            range("start", &unit.si, &entry.start)?,
-            range("start_rate", &rate, &entry.start_rate)?,
-        ];
+        let start = [range("start", &entry.start)?, range("start_rate", &entry.start_rate)?];
         let (periodic, meaning) = (entry.periodic, entry.meaning.clone());
         Ok(WrittenCoordinate { name, index, unit, periodic, meaning, start })
-    }
-
-    /// Returns an end of a range: a value with a unit, or a formula of parameters.
-    fn start(
-        &self,
-        path: &SourcePath<'s>,
-        text: &FormulaText,
-        si: &str,
-    ) -> Result<Formula, StudyError> {
-        // `0 * t` is a formula, not a number of tons.
-        let is_unit = |unit: &str| !unit.starts_with('*') && unit_of(unit).is_ok();
-        let number = split_number(&text.0).filter(|(_, unit)| is_unit(unit));
-        match number {
-            Some(_) => {
-                let value = convert(&text.0, si).map_err(|fault| path.refuse_value(fault))?;
-                Ok(Formula::number(value))
-            }
-            None => Formula::parse(&text.0).map_err(|fault| refuse(path, &text.0, fault)),
-        }
     }
 
     /// Splits a key such as `x[block]` into the name and the index.
@@ -331,8 +324,26 @@ impl<'s> Reader<'s> {
         parsed.map(Place).map_err(|fault| refuse(&self.path(path), text, fault))
     }
 
+    /// Reads a formula, or a value with a unit.
+    ///
+    /// # Errors
+    /// The first fault in it.
     pub(super) fn formula(&self, path: &[&str], text: &FormulaText) -> Result<Formula, StudyError> {
-        Formula::parse(&text.0).map_err(|fault| refuse(&self.path(path), &text.0, fault))
+        self.formula_at(&self.path(path), text)
+    }
+
+    fn formula_at(&self, path: &SourcePath<'_>, text: &FormulaText) -> Result<Formula, StudyError> {
+        // `0 * t` is a formula, not a number of tons.
+        let is_unit = |unit: &str| !unit.starts_with('*') && unit_of(unit).is_ok();
+        match split_number(&text.0).filter(|(_, unit)| is_unit(unit)) {
+            Some((_, unit)) => {
+                let refuse = |fault| path.refuse_value(fault);
+                let unit = self.unit(unit).map_err(refuse)?;
+                let value = convert(&text.0, &unit.si).map_err(refuse)?;
+                Ok(Formula::quantity(value, unit.dimension))
+            }
+            None => Formula::parse(&text.0).map_err(|fault| refuse(path, &text.0, fault)),
+        }
     }
 
     pub(super) fn path(&self, keys: &[&str]) -> SourcePath<'s> {

@@ -43,6 +43,18 @@ impl Reader<'_> {
             let allowed = "`sliding: ...`, such as x' or x' - v_belt";
             return refuse("missing key", "no `sliding`", allowed);
         }
+        let has_gap = entry.gap.is_some();
+        if entry.restitution.is_some() && !has_gap
+            || entry.tangential_restitution.is_some() && !(has_gap && sliding.is_some())
+        {
+            let allowed =
+                "`restitution` only with `gap`, and `tangential_restitution` also with `sliding`";
+            return refuse(
+                "a restitution without an impact",
+                "no gap or no sliding speed",
+                allowed,
+            );
+        }
         let friction =
             entry.friction.as_ref().map(|laws| self.friction(&path.key("friction"), key, laws));
         let friction = friction.transpose()?;

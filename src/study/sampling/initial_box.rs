@@ -121,7 +121,16 @@ impl InitialBox {
             let [low, high] = range(&coordinate);
             BoxAxis { name: coordinate.name, low, high }
         };
-        let axes = model.coordinates().into_iter().map(axis).collect();
+        let axes: Vec<BoxAxis> = model.coordinates().into_iter().map(axis).collect();
+        // The default ranges of a system file are formulas.
+        if let Some(BoxAxis { name, low, high }) =
+            axes.iter().find(|axis| !(axis.high - axis.low >= 0.0))
+        {
+            let found =
+                format!("[{}, {}] by default", describe_number(*low), describe_number(*high));
+            let allowed = "[low, high] with finite numbers and low not above high";
+            return Err(path.key(name).refuse_key(Fault::new("reversed range", found, allowed)));
+        }
         Ok(InitialBox { axes })
     }
 
