@@ -3,6 +3,7 @@
 //! A sliding speed with constant factors of the rates of change, such as `x' - v_belt` or `y' + r phi'`, becomes the velocity
 //! in place of the rate of change of one coordinate. The rates of change are then linear functions of the velocities.
 
+use super::definition::WrittenNormal;
 use super::formula::FormulaFault;
 use super::instance::Instance;
 use super::linear::{Linear, Linearised};
@@ -116,6 +117,12 @@ impl Instance<'_> {
                 true => self.linear(contact, numeric)?,
                 false => None,
             };
+            // The speeds of contacts that open have several coordinates, which would fill the mass matrix.
+            let opens = matches!(self.contact(contact).0.normal, WrittenNormal::Gap(_));
+            let is_single = |speed: &Linear<f64>| {
+                speed.factors.iter().filter(|(_, factor)| *factor != 0.0).count() == 1
+            };
+            let speed = speed.filter(|speed| !opens || is_single(speed));
             let Some(speed) = speed else {
                 chosen.push(SpeedOf::Formula);
                 continue;
