@@ -215,8 +215,7 @@ impl Definition {
         };
         for one in &self.parameters {
             let begins = |prefix: &&str| one.name.starts_with(*prefix);
-            if COLUMNS.contains(&one.name.as_str()) || PREFIXES.iter().any(|prefix| begins(prefix))
-            {
+            if COLUMNS.contains(&one.name.as_str()) || PREFIXES.iter().any(begins) {
                 return fault("parameters", &one.name, None);
             }
         }

@@ -123,9 +123,11 @@ impl InitialBox {
         };
         let axes: Vec<BoxAxis> = model.coordinates().into_iter().map(axis).collect();
         // The default ranges of a system file are formulas.
-        if let Some(BoxAxis { name, low, high }) =
-            axes.iter().find(|axis| !(axis.high - axis.low >= 0.0))
-        {
+        let is_reversed = |axis: &&BoxAxis| {
+            let width = axis.high - axis.low;
+            width.is_nan() || width < 0.0
+        };
+        if let Some(BoxAxis { name, low, high }) = axes.iter().find(is_reversed) {
             let found =
                 format!("[{}, {}] by default", describe_number(*low), describe_number(*high));
             let allowed = "[low, high] with finite numbers and low not above high";
