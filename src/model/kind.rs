@@ -36,7 +36,7 @@ pub struct ModelKind {
 pub enum DefaultModel {
     /// A model of this crate, with one ball if it has balls.
     BuiltIn(fn() -> Model),
-    /// A model of which this is computed.
+    /// An own model; the value computes its coordinates, units and system.
     Own(&'static dyn OwnKind),
 }
 

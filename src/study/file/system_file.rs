@@ -84,7 +84,7 @@ pub(in crate::study) struct ContactEntry {
     pub friction: Option<IndexMap<String, IndexMap<String, FormulaText>>>,
     /// Speed of separation over speed of approach in an impact, 0 to 1; by default 0.
     pub restitution: Option<FormulaText>,
-    /// The same for the sliding speed, 0 to 1; by default 0.
+    /// Sliding speed after an impact without slip over that before it, with the opposite sign, 0 to 1; by default 0.
     pub tangential_restitution: Option<FormulaText>,
 }
 
