@@ -59,8 +59,8 @@ impl OwnKind for Chains {
             natural_rad_s,
             length_m,
             contacts: vec![block; model.count("blocks")],
-            disc_rad_s: 0.0,
             ground_m_s: model.number("belt_speed_m_s"),
+            ..Units::default()
         }
     }
 

@@ -14,6 +14,7 @@
 use super::cycle::{Cycle, CyclePhase};
 use super::extremes::{Extremes, Passed};
 use super::lane_step::LaneStep;
+use super::output_watch::OutputWatch;
 use super::system_view::SystemView;
 use crate::model::Units;
 use crate::motion::{Phase, all_stick};
@@ -30,6 +31,7 @@ struct BreakAway {
     time: f64,
     position: f64,
     extremes: Extremes,
+    outputs: OutputWatch,
     /// The sequence of phases; neighbours differ.
     cycle_phases: Vec<CyclePhase>,
     /// Least and greatest sliding speed; 0 at break-away.
@@ -56,6 +58,7 @@ impl BreakAwayWatch {
         if let Some(last) = &mut self.last {
             last.extend(step);
             last.extremes.take_in(step, passed);
+            last.outputs.take_in(step);
         }
     }
 
@@ -77,6 +80,7 @@ impl BreakAwayWatch {
             time,
             position,
             extremes,
+            outputs: OutputWatch::from(time),
             cycle_phases: Vec::new(),
             speeds: [0.0; 2],
             stuck: 0.0,
@@ -88,6 +92,11 @@ impl BreakAwayWatch {
     /// Returns half of the distance between the extremes since the last break-away.
     pub(super) fn amplitude(&self) -> Option<f64> {
         self.last.as_ref()?.extremes.amplitude()
+    }
+
+    /// Returns the outputs since the last break-away.
+    pub(super) fn outputs(&self) -> Option<&OutputWatch> {
+        self.last.as_ref().map(|last| &last.outputs)
     }
 
     /// Returns the cycle since the last break-away.

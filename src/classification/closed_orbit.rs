@@ -8,6 +8,7 @@
 use nalgebra::{DMatrix, DVector, Schur};
 
 use super::cycle::{CyclePhase, TouchingPair};
+use super::output_watch::OutputOutcome;
 use super::period::Period;
 use super::return_map::{Return, ReturnMap, cost_of_a_step};
 use super::section::Mark;
@@ -61,6 +62,8 @@ pub struct Orbit {
     pub speed_extremes: Vec<[f64; 2]>,
     /// Least and greatest position of each contact, an angle starting in [0, 2π).
     pub position_extremes: Vec<[f64; 2]>,
+    /// The outputs over the period.
+    pub outputs: Vec<OutputOutcome>,
     /// Share of the period for which each contact sticks.
     pub stick_fraction: Vec<f64>,
     /// Root mean square over the period of the displacement, over the unit of length; 0 for a
@@ -274,6 +277,7 @@ fn orbit(closed: &Closed, end: &Return, period: Period, multipliers: Vec<f64>) -
         period: end.time,
         turns: contacts.map(whole).collect(),
         touching: period.touching(view),
+        outputs: period.outputs.measured(true),
         configurations: period.configurations,
         speed: turned.iter().map(|angle| angle / end.time).collect(),
         speed_extremes: period.speeds,

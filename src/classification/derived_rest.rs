@@ -14,7 +14,7 @@ use smallvec::SmallVec;
 use super::stuck_motion::{AffineForce, Curvature, Distance, StuckContact, StuckMotion};
 use super::system_view::SystemView;
 use crate::model::{
-    Bounded, Degree, Dual, Gap, Interval, NodeId, RestAmplitude, RestForms, TOUCHING,
+    Bounded, Components, Degree, Dual, Gap, Interval, NodeId, RestAmplitude, RestForms, TOUCHING,
     strength_that_holds,
 };
 use crate::motion::{Evaluator, PerContact, Phase, Phases};
@@ -285,6 +285,15 @@ impl RestForms for DerivedRest {
         let needed = strength_that_holds(&contacts, &self.closed_gaps(state));
         // On the very edge of the set only the slack of the conditions is missing.
         RestAmplitude { amplitude: motion.amplitude, friction_margin: (1.0 - needed).max(0.0) }
+    }
+
+    fn rest_state(&self, state: &[f64]) -> Option<Components> {
+        let mut rest = Components::from(self.stopped(state));
+        if !self.free.is_empty() {
+            let motion = self.motion(state)?;
+            self.free.iter().zip(motion.rest.iter()).for_each(|(one, value)| rest[*one] = *value);
+        }
+        Some(rest)
     }
 
     /// Contacts creep only against a drag: without one, the forces on them do not depend on their speeds.

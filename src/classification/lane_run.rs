@@ -171,7 +171,7 @@ impl LaneRun {
             let mut displacement = lyapunov::displacement(&self.view);
             self.view.keep_together(group.phases(lane), &mut displacement);
             group.displace(lane, &displacement);
-            separation.begin(time, lyapunov::courses(&LaneStep { group, lane, view: &self.view }));
+            separation.begin(time, lyapunov::course(&LaneStep { group, lane, view: &self.view }));
         }
         let still = happened.still & bit != 0;
         if still || self.still {
@@ -226,7 +226,9 @@ impl LaneRun {
         if let Some(passed) = &passed {
             self.watch.take_in(&step, passed);
         }
-        self.horizons.window_mut().vibration.take_in(&step, passed.as_ref());
+        let window = self.horizons.window_mut();
+        window.vibration.take_in(&step, passed.as_ref());
+        window.outputs.take_in(&step);
     }
 
     /// Records the growth of the displacement when that is due or its size is out of range. Other
@@ -243,8 +245,8 @@ impl LaneRun {
         }
         displacement.iter_mut().for_each(|component| *component *= 1.0 / size);
         group.displace(lane, &displacement);
-        let courses = lyapunov::courses(&LaneStep { group, lane, view: &self.view });
-        self.horizons.window_mut().separation.grow(time, size, grazed, courses);
+        let course = lyapunov::course(&LaneStep { group, lane, view: &self.view });
+        self.horizons.window_mut().separation.grow(time, size, grazed, course);
     }
 
     /// Returns whether all contacts stick and can never break loose again.
@@ -260,7 +262,7 @@ impl LaneRun {
         if !self.stages.is_last() {
             return;
         }
-        let Late { vibration, separation } = self.horizons.window();
+        let Late { vibration, separation, .. } = self.horizons.window();
         let mut attention = if self.watch.sees_each_step() { 0.0 } else { vibration.start() };
         if !separation.has_begun() {
             attention = attention.min(separation.start());

@@ -62,6 +62,12 @@ impl<'a> LaneStep<'a> {
         self.group.unwrapped_within(self.lane, time - self.began())
     }
 
+    /// Returns the outputs at a time within the step, with angles that include whole turns.
+    pub(super) fn outputs_at(&self, time: f64) -> Components {
+        let state = self.group.state_within(self.lane, time - self.began());
+        self.view.outputs(&state, &self.unwrapped_at(time))
+    }
+
     /// Returns the time at which a function of the state passed through zero in the step, in either
     /// direction; `None` if its signs at the two ends show no passage.
     pub(super) fn passes_through_zero(&self, value: impl Fn(&[f64]) -> f64) -> Option<f64> {

@@ -3,6 +3,7 @@
 use super::extremes::{Extremes, Passed};
 use super::lane_step::LaneStep;
 use super::lyapunov::{SEPARATION_WINDOW, Separation};
+use super::output_watch::OutputWatch;
 use super::system_view::SystemView;
 use super::window::{WINDOW, Window};
 use crate::model::Endings;
@@ -11,6 +12,7 @@ use crate::model::Endings;
 #[derive(Clone, Debug)]
 pub(super) struct Late {
     pub(super) vibration: Vibration,
+    pub(super) outputs: OutputWatch,
     pub(super) separation: Separation,
 }
 
@@ -35,7 +37,8 @@ impl Late {
             Some(_) => Vibration::Means(Window::new(start)),
             None => Vibration::Extremes(Extremes::from(start)),
         };
-        Late { vibration, separation: Separation::new(separation, end) }
+        let outputs = OutputWatch::from(start);
+        Late { vibration, outputs, separation: Separation::new(separation, end) }
     }
 
     /// Returns the earliest time at which the statistics begin.

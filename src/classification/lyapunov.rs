@@ -22,7 +22,9 @@
 //! - in the second half of the window, neighbours have separated by at least [`SEPARATED`]. This
 //!   excludes growth by a power of time: a displacement along a family of motions (a ball that rests
 //!   elsewhere, which changes the speed of another) grows in proportion to time; in the second half
-//!   of a window that is a factor of 2, and for the third power of time a factor of 8.
+//!   of a window that is a factor of 2, and for the third power of time a factor of 8;
+//! - the motion itself does not grow: from the first to the second half of the window, the size of the velocity grows neither by
+//!   the factor `e` to the power [`GROWS`] nor by a quarter of the logarithm by which neighbours separate.
 
 use super::lane_step::LaneStep;
 use super::outcome::LyapunovExponent;
@@ -55,6 +57,9 @@ const STUDENT: [f64; PARTS - 1] = [
 /// Minimum separation of neighbours in the second half of the window.
 const SEPARATED: f64 = 10.0;
 
+/// Logarithm of the growth of the velocity, from one half of the window to the other, of a motion without bounds.
+const GROWS: f64 = 2.0;
+
 /// Measures how fast neighbours of a motion separate between two times.
 #[derive(Clone, Debug)]
 pub(super) struct Separation {
@@ -73,8 +78,16 @@ pub(super) struct Separation {
 struct Mark {
     time: f64,
     growth: f64,
+    course: Course,
+}
+
+/// How far a run has come.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Course {
     /// Turns and switches per contact since the start of the run.
-    courses: f64,
+    pub(super) courses: f64,
+    /// The size of the velocity.
+    pub(super) speed: f64,
 }
 
 impl Separation {
@@ -100,16 +113,16 @@ impl Separation {
     }
 
     /// Begins at the end of the first step that extends into the window, where the displacement has
-    /// the size 1. `courses` is the number of turns and switches per contact since the start.
-    pub(super) fn begin(&mut self, time: f64, courses: f64) {
-        self.mark(time, courses);
+    /// the size 1.
+    pub(super) fn begin(&mut self, time: f64, course: Course) {
+        self.mark(time, course);
     }
 
     /// Adds the growth of the displacement since the last call.
-    pub(super) fn grow(&mut self, time: f64, factor: f64, grazed: bool, courses: f64) {
+    pub(super) fn grow(&mut self, time: f64, factor: f64, grazed: bool, course: Course) {
         self.growth += factor.ln();
         self.grazed |= grazed;
-        self.mark_if_due(time, courses);
+        self.mark_if_due(time, course);
         self.given_up |= !self.growth.is_finite();
     }
 
@@ -122,15 +135,15 @@ impl Separation {
         (self.end - self.start) / PARTS as f64
     }
 
-    fn mark_if_due(&mut self, time: f64, courses: f64) {
+    fn mark_if_due(&mut self, time: f64, course: Course) {
         if time >= self.start + self.part() * self.marks.len() as f64 || time >= self.end {
-            self.mark(time, courses);
+            self.mark(time, course);
             self.given_up = self.marks.len() == PILOT + 1 && self.growth < 0.0;
         }
     }
 
-    fn mark(&mut self, time: f64, courses: f64) {
-        self.marks.push(Mark { time, growth: self.growth, courses });
+    fn mark(&mut self, time: f64, course: Course) {
+        self.marks.push(Mark { time, growth: self.growth, course });
     }
 
     /// Returns the start of the first block and the end of each block. What remains after the last
@@ -138,7 +151,7 @@ impl Separation {
     fn blocks(&self) -> Vec<Mark> {
         let mut ends: Vec<Mark> = Vec::new();
         for mark in &self.marks {
-            if ends.last().is_none_or(|end| mark.courses - end.courses >= COURSES) {
+            if ends.last().is_none_or(|end| mark.course.courses - end.course.courses >= COURSES) {
                 ends.push(*mark);
             }
         }
@@ -186,9 +199,22 @@ impl Separation {
         };
         let (half, last) = (self.marks[self.marks.len() / 2], self.marks[self.marks.len() - 1]);
         !self.given_up
+            && !self.grows()
             && blocks >= BLOCKS
             && low > 0.0
             && last.growth - half.growth >= SEPARATED.ln()
+    }
+}
+
+impl Separation {
+    /// Returns whether the motion itself grows without bound: neighbours of such a motion separate at the rate of its growth.
+    fn grows(&self) -> bool {
+        let (early, late) = self.marks.split_at(self.marks.len() / 2);
+        let [early, late] = [early, late].map(|marks| {
+            marks.iter().map(|mark| mark.course.speed).fold(f64::MIN_POSITIVE, f64::max)
+        });
+        let growth = self.marks.last().map_or(0.0, |last| last.growth);
+        (late / early).ln() > GROWS.max(0.25 * growth)
     }
 }
 
@@ -218,28 +244,32 @@ pub(super) fn size(view: &SystemView, displacement: &[f64]) -> f64 {
     .sqrt()
 }
 
-/// Returns the number of turns of balls, in both directions, and switches since the start of a run,
+/// Returns the size of the velocity, and the number of turns of balls, in both directions, and switches since the start of a run,
 /// in the mean over the contacts.
-pub(super) fn courses(step: &LaneStep) -> f64 {
+pub(super) fn course(step: &LaneStep) -> Course {
     let LaneStep { group, lane, view } = *step;
     let (state, turns) = (group.state(lane), group.turns(lane));
     let balls = view.contacts.iter().zip(&turns).filter(|(contact, _)| contact.angular);
     let turned = balls
         .map(|(contact, turns)| (turns + state[contact.position] / std::f64::consts::TAU).abs());
-    (turned.sum::<f64>() + step.effort().switches as f64) / view.contacts.len() as f64
+    let courses = turned.sum::<f64>() + step.effort().switches as f64;
+    let velocities = view.evaluator.graph().layout.velocities.iter().flatten();
+    let speed = velocities.map(|one| state[*one] * state[*one]).sum::<f64>().sqrt();
+    Course { courses: courses / view.contacts.len() as f64, speed }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{COURSES, PARTS, STUDENT, Separation};
+    use super::{COURSES, Course, PARTS, STUDENT, Separation};
 
     /// Returns a measurement with rates of 1 and 3 in turn and as many turns and switches per part.
     fn in_turn(courses: f64) -> Separation {
         let mut separation = Separation::new(0.0, PARTS as f64);
-        separation.begin(0.0, 0.0);
+        let course = |courses: f64| Course { courses, speed: 1.0 };
+        separation.begin(0.0, course(0.0));
         for part in 1..=PARTS {
             let rate: f64 = if part % 2 == 1 { 1.0 } else { 3.0 };
-            separation.grow(part as f64, rate.exp(), false, part as f64 * courses);
+            separation.grow(part as f64, rate.exp(), false, course(part as f64 * courses));
         }
         separation
     }

@@ -34,6 +34,7 @@ mod late;
 mod lyapunov;
 mod orbit;
 mod outcome;
+mod output_watch;
 mod passages;
 mod peak;
 mod period;
@@ -52,7 +53,7 @@ mod window;
 
 /// Version of the computed outcomes, incremented with every change that alters an outcome; cached
 /// results of other versions are not reused. A test pins the outcomes of each version.
-pub const MODEL_VERSION: u32 = 15;
+pub const MODEL_VERSION: u32 = 16;
 
 pub use closed_orbit::Orbit;
 pub use cycle::{Cycle, CyclePhase, TouchingPair};
@@ -60,6 +61,7 @@ pub use cycle_watch::{FoundEndings, found_endings};
 pub use gap_sample::{GapSample, Touch};
 pub use in_lockstep::{Runs, simulate_by_recorded_equations_in_lockstep, simulate_in_lockstep};
 pub use outcome::{Evidence, Label, LyapunovExponent, Outcome, TouchingOutcome};
+pub use output_watch::{OutputOutcome, OutputRange};
 pub use recorder::{ContactSample, Instants, Recorder, Recording, Sample, Switch};
 pub use simulate::{simulate, simulate_by_recorded_equations, simulate_recorded};
 pub use stages::{PeakAmplitude, StageOutcome};

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::cycle::Cycle;
+use super::output_watch::OutputOutcome;
 use super::stages::{PeakAmplitude, StageOutcome};
 use crate::motion::{Effort, Failure};
 
@@ -80,7 +81,7 @@ pub enum Evidence {
 
 impl Evidence {
     /// The names of all evidence in tables, in a fixed order.
-    pub const NAMES: [&'static str; 18] = [
+    pub const NAMES: [&'static str; 19] = [
         "rest_certified",
         "creep",
         "settled",
@@ -99,6 +100,7 @@ impl Evidence {
         "overlap",
         "torus",
         "rest_contracting",
+        "indefinite_mass",
     ];
 
     /// The evidence's name in tables.
@@ -115,6 +117,7 @@ impl Evidence {
             Evidence::Lyapunov => "lyapunov",
             Evidence::EndTime => "end_time",
             Evidence::Failure(Failure::NotFinite) => "not_finite",
+            Evidence::Failure(Failure::IndefiniteMass) => "indefinite_mass",
             Evidence::Failure(Failure::ContactLost { .. }) => "contact_lost",
             Evidence::Failure(Failure::Overlap { .. }) => "overlap",
             Evidence::Failure(Failure::StepLimit) => "step_limit",
@@ -190,6 +193,8 @@ pub struct Outcome {
     /// Position of each contact at the end: a ball's angle in rad, in [0, 2π); a block's position
     /// in m.
     pub position: Option<Vec<f64>>,
+    /// The outputs, for a system that has some.
+    pub outputs: Vec<OutputOutcome>,
     /// Amplitude of the table's vibration, m: at the rest point, or root mean square over the cycle
     /// or the last tenth of the time. For a block, half of the distance between the extremes of its
     /// position in that time; 0 at rest.
@@ -256,6 +261,7 @@ impl Outcome {
             end_time_s: None,
             extended: false,
             position: None,
+            outputs: Vec::new(),
             amplitude_m: None,
             friction_margin: None,
             period_s: None,

@@ -1,6 +1,7 @@
 //! Properties of one period of a cycle: sequence of stick and slip, extremes, means, margins.
 
 use super::cycle::{CyclePhase, TouchingPair};
+use super::output_watch::OutputWatch;
 use super::return_map::FollowedStep;
 use super::section::Section;
 use super::system_view::SystemView;
@@ -32,6 +33,8 @@ pub(super) struct Period {
     pub(super) square_time: f64,
     /// The smallest friction margin of a resting contact.
     pub(super) margin: f64,
+    /// The outputs.
+    pub(super) outputs: OutputWatch,
 }
 
 fn widen([low, high]: &mut [f64; 2], value: f64) {
@@ -53,6 +56,7 @@ impl Period {
             peak: view.square(start).sqrt(),
             square_time: 0.0,
             margin: f64::INFINITY,
+            outputs: OutputWatch::from(0.0),
         };
         period.look_at_margin(view, phases, start);
         period.look_at_gaps(view, phases, start);
@@ -149,6 +153,17 @@ impl Period {
             }
         }
         self.look_at_gaps(view, during, &state);
+        if view.has_outputs {
+            let outputs = |inside: f64| {
+                let inside = (inside < time).then(|| motion.within_last_step(inside)).flatten();
+                let mut state = inside.unwrap_or_else(|| state.clone());
+                for (contact, turns) in view.contacts.iter().zip(&step.whole_turns) {
+                    state[contact.position] += turns;
+                }
+                view.system().outputs(&state)
+            };
+            self.outputs.add([self.time, time], outputs);
+        }
         // At its end the period returns to its start.
         let now = cycle_phases(view, motion.phases(), &state);
         let ends = step.end.is_some();

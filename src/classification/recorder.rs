@@ -11,6 +11,7 @@
 use super::gap_sample::{GapSample, Touch, gap_samples, touches};
 use super::lane_step::LaneStep;
 use super::system_view::SystemView;
+use crate::model::Components;
 use crate::motion::{Effort, Hit, Instant, Phase};
 
 /// The recorded instants.
@@ -40,6 +41,8 @@ pub struct Sample {
     pub contacts: Vec<ContactSample>,
     /// One sample per gap between contacts.
     pub gaps: Vec<GapSample>,
+    /// The outputs, for a system that has some.
+    pub outputs: Components,
 }
 
 /// A contact at an instant, non-dimensional.
@@ -244,6 +247,7 @@ impl Recorder {
             table: view.vibration.map(|places| places.map(|place| instant.state[place])),
             contacts: contacts.map(|contact| contact_sample(view, instant, contact)).collect(),
             gaps: gap_samples(view, instant),
+            outputs: view.outputs(&instant.state, &instant.unwrapped),
         });
     }
 }

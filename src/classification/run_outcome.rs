@@ -8,10 +8,17 @@ use super::lane_run::LaneRun;
 use super::lane_step::LaneStep;
 use super::late::{Late, Vibration};
 use super::outcome::{Evidence, LyapunovExponent, Outcome, TouchingOutcome};
+use super::output_watch::OutputOutcome;
 use super::system_view::ContactPlace;
-use crate::model::ContactUnits;
+use crate::model::{ContactUnits, OutputValue};
 use crate::motion::lockstep::LaneGroup;
-use crate::motion::{Failure, Motion, Phase, any_closed};
+use crate::motion::{Failure, Motion, Phase, SINGULAR, any_closed};
+
+/// The smallest pivot of the mass matrix, over the entry on its diagonal, that explains why a motion could not be continued.
+const NEARLY_SINGULAR: f64 = 1e-3;
+
+/// The time over which rates of change of outputs are differences.
+const AHEAD: f64 = 1e-6;
 
 /// How the simulation ended.
 pub(super) enum Ending {
@@ -39,10 +46,21 @@ impl LaneRun {
     pub(super) fn outcome(&self, group: &dyn LaneGroup, lane: usize, ending: Ending) -> Outcome {
         let natural = self.units.natural_rad_s;
         let step = LaneStep { group, lane, view: &self.view };
+        let ending = self.checked(ending, &group.state(lane));
         let position = self.view.wrapped(&group.state(lane));
         let position = self.units.of_contacts(&position, |unit| unit.position);
+        let outputs = self.outputs(&ending, &step);
         let begins_s = self.stages.present().begins_s;
+        let amplitude_m = self.amplitude_of_outputs(&outputs);
         let counted = |outcome: Outcome| Outcome {
+            amplitude_m: if self.view.has_outputs { amplitude_m } else { outcome.amplitude_m },
+            cycle: outcome.cycle.map(|mut cycle| {
+                if let (Evidence::ClosedOrbit, Some(amplitude_m)) = (outcome.evidence, amplitude_m)
+                {
+                    cycle.peak_amplitude_m = amplitude_m;
+                }
+                cycle
+            }),
             time_to_rest_s: outcome.rest_since_s.map(|since_s| (since_s - begins_s).max(0.0)),
             ..outcome
         };
@@ -53,6 +71,7 @@ impl LaneRun {
             end_time_s: Some(step.time() / natural),
             extended: self.extended,
             position: Some(position),
+            outputs,
             amplitude_m: None,
             friction_margin: None,
             period_s: None,
@@ -124,6 +143,64 @@ impl LaneRun {
         })
     }
 
+    /// Returns the outputs of a run that ends after its latest step.
+    fn outputs(&self, ending: &Ending, step: &LaneStep) -> Vec<OutputOutcome> {
+        if !self.view.has_outputs {
+            return Vec::new();
+        }
+        let state = step.group.state(step.lane);
+        let measured = match ending {
+            Ending::Rest => {
+                let rest = self.view.rest_forms().and_then(|forms| forms.rest_state(&state));
+                self.constant_outputs(step.phases(), rest.as_ref().unwrap_or(&state))
+            }
+            Ending::Settled => self.constant_outputs(step.phases(), &state),
+            Ending::Orbit(orbit) => orbit.outputs.clone(),
+            Ending::BreakAways { .. } => match &self.watch {
+                CycleWatch::BreakAways(watch) => {
+                    watch.outputs().map_or_else(Vec::new, |watch| watch.measured(true))
+                }
+                CycleWatch::Orbits(_) | CycleWatch::None => Vec::new(),
+            },
+            Ending::EndTime => self.horizons.window().outputs.measured(false),
+            Ending::Failure(_) => Vec::new(),
+        };
+        let none = OutputOutcome { end: 0.0, mean_rate: None, range: None };
+        let measured = measured.into_iter().chain(std::iter::repeat(none));
+        let ends = self.view.system().outputs(&state).into_iter();
+        let all = ends.zip(measured).map(|(end, measured)| OutputOutcome { end, ..measured });
+        let units = self.units.outputs.iter();
+        all.zip(units).map(|(one, units)| one.in_units(units, self.units.natural_rad_s)).collect()
+    }
+
+    /// Returns the outputs of a motion that stays in a state but for coordinates that no equation contains.
+    fn constant_outputs(&self, phases: &[Phase], state: &[f64]) -> Vec<OutputOutcome> {
+        let rates = self.view.evaluator.rates(phases, state);
+        let ahead: Vec<f64> =
+            state.iter().zip(&rates).map(|(one, rate)| one + AHEAD * rate).collect();
+        let [now, later] = [state, &ahead].map(|state| self.view.system().outputs(state));
+        let each = now.iter().zip(&later);
+        each.map(|(now, later)| OutputOutcome::constant(*now, (later - now) / AHEAD)).collect()
+    }
+
+    /// Returns the largest amplitude of the outputs of which results measure it, m.
+    fn amplitude_of_outputs(&self, outputs: &[OutputOutcome]) -> Option<f64> {
+        let measured =
+            outputs.iter().zip(&self.units.outputs).filter(|(_, units)| units.has_amplitude);
+        measured.filter_map(|(one, _)| one.value(OutputValue::Amplitude)).reduce(f64::max)
+    }
+
+    /// Returns an ending, or that the mass matrix is no longer one of a mechanical system. A motion cannot be continued where the
+    /// matrix becomes singular.
+    fn checked(&self, ending: Ending, state: &[f64]) -> Ending {
+        let least = if matches!(ending, Ending::Failure(_)) { NEARLY_SINGULAR } else { SINGULAR };
+        let is_finite = state.iter().all(|one| one.is_finite());
+        match is_finite && self.view.system().smallest_inertia(state) < least {
+            true => Ending::Failure(Failure::IndefiniteMass),
+            false => ending,
+        }
+    }
+
     /// Returns why a run in which all contacts stick for good is at rest.
     fn rest_evidence(&self) -> Evidence {
         match self.view.rest_forms().is_none_or(|forms| forms.are_closed()) {
@@ -173,7 +250,7 @@ impl LaneRun {
     /// Returns the outcome of a run at its end time without another ending.
     fn at_end_time(&self, step: &LaneStep, base: Outcome) -> Outcome {
         let natural = self.units.natural_rad_s;
-        let Late { vibration, separation } = self.horizons.window();
+        let Late { vibration, separation, .. } = self.horizons.window();
         let lyapunov = separation.exponent().map(|exponent| in_seconds(exponent, natural));
         let base = Outcome { lyapunov, ..base };
         let orbits = match &self.watch {

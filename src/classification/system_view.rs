@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::derived_rest::DerivedRest;
-use crate::model::{RestForms, System, wrap_to_two_pi};
+use crate::model::{Components, RestForms, System, wrap_to_two_pi};
 use crate::motion::{Evaluator, PerContact, Phase};
 
 /// A system as the classification sees it.
@@ -16,6 +16,8 @@ pub(super) struct SystemView {
     pub(super) contacts: Vec<ContactPlace>,
     /// The displacement whose amplitude is measured, and its velocity, if the system has one.
     pub(super) vibration: Option<[usize; 4]>,
+    /// Whether the system has outputs.
+    pub(super) has_outputs: bool,
     /// The closed forms at rest of a system that has none of its own.
     derived: Option<Arc<DerivedRest>>,
 }
@@ -55,7 +57,10 @@ impl SystemView {
             .vibration
             .zip(velocity)
             .and_then(|([x, y], velocity)| Some([x, y, *velocity.first()?, *velocity.get(1)?]));
-        let mut view = SystemView { free, contacts, vibration, evaluator, derived: None };
+        let any = vec![0.0; graph.derivative.len()];
+        let has_outputs = !evaluator.system().outputs(&any).is_empty();
+        let mut view =
+            SystemView { free, contacts, vibration, evaluator, has_outputs, derived: None };
         if view.system().rest_forms().is_none() {
             view.derived = DerivedRest::of(&view).map(Arc::new);
         }
@@ -158,6 +163,15 @@ impl SystemView {
             Some(component) => self.evaluator.rates(phases, state)[component],
             None => self.evaluator.forces(phases, state)[contact].acceleration,
         }
+    }
+
+    /// Returns the outputs in a state with these positions of the contacts, in which angles have whole turns.
+    pub(super) fn outputs(&self, state: &[f64], unwrapped: &[f64]) -> Components {
+        let mut state = Components::from(state);
+        for (contact, position) in self.contacts.iter().zip(unwrapped) {
+            state[contact.position] = *position;
+        }
+        self.system().outputs(&state)
     }
 
     /// Returns the square of the displacement whose amplitude is measured; 0 without one.

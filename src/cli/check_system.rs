@@ -24,6 +24,9 @@ pub(super) fn system_text(study: &Study) -> String {
     for (name, contact) in entries(&source["contacts"]) {
         rows.push([format!("contact {name}"), in_words(contact)]);
     }
+    for (name, output) in entries(&source["outputs"]) {
+        rows.push([format!("output {name}"), in_words(output)]);
+    }
     if let Some(period) = source.get("period") {
         rows.push(["period".to_owned(), in_words(period)]);
     }

@@ -33,6 +33,7 @@ mod mechanism;
 mod modelled;
 mod naming;
 mod number;
+mod output;
 mod own;
 mod recorded;
 mod registry;
@@ -81,6 +82,7 @@ pub use material::{MATERIALS, Material, STEEL_KG_M3};
 pub use mechanism::{ImpactLaw, Mechanism, MechanismContact, MechanismNormal};
 pub use modelled::{Model, OtherCoordinates};
 pub use number::{Elementary, Number};
+pub use output::{OutputName, OutputUnits, OutputValue};
 pub use own::{ContactNames, OwnKind, OwnModel};
 pub use recorded::{ContactMode, add_contact_inputs, add_mechanism_inputs, record_contact};
 pub use registry::{Registry, RegistryError, model_kinds};
@@ -94,6 +96,6 @@ pub use system::{
 pub use units::{ContactUnits, Units};
 pub use written::{
     COEFFICIENT, Definition, FaultAt, Formula, FormulaFault, LONGEST_FORMULA, Place, Unit, WHOLE,
-    WRITTEN, WrittenContact, WrittenCoordinate, WrittenFriction, WrittenNormal, WrittenParameter,
-    law_key, written_kind,
+    WRITTEN, WrittenContact, WrittenCoordinate, WrittenFriction, WrittenNormal, WrittenOutput,
+    WrittenParameter, law_key, written_kind,
 };

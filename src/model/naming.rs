@@ -1,13 +1,21 @@
 //! What the contacts of a model are called in tables, texts and figures.
 
 use super::coordinate::unit_ending;
-use super::{ContactNames, Graph, Model, SlidingSpeed};
+use super::{ContactNames, Graph, Model, OutputName, SlidingSpeed};
 
 impl Model {
     /// Returns the names that a system of one's own gives to a contact, counted from 0.
     fn own_names(&self, contact: usize) -> Option<ContactNames> {
         let Model::Own(own) = self else { return None };
         own.own().contact_names(own)?.into_iter().nth(contact)
+    }
+
+    /// Returns the names of the outputs; none for a model that shows its contacts alone.
+    pub fn output_names(&self) -> Vec<OutputName> {
+        match self {
+            Model::Own(own) => own.own().output_names(own),
+            Model::BallBalancer(_) | Model::Block(_) => Vec::new(),
+        }
     }
 
     /// Returns the ending that tells the contacts apart in the names of columns: `_1` for the first one, counted from 0
@@ -31,7 +39,7 @@ impl Model {
     /// Returns the name and the unit of the column with the position of a contact, counted from 0.
     pub fn position_column(&self, contact: usize) -> (String, &'static str) {
         if let Some(ContactNames { position: (name, unit), .. }) = self.own_names(contact) {
-            return (format!("position_{name}"), unit);
+            return (format!("end_{name}"), unit);
         }
         let suffix = self.contact_suffix(contact);
         match (self, self.kind().sliding_speed) {

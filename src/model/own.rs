@@ -8,7 +8,9 @@ use serde_json::Value;
 
 use super::invalid_parameter::{invalid, not_negative, positive};
 use super::kind::{Bound, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor};
-use super::{Components, Coordinate, Friction, FrictionLaw, InvalidParameter, System, Units};
+use super::{
+    Components, Coordinate, Friction, FrictionLaw, InvalidParameter, OutputName, System, Units,
+};
 
 /// What a kind of models outside this crate computes from the parameters of a model. Equal models must give equal
 /// values.
@@ -28,6 +30,11 @@ pub trait OwnKind: Sync {
     /// Returns what results call the contacts; by default, they have numbers.
     fn contact_names(&self, _model: &OwnModel) -> Option<Vec<ContactNames>> {
         None
+    }
+
+    /// Returns the names of the outputs, in the order of [`Units::outputs`].
+    fn output_names(&self, _model: &OwnModel) -> Vec<OutputName> {
+        Vec::new()
     }
 
     /// Checks the parameters against each other. Each value alone is already within its bound.

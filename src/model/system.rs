@@ -56,6 +56,12 @@ pub trait System: Any + Debug + Send + Sync {
     /// Returns the size of the forces, to which rounding errors are relative.
     fn force_scale(&self) -> f64;
 
+    /// Returns the smallest pivot of the mass matrix over the entry on its diagonal: from 0 to 1, or at most 0 if some motion has
+    /// no kinetic energy, which is no mechanical system.
+    fn smallest_inertia(&self, _state: &[f64]) -> f64 {
+        1.0
+    }
+
     /// Returns the closed forms with all contacts at rest, if there are any.
     fn rest_forms(&self) -> Option<&dyn RestForms> {
         None
@@ -70,6 +76,11 @@ pub trait System: Any + Debug + Send + Sync {
     /// Returns the gaps between its contacts, if there are any.
     fn touching(&self) -> Option<&dyn Touching> {
         None
+    }
+
+    /// Returns the values of the outputs in a state, in the order of [`super::Units::outputs`].
+    fn outputs(&self, _state: &[f64]) -> Components {
+        Components::new()
     }
 
     /// Returns how the bodies of a contact that opens separate after an impact.
@@ -123,6 +134,11 @@ pub trait RestForms {
 
     /// Returns amplitude and friction margin at the rest point.
     fn at_rest(&self, state: &[f64]) -> RestAmplitude;
+
+    /// Returns the rest point that belongs to a state; `None` if the forms do not know it.
+    fn rest_state(&self, _state: &[f64]) -> Option<Components> {
+        None
+    }
 
     /// Returns the contact that the largest force `λ` in a gap acts on at the rest point, and this force over the contact's
     /// mass; `None` if no contacts touch. Of several forces that hold the contacts, the smallest count.
@@ -201,6 +217,10 @@ impl System for Recorded {
         self.0.force_scale()
     }
 
+    fn smallest_inertia(&self, state: &[f64]) -> f64 {
+        self.0.smallest_inertia(state)
+    }
+
     fn rest_forms(&self) -> Option<&dyn RestForms> {
         self.0.rest_forms()
     }
@@ -211,6 +231,10 @@ impl System for Recorded {
 
     fn touching(&self) -> Option<&dyn Touching> {
         self.0.touching()
+    }
+
+    fn outputs(&self, state: &[f64]) -> Components {
+        self.0.outputs(state)
     }
 
     fn impact_law(&self, contact: usize) -> ImpactLaw {

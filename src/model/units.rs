@@ -1,6 +1,6 @@
 //! Units of the non-dimensional values of a model.
 
-use super::{Ground, Model};
+use super::{Ground, Model, OutputUnits};
 
 /// Conversion of non-dimensional values of a model to SI units.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,6 +15,8 @@ pub struct Units {
     pub disc_rad_s: f64,
     /// Speed of the ground of a block, m/s; 0 for a ball.
     pub ground_m_s: f64,
+    /// The units of each output.
+    pub outputs: Vec<OutputUnits>,
 }
 
 /// The units of a contact.
@@ -64,7 +66,7 @@ impl Model {
                     .map(|force_n| ContactUnits::new(1.0, natural, force_n))
                     .collect(),
                 disc_rad_s: machine.speed_rad_s,
-                ground_m_s: 0.0,
+                ..Units::default()
             },
             Model::Block(block) => Units {
                 natural_rad_s: natural,
@@ -74,11 +76,11 @@ impl Model {
                     natural,
                     block.normal_force_n,
                 )],
-                disc_rad_s: 0.0,
                 ground_m_s: match block.ground {
                     Ground::Fixed => 0.0,
                     Ground::Belt { speed_m_s } => speed_m_s,
                 },
+                ..Units::default()
             },
         }
     }

@@ -43,12 +43,18 @@ use thiserror::Error;
 /// Speed, over `ω_n`, below which a contact counts as slow.
 pub const SLOW: f64 = 1e-6;
 
+/// A pivot of the mass matrix over the entry on its diagonal, below which the matrix counts as singular.
+pub(crate) const SINGULAR: f64 = 1e-12;
+
 /// The reason why a motion could not be continued.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error, Serialize, Deserialize)]
 pub enum Failure {
     /// A state or force is infinite or not a number.
     #[error("the state is no longer finite")]
     NotFinite,
+    /// The mass matrix is singular or not positive definite.
+    #[error("the mass matrix is not positive definite: a motion would have no kinetic energy")]
+    IndefiniteMass,
     /// A normal force is no longer positive: a ball would leave the ring, or a body its support, which the model has no
     /// equations for.
     #[error("the normal force of contact {ball} is not positive: its bodies would separate")]

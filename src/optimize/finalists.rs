@@ -178,7 +178,7 @@ fn respond_with_own_runs(
     let name = String::new();
     let mut responses = study.responses().to_vec();
     let amplitude = AmplitudeKind::RelativeResidual;
-    responses.push(Response { name, measure: Measure::Mean, amplitude });
+    responses.push(Response { name, measure: Measure::Mean, amplitude, output: None });
     respond(workers, &responses, design, stop, finished)
 }
 

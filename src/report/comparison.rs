@@ -93,7 +93,7 @@ struct ComparedRun {
     /// Number of its cell.
     cell: u64,
     label: Option<Label>,
-    /// Amplitudes, indexed by [`AmplitudeKind`]; NaN if missing.
+    /// Residual, relative and peak amplitude; NaN if missing.
     amplitudes: [f64; 3],
     time_to_rest_s: f64,
 }
@@ -281,14 +281,21 @@ fn contributions(of: Contribution, runs: &[ComparedRun], estimate: &Estimate) ->
         if run.label == Some(Label::Failed) {
             return f64::NAN;
         }
+        let amplitude = |kind: AmplitudeKind| match kind {
+            AmplitudeKind::Residual => run.amplitudes[0],
+            AmplitudeKind::RelativeResidual => run.amplitudes[1],
+            AmplitudeKind::Peak => run.amplitudes[2],
+            // The runs of both studies count as independent.
+            AmplitudeKind::Output(..) => f64::NAN,
+        };
         let (measure, kind) = match of {
             Contribution::Rest => return indicator(run.label == Some(Label::Equilibrium)),
             Contribution::Worse => {
-                return above(run.amplitudes[AmplitudeKind::RelativeResidual as usize], 1.0);
+                return above(amplitude(AmplitudeKind::RelativeResidual), 1.0);
             }
             Contribution::Response(measure, kind) => (measure, kind),
         };
-        let amplitude = run.amplitudes[kind as usize];
+        let amplitude = amplitude(kind);
         match measure {
             Measure::Mean | Measure::StandardDeviation => amplitude,
             Measure::Quantile(_) => above(amplitude, value),

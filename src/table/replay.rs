@@ -4,7 +4,9 @@
 use super::column::{Column, Columns, NON_DIMENSIONAL};
 use super::touches::add_gaps;
 use crate::classification::{ContactSample, Sample, Switch};
-use crate::model::{DiscMotion, Model, SlidingSpeed, Units, unit_ending, wrap_to_two_pi};
+use crate::model::{
+    DiscMotion, Model, OutputName, SlidingSpeed, Units, unit_ending, wrap_to_two_pi,
+};
 use crate::motion::{Direction, Phase};
 
 impl Units {
@@ -87,6 +89,11 @@ pub fn trajectory_columns(model: &Model, gaps: &[[usize; 2]]) -> Vec<Column<Samp
             (None, Some(_)) => add_block(&mut list, model),
             (None, None) => add_body(&mut list, model, contact),
         }
+    }
+    let sizes = units.outputs.iter().map(|output| output.size);
+    for (place, (own, size)) in model.output_names().into_iter().zip(sizes).enumerate() {
+        let OutputName { name, unit, meaning, .. } = own;
+        list.number(name, &unit, move |row| Some(size * row.outputs.get(place)?)).meaning(meaning);
     }
     add_gaps(&mut list, model, gaps);
     list.number("time", NON_DIMENSIONAL, |row| row.time)
@@ -189,7 +196,7 @@ fn add_body(list: &mut Columns<Sample>, model: &Model, contact: usize) {
     let (units, suffix) = (model.units(), model.contact_suffix(contact));
     let Some(unit) = units.contacts.get(contact).copied() else { return };
     let body = model.contact_in_words(contact);
-    if !model.repeats_position(contact) {
+    if model.output_names().is_empty() {
         let (name, symbol) = model.position_column(contact);
         of_contact(list, contact, name, symbol, move |one| one.position * unit.position)
             .meaning(format!("position of {body}"));

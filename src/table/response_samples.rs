@@ -24,12 +24,16 @@ pub struct ResponseSamples<'a> {
 impl<'a> ResponseSamples<'a> {
     /// Creates empty samples; `cells` is the number of cells of a stratified design.
     pub fn new(responses: &'a [Response], cells: Option<u64>) -> Self {
-        let is_measured = |kind| responses.iter().any(|response| response.amplitude == kind);
-        let measured = AmplitudeKind::ALL.into_iter().filter(|kind| is_measured(*kind));
+        let mut measured: Vec<AmplitudeKind> = Vec::new();
+        for response in responses {
+            if !measured.contains(&response.amplitude) {
+                measured.push(response.amplitude);
+            }
+        }
         let empty = |kind| (kind, Sample { cells, runs: Vec::new() });
         ResponseSamples {
             responses,
-            of: measured.map(empty).collect(),
+            of: measured.into_iter().map(empty).collect(),
             has_amplitude: false,
             without_balls: Sample { cells, runs: Vec::new() },
         }
@@ -48,6 +52,9 @@ impl<'a> ResponseSamples<'a> {
                     AmplitudeKind::Residual => outcome.amplitude_m,
                     AmplitudeKind::RelativeResidual => run.relative_amplitude(),
                     AmplitudeKind::Peak => outcome.peak.map(|peak| peak.amplitude_m),
+                    AmplitudeKind::Output(place, value) => {
+                        outcome.outputs.get(*place).and_then(|output| output.value(*value))
+                    }
                 },
                 time_to_rest_s: outcome.time_to_rest_s,
                 end_time_s: outcome.observed_s(),

@@ -5,7 +5,7 @@ use super::point_key::add_point_id;
 use super::run_record::RunRecord;
 use crate::analysis::CycleClass;
 use crate::classification::{Evidence, LyapunovExponent};
-use crate::model::{Graph, Model};
+use crate::model::{Graph, Model, OutputName, OutputValue};
 use crate::study::{ParameterKind, ParameterValue, PlannedRun, Study, VariedParameter};
 
 /// Returns the columns that identify a run and its start state; `planned` gets the planned run from
@@ -164,7 +164,12 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
     list.boolean("extended", |row| row.outcome.extended)
         .meaning("whether the run was continued past the study's end time (simulation.extend)");
     let meaning = "angle of the ball from the imbalance at the end, in [0, 2π)";
-    add_position(&mut list, study, meaning, |row: &RunRecord| row.outcome.position.as_ref());
+    let shows_outputs = !model.output_names().is_empty();
+    if shows_outputs {
+        add_outputs(&mut list, model);
+    } else {
+        add_position(&mut list, study, meaning, |row: &RunRecord| row.outcome.position.as_ref());
+    }
     list.number("amplitude_m", "m", |row| row.outcome.amplitude_m).meaning(
         match (model.ball_balancer(), model.block()) {
             (Some(_), _) => {
@@ -221,12 +226,13 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
              cycle or the last tenth of the time; 0 at rest",
         );
     }
-    for (contact, name, unit) in model.mean_speed_columns() {
+    let creeping = if shows_outputs { Vec::new() } else { model.mean_speed_columns() };
+    for (contact, name, unit) in creeping {
         list.number(name, &unit, move |row| row.outcome.mean_speed.as_ref()?.get(contact).copied())
             .meaning("mean rate of the position over the limit cycle; the creep per period divided by the period");
     }
     if let Model::Own(_) = model {
-        add_cycle_of_contacts(&mut list, model);
+        add_cycle_of_contacts(&mut list, model, shows_outputs);
     }
     // Nothing separates if position and speed of one contact are the whole state.
     let components = model.system().map_or(0, |system| Graph::of(system.as_ref()).derivative.len());
@@ -250,6 +256,22 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         "evidence for that label, or the kind of failure; null if the run was not audited",
     );
     list.finish()
+}
+
+/// Adds the values of the outputs of a run.
+fn add_outputs(list: &mut Columns<RunRecord>, model: &Model) {
+    for (place, output) in model.output_names().into_iter().enumerate() {
+        let OutputName { name, unit, meaning, rate } = output;
+        let of = if meaning.is_empty() { &name } else { &meaning };
+        let values = OutputValue::COLUMNS.map(|(before, value)| (format!("{before}{name}"), value));
+        let of_values = values.into_iter().map(|(column, value)| (column, unit.clone(), value));
+        let of_rate =
+            rate.map(|(name, unit)| (format!("mean_{name}"), unit, OutputValue::MeanRate));
+        for (column, unit, value) in of_values.chain(of_rate) {
+            list.number(column, &unit, move |row| row.outcome.outputs.get(place)?.value(value))
+                .meaning(format!("{of}: {}", value.in_words()));
+        }
+    }
 }
 
 /// Adds the columns of runs with stages.
@@ -283,10 +305,10 @@ fn add_touching(list: &mut Columns<RunRecord>) {
 }
 
 /// Adds what the contacts of a system of one's own do in a limit cycle.
-fn add_cycle_of_contacts(list: &mut Columns<RunRecord>, model: &Model) {
+fn add_cycle_of_contacts(list: &mut Columns<RunRecord>, model: &Model, shows_outputs: bool) {
     for contact in 0..model.contacts() {
         let (position, unit) = model.position_column(contact);
-        let shown = if model.repeats_position(contact) { 0 } else { 2 };
+        let shown = if shows_outputs || model.repeats_position(contact) { 0 } else { 2 };
         for (end, name, which) in
             [(0, "min", "least"), (1, "max", "greatest")].into_iter().take(shown)
         {

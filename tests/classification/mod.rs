@@ -19,6 +19,7 @@ mod means;
 mod model_version;
 mod multipliers;
 mod openings;
+mod outputs;
 mod recorder;
 mod recorder_touches;
 pub mod reference;

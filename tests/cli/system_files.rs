@@ -64,14 +64,19 @@ fn columns_have_the_names_of_the_file() {
     scratch.well("run woodpecker.yaml --out a");
     let rows = scratch.table("a", "runs");
     assert!(words(&rows, "label").iter().all(|label| label.as_deref() == Some("limit_cycle")));
-    let least = numbers(&rows, "min_position_phi_bird_rad");
-    let most = numbers(&rows, "max_position_phi_bird_rad");
+    let least = numbers(&rows, "min_phi_bird_rad");
+    let most = numbers(&rows, "max_phi_bird_rad");
     assert!(least.iter().zip(&most).all(|(least, most)| least < most), "{least:?} {most:?}");
-    for column in
-        ["initial_y_m", "initial_phi_bird_rate_rad_s", "position_phi_sleeve_rad", "mean_y_rate_m_s"]
-    {
+    for column in [
+        "initial_y_m",
+        "initial_phi_bird_rate_rad_s",
+        "end_phi_sleeve_rad",
+        "mean_y_rate_m_s",
+        "mean_torque_nm",
+    ] {
         assert_eq!(numbers(&rows, column).iter().flatten().count(), 4, "{column}");
     }
+    assert_eq!(numbers(&rows, "mean_y_m"), [None; 4], "it falls");
     // The lower edge of the sleeve sticks while the bird swings; the beak only hits the pole.
     let sticks = |contact: &str| numbers(&rows, &format!("stick_fraction_{contact}"));
     assert!(sticks("lower").iter().all(|one| one.is_some_and(|one| (0.2..0.4).contains(&one))));
@@ -80,7 +85,34 @@ fn columns_have_the_names_of_the_file() {
     let motion = scratch.table("b", "trajectory");
     let normal = numbers(&motion, "normal_lower_n");
     assert!(normal.iter().flatten().any(|force| *force > 0.0));
-    assert!(motion.column_by_name("sliding_speed_upper_m_s").is_some());
+    for column in ["sliding_speed_upper_m_s", "phi_bird_rad", "torque_nm"] {
+        assert!(motion.column_by_name(column).is_some(), "{column}");
+    }
+}
+
+/// Responses measure outputs, by the name of the output or of a column.
+#[test]
+fn responses_measure_outputs() {
+    let scratch = studies();
+    let text = std::fs::read_to_string(scratch.path("woodpecker.yaml")).expect("a study");
+    let with = |of: &str| {
+        format!(
+            "{text}\nresponses:\n  most: {{amplitude_worst: {{of: {of}}}}}\n  half: {{amplitude_mean: {{of: phi_bird_rad}}}}\n"
+        )
+    };
+    scratch.write("woodpecker.yaml", with("max_torque_nm"));
+    scratch.well("run woodpecker.yaml --out a");
+    let (rows, points) = (scratch.table("a", "runs"), scratch.table("a", "points"));
+    let column = |name: &str| numbers(&rows, name).into_iter().flatten().collect::<Vec<f64>>();
+    let most = column("max_torque_nm").into_iter().fold(f64::NEG_INFINITY, f64::max);
+    assert_eq!(numbers(&points, "response_most"), [Some(most)]);
+    let [low, high] = ["min_phi_bird_rad", "max_phi_bird_rad"].map(column);
+    let half = low.iter().zip(&high).map(|(low, high)| 0.5 * (high - low)).sum::<f64>() / 4.0;
+    let found = numbers(&points, "response_half")[0].expect("a mean");
+    assert!((found - half).abs() < 1e-12 * half, "{found} {half}");
+    scratch.write("woodpecker.yaml", with("max_torque"));
+    scratch
+        .refused("check woodpecker.yaml", &["not a quantity of a run", "max_torque", "torque_nm"]);
 }
 
 /// `check` prints the equations as they were read.

@@ -136,6 +136,11 @@ coefficient: mu, ¦ coefficent: mu, ¦ 28 ¦ unknown key ¦ coefficent ¦ coeffi
 stribeck_speed: v} ¦ stribeck_speed: f} ¦ 28 ¦ another quantity ¦ N ¦ m/s
 {stribeck: { ¦ {stribek: { ¦ 28 ¦ unknown choice ¦ stribek ¦ stribeck (did you
 , stribeck_speed: v ¦  ¦ 28 ¦ missing key ¦ no such key ¦ stribeck_speed
+period: 2 * pi / omega ¦ period: 2 * pi / omega\n    outputs: {load: k * y} ¦ 30 ¦ unknown name ¦ y ¦ x
+period: 2 * pi / omega ¦ period: 2 * pi / omega\n    outputs: {load: {value: "k * x[1]''"}} ¦ 30 ¦ an acceleration ¦ k * x ¦ only in the normal
+period: 2 * pi / omega ¦ period: 2 * pi / omega\n    outputs: {mu: f} ¦ 30 ¦ given twice ¦ mu ¦ one name
+period: 2 * pi / omega ¦ period: 2 * pi / omega\n    outputs: {x_rate: f} ¦ 30 ¦ another column ¦ x_rate ¦ another name
+x[cart]: {'x[cart]': m} ¦ {} ¦ 20 ¦ a coordinate without a mass ¦ x[cart] ¦ x[cart]: {x[cart]: ...}
 period: 2 * pi / omega ¦ period: omega ¦ 29 ¦ another quantity ¦ 1/s ¦ s
 + f * cos(omega * t) ¦  ¦ 29 ¦ a period without the time ¦ 2 * pi ¦ no period
   system:\n ¦   kind: ball_balancer\n  system:\n ¦ 5 ¦ not beside `system` ¦ kind ¦ `system`"#;
@@ -161,7 +166,7 @@ fn values_without_meaning_are_refused() {
         parse(&text)
     };
     for (parameters, found) in [
-        ("m: -2 kg", "not positive definite"),
+        ("m: -2 kg", "not positive definite in the middle of the start ranges, in the row of x"),
         ("m: 0 kg", "not positive definite"),
         ("omega: 0 rad/s", "inf"),
         ("mu: -0.1", "-0.1"),

@@ -34,6 +34,7 @@ impl OwnKind for UnitKind {
             contacts: vec![ContactUnits::new(1.0, 1.0, 1.0); self.contacts],
             disc_rad_s: 0.0,
             ground_m_s: 0.0,
+            outputs: Vec::new(),
         }
     }
 

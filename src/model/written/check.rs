@@ -51,7 +51,7 @@ const COLUMNS: [&str; 30] = [
 ];
 const PREFIXES: [&str; 10] = [
     "initial_",
-    "position_",
+    "end_",
     "min_",
     "max_",
     "mean_",
@@ -175,7 +175,8 @@ impl Definition {
                 .chain(friction)
                 .chain(&mut contact.restitution)
         });
-        mass.chain(force).chain(starts).chain(contacts).chain(&mut self.period)
+        let outputs = self.outputs.iter_mut().map(|output| &mut output.formula);
+        mass.chain(force).chain(starts).chain(contacts).chain(outputs).chain(&mut self.period)
     }
 
     /// Checks that the equations stay small with the largest numbers of bodies.
@@ -189,9 +190,11 @@ impl Definition {
         };
         let coordinates: usize = self.coordinates.iter().map(|one| most(&one.index)).sum();
         let contacts: usize = self.contacts.iter().map(|one| most(&one.index)).sum();
+        let outputs: usize = self.outputs.iter().map(|one| most(&one.index)).sum();
         let sizes = [
             ("coordinates", coordinates, MOST_MEMBERS),
             ("contacts", contacts, MOST_MEMBERS),
+            ("outputs", outputs, MOST_MEMBERS),
             ("parameters", self.parameters.len(), MOST_PARAMETERS),
             ("repeat", self.repeat.len(), MOST_INDICES),
         ];
@@ -219,17 +222,26 @@ impl Definition {
                 return fault("parameters", &one.name, None);
             }
         }
-        let coordinates =
-            self.coordinates.iter().map(|one| (one.name.as_str(), one.index.as_deref()));
-        let contacts = self.contacts.iter().map(|one| (one.name.as_str(), one.index.as_deref()));
-        let all =
-            [("coordinates", coordinates.collect::<Vec<_>>()), ("contacts", contacts.collect())];
-        for (key, members) in all {
-            for (name, index) in &members {
+        fn named<'a>(
+            key: &'a str,
+            (name, index): (&'a String, &'a Option<String>),
+        ) -> (&'a str, &'a str, Option<&'a str>) {
+            (key, name.as_str(), index.as_deref())
+        }
+        let coordinates = self.coordinates.iter().map(|one| (&one.name, &one.index));
+        let outputs = self.outputs.iter().map(|one| (&one.name, &one.index));
+        let contacts = self.contacts.iter().map(|one| (&one.name, &one.index));
+        let coordinates = coordinates.map(|one| named("coordinates", one));
+        let quantities = coordinates.chain(outputs.map(|one| named("outputs", one)));
+        let contacts = contacts.map(|one| named("contacts", one));
+        for members in [quantities.collect::<Vec<_>>(), contacts.collect()] {
+            for (key, name, index) in &members {
                 // `x_2` is the second body of `x`, and `x_rate` its rate of change.
                 let Some((base, end)) = name.rsplit_once('_') else { continue };
                 let is_number = end.bytes().all(|one| one.is_ascii_digit());
-                if (is_number || end == "rate") && members.iter().any(|(other, _)| *other == base) {
+                if (is_number || end == "rate")
+                    && members.iter().any(|(_, other, _)| *other == base)
+                {
                     return fault(key, name, *index);
                 }
             }
@@ -244,7 +256,9 @@ impl Definition {
         let coordinates = self.coordinates.iter();
         let coordinates =
             coordinates.map(|one| ("coordinates", one.name.as_str(), one.index.as_deref()));
-        for (key, name, index) in parameters.chain(indices).chain(coordinates) {
+        let outputs = self.outputs.iter();
+        let outputs = outputs.map(|one| ("outputs", one.name.as_str(), one.index.as_deref()));
+        for (key, name, index) in parameters.chain(indices).chain(coordinates).chain(outputs) {
             let fault = |problem: &str, allowed: &str| {
                 let path = vec![key.to_owned(), with_index(name, index)];
                 (path, FormulaFault::new(0, problem, name, allowed))
@@ -360,6 +374,14 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<Use<'d>>, FaultAt> {
             all.push(Use { path, formula, allowed: Allowed::Positions, dimension, bodies });
         }
     }
+    let without = |number: &usize| !taken.contains(&[*number; 2]);
+    if let Some(number) = (0..instance.coordinates.len()).find(without) {
+        let coordinate = &definition.coordinates[instance.coordinates[number].of];
+        let name = with_index(&coordinate.name, coordinate.index.as_deref());
+        let (problem, allowed) =
+            ("a coordinate without a mass", format!("{name}: {{{name}: ...}}"));
+        return Err((path(&["mass"]), FormulaFault::new(0, problem, &name, allowed)));
+    }
     for (place, formula) in &definition.force {
         let path = path(&["force", &place.0.text]);
         let places = instance.places([place]).map_err(|(_, fault)| (path.clone(), fault))?;
@@ -407,6 +429,12 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<Use<'d>>, FaultAt> {
         {
             add(key, formula, Allowed::Constants, Some(NONE));
         }
+    }
+    for number in 0..instance.outputs.len() {
+        let (output, bodies) = instance.output(number);
+        let path = path(&["outputs", &with_index(&output.name, output.index.as_deref())]);
+        let (allowed, formula) = (Allowed::Anything, &output.formula);
+        all.push(Use { path, formula, allowed, dimension: None, bodies });
     }
     if let Some(formula) = &definition.period {
         let (allowed, bodies) = (Allowed::Constants, instance.bodies.clone());

@@ -22,6 +22,8 @@ pub struct Definition {
     pub force: Vec<(Place, Formula)>,
     /// The contacts.
     pub contacts: Vec<WrittenContact>,
+    /// What results show besides the coordinates.
+    pub outputs: Vec<WrittenOutput>,
     /// The time after which the equations repeat.
     pub period: Option<Formula>,
     /// Whether a formula contains the time; [`Definition::check`] finds this.
@@ -76,6 +78,19 @@ pub struct WrittenCoordinate {
 /// A name with the index of a body, such as `x[block + 1]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place(pub Formula);
+
+/// A quantity that results show.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenOutput {
+    /// The name.
+    pub name: String,
+    /// The index that counts the bodies with this quantity.
+    pub index: Option<String>,
+    /// What it is, in a few words.
+    pub meaning: String,
+    /// Its value.
+    pub formula: Formula,
+}
 
 /// A contact.
 #[derive(Clone, Debug, PartialEq)]

@@ -22,6 +22,8 @@ pub(super) struct Examined {
     pub scales: Scales,
     /// The dimension of the sliding speed of each contact.
     pub speeds: Vec<Dimension>,
+    /// The dimension of each output.
+    pub outputs: Vec<Dimension>,
     /// The highest natural frequency without contacts, rad/s.
     pub natural_rad_s: f64,
     /// The first value without physical meaning.
@@ -41,11 +43,13 @@ impl Examined {
         let definition = instance.definition;
         let period = definition.period.as_ref().map(|formula| instance.constant(formula, values));
         let period = period.transpose()?;
-        let Sizes { middle, reach, is_finite, has_sound_mass, rates, natural_rad_s, scales } =
+        let Sizes { middle, reach, is_finite, without_energy, rates, natural_rad_s, scales } =
             instance.sizes(values, period)?;
         let speeds = (0..instance.contacts.len())
             .map(|number| instance.speed_dimension(number).map_err(|(_, fault)| fault))
             .collect::<Result<Vec<_>, _>>()?;
+        let outputs = (0..instance.outputs.len()).map(|number| instance.output_dimension(number));
+        let outputs = outputs.collect::<Result<Vec<_>, _>>()?;
         let second = scales.unit([0, 0, WHOLE]);
         let (mut friction, mut impacts, mut sound) = (Vec::new(), Vec::new(), Ok(()));
         for (number, speed) in speeds.iter().enumerate() {
@@ -69,10 +73,13 @@ impl Examined {
         if !is_finite {
             let found = "not finite in the middle of the start ranges";
             sound = Err(invalid("a mass or a force", found, "a finite number there"));
-        } else if !has_sound_mass {
-            let found = "not positive definite in the middle of the start ranges";
-            sound =
-                Err(invalid("mass", found, "a symmetric matrix with positive kinetic energies"));
+        } else if let Some(number) = without_energy {
+            let coordinate = &definition.coordinates[instance.coordinates[number].of].name;
+            let found = format!(
+                "not positive definite in the middle of the start ranges, in the row of {coordinate}"
+            );
+            let allowed = "a symmetric matrix with positive kinetic energies";
+            sound = Err(invalid("mass", &found, allowed));
         }
         if let Some(period) = period.filter(|period| !(period.is_finite() && *period > 0.0)) {
             sound = Err(invalid("period", &period.to_string(), "a positive, finite time"));
@@ -107,19 +114,26 @@ impl Examined {
         let named = instance.parameters(&scaled);
         let numeric = Numeric { scales, parameters: &named, coordinates: &[], time: 0.0 };
         let speed_of = instance.choose_velocities(numeric)?;
+        let integrals = instance.choose_positions(&speed_of, numeric)?;
+        let coordinates = [
+            instance.rates(&integrals, numeric)?.without_constants(),
+            instance.rates(&speed_of, numeric)?,
+        ];
         let system = WrittenSystem {
             number,
             friction,
             impacts,
             period: period.map(|period| period / second),
             speeds: speed_of,
+            integrals,
+            coordinates,
             rates: rates.map(|rate| rate * second),
             largest_force,
             values: scaled,
             scales,
             instance,
         };
-        Ok(Examined { system: Arc::new(system), scales, speeds, natural_rad_s, sound })
+        Ok(Examined { system: Arc::new(system), scales, speeds, outputs, natural_rad_s, sound })
     }
 
     /// Returns a start state in the components of the system: positions, velocities, and the time if the equations contain it.
@@ -127,7 +141,7 @@ impl Examined {
     /// # Errors
     /// A fault that the check has found before.
     pub fn start_state(&self, start: &[f64]) -> Result<Vec<f64>, FormulaFault> {
-        let WrittenSystem { instance, scales, values, speeds, .. } = &*self.system;
+        let WrittenSystem { instance, scales, values, speeds, integrals, .. } = &*self.system;
         let (positions, rates) = start.split_at(instance.coordinates.len().min(start.len()));
         let state: Vec<[f64; 2]> =
             positions.iter().zip(rates).map(|(position, rate)| [*position, *rate]).collect();
@@ -140,15 +154,21 @@ impl Examined {
             coordinates: &coordinates,
             time: 0.0,
         };
+        let mut places: Vec<f64> = state.iter().map(|[position, _]| *position).collect();
         let mut velocities: Vec<f64> = state.iter().map(|[_, rate]| *rate).collect();
         for (number, speed) in speeds.iter().enumerate() {
+            if let (SpeedOf::Velocity(place), Some(own)) =
+                (integrals[number], instance.linear(number, numeric)?)
+            {
+                places[place] = own.factors.iter().map(|(of, factor)| factor * state[*of][0]).sum();
+            }
             let (contact, mut bodies) = instance.contact(number);
             if let (SpeedOf::Velocity(place), Some(sliding)) = (speed, &contact.sliding) {
                 velocities[*place] = bodies.evaluate(sliding, &mut numeric)?;
             }
         }
         let clock = instance.definition.uses_time.then_some(0.0);
-        Ok(state.iter().map(|[position, _]| *position).chain(velocities).chain(clock).collect())
+        Ok(places.into_iter().chain(velocities).chain(clock).collect())
     }
 }
 

@@ -1,10 +1,10 @@
 //! A system with certain numbers of bodies: its coordinates, contacts and equations, one by one.
 
-use super::definition::{Definition, Place, WrittenContact};
+use super::definition::{Definition, Place, WrittenContact, WrittenOutput};
 use super::dependence::Dependence;
-use super::dimensions::{Dimensions, Found};
+use super::dimensions::{Dimensions, Found, Measured};
 use super::evaluate::Bodies;
-use super::formula::{Content, Formula, FormulaFault, Name, Term};
+use super::formula::{Content, Dimension, Formula, FormulaFault, NONE, Name, Term};
 use super::names::{Names, place_of};
 
 /// One of the coordinates or contacts of a definition, and the body that it belongs to.
@@ -23,6 +23,7 @@ pub(super) struct Instance<'d> {
     pub names: Names,
     pub coordinates: Vec<Member>,
     pub contacts: Vec<Member>,
+    pub outputs: Vec<Member>,
     /// The coordinate that results show as the position of each contact.
     pub positions: Vec<usize>,
 }
@@ -52,9 +53,11 @@ impl<'d> Instance<'d> {
         };
         let coordinates = definition.coordinates.iter().enumerate();
         let contacts = definition.contacts.iter().enumerate();
+        let outputs = definition.outputs.iter().enumerate();
         let mut instance = Instance {
             coordinates: coordinates.flat_map(|(of, one)| members(&one.index, of)).collect(),
             contacts: contacts.flat_map(|(of, one)| members(&one.index, of)).collect(),
+            outputs: outputs.flat_map(|(of, one)| members(&one.index, of)).collect(),
             positions: Vec::new(),
             definition,
             names,
@@ -97,6 +100,26 @@ impl<'d> Instance<'d> {
         let Member { of, body } = self.contacts[number];
         let contact = &self.definition.contacts[of];
         (contact, self.bound(contact.index.as_deref(), body))
+    }
+
+    /// Returns the definition of an output, with the body that it belongs to.
+    pub fn output(&self, number: usize) -> (&'d WrittenOutput, Bodies) {
+        let Member { of, body } = self.outputs[number];
+        let output = &self.definition.outputs[of];
+        (output, self.bound(output.index.as_deref(), body))
+    }
+
+    /// Returns the dimension of an output.
+    ///
+    /// # Errors
+    /// A fault in the formula.
+    pub fn output_dimension(&self, number: usize) -> Result<Dimension, FormulaFault> {
+        let (output, mut bodies) = self.output(number);
+        let (found, _) = self.analysed(&output.formula, &mut bodies)?;
+        Ok(match found.measured {
+            Measured::Known(dimension) => dimension,
+            Measured::Any(_) => NONE,
+        })
     }
 
     /// Returns the path of a key of a contact in the file.

@@ -3,20 +3,21 @@
 use std::cell::RefCell;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::definition::Definition;
+use super::definition::{Definition, WrittenOutput};
 use super::dimensions::unit_of;
 use super::evaluate::Counts;
 use super::examined::Examined;
 use super::formula::{Dimension, FormulaFault, WHOLE};
-use super::instance::Instance;
+use super::instance::{Instance, Member};
 use super::sizes::ranges;
+use super::velocities::SpeedOf;
 use crate::model::coordinate::unit_ending;
 use crate::model::invalid_parameter::invalid;
 use crate::model::kind::member_name;
 use crate::model::{
     Bound, Capabilities, Components, ContactNames, ContactUnits, Coordinate, DefaultModel, Field,
-    InvalidParameter, ModelKind, OwnKind, OwnModel, ParameterDescriptor, SlidingSpeed, System,
-    Units,
+    InvalidParameter, ModelKind, OutputName, OutputUnits, OwnKind, OwnModel, ParameterDescriptor,
+    SlidingSpeed, System, Units,
 };
 
 /// What a kind of model of a file computes, with the texts that a process keeps.
@@ -166,11 +167,21 @@ impl WrittenKind {
         })
     }
 
+    /// Returns the unit in which results show a quantity.
+    fn shown_unit(&self, dimension: Dimension) -> String {
+        if self.definition.has_units() { unit_of(dimension) } else { "1".to_owned() }
+    }
+
     /// Returns a part of a model that has been validated.
     fn part<T: Default>(part: Result<T, FormulaFault>) -> T {
         // A model is validated before it is simulated; what has a fault has no coordinates.
         part.unwrap_or_default()
     }
+}
+
+/// Returns a name with the number of the body that it belongs to.
+fn numbered(name: &str, unit: &str, body: Option<i64>) -> String {
+    body.map_or_else(|| name.to_owned(), |body| member_name(name, unit, body as usize))
 }
 
 impl OwnKind for WrittenKind {
@@ -209,27 +220,43 @@ impl OwnKind for WrittenKind {
 
     fn units(&self, model: &OwnModel) -> Units {
         let Ok(examined) = self.examined(model) else { return Units::default() };
-        let Examined { scales, speeds, system, .. } = &*examined;
+        let Examined { scales, speeds, outputs, system, .. } = &*examined;
         let instance = &system.instance;
         let unit = |dimension: Dimension| scales.unit(dimension);
         let power = unit([WHOLE, 2 * WHOLE, -3 * WHOLE]);
-        let contact = |(number, speed): (&usize, &Dimension)| {
-            let member = instance.coordinates[*number];
-            let position = &self.definition.coordinates[member.of].unit;
+        let contact = |(number, speed): (usize, &Dimension)| {
+            let member = instance.coordinates[system.position(number)];
             let sliding_speed = unit(*speed);
             ContactUnits {
-                position: unit(position.dimension),
-                has_amplitude: position.si == "m" || position.si == "1",
+                position: match system.integrals[number] {
+                    SpeedOf::Formula => unit(self.definition.coordinates[member.of].unit.dimension),
+                    _ => sliding_speed * unit([0, 0, WHOLE]),
+                },
+                has_amplitude: false,
                 sliding_speed,
                 force_n: power / sliding_speed,
             }
         };
+        let coordinates = instance.coordinates.iter().map(|member| {
+            let coordinate = &self.definition.coordinates[member.of];
+            let is_length = matches!(coordinate.unit.si.as_str(), "m" | "1");
+            OutputUnits {
+                size: unit(coordinate.unit.dimension),
+                angular: coordinate.periodic,
+                has_amplitude: is_length,
+            }
+        });
+        let outputs = outputs.iter().map(|one| OutputUnits {
+            size: unit(*one),
+            angular: false,
+            has_amplitude: false,
+        });
         Units {
             natural_rad_s: 1.0 / unit([0, 0, WHOLE]),
             length_m: unit([0, WHOLE, 0]),
-            contacts: instance.positions.iter().zip(speeds).map(contact).collect(),
-            disc_rad_s: 0.0,
-            ground_m_s: 0.0,
+            contacts: speeds.iter().enumerate().map(contact).collect(),
+            outputs: coordinates.chain(outputs).collect(),
+            ..Units::default()
         }
     }
 
@@ -250,25 +277,42 @@ impl OwnKind for WrittenKind {
         Self::part(state).into()
     }
 
+    fn output_names(&self, model: &OwnModel) -> Vec<OutputName> {
+        let names = self.instance(model).and_then(|instance| {
+            let of_coordinate = |member: &Member| {
+                let meaning = self.definition.coordinates[member.of].meaning.clone();
+                let [(name, unit), rate] = self.coordinates[member.of].each_ref().map(
+                    |StartName { name, unit, .. }| {
+                        (numbered(name, unit, member.body), (*unit).to_owned())
+                    },
+                );
+                OutputName { name, unit, meaning, rate: Some(rate) }
+            };
+            let of_output = |(number, member): (usize, &Member)| {
+                let WrittenOutput { name, meaning, .. } = &self.definition.outputs[member.of];
+                let unit = self.shown_unit(instance.output_dimension(number)?);
+                let name = format!("{name}{}", unit_ending(&unit));
+                let (name, meaning) = (numbered(&name, &unit, member.body), meaning.clone());
+                Ok(OutputName { name, unit, meaning, rate: None })
+            };
+            let outputs = instance.outputs.iter().enumerate().map(of_output);
+            let coordinates = instance.coordinates.iter().map(of_coordinate).map(Ok);
+            coordinates.chain(outputs).collect()
+        });
+        Self::part(names)
+    }
+
     fn contact_names(&self, model: &OwnModel) -> Option<Vec<ContactNames>> {
         let instance = self.instance(model).ok()?;
         let name = |number: usize| {
             let member = instance.contacts[number];
             let contact = &self.definition.contacts[member.of];
-            let numbered = |name: &str, unit: &str, body: Option<i64>| match body {
-                Some(body) => member_name(name, unit, body as usize),
-                None => name.to_owned(),
-            };
             let position = instance.coordinates[instance.positions[number]];
             let [start, rate] = &self.coordinates[position.of];
             let speed = instance.speed_dimension(number).ok()?;
             let power = [WHOLE, 2 * WHOLE, -3 * WHOLE];
             let force = [0, 1, 2].map(|place| power[place] - speed[place]);
-            let has_units = self.definition.has_units();
-            let unit = |dimension| match has_units {
-                true => unit_of(dimension),
-                false => "1".to_owned(),
-            };
+            let unit = |dimension| self.shown_unit(dimension);
             Some(ContactNames {
                 contact: numbered(&contact.name, "1", member.body),
                 position: (numbered(start.name, start.unit, position.body), start.unit),

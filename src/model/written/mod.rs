@@ -3,7 +3,8 @@
 //! Read [`definition`] first: what a file contains. [`formula`] and [`parser`] turn texts into trees, which [`evaluate`] computes
 //! with numbers, expressions ([`numeric`]), dimensions ([`dimensions`]) or dependences ([`dependence`]). [`check`] refuses a
 //! definition that contradicts itself, [`instance`] has certain numbers of bodies, [`examined`] certain values of the
-//! parameters, whose [`sizes`] give the units of the motion, [`velocities`] makes sliding speeds components of the state, and [`system`] records the equations. [`kind`] makes all this a kind of model.
+//! parameters, whose [`sizes`] give the units of the motion, [`velocities`] makes sliding speeds components of the state, and
+//! [`system`] records the equations, whose formulas [`in_state`] computes in one state. [`kind`] makes all this a kind of model.
 
 mod check;
 mod definition;
@@ -12,6 +13,7 @@ mod dimensions;
 mod evaluate;
 mod examined;
 mod formula;
+mod in_state;
 mod instance;
 mod kind;
 mod linear;
@@ -26,7 +28,7 @@ mod velocities;
 
 pub use definition::{
     COEFFICIENT, Definition, Place, Unit, WrittenContact, WrittenCoordinate, WrittenFriction,
-    WrittenNormal, WrittenParameter, law_key,
+    WrittenNormal, WrittenOutput, WrittenParameter, law_key,
 };
 pub use formula::{Formula, FormulaFault, LONGEST_FORMULA, WHOLE};
 pub use instance::FaultAt;

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{DMatrix, Schur};
 
 use super::formula::{FormulaFault, WHOLE};
+use super::in_state::smallest_pivot;
 use super::instance::Instance;
 use super::numeric::Numeric;
 use super::scales::Scales;
@@ -17,8 +18,8 @@ pub(super) struct Sizes {
     pub reach: Vec<[f64; 2]>,
     /// Whether masses and forces are finite in the middle.
     pub is_finite: bool,
-    /// Whether the mass matrix is positive definite there.
-    pub has_sound_mass: bool,
+    /// The coordinate that has no kinetic energy there, if the mass matrix is not positive definite.
+    pub without_energy: Option<usize>,
     /// The highest frequency and the largest rate of damping without contacts, 1/s.
     pub rates: [f64; 2],
     /// The highest natural frequency, rad/s.
@@ -116,17 +117,37 @@ impl Instance<'_> {
             true => Scales::near([mass, length, 1.0 / rate]),
             false => Scales::default(),
         };
-        let has_sound_mass = at_middle.is_some();
+        let without_energy = match at_middle.is_some() {
+            true => None,
+            false => Some(smallest_pivot(self.mass_at(values, &middle)?.0).1),
+        };
         let is_finite = self.all_at(values, &middle, 0.0)?.iter().all(|one| one.is_finite());
         Ok(Sizes {
             middle,
             reach,
             is_finite,
-            has_sound_mass,
+            without_energy,
             rates: [frequency, damping],
             natural_rad_s: stiffness.sqrt(),
             scales,
         })
+    }
+
+    /// Returns the mass matrix and the forces in a state.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    fn mass_at(
+        &self,
+        values: &[f64],
+        state: &[[f64; 2]],
+    ) -> Result<(Vec<Vec<f64>>, Vec<f64>), FormulaFault> {
+        let (parameters, coordinates) =
+            (self.parameters(values), self.named(|number| state[number]));
+        let scales = Scales::default();
+        let mut numeric =
+            Numeric { scales, parameters: &parameters, coordinates: &coordinates, time: 0.0 };
+        self.mass_and_forces(&mut numeric)
     }
 
     /// Returns the accelerations without contacts, and the diagonal of the mass matrix; `None` if this is not positive definite.
@@ -138,15 +159,7 @@ impl Instance<'_> {
         values: &[f64],
         state: &[[f64; 2]],
     ) -> Result<Option<[Vec<f64>; 2]>, FormulaFault> {
-        let (parameters, coordinates) =
-            (self.parameters(values), self.named(|number| state[number]));
-        let mut numeric = Numeric {
-            scales: Scales::default(),
-            parameters: &parameters,
-            coordinates: &coordinates,
-            time: 0.0,
-        };
-        let (mass, forces) = self.mass_and_forces(&mut numeric)?;
+        let (mass, forces) = self.mass_at(values, state)?;
         let n = forces.len();
         let matrix = DMatrix::from_fn(n, n, |row, column| mass[row][column]);
         if !matrix.iter().chain(&forces).all(|one| one.is_finite()) {

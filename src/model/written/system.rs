@@ -8,10 +8,11 @@ use super::formula::FormulaFault;
 use super::instance::{Instance, Member};
 use super::numeric::{Numeric, Quantity};
 use super::scales::Scales;
-use super::velocities::SpeedOf;
+use super::velocities::{Rates, SpeedOf};
 use crate::model::{
-    ContactMode, Expression, Friction, ImpactLaw, Mechanism, MechanismContact, MechanismNormal,
-    Number, Recorder, Structure, System, SystemEquations, add_mechanism_inputs, stiff_pace,
+    Components, ContactMode, Expression, Friction, ImpactLaw, Mechanism, MechanismContact,
+    MechanismNormal, Number, Recorder, Structure, System, SystemEquations, add_mechanism_inputs,
+    stiff_pace,
 };
 
 /// A system of a file with values of its parameters, without dimensions.
@@ -27,6 +28,10 @@ pub(super) struct WrittenSystem {
     pub impacts: Vec<ImpactLaw>,
     /// How the sliding speed of each contact is computed.
     pub speeds: Vec<SpeedOf>,
+    /// Which of these velocities have integrals that are positions.
+    pub integrals: Vec<SpeedOf>,
+    /// The coordinates as functions of the positions, and their rates of change as functions of the velocities.
+    pub coordinates: [Rates<f64>; 2],
     /// The period after which the equations repeat, if they depend on the time.
     pub period: Option<f64>,
     /// The highest frequency, and the largest rate of damping, of motions without friction.
@@ -107,7 +112,16 @@ impl WrittenSystem {
             Numeric { scales: self.scales, parameters: &parameters, coordinates: &at_rest, time };
         let rates = instance.rates(&self.speeds, base)?;
         let moving = rates.at(&speeds);
-        let coordinates = instance.named(|number| [positions[number], moving[number]]);
+        let shapes = instance.rates(&self.integrals, base)?.without_constants().at(&positions);
+        let coordinates = instance.named(|number| [shapes[number], moving[number]]);
+        let mut advancing = moving.clone();
+        for (number, integral) in self.integrals.iter().enumerate() {
+            if let (SpeedOf::Velocity(place), Some(speed)) =
+                (integral, instance.linear(number, base)?)
+            {
+                advancing[*place] = speeds[*place] - speed.constant;
+            }
+        }
         // The factors of accelerations in normal forces are derivatives by these inputs, which are 0.
         let accelerations: Vec<_> = (0..n)
             .filter(|_| instance.definition.uses_accelerations)
@@ -124,13 +138,10 @@ impl WrittenSystem {
             let (contact, mut bodies) = instance.contact(number);
             let formula = contact.normal.entry().1;
             let normal = bodies.evaluate(formula, &mut values)?;
-            let position = instance.positions[number];
-            let member = instance.coordinates[position];
+            let place = self.position(number);
+            let member = instance.coordinates[place];
             contacts.push(MechanismContact {
-                position: (
-                    positions[position],
-                    instance.definition.coordinates[member.of].periodic,
-                ),
+                position: (positions[place], instance.definition.coordinates[member.of].periodic),
                 sliding_speed: match (self.speeds[number], &contact.sliding) {
                     (SpeedOf::Velocity(place) | SpeedOf::Same(place), _) => speeds[place],
                     (SpeedOf::Formula, Some(sliding)) => bodies.evaluate(sliding, &mut values)?,
@@ -159,7 +170,7 @@ impl WrittenSystem {
                 .zip(speeds)
                 .map(|(one, other)| [one, other])
                 .collect(),
-            rates: moving,
+            rates: advancing,
             others: clock.into_iter().map(|clock| [clock, rate]).collect(),
             mass: rates.between(&mass),
             forces: rates.across(&forces),
@@ -170,6 +181,14 @@ impl WrittenSystem {
 }
 
 impl WrittenSystem {
+    /// Returns the position that a contact moves.
+    pub fn position(&self, contact: usize) -> usize {
+        match self.integrals[contact] {
+            SpeedOf::Velocity(place) | SpeedOf::Same(place) => place,
+            SpeedOf::Formula => self.instance.positions[contact],
+        }
+    }
+
     /// Returns whether no contact opens, and each has a sliding speed that is a velocity of its own.
     fn does_not_open(&self) -> bool {
         self.speeds.iter().enumerate().all(|(number, speed)| {
@@ -250,6 +269,14 @@ impl System for WrittenSystem {
 
     fn force_scale(&self) -> f64 {
         self.largest_force.max(1.0)
+    }
+
+    fn outputs(&self, state: &[f64]) -> Components {
+        self.outputs_in(state).unwrap_or_default()
+    }
+
+    fn smallest_inertia(&self, state: &[f64]) -> f64 {
+        self.inertia_in(state).unwrap_or(1.0)
     }
 
     fn as_any(&self) -> &dyn Any {

@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 use super::formula::FormulaFault;
 use super::numeric::Numeric;
 use super::system::WrittenSystem;
-use super::velocities::SpeedOf;
+use super::velocities::{Rates, SpeedOf};
 use crate::model::System;
 
 impl WrittenSystem {
@@ -19,27 +19,25 @@ impl WrittenSystem {
     /// # Errors
     /// A fault that the check has found before.
     pub(super) fn has_one_solution(&self, state: &[f64]) -> Result<bool, FormulaFault> {
+        let found = self.in_state(state, |values, rates| self.is_dominant(values, rates))?;
+        Ok(found.unwrap_or(false))
+    }
+
+    fn is_dominant(
+        &self,
+        mut values: Numeric<'_, f64>,
+        rates: &Rates<f64>,
+    ) -> Result<bool, FormulaFault> {
         let (instance, n) = (&self.instance, self.instance.coordinates.len());
         let place = |speed: &SpeedOf| match speed {
             SpeedOf::Velocity(place) => Some(*place),
             SpeedOf::Same(_) | SpeedOf::Formula => None,
         };
         let places: Option<Vec<usize>> = self.speeds.iter().map(place).collect();
-        let (Some(places), Some((positions, rest))) = (places, state.split_at_checked(n)) else {
-            return Ok(false);
-        };
-        let Some((velocities, clock)) = rest.split_at_checked(n) else { return Ok(false) };
-        let parameters = instance.parameters(&self.values);
-        let time = clock.first().map_or(0.0, |clock| {
-            clock * self.period.map_or(1.0, |period| period / std::f64::consts::TAU)
-        });
-        let base = Numeric { scales: self.scales, parameters: &parameters, coordinates: &[], time };
-        let rates = instance.rates(&self.speeds, base)?;
-        let moving = rates.at(velocities);
-        let mut coordinates = instance.named(|number| [positions[number], moving[number]]);
-        let (mass, _) =
-            instance.mass_and_forces(&mut Numeric { coordinates: &coordinates, ..base })?;
+        let Some(places) = places else { return Ok(false) };
+        let (mass, _) = instance.mass_and_forces(&mut values)?;
         let mass = rates.between(&mass);
+        let mut coordinates = values.coordinates.to_vec();
         let mut normal = |contact: usize, accelerated: Option<usize>| {
             if let Some(place) = accelerated {
                 coordinates[place].2[2] = 1.0;
@@ -47,7 +45,7 @@ impl WrittenSystem {
             let (own, mut bodies) = instance.contact(contact);
             let formula = own.normal.entry().1;
             let force =
-                bodies.evaluate(formula, &mut Numeric { coordinates: &coordinates, ..base });
+                bodies.evaluate(formula, &mut Numeric { coordinates: &coordinates, ..values });
             if let Some(place) = accelerated {
                 coordinates[place].2[2] = 0.0;
             }

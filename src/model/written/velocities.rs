@@ -1,7 +1,9 @@
 //! The velocities of a system: sliding speeds where that is possible, so that a contact that sticks has a velocity of exactly 0.
 //!
 //! A sliding speed with constant factors of the rates of change, such as `x' - v_belt` or `y' + r phi'`, becomes the velocity
-//! in place of the rate of change of one coordinate. The rates of change are then linear functions of the velocities.
+//! in place of the rate of change of one coordinate. The rates of change are then linear functions of the velocities. The integral
+//! of such a sliding speed, such as `y + r phi`, becomes the position in place of the coordinate: it does not move while the
+//! contact sticks, so that a rest can be certified.
 
 use super::definition::WrittenNormal;
 use super::formula::FormulaFault;
@@ -77,6 +79,12 @@ impl<T: Quantity> Rates<T> {
         (0..mass.len()).map(|place| self.across(&column(place))).collect()
     }
 
+    /// Returns the rates without their constants.
+    pub fn without_constants(self) -> Self {
+        let constants = self.constants.iter().map(|_| T::constant(0.0)).collect();
+        Rates { constants, ..self }
+    }
+
     /// Returns the rates of change of these velocities.
     pub fn at(&self, velocities: &[T]) -> Vec<T> {
         let rows = self.factors.iter().zip(&self.constants);
@@ -92,7 +100,7 @@ impl Instance<'_> {
     ///
     /// # Errors
     /// A fault that the check has found before.
-    fn linear<T: Quantity>(
+    pub fn linear<T: Quantity>(
         &self,
         contact: usize,
         numeric: Numeric<'_, T>,
@@ -150,6 +158,35 @@ impl Instance<'_> {
             });
         }
         Ok(chosen)
+    }
+
+    /// Returns the velocities whose integrals are positions in place of coordinates. The integral of a sliding speed with an angle
+    /// that goes round and round is no function of the state.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    pub fn choose_positions(
+        &self,
+        chosen: &[SpeedOf],
+        numeric: Numeric<'_, f64>,
+    ) -> Result<Vec<SpeedOf>, FormulaFault> {
+        let is_periodic =
+            |(of, _): &(usize, f64)| self.definition.coordinates[self.coordinates[*of].of].periodic;
+        let mut rates = Rates::<f64>::identity(self.coordinates.len());
+        let mut integrals = Vec::new();
+        for (contact, speed_of) in chosen.iter().enumerate() {
+            let speed = self.linear(contact, numeric)?;
+            let speed = speed.filter(|speed| !speed.factors.iter().any(is_periodic));
+            integrals.push(match (*speed_of, speed.map(|speed| rates.of_velocities(&speed))) {
+                (SpeedOf::Velocity(place), Some(all)) if all.0[place].abs() > ROUNDING => {
+                    rates.replace(place, &all);
+                    *speed_of
+                }
+                (SpeedOf::Same(_), Some(_)) => *speed_of,
+                _ => SpeedOf::Formula,
+            });
+        }
+        Ok(integrals)
     }
 
     /// Returns the rates of change for chosen velocities.

@@ -14,7 +14,7 @@ use crate::motion::modes::{Evaluated, InState, decide_first, first_phases};
 use crate::motion::settings::MOST_EVENTS_AT_ONCE;
 use crate::motion::touching::InTouch;
 use crate::motion::{
-    Effort, Evaluator, Failure, PerContact, Phases, SLOW, Settings, Touches, any_closed,
+    Effort, Evaluator, Failure, PerContact, Phases, SINGULAR, SLOW, Settings, Touches, any_closed,
 };
 
 /// The scalar part of a run.
@@ -133,6 +133,9 @@ impl Saved {
         state: &[f64],
     ) -> Result<Self, Failure> {
         let mut start: Components = state.into();
+        if system.smallest_inertia(state) < SINGULAR {
+            return Err(Failure::IndefiniteMass);
+        }
         let settings = settings.narrowed(system.as_ref());
         let force_scale = system.force_scale();
         let surely_one_solution = system.surely_one_solution();

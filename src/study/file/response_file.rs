@@ -23,7 +23,7 @@ pub struct VariableFile {
 
 /// A response of a design, estimated from the residual amplitudes (`amplitude_m` in `runs.parquet`), the peak amplitudes
 /// (`peak_amplitude_m`) or the times to rest of its runs.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ResponseFile {
     /// Mean amplitude, m; with `relative`, dimensionless.
@@ -39,7 +39,7 @@ pub enum ResponseFile {
         /// the default is `false`.
         #[serde(default)]
         relative: bool,
-        /// Which amplitude of each run; the default is `residual`.
+        /// What is measured of each run; the default is `residual`.
         #[serde(default)]
         of: AmplitudeFile,
     },
@@ -55,7 +55,7 @@ pub enum ResponseFile {
         /// the default is `false`.
         #[serde(default)]
         relative: bool,
-        /// Which amplitude of each run; the default is `residual`.
+        /// What is measured of each run; the default is `residual`.
         #[serde(default)]
         of: AmplitudeFile,
     },
@@ -66,7 +66,7 @@ pub enum ResponseFile {
 }
 
 /// The amplitude of a response.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 #[schemars(inline, description = "")]
 pub struct Amplitude {
@@ -74,18 +74,20 @@ pub struct Amplitude {
     /// the default is `false`.
     #[serde(default)]
     pub relative: bool,
-    /// Which amplitude of each run; the default is `residual`.
+    /// What is measured of each run; the default is `residual`.
     #[serde(default)]
     pub of: AmplitudeFile,
 }
 
-/// An amplitude of a run.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum AmplitudeFile {
-    /// The residual amplitude at the end, `amplitude_m`.
-    #[default]
-    Residual,
-    /// The largest amplitude from start to end, `peak_amplitude_m`; only with a speed profile or disturbances.
-    Peak,
+/// What is measured of a run: `residual`, the amplitude at the end (`amplitude_m`); `peak`, the largest amplitude from start to
+/// end (`peak_amplitude_m`), only with a speed profile or disturbances; or, for a system file, an output: its name for half of
+/// the distance between its extremes, or the name of a column such as `max_x_m`.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[schemars(extend("examples" = ["residual", "peak", "x_m", "max_x_m"]))]
+pub struct AmplitudeFile(pub String);
+
+impl Default for AmplitudeFile {
+    fn default() -> Self {
+        AmplitudeFile("residual".to_owned())
+    }
 }

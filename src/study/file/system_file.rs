@@ -31,6 +31,9 @@ pub(in crate::study) struct SystemFile {
     pub force: IndexMap<String, FormulaText>,
     /// Contacts by name; `belt[block]` for a contact of each body.
     pub contacts: IndexMap<String, ContactEntry>,
+    /// Quantities that results show besides the coordinates, by name; `load[block]` for one of each body.
+    #[serde(default)]
+    pub outputs: IndexMap<String, OutputEntry>,
     /// The time after which the equations repeat, if they contain the time `t`.
     pub period: Option<FormulaText>,
 }
@@ -50,6 +53,21 @@ pub(in crate::study) struct ParameterKeys {
     pub meaning: String,
     /// The largest value of a whole number, such as a number of bodies.
     pub most: Option<u64>,
+}
+
+/// An output: its formula, or keys.
+#[derive(Clone, Debug, JsonSchema)]
+pub(in crate::study) struct OutputEntry(#[schemars(with = "FormulaOrKeys")] pub OutputKeys);
+
+/// The keys of an output.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::study) struct OutputKeys {
+    /// Its formula.
+    pub value: FormulaText,
+    /// What it is, in a few words.
+    #[serde(default)]
+    pub meaning: String,
 }
 
 /// A coordinate.
@@ -116,6 +134,19 @@ notations! {
     map(ParameterKeys) => ParameterEntry,
 }
 
+notations! {
+    OutputEntry: "a formula, or keys and values",
+    number => |number: f64| Some(OutputEntry::of(describe_number(number))),
+    text => |text: &str| Some(OutputEntry::of(text.to_owned())),
+    map(OutputKeys) => OutputEntry,
+}
+
+impl OutputEntry {
+    fn of(formula: String) -> Self {
+        OutputEntry(OutputKeys { value: FormulaText(formula), meaning: String::new() })
+    }
+}
+
 impl ParameterEntry {
     fn of(value: String) -> Self {
         let value = FormulaText(value);
@@ -146,4 +177,12 @@ enum OneOrTwo {
 enum ValueOrKeys {
     Value(NumberOrText),
     Keys(ParameterKeys),
+}
+
+#[derive(JsonSchema)]
+#[serde(untagged)]
+#[expect(dead_code, reason = "only the schema of these types is used")]
+enum FormulaOrKeys {
+    Formula(NumberOrText),
+    Keys(OutputKeys),
 }

@@ -1,5 +1,6 @@
 //! Responses: the quantities that are estimated for a design.
 
+use crate::model::OutputValue;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::shown_values::six_digits;
 use crate::study::plan::units::{Unit, Units};
@@ -32,6 +33,8 @@ pub struct Response {
     pub measure: Measure,
     /// The amplitude of each run that is measured.
     pub amplitude: AmplitudeKind,
+    /// The name of an output that is measured, as the study gives it, and its unit.
+    pub output: Option<(String, String)>,
 }
 
 /// An amplitude of a run.
@@ -43,11 +46,8 @@ pub enum AmplitudeKind {
     RelativeResidual,
     /// The largest amplitude from the start to the end, m.
     Peak,
-}
-
-impl AmplitudeKind {
-    /// All kinds.
-    pub const ALL: [AmplitudeKind; 3] = [Self::Residual, Self::RelativeResidual, Self::Peak];
+    /// A value of the output with this number.
+    Output(usize, OutputValue),
 }
 
 /// Suffixes of the columns that accompany the value of a response.
@@ -93,10 +93,11 @@ impl Response {
     }
 
     /// Returns the unit of the value; `1` if it is dimensionless.
-    pub fn unit(&self) -> &'static str {
-        match self.measure {
-            Measure::Above(_) | Measure::AtRestBy(_) => "1",
-            Measure::MedianTimeToRest => "s",
+    pub fn unit(&self) -> &str {
+        match (self.measure, &self.output) {
+            (Measure::Above(_) | Measure::AtRestBy(_), _) => "1",
+            (Measure::MedianTimeToRest, _) => "s",
+            (_, Some((_, unit))) => unit,
             _ if self.amplitude == AmplitudeKind::RelativeResidual => "1",
             _ => "m",
         }
@@ -120,12 +121,15 @@ impl Response {
 
     /// Returns the meaning of the value, with a limit in this unit.
     pub fn meaning_in(&self, length: &Unit) -> String {
+        let output = self.output.as_ref().map_or("", |(name, _)| name);
         let amplitude = match self.amplitude {
-            AmplitudeKind::Residual => "residual amplitude",
+            AmplitudeKind::Residual => "residual amplitude".to_owned(),
             AmplitudeKind::RelativeResidual => {
-                "residual amplitude over the amplitude without balls"
+                "residual amplitude over the amplitude without balls".to_owned()
             }
-            AmplitudeKind::Peak => "peak amplitude",
+            AmplitudeKind::Peak => "peak amplitude".to_owned(),
+            AmplitudeKind::Output(_, OutputValue::Amplitude) => format!("amplitude of {output}"),
+            AmplitudeKind::Output(..) => output.to_owned(),
         };
         match self.measure {
             Measure::Mean => format!("mean {amplitude}"),
@@ -136,7 +140,9 @@ impl Response {
             Measure::Worst => format!("largest {amplitude} of all runs"),
             Measure::Above(limit) => {
                 let limit = match self.amplitude {
-                    AmplitudeKind::RelativeResidual => describe_number(limit),
+                    AmplitudeKind::RelativeResidual | AmplitudeKind::Output(..) => {
+                        describe_number(limit)
+                    }
                     _ => format!("{} {}", six_digits(length.of(limit)), length.symbol),
                 };
                 format!("probability of a {amplitude} above {limit}")

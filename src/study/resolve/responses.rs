@@ -4,8 +4,9 @@ use std::collections::HashSet;
 
 use indexmap::IndexMap;
 
-use crate::study::error::{Fault, StudyError};
-use crate::study::file::response_file::{Amplitude, AmplitudeFile, ResponseFile};
+use crate::model::{OutputName, OutputValue};
+use crate::study::error::{Fault, StudyError, list_names};
+use crate::study::file::response_file::{Amplitude, ResponseFile};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::values::NumberOrLength;
 use crate::study::file::yaml_tree::{Content, Source, describe_number};
@@ -39,15 +40,15 @@ pub(crate) fn resolve_responses(
                 return Err(path.refuse_key(fault));
             }
         }
-        let (measure, amplitude) = quantity(study, &path, file)?;
-        Ok(Response { name: name.clone(), measure, amplitude })
+        let (measure, amplitude, output) = quantity(study, &path, file)?;
+        Ok(Response { name: name.clone(), measure, amplitude, output })
     };
     written.into_iter().flatten().map(resolve).collect()
 }
 
 /// Returns the key of a response, its measure, and the amplitude that it measures.
 fn parts(file: &ResponseFile) -> (&'static str, Measure, Amplitude) {
-    match *file {
+    match file.clone() {
         ResponseFile::AmplitudeMean(own) => ("amplitude_mean", Measure::Mean, own),
         ResponseFile::AmplitudeStdDev(own) => {
             ("amplitude_std_dev", Measure::StandardDeviation, own)
@@ -68,12 +69,15 @@ fn parts(file: &ResponseFile) -> (&'static str, Measure, Amplitude) {
     }
 }
 
-/// Returns the measure of a response and the amplitude that it measures.
+/// A measure, and the amplitude that is measured, with the name and the unit of an output.
+type Quantity = (Measure, AmplitudeKind, Option<(String, String)>);
+
+/// Returns the measure of a response and the amplitude that it measures, with name and unit if that is one of an output.
 fn quantity(
     study: &Study,
     path: &SourcePath<'_>,
     file: &ResponseFile,
-) -> Result<(Measure, AmplitudeKind), StudyError> {
+) -> Result<Quantity, StudyError> {
     let (key, measure, Amplitude { relative, of }) = parts(file);
     let own = path.key(key);
     let refuse = |path: &SourcePath<'_>, problem: &str, found: String, allowed: &str| {
@@ -93,7 +97,7 @@ fn quantity(
                     "a number, the amplitude over that without balls; or `relative: false`";
                 return refuse(&path, problem, node.describe(), allowed);
             }
-            if limit < 0.0 {
+            if limit < 0.0 && matches!(of.0.as_str(), "residual" | "peak") {
                 return refuse(&path, "not an amplitude", describe_number(limit), "0 or more");
             }
         }
@@ -110,20 +114,38 @@ fn quantity(
         let found = format!("kind: {}", study.model().kind().name);
         return refuse(path, "only for a ball balancer", found, "relative: false");
     }
-    let amplitude = match (of, relative) {
-        (AmplitudeFile::Residual, false) => AmplitudeKind::Residual,
-        (AmplitudeFile::Residual, true) => AmplitudeKind::RelativeResidual,
-        (AmplitudeFile::Peak, true) => {
+    let amplitude = match (of.0.as_str(), relative) {
+        ("residual", false) => AmplitudeKind::Residual,
+        ("residual", true) => AmplitudeKind::RelativeResidual,
+        ("peak", true) => {
             let problem = "a peak amplitude has no counterpart without balls";
             let allowed = "of: residual, or relative: false";
             return refuse(&own.key("relative"), problem, "relative: true".to_owned(), allowed);
         }
-        (AmplitudeFile::Peak, false) if !study.has_stages() => {
+        ("peak", false) if !study.has_stages() => {
             let problem = "no peak amplitude at constant speed without disturbances";
             let allowed = "of: residual, or a speed_profile or disturbances in the model";
             return refuse(&own.key("of"), problem, "of: peak".to_owned(), allowed);
         }
-        (AmplitudeFile::Peak, false) => AmplitudeKind::Peak,
+        ("peak", false) => AmplitudeKind::Peak,
+        (name, _) => {
+            let outputs = study.model().output_names();
+            let each = outputs.iter().enumerate();
+            let mut all = each.flat_map(|(place, OutputName { name, unit, .. })| {
+                let values = OutputValue::COLUMNS.into_iter().chain([("", OutputValue::Amplitude)]);
+                values.map(move |(before, value)| {
+                    (format!("{before}{name}"), AmplitudeKind::Output(place, value), unit)
+                })
+            });
+            if let Some((column, amplitude, unit)) = all.find(|(column, ..)| column == name) {
+                return Ok((measure, amplitude, Some((column, unit.clone()))));
+            }
+            let mut names = vec!["residual".to_owned(), "peak".to_owned()];
+            names.extend(outputs.iter().map(|output| output.name.clone()));
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let (problem, allowed) = ("not a quantity of a run", list_names(name, &names));
+            return refuse(&own.key("of"), problem, name.to_owned(), &allowed);
+        }
     };
-    Ok((measure, amplitude))
+    Ok((measure, amplitude, None))
 }

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::model::{
     Definition, FaultAt, Formula, FormulaFault, Place, Unit, WHOLE, WrittenCoordinate,
-    WrittenParameter, written_kind,
+    WrittenOutput, WrittenParameter, written_kind,
 };
 use crate::study::error::{Fault, StudyError, list_names, shorten};
 use crate::study::file::decode::decode;
@@ -173,6 +173,15 @@ impl<'s> Reader<'s> {
                 return Err(self.path(&[key]).refuse_value(fault));
             }
         }
+        let mut outputs = Vec::new();
+        for (key, entry) in &file.outputs {
+            let path = self.path(&["outputs", key]);
+            let (name, index) = self.indexed(&path, key, file)?;
+            let value =
+                if path.key("value").node().is_some() { path.key("value") } else { path.clone() };
+            let formula = self.formula_at(&value, &entry.0.value)?;
+            outputs.push(WrittenOutput { name, index, meaning: entry.0.meaning.clone(), formula });
+        }
         let period = file.period.as_ref().map(|text| self.formula(&["period"], text));
         Ok(Definition {
             name: file.system.clone(),
@@ -183,6 +192,7 @@ impl<'s> Reader<'s> {
             mass,
             force,
             contacts,
+            outputs,
             period: period.transpose()?,
             uses_time: false,
             uses_accelerations: false,
@@ -362,8 +372,10 @@ impl<'s> Reader<'s> {
     fn refuse(&self, (keys, fault): FaultAt) -> StudyError {
         let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
         let path = self.path(&keys);
+        let path = if path.key("value").node().is_some() { path.key("value") } else { path };
         let text = path.node().map(|node| match &node.content {
             Content::Text(text) => text.clone(),
+            Content::Map(_) => String::new(),
             _ => node.describe(),
         });
         refuse(&path, &text.unwrap_or_default(), fault)

@@ -1,0 +1,66 @@
+//! The outputs of a model: quantities that results show besides the contacts.
+
+/// What results call an output.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputName {
+    /// The name with the unit, as columns show it.
+    pub name: String,
+    /// The unit.
+    pub unit: String,
+    /// What it is, in a few words.
+    pub meaning: String,
+    /// The name and the unit of its rate of change, for a coordinate.
+    pub rate: Option<(String, String)>,
+}
+
+/// The unit of an output.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutputUnits {
+    /// Its size in SI units.
+    pub size: f64,
+    /// Whether the output is an angle, with a period of one turn.
+    pub angular: bool,
+    /// Whether results measure its amplitude.
+    pub has_amplitude: bool,
+}
+
+/// A value of an output in a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutputValue {
+    /// The value at the end.
+    End,
+    /// The mean over time.
+    Mean,
+    /// The least value.
+    Least,
+    /// The greatest value.
+    Greatest,
+    /// Half of the distance between the extremes.
+    Amplitude,
+    /// The mean rate of change.
+    MeanRate,
+}
+
+impl OutputValue {
+    /// The values that are columns, each with what precedes the name of the output.
+    pub const COLUMNS: [(&'static str, OutputValue); 4] = [
+        ("end_", Self::End),
+        ("mean_", Self::Mean),
+        ("min_", Self::Least),
+        ("max_", Self::Greatest),
+    ];
+
+    /// Returns what the value is, after the name of the output.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            OutputValue::End => "at the end",
+            OutputValue::Mean => {
+                "mean over the limit cycle or the last tenth of the time, or value at rest"
+            }
+            OutputValue::Least => "least value in that time",
+            OutputValue::Greatest => "greatest value in that time",
+            OutputValue::MeanRate => "mean rate of change in that time",
+            OutputValue::Amplitude => "half of the distance between the extremes in that time",
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! The formulas of a system in one state: its mass matrix, and what its file measures.
+
+use std::f64::consts::TAU;
+
+use super::formula::FormulaFault;
+use super::numeric::Numeric;
+use super::system::WrittenSystem;
+use super::velocities::Rates;
+use crate::model::Components;
+
+impl WrittenSystem {
+    /// Computes with the values of all names in a state, and with the rates of change as functions of the velocities; `None` if the
+    /// state has another number of components.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    pub(super) fn in_state<R>(
+        &self,
+        state: &[f64],
+        compute: impl FnOnce(Numeric<'_, f64>, &Rates<f64>) -> Result<R, FormulaFault>,
+    ) -> Result<Option<R>, FormulaFault> {
+        let (instance, n) = (&self.instance, self.instance.coordinates.len());
+        let parts = state
+            .split_at_checked(n)
+            .map(|(positions, rest)| (positions, rest.split_at_checked(n)));
+        let Some((positions, Some((velocities, clock)))) = parts else { return Ok(None) };
+        let time = clock
+            .first()
+            .map_or(0.0, |clock| clock * self.period.map_or(1.0, |period| period / TAU));
+        let parameters = instance.parameters(&self.values);
+        let base = Numeric { scales: self.scales, parameters: &parameters, coordinates: &[], time };
+        let [shapes, rates] = &self.coordinates;
+        let (shapes, moving) = (shapes.at(positions), rates.at(velocities));
+        let coordinates = instance.named(|number| [shapes[number], moving[number]]);
+        compute(Numeric { coordinates: &coordinates, ..base }, rates).map(Some)
+    }
+
+    /// Returns the coordinates and the outputs of the file in a state.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    pub(super) fn outputs_in(&self, state: &[f64]) -> Result<Components, FormulaFault> {
+        let instance = &self.instance;
+        let positions = state.get(..instance.coordinates.len()).unwrap_or_default();
+        let mut outputs = Components::from(self.coordinates[0].at(positions));
+        if !instance.outputs.is_empty() {
+            let values = self.in_state(state, |mut values, _| {
+                let value = |number: usize| {
+                    let (output, mut bodies) = instance.output(number);
+                    bodies.evaluate(&output.formula, &mut values)
+                };
+                (0..instance.outputs.len()).map(value).collect::<Result<Vec<f64>, _>>()
+            })?;
+            outputs.extend(values.into_iter().flatten());
+        }
+        Ok(outputs)
+    }
+
+    /// Returns the smallest pivot of the mass matrix over the entry on its diagonal.
+    ///
+    /// # Errors
+    /// A fault that the check has found before.
+    pub(super) fn inertia_in(&self, state: &[f64]) -> Result<f64, FormulaFault> {
+        let mass = self
+            .in_state(state, |mut values, _| Ok(self.instance.mass_and_forces(&mut values)?.0))?;
+        Ok(mass.map_or(1.0, |mass| smallest_pivot(mass).0))
+    }
+}
+
+/// Returns the smallest pivot of a symmetric matrix over the entry on its diagonal, and its row. A pivot that is not positive is
+/// the last one, and counts as 0; what is not finite fails as such.
+pub(super) fn smallest_pivot(mut matrix: Vec<Vec<f64>>) -> (f64, usize) {
+    let diagonal: Vec<f64> = matrix.iter().enumerate().map(|(place, row)| row[place]).collect();
+    let mut smallest = (1.0_f64, 0);
+    for (column, own) in diagonal.into_iter().enumerate() {
+        let pivot = matrix[column].clone();
+        if own <= 0.0 || pivot[column] <= 0.0 {
+            return (0.0, column);
+        }
+        if pivot[column] / own < smallest.0 {
+            smallest = (pivot[column] / own, column);
+        }
+        for row in &mut matrix[column + 1..] {
+            let factor = row[column] / pivot[column];
+            row.iter_mut().zip(&pivot).for_each(|(entry, above)| *entry -= factor * above);
+        }
+    }
+    smallest
+}
