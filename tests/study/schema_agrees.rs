@@ -57,7 +57,8 @@ const CONTENT: [(&str, &str); 44] = [
 ];
 
 /// Problems that the schema cannot express at these places, each with what it depends on.
-const CONTENT_AT: [(&str, &str, &str); 15] = [
+const CONTENT_AT: [(&str, &str, &str); 16] = [
+    ("/responses", "not a quantity of a run", "the outputs of a system file"),
     ("/initial_conditions", "unknown key", "coordinates depend on the number of balls"),
     ("/model/parameters", "unknown key", "coordinates depend on the number of balls"),
     ("/table", "not a number", "the type of a value depends on its column"),

@@ -140,7 +140,7 @@ period: 2 * pi / omega ¦ period: 2 * pi / omega\n    outputs: {load: k * y} ¦ 
 period: 2 * pi / omega ¦ period: 2 * pi / omega\n    outputs: {load: {value: "k * x[1]''"}} ¦ 30 ¦ an acceleration ¦ k * x ¦ only in the normal
 period: 2 * pi / omega ¦ period: 2 * pi / omega\n    outputs: {mu: f} ¦ 30 ¦ given twice ¦ mu ¦ one name
 period: 2 * pi / omega ¦ period: 2 * pi / omega\n    outputs: {x_rate: f} ¦ 30 ¦ another column ¦ x_rate ¦ another name
-x[cart]: {'x[cart]': m} ¦ {} ¦ 20 ¦ a coordinate without a mass ¦ x[cart] ¦ x[cart]: {x[cart]: ...}
+x[cart]: {'x[cart]': m} ¦ {} ¦ 21 ¦ a coordinate without a mass ¦ x[cart] ¦ x[cart]: {x[cart]: ...}
 period: 2 * pi / omega ¦ period: omega ¦ 29 ¦ another quantity ¦ 1/s ¦ s
 + f * cos(omega * t) ¦  ¦ 29 ¦ a period without the time ¦ 2 * pi ¦ no period
   system:\n ¦   kind: ball_balancer\n  system:\n ¦ 5 ¦ not beside `system` ¦ kind ¦ `system`"#;
