@@ -20,9 +20,7 @@ const DRIFT: f64 = 1e-6;
 pub struct OutputOutcome {
     /// The value at the end.
     pub end: f64,
-    /// The mean rate of change over the cycle or the last tenth of the time, or at rest, 1/s.
-    pub mean_rate: Option<f64>,
-    /// The values in this time; `None` for an output that drifts.
+    /// The values over the cycle or the last tenth of the time, or at rest; `None` for an output that drifts.
     pub range: Option<OutputRange>,
 }
 
@@ -40,7 +38,6 @@ impl OutputOutcome {
     pub fn value(&self, value: OutputValue) -> Option<f64> {
         let OutputRange { mean, extremes: [low, high] } = match value {
             OutputValue::End => return Some(self.end),
-            OutputValue::MeanRate => return self.mean_rate,
             _ => self.range?,
         };
         Some(match value {
@@ -54,23 +51,17 @@ impl OutputOutcome {
     /// Returns an output that has this value for good, or drifts at this rate.
     pub(super) fn constant(end: f64, rate: f64) -> Self {
         let range = OutputRange { mean: end, extremes: [end; 2] };
-        let drifts = rate.abs() > SLOW;
-        let mean_rate = Some(if drifts { rate } else { 0.0 });
-        OutputOutcome { end, mean_rate, range: (!drifts).then_some(range) }
+        OutputOutcome { end, range: (rate.abs() <= SLOW).then_some(range) }
     }
 
     /// Returns an output in SI units; angles begin within a turn of 0.
-    pub(super) fn in_units(self, units: &OutputUnits, natural_rad_s: f64) -> Self {
+    pub(super) fn in_units(self, units: &OutputUnits) -> Self {
         let turns = |value: f64| if units.angular { (value / TAU).floor() * TAU } else { 0.0 };
         let range = self.range.map(|OutputRange { mean, extremes }| OutputRange {
             mean: (mean - turns(mean)) * units.size,
             extremes: extremes.map(|one| (one - turns(mean)) * units.size),
         });
-        OutputOutcome {
-            end: (self.end - turns(self.end)) * units.size,
-            mean_rate: self.mean_rate.map(|rate| rate * units.size * natural_rad_s),
-            range,
-        }
+        OutputOutcome { end: (self.end - turns(self.end)) * units.size, range }
     }
 }
 
@@ -104,11 +95,7 @@ impl OutputWatch {
             let Watched { ends: [start, end], integral, extremes } = *one;
             let drifts = repeats && (end - start).abs() > DRIFT * (1.0 + start.abs());
             let range = OutputRange { mean: integral / self.span, extremes };
-            OutputOutcome {
-                end,
-                mean_rate: Some(if repeats && !drifts { 0.0 } else { (end - start) / self.span }),
-                range: (!drifts).then_some(range),
-            }
+            OutputOutcome { end, range: (!drifts).then_some(range) }
         };
         self.outputs.iter().map(measured).collect()
     }
@@ -187,7 +174,6 @@ mod tests {
     use smallvec::smallvec;
 
     use super::OutputWatch;
-    use crate::model::OutputValue;
 
     /// Extremes and means of functions over long steps, in which the fastest function turns five times.
     #[test]
@@ -202,10 +188,6 @@ mod tests {
         let ranges: Vec<_> = watch.measured(false).iter().filter_map(|one| one.range).collect();
         let [sine, cosine, line] = ranges[..] else { panic!("three outputs") };
         assert_eq!(watch.measured(true)[2].range, None, "a drift");
-        assert!(
-            (watch.measured(true)[2].value(OutputValue::MeanRate).expect("a rate") - 1.0).abs()
-                < 1e-12
-        );
         for (found, wanted) in [
             (sine.extremes[0], -1.0),
             (sine.extremes[1], 1.0),

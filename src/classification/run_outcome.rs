@@ -165,12 +165,12 @@ impl LaneRun {
             Ending::EndTime => self.horizons.window().outputs.measured(false),
             Ending::Failure(_) => Vec::new(),
         };
-        let none = OutputOutcome { end: 0.0, mean_rate: None, range: None };
+        let none = OutputOutcome { end: 0.0, range: None };
         let measured = measured.into_iter().chain(std::iter::repeat(none));
         let ends = self.view.system().outputs(&state).into_iter();
         let all = ends.zip(measured).map(|(end, measured)| OutputOutcome { end, ..measured });
         let units = self.units.outputs.iter();
-        all.zip(units).map(|(one, units)| one.in_units(units, self.units.natural_rad_s)).collect()
+        all.zip(units).map(|(one, units)| one.in_units(units)).collect()
     }
 
     /// Returns the outputs of a motion that stays in a state but for coordinates that no equation contains.

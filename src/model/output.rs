@@ -9,8 +9,6 @@ pub struct OutputName {
     pub unit: String,
     /// What it is, in a few words.
     pub meaning: String,
-    /// The name and the unit of its rate of change, for a coordinate.
-    pub rate: Option<(String, String)>,
 }
 
 /// The unit of an output.
@@ -37,8 +35,6 @@ pub enum OutputValue {
     Greatest,
     /// Half of the distance between the extremes.
     Amplitude,
-    /// The mean rate of change.
-    MeanRate,
 }
 
 impl OutputValue {
@@ -59,7 +55,6 @@ impl OutputValue {
             }
             OutputValue::Least => "least value in that time",
             OutputValue::Greatest => "greatest value in that time",
-            OutputValue::MeanRate => "mean rate of change in that time",
             OutputValue::Amplitude => "half of the distance between the extremes in that time",
         }
     }

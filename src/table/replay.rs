@@ -92,7 +92,7 @@ pub fn trajectory_columns(model: &Model, gaps: &[[usize; 2]]) -> Vec<Column<Samp
     }
     let sizes = units.outputs.iter().map(|output| output.size);
     for (place, (own, size)) in model.output_names().into_iter().zip(sizes).enumerate() {
-        let OutputName { name, unit, meaning, .. } = own;
+        let OutputName { name, unit, meaning } = own;
         list.number(name, &unit, move |row| Some(size * row.outputs.get(place)?)).meaning(meaning);
     }
     add_gaps(&mut list, model, gaps);

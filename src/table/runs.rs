@@ -261,15 +261,13 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
 /// Adds the values of the outputs of a run.
 fn add_outputs(list: &mut Columns<RunRecord>, model: &Model) {
     for (place, output) in model.output_names().into_iter().enumerate() {
-        let OutputName { name, unit, meaning, rate } = output;
+        let OutputName { name, unit, meaning } = output;
         let of = if meaning.is_empty() { &name } else { &meaning };
-        let values = OutputValue::COLUMNS.map(|(before, value)| (format!("{before}{name}"), value));
-        let of_values = values.into_iter().map(|(column, value)| (column, unit.clone(), value));
-        let of_rate =
-            rate.map(|(name, unit)| (format!("mean_{name}"), unit, OutputValue::MeanRate));
-        for (column, unit, value) in of_values.chain(of_rate) {
-            list.number(column, &unit, move |row| row.outcome.outputs.get(place)?.value(value))
-                .meaning(format!("{of}: {}", value.in_words()));
+        for (before, value) in OutputValue::COLUMNS {
+            list.number(format!("{before}{name}"), &unit, move |row| {
+                row.outcome.outputs.get(place)?.value(value)
+            })
+            .meaning(format!("{of}: {}", value.in_words()));
         }
     }
 }

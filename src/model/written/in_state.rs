@@ -35,25 +35,22 @@ impl WrittenSystem {
         compute(Numeric { coordinates: &coordinates, ..base }, rates).map(Some)
     }
 
-    /// Returns the coordinates and the outputs of the file in a state.
+    /// Returns the coordinates, their rates of change and the outputs of the file in a state.
     ///
     /// # Errors
     /// A fault that the check has found before.
     pub(super) fn outputs_in(&self, state: &[f64]) -> Result<Components, FormulaFault> {
         let instance = &self.instance;
-        let positions = state.get(..instance.coordinates.len()).unwrap_or_default();
-        let mut outputs = Components::from(self.coordinates[0].at(positions));
-        if !instance.outputs.is_empty() {
-            let values = self.in_state(state, |mut values, _| {
-                let value = |number: usize| {
-                    let (output, mut bodies) = instance.output(number);
-                    bodies.evaluate(&output.formula, &mut values)
-                };
-                (0..instance.outputs.len()).map(value).collect::<Result<Vec<f64>, _>>()
-            })?;
-            outputs.extend(values.into_iter().flatten());
-        }
-        Ok(outputs)
+        let outputs = self.in_state(state, |mut values, _| {
+            let each = |which: usize| values.coordinates.iter().map(move |(.., all)| all[which]);
+            let mut outputs: Components = each(0).chain(each(1)).collect();
+            for number in 0..instance.outputs.len() {
+                let (output, mut bodies) = instance.output(number);
+                outputs.push(bodies.evaluate(&output.formula, &mut values)?);
+            }
+            Ok(outputs)
+        })?;
+        Ok(outputs.unwrap_or_default())
     }
 
     /// Returns the smallest pivot of the mass matrix over the entry on its diagonal.

@@ -237,15 +237,20 @@ impl OwnKind for WrittenKind {
                 force_n: power / sliding_speed,
             }
         };
-        let coordinates = instance.coordinates.iter().map(|member| {
-            let coordinate = &self.definition.coordinates[member.of];
-            let is_length = matches!(coordinate.unit.si.as_str(), "m" | "1");
-            OutputUnits {
-                size: unit(coordinate.unit.dimension),
-                angular: coordinate.periodic,
-                has_amplitude: is_length,
-            }
-        });
+        let of_coordinate = |which: usize| {
+            instance.coordinates.iter().map(move |member| {
+                let coordinate = &self.definition.coordinates[member.of];
+                let [mass, length, time] = coordinate.unit.dimension;
+                let is_position = which == 0;
+                let is_length = matches!(coordinate.unit.si.as_str(), "m" | "1");
+                OutputUnits {
+                    size: unit([mass, length, time - if is_position { 0 } else { WHOLE }]),
+                    angular: is_position && coordinate.periodic,
+                    has_amplitude: is_position && is_length,
+                }
+            })
+        };
+        let coordinates = of_coordinate(0).chain(of_coordinate(1));
         let outputs = outputs.iter().map(|one| OutputUnits {
             size: unit(*one),
             angular: false,
@@ -279,25 +284,26 @@ impl OwnKind for WrittenKind {
 
     fn output_names(&self, model: &OwnModel) -> Vec<OutputName> {
         let names = self.instance(model).and_then(|instance| {
-            let of_coordinate = |member: &Member| {
-                let meaning = self.definition.coordinates[member.of].meaning.clone();
-                let [(name, unit), rate] = self.coordinates[member.of].each_ref().map(
-                    |StartName { name, unit, .. }| {
-                        (numbered(name, unit, member.body), (*unit).to_owned())
-                    },
-                );
-                OutputName { name, unit, meaning, rate: Some(rate) }
+            let of_coordinate = |which: usize| {
+                instance.coordinates.iter().map(move |member| {
+                    let StartName { name, unit, .. } = self.coordinates[member.of][which];
+                    let meaning = match (which, &self.definition.coordinates[member.of].meaning) {
+                        (1, meaning) if !meaning.is_empty() => format!("rate of change: {meaning}"),
+                        (_, meaning) => meaning.clone(),
+                    };
+                    let name = numbered(name, unit, member.body);
+                    Ok(OutputName { name, unit: unit.to_owned(), meaning })
+                })
             };
             let of_output = |(number, member): (usize, &Member)| {
                 let WrittenOutput { name, meaning, .. } = &self.definition.outputs[member.of];
                 let unit = self.shown_unit(instance.output_dimension(number)?);
                 let name = format!("{name}{}", unit_ending(&unit));
                 let (name, meaning) = (numbered(&name, &unit, member.body), meaning.clone());
-                Ok(OutputName { name, unit, meaning, rate: None })
+                Ok(OutputName { name, unit, meaning })
             };
             let outputs = instance.outputs.iter().enumerate().map(of_output);
-            let coordinates = instance.coordinates.iter().map(of_coordinate).map(Ok);
-            coordinates.chain(outputs).collect()
+            of_coordinate(0).chain(of_coordinate(1)).chain(outputs).collect()
         });
         Self::part(names)
     }
