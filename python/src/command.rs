@@ -5,7 +5,7 @@ use std::io::{Write, stdout};
 
 use pyo3::prelude::*;
 use stickslip::cli;
-use stickslip::model::Registry;
+use stickslip::study::Registry;
 
 /// Runs the program and returns the exit code. The first argument is the name of the program.
 #[pyfunction]

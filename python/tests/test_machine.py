@@ -132,7 +132,7 @@ def test_a_block_comes_to_rest():
     )
     # Half a swing about 0.1 m to -0.15 m, and one about -0.1 m.
     assert found.label == "equilibrium"
-    assert found.run["position_m"] == pytest.approx([-0.05], abs=1e-6)
+    assert found.run["end_position_m"] == pytest.approx([-0.05], abs=1e-6)
     assert found.run["time_to_rest_s"] == pytest.approx([2 * math.pi / 10], abs=1e-6)
 
 

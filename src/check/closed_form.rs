@@ -7,7 +7,7 @@ use crate::analysis::{
     reference_amplitude,
 };
 use crate::check::BallPositions;
-use crate::model::{Block, Ground, Machine};
+use crate::model::Machine;
 
 /// What the closed forms say about a ball balancer.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,35 +112,5 @@ impl RestFacts {
             max_amplitude_m: set.amplitude_m.map(|(_, largest)| largest),
             overlapping_fraction: positions.overlapping_fraction(machine),
         })
-    }
-}
-
-/// What the closed forms say about a block on a spring.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct BlockFacts {
-    /// Natural frequency `sqrt(k / m)`, rad/s.
-    pub natural_frequency_rad_s: f64,
-    /// The largest displacement at which friction holds the block on rigid ground, and at which it slips from a belt,
-    /// `μ F / k`, m; with the static coefficient if the law has one.
-    pub static_reach_m: f64,
-    /// Speed of the belt, m/s, if there is one.
-    pub belt_speed_m_s: Option<f64>,
-}
-
-impl BlockFacts {
-    /// Returns the facts of a block.
-    pub fn of(block: &Block) -> Self {
-        let ratio = match block.friction.can_stick() {
-            true => block.friction.largest_ratio(block.friction_coefficient),
-            false => 0.0,
-        };
-        BlockFacts {
-            natural_frequency_rad_s: block.natural_frequency_rad_s(),
-            static_reach_m: ratio * block.unit_length_m(),
-            belt_speed_m_s: match block.ground {
-                Ground::Fixed => None,
-                Ground::Belt { speed_m_s } => Some(speed_m_s),
-            },
-        }
     }
 }

@@ -16,7 +16,7 @@ mod warning;
 mod warnings;
 
 pub use ball_fit::{BallPositions, density_kg_m3, occupied_angle};
-pub use closed_form::{BalancerFacts, BlockFacts, RestFacts};
+pub use closed_form::{BalancerFacts, RestFacts};
 pub use conditions::is_held_everywhere;
 pub use designs::ExaminedDesign;
 pub use obstacle::Obstacle;

@@ -10,7 +10,7 @@ use super::slips::{HEAVY_BALLS, LIMITS, Limit, has_mass_of_template};
 use super::warning::Finding;
 use crate::analysis::{Balance, RestForm, reference_amplitude};
 use crate::model::{
-    Ball, Block, Dimension, FrictionLaw, Ground, LawParameter, Machine, Model, STEEL_KG_M3,
+    Ball, Dimension, FrictionLaw, LawParameter, Machine, Model, ParameterDescriptor, STEEL_KG_M3,
 };
 use crate::numbers::short;
 use crate::study::{ListedParameter, Study};
@@ -21,7 +21,7 @@ const DENSITIES_KG_M3: [f64; 2] = [500.0, 25_000.0];
 const FRICTION: [f64; 2] = [1e-6, 2.0];
 /// The fastest disc, rad/s; 1e5 rad/s are 955,000 revolutions per minute.
 const FASTEST_RAD_S: f64 = 1e5;
-/// The fastest belt, m/s.
+/// The fastest part of a machine, m/s.
 const FASTEST_M_S: f64 = 1e3;
 /// The fraction of the positions of rest above which overlapping balls are a warning.
 const MOST_OVERLAPPING: f64 = 0.5;
@@ -37,8 +37,7 @@ pub(super) fn findings(
     let Some(machine) = model.ball_balancer() else {
         let kinetic = model.friction_coefficient();
         let friction = kinetic.and_then(|kinetic| at.friction(model.friction(), kinetic, None));
-        let belt_speed = model.block().and_then(|block| at.belt_speed(block));
-        return friction.into_iter().chain(belt_speed).collect();
+        return friction.into_iter().chain(at.fast_support(model)).collect();
     };
     let fits = [at.ring(machine), at.room(machine)].into_iter().flatten();
     let mut all: Vec<Finding> = fits.collect();
@@ -272,13 +271,18 @@ impl At<'_> {
         })
     }
 
-    fn belt_speed(&self, block: &Block) -> Option<Finding> {
-        let Ground::Belt { speed_m_s } = block.ground else { return None };
-        (speed_m_s > FASTEST_M_S).then(|| Finding {
+    /// Speeds of a system without balls, such as that of a belt.
+    fn fast_support(&self, model: &Model) -> Option<Finding> {
+        let speed = |parameter: &ParameterDescriptor| {
+            parameter.numbers(&mut model.clone(), None).first().map_or(0.0, |speed| speed.abs())
+        };
+        let mut parameters = model.kind().parameters.iter();
+        let fast = parameters.find(|one| one.unit == "m/s" && speed(one) > FASTEST_M_S)?;
+        Some(Finding {
             kind: "speed",
-            key: self.key("belt_speed_m_s", None),
-            problem: "a speed that no belt reaches".to_owned(),
-            found: format!("{} m/s", short(speed_m_s)),
+            key: self.key(fast.name, None),
+            problem: "a speed that no machine reaches".to_owned(),
+            found: format!("{} m/s", short(speed(fast))),
             remedy: format!("at most {FASTEST_M_S} m/s"),
         })
     }

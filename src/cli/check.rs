@@ -182,14 +182,13 @@ fn rows(
     };
     let model = described.model();
     let kind = model.kind();
-    let what = match (model.block(), model.contacts()) {
-        (Some(_), _) => kind.name.to_owned(),
-        (None, most) if described.sweeps_balls() => {
+    let what = match model.contacts() {
+        most if described.sweeps_balls() => {
             let fewest = described.numbers_of_balls().start().to_owned();
             format!("{} with {fewest} to {most} {}s", kind.name, kind.body)
         }
-        (None, 1) => format!("{} with 1 {}", kind.name, kind.body),
-        (None, contacts) => format!("{} with {contacts} {}s", kind.name, kind.body),
+        1 => format!("{} with 1 {}", kind.name, kind.body),
+        contacts => format!("{} with {contacts} {}s", kind.name, kind.body),
     };
     let (friction, natural) = (model.friction_in_words(), natural_frequency(described));
     let (hash, seed) = (&study.hash()[..12], study.seed());

@@ -4,9 +4,7 @@ use serde_json::{Value, json};
 
 use super::check_legend::legend;
 use crate::analysis::{Balance, Stability};
-use crate::check::{
-    BalancerFacts, BallPositions, BlockFacts, ExaminedDesign, RestFacts, points_to_examine,
-};
+use crate::check::{BalancerFacts, BallPositions, ExaminedDesign, RestFacts, points_to_examine};
 use crate::numbers::short;
 use crate::printed_table::{PrintedTable, as_text};
 use crate::responses::{design_json, merged, point_keys};
@@ -28,13 +26,10 @@ pub(super) struct ClosedForms {
 }
 
 enum Facts {
-    Block(BlockFacts),
     /// The facts, and the positions of rest with friction at its quantiles 0.025 and 0.975 if friction is uncertain.
     Balancer(Box<BalancerFacts>, Option<[RestFacts; 2]>),
     /// A model without closed forms.
-    Other {
-        natural_frequency_rad_s: f64,
-    },
+    Other { natural_frequency_rad_s: f64 },
 }
 
 /// Returns whether a parameter of this name is a friction coefficient.
@@ -54,8 +49,6 @@ impl ClosedForms {
             let facts = if let Some(machine) = model.ball_balancer() {
                 let facts = BalancerFacts::of(machine, &positions)?;
                 Facts::Balancer(Box::new(facts), friction_range(study, point_id, &positions))
-            } else if let Some(block) = model.block() {
-                Facts::Block(BlockFacts::of(block))
             } else {
                 Facts::Other { natural_frequency_rad_s: model.highest_frequency_rad_s() }
             };
@@ -95,9 +88,7 @@ impl ClosedForms {
         table.add(format!("natural [{}]", speed.symbol), |(_, facts)| {
             format!("{:.2}", speed.of(facts.natural_frequency_rad_s()))
         });
-        if balancers.is_empty() {
-            self.add_block(&mut table);
-        } else {
+        if !balancers.is_empty() {
             self.add_balancer(&mut table);
         }
         text += &as_text(&table.columns);
@@ -110,21 +101,6 @@ impl ClosedForms {
         text
     }
 
-    fn add_block(&self, table: &mut PrintedTable<'_, (Point, Facts)>) {
-        let mut add = |words: &str, key: &str, value: fn(&BlockFacts) -> Option<f64>| {
-            let unit = self.units.shown(key);
-            let cell = |facts: &Facts| match facts {
-                Facts::Block(facts) => value(facts).map(|value| short(unit.of(value))),
-                _ => None,
-            };
-            table.add_known(format!("{words} [{}]", unit.symbol), |(_, facts)| cell(facts));
-        };
-        if self.at.iter().all(|(_, facts)| matches!(facts, Facts::Block(_))) {
-            add("static reach", "static_reach_m", |facts| Some(facts.static_reach_m));
-            add("belt", "belt_speed_m_s", |facts| facts.belt_speed_m_s);
-        }
-    }
-
     fn add_balancer(&self, table: &mut PrintedTable<'_, (Point, Facts)>) {
         let [vibration, imbalance] = [self.units.vibration(), self.units.imbalance()];
         let mut add = |name: &str, cell: &dyn Fn(&Facts) -> Option<String>| {
@@ -132,7 +108,7 @@ impl ClosedForms {
         };
         let of = |facts: &Facts, value: &dyn Fn(&BalancerFacts) -> Option<String>| match facts {
             Facts::Balancer(facts, _) => value(facts),
-            Facts::Block(_) | Facts::Other { .. } => None,
+            Facts::Other { .. } => None,
         };
         add("speed/natural", &|one| of(one, &|facts| Some(format!("{:.3}", facts.speed_ratio))));
         add(&format!("capacity [{}]", imbalance.symbol), &|one| {
@@ -185,7 +161,7 @@ fn friction_range(
 fn balancer((point, facts): &(Point, Facts)) -> Option<(u64, &BalancerFacts)> {
     match facts {
         Facts::Balancer(facts, _) => Some((point.point_id, facts)),
-        Facts::Block(_) | Facts::Other { .. } => None,
+        Facts::Other { .. } => None,
     }
 }
 
@@ -195,7 +171,6 @@ const RANGE: &str = " .. ";
 impl Facts {
     fn natural_frequency_rad_s(&self) -> f64 {
         match self {
-            Facts::Block(facts) => facts.natural_frequency_rad_s,
             Facts::Balancer(facts, _) => facts.natural_frequency_rad_s,
             Facts::Other { natural_frequency_rad_s } => *natural_frequency_rad_s,
         }
@@ -220,7 +195,6 @@ impl Facts {
             Facts::Other { natural_frequency_rad_s } => {
                 return json!({"natural_frequency_rad_s": natural_frequency_rad_s});
             }
-            Facts::Block(facts) => return json!(facts),
             Facts::Balancer(facts, range) => (facts, range),
         };
         let mut object = json!({

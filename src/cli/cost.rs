@@ -137,14 +137,14 @@ impl Cost {
 fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
     let natural = model.natural_frequency_rad_s();
     let [_, latest_end_time_s] = simulation.end_times_s();
-    let speed = match (model.ball_balancer(), model.block()) {
-        (Some(machine), _) => machine.speed_rad_s.abs() / natural,
-        (None, Some(_)) => 0.0,
-        (None, None) => model.system().map_or(0.0, |system| system.pace()),
-    };
-    let balls = if model.block().is_some() { 0.0 } else { model.contacts() as f64 };
     let strictness = 1e-8 / simulation.relative_tolerance;
-    let tuned = 0.6 * (1.0 + speed) + 0.5 * balls * speed;
+    let tuned = match model.ball_balancer() {
+        Some(machine) => {
+            let speed = machine.speed_rad_s.abs() / natural;
+            0.6 * (1.0 + speed) + 0.5 * model.contacts() as f64 * speed
+        }
+        None => 0.6 * model.system().map_or(0.0, |system| system.pace()),
+    };
     // The general kernel takes shorter steps, and friction that depends on speed bends the motion at every switch.
     let steps = if has_tuned_kernel(model) { tuned } else { 1.5 * tuned };
     let steps = steps * strictness.max(1.0).powf(1.0 / 16.0);
@@ -173,9 +173,6 @@ fn times_longer(model: &Model) -> f64 {
 fn usual_seconds_per_step(model: &Model) -> f64 {
     let contacts = model.contacts() as f64;
     let tuned = 0.25e-6 * contacts * (1.0 + contacts / 20.0);
-    if model.block().is_some() {
-        return 0.9e-6;
-    }
     let step = if has_tuned_kernel(model) { tuned } else { 4.5 * tuned };
     times_longer(model) * step
 }

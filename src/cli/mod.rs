@@ -51,7 +51,7 @@ pub use output::print_message;
 pub use points_table::{MOST_LINES, PointsTable};
 
 use crate::engine::{say, show_messages, survive_file_size_limit};
-use crate::model::Registry;
+use crate::study::Registry;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -18,10 +18,15 @@ const MOST_ON_TERMINAL: usize = 20;
 /// order of time.
 pub fn switch_log(model: &Model, recording: &Recording, most: usize) -> String {
     let units = model.units();
-    // The only contact of a block has no number, and the column has the name of the balls' numbers.
-    let body = if model.block().is_some() { "ball" } else { model.kind().body };
-    let mut header =
-        vec!["time_s", body, "from", "to", "friction_n", "friction_limit_n", "normal_n"];
+    let mut header = vec![
+        "time_s",
+        model.kind().body,
+        "from",
+        "to",
+        "friction_n",
+        "friction_limit_n",
+        "normal_n",
+    ];
     let has_gaps = model.system().is_some_and(|system| system.touching().is_some());
     if has_gaps {
         header.extend(match model.kind().sliding_speed {
@@ -34,7 +39,7 @@ pub fn switch_log(model: &Model, recording: &Recording, most: usize) -> String {
         let newtons = |force| format!("{:.6e}", units.newtons(*contact, force).unwrap_or(f64::NAN));
         let mut row = vec![
             format!("{:.9}", units.seconds(*time)),
-            if model.block().is_some() { "-".to_owned() } else { format!("{}", contact + 1) },
+            format!("{}", contact + 1),
             phase_name(before.phase).to_owned(),
             phase_name(after.phase).to_owned(),
             newtons(before.friction),

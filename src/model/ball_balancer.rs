@@ -4,7 +4,7 @@ use super::kind::{Capabilities, DefaultModel, Field, ModelKind, ParameterDescrip
 use super::{Ball, Machine, Model, SlidingSpeed};
 
 /// The automatic ball balancer.
-pub(super) static KIND: ModelKind = ModelKind {
+pub static BALL_BALANCER: ModelKind = ModelKind {
     name: "ball_balancer",
     meaning: "An automatic ball balancer: a table on springs, a rotating disc with an imbalance, and balls in a ring.",
     parameters: &PARAMETERS,

@@ -103,23 +103,6 @@ impl Model {
             Model::BallBalancer(machine) => {
                 of_balancer(machine.balls.len(), machine.speed_profile.is_some())
             }
-            Model::Block(block) => {
-                let of_block =
-                    |name: &str, unit, meaning| Coordinate::new(name, unit, meaning, [0.0; 2]);
-                let half = block.unit_length_m();
-                vec![
-                    Coordinate {
-                        default_range: [-half, half],
-                        default_in_words: Some("± `normal_force_n` / `stiffness_n_m`"),
-                        ..of_block(
-                            "position_m",
-                            "m",
-                            "start position of the block, from where the spring is free",
-                        )
-                    },
-                    of_block("velocity_m_s", "m/s", "start velocity of the block"),
-                ]
-            }
         }
     }
 }

@@ -4,11 +4,9 @@
 use std::fmt;
 
 use super::coordinate::unit_ending;
-use super::registry::model_kinds;
-use super::written::written_kind_named;
 use super::{
-    Ball, BallContact, Block, Kick, Machine, Model, OwnKind, OwnModel, ProfilePart, Ramp,
-    SlidingSpeed, SpeedProfile,
+    Ball, BallContact, Kick, Machine, Model, OwnKind, OwnModel, ProfilePart, Ramp, SlidingSpeed,
+    SpeedProfile,
 };
 
 /// The name of the (kinetic) friction coefficient in every kind of model.
@@ -58,17 +56,19 @@ impl Capabilities {
 }
 
 impl ModelKind {
-    /// Returns the kind with this name.
-    pub fn named(name: &str) -> Option<&'static ModelKind> {
-        let registered = model_kinds().iter().copied().find(|kind| kind.name == name);
-        registered.or_else(|| written_kind_named(name))
-    }
-
     /// Returns a model with the default values.
     pub fn default_model(&'static self) -> Model {
         match self.default {
             DefaultModel::BuiltIn(model) => model(),
             DefaultModel::Own(own) => OwnModel::new(self, own).into(),
+        }
+    }
+
+    /// Returns whether the study gives the law of friction of contacts.
+    pub fn has_law_of_study(&self) -> bool {
+        match self.default {
+            DefaultModel::Own(own) => own.has_law_of_study(),
+            DefaultModel::BuiltIn(_) => true,
         }
     }
 
@@ -137,8 +137,6 @@ pub enum Field {
         /// The other parameter.
         determines: &'static str,
     },
-    /// A number of a block; `None` if its support has none.
-    Block(fn(&mut Block) -> Option<&mut f64>),
     /// A number of the contact between balls, for balls with contact.
     Contact(fn(&mut BallContact) -> &mut f64),
     /// A number of the speed profile, for a disc whose speed changes.
@@ -330,7 +328,6 @@ impl ParameterDescriptor {
             (Field::Contact(field), Model::BallBalancer(machine)) => {
                 machine.contact.as_mut().map(field).into_iter().collect()
             }
-            (Field::Block(field), Model::Block(block)) => field(block).into_iter().collect(),
             (Field::Own { .. } | Field::Count { .. }, Model::Own(own)) => {
                 own.number_mut(self).into_iter().collect()
             }

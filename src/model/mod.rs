@@ -1,16 +1,14 @@
 //! The mechanical system: parameters, equations of motion, closed forms.
 //!
-//! [`Model`] is the model of a study, in SI units: a [`Machine`] (the ball balancer), a [`Block`], or
-//! an [`OwnModel`] that a program outside this crate registers. [`Balancer`] and [`Slider`] are
-//! non-dimensional forms, with the equations of motion; [`System`] is their common interface. This module does not depend on how motion is
-//! integrated or how a run ends.
+//! [`Model`] is the model of a study, in SI units: a [`Machine`] (the ball balancer), or an [`OwnModel`] of a kind that a system
+//! file or a program outside this crate defines. [`Balancer`] is the machine without dimensions, with the equations of motion;
+//! [`System`] is the interface of all systems. This module does not depend on how motion is integrated or how a run ends.
 
 mod angle;
 mod balancer;
 mod ball_balancer;
 mod ball_contact;
 mod balls_in_contact;
-mod block;
 mod case;
 mod certificate;
 mod contact;
@@ -36,7 +34,6 @@ mod number;
 mod output;
 mod own;
 mod recorded;
-mod registry;
 mod rest;
 mod rest_in_contact;
 mod speed_profile;
@@ -47,10 +44,10 @@ mod written;
 
 pub use angle::{wrap_to_pi, wrap_to_two_pi};
 pub use balancer::{Balancer, BalancerBall, SPHERE_INERTIA, State};
+pub use ball_balancer::BALL_BALANCER;
 pub(crate) use ball_contact::pushes;
 pub use ball_contact::{BallContact, Gap, rolling_restitution};
 pub use balls_in_contact::{BallsInContact, LASTING_APPROACH};
-pub use block::{Block, Ground, Slider, SliderState};
 pub use case::{Case, Endings, Extend, Method, Simulation, Start};
 pub use certificate::{certified, certified_by_closed_form};
 pub use contact::Contact;
@@ -85,7 +82,6 @@ pub use number::{Elementary, Number};
 pub use output::{OutputName, OutputUnits, OutputValue};
 pub use own::{ContactNames, OwnKind, OwnModel};
 pub use recorded::{ContactMode, add_contact_inputs, add_mechanism_inputs, record_contact};
-pub use registry::{Registry, RegistryError, model_kinds};
 pub use rest::RestPoint;
 pub use rest_in_contact::TOUCHING;
 pub use speed_profile::{ProfilePart, Ramp, RampShape, SpeedProfile, SpeedSegment};
@@ -97,5 +93,5 @@ pub use units::{ContactUnits, Units};
 pub use written::{
     COEFFICIENT, Definition, FaultAt, Formula, FormulaFault, LONGEST_FORMULA, Place, Unit, WHOLE,
     WRITTEN, WrittenContact, WrittenCoordinate, WrittenFriction, WrittenNormal, WrittenOutput,
-    WrittenParameter, law_key, written_kind,
+    WrittenParameter, law_key, written_kind, written_kind_named,
 };

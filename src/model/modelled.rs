@@ -6,8 +6,8 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::{
-    Balancer, BallsInContact, Block, Components, FrictionLaw, Ground, InvalidParameter, Machine,
-    ModelKind, OwnModel, Start, System, ball_balancer, block,
+    BALL_BALANCER, Balancer, BallsInContact, Components, FrictionLaw, InvalidParameter, Machine,
+    ModelKind, OwnModel, Start, System,
 };
 
 /// One of the mechanical systems with its parameters.
@@ -15,9 +15,7 @@ use super::{
 pub enum Model {
     /// The automatic ball balancer.
     BallBalancer(Machine),
-    /// A block on a spring, on rigid ground or on a belt.
-    Block(Block),
-    /// A model that is defined outside this crate.
+    /// A model that a system file or a program outside this crate defines.
     Own(OwnModel),
 }
 
@@ -32,12 +30,6 @@ impl From<Machine> for Model {
     }
 }
 
-impl From<Block> for Model {
-    fn from(block: Block) -> Self {
-        Model::Block(block)
-    }
-}
-
 impl From<OwnModel> for Model {
     fn from(model: OwnModel) -> Self {
         Model::Own(model)
@@ -48,9 +40,7 @@ impl Model {
     /// The model's kind.
     pub fn kind(&self) -> &'static ModelKind {
         match self {
-            Model::BallBalancer(_) => &ball_balancer::KIND,
-            Model::Block(Block { ground: Ground::Fixed, .. }) => &block::ON_SPRING,
-            Model::Block(Block { ground: Ground::Belt { .. }, .. }) => &block::ON_BELT,
+            Model::BallBalancer(_) => &BALL_BALANCER,
             Model::Own(own) => own.kind(),
         }
     }
@@ -62,7 +52,6 @@ impl Model {
     pub fn validate(&self) -> Result<(), InvalidParameter> {
         match self {
             Model::BallBalancer(machine) => machine.validate(),
-            Model::Block(block) => block.validate(),
             Model::Own(own) => own.validate(),
         }
     }
@@ -93,7 +82,6 @@ impl Model {
     pub(super) fn system_in_order(&self, angles: &[f64]) -> Option<Arc<dyn System>> {
         let machine = match self {
             Model::BallBalancer(machine) => machine,
-            Model::Block(block) => return Some(Arc::new(block.slider())),
             Model::Own(own) => return Some(own.own().system(own)),
         };
         match machine.balls.len() {
@@ -119,9 +107,6 @@ impl Model {
                 Model::BallBalancer(_) => {
                     "the start state has another number of balls than the machine".to_owned()
                 }
-                Model::Block(_) => {
-                    "the start state of a block is its position and its velocity".to_owned()
-                }
                 Model::Own(own) => {
                     let names = self.coordinates().into_iter().map(|coordinate| coordinate.name);
                     let names: Vec<String> = names.collect();
@@ -142,12 +127,6 @@ impl Model {
                 let (velocity, beta_dot) = rest.split_at(2);
                 Some([position, velocity, beta, beta_dot].concat().into())
             }
-            (Model::Block(block), &[position_m, velocity_m_s]) => {
-                let length = block.unit_length_m();
-                let speed_unit = length * block.natural_frequency_rad_s();
-                let relative = velocity_m_s / speed_unit - block.slider().belt_speed;
-                Some([position_m / length, relative].into_iter().collect())
-            }
             (Model::Own(own), values) if values.len() == self.coordinates().len() => {
                 Some(own.own().start_state(own, values))
             }
@@ -159,7 +138,7 @@ impl Model {
     pub fn ball_balancer(&self) -> Option<&Machine> {
         match self {
             Model::BallBalancer(machine) => Some(machine),
-            Model::Block(_) | Model::Own(_) => None,
+            Model::Own(_) => None,
         }
     }
 
@@ -167,15 +146,7 @@ impl Model {
     pub fn ball_balancer_mut(&mut self) -> Option<&mut Machine> {
         match self {
             Model::BallBalancer(machine) => Some(machine),
-            Model::Block(_) | Model::Own(_) => None,
-        }
-    }
-
-    /// Returns the block; `None` if the model is not a block.
-    pub fn block(&self) -> Option<&Block> {
-        match self {
-            Model::Block(block) => Some(block),
-            Model::BallBalancer(_) | Model::Own(_) => None,
+            Model::Own(_) => None,
         }
     }
 
@@ -183,7 +154,7 @@ impl Model {
     /// models have the version of the program.
     pub fn own_version(&self) -> Option<u32> {
         match self {
-            Model::BallBalancer(_) | Model::Block(_) => None,
+            Model::BallBalancer(_) => None,
             Model::Own(own) => Some(own.own().version()),
         }
     }
@@ -197,7 +168,6 @@ impl Model {
     pub fn contacts(&self) -> usize {
         match self {
             Model::BallBalancer(machine) => machine.balls.len().max(1),
-            Model::Block(_) => 1,
             Model::Own(_) => self.units().contacts.len(),
         }
     }
@@ -206,7 +176,6 @@ impl Model {
     pub fn friction(&self) -> &FrictionLaw {
         match self {
             Model::BallBalancer(machine) => &machine.friction,
-            Model::Block(block) => &block.friction,
             Model::Own(own) => own.friction(),
         }
     }
@@ -215,7 +184,6 @@ impl Model {
     pub fn friction_mut(&mut self) -> &mut FrictionLaw {
         match self {
             Model::BallBalancer(machine) => &mut machine.friction,
-            Model::Block(block) => &mut block.friction,
             Model::Own(own) => own.friction_mut(),
         }
     }
@@ -224,7 +192,6 @@ impl Model {
     pub fn friction_coefficient(&self) -> Option<f64> {
         match self {
             Model::BallBalancer(_) => None,
-            Model::Block(block) => Some(block.friction_coefficient),
             Model::Own(own) => own.friction_coefficient(),
         }
     }
@@ -233,7 +200,6 @@ impl Model {
     pub fn natural_frequency_rad_s(&self) -> f64 {
         match self {
             Model::BallBalancer(machine) => machine.natural_frequency_rad_s(),
-            Model::Block(block) => block.natural_frequency_rad_s(),
             Model::Own(own) => own.own().units(own).natural_rad_s,
         }
     }
@@ -242,13 +208,13 @@ impl Model {
     pub fn highest_frequency_rad_s(&self) -> f64 {
         match self {
             Model::Own(own) => own.own().highest_frequency_rad_s(own),
-            Model::BallBalancer(_) | Model::Block(_) => self.natural_frequency_rad_s(),
+            Model::BallBalancer(_) => self.natural_frequency_rad_s(),
         }
     }
 
     /// Returns the names of the laws of friction of all contacts.
     pub fn friction_in_words(&self) -> String {
-        let Some(system) = self.system().filter(|_| self.kind().source().is_some()) else {
+        let Some(system) = self.system().filter(|_| !self.kind().has_law_of_study()) else {
             return self.friction().name().to_owned();
         };
         let mut laws: Vec<&str> =
@@ -261,7 +227,6 @@ impl Model {
     /// natural frequency.
     pub fn damping_rate(&self) -> f64 {
         match self {
-            Model::Block(block) => block.slider().friction.damping_rate(1.0),
             Model::BallBalancer(machine) => {
                 let weight = (machine.speed_rad_s / machine.natural_frequency_rad_s()).powi(2);
                 let friction = machine.balls.iter().map(|ball| machine.ball_friction(ball));

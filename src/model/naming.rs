@@ -14,7 +14,7 @@ impl Model {
     pub fn output_names(&self) -> Vec<OutputName> {
         match self {
             Model::Own(own) => own.own().output_names(own),
-            Model::BallBalancer(_) | Model::Block(_) => Vec::new(),
+            Model::BallBalancer(_) => Vec::new(),
         }
     }
 
@@ -22,7 +22,6 @@ impl Model {
     /// here, or `_NAME` for a contact with a name; nothing for the only contact of a block.
     pub fn contact_suffix(&self, contact: usize) -> String {
         match (self, self.own_names(contact)) {
-            (Model::Block(_), _) => String::new(),
             (_, Some(own)) => format!("_{}", own.contact),
             (_, None) => format!("_{}", contact + 1),
         }

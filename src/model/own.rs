@@ -27,6 +27,11 @@ pub trait OwnKind: Sync {
         None
     }
 
+    /// Returns whether contacts have the law of friction of the study.
+    fn has_law_of_study(&self) -> bool {
+        true
+    }
+
     /// Returns what results call the contacts; by default, they have numbers.
     fn contact_names(&self, _model: &OwnModel) -> Option<Vec<ContactNames>> {
         None
@@ -135,7 +140,7 @@ impl OwnModel {
     pub(super) fn friction_coefficient(&self) -> Option<f64> {
         let mut parameters = self.kind.parameters.iter();
         let place = parameters.position(|one| one.name == FRICTION_COEFFICIENT)?;
-        self.own.source().is_none().then(|| self.values[place])
+        self.own.has_law_of_study().then(|| self.values[place])
     }
 
     /// Returns what the kind computes.
@@ -149,7 +154,8 @@ impl OwnModel {
         self.values.get_mut(self.kind.parameters.iter().position(is_it)?)
     }
 
-    pub(super) fn friction(&self) -> &FrictionLaw {
+    /// Returns the law of friction of the study.
+    pub fn friction(&self) -> &FrictionLaw {
         &self.friction
     }
 

@@ -7,7 +7,7 @@ use super::driven::{Turning, Turns};
 use super::system::stiff_pace;
 use super::{
     Balancer, BalancerBall, Components, Contact, ContactEquations, ContactLayout, Expression,
-    Forces, Friction, Layout, Number, Recorder, RestForms, Slider, State, Structure, System,
+    Forces, Friction, Layout, Number, Recorder, RestForms, State, Structure, System,
     SystemEquations,
 };
 
@@ -352,63 +352,6 @@ impl<const N: usize> System for Balancer<N> {
 
     fn jump_of_balls(&self, state: &mut [f64], jump: [f64; 2]) -> u32 {
         Balancer::jump_of_balls(self, state, jump)
-    }
-
-    fn as_any(&self) -> &dyn Any {
-        self
-    }
-}
-
-impl System for Slider {
-    fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
-        let state: State<1, Expression<'r>, 0> = record_state(recorder);
-        let belt_speed = recorder.parameter("belt_speed");
-        let contacts = [record_contact(recorder, &self.friction, state.beta_dot[0])];
-        let forces = Slider::forces_of(&state, &contacts);
-        let derivative = Slider::derivative_of(belt_speed, &state, &contacts, &forces);
-        equations(&state, &derivative, &forces, false)
-    }
-
-    fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
-        let mut inputs = vec![self.belt_speed];
-        for mode in modes {
-            add_contact_inputs(&mut inputs, *mode, &self.friction);
-        }
-        inputs
-    }
-
-    fn structure(&self) -> Option<Structure> {
-        Some((TypeId::of::<Self>(), vec![self.friction.law_name()], Vec::new()))
-    }
-
-    fn contacts(&self) -> usize {
-        1
-    }
-
-    fn friction(&self, _contact: usize) -> &Friction {
-        &self.friction
-    }
-
-    /// A quarter of a period.
-    fn longest_step(&self) -> f64 {
-        std::f64::consts::FRAC_PI_2
-    }
-
-    fn pace(&self) -> f64 {
-        1.0 + stiff_pace(self.friction.damping_rate(1.0))
-    }
-
-    /// The normal force does not depend on the acceleration.
-    fn surely_one_solution(&self) -> bool {
-        true
-    }
-
-    fn one_solution_at(&self, _state: &[f64]) -> bool {
-        true
-    }
-
-    fn force_scale(&self) -> f64 {
-        1.0
     }
 
     fn as_any(&self) -> &dyn Any {

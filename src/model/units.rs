@@ -1,6 +1,6 @@
 //! Units of the non-dimensional values of a model.
 
-use super::{Ground, Model, OutputUnits};
+use super::{Model, OutputUnits};
 
 /// Conversion of non-dimensional values of a model to SI units.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,8 +13,6 @@ pub struct Units {
     pub contacts: Vec<ContactUnits>,
     /// Speed of the disc, rad/s; 0 without a disc.
     pub disc_rad_s: f64,
-    /// Speed of the ground of a block, m/s; 0 for a ball.
-    pub ground_m_s: f64,
     /// The units of each output.
     pub outputs: Vec<OutputUnits>,
 }
@@ -66,20 +64,6 @@ impl Model {
                     .map(|force_n| ContactUnits::new(1.0, natural, force_n))
                     .collect(),
                 disc_rad_s: machine.speed_rad_s,
-                ..Units::default()
-            },
-            Model::Block(block) => Units {
-                natural_rad_s: natural,
-                length_m: block.unit_length_m(),
-                contacts: vec![ContactUnits::new(
-                    block.unit_length_m(),
-                    natural,
-                    block.normal_force_n,
-                )],
-                ground_m_s: match block.ground {
-                    Ground::Fixed => 0.0,
-                    Ground::Belt { speed_m_s } => speed_m_s,
-                },
                 ..Units::default()
             },
         }

@@ -77,11 +77,10 @@ fn decided_later(model: &Model) -> String {
     let longer = "a larger simulation.end_time_s or simulation.extend decides";
     let kind = model.kind().name;
     match found_endings(model) {
-        FoundEndings { cycles: true, .. } => match (model.ball_balancer(), model.block()) {
-            (Some(machine), _) if machine.contact.is_none() => format!("{longer} more"),
-            (_, None) => format!("{longer} more, but no quasi-periodic motion"),
-            (_, Some(_)) => format!(
-                "{longer} more, but no run in which the block keeps sliding with constant amplitude"
+        FoundEndings { cycles: true, .. } => match model.ball_balancer() {
+            Some(machine) if machine.contact.is_none() => format!("{longer} more"),
+            _ => format!(
+                "{longer} more, but no run whose motion goes on with an amplitude that depends on its start"
             ),
         },
         FoundEndings { rests: true, .. } => format!(

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::model::model_kinds;
+use crate::study::kinds::model_kinds;
 use crate::study::plan::planned_study::Study;
 
 /// Returns the resolved study of a kind of model without any optional key.

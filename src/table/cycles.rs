@@ -78,10 +78,7 @@ fn add_sliding_speed(list: &mut Columns<CycleRow>, model: &Model, contact: usize
         list.number(format!("{name}{ending}"), &unit, move |row| {
             row.value.roles.get(contact).map(|role| role.speed_extremes[end])
         })
-        .meaning(match model.block() {
-            Some(_) => format!("{word} speed relative to the belt in any run"),
-            None => format!("{word} sliding speed in any run"),
-        });
+        .meaning(format!("{word} sliding speed in any run"));
     }
 }
 

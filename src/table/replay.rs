@@ -84,10 +84,9 @@ pub fn trajectory_columns(model: &Model, gaps: &[[usize; 2]]) -> Vec<Column<Samp
         add_table(&mut list, &units, &disc);
     }
     for contact in 0..model.contacts() {
-        match (model.ball_balancer(), model.block()) {
-            (Some(_), _) => add_ball(&mut list, model, contact),
-            (None, Some(_)) => add_block(&mut list, model),
-            (None, None) => add_body(&mut list, model, contact),
+        match model.ball_balancer() {
+            Some(_) => add_ball(&mut list, model, contact),
+            None => add_body(&mut list, model, contact),
         }
     }
     let sizes = units.outputs.iter().map(|output| output.size);
@@ -110,16 +109,12 @@ pub fn trajectory_columns(model: &Model, gaps: &[[usize; 2]]) -> Vec<Column<Samp
         for ball in 0..model.balls() {
             add_non_dimensional(&mut list, ball, "beta_dot", &format!("_{}", ball + 1));
         }
-    } else if model.kind().source().is_none() {
-        let meaning = match model.block() {
-            Some(_) => "position over F_n / k",
-            None => "position divided by its unit",
-        };
+    } else if model.output_names().is_empty() {
         for contact in 0..model.contacts() {
             let suffix = model.contact_suffix(contact);
             let name = format!("position{suffix}");
             of_contact(&mut list, contact, name, NON_DIMENSIONAL, |contact| contact.position)
-                .meaning(meaning);
+                .meaning("position divided by its unit");
             add_non_dimensional(&mut list, contact, "sliding_speed", &suffix);
         }
     }
@@ -178,19 +173,6 @@ fn add_ball(list: &mut Columns<Sample>, model: &Model, ball: usize) {
     add_forces(list, model, ball, &format!("_{number}"));
 }
 
-fn add_block(list: &mut Columns<Sample>, model: &Model) {
-    let units = model.units();
-    let (length, speed) = (units.length_m, units.length_m * units.natural_rad_s);
-    let ground = units.ground_m_s;
-    of_contact(list, 0, "position_m", "m", move |block| block.position * length)
-        .meaning("position of the block, from where the spring is free");
-    of_contact(list, 0, "velocity_m_s", "m/s", move |block| block.speed * speed + ground)
-        .meaning("velocity of the block");
-    of_contact(list, 0, "sliding_speed_m_s", "m/s", move |block| block.speed * speed)
-        .meaning("speed of the block relative to the ground");
-    add_forces(list, model, 0, "");
-}
-
 /// Adds position, speed and forces of a body of a model that is defined outside this crate.
 fn add_body(list: &mut Columns<Sample>, model: &Model, contact: usize) {
     let (units, suffix) = (model.units(), model.contact_suffix(contact));
@@ -240,7 +222,7 @@ fn add_non_dimensional(list: &mut Columns<Sample>, contact: usize, speed: &str, 
     };
     let meaning = "sliding speed divided by natural frequency and unit of length";
     number(speed, |contact| contact.speed, meaning);
-    let meaning = "friction force divided by its unit (m ω_n² L; for a block, its normal force)";
+    let meaning = "friction force divided by its unit (for a ball, m ω_n² L)";
     number("friction", |contact| contact.friction, meaning);
     let meaning = "friction limit, divided by the same unit";
     number("friction_limit", |contact| contact.limit, meaning);
@@ -254,18 +236,15 @@ pub fn switch_columns(model: &Model) -> Vec<Column<Switch>> {
     let has_angles = model.kind().sliding_speed == SlidingSpeed::RadS;
     let mut list = Columns::<Switch>::new();
     list.number("time_s", "s", move |row| row.time / natural).meaning("time since the start");
-    if model.block().is_none() {
-        let body = model.kind().body;
-        list.count(body, |row| row.contact as u64 + 1)
-            .meaning(format!("number of the {body}, from 1"));
-    }
+    let body = model.kind().body;
+    list.count(body, |row| row.contact as u64 + 1).meaning(format!("number of the {body}, from 1"));
     list.word("from", |row| phase_name(row.before.phase)).meaning(PHASE);
     list.word("to", |row| phase_name(row.after.phase)).meaning("phase after the switch");
-    let is_of_file = model.kind().source().is_some();
+    let has_outputs = !model.output_names().is_empty();
     let (name, unit) = match (model.ball_balancer(), has_angles) {
         (Some(_), _) => ("beta_rad", "rad"),
         (None, true) => ("angle_rad", "rad"),
-        (None, false) if is_of_file => ("position", "SI"),
+        (None, false) if has_outputs => ("position", "SI"),
         (None, false) => ("position_m", "m"),
     };
     let factors: Vec<f64> = units.contacts.iter().map(|one| one.position).collect();

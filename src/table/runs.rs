@@ -125,12 +125,9 @@ pub fn add_position<R: 'static>(
     let model = study.model();
     for contact in (0..model.contacts()).filter(|contact| !model.repeats_position(*contact)) {
         let (name, unit) = model.position_column(contact);
-        let meaning = match (model.ball_balancer(), model.block()) {
-            (Some(_), _) => meaning.to_owned(),
-            (None, Some(_)) => {
-                "position of the block at the end, from where the spring is free".to_owned()
-            }
-            (None, None) => format!("position of {} at the end", model.contact_in_words(contact)),
+        let meaning = match model.ball_balancer() {
+            Some(_) => meaning.to_owned(),
+            None => format!("position of {} at the end", model.contact_in_words(contact)),
         };
         list.number(name, unit, move |row| value(row)?.get(contact).copied()).meaning(meaning);
     }
@@ -171,16 +168,12 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         add_position(&mut list, study, meaning, |row: &RunRecord| row.outcome.position.as_ref());
     }
     list.number("amplitude_m", "m", |row| row.outcome.amplitude_m).meaning(
-        match (model.ball_balancer(), model.block()) {
-            (Some(_), _) => {
+        match model.ball_balancer() {
+            Some(_) => {
                 "amplitude of the table's vibration: at rest, or the root mean square over the \
                  cycle or the last tenth of the time"
             }
-            (None, Some(_)) => {
-                "half the distance between the extreme positions of the block over the cycle or \
-                 the last tenth of the time; 0 at rest"
-            }
-            (None, None) => {
+            None => {
                 "amplitude over the cycle or the last tenth of the time: the largest half distance \
                  between the extreme positions of a body, or the root mean square of the vibration \
                  if the model has one; 0 at rest"
@@ -366,14 +359,14 @@ fn add_lyapunov(list: &mut Columns<RunRecord>) {
 
 /// Returns the meaning of the text of a class.
 pub(super) fn class_meaning(model: &Model) -> String {
-    let parts = if model.block().is_none() {
+    let parts = if model.balls() > 0 {
         "for each ball, joined by |: rest, or turns per period (negative against the rotation of \
          the disc) and, after a colon, the sequence of its phases: S stick, F forward slip, B \
          backward slip (the n-th letters of all balls are simultaneous); identical balls are not \
          ordered"
     } else {
-        "0, a colon and the sequence of the block's phases: S stick, F forward slip on the belt, B \
-         backward slip"
+        "for each contact, joined by |: turns per period and, after a colon, the sequence of its phases: S stick, F \
+         forward slip, B backward slip, A apart (the n-th letters of all contacts are simultaneous)"
     };
     format!("class of the limit cycle: {parts}; unknown if the orbit is only known to close")
 }

@@ -1,9 +1,10 @@
 //! Classes of limit cycles: equivalent cycles, and only those, have the same class.
 
+use crate::support::Block;
 use proptest::prelude::*;
 use stickslip::analysis::{CycleClass, Role, groups_of_identical};
 use stickslip::classification::{Cycle, CyclePhase, Evidence, Outcome, TouchingPair};
-use stickslip::model::{Balancer, Ball, Block, Machine, Model, State};
+use stickslip::model::{Balancer, Ball, Machine, Model, State};
 use stickslip::motion::{Direction, Phase};
 
 use crate::support::reference::derivative;

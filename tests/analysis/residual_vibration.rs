@@ -3,11 +3,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use crate::support::Block;
 use stickslip::analysis::{
     Observed, PointAccumulator, ResidualVibration, Z_95, reference_amplitude, wilson_with_failures,
 };
 use stickslip::classification::{Evidence, Outcome};
-use stickslip::model::{Block, Case, Machine, Model, Simulation, Start};
+use stickslip::model::{Case, Machine, Model, Simulation, Start};
 
 fn add(
     point: &mut PointAccumulator,

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use stickslip::analysis::{RestForm, Stability, sample};
-use stickslip::check::{BalancerFacts, BallPositions, BlockFacts};
-use stickslip::model::{Ball, BallContact, Block, FrictionLaw, Machine, wrap_to_pi};
+use stickslip::check::{BalancerFacts, BallPositions};
+use stickslip::model::{Ball, BallContact, FrictionLaw, Machine, wrap_to_pi};
 
 fn facts(machine: &Machine) -> BalancerFacts {
     BalancerFacts::of(machine, &BallPositions::new([machine.balls.len()])).unwrap()
@@ -94,20 +94,4 @@ fn the_worst_rest_with_contact_is_the_worst_of_many_positions() {
 fn friction_that_cannot_hold_a_ball_has_no_positions_of_rest() {
     let friction = FrictionLaw::smooth(0.1);
     assert_eq!(facts(&Machine { friction, ..Machine::default() }).rest, None);
-}
-
-#[test]
-fn a_block_is_held_where_the_spring_is_weaker_than_friction() {
-    let spring = BlockFacts::of(&Block::on_spring());
-    assert_eq!((spring.natural_frequency_rad_s, spring.belt_speed_m_s), (10.0, None));
-    assert!((spring.static_reach_m - 0.01).abs() < 1e-15);
-    let friction = FrictionLaw::stribeck(0.2, 0.0);
-    let belt = BlockFacts::of(&Block { friction, ..Block::on_belt() });
-    assert!((belt.static_reach_m - 0.02).abs() < 1e-15);
-    assert_eq!(belt.belt_speed_m_s, Some(0.1));
-    let viscous = FrictionLaw::viscous(1.0);
-    assert_eq!(
-        BlockFacts::of(&Block { friction: viscous, ..Block::on_spring() }).static_reach_m,
-        0.0
-    );
 }

@@ -9,8 +9,9 @@
 //! sticking block at break-away makes the errors of period and amplitude proportional to the band.
 
 use crate::model::closed_forms::ClosedForms;
+use crate::support::Block;
 use stickslip::classification::{Evidence, simulate};
-use stickslip::model::{Block, Case, FrictionLaw, Method, Simulation, Start};
+use stickslip::model::{Case, FrictionLaw, Method, Simulation, Start};
 
 /// The relative errors of one computation.
 #[derive(Clone, Copy, Debug)]

@@ -2,11 +2,10 @@
 
 use crate::cli::support::parse;
 use crate::model::closed_forms::ClosedForms;
+use crate::support::{Block, Ground};
 use stickslip::classification::{Evidence, Outcome, simulate, simulate_by_recorded_equations};
 use stickslip::engine::compute;
-use stickslip::model::{
-    BallContact, Block, Case, FrictionLaw, Ground, Machine, Method, Model, Simulation, Start,
-};
+use stickslip::model::{BallContact, Case, FrictionLaw, Machine, Method, Model, Simulation, Start};
 
 const METHODS: [Method; 2] = [Method::Event, Method::Switch];
 
@@ -89,7 +88,7 @@ fn a_study_sweeps_the_viscous_coefficient() {
     );
     for run in 0..study.run_count() {
         let case = study.planned_run(run).case.expect("a case");
-        let block = case.model.block().expect("a block");
+        let block = Block::of(&case.model).expect("a block");
         let exact = block.damped_stopping(0.2, 0.0).expect("oscillates");
         let outcome = compute(&study, run, simulate).outcome;
         near(position(&outcome), *exact.turning_points_m.last().expect("stops"), 1e-8);

@@ -1,11 +1,12 @@
 //! Runs with rest as the only detected ending: runs that come to rest are unchanged, and all others
 //! are undecided.
 
+use crate::support::Block;
 use stickslip::classification::{
     Evidence, Label, Outcome, simulate, simulate_by_recorded_equations,
 };
 use stickslip::model::{
-    Block, Case, Endings, Extend, FrictionLaw, Machine, Method, Model, Simulation, Start,
+    Case, Endings, Extend, FrictionLaw, Machine, Method, Model, Simulation, Start,
 };
 
 fn starts(balls: usize) -> impl Iterator<Item = Start> {

@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
+use crate::support::{Block, Ground};
 use stickslip::classification::{Evidence, Label, Outcome, simulate};
-use stickslip::model::{
-    Block, Case, Extend, FrictionLaw, Ground, Machine, Method, Simulation, Start,
-};
+use stickslip::model::{Case, Extend, FrictionLaw, Machine, Method, Simulation, Start};
 use stickslip::motion::Failure;
 use stickslip::study::Study;
 

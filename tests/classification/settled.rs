@@ -3,12 +3,12 @@
 
 use std::f64::consts::TAU;
 
+use crate::support::{Block, Ground};
 use rayon::prelude::*;
 use stickslip::analysis::{FrictionlessEquilibrium, Stability, frictionless_equilibria};
 use stickslip::classification::{Evidence, Outcome, simulate};
 use stickslip::model::{
-    Balancer, Ball, BallContact, Block, Case, FrictionLaw, Ground, Machine, Model, Simulation,
-    Start, State,
+    Balancer, Ball, BallContact, Case, FrictionLaw, Machine, Model, Simulation, Start, State,
 };
 use stickslip::motion::Settings;
 

@@ -756,19 +756,6 @@ fn large_sweeps_are_shown_in_part() {
     assert_eq!(report(&scratch, "a.yaml")["closed_form"]["points"].as_array().unwrap().len(), 60);
 }
 
-#[test]
-fn a_block_has_a_static_reach() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study("model: {kind: block_on_belt}\n", ""));
-    let point = &report(&scratch, "a.yaml")["closed_form"]["points"][0];
-    assert_eq!(
-        (&point["natural_frequency_rad_s"], &point["belt_speed_m_s"]),
-        (&json!(10.0), &json!(0.1))
-    );
-    assert!((point["static_reach_m"].as_f64().unwrap() - 0.01).abs() < 1e-12);
-    assert_has(&scratch.well("check a.yaml"), &["machine (block_on_belt)\n", "static reach [m]"]);
-}
-
 /// The natural frequency is that of the medians at the points, and the speed of a profile is no default.
 #[test]
 fn the_machine_is_that_of_the_runs() {

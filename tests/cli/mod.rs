@@ -26,7 +26,6 @@ mod merged;
 mod network;
 mod new;
 mod optimize;
-mod own_system;
 mod progress;
 mod remedies;
 mod replay;

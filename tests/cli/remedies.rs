@@ -64,12 +64,12 @@ fn more_time_decides_only_what_is_sought() {
         let out = format!("run a.yaml --out out-{}", friction.len());
         scratch.well(&out)
     };
-    let rests = "8 of 8 runs are undecided; the program finds neither limit cycles of block_on_belt nor rests in which a block \
+    let rests = "8 of 8 runs are undecided; the program finds neither limit cycles of block_on_belt nor rests in which a contact \
                  sticks, so that a larger simulation.end_time_s or simulation.extend decides only runs that are irregular or \
                  slide at constant speed.\n";
     assert_has(&block(""), &[rests]);
     let jump = ", friction: {stribeck: {static_friction_coefficient: 0.2, stribeck_speed_m_s: 0}}";
-    let sliding = "or simulation.extend decides more, but no run in which the block keeps sliding with constant amplitude.\n";
+    let sliding = "or simulation.extend decides more, but no run whose motion goes on with an amplitude that depends on its start.\n";
     assert_has(&block(jump), &[sliding]);
     scratch.write("b.yaml", study(AT_ONCE, "").replace("balancer}", "balancer, contact: {}}"));
     let text = scratch.well("run b.yaml --out contact");

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::support::{Scratch, assert_has, numbers, words};
+use super::support::{Scratch, assert_has, counts, numbers, words};
+use crate::support::TwoBlocks;
 
 const STUDIES: [(&str, &str, &str); 2] =
     [("woodpecker", "woodpecker", "samples: 16"), ("block-chain", "block_chain", "samples: 8")];
@@ -194,4 +195,82 @@ fn the_template_and_the_schema_know_systems() {
     let wrong: Value =
         serde_saphyr::from_str(&text.replace("contacts:", "contact:")).expect("YAML");
     assert!(!validator.is_valid(&wrong));
+}
+
+/// Positions, speeds and switches of two blocks that stick and slip are those of the closed form.
+#[test]
+fn two_blocks_move_as_in_closed_form() {
+    let scratch = studies();
+    for (number, (method, coupling, belt_speed, tolerance)) in
+        [("event", 0.5, 0.1, 1e-10), ("event", 1.7, 0.25, 1e-10), ("switch", 0.5, 0.1, 1e-6)]
+            .into_iter()
+            .enumerate()
+    {
+        // With 1 kg, 100 N/m and 10 N: the units of the closed form are 0.1 m, 0.1 s and 1 m/s. The band is 1e-8 m/s.
+        let text = format!(
+            "schema: 1\nname: a\nseed: 1\nmodel:\n  system: systems/block_chain.yaml\n  \
+             parameters: {{coupling_stiffness_n_m: {}, belt_speed_m_s: {belt_speed}}}\n\
+             initial_conditions:\n  box: {{x_1_m: [0.012, 0.012], x_2_m: [-0.03, -0.03], \
+             x_rate_1_m_s: [0.3, 0.3], x_rate_2_m_s: [-0.1, -0.1]}}\n  \
+             design: {{monte_carlo: {{samples: 1}}}}\n\
+             simulation: {{end_time_s: 6, method: {method}, band: 5.0e-9, \
+             tolerance: {{relative: 1.0e-11, absolute: 1.0e-12}}}}\n",
+            100.0 * coupling
+        );
+        scratch.write("a.yaml", text);
+        let out = format!("out-{number}");
+        scratch.well(&format!("run a.yaml --out {out}"));
+        scratch.well(&format!("replay {out} 0 --times 0:5.9:591 --out {out}-replay"));
+        let table = scratch.table(&format!("{out}-replay"), "switches");
+        let units = |all: Vec<Option<f64>>, unit: f64| {
+            all.into_iter().map(|one| one.map(|one| one / unit)).collect::<Vec<_>>()
+        };
+        let all =
+            (words(&table, "to"), units(numbers(&table, "time_s"), 0.1), counts(&table, "contact"));
+        // In the band of the switch model, a block passes through a transition on its way.
+        let is_end = |to: &Option<String>| !to.as_deref().unwrap_or("").starts_with("transition");
+        let mut switches = (0..table.num_rows()).filter(|&row| is_end(&all.0[row])).peekable();
+        let trajectory = scratch.table(&format!("{out}-replay"), "trajectory");
+        let times = units(numbers(&trajectory, "time_s"), 0.1);
+        let of = |before: &str, after: &str, unit: f64| {
+            [1, 2]
+                .map(|block| units(numbers(&trajectory, &format!("{before}{block}{after}")), unit))
+        };
+        let (positions, speeds) = (of("x_", "_m", 0.1), of("sliding_speed_belt_", "_m_s", 1.0));
+
+        let mut exact = TwoBlocks {
+            coupling,
+            belt_speed,
+            kinetic_coefficient: 0.1,
+            static_coefficient: 0.2,
+            since: 0.0,
+            x: [0.12, -0.3],
+            u: [0.3, -0.1],
+            phases: [(0.3 - belt_speed).signum(), -1.0],
+        };
+        let (mut sticks, mut slips) = (0, 0);
+        for (row, time) in times.iter().map(|time| time.expect("a time")).enumerate() {
+            while let Some(block) = exact.next_switch(time) {
+                let row = switches.next().expect("a switch");
+                let (to, at) = (all.0[row].as_deref(), all.1[row].expect("a time"));
+                let phase = match exact.phases[block] {
+                    0.0 => "stick",
+                    1.0 => "slip_forward",
+                    _ => "slip_backward",
+                };
+                assert_eq!((to, all.2[row]), (Some(phase), block as u64 + 1), "{method} at {at}");
+                assert!((at - exact.since).abs() < tolerance, "{at}: {}", at - exact.since);
+                if phase == "stick" { sticks += 1 } else { slips += 1 }
+            }
+            let (x, u) = exact.at(time - exact.since);
+            for block in 0..2 {
+                let [position, speed] =
+                    [&positions, &speeds].map(|of| of[block][row].expect("a number"));
+                let errors = [position - x[block], speed + belt_speed - u[block]];
+                let most = errors[0].abs().max(errors[1].abs());
+                assert!(most < tolerance, "{method}, block {block} at {time}: {errors:?}");
+            }
+        }
+        assert!(sticks > 5 && slips > 5, "{sticks} sticks, {slips} slips");
+    }
 }

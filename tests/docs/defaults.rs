@@ -70,7 +70,7 @@ fn defaults_on_the_page_are_those_of_the_program() {
     assert_eq!(compare("## Simulation", "ToleranceFile", "tolerance."), 2);
     // Stiffness and friction have one default in the balancer and another one in the blocks.
     let balancer = stickslip::model::Machine::default();
-    let block = stickslip::model::Block::on_belt();
+    let block = crate::support::Block::on_belt();
     for (heading, stiffness, friction) in [
         ("### Ball balancer", balancer.stiffness_n_m, balancer.balls[0].friction_coefficient),
         ("### Block on a spring or belt", block.stiffness_n_m, block.friction_coefficient),

@@ -1,32 +1,32 @@
-//! The page on own systems quotes the example: its code and its study; its package can be built.
+//! The page on systems in Rust quotes tests, and its package can be built.
 
 use std::process::Command;
 
 use crate::cli::support::Scratch;
 
 const PAGE: &str = include_str!("../../docs/own-system.md");
-const SOURCE: &str = include_str!("../../examples/spring_block_chain/main.rs");
-const EVENTS: &str = include_str!("../motion/resets.rs");
-const FORCING: &str = include_str!("../motion/forcing.rs");
-const OPENINGS: &str = include_str!("../classification/openings.rs");
-const STUDY: &str = include_str!("../../examples/spring_block_chain/two-blocks.yaml");
+const TESTS: [&str; 3] = [
+    include_str!("../motion/resets.rs"),
+    include_str!("../motion/forcing.rs"),
+    include_str!("../classification/openings.rs"),
+];
+/// What the page says about the program as a whole.
+const MAIN: &str =
+    "fn main() -> ExitCode {\n    stickslip::cli::run(Registry::new().with(&KIND))\n}";
 
-/// Each block of Rust or YAML stands in the example or in the tests of events, forcing and openings, and the example is as short as the page says.
+/// Each block of Rust stands in the tests of events, forcing and openings.
 #[test]
-fn code_is_that_of_the_example() {
+fn code_is_that_of_tests() {
     let mut blocks = 0;
-    for block in PAGE.split("\n```").skip(1).step_by(2) {
-        let (language, text) = block.split_once('\n').expect("a block");
-        let files = match language {
-            "rust" => vec![SOURCE, EVENTS, FORCING, OPENINGS],
-            "yaml" => vec![STUDY],
-            _ => continue,
-        };
-        assert!(files.iter().any(|file| file.contains(text)), "not in the example:\n{text}");
+    for block in PAGE.split("\n```rust\n").skip(1) {
+        let (text, _) = block.split_once("\n```").expect("its end");
+        assert!(
+            text == MAIN || TESTS.iter().any(|file| file.contains(text)),
+            "no test has:\n{text}"
+        );
         blocks += 1;
     }
-    assert!(blocks > 5, "{blocks} blocks");
-    assert!(SOURCE.lines().count() < 200);
+    assert_eq!(blocks, 6);
 }
 
 /// Cargo finds the program and its dependencies in the package of the page.
@@ -39,7 +39,7 @@ fn the_package_is_one() {
     assert!(manifest.contains("\"../stickslip\""), "{manifest}");
     scratch.write("Cargo.toml", manifest.replace("../stickslip", checkout));
     std::fs::create_dir(scratch.path("src")).expect("a folder");
-    scratch.write("src/main.rs", SOURCE);
+    scratch.write("src/main.rs", MAIN);
     // The versions of the lock file need no network.
     let lock = std::path::Path::new(checkout).join("Cargo.lock");
     std::fs::copy(lock, scratch.path("Cargo.lock")).expect("a lock file");

@@ -1,7 +1,8 @@
 //! The closed forms of blocks on springs against their defining equations.
 
 use super::closed_forms::ClosedForms;
-use stickslip::model::{Block, FrictionLaw, Ground};
+use crate::support::{Block, Ground};
+use stickslip::model::FrictionLaw;
 
 fn close(found: f64, exact: f64) {
     assert!((found - exact).abs() <= 1e-12 * exact.abs().max(1.0), "{found} {exact}");

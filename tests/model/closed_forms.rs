@@ -7,7 +7,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use stickslip::model::{Block, Ground};
+use crate::support::{Block, Ground};
 
 /// Relative rounding tolerance, in half swings, for a turning point on the edge of the rest set.
 const EDGE: f64 = 1e-12;

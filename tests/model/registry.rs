@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
+use crate::support::Block;
 use stickslip::model::{
-    BallContact, Block, Bound, Capabilities, Components, ContactUnits, Coordinate, DefaultModel,
-    FRICTION_LAWS, Field, FrictionLaw, Kick, Law, MAX_LAW_PARAMETERS, Model, ModelKind, OwnKind,
-    OwnModel, ParameterDescriptor, ProfilePart, Ramp, RampShape, Registry, SlidingSpeed,
-    SpeedProfile, System, Units, model_kinds,
+    BallContact, Bound, Capabilities, Components, ContactUnits, Coordinate, DefaultModel,
+    FRICTION_LAWS, Field, FrictionLaw, Kick, Law, MAX_LAW_PARAMETERS, Machine, Model, ModelKind,
+    OwnKind, OwnModel, ParameterDescriptor, ProfilePart, Ramp, RampShape, SlidingSpeed,
+    SpeedProfile, System, Units,
 };
+use stickslip::study::{Registry, model_kinds};
 
 /// Gives a machine what it has only on request: contact between balls, a speed profile with one part of each form, and a
 /// kick. Their parameters exist only then.
@@ -157,7 +159,7 @@ fn kind(name: &'static str, parameters: Vec<ParameterDescriptor>) -> ModelKind {
         body: "block",
         sliding_speed: SlidingSpeed::MS,
         offers: Capabilities::MOTION,
-        default: DefaultModel::BuiltIn(|| Block::on_belt().into()),
+        default: DefaultModel::BuiltIn(|| Machine::default().into()),
     }
 }
 
@@ -177,7 +179,7 @@ impl OwnKind for TwoForces {
     }
 
     fn system(&self, _: &OwnModel) -> Arc<dyn System> {
-        Arc::new(Block::on_belt().slider())
+        Block::on_belt().system()
     }
 
     fn start_state(&self, _: &OwnModel, start: &[f64]) -> Components {
@@ -212,8 +214,8 @@ fn unsound_kinds_are_refused() {
     let friction = || number("friction_coefficient");
     let field = Field::Own { default: 1.0, bound: Bound::None };
     let without_unit = ParameterDescriptor { name: "mass", unit: "kg", meaning: "a mass", field };
-    let of_block = model_kinds()[1].parameters[0].field;
-    let of_block = ParameterDescriptor { field: of_block, ..number("mass") };
+    let of_machine = model_kinds()[0].parameters[0].field;
+    let of_machine = ParameterDescriptor { field: of_machine, ..number("mass") };
     let count = ParameterDescriptor::count("blocks", "number of blocks", 3, 2);
     let more = Capabilities { animation: true, ..Capabilities::MOTION };
     let cases = [
@@ -224,7 +226,7 @@ fn unsound_kinds_are_refused() {
         (kind("a", vec![number("balls"), friction()]), "two parameters are called `balls`"),
         (kind("a", vec![number("static_friction_coefficient"), friction()]), "that of a law"),
         (kind("a", vec![without_unit, friction()]), "`mass` needs the ending `_kg`"),
-        (kind("a", vec![of_block, friction()]), "`mass` needs the field"),
+        (kind("a", vec![of_machine, friction()]), "`mass` needs the field"),
         (kind("a", vec![count, friction()]), "the default of `blocks`"),
         (kind("a", vec![number("b")]), "needs the parameter `friction_coefficient`"),
         (ModelKind { offers: more, ..kind("a", vec![friction()]) }, "only built-in kinds"),

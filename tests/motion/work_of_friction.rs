@@ -3,10 +3,11 @@
 
 use std::sync::Arc;
 
-use stickslip::model::{Balancer, Block, FrictionLaw, Machine, Method, SliderState, State, System};
+use crate::support::{Block, SliderState};
+use stickslip::model::{Balancer, FrictionLaw, Machine, Method, State, System};
 use stickslip::motion::{Settings, Tolerance};
 
-use crate::support::{for_each_kernel, shared, started, state_of};
+use crate::support::{for_each_kernel, started, state_of};
 
 const METHODS: [Method; 2] = [Method::Event, Method::Switch];
 const BAND: f64 = 1e-8;
@@ -76,7 +77,7 @@ fn friction_never_does_positive_work_on_balls() {
 #[test]
 fn dry_friction_dissipates_force_times_distance() {
     for method in METHODS {
-        let slider = shared(Block::on_spring().slider());
+        let slider = Block::without_units(FrictionLaw::COULOMB).system();
         let start = SliderState { position: [], velocity: [], beta: [0.0], beta_dot: [1.7] };
         let mut motion = started(&slider, settings(method), &start);
         let (mut way, mut energy) = (0.0, 0.5 * 1.7 * 1.7);
@@ -104,10 +105,9 @@ fn dry_friction_dissipates_force_times_distance() {
 #[test]
 fn dry_and_viscous_friction_dissipate_force_times_distance_and_speed() {
     let drag = 0.25;
-    // The unit of drag is mass times natural frequency, 10 N s/m.
-    let friction = FrictionLaw::coulomb_viscous(10.0 * drag);
+    let friction = FrictionLaw::coulomb_viscous(drag);
     for method in METHODS {
-        let slider = shared(Block { friction, ..Block::on_spring() }.slider());
+        let slider = Block::without_units(friction).system();
         let start = SliderState { position: [], velocity: [], beta: [0.0], beta_dot: [1.7] };
         let mut motion = started(&slider, settings(method), &start);
         let mut work = 0.0;
@@ -132,8 +132,8 @@ fn dry_and_viscous_friction_dissipate_force_times_distance_and_speed() {
 /// Under the viscous law on rigid ground, energy decreases at every step, to zero.
 #[test]
 fn viscous_friction_dissipates_all_energy() {
-    let friction = FrictionLaw::viscous(1.0);
-    let slider = shared(Block { friction, ..Block::on_spring() }.slider());
+    let friction = FrictionLaw::viscous(0.1);
+    let slider = Block::without_units(friction).system();
     let start = SliderState { position: [], velocity: [], beta: [0.5], beta_dot: [-1.7] };
     follow(&slider, Method::Event, start, 400.0);
     let mut motion = started(&slider, settings(Method::Event), &start);

@@ -1,7 +1,8 @@
 //! Blocks and laws of friction in study files: the parameters of each model, defaults, round trips,
 //! and errors.
 
-use stickslip::model::{Block, Ground, Model};
+use crate::support::{Block, Ground};
+use stickslip::model::Model;
 use stickslip::study::{ParameterValue, Study};
 
 use super::{parse, study};
@@ -32,10 +33,7 @@ fn refused(text: &str, line: usize, key: &str, found: &str, allowed: &str) {
 }
 
 fn block_at(study: &Study, point: u64) -> Block {
-    match study.point(point).model() {
-        Model::Block(block) => block.clone(),
-        other => panic!("{other:?}"),
-    }
+    Block::of(study.point(point).model()).expect("a block")
 }
 
 /// Every parameter of a block can be swept and sampled by its name, without affecting others.
@@ -86,7 +84,7 @@ fn every_parameter_of_a_block_can_be_varied() {
         assert!((0.7..0.9).contains(&run.uncertain[0]), "{name}");
         let mut expected = base;
         *field(&mut expected) = run.uncertain[0];
-        assert_eq!(run.case.expect("valid").model, Model::Block(expected), "{name}");
+        assert_eq!(run.case.expect("valid").model, Model::from(expected), "{name}");
     }
 }
 

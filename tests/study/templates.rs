@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use crate::support::{Block, Ground};
 use serde_json::Value;
-use stickslip::model::{Ground, Machine};
+use stickslip::model::Machine;
 use stickslip::study::{Study, Template, json_schema};
 
 use super::study;
@@ -100,7 +101,7 @@ fn the_machine_template_gives_every_parameter() {
 #[test]
 fn the_template_for_blocks() {
     let (text, study) = named("blocks");
-    let ground = |study: &Study| study.model().block().expect("a block").ground;
+    let ground = |study: &Study| Block::of(study.model()).expect("a block").ground;
     assert_eq!(ground(&study), Ground::Belt { speed_m_s: 0.1 });
     let on_ground = without_comments(&text).replace("block_on_belt", "block_on_spring");
     let removed =

@@ -1,6 +1,7 @@
 //! Random numbers, angles, systems and an independent integration for tests of several folders.
 
 mod angle;
+mod block;
 mod mechanism;
 mod own_system;
 pub mod reference;
@@ -10,6 +11,7 @@ mod two_blocks;
 mod unit_kind;
 
 pub use angle::angular_distance;
+pub use block::{Block, Ground, SliderState};
 pub use mechanism::OwnMechanism;
 pub use own_system::OwnSystem;
 pub use systems::{for_each_kernel, shared, started, state_of};

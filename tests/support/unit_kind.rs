@@ -33,7 +33,6 @@ impl OwnKind for UnitKind {
             length_m: 1.0,
             contacts: vec![ContactUnits::new(1.0, 1.0, 1.0); self.contacts],
             disc_rad_s: 0.0,
-            ground_m_s: 0.0,
             outputs: Vec::new(),
         }
     }

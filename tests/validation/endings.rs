@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
+use crate::support::Block;
 use stickslip::analysis::CycleClass;
 use stickslip::classification::{Evidence, Label, Outcome, simulate};
-use stickslip::model::{Case, Machine, Model, Simulation, Start};
+use stickslip::model::{Case, Machine, Simulation, Start};
 use stickslip::study::Study;
 
 use crate::classification::simulate_all::{cases_of, simulate_all};
@@ -234,7 +235,7 @@ The table compares the runs of the study `block-on-belt` that reach the stick-sl
                 (case, outcome)
             })
             .collect();
-        let Model::Block(block) = point.model() else { panic!("a block") };
+        let block = Block::of(point.model()).expect("a block");
         let exact = block.stick_slip_cycle().expect("a stick-slip cycle").period_s;
         let cycles: Vec<_> =
             ended.iter().filter(|(_, outcome)| outcome.label() == Label::LimitCycle).collect();

@@ -17,7 +17,7 @@ from .panels import Panel, angle_axis, lay_out
 from .sets import EquilibriumSets
 from .paper import INK, LABELS, Paper, Width
 from .sweep import Sweep
-from .tables import Directory, FiguresError, Source
+from .tables import Directory, FiguresError, Source, Table
 
 __all__ = ["preferred_equilibria"]
 
@@ -71,7 +71,7 @@ def preferred_equilibria(
             f"it belongs to another study than {results.path}",
             f"repeat `stickslip equilibria {results.path / 'study.yaml'} --out DIR`",
         )
-    places = [f"beta_{ball}_rad" for ball in range(1, balls + 1)] or ["position_m"]
+    places = [f"beta_{ball}_rad" for ball in range(1, balls + 1)] or _first_place(results.table("runs"))
     more = {0: ["time_to_rest_s"], 1: ["amplitude_m"]}.get(balls, [])
     sample = runs.read(results, sweep, rows, ["label", *places, *more])
     at_rest = sample.where(sample["label"] == "equilibrium")
@@ -117,7 +117,7 @@ def preferred_equilibria(
                     zorder=2,
                 )
                 if balls == 0:
-                    axes.set(xlabel="position at rest [m]", ylabel="time to rest [s]")
+                    axes.set(xlabel=words.axis("position at rest", results.table("runs").unit(places[0])), ylabel="time to rest [s]")
                 else:
                     angle_axis(axes, "x", f"angle of ball {pair[0] + 1}")
                     if balls == 1:
@@ -143,13 +143,18 @@ def preferred_equilibria(
         told.append(fact)
     return lay_out(
         panels,
-        title="Where the block comes to rest" if balls == 0 else "Preferred equilibria",
+        title="Where the system comes to rest" if balls == 0 else "Preferred equilibria",
         caption=_caption(balls, behind) + sweep.left_out(rows) + sample.subsample,
         alternative=words.listed(told),
         width=width,
         sheet=sheet,
         legend_title=sample.label,
     )
+
+
+def _first_place(table: Table) -> list[str]:
+    """Returns the column with the first coordinate of a system without balls, at the end of a run."""
+    return [name for name in table.columns if name.startswith("end_") and name != "end_time_s"][:1] or ["position_1_m"]
 
 
 def _caption(balls: int, behind: str) -> str:

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from . import words
 from .panels import Panel, angle_axis, lay_out
 from .paper import DASHES, INK, SERIES, Paper, Width
-from .tables import Directory, Numbers, Source
+from .tables import Directory, Numbers, Source, Table
 
 __all__ = ["motion"]
 
@@ -27,8 +27,8 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
     For balls, the panels show their angles from the imbalance [rad], their speeds relative to the ring, and
     the position x, y of the disc's centre in the frame that rotates with the disc, x towards the imbalance;
     for a disc that starts or a table that is kicked, also the speed of the disc, each in the unit of the
-    study. For a block, they show position [m], sliding speed [m/s] and friction force [N]. The curves end
-    with the record; the record of a run that comes to permanent rest ends at that time. With contact between
+    study. For a system in a file, they show its coordinates, their rates of change and its outputs, sliding
+    speeds and friction forces, one panel for each unit. The curves end with the record; the record of a run that comes to permanent rest ends at that time. With contact between
     balls, the panel of the angles marks where two balls touch, and crosses between the balls mark impacts
     from `touches.parquet`. Long records are reduced to the extreme values in 1,200 equal intervals of time.
     See figures 5.6 and 5.15 of the thesis.
@@ -50,11 +50,7 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
     if starts:
         quantities.append(("speed of the disc", speed, ["speed_rad_s"]))
     if not balls:
-        quantities = [
-            ("position", ("m", 1.0), ["position_m"]),
-            ("sliding speed", ("m/s", 1.0), ["sliding_speed_m_s"]),
-            ("friction force", ("N", 1.0), ["friction_n"]),
-        ]
+        quantities = _of_system(table)
     gaps = [name for name in table.columns if re.fullmatch(r"touching_\d+_\d+", name)]
     read = table.read(["time_s", *(column for *_, columns in quantities for column in columns), *gaps])
     time = read["time_s"].astype(float)
@@ -81,11 +77,11 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
             if len(values) == 2 and beside:
                 values, named = values[:1], ["balls 1 and 2, side by side"]
             else:
-                named = [f"ball {ball + 1}" for ball in range(len(values))]
+                named = [f"ball {ball + 1}" for ball in range(len(values))] if balls else columns
             for ball, (one, label) in enumerate(zip(values, named)):
                 alone = len(values) == 1
                 x, y = thinned(time, one)
-                if unit == "rad":
+                if unit == "rad" and balls:
                     x, y = _unbroken(x, y)
                 style: dict[str, Any] = {
                     "linewidth": 0.8,
@@ -94,7 +90,7 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
                 if not alone:
                     style["linestyle"] = DASHES[ball % len(DASHES)]
                 axes.plot(x, y, label=label if len(columns) > 1 else "", **style)
-            if unit == "rad":
+            if unit == "rad" and balls:
                 _mark_contact(axes, Directory(directory), read, gaps)
                 angle_axis(axes, "y", name)
             else:
@@ -116,13 +112,30 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
     return lay_out(
         panels,
         title=f"Motion: {title}",
-        caption=of_balls if balls else "Position, sliding speed and friction force over time.",
-        alternative=f"The motion of {'balls and table' if balls else 'the block'} from {time[0]:.4f} s to "
+        caption=of_balls if balls else "Coordinates, their rates of change, outputs, sliding speeds and friction forces over time.",
+        alternative=f"The motion of {'balls and table' if balls else 'the bodies'} from {time[0]:.4f} s to "
         f"{time[-1]:.4f} s.",
         width=width,
         sheet=sheet,
         columns=2 if balls else 3,
     )
+
+
+#: What a quantity with this unit is called.
+_NAMES = {"m": "position", "m/s": "speed", "rad": "angle", "rad/s": "angular speed", "N": "force", "N m": "torque"}
+
+
+def _of_system(table: Table) -> list[tuple[str, tuple[str, float], list[str]]]:
+    """Returns the quantities of a system without balls: those with one unit share a panel."""
+    panels: dict[tuple[str, str], list[str]] = {}
+    for column in table.columns:
+        unit = table.unit(column)
+        if column in ("time_s", "time", "step") or column.startswith(("phase", "friction_limit", "normal")):
+            continue
+        names = {"sliding_speed": "sliding speed", "friction": "friction force"}
+        known = [name for prefix, name in names.items() if column.startswith(prefix)]
+        panels.setdefault((known[0] if known else _NAMES.get(unit, "value"), unit), []).append(column)
+    return [(name, (unit, 1.0), columns) for (name, unit), columns in panels.items()]
 
 
 def _mark_contact(axes: Axes, directory: Directory, read: dict[str, Any], gaps: list[str]) -> None:

@@ -2,14 +2,14 @@
 
 use std::ptr;
 
-use super::definition::{COEFFICIENT, Definition, WrittenNormal, law_key};
+use super::definition::{COEFFICIENT, Definition, WrittenNormal, WrittenParameter, law_key};
 use super::dependence::Dependence;
 use super::dimensions::Measured;
 use super::evaluate::Bodies;
 use super::formula::{Dimension, Formula, FormulaFault, NONE, WHOLE};
 use super::instance::{FaultAt, Instance, with_index};
 use super::names::RESERVED;
-use crate::model;
+use crate::model::{self, FRICTION_COEFFICIENT};
 
 /// The largest numbers of coordinates and of contacts, of parameters, and of indices.
 const MOST_MEMBERS: usize = 64;
@@ -275,6 +275,16 @@ impl Definition {
             known.push(name);
         }
         self.check_columns()?;
+        let is_it = |one: &WrittenParameter| one.name == FRICTION_COEFFICIENT && one.unit.si == "1";
+        if self.has_law_of_study() && !self.parameters.iter().any(is_it) {
+            let problem = "the law of the study without its coefficient";
+            let found = format!("no parameter `{FRICTION_COEFFICIENT}`");
+            let allowed = format!("`{FRICTION_COEFFICIENT}: 0.1` among the parameters");
+            return Err((
+                vec!["parameters".to_owned()],
+                FormulaFault::new(0, problem, &found, allowed),
+            ));
+        }
         let mut contacts: Vec<&str> = Vec::new();
         for contact in &self.contacts {
             let name = contact.name.as_str();

@@ -1,7 +1,7 @@
 //! A mechanical system as its file describes it.
 
 use super::formula::{Dimension, Formula};
-use crate::model::{Law, LawParameter};
+use crate::model::{Bound, Law, LawParameter};
 
 /// A mechanical system with formulas for its mass matrix, its forces and its contacts.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +54,8 @@ pub struct WrittenParameter {
     pub value: f64,
     /// What it is, in a few words.
     pub meaning: String,
+    /// The possible values.
+    pub bound: Bound,
     /// The largest value of a whole number, which is the same for all runs of a study.
     pub most: Option<usize>,
 }
@@ -67,6 +69,8 @@ pub struct WrittenCoordinate {
     pub index: Option<String>,
     /// Its unit.
     pub unit: Unit,
+    /// What results call its rate of change.
+    pub rate: String,
     /// Whether it is an angle with a period of one turn.
     pub periodic: bool,
     /// What it is, in a few words.
@@ -103,8 +107,10 @@ pub struct WrittenContact {
     pub sliding: Option<Formula>,
     /// The force that presses the bodies together.
     pub normal: WrittenNormal,
-    /// The law of friction; none without friction.
+    /// The law of friction; none without friction, and for the law of the study.
     pub friction: Option<WrittenFriction>,
+    /// Whether the study gives the law of friction, with the parameter `friction_coefficient`.
+    pub has_law_of_study: bool,
     /// The coefficients of restitution, in the normal and in the tangential direction.
     pub restitution: [Formula; 2],
 }
@@ -116,6 +122,13 @@ pub enum WrittenNormal {
     Given(Formula),
     /// It keeps this distance from becoming negative.
     Gap(Formula),
+}
+
+impl Definition {
+    /// Returns whether the study gives the law of friction of a contact.
+    pub fn has_law_of_study(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.has_law_of_study)
+    }
 }
 
 impl WrittenNormal {

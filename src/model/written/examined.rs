@@ -13,7 +13,7 @@ use super::sizes::Sizes;
 use super::system::WrittenSystem;
 use super::velocities::SpeedOf;
 use crate::model::invalid_parameter::{invalid, not_negative};
-use crate::model::{FrictionLaw, ImpactLaw, InvalidParameter, SlidingSpeed};
+use crate::model::{FRICTION_COEFFICIENT, FrictionLaw, ImpactLaw, InvalidParameter, SlidingSpeed};
 
 /// A system with values of its parameters.
 pub(super) struct Examined {
@@ -31,7 +31,8 @@ pub(super) struct Examined {
 }
 
 impl Examined {
-    /// Examines a system with these values of its parameters, in SI units; `number` is that of its definition.
+    /// Examines a system with these values of its parameters, in SI units, and the law of friction of the study; `number` is
+    /// that of its definition.
     ///
     /// # Errors
     /// A fault that the check has found before, or one of other numbers of bodies.
@@ -39,6 +40,7 @@ impl Examined {
         instance: Instance<'static>,
         number: usize,
         values: &[f64],
+        of_study: &FrictionLaw,
     ) -> Result<Self, FormulaFault> {
         let definition = instance.definition;
         let period = definition.period.as_ref().map(|formula| instance.constant(formula, values));
@@ -53,7 +55,7 @@ impl Examined {
         let second = scales.unit([0, 0, WHOLE]);
         let (mut friction, mut impacts, mut sound) = (Vec::new(), Vec::new(), Ok(()));
         for (number, speed) in speeds.iter().enumerate() {
-            let (law, coefficient) = instance.law(number, values)?;
+            let (law, coefficient) = instance.law(number, values, of_study)?;
             let impact = instance.impact_law(number, values)?;
             let own =
                 check_contact(&law, coefficient, impact).map_err(|invalid| InvalidParameter {
@@ -195,8 +197,18 @@ impl Instance<'_> {
     ///
     /// # Errors
     /// A fault that the check has found before.
-    fn law(&self, number: usize, values: &[f64]) -> Result<(FrictionLaw, f64), FormulaFault> {
+    fn law(
+        &self,
+        number: usize,
+        values: &[f64],
+        of_study: &FrictionLaw,
+    ) -> Result<(FrictionLaw, f64), FormulaFault> {
         let (contact, bodies) = self.contact(number);
+        if contact.has_law_of_study {
+            let is_it = |(name, _): &(&str, f64)| *name == FRICTION_COEFFICIENT;
+            let coefficient = self.parameters(values).into_iter().find(is_it);
+            return Ok((*of_study, coefficient.map_or(0.0, |(_, value)| value)));
+        }
         let Some(friction) = &contact.friction else {
             // No force, and no stick either.
             return Ok((FrictionLaw::viscous(0.0), 0.0));

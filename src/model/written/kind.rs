@@ -7,7 +7,7 @@ use super::definition::{Definition, WrittenOutput};
 use super::dimensions::unit_of;
 use super::evaluate::Counts;
 use super::examined::Examined;
-use super::formula::{Dimension, FormulaFault, WHOLE};
+use super::formula::{Dimension, Formula, FormulaFault, WHOLE};
 use super::instance::{Instance, Member};
 use super::sizes::ranges;
 use super::velocities::SpeedOf;
@@ -15,9 +15,9 @@ use crate::model::coordinate::unit_ending;
 use crate::model::invalid_parameter::invalid;
 use crate::model::kind::member_name;
 use crate::model::{
-    Bound, Capabilities, Components, ContactNames, ContactUnits, Coordinate, DefaultModel, Field,
-    InvalidParameter, ModelKind, OutputName, OutputUnits, OwnKind, OwnModel, ParameterDescriptor,
-    SlidingSpeed, System, Units,
+    Capabilities, Components, ContactNames, ContactUnits, Coordinate, DefaultModel, Field,
+    FrictionLaw, InvalidParameter, ModelKind, OutputName, OutputUnits, OwnKind, OwnModel,
+    ParameterDescriptor, SlidingSpeed, System, Units,
 };
 
 /// What a kind of model of a file computes, with the texts that a process keeps.
@@ -27,6 +27,8 @@ struct WrittenKind {
     number: usize,
     /// For each coordinate of the definition, its position and its rate of change.
     coordinates: Vec<[StartName; 2]>,
+    /// Whether the definition is part of this program.
+    is_built_in: bool,
     /// The numbers of bodies for which all formulas have been checked.
     sound: Mutex<Vec<Counts>>,
 }
@@ -37,13 +39,15 @@ struct StartName {
     name: &'static str,
     unit: &'static str,
     meaning: &'static str,
+    /// The default range, if it has formulas of parameters.
+    range: Option<&'static str>,
 }
 
 /// All definitions of the process. A definition is kept for the life of the process, as all kinds of models are.
 static KINDS: Mutex<Vec<(&'static WrittenKind, &'static ModelKind)>> = Mutex::new(Vec::new());
 
-/// A definition's number, values of its parameters, and what they say about the system.
-type Latest = (usize, Vec<f64>, Arc<Examined>);
+/// A definition's number, values of its parameters, the law of the study, and what they say about the system.
+type Latest = (usize, Vec<f64>, FrictionLaw, Arc<Examined>);
 
 /// How many are kept in each thread.
 const MOST_KEPT: usize = 4;
@@ -57,19 +61,21 @@ pub const WRITTEN: char = '#';
 
 /// Returns the kind of model of a definition, which has been checked, and a name of this kind that no other has in this
 /// process. Equal definitions give the same kind.
-pub fn written_kind(definition: Definition) -> (&'static ModelKind, String) {
+pub fn written_kind(definition: Definition, is_built_in: bool) -> (&'static ModelKind, String) {
     let mut all = KINDS.lock().unwrap_or_else(PoisonError::into_inner);
-    let number = all.iter().position(|(known, _)| *known.definition == definition);
+    let is_it =
+        |known: &WrittenKind| known.is_built_in == is_built_in && *known.definition == definition;
+    let number = all.iter().position(|(known, _)| is_it(known));
     let number = number.unwrap_or_else(|| {
         let number = all.len();
-        all.push(leaked(definition, number));
+        all.push(leaked(definition, number, is_built_in));
         number
     });
     (all[number].1, format!("{WRITTEN}{number}"))
 }
 
 /// Returns the kind of a file with this name of [`written_kind`].
-pub(in crate::model) fn written_kind_named(name: &str) -> Option<&'static ModelKind> {
+pub fn written_kind_named(name: &str) -> Option<&'static ModelKind> {
     let number: usize = name.strip_prefix(WRITTEN)?.parse().ok()?;
     let all = KINDS.lock().unwrap_or_else(PoisonError::into_inner);
     all.get(number).map(|(_, kind)| *kind)
@@ -79,7 +85,11 @@ fn kept(text: String) -> &'static str {
     Box::leak(text.into_boxed_str())
 }
 
-fn leaked(definition: Definition, number: usize) -> (&'static WrittenKind, &'static ModelKind) {
+fn leaked(
+    definition: Definition,
+    number: usize,
+    is_built_in: bool,
+) -> (&'static WrittenKind, &'static ModelKind) {
     let definition: &'static Definition = Box::leak(Box::new(definition));
     let parameters = definition.parameters.iter().map(|one| ParameterDescriptor {
         name: kept(format!("{}{}", one.name, unit_ending(&one.unit.si))),
@@ -87,7 +97,7 @@ fn leaked(definition: Definition, number: usize) -> (&'static WrittenKind, &'sta
         meaning: &one.meaning,
         field: match one.most {
             Some(most) => Field::Count { default: one.value as usize, most },
-            None => Field::Own { default: one.value, bound: Bound::None },
+            None => Field::Own { default: one.value, bound: one.bound },
         },
     });
     let coordinates = definition.coordinates.iter().map(|one| {
@@ -99,13 +109,21 @@ fn leaked(definition: Definition, number: usize) -> (&'static WrittenKind, &'sta
         };
         let of = if one.meaning.is_empty() { &one.name } else { &one.meaning };
         let name = |stem: String, unit: &str| kept(stem + &unit_ending(unit));
+        let range = |[low, high]: &[Formula; 2]| {
+            let is_number = |text: &str| text.is_empty() || text.parse::<f64>().is_ok();
+            let texts = [low, high].map(|end| end.text.as_str());
+            (!texts.into_iter().all(is_number))
+                .then(|| kept(format!("[{}, {}]", texts[0], texts[1])))
+        };
         let position = StartName {
+            range: range(&one.start[0]),
             name: name(one.name.clone(), unit),
             unit,
             meaning: kept(format!("start value: {of}")),
         };
         let velocity = StartName {
-            name: name(format!("{}_rate", one.name), rate),
+            range: range(&one.start[1]),
+            name: name(one.rate.clone(), rate),
             unit: rate,
             meaning: kept(format!("rate of change at the start: {of}")),
         };
@@ -114,6 +132,7 @@ fn leaked(definition: Definition, number: usize) -> (&'static WrittenKind, &'sta
     let own: &'static WrittenKind = Box::leak(Box::new(WrittenKind {
         coordinates: coordinates.collect(),
         sound: Mutex::default(),
+        is_built_in,
         definition,
         number,
     }));
@@ -122,11 +141,25 @@ fn leaked(definition: Definition, number: usize) -> (&'static WrittenKind, &'sta
         meaning: &definition.meaning,
         parameters: Box::leak(parameters.collect::<Vec<_>>().into_boxed_slice()),
         body: "contact",
-        sliding_speed: SlidingSpeed::MS,
+        sliding_speed: sliding_speed_of_study(definition),
         offers: Capabilities::MOTION,
         default: DefaultModel::Own(own),
     };
     (own, Box::leak(Box::new(kind)))
+}
+
+/// Returns the unit of sliding speeds in the law of friction of the study.
+fn sliding_speed_of_study(definition: &'static Definition) -> SlidingSpeed {
+    let instance = Instance::new(definition, |name| definition.default_count(name)).ok();
+    let of_study = |instance: &Instance| {
+        let mut numbers = 0..instance.contacts.len();
+        let own = numbers.find(|number| instance.contact(*number).0.has_law_of_study)?;
+        instance.speed_dimension(own).ok()
+    };
+    match instance.and_then(|instance| of_study(&instance)) {
+        Some([0, 0, _]) => SlidingSpeed::RadS,
+        _ => SlidingSpeed::MS,
+    }
 }
 
 impl WrittenKind {
@@ -155,14 +188,16 @@ impl WrittenKind {
     /// point have the same values.
     fn examined(&self, model: &OwnModel) -> Result<Arc<Examined>, FormulaFault> {
         LATEST.with_borrow_mut(|latest| {
-            let is_it =
-                |(number, values, _): &Latest| *number == self.number && values == model.values();
+            let is_it = |(number, values, law, _): &Latest| {
+                *number == self.number && values == model.values() && law == model.friction()
+            };
             if let Some((.., known)) = latest.iter().find(|one| is_it(one)) {
                 return Ok(Arc::clone(known));
             }
-            let own = Arc::new(Examined::new(self.instance(model)?, self.number, model.values())?);
+            let (instance, values, law) = (self.instance(model)?, model.values(), model.friction());
+            let own = Arc::new(Examined::new(instance, self.number, values, law)?);
             latest.truncate(MOST_KEPT - 1);
-            latest.insert(0, (self.number, model.values().to_vec(), Arc::clone(&own)));
+            latest.insert(0, (self.number, values.to_vec(), *law, Arc::clone(&own)));
             Ok(own)
         })
     }
@@ -186,7 +221,11 @@ fn numbered(name: &str, unit: &str, body: Option<i64>) -> String {
 
 impl OwnKind for WrittenKind {
     fn source(&self) -> Option<&serde_json::Value> {
-        Some(&self.definition.source)
+        (!self.is_built_in).then_some(&self.definition.source)
+    }
+
+    fn has_law_of_study(&self) -> bool {
+        self.definition.has_law_of_study()
     }
 
     fn validate(&self, model: &OwnModel) -> Result<(), InvalidParameter> {
@@ -204,13 +243,15 @@ impl OwnKind for WrittenKind {
             let one = |which: usize| {
                 let members = instance.coordinates.iter().zip(&ranges);
                 members.map(move |(member, range)| {
-                    let StartName { name, unit, meaning } = &self.coordinates[member.of][which];
-                    match member.body {
+                    let start = &self.coordinates[member.of][which];
+                    let StartName { name, unit, meaning, .. } = start;
+                    let own = match member.body {
                         Some(body) => {
                             Coordinate::of_body(name, body as usize, unit, meaning, range[which])
                         }
                         None => Coordinate::new(*name, unit, meaning, range[which]),
-                    }
+                    };
+                    Coordinate { default_in_words: start.range, ..own }
                 })
             };
             Ok(one(0).chain(one(1)).collect())

@@ -32,5 +32,4 @@ pub use definition::{
 };
 pub use formula::{Formula, FormulaFault, LONGEST_FORMULA, WHOLE};
 pub use instance::FaultAt;
-pub(in crate::model) use kind::written_kind_named;
-pub use kind::{WRITTEN, written_kind};
+pub use kind::{WRITTEN, written_kind, written_kind_named};

@@ -13,7 +13,8 @@ use serde_json::{Value, json};
 
 use super::balls::Balls;
 use super::schema_parts::parameters_schema;
-use crate::model::{ModelKind, model_kinds};
+use crate::model::ModelKind;
+use crate::study::kinds::{model_kind, model_kinds};
 
 /// The key of the balls among the parameters.
 pub(in crate::study) const BALLS: &str = "balls";
@@ -78,7 +79,7 @@ impl<'de> Visitor<'de> for KindVisitor {
     fn visit_enum<A: EnumAccess<'de>>(self, access: A) -> Result<KindFile, A::Error> {
         let (name, settings): (String, _) = access.variant()?;
         settings.unit_variant()?;
-        let kind = ModelKind::named(&name);
+        let kind = model_kind(&name);
         kind.map(KindFile).ok_or_else(|| A::Error::unknown_variant(&name, &KINDS))
     }
 }

@@ -16,8 +16,9 @@ use super::table_folders::MAX_VALUES;
 use super::values::Range;
 use crate::model::{
     Ball, BallContact, FRICTION_LAWS, FrictionLaw, Kick, MAX_BALLS, Machine, Model, ModelKind,
-    NormalForce, ProfilePart, Ramp, RampShape, SpeedProfile, model_kinds,
+    NormalForce, ProfilePart, Ramp, RampShape, SpeedProfile,
 };
+use crate::study::kinds::model_kinds;
 use crate::study::plan::parameter::{MOST_MEMBERS, Parameter};
 use crate::study::plan::units::QUANTITIES;
 use crate::study::sampling::initial_box::{axes_in_words, axis_names, general_axes};
@@ -301,7 +302,7 @@ fn models_of(kind: &'static ModelKind) -> Vec<Model> {
         }
         model
     };
-    if kind.source().is_some() {
+    if !kind.has_law_of_study() {
         return vec![model()];
     }
     let laws = FRICTION_LAWS.map(|law| {

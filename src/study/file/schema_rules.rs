@@ -6,7 +6,8 @@ use serde_json::{Map, Value, json};
 use super::parameters_file::BALLS;
 use super::schema_parts::{axes_of, numeric_parameters_of, parameters_of};
 use super::unit_keys::split_unit;
-use crate::model::{FRICTION_LAWS, LawParameter, ModelKind, ParameterDescriptor, model_kinds};
+use crate::model::{FRICTION_LAWS, LawParameter, ModelKind, ParameterDescriptor};
+use crate::study::kinds::model_kinds;
 
 const FRACTIONS: [&str; 7] = [
     "equilibrium_fraction",

@@ -51,8 +51,20 @@ pub(in crate::study) struct ParameterKeys {
     /// What it is, in a few words.
     #[serde(default)]
     pub meaning: String,
+    /// The possible values; by default any.
+    pub bound: Option<BoundFile>,
     /// The largest value of a whole number, such as a number of bodies.
     pub most: Option<u64>,
+}
+
+/// The possible values of a parameter.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(in crate::study) enum BoundFile {
+    /// Above 0.
+    Positive,
+    /// 0 or more.
+    NotNegative,
 }
 
 /// An output: its formula, or keys.
@@ -80,6 +92,8 @@ pub(in crate::study) struct CoordinateEntry {
     pub start: Option<Ends>,
     /// Start value, or range, of its rate of change; by default 0.
     pub start_rate: Option<Ends>,
+    /// What results call its rate of change; by default the name with `_rate`.
+    pub rate: Option<String>,
     /// Whether it is an angle that may go round and round.
     #[serde(default)]
     pub periodic: bool,
@@ -98,12 +112,25 @@ pub(in crate::study) struct ContactEntry {
     pub normal: Option<FormulaText>,
     /// The sliding speed; x' is the rate of change of x.
     pub sliding: Option<FormulaText>,
-    /// The law of friction with its parameters; by default, no friction.
-    pub friction: Option<IndexMap<String, IndexMap<String, FormulaText>>>,
+    /// The law of friction with its parameters, or `study` for that of `model.friction`; by default, no friction.
+    pub friction: Option<FrictionEntry>,
     /// Speed of separation over speed of approach in an impact, 0 to 1; by default 0.
     pub restitution: Option<FormulaText>,
     /// Sliding speed after an impact without slip over that before it, with the opposite sign, 0 to 1; by default 0.
     pub tangential_restitution: Option<FormulaText>,
+}
+
+/// The laws of friction with their parameters.
+type Laws = IndexMap<String, IndexMap<String, FormulaText>>;
+
+/// A law of friction with its parameters; none for that of the study.
+#[derive(Clone, Debug, JsonSchema)]
+pub(in crate::study) struct FrictionEntry(#[schemars(with = "StudyOrLaw")] pub Option<Laws>);
+
+notations! {
+    FrictionEntry: "a law such as {coulomb: {coefficient: 0.3}}, or `study`",
+    text => |text: &str| (text == "study").then_some(FrictionEntry(None)),
+    map(Laws) => |laws| FrictionEntry(Some(laws)),
 }
 
 /// A formula, a number, or a value with a unit.
@@ -150,7 +177,7 @@ impl OutputEntry {
 impl ParameterEntry {
     fn of(value: String) -> Self {
         let value = FormulaText(value);
-        ParameterEntry(ParameterKeys { value, meaning: String::new(), most: None })
+        ParameterEntry(ParameterKeys { value, meaning: String::new(), bound: None, most: None })
     }
 }
 
@@ -185,4 +212,19 @@ enum ValueOrKeys {
 enum FormulaOrKeys {
     Formula(NumberOrText),
     Keys(OutputKeys),
+}
+
+#[derive(JsonSchema)]
+#[serde(untagged)]
+#[expect(dead_code, reason = "only the schema of these types is used")]
+enum StudyOrLaw {
+    Study(OfStudy),
+    Law(Laws),
+}
+
+#[derive(JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[expect(dead_code, reason = "only the schema of these types is used")]
+enum OfStudy {
+    Study,
 }

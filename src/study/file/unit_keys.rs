@@ -9,6 +9,7 @@ use crate::study::file::key_path::Segment;
 use crate::study::file::quantity::{convert, decimal_comma, measured, split_number};
 use crate::study::file::schema_parts::{axes_of, parameters_of, parameters_of_any};
 use crate::study::file::yaml_tree::{Content, Node};
+use crate::study::kinds::model_kind;
 
 /// The endings of SI keys with their units; a longer ending stands before the shorter one that it contains.
 const ENDINGS: [(&str, &str); 19] = [
@@ -120,8 +121,8 @@ impl Names {
     pub fn of(root: &Node) -> Names {
         let kind = root.get("model").and_then(|model| model.get("kind")).map_or("", Node::name);
         Names {
-            parameters: ModelKind::named(kind).map_or_else(parameters_of_any, parameters_of),
-            coordinates: coordinates_of(ModelKind::named(kind)),
+            parameters: model_kind(kind).map_or_else(parameters_of_any, parameters_of),
+            coordinates: coordinates_of(model_kind(kind)),
             choices: names_of_choices(root),
             units: RefCell::default(),
         }

@@ -81,7 +81,7 @@ impl Study {
         let of_friction =
             |name: &str| name.starts_with("friction_") || of_law.iter().any(|own| own == name);
         let place = before(&list, &of_friction);
-        if self.model().kind().source().is_none() {
+        if self.model().kind().has_law_of_study() {
             let law = ParameterValue::Text(self.base.model.friction().name());
             list.insert(place, self.fixed("friction", "", law));
         }

@@ -42,7 +42,9 @@ pub(in crate::study) fn resolve_friction(
 pub(in crate::study) fn check_friction(source: &Source, model: &Model) -> Result<(), StudyError> {
     model.validate().map_err(|invalid| {
         let problem = "no physical meaning";
-        if model.kind().source().is_some() {
+        let unit = model.kind().sliding_speed;
+        let mut of_law = model.friction().law().parameters().iter();
+        if !of_law.any(|parameter| parameter.name(unit) == invalid.name) {
             let found = format!("{} is {}", invalid.name, invalid.found);
             let fault = Fault::new(problem, found, invalid.allowed);
             return source.path("model.parameters").refuse_value(fault);

@@ -27,3 +27,5 @@ pub(in crate::study) mod uncertain_sampling;
 pub(in crate::study) mod units;
 pub(in crate::study) mod variables;
 pub(in crate::study) mod whole_study;
+
+pub(in crate::study) use system::built_in_system;

@@ -9,6 +9,7 @@ use crate::study::file::study_file::ModelFile;
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::unit_keys::{Keys, Names};
 use crate::study::file::yaml_tree::{Content, Source, describe_number};
+use crate::study::kinds::model_kind;
 use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::resolve::contact::{check_contact, contact_to_file, resolve_contact};
@@ -120,7 +121,7 @@ impl Base {
             kind: KindFile(kind),
             system: kind.source().cloned(),
             parameters: Some(parameters),
-            friction: (kind.source().is_none())
+            friction: (kind.has_law_of_study())
                 .then(|| friction_to_file(self.model.friction(), kind.sliding_speed)),
             normal_force: machine.map(|machine| machine.normal_force),
             contact: machine.map(|machine| contact_to_file(machine.contact)),
@@ -177,7 +178,7 @@ pub(in crate::study) fn check_parameters(source: &Source, names: &Names) -> Resu
     else {
         return Ok(());
     };
-    let Some(kind) = ModelKind::named(kind.name()) else { return Ok(()) };
+    let Some(kind) = model_kind(kind.name()) else { return Ok(()) };
     let path = source.path("model.parameters");
     for (key, value) in given {
         let name = names.find(Keys::Parameters, key.name()).0;

@@ -1,10 +1,12 @@
 //! Reads a system file, or the keys of one in a study, and makes it a kind of model.
 
+use std::path::Path;
+
 use serde_json::Value;
 
 use crate::model::{
-    Definition, FaultAt, Formula, FormulaFault, Place, Unit, WHOLE, WrittenCoordinate,
-    WrittenOutput, WrittenParameter, written_kind,
+    Bound, Definition, FaultAt, Formula, FormulaFault, ModelKind, Place, Unit, WHOLE,
+    WrittenCoordinate, WrittenOutput, WrittenParameter, written_kind,
 };
 use crate::study::error::{Fault, StudyError, list_names, shorten};
 use crate::study::file::decode::decode;
@@ -12,7 +14,7 @@ use crate::study::file::key_path::Segment;
 use crate::study::file::quantity::{convert, split_number, unit_of};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::system_file::{
-    CoordinateEntry, Ends, FormulaText, ParameterKeys, SystemFile,
+    BoundFile, CoordinateEntry, Ends, FormulaText, ParameterKeys, SystemFile,
 };
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::unit_keys::{Names, split_unit};
@@ -32,16 +34,12 @@ pub(in crate::study) fn read_system(
 ) -> Result<(), StudyError> {
     let path = source.path("model.system");
     let Some(node) = path.node() else { return Ok(()) };
-    for key in ["kind", "friction"] {
+    let beside = |key: &str, allowed: &str| {
         let other = source.path("model").key(key);
-        if other.node().is_some() {
-            let allowed = match key {
-                "kind" => "`kind` or `system`",
-                _ => "the key `friction` of each contact of the system",
-            };
-            return Err(other.refuse_key(Fault::new("not beside `system`", key, allowed)));
-        }
-    }
+        let refuse = |_| Err(other.refuse_key(Fault::new("not beside `system`", key, allowed)));
+        other.node().map_or(Ok(()), refuse)
+    };
+    beside("kind", "`kind` or `system`")?;
     let place = node.place;
     let definition = match &node.content {
         Content::Text(name) => {
@@ -69,7 +67,11 @@ pub(in crate::study) fn read_system(
             return Err(path.refuse_value(Fault::new("not a system", node.describe(), allowed)));
         }
     };
-    let (_, name) = written_kind(definition);
+    if !definition.has_law_of_study() {
+        let allowed = "`friction` of each contact of the system, or `friction: study` there";
+        beside("friction", allowed)?;
+    }
+    let (_, name) = written_kind(definition, false);
     let model = [Segment::Key("model".to_owned())];
     if let Some(Node { content: Content::Map(entries), .. }) = source.root.at_mut(&model) {
         for (key, value) in entries.iter_mut().filter(|(key, _)| key.name() == "system") {
@@ -78,6 +80,17 @@ pub(in crate::study) fn read_system(
         }
     }
     Ok(())
+}
+
+/// Reads a system file that is part of this program.
+///
+/// # Panics
+/// Panics if the file has a fault, which a test of all kinds of models finds.
+pub(in crate::study) fn built_in_system(file: &str, text: &str) -> &'static ModelKind {
+    let source = Source::new(Path::new(file), text.to_owned());
+    let definition = source.and_then(|source| definition(&source));
+    let definition = definition.unwrap_or_else(|error| panic!("{error}"));
+    written_kind(definition, true).0
 }
 
 /// Reads and checks the keys of a system.
@@ -234,6 +247,11 @@ impl<'s> Reader<'s> {
             unit,
             value: number,
             meaning: entry.meaning.clone(),
+            bound: match entry.bound {
+                None => Bound::None,
+                Some(BoundFile::Positive) => Bound::Positive,
+                Some(BoundFile::NotNegative) => Bound::NotNegative,
+            },
             most: entry.most.map(|most| most as usize),
         })
     }
@@ -281,7 +299,8 @@ impl<'s> Reader<'s> {
         };
         let start = [range("start", &entry.start)?, range("start_rate", &entry.start_rate)?];
         let (periodic, meaning) = (entry.periodic, entry.meaning.clone());
-        Ok(WrittenCoordinate { name, index, unit, periodic, meaning, start })
+        let rate = entry.rate.clone().unwrap_or_else(|| format!("{name}_rate"));
+        Ok(WrittenCoordinate { name, index, unit, rate, periodic, meaning, start })
     }
 
     /// Splits a key such as `x[block]` into the name and the index.

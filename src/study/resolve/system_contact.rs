@@ -8,7 +8,7 @@ use crate::model::{
 };
 use crate::study::error::{Fault, StudyError, list_names, shorten};
 use crate::study::file::source_path::SourcePath;
-use crate::study::file::system_file::{ContactEntry, FormulaText, SystemFile};
+use crate::study::file::system_file::{ContactEntry, FormulaText, FrictionEntry, SystemFile};
 
 impl Reader<'_> {
     /// Reads a contact.
@@ -55,8 +55,9 @@ impl Reader<'_> {
                 allowed,
             );
         }
-        let friction =
-            entry.friction.as_ref().map(|laws| self.friction(&path.key("friction"), key, laws));
+        let has_law_of_study = matches!(entry.friction, Some(FrictionEntry(None)));
+        let laws = entry.friction.as_ref().and_then(|FrictionEntry(laws)| laws.as_ref());
+        let friction = laws.map(|laws| self.friction(&path.key("friction"), key, laws));
         let friction = friction.transpose()?;
         let or_zero = |name: &str, text: &Option<FormulaText>| {
             text.as_ref().map_or(Ok(Formula::number(0.0)), |text| formula(name, text))
@@ -65,7 +66,7 @@ impl Reader<'_> {
             or_zero("restitution", &entry.restitution)?,
             or_zero("tangential_restitution", &entry.tangential_restitution)?,
         ];
-        Ok(WrittenContact { name, index, sliding, normal, friction, restitution })
+        Ok(WrittenContact { name, index, sliding, normal, friction, has_law_of_study, restitution })
     }
 
     /// Reads the law of friction of a contact.

@@ -4,19 +4,34 @@ use std::sync::OnceLock;
 
 use thiserror::Error;
 
-use super::coordinate::unit_ending;
-use super::friction::FRICTION_LAWS;
-use super::kind::{Capabilities, FRICTION_COEFFICIENT, Field, ModelKind};
-use super::{Graph, Layout, Model, Start, ball_balancer, block};
+use super::resolve::built_in_system;
+use crate::model::{
+    BALL_BALANCER, Capabilities, ContactMode, FRICTION_COEFFICIENT, FRICTION_LAWS, Field, Graph,
+    Layout, Model, ModelKind, ParameterDescriptor, Start, unit_ending, written_kind_named,
+};
 
-/// The built-in kinds, in the order of the documentation.
-const BUILT_IN: [&ModelKind; 3] = [&ball_balancer::KIND, &block::ON_SPRING, &block::ON_BELT];
+/// The system files in this program, in the order of the documentation.
+const SYSTEMS: [(&str, &str); 2] = [
+    ("block_on_spring.yaml", include_str!("systems/block_on_spring.yaml")),
+    ("block_on_belt.yaml", include_str!("systems/block_on_belt.yaml")),
+];
 
 static KINDS: OnceLock<Vec<&'static ModelKind>> = OnceLock::new();
 
 /// Returns all kinds of models: the built-in ones in the order of the documentation, and then the registered ones.
 pub fn model_kinds() -> &'static [&'static ModelKind] {
-    KINDS.get_or_init(|| BUILT_IN.to_vec())
+    KINDS.get_or_init(built_in)
+}
+
+/// Returns the kind of model with this name.
+pub fn model_kind(name: &str) -> Option<&'static ModelKind> {
+    let registered = model_kinds().iter().copied().find(|kind| kind.name == name);
+    registered.or_else(|| written_kind_named(name))
+}
+
+fn built_in() -> Vec<&'static ModelKind> {
+    let systems = SYSTEMS.iter().map(|(file, text)| built_in_system(file, text));
+    [&BALL_BALANCER].into_iter().chain(systems).collect()
 }
 
 /// Kinds of models that a program adds to the built-in ones.
@@ -57,7 +72,7 @@ impl Registry {
     /// # Errors
     /// Returns an error if a kind contradicts itself or another kind, or if other kinds are already in use.
     pub fn install(self) -> Result<(), RegistryError> {
-        let mut kinds = BUILT_IN.to_vec();
+        let mut kinds = built_in();
         for own in self.0 {
             let refuse = |problem: String| RegistryError::Unsound { kind: own.name, problem };
             if kinds.iter().any(|kind| kind.name == own.name) {
@@ -105,7 +120,7 @@ fn check_names(kind: &ModelKind) -> Result<(), String> {
         }
         known.push(name);
     }
-    let is_friction = |one: &&super::ParameterDescriptor| one.name == FRICTION_COEFFICIENT;
+    let is_friction = |one: &&ParameterDescriptor| one.name == FRICTION_COEFFICIENT;
     match kind.parameters.iter().find(is_friction).map(|one| one.field) {
         Some(Field::Own { .. }) => {}
         _ => return Err(format!("it needs the parameter `{FRICTION_COEFFICIENT}`")),
@@ -140,7 +155,7 @@ fn check_numbers(model: &Model) -> Result<(), String> {
     let coordinates = model.coordinates();
     let start = coordinates.iter().map(|one| one.default_range[0]).collect();
     let state = model.start_state(&Start(start)).map_err(|error| error.to_string())?;
-    let modes = vec![super::ContactMode::Stick; system.contacts()];
+    let modes = vec![ContactMode::Stick; system.contacts()];
     let pairs = [
         ("components of its start state and of its equations", state.len(), graph.derivative.len()),
         ("recorded inputs and values of inputs", graph.inputs.len(), system.inputs(&modes).len()),
