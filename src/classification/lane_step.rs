@@ -65,7 +65,10 @@ impl<'a> LaneStep<'a> {
     /// Returns the outputs at a time within the step, with angles that include whole turns.
     pub(super) fn outputs_at(&self, time: f64) -> Components {
         let state = self.group.state_within(self.lane, time - self.began());
-        self.view.outputs(&state, &self.unwrapped_at(time))
+        match self.view.revolves() {
+            true => self.view.outputs(&state, &self.unwrapped_at(time)),
+            false => self.view.system().outputs(&state),
+        }
     }
 
     /// Returns the time at which a function of the state passed through zero in the step, in either

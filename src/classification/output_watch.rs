@@ -112,8 +112,9 @@ impl OutputWatch {
     pub(super) fn add(&mut self, [from, to]: [f64; 2], outputs: impl Fn(f64) -> Components) {
         let length = to - from;
         let inside = NODES.map(|node| from + node * length);
-        let times: Vec<f64> = [from].into_iter().chain(inside).chain([to]).collect();
-        let values: Vec<Components> = times.iter().map(|time| outputs(*time)).collect();
+        let [first, second, third, fourth, fifth] = inside;
+        let times = [from, first, second, third, fourth, fifth, to];
+        let values = times.map(&outputs);
         if self.outputs.is_empty() {
             let begun =
                 |first: &f64| Watched { ends: [*first; 2], integral: 0.0, extremes: [*first; 2] };

@@ -173,7 +173,7 @@ fn times_longer(model: &Model) -> f64 {
 fn usual_seconds_per_step(model: &Model) -> f64 {
     let contacts = model.contacts() as f64;
     let tuned = 0.25e-6 * contacts * (1.0 + contacts / 20.0);
-    let step = if has_tuned_kernel(model) { tuned } else { 4.5 * tuned };
+    let step = if has_tuned_kernel(model) { tuned } else { 3.4 * tuned };
     times_longer(model) * step
 }
 

@@ -79,7 +79,8 @@ fn decided_later(model: &Model) -> String {
     match found_endings(model) {
         FoundEndings { cycles: true, .. } => match model.ball_balancer() {
             Some(machine) if machine.contact.is_none() => format!("{longer} more"),
-            _ => format!(
+            Some(_) => format!("{longer} more, but no quasi-periodic motion"),
+            None => format!(
                 "{longer} more, but no run whose motion goes on with an amplitude that depends on its start"
             ),
         },

@@ -25,6 +25,7 @@ mod recorder_touches;
 pub mod reference;
 mod reference_in_contact;
 mod reference_run_up;
+mod rotor;
 mod runout;
 mod settled;
 pub mod simulate_all;

@@ -40,17 +40,23 @@ impl WrittenSystem {
     /// # Errors
     /// A fault that the check has found before.
     pub(super) fn outputs_in(&self, state: &[f64]) -> Result<Components, FormulaFault> {
-        let instance = &self.instance;
-        let outputs = self.in_state(state, |mut values, _| {
-            let each = |which: usize| values.coordinates.iter().map(move |(.., all)| all[which]);
-            let mut outputs: Components = each(0).chain(each(1)).collect();
+        let (instance, n) = (&self.instance, self.instance.coordinates.len());
+        let mut outputs = Components::new();
+        let Some((positions, rest)) = state.split_at_checked(n) else { return Ok(outputs) };
+        for (of, values) in self.coordinates.iter().zip([positions, rest]) {
+            outputs.extend((0..n).map(|row| of.row_at(row, values)));
+        }
+        if instance.outputs.is_empty() {
+            return Ok(outputs);
+        }
+        self.in_state(state, |mut values, _| {
             for number in 0..instance.outputs.len() {
                 let (output, mut bodies) = instance.output(number);
                 outputs.push(bodies.evaluate(&output.formula, &mut values)?);
             }
-            Ok(outputs)
+            Ok(())
         })?;
-        Ok(outputs.unwrap_or_default())
+        Ok(outputs)
     }
 
     /// Returns the smallest pivot of the mass matrix over the entry on its diagonal.

@@ -87,11 +87,13 @@ impl<T: Quantity> Rates<T> {
 
     /// Returns the rates of change of these velocities.
     pub fn at(&self, velocities: &[T]) -> Vec<T> {
-        let rows = self.factors.iter().zip(&self.constants);
-        let sum = |(row, constant): (&Vec<T>, &T)| {
-            row.iter().zip(velocities).fold(*constant, |sum, (one, other)| sum + *one * *other)
-        };
-        rows.map(sum).collect()
+        (0..self.constants.len()).map(|row| self.row_at(row, velocities)).collect()
+    }
+
+    /// Returns one of the rates of change of these velocities.
+    pub fn row_at(&self, row: usize, velocities: &[T]) -> T {
+        let terms = self.factors[row].iter().zip(velocities);
+        terms.fold(self.constants[row], |sum, (one, other)| sum + *one * *other)
     }
 }
 

@@ -1,0 +1,107 @@
+//! The rotor of a system file, against an independent program.
+//!
+//! The reference integrates the equations of motion in the fixed frame by a Runge-Kutta method of order 8 with located events; a
+//! second program with Cartesian positions of the balls and multipliers agrees with it to 3e-12 rad. Five runs have anisotropic
+//! supports and gravity, so that balls rock in each turn or drift; in five runs with isotropic supports both balls come to rest.
+
+use std::collections::HashMap;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use stickslip::classification::{Evidence, Outcome, simulate};
+use stickslip::model::OutputValue;
+use stickslip::study::Study;
+
+use crate::support::angular_distance;
+
+const REFERENCE: &str = include_str!("../data/rotor_reference.csv");
+
+/// The rows of the reference, by column.
+fn rows() -> Vec<HashMap<&'static str, &'static str>> {
+    let mut lines = REFERENCE.lines();
+    let names: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    lines.map(|line| names.iter().copied().zip(line.split(',')).collect()).collect()
+}
+
+/// Computes a run of the reference with the rotor of the file.
+fn outcome(row: &HashMap<&str, &str>) -> Outcome {
+    let number = |name: &str| row[name].parse::<f64>().expect("a number");
+    let length = |x: &str, y: &str| number(x).hypot(number(y));
+    let angle = |x: &str, y: &str| number(y).atan2(number(x));
+    let parameters = [
+        ("omega_rad_s", number("Omega")),
+        ("stiffness_x_n_m", 0.5 * number("kx11")),
+        ("stiffness_y_n_m", 0.5 * number("ky11")),
+        ("damping_x_n_s_m", 0.5 * number("cx11")),
+        ("damping_y_n_s_m", 0.5 * number("cy11")),
+        ("eccentricity_m", length("eps_x", "eps_y")),
+        ("eccentricity_angle", angle("eps_x", "eps_y")),
+        ("couple", length("chi_x", "chi_y")),
+        ("couple_angle", angle("chi_x", "chi_y")),
+        ("runout_m", length("ex", "ey")),
+        ("runout_angle", angle("ex", "ey")),
+        ("friction_coefficient", number("mu")),
+        ("ball_drag_1_s", number("cb")),
+        ("gravity_m_s2", -number("gy")),
+        ("lagrange", if row["normal"] == "lagrange" { 1.0 } else { 0.0 }),
+    ];
+    let start = [
+        ("x_m", "X0"),
+        ("y_m", "Y0"),
+        ("tilt_x_rad", "phiY0"),
+        ("tilt_y_rad", "mphiX0"),
+        ("x_rate_m_s", "vX0"),
+        ("y_rate_m_s", "vY0"),
+        ("tilt_x_rate_rad_s", "vphiY0"),
+        ("tilt_y_rate_rad_s", "vmphiX0"),
+        ("beta_1_rad", "beta1_0"),
+        ("beta_2_rad", "beta2_0"),
+        ("beta_rate_1_rad_s", "dbeta1_0"),
+        ("beta_rate_2_rad_s", "dbeta2_0"),
+    ];
+    let mut text = "schema: 1\nname: rotor\nseed: 1\nmodel:\n  system: systems/rotor_balancer.yaml\n  parameters:\n".to_owned();
+    for (name, value) in parameters {
+        let _ = writeln!(text, "    {name}: {value:?}");
+    }
+    text += "initial_conditions:\n  design: {monte_carlo: {samples: 1}}\n  box:\n";
+    for (name, column) in start {
+        let _ = writeln!(text, "    {name}: [{0:?}, {0:?}]", number(column));
+    }
+    text += "simulation: {end_time_s: 6, method: event, tolerance: {relative: 1.0e-10, absolute: 1.0e-12}}\n";
+    let file: PathBuf = [env!("CARGO_MANIFEST_DIR"), "studies", "rotor.yaml"].iter().collect();
+    let study = Study::parse(&file, text).unwrap_or_else(|error| panic!("{error}"));
+    simulate(&study.planned_run(0).case.expect("a case"))
+}
+
+/// The balls end at the angles of the reference after the same number of switches, and come to rest at the same times.
+#[test]
+fn balls_of_a_rotor_end_as_an_independent_program_says() {
+    let mut at_rest = 0;
+    for row in rows() {
+        let (id, found) = (row["id"], outcome(&row));
+        let number = |name: &str| row[name].parse::<f64>().expect("a number");
+        for (ball, column) in [(0, "beta1"), (1, "beta2")] {
+            let angle = found.position.as_ref().expect("it has ended")[ball];
+            let distance = angular_distance(angle, number(column));
+            assert!(distance < 1e-8, "{id}: ball {ball} is {distance:e} away: {found:?}");
+        }
+        assert_eq!(found.effort.switches, number("events") as u64, "{id}");
+        match row["time_of_rest"].parse::<f64>() {
+            Ok(expected) => {
+                assert_eq!(found.evidence, Evidence::PeriodicRest, "{id}");
+                let time_s = found.time_to_rest_s.expect("at rest");
+                assert!((time_s - expected).abs() < 1e-7, "{id}: {time_s} {expected}");
+                at_rest += 1;
+            }
+            Err(_) => {
+                assert_eq!(found.evidence, Evidence::EndTime, "{id}: {found:?}");
+                for (coordinate, column) in [(0, "X"), (1, "Y")] {
+                    let end = found.outputs[coordinate].value(OutputValue::End);
+                    let error = end.expect("it has ended") - number(column);
+                    assert!(error.abs() < 1e-12, "{id}, {column}: {error:e}");
+                }
+            }
+        }
+    }
+    assert_eq!(at_rest, 6);
+}
