@@ -26,7 +26,7 @@ const MOST_STEPS_OF_LOOKS: u64 = 2 * MOST_LOOKS as u64 * MOST_STEPS_OF_A_LOOK;
 /// contact, and 1 µs if position and speed of one contact are the whole state.
 pub fn seconds_per_step(model: &Model) -> f64 {
     match model.contacts() {
-        1 if model.coordinates().len() == 2 => 1e-6,
+        1 if model.coordinate_count() == 2 => 1e-6,
         contacts => 4e-6 * contacts as f64,
     }
 }

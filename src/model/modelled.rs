@@ -116,6 +116,14 @@ impl Model {
         })
     }
 
+    /// Returns the number of coordinates of a start state.
+    pub fn coordinate_count(&self) -> usize {
+        match self {
+            Model::Own(own) => own.own().coordinate_count(own),
+            Model::BallBalancer(machine) => 4 + 2 * machine.balls.len(),
+        }
+    }
+
     fn components(&self, start: &Start) -> Option<Components> {
         match (self, start.0.as_slice()) {
             // Both have position, angles, velocity, angular speeds; components end with angles and their speeds.
@@ -127,7 +135,7 @@ impl Model {
                 let (velocity, beta_dot) = rest.split_at(2);
                 Some([position, velocity, beta, beta_dot].concat().into())
             }
-            (Model::Own(own), values) if values.len() == self.coordinates().len() => {
+            (Model::Own(own), values) if values.len() == self.coordinate_count() => {
                 Some(own.own().start_state(own, values))
             }
             _ => None,

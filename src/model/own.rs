@@ -53,6 +53,11 @@ pub trait OwnKind: Sync {
     /// Returns the coordinates of a start state, in order. Their names and number may depend on whole numbers only.
     fn coordinates(&self, model: &OwnModel) -> Vec<Coordinate>;
 
+    /// Returns the number of coordinates.
+    fn coordinate_count(&self, model: &OwnModel) -> usize {
+        self.coordinates(model).len()
+    }
+
     /// Returns the units of the model, with a unit of force for each contact.
     fn units(&self, model: &OwnModel) -> Units;
 

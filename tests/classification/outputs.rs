@@ -3,11 +3,16 @@
 use std::path::Path;
 
 use stickslip::classification::{Evidence, Label, Outcome, simulate};
-use stickslip::model::OutputValue;
+use stickslip::model::{Case, OutputValue};
 use stickslip::study::Study;
 
 /// Returns the outcomes of the runs of a system.
 fn outcomes(system: &str, samples: usize, end_time_s: f64) -> Vec<Outcome> {
+    cases(system, samples, end_time_s).iter().map(simulate).collect()
+}
+
+/// Returns the runs of a system.
+fn cases(system: &str, samples: usize, end_time_s: f64) -> Vec<Case> {
     let text = format!(
         "schema: 1\nname: a\nseed: 7\nmodel:\n  system:\n    system: a\n    {}\n\
          initial_conditions: {{design: {{monte_carlo: {{samples: {samples}}}}}}}\n\
@@ -15,9 +20,7 @@ fn outcomes(system: &str, samples: usize, end_time_s: f64) -> Vec<Outcome> {
         system.trim().replace('\n', "\n    ")
     );
     let study = Study::parse(Path::new("a.yaml"), text).unwrap_or_else(|error| panic!("{error}"));
-    (0..study.run_count())
-        .map(|run| simulate(&study.planned_run(run).case.expect("a case")))
-        .collect()
+    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("a case")).collect()
 }
 
 #[track_caller]
@@ -137,5 +140,57 @@ contacts: {ground: {normal: 0.01, sliding: x', friction: {coulomb: {coefficient:
     for outcome in outcomes(system, 3, 300.0) {
         assert_eq!(outcome.evidence, Evidence::EndTime, "{outcome:?}");
         assert!(outcome.lyapunov.expect("it moves").exponent_1_s > 0.1, "{outcome:?}");
+    }
+}
+
+/// A ball bounces ever lower, and comes to rest when the geometric series of its flights ends.
+#[test]
+fn a_ball_comes_to_rest_after_infinitely_many_impacts() {
+    let (g, e) = (9.81_f64, 0.8);
+    let system = "parameters: {m: 0.1 kg, g: 9.81 m/s^2, e: 0.8}
+coordinates: {h: {unit: m, start: [0.1, 1], start_rate: 0.5}}
+mass: {h: {h: m}}
+force: {h: -m * g}
+contacts: {floor: {gap: h, restitution: e}}
+outputs: {height: h}";
+    for case in cases(system, 12, 30.0) {
+        let (outcome, height) = (simulate(&case), case.start.0[0]);
+        assert_eq!(outcome.evidence, Evidence::Settled, "{outcome:?}");
+        assert_values(&outcome, 2, &[(OutputValue::Greatest, 0.0)]);
+        let impact = (0.25 + 2.0 * g * height).sqrt();
+        let time_s = (0.5 + impact) / g + 2.0 * impact * e / (g * (1.0 - e));
+        let found = outcome.time_to_rest_s.expect("at rest");
+        assert!((found - time_s).abs() < 1e-6, "{found} {time_s}");
+    }
+}
+
+/// A box falls on its two feet, whose sliding speeds have factors that change with its angle. Its motion is computed, although
+/// its rest on two feet is not certified.
+#[test]
+fn a_box_on_two_feet_stays_where_friction_holds_it() {
+    let system =
+        "parameters: {m: 1 kg, j: 0.01 kg m^2, g: 9.81 m/s^2, mu: 0.3, a: 0.1 m, b: 0.05 m, e: 0.2}
+coordinates:
+  x: {unit: m, start_rate: [-1, 1]}
+  y: {unit: m, start: [0.1, 0.3]}
+  phi: {unit: rad, start: [-0.1, 0.1]}
+mass: {x: {x: m}, y: {y: m}, phi: {phi: j}}
+force: {y: -m * g}
+contacts:
+  left:
+    gap: y - b * cos(phi) - a * sin(phi)
+    sliding: x' + phi' * (b * cos(phi) + a * sin(phi))
+    friction: {coulomb: {coefficient: mu}}
+    restitution: e
+  right:
+    gap: y - b * cos(phi) + a * sin(phi)
+    sliding: x' + phi' * (b * cos(phi) - a * sin(phi))
+    friction: {coulomb: {coefficient: mu}}
+    restitution: e";
+    for outcome in outcomes(system, 8, 10.0) {
+        assert_eq!(outcome.evidence, Evidence::EndTime, "{outcome:?}");
+        assert_values(&outcome, 1, &[(OutputValue::End, 0.05), (OutputValue::Amplitude, 0.0)]);
+        assert_values(&outcome, 2, &[(OutputValue::End, 0.0)]);
+        assert_values(&outcome, 3, &[(OutputValue::End, 0.0)]);
     }
 }

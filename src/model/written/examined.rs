@@ -159,8 +159,8 @@ impl Examined {
         let mut places: Vec<f64> = state.iter().map(|[position, _]| *position).collect();
         let mut velocities: Vec<f64> = state.iter().map(|[_, rate]| *rate).collect();
         for (number, speed) in speeds.iter().enumerate() {
-            if let (SpeedOf::Velocity(place), Some(own)) =
-                (integrals[number], instance.linear(number, numeric)?)
+            if let SpeedOf::Velocity(place) = integrals[number]
+                && let Some(own) = instance.linear(number, numeric)?
             {
                 places[place] = own.factors.iter().map(|(of, factor)| factor * state[*of][0]).sum();
             }

@@ -259,6 +259,11 @@ impl OwnKind for WrittenKind {
         Self::part(all)
     }
 
+    fn coordinate_count(&self, model: &OwnModel) -> usize {
+        let examined = self.examined(model);
+        examined.map_or(0, |one| 2 * one.system.instance.coordinates.len())
+    }
+
     fn units(&self, model: &OwnModel) -> Units {
         let Ok(examined) = self.examined(model) else { return Units::default() };
         let Examined { scales, speeds, outputs, system, .. } = &*examined;

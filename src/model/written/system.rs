@@ -116,8 +116,8 @@ impl WrittenSystem {
         let coordinates = instance.named(|number| [shapes[number], moving[number]]);
         let mut advancing = moving.clone();
         for (number, integral) in self.integrals.iter().enumerate() {
-            if let (SpeedOf::Velocity(place), Some(speed)) =
-                (integral, instance.linear(number, base)?)
+            if let SpeedOf::Velocity(place) = integral
+                && let Some(speed) = instance.linear(number, base)?
             {
                 advancing[*place] = speeds[*place] - speed.constant;
             }

@@ -177,7 +177,10 @@ impl Instance<'_> {
         let mut rates = Rates::<f64>::identity(self.coordinates.len());
         let mut integrals = Vec::new();
         for (contact, speed_of) in chosen.iter().enumerate() {
-            let speed = self.linear(contact, numeric)?;
+            let speed = match speed_of {
+                SpeedOf::Formula => None,
+                SpeedOf::Velocity(_) | SpeedOf::Same(_) => self.linear(contact, numeric)?,
+            };
             let speed = speed.filter(|speed| !speed.factors.iter().any(is_periodic));
             integrals.push(match (*speed_of, speed.map(|speed| rates.of_velocities(&speed))) {
                 (SpeedOf::Velocity(place), Some(all)) if all.0[place].abs() > ROUNDING => {
@@ -202,9 +205,8 @@ impl Instance<'_> {
     ) -> Result<Rates<T>, FormulaFault> {
         let mut rates = Rates::identity(self.coordinates.len());
         for (contact, speed_of) in chosen.iter().enumerate() {
-            if let (SpeedOf::Velocity(place), Some(speed)) =
-                (speed_of, self.linear(contact, numeric)?)
-            {
+            let SpeedOf::Velocity(place) = speed_of else { continue };
+            if let Some(speed) = self.linear(contact, numeric)? {
                 let all = rates.of_velocities(&speed);
                 rates.replace(*place, &all);
             }
