@@ -11,9 +11,10 @@ use crate::model::{
 };
 
 /// The system files in this program, in the order of the documentation.
-const SYSTEMS: [(&str, &str); 2] = [
+const SYSTEMS: [(&str, &str); 3] = [
     ("block_on_spring.yaml", include_str!("systems/block_on_spring.yaml")),
     ("block_on_belt.yaml", include_str!("systems/block_on_belt.yaml")),
+    ("rotor_balancer.yaml", include_str!("systems/rotor_balancer.yaml")),
 ];
 
 static KINDS: OnceLock<Vec<&'static ModelKind>> = OnceLock::new();

@@ -1,4 +1,4 @@
-//! The rotor of a system file, against an independent program.
+//! The balancer on a rotor, against an independent program.
 //!
 //! The reference integrates the equations of motion in the fixed frame by a Runge-Kutta method of order 8 with located events; a
 //! second program with Cartesian positions of the balls and multipliers agrees with it to 3e-12 rad. Five runs have anisotropic
@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::Path;
 
 use stickslip::classification::{Evidence, Outcome, simulate};
 use stickslip::model::OutputValue;
@@ -23,23 +23,23 @@ fn rows() -> Vec<HashMap<&'static str, &'static str>> {
     lines.map(|line| names.iter().copied().zip(line.split(',')).collect()).collect()
 }
 
-/// Computes a run of the reference with the rotor of the file.
+/// Computes a run of the reference.
 fn outcome(row: &HashMap<&str, &str>) -> Outcome {
     let number = |name: &str| row[name].parse::<f64>().expect("a number");
     let length = |x: &str, y: &str| number(x).hypot(number(y));
     let angle = |x: &str, y: &str| number(y).atan2(number(x));
     let parameters = [
-        ("omega_rad_s", number("Omega")),
+        ("speed_rad_s", number("Omega")),
         ("stiffness_x_n_m", 0.5 * number("kx11")),
         ("stiffness_y_n_m", 0.5 * number("ky11")),
         ("damping_x_n_s_m", 0.5 * number("cx11")),
         ("damping_y_n_s_m", 0.5 * number("cy11")),
         ("eccentricity_m", length("eps_x", "eps_y")),
-        ("eccentricity_angle", angle("eps_x", "eps_y")),
-        ("couple", length("chi_x", "chi_y")),
-        ("couple_angle", angle("chi_x", "chi_y")),
+        ("eccentricity_direction", angle("eps_x", "eps_y")),
+        ("couple_imbalance", length("chi_x", "chi_y")),
+        ("couple_direction", angle("chi_x", "chi_y")),
         ("runout_m", length("ex", "ey")),
-        ("runout_angle", angle("ex", "ey")),
+        ("runout_direction", angle("ex", "ey")),
         ("friction_coefficient", number("mu")),
         ("ball_drag_1_s", number("cb")),
         ("gravity_m_s2", -number("gy")),
@@ -59,7 +59,9 @@ fn outcome(row: &HashMap<&str, &str>) -> Outcome {
         ("beta_rate_1_rad_s", "dbeta1_0"),
         ("beta_rate_2_rad_s", "dbeta2_0"),
     ];
-    let mut text = "schema: 1\nname: rotor\nseed: 1\nmodel:\n  system: systems/rotor_balancer.yaml\n  parameters:\n".to_owned();
+    let mut text =
+        "schema: 1\nname: rotor\nseed: 1\nmodel:\n  kind: rotor_balancer\n  parameters:\n"
+            .to_owned();
     for (name, value) in parameters {
         let _ = writeln!(text, "    {name}: {value:?}");
     }
@@ -68,8 +70,8 @@ fn outcome(row: &HashMap<&str, &str>) -> Outcome {
         let _ = writeln!(text, "    {name}: [{0:?}, {0:?}]", number(column));
     }
     text += "simulation: {end_time_s: 6, method: event, tolerance: {relative: 1.0e-10, absolute: 1.0e-12}}\n";
-    let file: PathBuf = [env!("CARGO_MANIFEST_DIR"), "studies", "rotor.yaml"].iter().collect();
-    let study = Study::parse(&file, text).unwrap_or_else(|error| panic!("{error}"));
+    let study =
+        Study::parse(Path::new("rotor.yaml"), text).unwrap_or_else(|error| panic!("{error}"));
     simulate(&study.planned_run(0).case.expect("a case"))
 }
 

@@ -30,7 +30,7 @@ pub struct Template {
 
 impl Template {
     /// All templates.
-    pub const ALL: [Template; 6] = [
+    pub const ALL: [Template; 7] = [
         Template {
             name: "machine",
             summary: "a ball balancer of your own, with all its parameters",
@@ -45,6 +45,11 @@ impl Template {
             name: "blocks",
             summary: "a block on a spring, on a belt or on rigid ground",
             source: include_str!("blocks.yaml"),
+        },
+        Template {
+            name: "rotor",
+            summary: "a ball balancer on a horizontal rotor with two bearings",
+            source: include_str!("rotor.yaml"),
         },
         Template {
             name: "system",
