@@ -160,37 +160,31 @@ outputs: {height: h}";
         let impact = (0.25 + 2.0 * g * height).sqrt();
         let time_s = (0.5 + impact) / g + 2.0 * impact * e / (g * (1.0 - e));
         let found = outcome.time_to_rest_s.expect("at rest");
-        assert!((found - time_s).abs() < 1e-6, "{found} {time_s}");
+        // Contact lasts when the ball hits the ground at less than 1e-5 of the unit of speed.
+        assert!((found - time_s).abs() < 1e-4, "{found} {time_s}");
     }
 }
 
-/// A box falls on its two feet, whose sliding speeds have factors that change with its angle. Its motion is computed, although
-/// its rest on two feet is not certified.
+/// A bead falls into a bowl and slides on it until friction holds it, where the slope is at most the coefficient. The factors of
+/// its sliding speed change with its place, so that its rest is not certified.
 #[test]
-fn a_box_on_two_feet_stays_where_friction_holds_it() {
-    let system =
-        "parameters: {m: 1 kg, j: 0.01 kg m^2, g: 9.81 m/s^2, mu: 0.3, a: 0.1 m, b: 0.05 m, e: 0.2}
+fn a_bead_stops_where_the_slope_of_a_bowl_is_small() {
+    let system = "parameters: {m: 1 kg, g: 9.81 m/s^2, mu: 0.2, a: 1.0 1/m}
 coordinates:
-  x: {unit: m, start_rate: [-1, 1]}
-  y: {unit: m, start: [0.1, 0.3]}
-  phi: {unit: rad, start: [-0.1, 0.1]}
-mass: {x: {x: m}, y: {y: m}, phi: {phi: j}}
+  x: {unit: m, start: [-0.5, 0.5]}
+  y: {unit: m, start: [0.3, 0.4]}
+mass: {x: {x: m}, y: {y: m}}
 force: {y: -m * g}
 contacts:
-  left:
-    gap: y - b * cos(phi) - a * sin(phi)
-    sliding: x' + phi' * (b * cos(phi) + a * sin(phi))
-    friction: {coulomb: {coefficient: mu}}
-    restitution: e
-  right:
-    gap: y - b * cos(phi) + a * sin(phi)
-    sliding: x' + phi' * (b * cos(phi) - a * sin(phi))
-    friction: {coulomb: {coefficient: mu}}
-    restitution: e";
-    for outcome in outcomes(system, 8, 10.0) {
+  bowl:
+    gap: y - a * x^2
+    sliding: (x' + 2 * a * x * y') / sqrt(1 + 4 * a^2 * x^2)
+    friction: {coulomb: {coefficient: mu}}";
+    for outcome in outcomes(system, 12, 10.0) {
         assert_eq!(outcome.evidence, Evidence::EndTime, "{outcome:?}");
-        assert_values(&outcome, 1, &[(OutputValue::End, 0.05), (OutputValue::Amplitude, 0.0)]);
-        assert_values(&outcome, 2, &[(OutputValue::End, 0.0)]);
-        assert_values(&outcome, 3, &[(OutputValue::End, 0.0)]);
+        let x = outcome.outputs[0].end;
+        assert!((2.0 * x).abs() <= 0.2 + 1e-9, "{x}");
+        assert_values(&outcome, 1, &[(OutputValue::Mean, x * x)]);
+        assert_values(&outcome, 2, &[(OutputValue::Least, 0.0), (OutputValue::Greatest, 0.0)]);
     }
 }

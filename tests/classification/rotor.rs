@@ -46,18 +46,18 @@ fn outcome(row: &HashMap<&str, &str>) -> Outcome {
         ("lagrange", if row["normal"] == "lagrange" { 1.0 } else { 0.0 }),
     ];
     let start = [
-        ("x_m", "X0"),
-        ("y_m", "Y0"),
+        ("shaft_x_m", "X0"),
+        ("shaft_y_m", "Y0"),
         ("tilt_x_rad", "phiY0"),
         ("tilt_y_rad", "mphiX0"),
-        ("x_rate_m_s", "vX0"),
-        ("y_rate_m_s", "vY0"),
+        ("shaft_x_rate_m_s", "vX0"),
+        ("shaft_y_rate_m_s", "vY0"),
         ("tilt_x_rate_rad_s", "vphiY0"),
         ("tilt_y_rate_rad_s", "vmphiX0"),
-        ("beta_1_rad", "beta1_0"),
-        ("beta_2_rad", "beta2_0"),
-        ("beta_rate_1_rad_s", "dbeta1_0"),
-        ("beta_rate_2_rad_s", "dbeta2_0"),
+        ("ball_angle_1_rad", "beta1_0"),
+        ("ball_angle_2_rad", "beta2_0"),
+        ("ball_angle_rate_1_rad_s", "dbeta1_0"),
+        ("ball_angle_rate_2_rad_s", "dbeta2_0"),
     ];
     let mut text =
         "schema: 1\nname: rotor\nseed: 1\nmodel:\n  kind: rotor_balancer\n  parameters:\n"

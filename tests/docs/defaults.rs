@@ -64,11 +64,12 @@ fn compare(heading: &str, map: &str, prefix: &str) -> usize {
 #[test]
 fn defaults_on_the_page_are_those_of_the_program() {
     assert_eq!(compare("## Model", "ModelFile", ""), 3);
-    assert_eq!(compare("### Ball balancer", "ParametersFile", ""), 11);
+    assert_eq!(compare("### Ball balancer", "ParametersFile", ""), 8);
     assert_eq!(compare("### Block on a spring or belt", "ParametersFile", ""), 3);
     assert_eq!(compare("## Simulation", "SimulationFile", ""), 4);
     assert_eq!(compare("## Simulation", "ToleranceFile", "tolerance."), 2);
-    // Stiffness and friction have one default in the balancer and another one in the blocks.
+    assert_eq!(compare("### Rotor balancer", "ParametersFile", ""), 20);
+    // These have other defaults in each kind of model.
     let balancer = stickslip::model::Machine::default();
     let block = crate::support::Block::on_belt();
     for (heading, stiffness, friction) in [
@@ -79,6 +80,23 @@ fn defaults_on_the_page_are_those_of_the_program() {
         let written = |name: &str| rows[name]["default"].parse().ok();
         assert_eq!(written("stiffness_n_m"), Some(stiffness), "{heading}");
         assert_eq!(written("friction_coefficient"), Some(friction), "{heading}");
+    }
+    let rotor = stickslip::study::model_kind("rotor_balancer").expect("a built-in kind");
+    let default = |name: &str| {
+        let parameter = rotor.parameters.iter().find(|parameter| parameter.name == name);
+        let numbers =
+            parameter.map(|own| own.numbers(&mut rotor.default_model(), None).remove(0).to_owned());
+        numbers.map(|number| (number * 1e4).round() / 1e4)
+    };
+    for (name, of_balls) in [
+        ("speed_rad_s", balancer.speed_rad_s),
+        ("ball_mass_kg", balancer.balls[0].mass_kg),
+        ("ball_diameter_m", balancer.balls[0].diameter_m),
+    ] {
+        let written = |heading: &str| tables(heading)[name]["default"].parse().ok();
+        assert_eq!(written("### Ball balancer"), Some(of_balls), "{name}");
+        let rounded = written("### Rotor balancer").map(|one: f64| (one * 1e4).round() / 1e4);
+        assert_eq!(rounded, default(name), "{name}");
     }
 }
 

@@ -78,6 +78,9 @@ fn names_are_unique_and_have_units() {
         ("N", "_n"),
         ("rad/s", "_rad_s"),
         ("m/s", "_m_s"),
+        ("1/s", "_1_s"),
+        ("m/s2", "_m_s2"),
+        ("kg m2", "_kg_m2"),
     ];
     for kind in model_kinds().iter().copied() {
         for law in FRICTION_LAWS {

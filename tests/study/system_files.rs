@@ -134,6 +134,8 @@ sliding: x[cart]' - v ¦ sliding: (x[cart]' - v)^2 ¦ 27 ¦ not linear ¦ ^2 ¦ 
 sliding: x[cart]' - v ¦ gap: x[cart] ¦ 25 ¦ two normal forces ¦ `gap` and ¦ given force
 coefficient: mu, ¦ coefficent: mu, ¦ 28 ¦ unknown key ¦ coefficent ¦ coefficient (did you
 stribeck_speed: v} ¦ stribeck_speed: f} ¦ 28 ¦ another quantity ¦ N ¦ m/s
+{stribeck: {coefficient: mu, static_coefficient: 2 * mu, stribeck_speed: v}} ¦ study ¦ 9 ¦ the law of the study without ¦ friction_coefficient ¦ among the parameters
+{stribeck: {coefficient: mu, static_coefficient: 2 * mu, stribeck_speed: v}} ¦ stribeck ¦ 28 ¦ not allowed here ¦ stribeck ¦ `study`
 {stribeck: { ¦ {stribek: { ¦ 28 ¦ unknown choice ¦ stribek ¦ stribeck (did you
 , stribeck_speed: v ¦  ¦ 28 ¦ missing key ¦ no such key ¦ stribeck_speed
 period: 2 * pi / omega ¦ period: 2 * pi / omega\n    outputs: {load: k * y} ¦ 30 ¦ unknown name ¦ y ¦ x

@@ -5,7 +5,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::definition::{Definition, WrittenOutput};
 use super::dimensions::unit_of;
-use super::evaluate::Counts;
 use super::examined::Examined;
 use super::formula::{Dimension, Formula, FormulaFault, WHOLE};
 use super::instance::{Instance, Member};
@@ -29,8 +28,8 @@ struct WrittenKind {
     coordinates: Vec<[StartName; 2]>,
     /// Whether the definition is part of this program.
     is_built_in: bool,
-    /// The numbers of bodies for which all formulas have been checked.
-    sound: Mutex<Vec<Counts>>,
+    /// The systems with the numbers of bodies for which all formulas have been checked.
+    sound: Mutex<Vec<Arc<Instance<'static>>>>,
 }
 
 /// A coordinate of a start state for all bodies together.
@@ -167,14 +166,19 @@ impl WrittenKind {
     ///
     /// # Errors
     /// The first fault of a formula with these numbers of bodies.
-    fn instance(&self, model: &OwnModel) -> Result<Instance<'static>, FormulaFault> {
+    fn instance(&self, model: &OwnModel) -> Result<Arc<Instance<'static>>, FormulaFault> {
         let count = |name: &str| self.value(model, name) as i64;
-        let instance = Instance::new(self.definition, count).map_err(|(_, fault)| fault)?;
         let mut sound = self.sound.lock().unwrap_or_else(PoisonError::into_inner);
-        if !sound.contains(&instance.bodies.counts) {
-            instance.check().map_err(|(_, fault)| fault)?;
-            sound.push(instance.bodies.counts.clone());
+        let has_counts = |known: &&Arc<Instance>| {
+            known.bodies.counts.iter().all(|(name, number)| count(name) == *number)
+        };
+        if let Some(known) = sound.iter().find(has_counts) {
+            return Ok(Arc::clone(known));
         }
+        let instance = Instance::new(self.definition, count).map_err(|(_, fault)| fault)?;
+        instance.check().map_err(|(_, fault)| fault)?;
+        let instance = Arc::new(instance);
+        sound.push(Arc::clone(&instance));
         Ok(instance)
     }
 
@@ -195,6 +199,7 @@ impl WrittenKind {
                 return Ok(Arc::clone(known));
             }
             let (instance, values, law) = (self.instance(model)?, model.values(), model.friction());
+            let instance = (*instance).clone();
             let own = Arc::new(Examined::new(instance, self.number, values, law)?);
             latest.truncate(MOST_KEPT - 1);
             latest.insert(0, (self.number, values.to_vec(), *law, Arc::clone(&own)));
