@@ -56,6 +56,17 @@ impl Model {
         }
     }
 
+    /// Checks that each value alone has a physical meaning.
+    ///
+    /// # Errors
+    /// The first invalid parameter, by the name it has in a study file.
+    pub fn validate_values(&self) -> Result<(), InvalidParameter> {
+        match self {
+            Model::BallBalancer(machine) => machine.validate(),
+            Model::Own(own) => own.validate_values(),
+        }
+    }
+
     /// Returns the system without dimensions; `None` for a machine with an unsupported number of balls. Balls with
     /// contact are in their order along the ring, from the first ball on.
     pub fn system(&self) -> Option<Arc<dyn System>> {

@@ -50,6 +50,11 @@ pub trait OwnKind: Sync {
         Ok(())
     }
 
+    /// Returns whether [`OwnKind::validate`] reports parameters of the model.
+    fn reports_parameters(&self) -> bool {
+        true
+    }
+
     /// Returns the coordinates of a start state, in order. Their names and number may depend on whole numbers only.
     fn coordinates(&self, model: &OwnModel) -> Vec<Coordinate>;
 
@@ -170,6 +175,19 @@ impl OwnModel {
 
     /// Checks that all values have a physical meaning.
     pub(super) fn validate(&self) -> Result<(), InvalidParameter> {
+        self.validate_bounds()?;
+        self.own.validate(self)
+    }
+
+    /// Checks each value, and what the kind says about single values.
+    pub(super) fn validate_values(&self) -> Result<(), InvalidParameter> {
+        match self.own.reports_parameters() {
+            true => self.validate(),
+            false => self.validate_bounds(),
+        }
+    }
+
+    fn validate_bounds(&self) -> Result<(), InvalidParameter> {
         for (parameter, &value) in self.kind.parameters.iter().zip(&self.values) {
             let name = parameter.name;
             match parameter.field {
@@ -181,10 +199,10 @@ impl OwnModel {
                 _ => {}
             }
         }
-        if let Some(coefficient) = self.friction_coefficient() {
-            self.friction.validate(coefficient, self.kind.sliding_speed)?;
+        match self.friction_coefficient() {
+            Some(coefficient) => self.friction.validate(coefficient, self.kind.sliding_speed),
+            None => Ok(()),
         }
-        self.own.validate(self)
     }
 }
 

@@ -233,6 +233,11 @@ impl OwnKind for WrittenKind {
         self.definition.has_law_of_study()
     }
 
+    /// A fault concerns a formula.
+    fn reports_parameters(&self) -> bool {
+        false
+    }
+
     fn validate(&self, model: &OwnModel) -> Result<(), InvalidParameter> {
         let refuse = |fault: FormulaFault| {
             let found = format!("{}: {}", fault.problem, fault.found);

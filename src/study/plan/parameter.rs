@@ -382,7 +382,7 @@ impl Parameter {
                 kinetic.set(&mut model, ParameterValue::Number(0.0));
             }
         }
-        match model.validate() {
+        match model.validate_values() {
             Err(invalid) if invalid.name == self.validated_name() => {
                 Err(Fault::new("no physical meaning", describe_number(number), invalid.allowed))
             }
