@@ -57,7 +57,9 @@ const CONTENT: [(&str, &str); 44] = [
 ];
 
 /// Problems that the schema cannot express at these places, each with what it depends on.
-const CONTENT_AT: [(&str, &str, &str); 16] = [
+const CONTENT_AT: [(&str, &str, &str); 18] = [
+    ("/units", "unknown unit", "the symbols of units"),
+    ("/units", "neither a quantity nor a parameter with a unit", "the parameters of the kind"),
     ("/responses", "not a quantity of a run", "the outputs of a system file"),
     ("/initial_conditions", "unknown key", "coordinates depend on the number of balls"),
     ("/model/parameters", "unknown key", "coordinates depend on the number of balls"),
