@@ -183,7 +183,7 @@ impl LaneRun {
         each.map(|(now, later)| OutputOutcome::constant(*now, (later - now) / AHEAD)).collect()
     }
 
-    /// Returns the largest amplitude of the outputs of which results measure it, m.
+    /// Returns the largest amplitude of the coordinates that are lengths, m; `None` if there is none, or if all of them drift.
     fn amplitude_of_outputs(&self, outputs: &[OutputOutcome]) -> Option<f64> {
         let measured =
             outputs.iter().zip(&self.units.outputs).filter(|(_, units)| units.has_amplitude);

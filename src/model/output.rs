@@ -18,7 +18,7 @@ pub struct OutputUnits {
     pub size: f64,
     /// Whether the output is an angle, with a period of one turn.
     pub angular: bool,
-    /// Whether results measure its amplitude.
+    /// Whether its amplitude counts for `amplitude_m`: it is a coordinate in m or without a unit.
     pub has_amplitude: bool,
 }
 
