@@ -1,4 +1,4 @@
-//! The limit cycle of a single contact on a belt: its motion from one break-away to the next.
+//! The limit cycle of a single body on a belt: its motion from one break-away to the next.
 //!
 //! On a belt a block is carried along until it breaks away, always at the same position, so that its
 //! state there is the same each time: two successive break-aways close a cycle, and a disturbance
@@ -12,14 +12,14 @@
 //! oscillates with constant amplitude.
 
 use super::cycle::{Cycle, CyclePhase};
-use super::extremes::{Extremes, Passed};
 use super::lane_step::LaneStep;
 use super::output_watch::OutputWatch;
 use super::system_view::SystemView;
 use crate::model::Units;
 use crate::motion::{Phase, all_stick};
 
-/// Detects the cycle of a single contact, whose position and speed are the whole state.
+/// Detects the cycle of a body whose position and speed are the whole state, and which has one contact or several with one
+/// sliding speed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BreakAwayWatch {
     last: Option<BreakAway>,
@@ -30,7 +30,6 @@ pub(super) struct BreakAwayWatch {
 struct BreakAway {
     time: f64,
     position: f64,
-    extremes: Extremes,
     outputs: OutputWatch,
     /// The sequence of phases; neighbours differ.
     cycle_phases: Vec<CyclePhase>,
@@ -44,8 +43,13 @@ struct BreakAway {
 impl BreakAwayWatch {
     /// Returns whether break-aways of this system can show a cycle.
     pub(super) fn suits(view: &SystemView) -> bool {
-        let friction = view.system().friction(0);
-        view.contacts.len() == 1 && view.dimension() == 2 && friction.limit > friction.coefficient
+        let Some(first) = view.contacts.first() else { return false };
+        let breaks_away = |contact: usize| {
+            let friction = view.system().friction(contact);
+            friction.limit > friction.coefficient
+        };
+        let is_one = view.contacts.iter().all(|one| one.speed == first.speed);
+        view.dimension() == 2 && is_one && (0..view.contacts.len()).any(breaks_away)
     }
 
     /// Returns whether there was a break-away, after which each step must be added.
@@ -53,11 +57,10 @@ impl BreakAwayWatch {
         self.last.is_some()
     }
 
-    /// Adds the latest step, evaluated as `passed`, after the first break-away.
-    pub(super) fn take_in(&mut self, step: &LaneStep, passed: &Passed) {
+    /// Adds the latest step after the first break-away.
+    pub(super) fn take_in(&mut self, step: &LaneStep) {
         if let Some(last) = &mut self.last {
             last.extend(step);
-            last.extremes.take_in(step, passed);
             last.outputs.take_in(step);
         }
     }
@@ -68,18 +71,15 @@ impl BreakAwayWatch {
         if !all_stick(step.during()) || all_stick(step.phases()) {
             return None;
         }
-        let (time, positions) = (step.time(), step.unwrapped());
-        let position = positions[0];
+        let (time, position) = (step.time(), step.unwrapped()[0]);
         if let Some(last) = &self.last
             && (position - last.position).abs() <= 1e-6 * position.abs().max(1.0)
         {
             return Some(time - last.time);
         }
-        let extremes = Extremes::from_place(time, &positions);
         self.last = Some(BreakAway {
             time,
             position,
-            extremes,
             outputs: OutputWatch::from(time),
             cycle_phases: Vec::new(),
             speeds: [0.0; 2],
@@ -87,11 +87,6 @@ impl BreakAwayWatch {
             until: time,
         });
         None
-    }
-
-    /// Returns half of the distance between the extremes since the last break-away.
-    pub(super) fn amplitude(&self) -> Option<f64> {
-        self.last.as_ref()?.extremes.amplitude()
     }
 
     /// Returns the outputs since the last break-away.
@@ -102,17 +97,15 @@ impl BreakAwayWatch {
     /// Returns the cycle since the last break-away.
     pub(super) fn cycle(&self, units: &Units) -> Option<Cycle> {
         let last = self.last.as_ref()?;
-        let unit = units.contacts.first()?;
+        let (contacts, unit) = (units.contacts.len(), units.contacts.first()?);
         Some(Cycle {
-            turns: vec![0],
-            configurations: last.cycle_phases.iter().map(|&phase| vec![phase]).collect(),
+            turns: vec![0; contacts],
+            configurations: last.cycle_phases.iter().map(|&phase| vec![phase; contacts]).collect(),
             touching: Vec::new(),
-            speed_extremes: vec![last.speeds.map(|speed| speed * unit.sliding_speed)],
-            position_extremes: vec![
-                last.extremes.of(0).map(|two| two.map(|one| one * unit.position)),
-            ],
-            stick_fraction: vec![last.stuck / (last.until - last.time)],
-            peak_amplitude_m: last.extremes.amplitude()? * unit.position,
+            speed_extremes: vec![last.speeds.map(|speed| speed * unit.sliding_speed); contacts],
+            position_extremes: vec![None; contacts],
+            stick_fraction: vec![last.stuck / (last.until - last.time); contacts],
+            peak_amplitude_m: 0.0,
             multipliers: vec![0.0],
             neutral_directions: 0,
         })

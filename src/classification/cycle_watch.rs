@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::block_cycle::BreakAwayWatch;
-use super::extremes::Passed;
 use super::lane_step::LaneStep;
 use super::orbit::OrbitWatch;
 use super::run_outcome::Ending;
@@ -74,10 +73,10 @@ impl CycleWatch {
         matches!(self, CycleWatch::BreakAways(watch) if watch.has_begun())
     }
 
-    /// Adds the latest step, evaluated as `passed`.
-    pub(super) fn take_in(&mut self, step: &LaneStep, passed: &Passed) {
+    /// Adds the latest step.
+    pub(super) fn take_in(&mut self, step: &LaneStep) {
         if let CycleWatch::BreakAways(watch) = self {
-            watch.take_in(step, passed);
+            watch.take_in(step);
         }
     }
 

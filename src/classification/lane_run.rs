@@ -5,7 +5,6 @@
 use std::sync::Arc;
 
 use super::cycle_watch::CycleWatch;
-use super::extremes::Passed;
 use super::follow::{Horizons, continues};
 use super::lane_step::LaneStep;
 use super::late::Late;
@@ -222,13 +221,8 @@ impl LaneRun {
     /// Adds the latest step to the statistics that have begun.
     fn measure(&mut self, group: &dyn LaneGroup, lane: usize) {
         let step = LaneStep { group, lane, view: &self.view };
-        let passed = self.watch.takes_each_step().then(|| Passed::of(&step));
-        if let Some(passed) = &passed {
-            self.watch.take_in(&step, passed);
-        }
-        let window = self.horizons.window_mut();
-        window.vibration.take_in(&step, passed.as_ref());
-        window.outputs.take_in(&step);
+        self.watch.take_in(&step);
+        self.horizons.window_mut().take_in(&step);
     }
 
     /// Records the growth of the displacement when that is due or its size is out of range. Other
@@ -262,8 +256,8 @@ impl LaneRun {
         if !self.stages.is_last() {
             return;
         }
-        let Late { vibration, separation, .. } = self.horizons.window();
-        let mut attention = if self.watch.sees_each_step() { 0.0 } else { vibration.start() };
+        let Late { window, separation, .. } = self.horizons.window();
+        let mut attention = if self.watch.sees_each_step() { 0.0 } else { window.start() };
         if !separation.has_begun() {
             attention = attention.min(separation.start());
         } else if self.is_displaced(group.time(lane)) {

@@ -75,24 +75,14 @@ impl<'a> LaneStep<'a> {
     /// direction; `None` if its signs at the two ends show no passage.
     pub(super) fn passes_through_zero(&self, value: impl Fn(&[f64]) -> f64) -> Option<f64> {
         let within = |after: f64| value(&self.group.state_within(self.lane, after));
-        self.passage(within, || value(&self.end()))
-    }
-
-    /// Returns the time at which a component turned back in the step, if it did.
-    pub(super) fn turns_back(&self, component: usize) -> Option<f64> {
-        let rate = |after: f64| self.group.rate_within(self.lane, component, after);
-        self.passage(rate, || rate(self.time() - self.began()))
-    }
-
-    fn passage(&self, value: impl Fn(f64) -> f64, end: impl Fn() -> f64) -> Option<f64> {
-        let start = value(0.0);
+        let start = within(0.0);
         let falls = |value: f64| if start > 0.0 { value } else { -value };
-        let (from, to) = (falls(start), falls(end()));
+        let (from, to) = (falls(start), falls(value(&self.end())));
         if !(from > 0.0 && to <= 0.0) {
             return None;
         }
         let length = self.time() - self.began();
-        let at = |part: f64| falls(value(part * length));
+        let at = |part: f64| falls(within(part * length));
         let part = fall_through_zero(at, (0.0, from), (1.0, to), WIDTH);
         Some(self.began() + part * length)
     }

@@ -24,7 +24,6 @@ mod creep;
 mod cycle;
 mod cycle_watch;
 mod derived_rest;
-mod extremes;
 mod follow;
 mod gap_sample;
 mod in_lockstep;

@@ -136,11 +136,7 @@ impl Period {
                 let stop = motion.falls_through_zero(|state| sign * speed(state));
                 stop.map(|(_, state)| state[contact.position])
             });
-            // The position of a contact on a moving support, or of one with another sliding speed, turns back elsewhere.
-            let turns = (!contact.angular).then(|| motion.turns_back(contact.position)).flatten();
-            let turns = turns.map(|state| state[contact.position]);
-            let ends = stops.into_iter().flatten().chain(turns).chain([state[contact.position]]);
-            for position in ends {
+            for position in stops.into_iter().flatten().chain([state[contact.position]]) {
                 widen(&mut self.positions[index], position + step.whole_turns[index]);
             }
         }

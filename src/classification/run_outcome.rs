@@ -6,7 +6,7 @@ use super::cycle::Cycle;
 use super::cycle_watch::CycleWatch;
 use super::lane_run::LaneRun;
 use super::lane_step::LaneStep;
-use super::late::{Late, Vibration};
+use super::late::Late;
 use super::outcome::{Evidence, LyapunovExponent, Outcome, TouchingOutcome};
 use super::output_watch::OutputOutcome;
 use super::system_view::ContactPlace;
@@ -53,7 +53,7 @@ impl LaneRun {
         let begins_s = self.stages.present().begins_s;
         let amplitude_m = self.amplitude_of_outputs(&outputs);
         let counted = |outcome: Outcome| Outcome {
-            amplitude_m: if self.view.has_outputs { amplitude_m } else { outcome.amplitude_m },
+            amplitude_m: outcome.amplitude_m.or(amplitude_m),
             cycle: outcome.cycle.map(|mut cycle| {
                 if let (Evidence::ClosedOrbit, Some(amplitude_m)) = (outcome.evidence, amplitude_m)
                 {
@@ -110,7 +110,7 @@ impl LaneRun {
             Ending::Orbit(orbit) => Outcome {
                 evidence: Evidence::ClosedOrbit,
                 balls_running: self.view.revolves().then(|| running(&orbit)),
-                amplitude_m: Some(self.amplitude_of(&orbit)),
+                amplitude_m: self.amplitude_m(orbit.amplitude),
                 friction_margin: orbit.margin,
                 period_s: Some(orbit.period / natural),
                 mean_speed: self.view.moves_on().then(|| self.speeds(&orbit.speed)),
@@ -120,7 +120,6 @@ impl LaneRun {
             Ending::BreakAways { period } => Outcome {
                 evidence: Evidence::ClosedOrbit,
                 period_s: Some(period / natural),
-                amplitude_m: self.amplitude_m(),
                 cycle: self.break_away_cycle().map(Box::new),
                 ..base
             },
@@ -220,7 +219,7 @@ impl LaneRun {
             touching: self.with_force(&base, base.touching.and_then(|_| force())),
             evidence,
             balls_running: revolves.then_some(0),
-            amplitude_m: Some(amplitude * self.units.length_m),
+            amplitude_m: self.amplitude_m(amplitude),
             friction_margin: rest
                 .map(|rest| rest.friction_margin)
                 .filter(|margin| margin.is_finite()),
@@ -250,7 +249,7 @@ impl LaneRun {
     /// Returns the outcome of a run at its end time without another ending.
     fn at_end_time(&self, step: &LaneStep, base: Outcome) -> Outcome {
         let natural = self.units.natural_rad_s;
-        let Late { vibration, separation, .. } = self.horizons.window();
+        let Late { window, separation, .. } = self.horizons.window();
         let lyapunov = separation.exponent().map(|exponent| in_seconds(exponent, natural));
         let base = Outcome { lyapunov, ..base };
         let orbits = match &self.watch {
@@ -271,9 +270,6 @@ impl LaneRun {
             cycle: unstable.map(|orbit| Box::new(self.cycle(orbit))),
             ..base
         };
-        let Vibration::Means(window) = vibration else {
-            return Outcome { amplitude_m: self.amplitude_m(), ..base };
-        };
         let Some(means) = window.means(step) else { return base };
         let revolves = self.view.revolves();
         let contacts = self.view.contacts.iter().zip(&means.moved);
@@ -281,7 +277,7 @@ impl LaneRun {
             .filter(|(contact, moved)| contact.angular && moved.abs() >= std::f64::consts::TAU);
         Outcome {
             balls_running: revolves.then(|| runs.count() as u8),
-            amplitude_m: Some(means.amplitude * self.units.length_m),
+            amplitude_m: self.amplitude_m(means.amplitude),
             mean_speed: revolves.then(|| self.speeds(&means.speed)),
             ..base
         }
@@ -309,33 +305,9 @@ impl LaneRun {
         slow && may() && group.copy(lane).is_some_and(|saved| creeps(Motion::resume(&saved)))
     }
 
-    /// Returns half of the distance between the extremes of the positions since the last break-away,
-    /// or in the last part of the time if there was none.
-    fn amplitude_m(&self) -> Option<f64> {
-        let since = match &self.watch {
-            CycleWatch::BreakAways(watch) => watch.amplitude(),
-            CycleWatch::Orbits(_) | CycleWatch::None => None,
-        };
-        let amplitude = since.or_else(|| match &self.horizons.window().vibration {
-            Vibration::Extremes(extremes) => extremes.amplitude(),
-            Vibration::Means(_) => None,
-        });
-        Some(amplitude? * self.units.contacts.first().filter(|one| one.has_amplitude)?.position)
-    }
-
-    /// Returns the amplitude of an orbit, m: that of the displacement or, without one, the largest half distance between the
-    /// extremes of a position.
-    fn amplitude_of(&self, orbit: &Orbit) -> f64 {
-        let half = |([low, high], unit): (&[f64; 2], &ContactUnits)| {
-            if unit.has_amplitude { 0.5 * (high - low) * unit.position } else { 0.0 }
-        };
-        match self.view.vibration {
-            Some(_) => orbit.amplitude * self.units.length_m,
-            None => {
-                let contacts = orbit.position_extremes.iter().zip(&self.units.contacts);
-                contacts.map(half).fold(0.0, f64::max)
-            }
-        }
+    /// Returns an amplitude of the displacement, m; `None` for a system without a displacement.
+    fn amplitude_m(&self, amplitude: f64) -> Option<f64> {
+        self.view.vibration.map(|_| amplitude * self.units.length_m)
     }
 
     fn cycle(&self, orbit: &Orbit) -> Cycle {
@@ -345,12 +317,11 @@ impl LaneRun {
             ((&ContactPlace, &ContactUnits), &i32),
             &[f64; 2],
         )| {
-            (turns == 0 && !contact.ignorable).then(|| extremes.map(|one| one * unit.position))
+            (turns == 0 && contact.angular).then(|| extremes.map(|one| one * unit.position))
         };
         let positions = contacts.zip(&orbit.turns).zip(&orbit.position_extremes);
         let speeds = orbit.speed_extremes.iter().zip(&units.contacts);
         let speeds = speeds.map(|(two, unit)| two.map(|speed| speed * unit.sliding_speed));
-        let peak = self.view.vibration.map(|_| orbit.peak * units.length_m);
         Cycle {
             turns: orbit.turns.clone(),
             configurations: orbit.configurations.clone(),
@@ -358,7 +329,7 @@ impl LaneRun {
             speed_extremes: speeds.collect(),
             position_extremes: positions.map(position).collect(),
             stick_fraction: orbit.stick_fraction.clone(),
-            peak_amplitude_m: peak.unwrap_or_else(|| self.amplitude_of(orbit)),
+            peak_amplitude_m: self.amplitude_m(orbit.peak).unwrap_or(0.0),
             multipliers: orbit.multipliers.clone(),
             neutral_directions: orbit.neutral_directions as u8,
         }

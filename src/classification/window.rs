@@ -72,6 +72,9 @@ impl Window {
             Opened { time: from, positions, square_time: 0.0 }
         });
         let length = ended - from;
+        if step.view.vibration.is_none() {
+            return;
+        }
         let after = NODES.map(|node| from - began + node * length);
         let squares = step.group.squares_within(step.lane, after);
         let mean: f64 = squares.iter().zip(WEIGHTS).map(|(square, weight)| weight * square).sum();

@@ -4,7 +4,10 @@ use serde_json::{Value, json};
 
 use super::check_legend::legend;
 use crate::analysis::{Balance, Stability};
-use crate::check::{BalancerFacts, BallPositions, ExaminedDesign, RestFacts, points_to_examine};
+use crate::check::{
+    BalancerFacts, BallPositions, ExaminedDesign, RestFacts, SteadySliding, SteadyStates,
+    points_to_examine,
+};
 use crate::numbers::short;
 use crate::printed_table::{PrintedTable, as_text};
 use crate::responses::{design_json, merged, point_keys};
@@ -28,8 +31,8 @@ pub(super) struct ClosedForms {
 enum Facts {
     /// The facts, and the positions of rest with friction at its quantiles 0.025 and 0.975 if friction is uncertain.
     Balancer(Box<BalancerFacts>, Option<[RestFacts; 2]>),
-    /// A model without closed forms.
-    Other { natural_frequency_rad_s: f64 },
+    /// A system of one's own, with its steady states if they are sought.
+    Own(f64, Option<SteadyStates>),
 }
 
 /// Returns whether a parameter of this name is a friction coefficient.
@@ -45,14 +48,17 @@ impl ClosedForms {
         let study = design.map_or(study, |design| &design.study);
         let positions = BallPositions::new(study.numbers_of_balls());
         let facts = |point_id: u64| {
-            let model = study.median_model(point_id).ok()?;
+            let (point, model) = (study.point(point_id), study.median_model(point_id).ok()?);
             let facts = if let Some(machine) = model.ball_balancer() {
                 let facts = BalancerFacts::of(machine, &positions)?;
                 Facts::Balancer(Box::new(facts), friction_range(study, point_id, &positions))
             } else {
-                Facts::Other { natural_frequency_rad_s: model.highest_frequency_rad_s() }
+                Facts::Own(
+                    model.highest_frequency_rad_s(),
+                    SteadyStates::of(&model, &point.start_ranges),
+                )
             };
-            Some((study.point(point_id), facts))
+            Some((point, facts))
         };
         let points = points_to_examine(study.point_count(), most);
         let at: Vec<(Point, Facts)> = points.into_iter().filter_map(facts).collect();
@@ -91,7 +97,14 @@ impl ClosedForms {
         if !balancers.is_empty() {
             self.add_balancer(&mut table);
         }
+        let has_steady = self.at.iter().any(|(_, facts)| facts.steady().is_some());
+        if has_steady {
+            let held = |facts: &Facts| Some(short(rounded(facts.steady()?.held_fraction?)));
+            table.add_known("held", |(_, facts)| held(facts));
+            table.add_known("steady sliding", |(_, facts)| in_words(&facts.steady()?.sliding));
+        }
         text += &as_text(&table.columns);
+        text += if has_steady { STEADY } else { "" };
         if !balancers.is_empty() {
             text += &legend(&balancers, &speed);
         }
@@ -108,7 +121,7 @@ impl ClosedForms {
         };
         let of = |facts: &Facts, value: &dyn Fn(&BalancerFacts) -> Option<String>| match facts {
             Facts::Balancer(facts, _) => value(facts),
-            Facts::Other { .. } => None,
+            Facts::Own(..) => None,
         };
         add("speed/natural", &|one| of(one, &|facts| Some(format!("{:.3}", facts.speed_ratio))));
         add(&format!("capacity [{}]", imbalance.symbol), &|one| {
@@ -161,9 +174,27 @@ fn friction_range(
 fn balancer((point, facts): &(Point, Facts)) -> Option<(u64, &BalancerFacts)> {
     match facts {
         Facts::Balancer(facts, _) => Some((point.point_id, facts)),
-        Facts::Other { .. } => None,
+        Facts::Own(..) => None,
     }
 }
+
+const STEADY: &str = "held: fraction of the start positions, with all speeds zero, at which friction holds the contacts; steady \
+                      sliding:\nwhere all contacts slide and no coordinate moves, and whether small motions about it decay\n";
+
+/// Returns states of steady sliding in words; `None` without one.
+fn in_words(sliding: &[SteadySliding]) -> Option<String> {
+    let one = |state: &SteadySliding| {
+        let place = state.coordinates.iter().take(MOST_NAMED);
+        let place: Vec<String> =
+            place.map(|(name, value)| format!("{name} {}", short(*value))).collect();
+        format!("{} at {}", state.stability, place.join(", "))
+    };
+    let all: Vec<String> = sliding.iter().map(one).collect();
+    (!all.is_empty()).then(|| all.join("; "))
+}
+
+/// The most coordinates that are named in a table.
+const MOST_NAMED: usize = 3;
 
 /// The separator of the two values in parentheses.
 const RANGE: &str = " .. ";
@@ -172,7 +203,14 @@ impl Facts {
     fn natural_frequency_rad_s(&self) -> f64 {
         match self {
             Facts::Balancer(facts, _) => facts.natural_frequency_rad_s,
-            Facts::Other { natural_frequency_rad_s } => *natural_frequency_rad_s,
+            Facts::Own(natural_frequency_rad_s, _) => *natural_frequency_rad_s,
+        }
+    }
+
+    fn steady(&self) -> Option<&SteadyStates> {
+        match self {
+            Facts::Own(_, steady) => steady.as_ref(),
+            Facts::Balancer(..) => None,
         }
     }
 
@@ -192,8 +230,11 @@ impl Facts {
     /// Returns the facts as a JSON object.
     fn json(&self) -> Value {
         let (facts, range) = match self {
-            Facts::Other { natural_frequency_rad_s } => {
-                return json!({"natural_frequency_rad_s": natural_frequency_rad_s});
+            Facts::Own(natural_frequency_rad_s, steady) => {
+                return json!({
+                    "natural_frequency_rad_s": natural_frequency_rad_s,
+                    "steady_states": steady,
+                });
             }
             Facts::Balancer(facts, range) => (facts, range),
         };

@@ -8,5 +8,5 @@ mod program;
 mod tangent;
 
 pub(crate) use builder::Builder;
-pub(crate) use program::{Cell, Function, Instruction, Product, Program};
+pub(crate) use program::{Cell, Instruction, Product, Program};
 pub(crate) use tangent::tangent;

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use crate::model::Function;
+
 /// The place of a number of each lane.
 pub(crate) type Cell = u32;
 
@@ -47,23 +49,6 @@ impl Product {
     /// A product that is subtracted.
     pub(crate) fn minus(factors: [Cell; 2]) -> Self {
         Product { factors, subtracts: true }
-    }
-}
-
-/// An elementary function.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Function {
-    Exponential,
-    ArcTangent,
-}
-
-impl Function {
-    /// Returns the value of the function.
-    pub(crate) fn of(self, number: f64) -> f64 {
-        match self {
-            Function::Exponential => libm::exp(number),
-            Function::ArcTangent => libm::atan(number),
-        }
     }
 }
 

@@ -3,7 +3,8 @@
 //! doi:10.1137/1.9780898717761).
 
 use super::builder::Builder;
-use super::program::{Cell, Function, Instruction, Product, Program};
+use super::program::{Cell, Instruction, Product, Program};
+use crate::model::Function;
 
 /// Returns the program that computes the changes of the cells in `kept` from those of the cells in `displaced`. It runs after
 /// the program itself and reads its cells. The change of a cell has the place of the cell plus [`Program::cells`]. Cells that
@@ -98,10 +99,13 @@ impl Changes {
             Instruction::Function { out, function: Function::Exponential, of } => {
                 self.builder.set(out + offset, None, false, &[[out, of + offset]]);
             }
-            Instruction::Function { out, function: Function::ArcTangent, of } => {
-                // (atan a)' = a' / (1 + a²)
+            Instruction::Function { out, function, of } => {
+                // (atan a)' = a' / (1 + a²), (log a)' = a' / a
                 let one = self.builder.number(1.0);
-                let by = self.builder.sum(Some(one), &[[of, of]]);
+                let by = match function {
+                    Function::ArcTangent => self.builder.sum(Some(one), &[[of, of]]),
+                    _ => of,
+                };
                 let of = of + offset;
                 self.builder.add(Instruction::Quotient { out: out + offset, of, by });
             }

@@ -6,7 +6,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::{Elementary, Number, State};
+use super::{Elementary, Function, Number, State};
 
 /// `value + slope ε` with `ε² = 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,13 +99,14 @@ impl Elementary for Dual {
         self.chain(root, 0.5 / root)
     }
 
-    fn exp(self) -> Dual {
-        let value = libm::exp(self.value);
-        self.chain(value, value)
-    }
-
-    fn atan(self) -> Dual {
-        self.chain(libm::atan(self.value), 1.0 / (1.0 + self.value * self.value))
+    fn function(self, function: Function) -> Dual {
+        let value = function.of(self.value);
+        let slope = match function {
+            Function::Exponential => value,
+            Function::ArcTangent => 1.0 / (1.0 + self.value * self.value),
+            Function::Logarithm => 1.0 / self.value,
+        };
+        self.chain(value, slope)
     }
 }
 

@@ -6,7 +6,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::{Elementary, Number};
+use super::{Elementary, Function, Number};
 
 /// All numbers between two ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +49,7 @@ impl Interval {
     }
 
     /// Returns the values of a function that grows.
-    fn growing(self, function: fn(f64) -> f64) -> Self {
+    fn growing(self, function: impl Fn(f64) -> f64) -> Self {
         let [low, high] = [function(self.low), function(self.high)];
         Interval::of(&[low - FUNCTION_ERROR * low.abs(), high + FUNCTION_ERROR * high.abs()])
     }
@@ -132,7 +132,7 @@ pub struct Bounded {
 }
 
 impl Bounded {
-    fn function(self, value: Interval, slope: Interval) -> Self {
+    fn chain(self, value: Interval, slope: Interval) -> Self {
         Bounded { value, slope: slope * self.slope }
     }
 }
@@ -181,12 +181,12 @@ impl Number for Bounded {
         let sine = self.value.sine();
         // The sum is not exact, but the slack of the sine is larger.
         let cosine = (self.value + Interval::exact(FRAC_PI_2)).sine();
-        (self.function(sine, cosine), self.function(cosine, -sine))
+        (self.chain(sine, cosine), self.chain(cosine, -sine))
     }
 
     fn reciprocal(self) -> Self {
         let value = self.value.reciprocal();
-        self.function(value, -(value * value))
+        self.chain(value, -(value * value))
     }
 }
 
@@ -201,19 +201,21 @@ impl Elementary for Bounded {
 
     fn sqrt(self) -> Self {
         let root = self.value.growing(libm::sqrt);
-        self.function(root, Interval::exact(0.5) * root.reciprocal())
+        self.chain(root, Interval::exact(0.5) * root.reciprocal())
     }
 
-    fn exp(self) -> Self {
-        let value = self.value.growing(libm::exp);
-        self.function(value, value)
-    }
-
-    fn atan(self) -> Self {
-        let square = self.value * self.value;
-        let square = Interval { low: square.low.max(0.0), ..square };
-        let slope = (Interval::exact(1.0) + square).reciprocal();
-        self.function(self.value.growing(libm::atan), slope)
+    fn function(self, function: Function) -> Self {
+        let value = self.value.growing(|number| function.of(number));
+        let slope = match function {
+            Function::Exponential => value,
+            Function::ArcTangent => {
+                let square = self.value * self.value;
+                let square = Interval { low: square.low.max(0.0), ..square };
+                (Interval::exact(1.0) + square).reciprocal()
+            }
+            Function::Logarithm => self.value.reciprocal(),
+        };
+        self.chain(value, slope)
     }
 }
 
@@ -223,16 +225,17 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::{Bounded, Interval};
-    use crate::model::{Dual, Elementary, Number};
+    use crate::model::{Dual, Elementary, Function, Number};
 
     fn probe<T: Elementary>(x: T, which: usize) -> T {
         let (sine, cosine) = x.sin_cos();
         match which {
             0 => sine * cosine,
             1 => (x * x + T::constant(0.5)).sqrt(),
-            2 => (cosine * x).exp() - sine,
+            2 => (cosine * x).function(Function::Exponential) - sine,
             3 => (x * x + T::constant(0.2)).reciprocal(),
-            _ => (x * x * x - sine).atan(),
+            4 => (x * x + T::constant(0.3)).function(Function::Logarithm),
+            _ => (x * x * x - sine).function(Function::ArcTangent),
         }
     }
 
@@ -244,7 +247,7 @@ mod tests {
         for _ in 0..20_000 {
             let middle = rng.random_range(-8.0..8.0);
             let radius = rng.random::<f64>().powi(6) * 4.0;
-            let which = rng.random_range(0..5_usize);
+            let which = rng.random_range(0..6_usize);
             let box_of_x =
                 Bounded { value: Interval::around(middle, radius), slope: Interval::exact(1.0) };
             let bounds = probe(box_of_x, which);

@@ -78,7 +78,7 @@ pub use machine::{Ball, MAX_BALLS, Machine, NormalForce};
 pub use material::{MATERIALS, Material, STEEL_KG_M3};
 pub use mechanism::{ImpactLaw, Mechanism, MechanismContact, MechanismNormal};
 pub use modelled::{Model, OtherCoordinates};
-pub use number::{Elementary, Number};
+pub use number::{Elementary, Function, Number};
 pub use output::{OutputName, OutputUnits, OutputValue};
 pub use own::{ContactNames, OwnKind, OwnModel};
 pub use recorded::{ContactMode, add_contact_inputs, add_mechanism_inputs, record_contact};

@@ -30,10 +30,30 @@ pub trait Elementary: Number {
     fn is_zero(self) -> bool;
     /// Square root.
     fn sqrt(self) -> Self;
-    /// Exponential.
-    fn exp(self) -> Self;
-    /// Arc tangent.
-    fn atan(self) -> Self;
+    /// Another elementary function.
+    fn function(self, function: Function) -> Self;
+}
+
+/// An elementary function of one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Function {
+    /// `exp a`
+    Exponential,
+    /// `atan a`
+    ArcTangent,
+    /// The natural logarithm; not a number for an argument below 0.
+    Logarithm,
+}
+
+impl Function {
+    /// Returns the value of the function.
+    pub fn of(self, number: f64) -> f64 {
+        match self {
+            Function::Exponential => libm::exp(number),
+            Function::ArcTangent => libm::atan(number),
+            Function::Logarithm => libm::log(number),
+        }
+    }
 }
 
 impl Elementary for f64 {
@@ -49,12 +69,8 @@ impl Elementary for f64 {
         libm::sqrt(self)
     }
 
-    fn exp(self) -> Self {
-        libm::exp(self)
-    }
-
-    fn atan(self) -> Self {
-        libm::atan(self)
+    fn function(self, function: Function) -> Self {
+        function.of(self)
     }
 }
 

@@ -32,10 +32,8 @@ pub trait OwnKind: Sync {
         true
     }
 
-    /// Returns what results call the contacts; by default, they have numbers.
-    fn contact_names(&self, _model: &OwnModel) -> Option<Vec<ContactNames>> {
-        None
-    }
+    /// Returns what results call each contact.
+    fn contact_names(&self, model: &OwnModel) -> Vec<ContactNames>;
 
     /// Returns the names of the outputs, in the order of [`Units::outputs`].
     fn output_names(&self, _model: &OwnModel) -> Vec<OutputName> {
@@ -83,10 +81,8 @@ pub trait OwnKind: Sync {
 pub struct ContactNames {
     /// The name of the contact.
     pub contact: String,
-    /// The name and the unit of the coordinate that is its position.
+    /// The name and the unit of the output that is its position.
     pub position: (String, &'static str),
-    /// The name and the unit of the rate of change of this coordinate.
-    pub rate: (String, &'static str),
     /// The unit of the sliding speed.
     pub speed_unit: String,
     /// The unit of the friction force.

@@ -58,6 +58,7 @@ pub fn add_mechanism_inputs(
     opens: bool,
 ) {
     add_contact_inputs(inputs, mode, friction);
+    inputs.push(friction.limit);
     inputs.extend(opens.then_some(if mode == ContactMode::Apart { 0.0 } else { 1.0 }));
 }
 

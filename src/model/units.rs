@@ -22,8 +22,6 @@ pub struct Units {
 pub struct ContactUnits {
     /// Unit of its position: 1 rad for a ball, the unit of length for a block.
     pub position: f64,
-    /// Whether results measure the amplitude of its position.
-    pub has_amplitude: bool,
     /// Unit of its sliding speed, rad/s or m/s.
     pub sliding_speed: f64,
     /// Unit of its forces, N.
@@ -35,7 +33,7 @@ impl ContactUnits {
     /// `1 / natural_rad_s`.
     pub fn new(position: f64, natural_rad_s: f64, force_n: f64) -> Self {
         let sliding_speed = position * natural_rad_s;
-        ContactUnits { position, has_amplitude: true, sliding_speed, force_n }
+        ContactUnits { position, sliding_speed, force_n }
     }
 }
 
@@ -64,7 +62,7 @@ impl Model {
                     .map(|force_n| ContactUnits::new(1.0, natural, force_n))
                     .collect(),
                 disc_rad_s: machine.speed_rad_s,
-                ..Units::default()
+                outputs: Vec::new(),
             },
         }
     }

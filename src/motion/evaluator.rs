@@ -7,7 +7,8 @@ use smallvec::SmallVec;
 use super::in_one_state::Affected;
 use super::{Phase, Phases};
 use crate::model::{
-    Bounded, Components, Dual, Elementary, Graph, Node, NodeId, Number, Opening, Solve, System,
+    Bounded, Components, Dual, Elementary, Function, Graph, Node, NodeId, Number, Opening, Solve,
+    System,
 };
 
 /// Speed, acceleration and forces of one contact.
@@ -208,8 +209,8 @@ impl Evaluator {
             Node::Sine(angle) => at(angle).sin_cos().0,
             Node::Cosine(angle) => at(angle).sin_cos().1,
             Node::SquareRoot(one) => at(one).sqrt(),
-            Node::Exponential(one) => at(one).exp(),
-            Node::ArcTangent(one, _) => at(one).atan(),
+            Node::Exponential(one) => at(one).function(Function::Exponential),
+            Node::Function(function, one, _) => at(one).function(function),
             Node::Solution { solve, row } => {
                 if solution.solve != Some(solve) {
                     let Solve { matrix, right, .. } = &self.graph.solves[solve as usize];

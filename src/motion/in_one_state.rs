@@ -8,7 +8,7 @@ use smallvec::SmallVec;
 
 use super::evaluator::{Forces, GapForces, SMALL_PIVOT, Solution, Solved, Unknowns, forces};
 use super::{Evaluator, Phase, Phases};
-use crate::model::{Elementary, NodeId, Number};
+use crate::model::{Elementary, Function, NodeId, Number};
 
 /// The number of assumptions that are computed together.
 pub(super) const TOGETHER: usize = 8;
@@ -232,12 +232,8 @@ impl Elementary for Several {
         self.each(Elementary::sqrt)
     }
 
-    fn exp(self) -> Self {
-        self.each(Elementary::exp)
-    }
-
-    fn atan(self) -> Self {
-        self.each(Elementary::atan)
+    fn function(self, function: Function) -> Self {
+        self.each(|one| function.of(one))
     }
 }
 

@@ -54,8 +54,7 @@ impl Evaluator {
         };
         // There is no other force at any of the places.
         let in_gaps = graph.gaps.iter().map(|[_, force]| *force);
-        let at_openings =
-            graph.openings.iter().flat_map(|one| [one.force, graph.contacts[one.contact][3]]);
+        let at_openings = graph.openings.iter().flat_map(|one| [one.force, one.friction]);
         let forces: SmallVec<[usize; 8]> =
             in_gaps.chain(at_openings).filter_map(unknown).map(|(_, row)| row).collect();
         let respond = |place: &Meets| {
@@ -102,13 +101,10 @@ impl Evaluator {
                         _ => zero,
                     })
                 }
-                Meets::Opening(opening) => {
-                    let contact = graph.openings[opening].contact;
-                    match unknown(graph.contacts[contact][3]) {
-                        Some((_, column)) => answer(0.0, &|row| -entry(row, column)),
-                        None => answer(0.0, &|_| zero),
-                    }
-                }
+                Meets::Opening(opening) => match unknown(graph.openings[opening].friction) {
+                    Some((_, column)) => answer(0.0, &|row| -entry(row, column)),
+                    None => answer(0.0, &|_| zero),
+                },
             };
             [answer(1.0, &push), by_friction]
         };

@@ -3,7 +3,7 @@
 use super::column::{Column, Columns};
 use super::point_key::add_point_id;
 use super::run_record::RunRecord;
-use super::runs::{add_drawn, add_nominal, add_position};
+use super::runs::{add_angles, add_drawn, add_nominal};
 use crate::analysis::{balance_quality_grade, bin, overlaps, sorted_where_identical};
 use crate::classification::Label;
 use crate::study::{ParameterValue, Study};
@@ -64,7 +64,7 @@ pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
     add_drawn(&mut list, study, |row: &EquilibriumRow| &row.uncertain);
     let meaning = "angle at which the ball rests, from the imbalance, in [0, 2π); in ascending \
                    order for identical balls";
-    add_position(&mut list, study, meaning, |row: &EquilibriumRow| Some(&row.position));
+    add_angles(&mut list, study, meaning, |row: &EquilibriumRow| Some(&row.position));
     list.number("amplitude_m", "m", |row| row.amplitude_m)
         .meaning("amplitude of the table's vibration");
     list.number("friction_margin", "1", |row| row.friction_margin).meaning(

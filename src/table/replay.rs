@@ -4,9 +4,7 @@
 use super::column::{Column, Columns, NON_DIMENSIONAL};
 use super::touches::add_gaps;
 use crate::classification::{ContactSample, Sample, Switch};
-use crate::model::{
-    DiscMotion, Model, OutputName, SlidingSpeed, Units, unit_ending, wrap_to_two_pi,
-};
+use crate::model::{DiscMotion, Model, OutputName, Units, unit_ending, wrap_to_two_pi};
 use crate::motion::{Direction, Phase};
 
 impl Units {
@@ -107,15 +105,7 @@ pub fn trajectory_columns(model: &Model, gaps: &[[usize; 2]]) -> Vec<Column<Samp
             list.number(name, NON_DIMENSIONAL, move |row| Some(row.table?[axis])).meaning(meaning);
         }
         for ball in 0..model.balls() {
-            add_non_dimensional(&mut list, ball, "beta_dot", &format!("_{}", ball + 1));
-        }
-    } else if model.output_names().is_empty() {
-        for contact in 0..model.contacts() {
-            let suffix = model.contact_suffix(contact);
-            let name = format!("position{suffix}");
-            of_contact(&mut list, contact, name, NON_DIMENSIONAL, |contact| contact.position)
-                .meaning("position divided by its unit");
-            add_non_dimensional(&mut list, contact, "sliding_speed", &suffix);
+            add_non_dimensional(&mut list, ball);
         }
     }
     list.finish()
@@ -173,16 +163,11 @@ fn add_ball(list: &mut Columns<Sample>, model: &Model, ball: usize) {
     add_forces(list, model, ball, &format!("_{number}"));
 }
 
-/// Adds position, speed and forces of a body of a model that is defined outside this crate.
+/// Adds speed and forces of a contact of a system of one's own.
 fn add_body(list: &mut Columns<Sample>, model: &Model, contact: usize) {
     let (units, suffix) = (model.units(), model.contact_suffix(contact));
     let Some(unit) = units.contacts.get(contact).copied() else { return };
     let body = model.contact_in_words(contact);
-    if model.output_names().is_empty() {
-        let (name, symbol) = model.position_column(contact);
-        of_contact(list, contact, name, symbol, move |one| one.position * unit.position)
-            .meaning(format!("position of {body}"));
-    }
     let (ending, per_second) = model.sliding_speed_unit(contact);
     of_contact(list, contact, format!("sliding_speed{ending}"), &per_second, move |one| {
         one.speed * unit.sliding_speed
@@ -214,15 +199,15 @@ fn add_forces(list: &mut Columns<Sample>, model: &Model, contact: usize, suffix:
     .meaning("normal force, compression positive");
 }
 
-/// Adds the non-dimensional speed and forces of a contact.
-fn add_non_dimensional(list: &mut Columns<Sample>, contact: usize, speed: &str, suffix: &str) {
+/// Adds the non-dimensional speed and forces of a ball.
+fn add_non_dimensional(list: &mut Columns<Sample>, ball: usize) {
     let mut number = |name: &str, value: fn(&ContactSample) -> f64, meaning: &str| {
-        of_contact(list, contact, format!("{name}{suffix}"), NON_DIMENSIONAL, value)
+        of_contact(list, ball, format!("{name}_{}", ball + 1), NON_DIMENSIONAL, value)
             .meaning(meaning);
     };
     let meaning = "sliding speed divided by natural frequency and unit of length";
-    number(speed, |contact| contact.speed, meaning);
-    let meaning = "friction force divided by its unit (for a ball, m ω_n² L)";
+    number("beta_dot", |contact| contact.speed, meaning);
+    let meaning = "friction force divided by its unit, m ω_n² L";
     number("friction", |contact| contact.friction, meaning);
     let meaning = "friction limit, divided by the same unit";
     number("friction_limit", |contact| contact.limit, meaning);
@@ -233,26 +218,20 @@ fn add_non_dimensional(list: &mut Columns<Sample>, contact: usize, speed: &str, 
 pub fn switch_columns(model: &Model) -> Vec<Column<Switch>> {
     let units = model.units();
     let natural = units.natural_rad_s;
-    let has_angles = model.kind().sliding_speed == SlidingSpeed::RadS;
     let mut list = Columns::<Switch>::new();
     list.number("time_s", "s", move |row| row.time / natural).meaning("time since the start");
     let body = model.kind().body;
     list.count(body, |row| row.contact as u64 + 1).meaning(format!("number of the {body}, from 1"));
     list.word("from", |row| phase_name(row.before.phase)).meaning(PHASE);
     list.word("to", |row| phase_name(row.after.phase)).meaning("phase after the switch");
-    let has_outputs = !model.output_names().is_empty();
-    let (name, unit) = match (model.ball_balancer(), has_angles) {
-        (Some(_), _) => ("beta_rad", "rad"),
-        (None, true) => ("angle_rad", "rad"),
-        (None, false) if has_outputs => ("position", "SI"),
-        (None, false) => ("position_m", "m"),
-    };
+    let is_ball = model.ball_balancer().is_some();
+    let (name, unit) = if is_ball { ("beta_rad", "rad") } else { ("position", "SI") };
     let factors: Vec<f64> = units.contacts.iter().map(|one| one.position).collect();
     list.number(name, unit, move |row| {
         let position = row.after.position * factors.get(row.contact)?;
-        Some(if has_angles { wrap_to_two_pi(position) } else { position })
+        Some(if is_ball { wrap_to_two_pi(position) } else { position })
     })
-    .meaning("place: angle of the ball from the imbalance, in [0, 2π), or position of the block");
+    .meaning("place: angle of the ball from the imbalance, in [0, 2π), or position of the contact");
     let mut force = |name: &str, meaning: &str, value: fn(&Switch) -> f64| {
         let units = units.clone();
         list.number(name, "N", move |row| units.newtons(row.contact, value(row))).meaning(meaning);

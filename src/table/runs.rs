@@ -114,22 +114,17 @@ fn add_parameter<'a, R: 'static>(
     }
 }
 
-/// Adds the final position of each contact: the angle of a ball or the position of a block; `value`
-/// gets the positions from a row.
-pub fn add_position<R: 'static>(
+/// Adds the final angle of each ball; `value` gets the angles from a row.
+pub fn add_angles<R: 'static>(
     list: &mut Columns<R>,
     study: &Study,
     meaning: &str,
     value: impl Fn(&R) -> Option<&Vec<f64>> + Copy + Send + Sync + 'static,
 ) {
     let model = study.model();
-    for contact in (0..model.contacts()).filter(|contact| !model.repeats_position(*contact)) {
-        let (name, unit) = model.position_column(contact);
-        let meaning = match model.ball_balancer() {
-            Some(_) => meaning.to_owned(),
-            None => format!("position of {} at the end", model.contact_in_words(contact)),
-        };
-        list.number(name, unit, move |row| value(row)?.get(contact).copied()).meaning(meaning);
+    for ball in 0..model.balls() {
+        let (name, unit) = model.position_column(ball);
+        list.number(name, unit, move |row| value(row)?.get(ball).copied()).meaning(meaning);
     }
 }
 
@@ -161,12 +156,8 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
     list.boolean("extended", |row| row.outcome.extended)
         .meaning("whether the run was continued past the study's end time (simulation.extend)");
     let meaning = "angle of the ball from the imbalance at the end, in [0, 2π)";
-    let shows_outputs = !model.output_names().is_empty();
-    if shows_outputs {
-        add_outputs(&mut list, model);
-    } else {
-        add_position(&mut list, study, meaning, |row: &RunRecord| row.outcome.position.as_ref());
-    }
+    add_angles(&mut list, study, meaning, |row: &RunRecord| row.outcome.position.as_ref());
+    add_outputs(&mut list, model);
     list.number("amplitude_m", "m", |row| row.outcome.amplitude_m).meaning(
         match model.ball_balancer() {
             Some(_) => {
@@ -175,8 +166,7 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
             }
             None => {
                 "amplitude over the cycle or the last tenth of the time: the largest half distance \
-                 between the extreme positions of a body, or the root mean square of the vibration \
-                 if the model has one; 0 at rest"
+                 between the extreme values of a coordinate in m; 0 at rest"
             }
         },
     );
@@ -219,13 +209,8 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
              cycle or the last tenth of the time; 0 at rest",
         );
     }
-    let creeping = if shows_outputs { Vec::new() } else { model.mean_speed_columns() };
-    for (contact, name, unit) in creeping {
-        list.number(name, &unit, move |row| row.outcome.mean_speed.as_ref()?.get(contact).copied())
-            .meaning("mean rate of the position over the limit cycle; the creep per period divided by the period");
-    }
     if let Model::Own(_) = model {
-        add_cycle_of_contacts(&mut list, model, shows_outputs);
+        add_stick_fractions(&mut list, model);
     }
     // Nothing separates if position and speed of one contact are the whole state.
     let components = model.system().map_or(0, |system| Graph::of(system.as_ref()).derivative.len());
@@ -295,20 +280,9 @@ fn add_touching(list: &mut Columns<RunRecord>) {
     );
 }
 
-/// Adds what the contacts of a system of one's own do in a limit cycle.
-fn add_cycle_of_contacts(list: &mut Columns<RunRecord>, model: &Model, shows_outputs: bool) {
+/// Adds for how long each contact of a system of one's own sticks in a limit cycle.
+fn add_stick_fractions(list: &mut Columns<RunRecord>, model: &Model) {
     for contact in 0..model.contacts() {
-        let (position, unit) = model.position_column(contact);
-        let shown = if shows_outputs || model.repeats_position(contact) { 0 } else { 2 };
-        for (end, name, which) in
-            [(0, "min", "least"), (1, "max", "greatest")].into_iter().take(shown)
-        {
-            list.number(format!("{name}_{position}"), unit, move |row| {
-                let extremes = &row.outcome.cycle.as_ref()?.position_extremes;
-                extremes.get(contact).copied().flatten().map(|extremes| extremes[end])
-            })
-            .meaning(format!("{which} position in the limit cycle"));
-        }
         let suffix = model.contact_suffix(contact);
         list.number(format!("stick_fraction{suffix}"), "1", move |row| {
             row.outcome.cycle.as_ref()?.stick_fraction.get(contact).copied()

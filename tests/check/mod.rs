@@ -4,3 +4,4 @@ mod ball_fit;
 mod closed_form;
 mod obstacle;
 mod points;
+mod steady;

@@ -65,6 +65,7 @@ static BOUNCING: UnitKind = UnitKind {
             friction: Vec::new(),
             longest_step: 0.5,
             unique: true,
+            outputs: &[],
         })
     },
 };

@@ -77,6 +77,7 @@ static SHAKEN: UnitKind = UnitKind {
             friction: vec![Friction::coulomb(friction)],
             longest_step: 0.5,
             unique: true,
+            outputs: &[1],
         })
     },
 };
@@ -159,6 +160,7 @@ fn den_hartogs_oscillator_lags_by_the_phase_of_the_closed_form() {
             friction: vec![Friction::coulomb(friction)],
             longest_step: 0.5,
             unique: true,
+            outputs: &[],
         });
         let tolerance = Tolerance { relative: 1e-12, absolute: 1e-14 };
         let settings =

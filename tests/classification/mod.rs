@@ -28,6 +28,7 @@ mod reference_run_up;
 mod rotor;
 mod runout;
 mod settled;
+mod shared_loads;
 pub mod simulate_all;
 mod stages;
 mod step_limit;

@@ -7,7 +7,7 @@ use stickslip::model::{Case, OutputValue};
 use stickslip::study::Study;
 
 /// Returns the outcomes of the runs of a system.
-fn outcomes(system: &str, samples: usize, end_time_s: f64) -> Vec<Outcome> {
+pub(super) fn outcomes(system: &str, samples: usize, end_time_s: f64) -> Vec<Outcome> {
     cases(system, samples, end_time_s).iter().map(simulate).collect()
 }
 

@@ -130,7 +130,7 @@ fn check_prints_the_equations() {
             "m_bird * l_bird",
             "-(m_bird + m_sleeve) * g",
             "restitution: 0.5",
-            "not certified: contact `beak`, contact `lower`, contact `upper` may stick",
+            "not certified: contact `lower`, contact `upper` may stick",
             "natural frequency 458",
         ],
     );

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::support::Block;
+use crate::support::{Block, numbered_contacts};
 use stickslip::model::{
-    BallContact, Bound, Capabilities, Components, ContactUnits, Coordinate, DefaultModel,
-    FRICTION_LAWS, Field, FrictionLaw, Kick, Law, MAX_LAW_PARAMETERS, Machine, Model, ModelKind,
-    OwnKind, OwnModel, ParameterDescriptor, ProfilePart, Ramp, RampShape, SlidingSpeed,
+    BallContact, Bound, Capabilities, Components, ContactNames, ContactUnits, Coordinate,
+    DefaultModel, FRICTION_LAWS, Field, FrictionLaw, Kick, Law, MAX_LAW_PARAMETERS, Machine, Model,
+    ModelKind, OwnKind, OwnModel, ParameterDescriptor, ProfilePart, Ramp, RampShape, SlidingSpeed,
     SpeedProfile, System, Units,
 };
 use stickslip::study::{Registry, model_kinds};
@@ -179,6 +179,10 @@ impl OwnKind for TwoForces {
             contacts: vec![ContactUnits::new(1.0, 1.0, 1.0); 2],
             ..Model::from(Block::on_belt()).units()
         }
+    }
+
+    fn contact_names(&self, _: &OwnModel) -> Vec<ContactNames> {
+        numbered_contacts(2)
     }
 
     fn system(&self, _: &OwnModel) -> Arc<dyn System> {

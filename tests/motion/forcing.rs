@@ -52,6 +52,7 @@ fn a_shaken_block_slides_as_in_closed_form() {
         friction: vec![Friction::coulomb(FRICTION)],
         longest_step: 0.5,
         unique: true,
+        outputs: &[],
     });
     let settings = Settings {
         method: Method::Event,

@@ -289,6 +289,7 @@ fn too_many_combinations_are_called_that() {
         friction: vec![Friction::coulomb(0.5); 13],
         longest_step: 1.0,
         unique: false,
+        outputs: &[],
     });
     for method in [Method::Switch, Method::Event] {
         let settings = Settings { method, ..settings() };

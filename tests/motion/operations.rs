@@ -28,7 +28,7 @@ fn with_time<'r>(rates: Vec<Expression<'r>>) -> SystemEquations<'r> {
 
 fn functions(recorder: &Recorder) -> SystemEquations<'_> {
     let t = recorder.state();
-    for _ in 0..6 {
+    for _ in 0..7 {
         recorder.state();
     }
     let number = Expression::constant;
@@ -42,30 +42,33 @@ fn functions(recorder: &Recorder) -> SystemEquations<'_> {
         (t * number(3.0)).atan(),
         (-sine * (number(1.0) + t) - cosine) / (square + number(2.0) * t),
         -(-t - number(1.0)).exp(),
+        (t + number(1.0)).log(),
         solution[1],
     ])
 }
 
 /// Returns the rates of [`functions`].
-fn rates(t: f64) -> [f64; 6] {
+fn rates(t: f64) -> [f64; 7] {
     [
         t.cos() * t.sin().exp(),
         t / (1.0 + t * t).sqrt(),
         (3.0 * t).atan(),
         (-t.sin() * (1.0 + t) - t.cos()) / (1.0 + t).powi(2),
         -(-t - 1.0).exp(),
+        (t + 1.0).ln(),
         (t - t.sin() * t.cos()) / (3.0 - t * t.sin()),
     ]
 }
 
-/// Returns antiderivatives of the first five rates.
-fn integrals(t: f64) -> [f64; 5] {
+/// Returns antiderivatives of the first six rates.
+fn integrals(t: f64) -> [f64; 6] {
     [
         t.sin().exp(),
         (1.0 + t * t).sqrt(),
         t * (3.0 * t).atan() - (1.0 + 9.0 * t * t).ln() / 6.0,
         t.cos() / (1.0 + t),
         (-t - 1.0).exp(),
+        (t + 1.0) * (t + 1.0).ln() - t,
     ]
 }
 
@@ -77,11 +80,12 @@ fn series_and_displacements_of_functions() {
         friction: vec![],
         longest_step: 0.5,
         unique: true,
+        outputs: &[],
     });
     for start in [0.0, 0.4, 1.3] {
-        let mut state = Components::from_elem(0.0, 7);
+        let mut state = Components::from_elem(0.0, 8);
         state[0] = start;
-        let mut direction = Components::from_elem(0.0, 7);
+        let mut direction = Components::from_elem(0.0, 8);
         direction[0] = 1.0;
         let mut motion =
             Motion::with_directions(&system, SETTINGS, &state, &[direction]).expect("starts");
@@ -117,6 +121,7 @@ fn a_singular_linear_system_ends_the_motion() {
         friction: vec![],
         longest_step: 0.5,
         unique: true,
+        outputs: &[],
     });
     let at_once = Motion::new(&system, SETTINGS, &[0.5, 0.0]).expect("starts").advance(1.0);
     assert_eq!(at_once, Err(Failure::NotFinite));
@@ -153,8 +158,14 @@ fn three_equations(recorder: &Recorder) -> SystemEquations<'_> {
 fn solves(parameters: Vec<f64>, end: f64) {
     let what = format!("{parameters:?}");
     let record = three_equations;
-    let system =
-        shared(OwnSystem { record, parameters, friction: vec![], longest_step: 0.5, unique: true });
+    let system = shared(OwnSystem {
+        record,
+        parameters,
+        friction: vec![],
+        longest_step: 0.5,
+        unique: true,
+        outputs: &[],
+    });
     let rates = |t: f64| [1.0, 2.0 * t, t.cos()];
     let mut state = [0.0; 4];
     let mut motion = Motion::with_directions(
@@ -215,7 +226,14 @@ fn linear_systems_with_small_pivots() {
 #[test]
 fn a_system_that_records_another_one() {
     fn own(record: for<'r> fn(&'r Recorder) -> SystemEquations<'r>) -> OwnSystem {
-        OwnSystem { record, parameters: vec![], friction: vec![], longest_step: 0.5, unique: true }
+        OwnSystem {
+            record,
+            parameters: vec![],
+            friction: vec![],
+            longest_step: 0.5,
+            unique: true,
+            outputs: &[],
+        }
     }
     fn inner(recorder: &Recorder) -> SystemEquations<'_> {
         recorder.state();

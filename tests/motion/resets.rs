@@ -42,6 +42,7 @@ fn mass(gravity: f64, restitution: f64) -> Arc<dyn System> {
         friction: vec![],
         longest_step: 1.0,
         unique: true,
+        outputs: &[],
     })
 }
 
@@ -182,6 +183,7 @@ fn block([ramp_end, kick_time, kick]: [f64; 3]) -> Arc<dyn System> {
         friction: vec![Friction::coulomb(FRICTION)],
         longest_step: 1.0,
         unique: true,
+        outputs: &[],
     })
 }
 

@@ -19,6 +19,7 @@ mod determined;
 mod distributions;
 mod endings;
 mod further_errors;
+mod hostile_systems;
 mod identify;
 mod models;
 mod numbers_of_balls;

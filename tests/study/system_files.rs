@@ -78,7 +78,7 @@ fn formulas_are_read_in_full() {
         ("-k * x[cart + 1]", "a body that does not exist", "`x[3]` of 2", "if(condition"),
         ("-k * x[f]", "not a whole number", "`f`", "whole numbers"),
         ("-k * abs(x[cart])", "not smooth", "abs", "a contact with a gap"),
-        ("f * log(x[cart])", "unknown function", "log", "there is no logarithm"),
+        ("f * ln(x[cart])", "unknown function", "ln", "log is the natural"),
         ("f * sine(t)", "unknown function", "sine", "sin, cos"),
         ("f * if(x[cart] > 0, 1, 0)", "not a whole number", "x", "a contact"),
         ("f * if(cart, 1, 0)", "not a formula", "`,`", "a comparison"),

@@ -17,4 +17,4 @@ pub use own_system::OwnSystem;
 pub use systems::{for_each_kernel, shared, started, state_of};
 pub use test_rng::TestRng;
 pub use two_blocks::TwoBlocks;
-pub use unit_kind::{UnitKind, simulate_kind};
+pub use unit_kind::{UnitKind, numbered_contacts, simulate_kind};

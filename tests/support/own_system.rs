@@ -2,7 +2,9 @@
 
 use std::any::{Any, TypeId};
 
-use stickslip::model::{ContactMode, Friction, Recorder, Structure, System, SystemEquations};
+use stickslip::model::{
+    Components, ContactMode, Friction, Recorder, Structure, System, SystemEquations,
+};
 
 /// A system of functions; its inputs are the parameters, then 1 for each contact that slips and the direction.
 #[derive(Debug)]
@@ -13,6 +15,8 @@ pub struct OwnSystem {
     pub longest_step: f64,
     /// Whether stick and slip are decided in exactly one way.
     pub unique: bool,
+    /// The components that are outputs.
+    pub outputs: &'static [usize],
 }
 
 impl System for OwnSystem {
@@ -59,6 +63,10 @@ impl System for OwnSystem {
 
     fn force_scale(&self) -> f64 {
         1.0
+    }
+
+    fn outputs(&self, state: &[f64]) -> Components {
+        self.outputs.iter().map(|component| state[*component]).collect()
     }
 
     fn as_any(&self) -> &dyn Any {

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use stickslip::classification::{Outcome, simulate};
 use stickslip::model::{
-    Case, Components, ContactUnits, Coordinate, ModelKind, OwnKind, OwnModel, Simulation, Start,
-    System, Units,
+    Case, Components, ContactNames, ContactUnits, Coordinate, ModelKind, OutputUnits, OwnKind,
+    OwnModel, Simulation, Start, System, Units,
 };
 
 /// A kind whose start states follow a phase that is 0.
@@ -33,8 +33,15 @@ impl OwnKind for UnitKind {
             length_m: 1.0,
             contacts: vec![ContactUnits::new(1.0, 1.0, 1.0); self.contacts],
             disc_rad_s: 0.0,
-            outputs: Vec::new(),
+            outputs: vec![
+                OutputUnits { size: 1.0, angular: false, has_amplitude: true };
+                self.coordinates
+            ],
         }
+    }
+
+    fn contact_names(&self, _: &OwnModel) -> Vec<ContactNames> {
+        numbered_contacts(self.contacts)
     }
 
     fn system(&self, model: &OwnModel) -> Arc<dyn System> {
@@ -45,6 +52,17 @@ impl OwnKind for UnitKind {
         let phases = std::iter::repeat_n(0.0, self.phases);
         phases.chain(start.iter().copied()).collect()
     }
+}
+
+/// Returns names of contacts that have numbers and move coordinates in m.
+pub fn numbered_contacts(contacts: usize) -> Vec<ContactNames> {
+    let name = |number: usize| ContactNames {
+        contact: number.to_string(),
+        position: (format!("position_{number}_m"), "m"),
+        speed_unit: "m/s".to_owned(),
+        force_unit: "N".to_owned(),
+    };
+    (1..=contacts).map(name).collect()
 }
 
 /// Simulates a model of a kind with these parameters, in their order; the others have their defaults.

@@ -154,7 +154,7 @@ def preferred_equilibria(
 
 def _first_place(table: Table) -> list[str]:
     """Returns the column with the first coordinate of a system without balls, at the end of a run."""
-    return [name for name in table.columns if name.startswith("end_") and name != "end_time_s"][:1] or ["position_1_m"]
+    return [name for name in table.columns if name.startswith("end_") and name != "end_time_s"][:1]
 
 
 def _caption(balls: int, behind: str) -> str:

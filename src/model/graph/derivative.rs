@@ -51,7 +51,7 @@ impl Recorder {
                 Node::Cosine(angle) => -(value(place - 1) * change(angle)),
                 Node::SquareRoot(one) => Expression::constant(0.5) * change(one) / value(place),
                 Node::Exponential(one) => value(place) * change(one),
-                Node::ArcTangent(one, slope) => change(one) / value(slope),
+                Node::Function(_, one, slope) => change(one) / value(slope),
                 Node::Solution { .. } => panic!("a gap or a sliding speed contains an unknown"),
             };
         }

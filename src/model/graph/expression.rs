@@ -3,7 +3,7 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Node, NodeId, Recorder};
-use crate::model::Number;
+use crate::model::{Function, Number};
 
 /// An expression of a recorder, or a number. Sums, products and quotients of numbers are numbers, and neutral elements
 /// leave no node.
@@ -72,7 +72,14 @@ impl<'r> Expression<'r> {
             let square = recorder.add(Node::Product(id, id));
             let one = recorder.add(Node::Constant(1.0));
             let slope = recorder.add(Node::Sum(one, square));
-            recorder.add(Node::ArcTangent(id, slope))
+            recorder.add(Node::Function(Function::ArcTangent, id, slope))
+        })
+    }
+
+    /// Returns the natural logarithm.
+    pub fn log(self) -> Self {
+        self.function(libm::log, |recorder, id| {
+            recorder.add(Node::Function(Function::Logarithm, id, id))
         })
     }
 }

@@ -2,6 +2,8 @@
 
 use smallvec::{SmallVec, smallvec};
 
+use crate::model::Function;
+
 /// The place of a node in its graph.
 pub type NodeId = u32;
 
@@ -34,8 +36,9 @@ pub enum Node {
     SquareRoot(NodeId),
     /// `exp a`
     Exponential(NodeId),
-    /// `atan a`, with the node `1 + a²`.
-    ArcTangent(NodeId, NodeId),
+    /// A function of `a` other than the exponential, with the node whose reciprocal is the derivative of the function by `a`:
+    /// `1 + a²` for `atan a`, and `a` for `log a`.
+    Function(Function, NodeId, NodeId),
     /// A component of the solution of a linear system.
     Solution {
         /// The system, by its place in [`super::Graph::solves`].
@@ -54,7 +57,7 @@ impl Node {
             | Node::Difference(a, b)
             | Node::Product(a, b)
             | Node::Quotient(a, b)
-            | Node::ArcTangent(a, b) => smallvec![a, b],
+            | Node::Function(_, a, b) => smallvec![a, b],
             Node::Negation(a)
             | Node::Sine(a)
             | Node::Cosine(a)

@@ -107,9 +107,11 @@ pub struct OpeningEquations<'r> {
     pub speed: Expression<'r>,
     /// The second time derivative of the gap.
     pub acceleration: Expression<'r>,
-    /// The normal force: an unknown of the linear system of the accelerations, as is the friction force of the contact
-    /// unless it is 0. Impacts follow from their columns.
+    /// The normal force: an unknown of the linear system of the accelerations, as is the friction force unless it is 0. Impacts
+    /// follow from their columns.
     pub force: Expression<'r>,
+    /// The friction force in these equations; contacts that share a load show other forces.
+    pub friction: Expression<'r>,
 }
 
 /// A recorded opening, by the nodes of [`OpeningEquations`].
@@ -125,6 +127,8 @@ pub struct Opening {
     pub acceleration: NodeId,
     /// The normal force.
     pub force: NodeId,
+    /// The friction force in the equations of the accelerations.
+    pub friction: NodeId,
 }
 
 /// An event that resets the state, such as an impact or a kick.
@@ -187,18 +191,25 @@ impl Graph {
 
     /// Returns whether a contact may creep: its position, which is no angle, occurs in no equation.
     pub fn may_creep(&self, contact: &ContactLayout) -> bool {
-        let is_position =
-            |node: &Node| matches!(node, Node::State(one) if *one as usize == contact.position);
-        let reads = |read: &NodeId| is_position(&self.nodes[*read as usize]);
-        let operands = self.nodes.iter().flat_map(|node| node.operands(&self.solves));
         let resets = self.events.iter().flat_map(|event| &event.reset).map(|(_, value)| value);
-        let mut results = (self.derivative.iter())
+        let results = (self.derivative.iter())
             .chain(self.contacts.iter().flatten())
             .chain(self.gaps.iter().flatten())
             .chain(self.openings.iter().map(|opening| &opening.gap))
             .chain(self.events.iter().map(|event| &event.guard))
             .chain(resets);
-        !contact.angular && !results.any(reads) && !operands.into_iter().any(|one| reads(&one))
+        let mut is_read = vec![false; self.nodes.len()];
+        results.for_each(|node| is_read[*node as usize] = true);
+        for place in (0..self.nodes.len()).rev() {
+            if is_read[place] {
+                let operands = self.nodes[place].operands(&self.solves);
+                operands.into_iter().for_each(|one| is_read[one as usize] = true);
+            }
+        }
+        let is_position =
+            |node: &Node| matches!(node, Node::State(one) if *one as usize == contact.position);
+        !contact.angular
+            && !self.nodes.iter().zip(is_read).any(|(node, read)| read && is_position(node))
     }
 
     /// Returns the recorded equations of a system.
@@ -342,9 +353,9 @@ impl Recorder {
         };
         let gaps = equations.gaps.iter().map(gap).collect();
         let opening = |one: &OpeningEquations<'_>| {
-            let [gap, speed, acceleration, force] =
-                [one.gap, one.speed, one.acceleration, one.force].map(|part| part.id(self));
-            Opening { contact: one.contact, gap, speed, acceleration, force }
+            let parts = [one.gap, one.speed, one.acceleration, one.force, one.friction];
+            let [gap, speed, acceleration, force, friction] = parts.map(|part| part.id(self));
+            Opening { contact: one.contact, gap, speed, acceleration, force, friction }
         };
         let openings = equations.openings.iter().map(opening).collect();
         let Recording { nodes, solves, inputs, switches, parameters, .. } = &*self.0.borrow();
@@ -413,7 +424,7 @@ fn key(node: Node) -> (u8, u64, u64) {
         Node::Cosine(one) => two(10, one, 0),
         Node::SquareRoot(one) => two(11, one, 0),
         Node::Exponential(one) => two(12, one, 0),
-        Node::ArcTangent(one, other) => two(13, one, other),
+        Node::Function(function, one, other) => two(20 + function as u8, one, other),
         Node::Solution { solve, row } => two(14, solve, row),
     }
 }

@@ -165,7 +165,7 @@ impl Values for Dimensions<'_> {
 }
 
 /// Units that have names.
-const NAMED: [(&str, Dimension); 12] = [
+const NAMED: [(&str, Dimension); 13] = [
     ("kg", [1, 0, 0]),
     ("m", [0, 1, 0]),
     ("s", [0, 0, 1]),
@@ -174,6 +174,7 @@ const NAMED: [(&str, Dimension); 12] = [
     ("N/m", [1, 0, -2]),
     ("N s/m", [1, 0, -1]),
     ("N m s", [1, 2, -1]),
+    ("W", [1, 2, -3]),
     ("kg m2", [1, 2, 0]),
     ("m/s", [0, 1, -1]),
     ("m/s2", [0, 1, -2]),

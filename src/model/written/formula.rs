@@ -98,10 +98,11 @@ pub(super) enum Function {
     SquareRoot,
     HyperbolicTangent,
     ArcTangent,
+    Logarithm,
 }
 
 impl Function {
-    pub const ALL: [(&str, Function); 7] = [
+    pub const ALL: [(&str, Function); 8] = [
         ("sin", Function::Sine),
         ("cos", Function::Cosine),
         ("tan", Function::Tangent),
@@ -109,6 +110,7 @@ impl Function {
         ("sqrt", Function::SquareRoot),
         ("tanh", Function::HyperbolicTangent),
         ("atan", Function::ArcTangent),
+        ("log", Function::Logarithm),
     ];
 }
 

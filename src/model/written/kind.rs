@@ -288,7 +288,6 @@ impl OwnKind for WrittenKind {
                     SpeedOf::Formula => unit(self.definition.coordinates[member.of].unit.dimension),
                     _ => sliding_speed * unit([0, 0, WHOLE]),
                 },
-                has_amplitude: false,
                 sliding_speed,
                 force_n: power / sliding_speed,
             }
@@ -364,13 +363,13 @@ impl OwnKind for WrittenKind {
         Self::part(names)
     }
 
-    fn contact_names(&self, model: &OwnModel) -> Option<Vec<ContactNames>> {
-        let instance = self.instance(model).ok()?;
+    fn contact_names(&self, model: &OwnModel) -> Vec<ContactNames> {
+        let Ok(instance) = self.instance(model) else { return Vec::new() };
         let name = |number: usize| {
             let member = instance.contacts[number];
             let contact = &self.definition.contacts[member.of];
             let position = instance.coordinates[instance.positions[number]];
-            let [start, rate] = &self.coordinates[position.of];
+            let [start, _] = &self.coordinates[position.of];
             let speed = instance.speed_dimension(number).ok()?;
             let power = [WHOLE, 2 * WHOLE, -3 * WHOLE];
             let force = [0, 1, 2].map(|place| power[place] - speed[place]);
@@ -378,11 +377,10 @@ impl OwnKind for WrittenKind {
             Some(ContactNames {
                 contact: numbered(&contact.name, "1", member.body),
                 position: (numbered(start.name, start.unit, position.body), start.unit),
-                rate: (numbered(rate.name, rate.unit, position.body), rate.unit),
                 speed_unit: unit(speed).replace("1/s", "rad/s"),
                 force_unit: unit(force),
             })
         };
-        (0..instance.contacts.len()).map(name).collect()
+        (0..instance.contacts.len()).filter_map(name).collect()
     }
 }

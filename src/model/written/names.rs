@@ -22,8 +22,8 @@ pub(super) enum Meaning {
 }
 
 /// The names that no system can give away.
-pub(super) const RESERVED: [&str; 11] =
-    ["t", "pi", "sin", "cos", "tan", "exp", "sqrt", "tanh", "atan", "sum", "if"];
+pub(super) const RESERVED: [&str; 12] =
+    ["t", "pi", "sin", "cos", "tan", "exp", "log", "sqrt", "tanh", "atan", "sum", "if"];
 
 impl Names {
     pub fn of(definition: &Definition, bodies: &Bodies) -> Names {

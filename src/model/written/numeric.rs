@@ -13,6 +13,7 @@ pub(super) trait Quantity: Number + Div<Output = Self> {
     fn root(self) -> Self;
     fn exponential(self) -> Self;
     fn arc_tangent(self) -> Self;
+    fn logarithm(self) -> Self;
 }
 
 impl Quantity for f64 {
@@ -21,11 +22,15 @@ impl Quantity for f64 {
     }
 
     fn exponential(self) -> Self {
-        Elementary::exp(self)
+        libm::exp(self)
     }
 
     fn arc_tangent(self) -> Self {
-        Elementary::atan(self)
+        libm::atan(self)
+    }
+
+    fn logarithm(self) -> Self {
+        libm::log(self)
     }
 }
 
@@ -40,6 +45,10 @@ impl Quantity for Expression<'_> {
 
     fn arc_tangent(self) -> Self {
         self.atan()
+    }
+
+    fn logarithm(self) -> Self {
+        self.log()
     }
 }
 
@@ -141,6 +150,7 @@ impl<T: Quantity> Values for Numeric<'_, T> {
             // A large exponential gives 1 without an overflow of a product.
             Function::HyperbolicTangent => one - T::constant(2.0) / ((of + of).exponential() + one),
             Function::ArcTangent => of.arc_tangent(),
+            Function::Logarithm => of.logarithm(),
         })
     }
 }

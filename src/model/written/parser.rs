@@ -307,7 +307,7 @@ fn unknown_function(at: usize, name: &str) -> FormulaFault {
         return FormulaFault::new(at, "a function that is not smooth", name, allowed);
     }
     let allowed = match name {
-        "log" | "ln" => format!("{all}; there is no logarithm"),
+        "ln" => format!("{all}; log is the natural logarithm"),
         _ => format!("{all}; a product needs `*`"),
     };
     FormulaFault::new(at, "unknown function", name, allowed)

@@ -6,7 +6,7 @@
 //! contact sticks, so that a rest can be certified.
 
 use super::definition::WrittenNormal;
-use super::formula::FormulaFault;
+use super::formula::{FormulaFault, WHOLE};
 use super::instance::Instance;
 use super::linear::{Linear, Linearised};
 use super::numeric::{Numeric, Quantity};
@@ -127,12 +127,6 @@ impl Instance<'_> {
                 true => self.linear(contact, numeric)?,
                 false => None,
             };
-            // The speeds of contacts that open have several coordinates, which would fill the mass matrix.
-            let opens = matches!(self.contact(contact).0.normal, WrittenNormal::Gap(_));
-            let is_single = |speed: &Linear<f64>| {
-                speed.factors.iter().filter(|(_, factor)| *factor != 0.0).count() == 1
-            };
-            let speed = speed.filter(|speed| !opens || is_single(speed));
             let Some(speed) = speed else {
                 chosen.push(SpeedOf::Formula);
                 continue;
@@ -141,8 +135,16 @@ impl Instance<'_> {
             let taken = |place: &usize| chosen.contains(&SpeedOf::Velocity(*place));
             let size = |place: &usize| all.0[*place].abs();
             let free = (0..all.0.len()).filter(|place| !taken(place) && size(place) > ROUNDING);
-            let largest =
-                free.max_by(|one, other| size(one).total_cmp(&size(other)).then(other.cmp(one)));
+            // Nothing may depend on a length of a body whose contacts open, such as the height of one that falls; its angles
+            // say how large the gaps are.
+            let opens = matches!(self.contact(contact).0.normal, WrittenNormal::Gap(_));
+            let unit =
+                |place: &usize| &self.definition.coordinates[self.coordinates[*place].of].unit;
+            let is_preferred = |place: &usize| opens && unit(place).dimension[1] == WHOLE;
+            let largest = free.max_by(|one, other| {
+                let preferred = is_preferred(one).cmp(&is_preferred(other));
+                preferred.then(size(one).total_cmp(&size(other))).then(other.cmp(one))
+            });
             // Elimination rounds what is exactly 0 or 1.
             let is_near = |one: f64, other: f64| (one - other).abs() <= ROUNDING;
             let is_same = |place: usize| {
@@ -163,7 +165,9 @@ impl Instance<'_> {
     }
 
     /// Returns the velocities whose integrals are positions in place of coordinates. The integral of a sliding speed with an angle
-    /// that goes round and round is no function of the state.
+    /// that goes round and round is no function of the state. Of contacts that open and move the same coordinates, only the first
+    /// has its integral as a position: otherwise no position would be one on which nothing depends, such as the height of a body
+    /// that falls.
     ///
     /// # Errors
     /// A fault that the check has found before.
@@ -175,13 +179,24 @@ impl Instance<'_> {
         let is_periodic =
             |(of, _): &(usize, f64)| self.definition.coordinates[self.coordinates[*of].of].periodic;
         let mut rates = Rates::<f64>::identity(self.coordinates.len());
-        let mut integrals = Vec::new();
+        let (mut integrals, mut moved) = (Vec::new(), Vec::new());
         for (contact, speed_of) in chosen.iter().enumerate() {
             let speed = match speed_of {
                 SpeedOf::Formula => None,
                 SpeedOf::Velocity(_) | SpeedOf::Same(_) => self.linear(contact, numeric)?,
             };
-            let speed = speed.filter(|speed| !speed.factors.iter().any(is_periodic));
+            let opens = matches!(self.contact(contact).0.normal, WrittenNormal::Gap(_));
+            let is_free = |speed: &Linear<f64>| {
+                let is_moved = speed.factors.iter().any(|(of, _)| moved.contains(of));
+                !speed.factors.iter().any(is_periodic) && !(opens && is_moved)
+            };
+            let speed = match speed_of {
+                SpeedOf::Same(place) => {
+                    speed.filter(|_| integrals.contains(&SpeedOf::Velocity(*place)))
+                }
+                _ => speed.filter(is_free),
+            };
+            moved.extend(speed.iter().flat_map(|speed| &speed.factors).map(|(of, _)| *of));
             integrals.push(match (*speed_of, speed.map(|speed| rates.of_velocities(&speed))) {
                 (SpeedOf::Velocity(place), Some(all)) if all.0[place].abs() > ROUNDING => {
                     rates.replace(place, &all);

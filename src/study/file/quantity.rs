@@ -5,8 +5,8 @@
 
 use std::f64::consts::TAU;
 
-use uom::si::f64::{Force, Length, Mass, Time};
-use uom::si::{force, length, mass, time};
+use uom::si::f64::{Energy, Force, Length, Mass, Power, Time};
+use uom::si::{energy, force, length, mass, power, time};
 use uom::typenum::Integer;
 
 use crate::study::error::{Fault, list_names, shorten};
@@ -85,6 +85,8 @@ fn symbols() -> Vec<Symbol> {
         ("mN", Force::new::<force::millinewton>(1.0)),
         ("kN", Force::new::<force::kilonewton>(1.0)),
     ];
+    let energies = [("J", Energy::new::<energy::joule>(1.0))];
+    let powers = [("W", Power::new::<power::watt>(1.0))];
     let angle = [0, 0, 0, 1];
     let angles = [("rad", 1.0), ("deg", TAU / 360.0), ("°", TAU / 360.0), ("rev", TAU)];
     let lengths = lengths.map(|(name, one)| (name, dimension::<length::Dimension>(), one.value));
@@ -92,8 +94,10 @@ fn symbols() -> Vec<Symbol> {
     let times = times.map(|(name, one)| (name, dimension::<time::Dimension>(), one.value));
     let forces = forces.map(|(name, one)| (name, dimension::<force::Dimension>(), one.value));
     let angles = angles.map(|(name, one)| (name, angle, one));
+    let energies = energies.map(|(name, one)| (name, dimension::<energy::Dimension>(), one.value));
+    let powers = powers.map(|(name, one)| (name, dimension::<power::Dimension>(), one.value));
     let all = lengths.into_iter().chain(masses).chain(times).chain(forces);
-    all.chain(angles).collect()
+    all.chain(energies).chain(powers).chain(angles).collect()
 }
 
 /// Splits a text into the number at its beginning and the unit after it, which may be empty.
@@ -172,7 +176,7 @@ impl Conversion {
 }
 
 /// Units that keys have, and further units of mechanics.
-const SI_UNITS: [&str; 22] = [
+const SI_UNITS: [&str; 23] = [
     "kg",
     "m",
     "s",
@@ -189,6 +193,7 @@ const SI_UNITS: [&str; 22] = [
     "kg m2",
     "N m",
     "N m s",
+    "W",
     "N m/rad",
     "N m s/rad",
     "1/s",

@@ -70,6 +70,8 @@ pub struct Point {
     /// Number of cells of equal size from which the start states are drawn; `None` if the design is
     /// not stratified.
     pub cells: Option<u64>,
+    /// The range of each coordinate of the start states.
+    pub start_ranges: Vec<[f64; 2]>,
     model: Model,
 }
 
@@ -278,6 +280,7 @@ impl Study {
             first_run,
             sampling: *sampling,
             cells: design.cells(),
+            start_ranges: design.ranges(),
             model,
         }
     }

@@ -96,6 +96,11 @@ impl Design {
         Design { layout, axes, sobol_seed, seed }
     }
 
+    /// Returns the range of each coordinate.
+    pub fn ranges(&self) -> Vec<[f64; 2]> {
+        self.axes.iter().map(|AxisDraws { axis, .. }| [axis.low, axis.high]).collect()
+    }
+
     /// Returns the layout.
     pub fn layout(&self) -> &Layout {
         &self.layout

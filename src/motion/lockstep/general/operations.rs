@@ -9,7 +9,7 @@ use super::series::{Programs, TERMS};
 use super::statics::{StaticId, Statics};
 use super::turning::Turning;
 use crate::graph::{Cell, Program};
-use crate::model::Graph;
+use crate::model::{Function, Graph};
 
 /// The place of a series.
 pub(super) type Slot = u32;
@@ -31,8 +31,8 @@ pub(super) enum Operation {
     SquareRoot { out: Slot, a: Slot },
     /// Exponential.
     Exponential { out: Slot, a: Slot },
-    /// Arc tangent; `slope` is `1 + a²`.
-    ArcTangent { out: Slot, a: Slot, slope: Slot },
+    /// Another function, whose derivative by `a` is `1 / slope`.
+    Function { function: Function, out: Slot, a: Slot, slope: Slot },
     /// A linear system; the matrix row by row. The unknowns of `units` have the factor 1 on the diagonal and may be
     /// eliminated first.
     Solve {

@@ -20,7 +20,7 @@ pub(super) fn reads_and_writes(operation: &Operation) -> (Vec<Slot>, Vec<Slot>) 
         Operation::SquareRoot { out, a } | Operation::Exponential { out, a } => {
             (vec![*a], vec![*out])
         }
-        Operation::ArcTangent { out, a, slope } => (vec![*a, *slope], vec![*out]),
+        Operation::Function { out, a, slope, .. } => (vec![*a, *slope], vec![*out]),
         Operation::Solve { matrix, products, right, out, .. } => {
             let entries = matrix.iter().flat_map(|entry| match entry {
                 Entry::Series { slot, .. } => vec![*slot],

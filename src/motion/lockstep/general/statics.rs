@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use crate::graph::{Builder, Function, Instruction};
+use crate::graph::{Builder, Instruction};
+use crate::model::Function;
 
 /// The place of a static number.
 pub(super) type StaticId = u32;
@@ -22,8 +23,7 @@ pub(super) enum Static {
     Sine(StaticId),
     Cosine(StaticId),
     SquareRoot(StaticId),
-    Exponential(StaticId),
-    ArcTangent(StaticId),
+    Function(Function, StaticId),
 }
 
 /// Static numbers, operands first; equal ones are one.
@@ -53,8 +53,7 @@ impl Statics {
             Static::Sine(a) => two(7, a, 0),
             Static::Cosine(a) => two(8, a, 0),
             Static::SquareRoot(a) => two(9, a, 0),
-            Static::Exponential(a) => two(10, a, 0),
-            Static::ArcTangent(a) => two(11, a, 0),
+            Static::Function(function, a) => two(20 + function as u8, a, 0),
             Static::Discrete(component) => two(12, component, 0),
         };
         let statics = &mut self.all;
@@ -152,12 +151,7 @@ impl Statics {
                     builder.add(Instruction::SineCosine { sine, cosine: out, of });
                 }
                 Static::SquareRoot(of) => builder.add(Instruction::SquareRoot { out, of }),
-                Static::Exponential(of) => {
-                    let function = Function::Exponential;
-                    builder.add(Instruction::Function { out, function, of });
-                }
-                Static::ArcTangent(of) => {
-                    let function = Function::ArcTangent;
+                Static::Function(function, of) => {
                     builder.add(Instruction::Function { out, function, of });
                 }
             }

@@ -15,7 +15,8 @@ use memmap2::{Mmap, MmapMut};
 use super::LANES;
 use super::run::Numbers;
 use super::vector::Vector;
-use crate::graph::{Cell, Function, Instruction, Program};
+use crate::graph::{Cell, Instruction, Program};
+use crate::model::Function;
 use encode::Encoder;
 use lower::{Line, Operation};
 

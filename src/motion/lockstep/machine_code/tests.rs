@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::{Code, Width};
-use crate::graph::{Builder, Cell, Function, Instruction, Product, Program, tangent};
+use crate::graph::{Builder, Cell, Instruction, Product, Program, tangent};
 use crate::model::{Dual, Elementary, Number};
 use crate::motion::lockstep::run::interpret;
 use crate::motion::lockstep::simd_level::{baseline, with_each_level};
@@ -139,8 +139,7 @@ fn run_dual(program: &Program, cells: &mut [Dual]) {
                 cells[sine as usize] = of_sine;
                 of_cosine
             }
-            Instruction::Function { function: Function::Exponential, of, .. } => at(of).exp(),
-            Instruction::Function { function: Function::ArcTangent, of, .. } => at(of).atan(),
+            Instruction::Function { function, of, .. } => at(of).function(function),
         };
         // The last cell that an instruction writes.
         if let Some(out) = instruction.writes().last() {

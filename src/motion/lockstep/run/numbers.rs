@@ -4,7 +4,8 @@ use std::ops::{Div, Mul, Neg};
 
 use fearless_simd::prelude::*;
 
-use crate::graph::{Cell, Function};
+use crate::graph::Cell;
+use crate::model::Function;
 use crate::motion::lockstep::machine_code::Width;
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Vector};

@@ -10,7 +10,7 @@ use super::operations::{Operation, Operations, RowProducts, Slot};
 use super::schedule::{reads_and_writes, sorted};
 use super::statics::{Static, StaticId, Statics};
 use super::turning::{Turning, TurningNodes};
-use crate::model::{Graph, Node, NodeId};
+use crate::model::{Function, Graph, Node, NodeId};
 
 /// A linear combination under construction.
 #[derive(Clone, Default)]
@@ -60,8 +60,15 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Operations {
     let of_contacts = graph.contacts.iter().flat_map(|contact| &contact[..3]);
     let outputs = graph.derivative.iter().chain(of_contacts).copied();
     let gaps = || graph.gaps.iter().map(|[_, force]| *force);
-    let outputs: Vec<NodeId> = outputs.chain(guards()).chain(gaps()).collect();
-    let wanted = compiler.wanted(&outputs);
+    let mut outputs: Vec<NodeId> = outputs.chain(guards()).chain(gaps()).collect();
+    let mut wanted = compiler.wanted(&outputs);
+    // The friction that sticking requires is a sum of other series, or contains a part of its own.
+    let frictions = graph.contacts.iter().map(|contact| contact[3]);
+    let own: Vec<NodeId> = frictions.filter(|one| !compiler.is_sum_of(*one, &wanted)).collect();
+    if !own.is_empty() {
+        outputs.extend(own);
+        wanted = compiler.wanted(&outputs);
+    }
     for (place, wanted) in wanted.iter().enumerate() {
         if *wanted {
             compiler.emit(place as NodeId);
@@ -103,6 +110,16 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Operations {
 }
 
 impl Compiler<'_> {
+    /// Returns whether a node is linear in components of the state and in nodes that are wanted.
+    fn is_sum_of(&self, place: NodeId, wanted: &[bool]) -> bool {
+        let node = self.graph.nodes[place as usize];
+        let is_known = self.slot_of[place as usize].is_some()
+            || self.static_of[place as usize].is_some()
+            || wanted[place as usize];
+        let operands = || node.operands(&self.graph.solves).into_iter();
+        is_known || self.is_linear(node) && operands().all(|one| self.is_sum_of(one, wanted))
+    }
+
     /// Returns which nodes need a series of their own: outputs, operands of what is not linear, and linear expressions
     /// with several users. Finds the static numbers.
     fn wanted(&mut self, outputs: &[NodeId]) -> Vec<bool> {
@@ -164,8 +181,8 @@ impl Compiler<'_> {
             Node::Sine(a) => Static::Sine(of(a)?),
             Node::Cosine(a) => Static::Cosine(of(a)?),
             Node::SquareRoot(a) => Static::SquareRoot(of(a)?),
-            Node::Exponential(a) => Static::Exponential(of(a)?),
-            Node::ArcTangent(a, _) => Static::ArcTangent(of(a)?),
+            Node::Exponential(a) => Static::Function(Function::Exponential, of(a)?),
+            Node::Function(function, a, _) => Static::Function(function, of(a)?),
             Node::State(_) | Node::Solution { .. } => return None,
         };
         Some(self.statics.add(number))
@@ -214,8 +231,9 @@ impl Compiler<'_> {
             }
             Node::SquareRoot(a) => Operation::SquareRoot { out: self.slots, a: self.slot(a) },
             Node::Exponential(a) => Operation::Exponential { out: self.slots, a: self.slot(a) },
-            Node::ArcTangent(a, slope) => {
-                Operation::ArcTangent { out: self.slots, a: self.slot(a), slope: self.slot(slope) }
+            Node::Function(function, a, slope) => {
+                let [a, slope] = [a, slope].map(|node| self.slot(node));
+                Operation::Function { function, out: self.slots, a, slope }
             }
             _ => {
                 let sum = self.linear_of(place);

@@ -2,7 +2,8 @@
 
 use super::convolution::{Convolution, Terms};
 use super::{Expansion, pairs};
-use crate::graph::{Cell, Function, Instruction};
+use crate::graph::{Cell, Instruction};
+use crate::model::Function;
 use crate::motion::lockstep::general::operations::{Operation, Slot};
 use crate::motion::lockstep::general::turning::Turning;
 
@@ -95,9 +96,9 @@ impl Expansion<'_> {
                     self.set(out, k, None, &[[sum, part]]);
                 }
             }
-            &Operation::ArcTangent { out, a, slope } => {
+            &Operation::Function { function, out, a, slope } => {
                 if k == 0 {
-                    self.begin(out, Function::ArcTangent, a);
+                    self.begin(out, function, a);
                     let by = self.start(slope);
                     self.own[place].inverse = Some(self.builder.quotient(one, by));
                     self.own[place].rate.push(None);

@@ -1,0 +1,54 @@
+//! Steady states of systems in files against their closed forms.
+
+use std::path::PathBuf;
+
+use stickslip::check::{SteadySliding, SteadyStates};
+use stickslip::study::Study;
+
+/// Returns the steady states at the points of a study of this repository.
+fn states(name: &str) -> Vec<Option<SteadyStates>> {
+    let file: PathBuf = [env!("CARGO_MANIFEST_DIR"), "studies", name].iter().collect();
+    let text = std::fs::read_to_string(&file).expect("a study");
+    let study = Study::parse(&file, text).unwrap_or_else(|error| panic!("{error}"));
+    let of = |point: u64| {
+        let point = study.point(point);
+        SteadyStates::of(point.model(), &point.start_ranges)
+    };
+    (0..study.point_count()).map(of).collect()
+}
+
+#[track_caller]
+fn only(states: &Option<SteadyStates>) -> SteadySliding {
+    let states = states.as_ref().expect("they are sought");
+    assert_eq!(states.held_fraction, None, "all contacts slide");
+    let [one] = &states.sliding[..] else { panic!("one state: {states:?}") };
+    one.clone()
+}
+
+/// A block on a spring is held up to the friction limit over the stiffness, and starts at up to the normal force over it.
+#[test]
+fn a_block_on_the_ground_is_held_up_to_its_friction_limit() {
+    let held = states("block-on-spring.yaml").into_iter().map(|one| one.expect("a block"));
+    let held: Vec<f64> = held.map(|one| one.held_fraction.expect("it may stick")).collect();
+    for (held, coefficient) in held.iter().zip([0.0, 0.02, 0.05, 0.1, 0.2]) {
+        assert!((held - coefficient).abs() < 0.01, "{held} at {coefficient}");
+    }
+}
+
+/// A block slides on a belt where its spring pulls with the kinetic friction. Small motions neither grow nor decay with a constant
+/// coefficient. With one that falls with the sliding speed, they decay at half of the rate of damping and of the slope.
+#[test]
+fn blocks_slide_on_belts_where_springs_pull_with_the_friction() {
+    for block in states("block-on-belt.yaml") {
+        let SteadySliding { coordinates, stability, .. } = only(&block);
+        assert!((coordinates["position_m"] - 0.01).abs() < 1e-12, "{coordinates:?}");
+        assert_eq!(stability, "marginal");
+    }
+    let oscillator = only(&states("belt-oscillator.yaml")[0]);
+    let decay = (-1.5_f64 / 0.5).exp();
+    assert!((oscillator.coordinates["x"] - (0.5 + 0.5 * decay)).abs() < 1e-9, "{oscillator:?}");
+    let rate = -0.5 * (2.0 * 0.05 - decay);
+    assert!((oscillator.largest_real_part_1_s - rate).abs() < 1e-9, "{oscillator:?} {rate}");
+    assert_eq!(oscillator.stability, "stable");
+    assert_eq!(states("woodpecker.yaml"), [None], "its contacts open");
+}

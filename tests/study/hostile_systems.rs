@@ -1,0 +1,112 @@
+//! Every part of a system file replaced by values that do not belong there: each is read or refused with its place, what was
+//! found and a remedy, and no run of what was read panics.
+
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use super::parse;
+use stickslip::classification::{Label, simulate};
+
+/// Far more than a system takes, for a slow machine.
+const LONGEST: Duration = Duration::from_secs(20);
+
+/// Files with contacts that open, several bodies, given normal forces, and reactions.
+const SYSTEMS: [&str; 4] = ["woodpecker", "block_chain", "belt_oscillator", "ball_balancer"];
+
+/// Returns the places of all parts of a value.
+fn places(value: &Value, at: &str, all: &mut Vec<String>) {
+    all.push(at.to_owned());
+    match value {
+        Value::Object(entries) => {
+            for (key, own) in entries {
+                let key = key.replace('~', "~0").replace('/', "~1");
+                places(own, &format!("{at}/{key}"), all);
+            }
+        }
+        Value::Array(items) => {
+            for (place, own) in items.iter().enumerate() {
+                places(own, &format!("{at}/{place}"), all);
+            }
+        }
+        _ => {}
+    }
+}
+
+fn hostile() -> Vec<Value> {
+    let deep = (0..200).fold(json!(1), |inner, _| json!([inner]));
+    vec![
+        Value::Null,
+        json!(true),
+        json!(-1),
+        json!(0),
+        json!(1.5),
+        json!(1e308),
+        json!(u64::MAX),
+        json!(""),
+        json!("x"),
+        json!("1 kg"),
+        json!("0 m"),
+        json!(".nan"),
+        json!("y' * y'"),
+        json!("sum(block, x[block])"),
+        json!("\u{0}\u{202e}'\"[{"),
+        json!("t"),
+        json!("tanh(1e9 * t)"),
+        json!([]),
+        json!([0, 1]),
+        json!([1, 0]),
+        json!({}),
+        json!({"x": "x"}),
+        deep,
+    ]
+}
+
+#[test]
+fn hostile_values_are_refused_or_read() {
+    let (mut read, mut refused, mut simulated) = (0, 0, [0; 4]);
+    for system in SYSTEMS {
+        let file = format!("{}/studies/systems/{system}.yaml", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(file).expect("a system");
+        let good: Value = serde_saphyr::from_str(&text).expect("YAML");
+        let mut all = Vec::new();
+        places(&good, "", &mut all);
+        for (place, at) in all.iter().enumerate() {
+            for (which, value) in hostile().into_iter().enumerate() {
+                let mut changed = good.clone();
+                *changed.pointer_mut(at).expect("a place") = value.clone();
+                let study = json!({
+                    "schema": 1,
+                    "name": "a",
+                    "seed": 1,
+                    "model": {"system": changed},
+                    "initial_conditions": {"design": {"monte_carlo": {"samples": 1}}},
+                    "simulation": {"end_time_s": 0.2},
+                });
+                let begun = Instant::now();
+                match parse(&serde_json::to_string_pretty(&study).expect("JSON")) {
+                    Err(error) => {
+                        let said = error.to_string();
+                        let is_complete = error.line().is_some()
+                            && error.found().is_some()
+                            && error.allowed().is_some();
+                        assert!(is_complete && said.len() < 4000, "{system}{at}: {value}: {said}");
+                        refused += 1;
+                    }
+                    Ok(study) => {
+                        read += 1;
+                        // A seventh of what is valid runs.
+                        if (place + which) % 7 == 0
+                            && let Ok(case) = study.planned_run(0).case
+                        {
+                            simulated[simulate(&case).label() as usize % 4] += 1;
+                        }
+                    }
+                }
+                assert!(begun.elapsed() < LONGEST, "{system}{at}: {value}");
+            }
+        }
+    }
+    assert!(read > 300 && refused > 2000, "{read} read, {refused} refused");
+    assert!(simulated[Label::Failed as usize % 4] < read, "{simulated:?}");
+}
