@@ -4,7 +4,7 @@
 //! doi:10.1137/1.9780898717716). Where a function is not defined on an interval, the result is not a number.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Elementary, Function, Number};
 
@@ -150,6 +150,14 @@ impl Sub for Bounded {
 
     fn sub(self, other: Self) -> Self {
         Bounded { value: self.value - other.value, slope: self.slope - other.slope }
+    }
+}
+
+impl Div for Bounded {
+    type Output = Self;
+
+    fn div(self, other: Self) -> Self {
+        self * other.reciprocal()
     }
 }
 

@@ -64,7 +64,7 @@ fn hostile() -> Vec<Value> {
 
 #[test]
 fn hostile_values_are_refused_or_read() {
-    let (mut read, mut refused, mut simulated) = (0, 0, [0; 4]);
+    let (mut read, mut refused, mut failed, mut simulated) = (0, 0, 0, 0);
     for system in SYSTEMS {
         let file = format!("{}/studies/systems/{system}.yaml", env!("CARGO_MANIFEST_DIR"));
         let text = std::fs::read_to_string(file).expect("a system");
@@ -72,7 +72,8 @@ fn hostile_values_are_refused_or_read() {
         let mut all = Vec::new();
         places(&good, "", &mut all);
         for (place, at) in all.iter().enumerate() {
-            for (which, value) in hostile().into_iter().enumerate() {
+            // A third of all pairs of a place and a value.
+            for (which, value) in hostile().into_iter().enumerate().skip(place % 3).step_by(3) {
                 let mut changed = good.clone();
                 *changed.pointer_mut(at).expect("a place") = value.clone();
                 let study = json!({
@@ -99,7 +100,8 @@ fn hostile_values_are_refused_or_read() {
                         if (place + which) % 7 == 0
                             && let Ok(case) = study.planned_run(0).case
                         {
-                            simulated[simulate(&case).label() as usize % 4] += 1;
+                            simulated += 1;
+                            failed += i32::from(simulate(&case).label() == Label::Failed);
                         }
                     }
                 }
@@ -107,6 +109,6 @@ fn hostile_values_are_refused_or_read() {
             }
         }
     }
-    assert!(read > 300 && refused > 2000, "{read} read, {refused} refused");
-    assert!(simulated[Label::Failed as usize % 4] < read, "{simulated:?}");
+    assert!(read > 100 && refused > 1000, "{read} read, {refused} refused");
+    assert!(simulated > 20 && failed < simulated, "{failed} of {simulated} failed");
 }

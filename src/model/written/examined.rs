@@ -121,7 +121,8 @@ impl Examined {
             instance.rates(&integrals, numeric)?.without_constants(),
             instance.rates(&speed_of, numeric)?,
         ];
-        let system = WrittenSystem {
+        let mut system = WrittenSystem {
+            has_one_solution: false,
             number,
             friction,
             impacts,
@@ -135,6 +136,7 @@ impl Examined {
             scales,
             instance,
         };
+        system.has_one_solution = sound.is_ok() && system.always_decides_in_one_way();
         Ok(Examined { system: Arc::new(system), scales, speeds, outputs, natural_rad_s, sound })
     }
 

@@ -6,7 +6,7 @@ use std::ops::Div;
 use super::evaluate::Values;
 use super::formula::{Dimension, FormulaFault, Function, Name};
 use super::scales::Scales;
-use crate::model::{Elementary, Expression, Number};
+use crate::model::{self, Bounded, Elementary, Expression, Number};
 
 /// A number or an expression.
 pub(super) trait Quantity: Number + Div<Output = Self> {
@@ -31,6 +31,24 @@ impl Quantity for f64 {
 
     fn logarithm(self) -> Self {
         libm::log(self)
+    }
+}
+
+impl Quantity for Bounded {
+    fn root(self) -> Self {
+        Elementary::sqrt(self)
+    }
+
+    fn exponential(self) -> Self {
+        self.function(model::Function::Exponential)
+    }
+
+    fn arc_tangent(self) -> Self {
+        self.function(model::Function::ArcTangent)
+    }
+
+    fn logarithm(self) -> Self {
+        self.function(model::Function::Logarithm)
     }
 }
 

@@ -37,6 +37,8 @@ pub(super) struct WrittenSystem {
     /// The highest frequency, and the largest rate of damping, of motions without friction.
     pub rates: [f64; 2],
     pub largest_force: f64,
+    /// Whether stick and slip are surely decided in one way in all states.
+    pub has_one_solution: bool,
 }
 
 /// The values of names of an instance.
@@ -190,7 +192,7 @@ impl WrittenSystem {
     }
 
     /// Returns whether no contact opens, and each has a sliding speed that is a velocity of its own.
-    fn does_not_open(&self) -> bool {
+    pub fn does_not_open(&self) -> bool {
         self.speeds.iter().enumerate().all(|(number, speed)| {
             let normal = &self.instance.contact(number).0.normal;
             matches!((normal, speed), (WrittenNormal::Given(_), SpeedOf::Velocity(_)))
@@ -257,14 +259,13 @@ impl System for WrittenSystem {
         self.rates[0].max(1.0) + stiff_pace(damping.fold(self.rates[1], f64::max))
     }
 
-    /// Given normal forces and independent sliding speeds.
     fn surely_one_solution(&self) -> bool {
-        !self.instance.definition.uses_accelerations && self.does_not_open()
+        self.has_one_solution
     }
 
     fn one_solution_at(&self, state: &[f64]) -> bool {
-        self.surely_one_solution()
-            || self.does_not_open() && self.has_one_solution(state).unwrap_or(false)
+        self.has_one_solution
+            || self.does_not_open() && self.decides_in_one_way(state).unwrap_or(false)
     }
 
     fn force_scale(&self) -> f64 {

@@ -3,7 +3,9 @@
 //! With the accelerations of the other velocities eliminated, friction `f = q - A a` and normal forces `n + B a` depend on the
 //! accelerations `a` of the sliding speeds. There is exactly one solution if `A + diag(p) B` is a P-matrix for all friction
 //! ratios `|p_i| ≤ μ_i` (`existence.rs`). A matrix whose diagonal is positive and larger than the sum of the other entries of its
-//! row is one.
+//! row is one. Intervals bound the entries in all states at once.
+
+use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
@@ -11,22 +13,49 @@ use super::formula::FormulaFault;
 use super::numeric::Numeric;
 use super::system::WrittenSystem;
 use super::velocities::{Rates, SpeedOf};
-use crate::model::System;
+use crate::model::{Bounded, Interval, Number, System};
+
+/// Far more than any value of a coordinate that is no angle, without dimensions.
+const WIDEST: f64 = 1e30;
+
+/// What rounding of an inverse matrix may change, over the entries on the diagonal.
+const ROUNDING: f64 = 1e-9;
 
 impl WrittenSystem {
+    /// Returns whether stick and slip are surely decided in one way in all states.
+    pub(super) fn always_decides_in_one_way(&self) -> bool {
+        // Given normal forces and independent sliding speeds.
+        if !self.instance.definition.uses_accelerations || !self.does_not_open() {
+            return self.does_not_open();
+        }
+        let instance = &self.instance;
+        let any = |number: usize| {
+            let of = instance.coordinates[number].of;
+            let widest = if instance.definition.coordinates[of].periodic { PI } else { WIDEST };
+            [widest, WIDEST].map(|widest| Interval::around(0.0, widest))
+        };
+        self.is_dominant(any, Interval::around(0.0, WIDEST)).unwrap_or(false)
+    }
+
     /// Returns whether stick and slip are surely decided in one way in a state.
     ///
     /// # Errors
     /// A fault that the check has found before.
-    pub(super) fn has_one_solution(&self, state: &[f64]) -> Result<bool, FormulaFault> {
-        let found = self.in_state(state, |values, rates| self.is_dominant(values, rates))?;
+    pub(super) fn decides_in_one_way(&self, state: &[f64]) -> Result<bool, FormulaFault> {
+        let found = self.in_state(state, |values, _| {
+            let at = |number: usize| {
+                let (.., [position, rate, _]) = values.coordinates[number];
+                [position, rate].map(Interval::exact)
+            };
+            self.is_dominant(at, Interval::exact(values.time))
+        })?;
         Ok(found.unwrap_or(false))
     }
 
     fn is_dominant(
         &self,
-        mut values: Numeric<'_, f64>,
-        rates: &Rates<f64>,
+        at: impl Fn(usize) -> [Interval; 2],
+        time: Interval,
     ) -> Result<bool, FormulaFault> {
         let (instance, n) = (&self.instance, self.instance.coordinates.len());
         let place = |speed: &SpeedOf| match speed {
@@ -35,57 +64,72 @@ impl WrittenSystem {
         };
         let places: Option<Vec<usize>> = self.speeds.iter().map(place).collect();
         let Some(places) = places else { return Ok(false) };
-        let (mass, _) = instance.mass_and_forces(&mut values)?;
-        let mass = rates.between(&mass);
-        let mut coordinates = values.coordinates.to_vec();
-        let mut normal = |contact: usize, accelerated: Option<usize>| {
-            if let Some(place) = accelerated {
-                coordinates[place].2[2] = 1.0;
+        let bounded = |value: Interval| Bounded { value, slope: Interval::exact(0.0) };
+        let values: Vec<Bounded> = self.values.iter().map(|one| Bounded::constant(*one)).collect();
+        let parameters = instance.parameters(&values);
+        let mut coordinates = instance.named(|number| at(number).map(bounded));
+        let (scales, time) = (self.scales, bounded(time));
+        let mut numeric =
+            Numeric { scales, parameters: &parameters, coordinates: &coordinates, time };
+        let constants = |all: &Vec<f64>| all.iter().map(|one| Bounded::constant(*one)).collect();
+        let Rates { factors, constants: rest } = &self.coordinates[1];
+        let rates =
+            Rates { factors: factors.iter().map(constants).collect(), constants: constants(rest) };
+        let mass = rates.between(&instance.mass_and_forces(&mut numeric)?.0);
+        let mut reactions = vec![vec![Bounded::constant(0.0); n]; places.len()];
+        for coordinate in 0..n {
+            coordinates[coordinate].2[2].slope = Interval::exact(1.0);
+            let mut numeric =
+                Numeric { scales, parameters: &parameters, coordinates: &coordinates, time };
+            for (contact, factors) in reactions.iter_mut().enumerate() {
+                let (own, mut bodies) = instance.contact(contact);
+                let force = bodies.evaluate(own.normal.entry().1, &mut numeric)?;
+                factors[coordinate] = bounded(force.slope);
             }
-            let (own, mut bodies) = instance.contact(contact);
-            let formula = own.normal.entry().1;
-            let force =
-                bodies.evaluate(formula, &mut Numeric { coordinates: &coordinates, ..values });
-            if let Some(place) = accelerated {
-                coordinates[place].2[2] = 0.0;
-            }
-            force
-        };
-        let mut reactions = Vec::new();
-        for contact in 0..places.len() {
-            let still = normal(contact, None)?;
-            let factors = (0..n).map(|place| Ok(normal(contact, Some(place))? - still));
-            reactions.push(rates.across(&factors.collect::<Result<Vec<f64>, FormulaFault>>()?));
+            coordinates[coordinate].2[2].slope = Interval::exact(0.0);
         }
+        let reactions: Vec<Vec<Bounded>> = reactions.iter().map(|one| rates.across(one)).collect();
         let free: Vec<usize> = (0..n).filter(|place| !places.contains(place)).collect();
-        let part = |rows: &[usize], columns: &[usize]| {
-            DMatrix::from_fn(rows.len(), columns.len(), |row, column| {
-                mass[rows[row]][columns[column]]
-            })
+        let inertia = DMatrix::from_fn(free.len(), free.len(), |row, column| {
+            let Interval { low, high } = mass[free[row]][free[column]].value;
+            if high - low <= ROUNDING * (low.abs() + high.abs()) {
+                0.5 * (low + high)
+            } else {
+                f64::NAN
+            }
+        });
+        let Some(inverse) = inertia.try_inverse() else { return Ok(false) };
+        // The accelerations of the free velocities are minus these times those of the sliding speeds.
+        let sum = |terms: &mut dyn Iterator<Item = Interval>| {
+            terms.fold(Interval::exact(0.0), |sum, one| sum + one)
         };
-        let reaction = |columns: &[usize]| {
-            DMatrix::from_fn(places.len(), columns.len(), |row, column| {
-                reactions[row][columns[column]]
-            })
+        let follow = |row: usize, column: usize| {
+            let inverse = &inverse;
+            sum(&mut free.iter().enumerate().map(|(k, place)| {
+                Interval::exact(inverse[(row, k)]) * mass[*place][places[column]].value
+            }))
         };
-        let follow = match free.is_empty() {
-            true => Some(DMatrix::zeros(0, places.len())),
-            false => part(&free, &free).lu().solve(&part(&free, &places)),
+        let follows: Vec<Vec<Interval>> = (0..free.len())
+            .map(|row| (0..places.len()).map(|column| follow(row, column)).collect())
+            .collect();
+        let reduced = |all: &[Bounded], column: usize| {
+            let of_free = &mut free
+                .iter()
+                .zip(&follows)
+                .map(|(place, follow)| all[*place].value * follow[column]);
+            all[places[column]].value - sum(of_free)
         };
-        let Some(follow) = follow else { return Ok(false) };
-        let a = part(&places, &places) - part(&places, &free) * &follow;
-        let b = reaction(&places) - reaction(&free) * &follow;
+        let a = |row: usize, column: usize| reduced(&mass[places[row]], column);
         // Each acceleration is taken over the square root of its own inertia.
-        let size = |place: usize| a[(place, place)].sqrt();
+        let size = |row: usize| a(row, row).high.sqrt();
+        let most = |bounds: Interval| bounds.farthest_from(0.0);
         let dominates = |row: usize| {
             let ratio = self.friction(row).largest_ratio();
-            let entry = |column: usize| {
-                let scale = size(row) * size(column);
-                [a[(row, column)] / scale, ratio * b[(row, column)].abs() / scale]
-            };
-            let [own, shift] = entry(row);
-            let others = (0..places.len()).filter(|column| *column != row).map(entry);
-            own - shift > others.map(|[one, other]| one.abs() + other).sum::<f64>()
+            let shift = |column: usize| ratio * most(reduced(&reactions[row], column));
+            let others = (0..places.len()).filter(|column| *column != row);
+            let others = others.map(|column| (most(a(row, column)) + shift(column)) / size(column));
+            let own = (1.0 - ROUNDING) * a(row, row).low - shift(row);
+            own / size(row) > others.sum::<f64>()
         };
         Ok((0..places.len()).all(dominates))
     }
