@@ -77,8 +77,8 @@ impl DerivedRest {
         stopped
     }
 
-    /// Returns whether the contacts do not move while they stick, and whether the free components then have affine equations
-    /// and the contacts affine forces.
+    /// Returns whether the contacts do not move while they stick and no free component, such as the time, moves at a constant rate;
+    /// and whether the free components then have affine equations and the contacts affine forces.
     fn structure(&self, state: &[f64]) -> [bool; 2] {
         let graph = self.evaluator.graph();
         let values = self.evaluator.all_values(&self.phases(), |component| state[component]);
@@ -88,10 +88,11 @@ impl DerivedRest {
             let rate = graph.derivative[*position];
             is(rate, Degree::Constant) && values[rate as usize] == 0.0
         };
+        let drifts = |node: NodeId| is(node, Degree::Constant) && values[node as usize] != 0.0;
         let forces = graph.contacts.iter().flat_map(|[.., normal, friction]| [*normal, *friction]);
-        let rates = self.free.iter().map(|one| graph.derivative[*one]);
-        let are_affine = rates.chain(forces).all(|node| is(node, Degree::Affine));
-        [self.positions.iter().all(stays), are_affine]
+        let rates = || self.free.iter().map(|one| graph.derivative[*one]);
+        let are_affine = rates().chain(forces).all(|node| is(node, Degree::Affine));
+        [self.positions.iter().all(stays) && !rates().any(drifts), are_affine]
     }
 
     /// Returns the motion at the positions of the contacts in a state.

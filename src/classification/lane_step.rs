@@ -2,7 +2,7 @@
 
 use super::system_view::SystemView;
 use crate::model::Components;
-use crate::motion::lockstep::LaneGroup;
+use crate::motion::lockstep::{LANES, LaneGroup};
 use crate::motion::{Effort, Hit, Instant, PerContact, Phase, fall_through_zero};
 
 /// Width within which an instant is located, over the length of the step.
@@ -64,20 +64,47 @@ impl<'a> LaneStep<'a> {
 
     /// Returns the outputs at a time within the step, with angles that include whole turns.
     pub(super) fn outputs_at(&self, time: f64) -> Components {
-        let state = self.group.state_within(self.lane, time - self.began());
+        self.outputs_of(self.group.state_within(self.lane, time - self.began()), &self.turned())
+    }
+
+    /// Returns the outputs at some times within the step, like [`LaneStep::outputs_at`].
+    pub(super) fn outputs_at_each<const P: usize>(&self, times: [f64; P]) -> [Components; P] {
+        const { assert!(P > 0 && P <= LANES) };
+        let turned = self.turned();
+        let after = std::array::from_fn(|place| times[place.min(P - 1)] - self.began());
+        let mut states = self.group.states_within(self.lane, after);
+        std::array::from_fn(|place| self.outputs_of(std::mem::take(&mut states[place]), &turned))
+    }
+
+    /// Returns the whole turns that the angle of each contact had made before the step; none without a ring.
+    fn turned(&self) -> PerContact {
+        let start = self.group.state_within(self.lane, 0.0);
         match self.view.revolves() {
-            true => self.view.outputs(&state, &self.unwrapped_at(time)),
-            false => self.view.system().outputs(&state),
+            true => {
+                let unwrapped = self.unwrapped_at(self.began());
+                let each = unwrapped.iter().zip(&self.view.contacts);
+                each.map(|(angle, contact)| angle - start[contact.position]).collect()
+            }
+            false => PerContact::new(),
         }
+    }
+
+    fn outputs_of(&self, mut state: Components, turned: &[f64]) -> Components {
+        self.view.turn(&mut state, turned);
+        self.view.system().outputs(&state)
     }
 
     /// Returns the time at which a function of the state passed through zero in the step, in either
     /// direction; `None` if its signs at the two ends show no passage.
     pub(super) fn passes_through_zero(&self, value: impl Fn(&[f64]) -> f64) -> Option<f64> {
         let within = |after: f64| value(&self.group.state_within(self.lane, after));
+        self.passage(within, value(&self.end()))
+    }
+
+    fn passage(&self, within: impl Fn(f64) -> f64, end: f64) -> Option<f64> {
         let start = within(0.0);
         let falls = |value: f64| if start > 0.0 { value } else { -value };
-        let (from, to) = (falls(start), falls(value(&self.end())));
+        let (from, to) = (falls(start), falls(end));
         if !(from > 0.0 && to <= 0.0) {
             return None;
         }
@@ -85,6 +112,12 @@ impl<'a> LaneStep<'a> {
         let at = |part: f64| falls(within(part * length));
         let part = fall_through_zero(at, (0.0, from), (1.0, to), WIDTH);
         Some(self.began() + part * length)
+    }
+
+    /// Returns the time at which a component passed through a value in the step, like [`LaneStep::passes_through_zero`].
+    pub(super) fn passes_through(&self, component: usize, value: f64) -> Option<f64> {
+        let within = |after: f64| self.group.component_within(self.lane, component, after) - value;
+        self.passage(within, self.end()[component] - value)
     }
 
     /// Returns the current instant, after a switch at the end of the step.

@@ -248,7 +248,7 @@ fn passage_of(mark: Mark, step: &LaneStep) -> Option<(f64, Components)> {
     if (begun[component] > target) != from_above {
         return None;
     }
-    let time = step.passes_through_zero(|state| state[component] - target)?;
+    let time = step.passes_through(component, target)?;
     let is_resolved = || {
         let ends = [begun[component], step.end()[component]];
         ends.iter().any(|end| (end - target).abs() > RESOLVED)

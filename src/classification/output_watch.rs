@@ -104,17 +104,23 @@ impl OutputWatch {
     pub(super) fn take_in(&mut self, step: &LaneStep) {
         let from = self.start.max(step.began());
         if step.view.has_outputs && step.time() > from {
-            self.add([from, step.time()], |time| step.outputs_at(time));
+            let at_nodes = |times| step.outputs_at_each(times);
+            self.add([from, step.time()], at_nodes, |time| step.outputs_at(time));
         }
     }
 
-    /// Adds a time in which the motion is smooth; `outputs` returns the outputs at a time.
-    pub(super) fn add(&mut self, [from, to]: [f64; 2], outputs: impl Fn(f64) -> Components) {
+    /// Adds a time in which the motion is smooth; `outputs` returns the outputs at a time, and `at_nodes` those at seven times.
+    pub(super) fn add(
+        &mut self,
+        [from, to]: [f64; 2],
+        at_nodes: impl FnOnce([f64; 7]) -> [Components; 7],
+        outputs: impl Fn(f64) -> Components,
+    ) {
         let length = to - from;
         let inside = NODES.map(|node| from + node * length);
         let [first, second, third, fourth, fifth] = inside;
         let times = [from, first, second, third, fourth, fifth, to];
-        let values = times.map(&outputs);
+        let values = at_nodes(times);
         if self.outputs.is_empty() {
             let begun =
                 |first: &f64| Watched { ends: [*first; 2], integral: 0.0, extremes: [*first; 2] };
@@ -183,7 +189,7 @@ mod tests {
         let at = |time: f64| smallvec![time.sin(), 3.0 + (2.0 * time + 0.3).cos(), time];
         for step in 0..7 {
             let begin = 2.6 * f64::from(step);
-            watch.add([begin, begin + 2.6], at);
+            watch.add([begin, begin + 2.6], |times| times.map(at), at);
         }
         let end = 2.6 * 7.0;
         let ranges: Vec<_> = watch.measured(false).iter().filter_map(|one| one.range).collect();

@@ -153,12 +153,10 @@ impl Period {
             let outputs = |inside: f64| {
                 let inside = (inside < time).then(|| motion.within_last_step(inside)).flatten();
                 let mut state = inside.unwrap_or_else(|| state.clone());
-                for (contact, turns) in view.contacts.iter().zip(&step.whole_turns) {
-                    state[contact.position] += turns;
-                }
+                view.turn(&mut state, &step.whole_turns);
                 view.system().outputs(&state)
             };
-            self.outputs.add([self.time, time], outputs);
+            self.outputs.add([self.time, time], |times| times.map(outputs), outputs);
         }
         // At its end the period returns to its start.
         let now = cycle_phases(view, motion.phases(), &state);

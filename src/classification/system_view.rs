@@ -165,6 +165,16 @@ impl SystemView {
         }
     }
 
+    /// Adds whole turns to the angles of the contacts, once to an angle that several contacts share.
+    pub(super) fn turn(&self, state: &mut [f64], turned: &[f64]) {
+        for (contact, (place, turned)) in self.contacts.iter().zip(turned).enumerate() {
+            let is_place = |other: &ContactPlace| other.position == place.position;
+            if !self.contacts[..contact].iter().any(is_place) {
+                state[place.position] += turned;
+            }
+        }
+    }
+
     /// Returns the outputs in a state with these positions of the contacts, in which angles have whole turns.
     pub(super) fn outputs(&self, state: &[f64], unwrapped: &[f64]) -> Components {
         let mut state = Components::from(state);

@@ -157,7 +157,11 @@ impl Div for Bounded {
     type Output = Self;
 
     fn div(self, other: Self) -> Self {
-        self * other.reciprocal()
+        let inverse = other.reciprocal();
+        Bounded {
+            value: self.value * inverse.value,
+            slope: self.slope * inverse.value + self.value * inverse.slope,
+        }
     }
 }
 

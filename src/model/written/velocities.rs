@@ -188,7 +188,7 @@ impl Instance<'_> {
             let opens = matches!(self.contact(contact).0.normal, WrittenNormal::Gap(_));
             let is_free = |speed: &Linear<f64>| {
                 let is_moved = speed.factors.iter().any(|(of, _)| moved.contains(of));
-                !speed.factors.iter().any(is_periodic) && !(opens && is_moved)
+                !(opens && is_moved || speed.factors.iter().any(is_periodic))
             };
             let speed = match speed_of {
                 SpeedOf::Same(place) => {

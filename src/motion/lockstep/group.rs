@@ -252,6 +252,14 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
         self.state_at(lane, after)
     }
 
+    fn states_within(&self, lane: usize, after: [f64; LANES]) -> [Components; LANES] {
+        self.states_at(lane, after)
+    }
+
+    fn component_within(&self, lane: usize, component: usize, after: f64) -> f64 {
+        self.component_at(lane, component, &self.kernel.lane(&self.before, lane), after)
+    }
+
     fn rate_within(&self, lane: usize, component: usize, after: f64) -> f64 {
         self.rate_at(lane, component, after)
     }

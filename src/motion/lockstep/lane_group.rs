@@ -96,6 +96,10 @@ pub(crate) trait LaneGroup {
     fn end_of_step(&self, lane: usize) -> Components;
     /// Returns the state at a time after the start of the latest step, with angles not yet reduced to one turn.
     fn state_within(&self, lane: usize, after: f64) -> Components;
+    /// Returns the states at eight times after the start of the latest step, like [`LaneGroup::state_within`].
+    fn states_within(&self, lane: usize, after: [f64; LANES]) -> [Components; LANES];
+    /// Returns a component at a time after the start of the latest step, like [`LaneGroup::state_within`].
+    fn component_within(&self, lane: usize, component: usize, after: f64) -> f64;
     /// Returns the rate of change of a component at a time after the start of the latest step.
     fn rate_within(&self, lane: usize, component: usize, after: f64) -> f64;
     /// Returns the positions of the contacts at a time after the start of the latest step, with the whole turns made

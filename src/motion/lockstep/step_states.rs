@@ -59,6 +59,17 @@ fn rise([x, y]: &[Powers; 2], time: f64, length: f64) -> (f64, f64) {
     (sum, slope * length)
 }
 
+/// Returns the value of a series of one lane at some times: a vector of times, not of lanes.
+#[inline(always)]
+fn along<S: Vector, const P: usize>(simd: S, after: [f64; P], powers: &Powers) -> Lanes<S> {
+    let mut times = Lanes::splat(simd, 0.0);
+    for (place, after) in after.into_iter().enumerate() {
+        times[place] = after;
+    }
+    let zero = Lanes::splat(simd, 0.0);
+    powers.iter().rev().fold(zero, |sum, power| sum.fused(times, Lanes::splat(simd, *power)))
+}
+
 #[inline(always)]
 fn value(powers: &Powers, time: f64) -> f64 {
     powers.iter().rev().fold(0.0_f64, |sum, coefficient| sum.mul_add(time, *coefficient))
@@ -101,6 +112,25 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         self.kernel.lane(&state, lane)
     }
 
+    /// Returns the states at eight times after the start of the latest step.
+    #[inline(never)]
+    pub(super) fn states_at(&self, lane: usize, after: [f64; LANES]) -> [Components; LANES] {
+        let start = self.kernel.lane(&self.before, lane);
+        let simd = self.simd;
+        let mut states = std::array::from_fn(|_| start.clone());
+        for component in 0..start.len() {
+            let powers = self.kernel.component(&self.room, lane, component, start[component]);
+            let values = simd.vectorize(
+                #[inline(always)]
+                || along(simd, after, &powers),
+            );
+            for (place, state) in states.iter_mut().enumerate() {
+                state[component] = values[place];
+            }
+        }
+        states
+    }
+
     /// Returns the squares of the measured displacement at up to eight times after the start of the latest step.
     #[inline(never)]
     pub(super) fn squares_at<const P: usize>(&self, lane: usize, after: [f64; P]) -> [f64; P] {
@@ -113,17 +143,8 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         let squares = simd.vectorize(
             #[inline(always)]
             || {
-                // A vector of times of one lane, not of lanes.
-                let mut times = Lanes::splat(simd, 0.0);
-                for (place, after) in after.into_iter().enumerate() {
-                    times[place] = after;
-                }
-                let (mut sum_x, mut sum_y) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 0.0));
-                for k in (0..POWERS).rev() {
-                    sum_x = sum_x.fused(times, Lanes::splat(simd, x[k]));
-                    sum_y = sum_y.fused(times, Lanes::splat(simd, y[k]));
-                }
-                sum_x * sum_x + sum_y * sum_y
+                let [x, y] = [along(simd, after, &x), along(simd, after, &y)];
+                x * x + y * y
             },
         );
         std::array::from_fn(|place| squares[place])
