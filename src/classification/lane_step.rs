@@ -78,15 +78,13 @@ impl<'a> LaneStep<'a> {
 
     /// Returns the whole turns that the angle of each contact had made before the step; none without a ring.
     fn turned(&self) -> PerContact {
-        let start = self.group.state_within(self.lane, 0.0);
-        match self.view.revolves() {
-            true => {
-                let unwrapped = self.unwrapped_at(self.began());
-                let each = unwrapped.iter().zip(&self.view.contacts);
-                each.map(|(angle, contact)| angle - start[contact.position]).collect()
-            }
-            false => PerContact::new(),
+        if !self.view.revolves() {
+            return PerContact::new();
         }
+        let start = self.group.state_within(self.lane, 0.0);
+        let unwrapped = self.unwrapped_at(self.began());
+        let each = unwrapped.iter().zip(&self.view.contacts);
+        each.map(|(angle, contact)| angle - start[contact.position]).collect()
     }
 
     fn outputs_of(&self, mut state: Components, turned: &[f64]) -> Components {

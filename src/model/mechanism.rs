@@ -22,11 +22,9 @@
 //! the force of a ring on a ball.
 //!
 //! What rounding leaves of the gap `g` and of the sliding speed `γ` decays.
-//!
-//! Contacts with one sliding speed, such as two pads on a disc, hold it together. Their accelerations do not say which of them
-//! carries the load, so that those that stick share it in proportion to their friction limits.
 
 use super::recorded::record_contact;
+use super::shared_loads::SharedLoads;
 use super::{
     Contact, ContactEquations, ContactLayout, Expression, ForcingLayout, Friction, Layout, Node,
     Number, OpeningEquations, Recorder, SystemEquations,
@@ -95,16 +93,16 @@ impl Default for ImpactLaw {
 }
 
 /// The equations of a contact for the linear system.
-struct Rows<'r> {
+pub(super) struct Rows<'r> {
     /// The derivatives of the rate of the gap by the velocities, and the part of its second time derivative without accelerations.
     normal: Option<(Vec<Expression<'r>>, Expression<'r>)>,
     /// The derivatives of the sliding speed by the velocities, and the part of its time derivative without accelerations.
     tangential: (Vec<Expression<'r>>, Expression<'r>),
     gap: [Expression<'r>; 2],
     closed: Expression<'r>,
-    contact: Contact<Expression<'r>>,
+    pub(super) contact: Contact<Expression<'r>>,
     /// The static coefficient of friction.
-    limit: Expression<'r>,
+    pub(super) limit: Expression<'r>,
 }
 
 impl<'r> Mechanism<'r> {
@@ -135,14 +133,7 @@ impl<'r> Mechanism<'r> {
             Node::State(_) => zero,
             _ => speed,
         };
-        let with_speed = self.with_equal_speeds(recorder);
-        let are_free = |contacts: &[usize]| {
-            contacts.iter().fold(one, |product, other| product * rows[*other].contact.free)
-        };
-        let earlier_are_free = |k: usize| {
-            let all = &with_speed[k];
-            are_free(&all[..all.iter().position(|other| *other == k).unwrap_or(0)])
-        };
+        let shared = SharedLoads::new(recorder, &self.contacts, &rows);
         let mut matrix = vec![vec![zero; size]; size];
         let mut right = vec![zero; size];
         for (i, row) in self.mass.iter().enumerate() {
@@ -153,13 +144,12 @@ impl<'r> Mechanism<'r> {
             let (along, drift) = &row.tangential;
             let place = first_friction + k;
             let Contact { free, signed_friction, drag } = row.contact;
-            // Another contact with this sliding speed holds it already.
-            let stuck = (one - free) * earlier_are_free(k);
+            let stuck = shared.holds(k);
             for (i, share) in along.iter().enumerate() {
                 matrix[i][place] = *share;
                 matrix[place][i] = stuck * *share;
             }
-            matrix[place][place] = if with_speed[k][0] == k { free } else { one - stuck };
+            matrix[place][place] = if shared.is_first(k) { free } else { one - stuck };
             right[place] = drag - stuck * (*drift + residual(self.contacts[k].sliding_speed));
             if along.iter().all(|share| share.known() == Some(0.0)) {
                 // No friction.
@@ -223,45 +213,10 @@ impl<'r> Mechanism<'r> {
                 friction: unknowns[first_friction + k],
             });
         }
-        // The friction force and the friction limit of a contact that sticks; 0 for others.
-        let when_stuck = |k: usize| {
-            let stuck = one - rows[k].contact.free;
-            let limit = rows[k].limit * equations.contacts[k].normal;
-            [stuck * unknowns[first_friction + k], stuck * limit]
-        };
-        let shared = |k: usize| {
-            let all = &with_speed[k];
-            // 1 where at least two of them stick.
-            let alone = all.iter().fold(are_free(all), |sum, holder| {
-                let others: Vec<usize> = all.iter().copied().filter(|one| one != holder).collect();
-                sum + (one - rows[*holder].contact.free) * are_free(&others)
-            });
-            let together = one - alone;
-            let [load, limits] = all
-                .iter()
-                .map(|other| when_stuck(*other))
-                .fold([zero; 2], |[load, limits], [friction, limit]| {
-                    [load + friction, limits + limit]
-                });
-            let [own, limit] = when_stuck(k);
-            let share = load * limit / (together * limits + alone);
-            unknowns[first_friction + k] + together * (share - own)
-        };
-        let several = (0..rows.len()).filter(|k| with_speed[*k].len() > 1);
-        let shared: Vec<_> = several.map(|k| (k, shared(k))).collect();
-        shared.into_iter().for_each(|(k, force)| equations.contacts[k].friction = force);
+        let loads = |k: usize| (unknowns[first_friction + k], equations.contacts[k].normal);
+        let forces: Vec<_> = (0..rows.len()).map(|k| shared.friction(k, loads)).collect();
+        equations.contacts.iter_mut().zip(forces).for_each(|(one, force)| one.friction = force);
         equations
-    }
-
-    /// Returns for each contact the contacts with its sliding speed, in their order.
-    fn with_equal_speeds(&self, recorder: &Recorder) -> Vec<Vec<usize>> {
-        let speed = |contact: usize| recorder.node_of(self.contacts[contact].sliding_speed);
-        let all = 0..self.contacts.len();
-        let is_same = |one: usize, other: usize| {
-            one == other || speed(one) == speed(other) && !matches!(speed(one), Node::Constant(_))
-        };
-        let with = |one: usize| all.clone().filter(|other| is_same(one, *other)).collect();
-        all.clone().map(with).collect()
     }
 
     /// Returns the equations of a contact, whose inputs are recorded.

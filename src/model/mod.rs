@@ -36,6 +36,7 @@ mod own;
 mod recorded;
 mod rest;
 mod rest_in_contact;
+mod shared_loads;
 mod speed_profile;
 mod stage;
 mod system;
