@@ -90,3 +90,22 @@ fn a_balancer_of_a_file_ends_as_the_built_in_one() {
     }
     assert!(rests > 60, "{rests}");
 }
+
+/// Stick and slip of light balls are decided in one way in all states, and those of balls as heavy as the machine are not.
+#[test]
+fn light_balls_have_one_solution_everywhere() {
+    let sure = |kind: &str| {
+        let text = format!(
+            "schema: 1\nname: a\nseed: 1\nmodel: {kind}\n\
+             initial_conditions: {{design: {{monte_carlo: {{samples: 1}}}}}}\n"
+        );
+        let file: PathBuf = [env!("CARGO_MANIFEST_DIR"), "studies", "a.yaml"].iter().collect();
+        let study = Study::parse(&file, text).unwrap_or_else(|error| panic!("{error}"));
+        study.model().system().expect("a system").surely_one_solution()
+    };
+    let balancer = |values: &str| {
+        sure(&format!("{{system: systems/ball_balancer.yaml, parameters: {{{values}}}}}"))
+    };
+    assert!(balancer("count: 2") && balancer("count: 8") && sure("{kind: rotor_balancer}"));
+    assert!(!balancer("m: 0.4") && !balancer("m: 0.1, mu: 5"));
+}
