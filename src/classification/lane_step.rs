@@ -64,32 +64,21 @@ impl<'a> LaneStep<'a> {
 
     /// Returns the outputs at a time within the step, with angles that include whole turns.
     pub(super) fn outputs_at(&self, time: f64) -> Components {
-        self.outputs_of(self.group.state_within(self.lane, time - self.began()), &self.turned())
+        let [outputs] = self.outputs_at_each([time]);
+        outputs
     }
 
     /// Returns the outputs at some times within the step, like [`LaneStep::outputs_at`].
     pub(super) fn outputs_at_each<const P: usize>(&self, times: [f64; P]) -> [Components; P] {
         const { assert!(P > 0 && P <= LANES) };
-        let turned = self.turned();
+        let turned = self.group.turned_before(self.lane);
         let after = std::array::from_fn(|place| times[place.min(P - 1)] - self.began());
         let mut states = self.group.states_within(self.lane, after);
-        std::array::from_fn(|place| self.outputs_of(std::mem::take(&mut states[place]), &turned))
-    }
-
-    /// Returns the whole turns that the angle of each contact had made before the step; none without a ring.
-    fn turned(&self) -> PerContact {
-        if !self.view.revolves() {
-            return PerContact::new();
-        }
-        let start = self.group.state_within(self.lane, 0.0);
-        let unwrapped = self.unwrapped_at(self.began());
-        let each = unwrapped.iter().zip(&self.view.contacts);
-        each.map(|(angle, contact)| angle - start[contact.position]).collect()
-    }
-
-    fn outputs_of(&self, mut state: Components, turned: &[f64]) -> Components {
-        self.view.turn(&mut state, turned);
-        self.view.system().outputs(&state)
+        std::array::from_fn(|place| {
+            let mut state = std::mem::take(&mut states[place]);
+            self.view.turn(&mut state, &turned);
+            self.view.system().outputs(&state)
+        })
     }
 
     /// Returns the time at which a function of the state passed through zero in the step, in either

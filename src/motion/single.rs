@@ -310,17 +310,6 @@ impl Motion {
         self.stepped && (switched || self.lane().was_reset(0))
     }
 
-    /// Returns the instant at a time from the start of the latest step until before its end; `None`
-    /// for any other time.
-    pub fn inside_last_step(&self, time: f64) -> Option<Instant> {
-        if time == self.time() {
-            return None;
-        }
-        let state = self.within_last_step(time)?;
-        let unwrapped = self.lane().unwrapped_within(0, time - self.last_step_began());
-        Some(self.instant(time, state, unwrapped, self.phases_during_step()))
-    }
-
     fn instant(
         &self,
         time: f64,

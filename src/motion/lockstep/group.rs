@@ -266,17 +266,23 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
 
     fn unwrapped_within(&self, lane: usize, after: f64) -> PerContact {
         let start = self.kernel.lane(&self.before, lane);
-        let contact = |contact: usize| {
+        let position = |(contact, turned): (usize, f64)| {
             let (component, _) = self.kernel.coordinates(contact);
-            let position = self.component_at(lane, component, &start, after);
+            self.component_at(lane, component, &start, after) + turned
+        };
+        self.turned_before(lane).into_iter().enumerate().map(position).collect()
+    }
+
+    fn turned_before(&self, lane: usize) -> PerContact {
+        let contact = |contact: usize| {
             if !self.kernel.is_angular(contact) {
-                return position;
+                return 0.0;
             }
             // Turns are counted at the step's end.
             let end = self.kernel.position(&self.end, contact)[lane];
             let reduced = self.kernel.position(&self.state, contact)[lane];
             let counted = ((end - reduced) / TAU).round();
-            position + (self.turns[contact][lane] - counted) * TAU
+            (self.turns[contact][lane] - counted) * TAU
         };
         (0..self.kernel.contacts()).map(contact).collect()
     }
