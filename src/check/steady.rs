@@ -4,7 +4,7 @@
 //! vanish (Newton's method).
 
 use indexmap::IndexMap;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Schur};
 use serde::Serialize;
 
 use crate::analysis::Stability;
@@ -101,7 +101,8 @@ struct Examined<'e> {
 }
 
 impl<'e> Examined<'e> {
-    /// Returns `None` if a contact may stick whose sliding speed is no component of the state.
+    /// Returns `None` if a contact may stick whose sliding speed is no component of the state, or if a component that is no position,
+    /// such as the time, moves by itself.
     fn new(evaluator: &'e Evaluator, state: Vec<f64>) -> Option<Self> {
         let (graph, system) = (evaluator.graph(), evaluator.system());
         let phase = |(contact, speed): (usize, &f64)| match speed.abs() <= STILL {
@@ -117,9 +118,10 @@ impl<'e> Examined<'e> {
         }
         let velocities: Vec<usize> = graph.layout.velocities.iter().flatten().copied().collect();
         let is_free = |one: &usize| !velocities.contains(one) && !held.contains(one);
-        let free = (0..state.len()).filter(is_free).collect();
-        let rates = velocities.iter().copied().filter(|one| !still.contains(one)).collect();
-        Some(Examined { evaluator, phases, state, free, rates })
+        let free: Vec<usize> = (0..state.len()).filter(is_free).collect();
+        let moves = |one: &usize| !still.contains(one);
+        let rates: Vec<usize> = velocities.iter().copied().filter(moves).collect();
+        (free.len() == rates.len()).then_some(Examined { evaluator, phases, state, free, rates })
     }
 
     fn sticks(&self) -> bool {
@@ -185,7 +187,9 @@ impl<'e> Examined<'e> {
 
     fn sliding(&self, model: &Model) -> Option<SteadySliding> {
         let all: Vec<usize> = (0..self.state.len()).collect();
-        let eigenvalues = self.slopes(&all, &all).complex_eigenvalues();
+        let slopes = self.slopes(&all, &all);
+        // The number of iterations is bounded: for a matrix that is not finite the decomposition would not end.
+        let eigenvalues = Schur::try_new(slopes, f64::EPSILON, 10_000)?.complex_eigenvalues();
         let largest = eigenvalues.iter().map(|one| one.re).fold(f64::NEG_INFINITY, f64::max);
         let size = eigenvalues.iter().map(|one| one.norm()).fold(0.0, f64::max);
         let stability = match largest {

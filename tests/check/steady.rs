@@ -52,3 +52,20 @@ fn blocks_slide_on_belts_where_springs_pull_with_the_friction() {
     assert_eq!(oscillator.stability, "stable");
     assert_eq!(states("woodpecker.yaml"), [None], "its contacts open");
 }
+
+/// A system that changes with time has no steady states, and `check` says nothing about them.
+#[test]
+fn equations_with_the_time_have_no_steady_states() {
+    let text = "schema: 1\nname: a\nseed: 1\nmodel:\n  system:\n    system: a\n    parameters: {s: 1, v: 1}\n    \
+                coordinates: {x: {start: [0, 1]}}\n    mass: {x: {x: 1}}\n    force: {x: -x + exp(-t / s)}\n    \
+                contacts: {belt: {normal: 1, sliding: x' - v, friction: {coulomb: {coefficient: 0.1}}}}\n\
+                initial_conditions: {design: {monte_carlo: {samples: 2}}}\n";
+    for text in [text.to_owned(), text.replace("exp(-t / s)", "log(x - 0.2)")] {
+        let study = Study::parse("a.yaml".as_ref(), text.clone());
+        let study = study.unwrap_or_else(|error| panic!("{error}"));
+        let point = study.point(0);
+        let states = SteadyStates::of(point.model(), &point.start_ranges);
+        let sliding = states.map_or(0, |states| states.sliding.len());
+        assert_eq!(sliding, 0, "{text}");
+    }
+}
