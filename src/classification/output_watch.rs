@@ -102,8 +102,11 @@ impl OutputWatch {
 
     /// Adds the part of the latest step of a run that is after the start.
     pub(super) fn take_in(&mut self, step: &LaneStep) {
+        if !step.view.has_outputs || step.time() <= self.start {
+            return;
+        }
         let from = self.start.max(step.began());
-        if step.view.has_outputs && step.time() > from {
+        if step.time() > from {
             let at_nodes = |times| step.outputs_at_each(times);
             self.add([from, step.time()], at_nodes, |time| step.outputs_at(time));
         }

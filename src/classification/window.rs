@@ -62,7 +62,11 @@ impl Window {
 
     /// Adds the part of a step that lies in the window.
     pub(super) fn take_in(&mut self, step: &LaneStep) {
-        let (began, ended) = (step.began(), step.time());
+        let ended = step.time();
+        if ended <= self.start {
+            return;
+        }
+        let began = step.began();
         let from = self.start.max(began);
         if ended <= from {
             return;

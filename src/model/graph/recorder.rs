@@ -191,6 +191,9 @@ impl Graph {
 
     /// Returns whether a contact may creep: its position, which is no angle, occurs in no equation.
     pub fn may_creep(&self, contact: &ContactLayout) -> bool {
+        if contact.angular {
+            return false;
+        }
         let resets = self.events.iter().flat_map(|event| &event.reset).map(|(_, value)| value);
         let results = (self.derivative.iter())
             .chain(self.contacts.iter().flatten())
@@ -208,8 +211,7 @@ impl Graph {
         }
         let is_position =
             |node: &Node| matches!(node, Node::State(one) if *one as usize == contact.position);
-        !contact.angular
-            && !self.nodes.iter().zip(is_read).any(|(node, read)| read && is_position(node))
+        !self.nodes.iter().zip(is_read).any(|(node, read)| read && is_position(node))
     }
 
     /// Returns the recorded equations of a system.
