@@ -85,9 +85,9 @@ impl SteadyStates {
 
 /// Returns a point of a sequence that fills the unit cube evenly: multiples of square roots of primes (Weyl).
 fn sample(number: usize, dimension: usize) -> f64 {
-    const PRIMES: [f64; 8] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];
-    let turn = PRIMES[dimension % 8].sqrt() * (1 + dimension / 8) as f64;
-    ((number as f64 + 0.5) * turn).fract()
+    let is_prime = |one: &u32| (2..*one).all(|divisor| one % divisor != 0);
+    let prime = (2..).filter(is_prime).nth(dimension).map_or(2.0, f64::from);
+    ((number as f64 + 0.5) * prime.sqrt()).fract()
 }
 
 /// A state in which no coordinate moves.
@@ -175,12 +175,19 @@ impl<'e> Examined<'e> {
         false
     }
 
-    /// Returns whether all contacts are pressed together, and friction holds those that stick.
+    /// Returns whether all contacts are pressed together, slide as assumed, and friction holds those that stick.
     fn holds(&self) -> bool {
         let forces = self.evaluator.forces(&self.phases, &self.state);
         forces.iter().enumerate().all(|(contact, force)| {
             let limit = self.evaluator.system().friction(contact).limit * force.normal;
+            // A sliding speed that contains positions may have another direction here.
+            let slides_so = match self.phases[contact] {
+                Phase::Slip(direction) => direction * force.speed > STILL,
+                Phase::Stick => force.speed.abs() <= STILL,
+                _ => true,
+            };
             force.normal > 0.0
+                && slides_so
                 && (self.phases[contact] != Phase::Stick || force.friction.abs() <= limit)
         })
     }

@@ -5,8 +5,6 @@
 //! ratios `|p_i| ≤ μ_i` (`existence.rs`). A matrix whose diagonal is positive and larger than the sum of the other entries of its
 //! row is one. Intervals bound the entries in all states at once.
 
-use std::f64::consts::PI;
-
 use nalgebra::DMatrix;
 
 use super::formula::FormulaFault;
@@ -15,7 +13,7 @@ use super::system::WrittenSystem;
 use super::velocities::{Rates, SpeedOf};
 use crate::model::{Bounded, Interval, Number, System};
 
-/// Far more than any value of a coordinate that is no angle, without dimensions.
+/// Far more than any value of a coordinate, without dimensions.
 const WIDEST: f64 = 1e30;
 
 /// What rounding of an inverse matrix may change, over the entries on the diagonal.
@@ -28,13 +26,9 @@ impl WrittenSystem {
         if !self.instance.definition.uses_accelerations || !self.does_not_open() {
             return self.does_not_open();
         }
-        let instance = &self.instance;
-        let any = |number: usize| {
-            let of = instance.coordinates[number].of;
-            let widest = if instance.definition.coordinates[of].periodic { PI } else { WIDEST };
-            [widest, WIDEST].map(|widest| Interval::around(0.0, widest))
-        };
-        self.is_dominant(any, Interval::around(0.0, WIDEST)).unwrap_or(false)
+        // Sines and cosines of any angle are bounded.
+        let any = Interval::around(0.0, WIDEST);
+        self.is_dominant(|_| [any; 2], any).unwrap_or(false)
     }
 
     /// Returns whether stick and slip are surely decided in one way in a state.
