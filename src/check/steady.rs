@@ -85,7 +85,7 @@ impl SteadyStates {
 
 /// Returns a point of a sequence that fills the unit cube evenly: multiples of square roots of primes (Weyl).
 fn sample(number: usize, dimension: usize) -> f64 {
-    let is_prime = |one: &u32| (2..*one).all(|divisor| one % divisor != 0);
+    let is_prime = |one: &u32| (2..*one).all(|divisor| !one.is_multiple_of(divisor));
     let prime = (2..).filter(is_prime).nth(dimension).map_or(2.0, f64::from);
     ((number as f64 + 0.5) * prime.sqrt()).fract()
 }

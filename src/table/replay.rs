@@ -231,7 +231,7 @@ pub fn switch_columns(model: &Model) -> Vec<Column<Switch>> {
         let position = row.after.position * factors.get(row.contact)?;
         Some(if is_ball { wrap_to_two_pi(position) } else { position })
     })
-    .meaning("place: angle of the ball from the imbalance, in [0, 2π), or position of the contact");
+    .meaning("place: angle of the ball from the imbalance, in [0, 2π), or position of the block");
     let mut force = |name: &str, meaning: &str, value: fn(&Switch) -> f64| {
         let units = units.clone();
         list.number(name, "N", move |row| units.newtons(row.contact, value(row))).meaning(meaning);
