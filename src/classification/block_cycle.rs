@@ -48,8 +48,14 @@ impl BreakAwayWatch {
             let friction = view.system().friction(contact);
             friction.limit > friction.coefficient
         };
+        let contacts = 0..view.contacts.len();
+        // A contact that never sticks would hide that the others do.
+        let sticks = |contact: usize| view.system().friction(contact).can_stick();
         let is_one = view.contacts.iter().all(|one| one.speed == first.speed);
-        view.dimension() == 2 && is_one && (0..view.contacts.len()).any(breaks_away)
+        view.dimension() == 2
+            && is_one
+            && contacts.clone().all(sticks)
+            && contacts.clone().any(breaks_away)
     }
 
     /// Returns whether there was a break-away, after which each step must be added.

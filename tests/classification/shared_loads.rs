@@ -22,8 +22,15 @@ fn pads(belt_speed: &str, contacts: &[&str]) -> Vec<Outcome> {
 /// Three pads with a third of the load each, or with other shares, move as one pad, at rest and in a limit cycle.
 #[test]
 fn pads_share_the_load() {
-    let friction =
-        "{stribeck: {coefficient: 0.2, static_coefficient: 0.3, stribeck_speed: 0.5 m/s}}";
+    pads_move_as_one("0.5 m/s");
+    // Between both sums of friction limits, a pad that has slid stops, and one that rests stays.
+    pads_move_as_one("0 m/s");
+}
+
+fn pads_move_as_one(stribeck_speed: &str) {
+    let friction = format!(
+        "{{stribeck: {{coefficient: 0.2, static_coefficient: 0.3, stribeck_speed: {stribeck_speed}}}}}"
+    );
     let pad = |share: &str| format!("{{normal: {share}, sliding: x' - v, friction: {friction}}}");
     for (belt_speed, evidence) in
         [("0 m/s", Evidence::RestCertified), ("0.1 m/s", Evidence::ClosedOrbit)]

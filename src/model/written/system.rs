@@ -191,11 +191,11 @@ impl WrittenSystem {
         }
     }
 
-    /// Returns whether no contact opens, and each has a sliding speed that is a velocity of its own.
+    /// Returns whether no contact opens, and each has a sliding speed that is a velocity; contacts with one velocity hold as one.
     pub fn does_not_open(&self) -> bool {
         self.speeds.iter().enumerate().all(|(number, speed)| {
             let normal = &self.instance.contact(number).0.normal;
-            matches!((normal, speed), (WrittenNormal::Given(_), SpeedOf::Velocity(_)))
+            matches!(normal, WrittenNormal::Given(_)) && *speed != SpeedOf::Formula
         })
     }
 }
