@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector, Schur};
 use serde::Serialize;
 
 use crate::analysis::Stability;
-use crate::model::{Dual, Model, Start};
+use crate::model::{Dual, Model, OutputUnits, Start, Units, wrap_to_two_pi};
 use crate::motion::{Direction, Evaluator, Phase, Phases};
 
 /// The number of start positions that are examined.
@@ -45,8 +45,8 @@ pub struct SteadySliding {
 }
 
 impl SteadyStates {
-    /// Finds the steady states of a model in the ranges of its start states; `None` for a ball balancer, and for a system with contacts that
-    /// open, with events, or that changes with time.
+    /// Finds the steady states of a model in the ranges of its start states; `None` for a ball balancer, and for a system with
+    /// contacts that open, with events, or that changes with time.
     pub fn of(model: &Model, ranges: &[[f64; 2]]) -> Option<Self> {
         let system = model.system().filter(|_| model.ball_balancer().is_none())?;
         let evaluator = Evaluator::new(system);
@@ -56,7 +56,7 @@ impl SteadyStates {
             return None;
         }
         let (mut held, mut may_hold, mut found) = (0, false, Vec::<Vec<f64>>::new());
-        let mut states = SteadyStates::default();
+        let (units, mut states) = (model.units(), SteadyStates::default());
         for number in 0..EXAMINED {
             let start = ranges.iter().enumerate().map(|(place, [low, high])| {
                 let is_position = 2 * place < ranges.len();
@@ -68,14 +68,17 @@ impl SteadyStates {
             if !examined.settles() || !examined.holds() {
                 continue;
             }
-            let is_known = |known: &Vec<f64>| {
-                known.iter().zip(&examined.state).all(|(one, other)| (one - other).abs() < SAME)
-            };
             if examined.sticks() {
                 held += 1;
-            } else if !found.iter().any(is_known) {
-                states.sliding.push(examined.sliding(model)?);
-                found.push(examined.state);
+                continue;
+            }
+            let place = examined.coordinates(&units);
+            let is_known = |known: &Vec<f64>| {
+                known.iter().zip(&place).all(|(one, other)| (one - other).abs() < SAME)
+            };
+            if !found.iter().any(is_known) {
+                states.sliding.push(examined.sliding(model, &units, &place)?);
+                found.push(place);
             }
         }
         states.held_fraction = may_hold.then(|| f64::from(held) / EXAMINED as f64);
@@ -101,8 +104,8 @@ struct Examined<'e> {
 }
 
 impl<'e> Examined<'e> {
-    /// Returns `None` if a contact may stick whose sliding speed is no component of the state, or if a component that is no position,
-    /// such as the time, moves by itself.
+    /// Returns `None` if a contact may stick whose sliding speed is no component of the state, or if a component that is no
+    /// position, such as the time, moves by itself.
     fn new(evaluator: &'e Evaluator, state: Vec<f64>) -> Option<Self> {
         let (graph, system) = (evaluator.graph(), evaluator.system());
         let phase = |(contact, speed): (usize, &f64)| match speed.abs() <= STILL {
@@ -192,7 +195,16 @@ impl<'e> Examined<'e> {
         })
     }
 
-    fn sliding(&self, model: &Model) -> Option<SteadySliding> {
+    /// Returns the non-dimensional values of the coordinates; angles that go round and round are within one turn.
+    fn coordinates(&self, units: &Units) -> Vec<f64> {
+        let values = self.evaluator.system().outputs(&self.state);
+        let wrapped = |(value, unit): (&f64, &OutputUnits)| {
+            if unit.angular { wrap_to_two_pi(*value) } else { *value }
+        };
+        values.iter().zip(&units.outputs).take(self.state.len() / 2).map(wrapped).collect()
+    }
+
+    fn sliding(&self, model: &Model, units: &Units, place: &[f64]) -> Option<SteadySliding> {
         let all: Vec<usize> = (0..self.state.len()).collect();
         let slopes = self.slopes(&all, &all);
         // The number of iterations is bounded: for a matrix that is not finite the decomposition would not end.
@@ -204,14 +216,10 @@ impl<'e> Examined<'e> {
             _ if largest < 0.0 => Stability::Stable,
             _ => Stability::Unstable,
         };
-        let units = model.units();
-        let values = self.evaluator.system().outputs(&self.state);
-        let coordinates = model.output_names().into_iter().zip(values.iter().zip(&units.outputs));
-        let coordinates = coordinates.take(self.state.len() / 2);
+        let names = model.output_names().into_iter();
+        let values = place.iter().zip(&units.outputs).map(|(value, unit)| value * unit.size);
         Some(SteadySliding {
-            coordinates: coordinates
-                .map(|(own, (value, unit))| (own.name, value * unit.size))
-                .collect(),
+            coordinates: names.zip(values).map(|(own, value)| (own.name, value)).collect(),
             largest_real_part_1_s: largest * units.natural_rad_s,
             stability: stability.name(),
         })

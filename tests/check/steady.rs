@@ -69,3 +69,24 @@ fn equations_with_the_time_have_no_steady_states() {
         assert_eq!(sliding, 0, "{text}");
     }
 }
+
+/// A pendulum that a belt carries has one stable and one unstable place in a turn: `sin phi = 0.5`.
+#[test]
+fn angles_are_within_one_turn() {
+    let text = "schema: 1\nname: a\nseed: 1\nmodel:\n  system:\n    system: a\n    parameters: {v: 10}\n    \
+                coordinates: {phi: {unit: rad, start: [0, 2 * pi], periodic: true}}\n    mass: {phi: {phi: 1}}\n    \
+                force: {phi: -sin(phi) - 0.1 * phi'}\n    \
+                contacts: {belt: {normal: 1, sliding: phi' - v, friction: {coulomb: {coefficient: 0.5}}}}\n\
+                initial_conditions: {design: {monte_carlo: {samples: 2}}}\n";
+    let study = Study::parse("a.yaml".as_ref(), text.to_owned());
+    let study = study.unwrap_or_else(|error| panic!("{error}"));
+    let point = study.point(0);
+    let states = SteadyStates::of(point.model(), &point.start_ranges).expect("they are sought");
+    let mut found: Vec<_> =
+        states.sliding.iter().map(|one| (one.stability, one.coordinates[0])).collect();
+    found.sort_by(|one, other| one.1.total_cmp(&other.1));
+    let [(low, first), (high, second)] = found[..] else { panic!("{found:?}") };
+    assert_eq!([low, high], ["stable", "unstable"]);
+    let sixth = std::f64::consts::PI / 6.0;
+    assert!((first - sixth).abs() < 1e-9 && (second - 5.0 * sixth).abs() < 1e-9, "{found:?}");
+}
