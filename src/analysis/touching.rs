@@ -148,9 +148,10 @@ mod tests {
         for beta in form.touching_positions() {
             let system = BallsInContact::<3>::new(&machine, &contact, &beta).expect("three balls");
             let beta = [beta[0], beta[1], beta[2]];
+            let held_there = system.rest_margin(&beta) >= 0.0;
             assert_eq!(form.closed_gaps(&beta).len(), 1, "{beta:?}");
-            assert_eq!(form.holds_with_forces(&beta), system.holds_at_rest(&beta), "{beta:?}");
-            held += u32::from(system.holds_at_rest(&beta));
+            assert_eq!(form.holds_with_forces(&beta), held_there, "{beta:?}");
+            held += u32::from(held_there);
             all += 1;
         }
         assert!(all > 1000 && held > all / 100 && held < all - all / 100, "{held} of {all}");

@@ -39,11 +39,11 @@ pub fn found_endings(model: &Model) -> FoundEndings {
     FoundEndings { cycles, rests: view.rest_forms().is_some() }
 }
 
-/// Returns whether periods of a forcing, or maxima of the positions of several contacts, can mark cycles.
+/// Returns whether periods of a forcing, or turning points of several bodies or of one body with several contacts, can mark cycles.
 fn has_orbits(view: &SystemView) -> bool {
     match marks(view).first() {
         Some(Mark::Period(_)) => true,
-        Some(_) => view.dimension() > 2,
+        Some(_) => view.dimension() > 2 || view.contacts.len() > 1 && !BreakAwayWatch::suits(view),
         None => false,
     }
 }

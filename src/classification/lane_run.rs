@@ -59,9 +59,6 @@ pub(super) enum Next {
 
 impl LaneRun {
     /// Creates a run at its start, in the first of its stages. The endings are those of the last stage.
-    ///
-    /// # Errors
-    /// If the motion cannot be started from the start state.
     pub(super) fn start(
         number: u64,
         case: &Case,

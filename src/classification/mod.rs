@@ -8,7 +8,7 @@
 //! | `equilibrium` | `rest_certified` | all balls stick and, by the closed form, can never break loose |
 //! | `equilibrium` | `creep` | all balls are slow and drift, ever slower, at the edge of the equilibrium set |
 //! | `equilibrium` | `periodic_rest` | all contacts stick throughout a period of the forcing, and the motion of the other components repeats |
-//! | `equilibrium` | `settled` | without dry friction: an equilibrium is near, and it is stable by its eigenvalues |
+//! | `equilibrium` | `settled` | not all contacts stick: an equilibrium is near, stable by its eigenvalues, and friction holds the contacts that stick |
 //! | `limit_cycle` | `closed_orbit` | the orbit closes modulo 2π, its multipliers lie inside the unit circle, resting balls keep a margin |
 //! | `quasi_periodic` | `torus` | weighted averages of the returns to a section converge as on a torus with two frequencies |
 //! | `irregular` | `lyapunov` | neighbouring motions separate exponentially; the confidence interval of the exponent, from enough blocks, is positive |
@@ -52,7 +52,7 @@ mod window;
 
 /// Version of the computed outcomes, incremented with every change that alters an outcome; cached
 /// results of other versions are not reused. A test pins the outcomes of each version.
-pub const MODEL_VERSION: u32 = 17;
+pub const MODEL_VERSION: u32 = 18;
 
 pub use closed_orbit::Orbit;
 pub use cycle::{Cycle, CyclePhase, TouchingPair};

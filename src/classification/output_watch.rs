@@ -153,7 +153,11 @@ impl OutputWatch {
 }
 
 /// Returns the maximum of a smooth function near three of its points, if it is above a value.
-fn maximum(mut three: [(f64, f64); 3], above: f64, value: impl Fn(f64) -> f64) -> Option<f64> {
+pub(super) fn maximum(
+    mut three: [(f64, f64); 3],
+    above: f64,
+    value: impl Fn(f64) -> f64,
+) -> Option<f64> {
     let mut best = None;
     for _ in 0..MOST_APPROACHES {
         let [(t0, f0), (t1, f1), (t2, f2)] = three;

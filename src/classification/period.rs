@@ -1,7 +1,7 @@
 //! Properties of one period of a cycle: sequence of stick and slip, extremes, means, margins.
 
 use super::cycle::{CyclePhase, TouchingPair};
-use super::output_watch::OutputWatch;
+use super::output_watch::{OutputWatch, maximum};
 use super::return_map::FollowedStep;
 use super::section::Section;
 use super::system_view::SystemView;
@@ -58,7 +58,9 @@ impl Period {
             margin: f64::INFINITY,
             outputs: OutputWatch::from(0.0),
         };
-        period.look_at_margin(view, phases, start);
+        if !period.rests.is_empty() {
+            period.margin = view.evaluator.friction_margin(phases, start, &period.rests);
+        }
         period.look_at_gaps(view, phases, start);
         period
     }
@@ -141,12 +143,19 @@ impl Period {
             }
         }
         if !self.rests.is_empty() {
-            for look in 1..=LOOKS {
-                let inside = self.time + look as f64 / LOOKS as f64 * length;
-                if let Some(state) = motion.within_last_step(inside) {
-                    self.look_at_margin(view, during, &state);
-                }
+            let lacks = |time: f64| {
+                let inside = motion.within_last_step(time);
+                let margin =
+                    |state: Components| view.evaluator.friction_margin(during, &state, &self.rests);
+                -inside.map_or(f64::INFINITY, margin)
+            };
+            let instant = |look: usize| self.time + look as f64 / LOOKS as f64 * length;
+            let looks: Vec<_> = (0..=LOOKS).map(instant).map(|time| (time, lacks(time))).collect();
+            let mut most = looks.iter().fold(-self.margin, |most, (_, lack)| most.max(*lack));
+            for near in looks.windows(3) {
+                most = maximum([near[0], near[1], near[2]], most, lacks).unwrap_or(most);
             }
+            self.margin = -most;
         }
         self.look_at_gaps(view, during, &state);
         if view.has_outputs {
@@ -171,14 +180,6 @@ impl Period {
             self.configurations.pop();
         }
         self.time = time;
-    }
-
-    fn look_at_margin(&mut self, view: &SystemView, phases: &[Phase], state: &[f64]) {
-        if self.rests.is_empty() {
-            return;
-        }
-        let margin = view.evaluator.friction_margin(phases, state, &self.rests);
-        self.margin = self.margin.min(margin);
     }
 }
 

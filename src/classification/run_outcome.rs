@@ -9,6 +9,7 @@ use super::lane_step::LaneStep;
 use super::late::Late;
 use super::outcome::{Evidence, LyapunovExponent, Outcome, TouchingOutcome};
 use super::output_watch::OutputOutcome;
+use super::settled::friction_margin;
 use super::system_view::ContactPlace;
 use crate::model::{ContactUnits, OutputValue};
 use crate::motion::lockstep::LaneGroup;
@@ -98,7 +99,7 @@ impl LaneRun {
             },
             Ending::Settled => Outcome {
                 rest_since_s: self.slow_since(&step).map(|since| since / natural),
-                friction_margin: None,
+                friction_margin: friction_margin(&self.view, step.phases(), &group.state(lane)),
                 touching: self.with_force(&base, self.force_in_gaps(&step)),
                 ..self.at_rest(&step, Evidence::Settled, base)
             },

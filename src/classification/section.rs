@@ -101,14 +101,16 @@ impl Section {
             if following.iter().any(|(follower, _)| *follower == index) {
                 continue;
             }
+            // Several contacts may have the speed and the position of one body.
+            let is_new = |coordinates: &[(usize, bool)], place: usize| {
+                place != marking.0 && coordinates.iter().all(|(other, _)| *other != place)
+            };
             if phases[index] != Phase::Stick {
-                let speed = contact.speed.filter(|speed| *speed != marking.0);
+                let speed = contact.speed.filter(|speed| is_new(&coordinates, *speed));
                 coordinates.extend(speed.map(|place| (place, false)));
             }
-            let counts = contact.position != marking.0 && !contact.ignorable;
-            // Several contacts may show the position of one body.
-            let is_new = coordinates.iter().all(|(place, _)| *place != contact.position);
-            if counts && is_new && !(rests[index] && contact.speed.is_some()) {
+            let counts = !(contact.ignorable || rests[index] && contact.speed.is_some());
+            if counts && is_new(&coordinates, contact.position) {
                 coordinates.push((contact.position, contact.angular));
             }
         }
@@ -252,7 +254,7 @@ fn turning_points(view: &SystemView) -> Vec<Mark> {
     let both = velocities.flat_map(|component| [true, false].map(|falls| (*component, falls)));
     both.map(|(component, falls)| {
         let contact = view.contacts.iter().position(|contact| contact.speed == Some(component));
-        Mark::TurningPoint { contact, component, value: 0.0, falls }
+        Mark::TurningPoint { contact, component, value: smooth_speed(view, component, 0.0), falls }
     })
     .collect()
 }
@@ -273,9 +275,22 @@ fn maxima(view: &SystemView) -> Vec<Mark> {
             state[component] - view.evaluator.rates(&phases, &state)[place.position]
         });
         let same = (one - other).abs() <= 1e-12 * one.abs();
-        let mark =
-            Mark::TurningPoint { contact: Some(contact), component, value: one, falls: true };
+        let value = smooth_speed(view, component, one);
+        let mark = Mark::TurningPoint { contact: Some(contact), component, value, falls: true };
         (same && one != 0.0).then_some(mark)
     };
     view.contacts.iter().enumerate().filter_map(mark).collect()
+}
+
+/// Returns a speed in the place of one at which a contact may stop, such as a block on the ground that a belt drives, too: half of
+/// the way to the speed at which another contact stops.
+fn smooth_speed(view: &SystemView, component: usize, speed: f64) -> f64 {
+    let graph = view.evaluator.graph();
+    let zero = vec![0.0; view.dimension()];
+    let sliding = view.evaluator.speeds(&zero);
+    let shifted = (0..view.contacts.len())
+        .filter(|contact| graph.shifted_component(*contact) == Some(component));
+    let stops = shifted.map(|contact| -sliding[contact]);
+    let nearest = stops.filter(|stop| *stop != 0.0).min_by(|a, b| a.abs().total_cmp(&b.abs()));
+    nearest.map_or(speed, |stop| 0.5 * stop)
 }

@@ -1,15 +1,16 @@
-//! Settled motion: convergence to a stable equilibrium without dry friction.
+//! Settled motion: convergence to a stable equilibrium at which some contact slips, has no dry friction, or is open.
 //!
 //! If friction cannot hold a body (viscous drag, a smooth law), a run approaches its equilibrium
-//! asymptotically; so does a block that slides on a belt at a constant position. Such a run has
-//! settled if
+//! asymptotically; so does a block that slides on a belt at a constant position. Other contacts may hold bodies there. Such a
+//! run has settled if
 //!
 //! - everything is slow, and Newton's method finds an equilibrium, a state with zero time
 //!   derivative, within [`NEAR`];
 //! - all eigenvalues of the equations linearised there (central differences) lie left of the
 //!   imaginary axis, except for the zeros of a family of equilibria, as of three or more balls that
 //!   can balance in many positions: one zero for each independent displacement of bodies without
-//!   any force.
+//!   any force;
+//! - friction holds there each contact that sticks, with a reserve.
 //!
 //! Bodies that touch move together and are one body here; the forces between them must press.
 
@@ -37,8 +38,10 @@ const NEUTRAL: f64 = 1e-9;
 /// by one body that the differences resolve.
 const NO_FORCE: f64 = 1e-6;
 const LEAST_FORCE: f64 = 1e-5;
-/// A contact that slides at an equilibrium is at least this fast, so that it will not stick.
+/// A contact that slides at an equilibrium is at least this fast, so that it will not stick, and one that is open this wide.
 const SLIDES: f64 = 1e-3;
+/// The least part of its friction that a contact that sticks at an equilibrium has in reserve.
+const RESERVE: f64 = 1e-6;
 
 /// Schedules the examinations so that their cost stays bounded: each waits for half of the time
 /// elapsed, or for the end of the run.
@@ -76,15 +79,33 @@ impl SettledWatch {
     }
 }
 
-/// Returns whether every contact slides without dry friction or far from stopping.
+/// Returns whether every contact sticks, slides without dry friction or far from stopping, or is far from closing. Where all
+/// contacts stick, other evidence decides.
 fn may_settle(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
-    let slides = |(contact, phase): (usize, &Phase)| match phase {
+    let sticks = |phase: &Phase| *phase == Phase::Stick;
+    let lasts = |(contact, phase): (usize, &Phase)| match phase {
         Phase::Free => true,
         Phase::Slip(_) => view.speed(phases, state, contact).abs() > SLIDES,
-        Phase::Stick | Phase::Transition(_) | Phase::Apart => false,
+        Phase::Stick => view.evaluator.graph().holds_position(contact),
+        // The equations show the gap of an open contact as its normal force.
+        Phase::Apart => view.evaluator.forces(phases, state)[contact].normal > SLIDES,
+        Phase::Transition(_) => false,
         Phase::Open | Phase::Closed => true,
     };
-    phases.iter().enumerate().all(slides)
+    let contacts = &phases[..view.contacts.len()];
+    !(contacts.iter().all(sticks) && contacts.iter().any(sticks))
+        && phases.iter().enumerate().all(lasts)
+}
+
+/// Returns the least part of its friction that a contact that sticks has in reserve; `None` if no contact sticks.
+pub(super) fn friction_margin(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<f64> {
+    let forces = view.evaluator.forces(phases, state);
+    let margin = |(contact, phase): (usize, &Phase)| {
+        let limit = view.system().friction(contact).limit * forces[contact].normal;
+        (*phase == Phase::Stick).then(|| 1.0 - forces[contact].friction.abs() / limit)
+    };
+    let contacts = phases.iter().enumerate().take(view.contacts.len());
+    contacts.filter_map(margin).reduce(f64::min)
 }
 
 /// A system whose contacts keep their phases, with one variable for each independent component of the state.
@@ -95,6 +116,8 @@ struct ReducedCoordinates<'a> {
     variables: Vec<usize>,
     /// The components that keep their distance from another one: contacts that touch.
     following: Vec<(usize, usize, f64)>,
+    /// The state, with the components that contacts hold.
+    held: Vec<f64>,
 }
 
 impl<'a> ReducedCoordinates<'a> {
@@ -108,9 +131,16 @@ impl<'a> ReducedCoordinates<'a> {
                 following.push((follower, leader, 0.0));
             }
         }
-        let is_free = |place: &usize| following.iter().all(|(follower, ..)| follower != place);
+        let graph = view.evaluator.graph();
+        let stuck = (0..view.contacts.len()).filter(|contact| phases[*contact] == Phase::Stick);
+        let places =
+            |contact: usize| [Some(view.contacts[contact].position), graph.held_component(contact)];
+        let held: Vec<usize> = stuck.flat_map(places).flatten().collect();
+        let is_free = |place: &usize| {
+            following.iter().all(|(follower, ..)| follower != place) && !held.contains(place)
+        };
         let variables = (0..view.dimension()).filter(is_free).collect();
-        ReducedCoordinates { view, phases, variables, following }
+        ReducedCoordinates { view, phases, variables, following, held: state.to_vec() }
     }
 
     /// Returns the variables of a state.
@@ -123,7 +153,7 @@ impl<'a> ReducedCoordinates<'a> {
 
     /// Returns the state with these variables.
     fn state(&self, variables: &DVector<f64>) -> Vec<f64> {
-        let mut state = vec![0.0; self.view.dimension()];
+        let mut state = self.held.clone();
         for (place, value) in self.variables.iter().zip(variables.iter()) {
             state[*place] = *value;
         }
@@ -137,9 +167,13 @@ impl<'a> ReducedCoordinates<'a> {
         self.of_state(&self.view.evaluator.rates(self.phases, &self.state(variables)))
     }
 
-    /// Returns whether the forces between contacts that touch press.
-    fn is_pressed(&self, variables: &DVector<f64>) -> bool {
+    /// Returns whether the forces between contacts that touch press, and friction holds the contacts that stick.
+    fn is_held(&self, variables: &DVector<f64>) -> bool {
         let state = self.state(variables);
+        let margin = friction_margin(self.view, self.phases, &state);
+        if margin.is_some_and(|margin| margin.is_nan() || margin <= RESERVE) {
+            return false;
+        }
         let (_, gaps) = self.view.evaluator.in_state(&state).forces_and_gaps(self.phases);
         let closed = self.phases[self.view.contacts.len()..].iter().zip(&gaps);
         closed.filter(|(phase, _)| **phase == Phase::Closed).all(|(_, gap)| gap.force > 0.0)
@@ -152,6 +186,9 @@ fn has_settled(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<boo
     let rate = |point: &DVector<f64>| reduced.rate(point);
     let steps = steps(&reduced);
     let start = reduced.of_state(state);
+    if start.is_empty() {
+        return Some(reduced.is_held(&start));
+    }
     let (mut equilibrium, mut last) = (start.clone(), f64::INFINITY);
     for _ in 0..5 {
         let slope = jacobian(rate, &equilibrium, &steps)?;
@@ -165,7 +202,7 @@ fn has_settled(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<boo
         }
     }
     let is_there = rate(&equilibrium).amax() <= 1e-3 * SLOW && last <= THERE;
-    if !is_there || !reduced.is_pressed(&equilibrium) {
+    if !is_there || !reduced.is_held(&equilibrium) {
         return Some(false);
     }
     let slope = jacobian(rate, &equilibrium, &steps)?;

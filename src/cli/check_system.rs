@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::model::{Graph, Model, Node};
+use crate::model::{Graph, Model};
 use crate::printed_table::text_table;
 use crate::study::Study;
 
@@ -61,9 +61,7 @@ fn rest_in_words(model: &Model) -> String {
     let graph = Graph::of(system.as_ref());
     let contacts = 0..system.contacts();
     let without: Vec<String> = contacts
-        .filter(|contact| {
-            system.friction(*contact).can_stick() && !fixes_position(&graph, *contact)
-        })
+        .filter(|contact| system.friction(*contact).can_stick() && !graph.holds_position(*contact))
         .map(|contact| model.contact_in_words(contact))
         .collect();
     match without.is_empty() {
@@ -73,17 +71,4 @@ fn rest_in_words(model: &Model) -> String {
             without.join(", ")
         ),
     }
-}
-
-/// Returns whether the position of a contact moves at a rate that depends on its sliding speed alone.
-fn fixes_position(graph: &Graph, contact: usize) -> bool {
-    let Some(speed) = graph.speed_component(contact) else { return false };
-    let mut open = vec![graph.derivative[graph.layout.contacts[contact].position]];
-    while let Some(node) = open.pop() {
-        match graph.nodes[node as usize] {
-            Node::State(component) if component as usize != speed => return false,
-            node => open.extend(node.operands(&graph.solves)),
-        }
-    }
-    true
 }

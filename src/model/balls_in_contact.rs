@@ -11,6 +11,7 @@ use smallvec::SmallVec;
 
 use super::driven::{Turning, Turns};
 use super::recorded::{RecordedGap, add_contact_inputs, equations, record_contact, record_state};
+use super::system::pass_on;
 use super::{
     Balancer, BallContact, ContactMode, Expression, Friction, Gap, GapEquations, Machine, Recorder,
     RestForms, Structure, System, SystemEquations, Touching, pushes, wrap_to_two_pi,
@@ -133,20 +134,13 @@ impl<const N: usize> System for BallsInContact<N> {
         N
     }
 
-    fn friction(&self, contact: usize) -> &Friction {
-        self.balancer.friction(contact)
-    }
-
-    fn longest_step(&self) -> f64 {
-        self.balancer.longest_step()
-    }
-
-    fn pace(&self) -> f64 {
-        self.balancer.pace()
-    }
-
-    fn fewest_steps(&self) -> f64 {
-        self.balancer.fewest_steps()
+    pass_on! { balancer:
+        fn friction(contact: usize) -> &Friction;
+        fn longest_step() -> f64;
+        fn pace() -> f64;
+        fn fewest_steps() -> f64;
+        fn force_scale() -> f64;
+        fn jump_of_balls(state: &mut [f64], jump: [f64; 2]) -> u32;
     }
 
     fn surely_one_solution(&self) -> bool {
@@ -157,16 +151,8 @@ impl<const N: usize> System for BallsInContact<N> {
         System::one_solution_at(&self.balancer, state)
     }
 
-    fn force_scale(&self) -> f64 {
-        self.balancer.force_scale()
-    }
-
     fn rest_forms(&self) -> Option<&dyn RestForms> {
         Some(self)
-    }
-
-    fn jump_of_balls(&self, state: &mut [f64], jump: [f64; 2]) -> u32 {
-        self.balancer.jump_of_balls(state, jump)
     }
 
     fn touching(&self) -> Option<&dyn Touching> {

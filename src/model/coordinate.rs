@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::Model;
+use super::kind::member_name;
 
 /// Default half width of positions and table speeds. Like the ball speed below, it is
 /// *reconstructed*: the thesis's box is illegible, and this box reproduces its six counts.
@@ -58,11 +59,7 @@ impl Coordinate {
         meaning: &'static str,
         default_range: [f64; 2],
     ) -> Self {
-        let ending = unit_ending(unit);
-        let name = match of_every_body.strip_suffix(&*ending) {
-            Some(stem) => format!("{stem}_{body}{ending}"),
-            None => format!("{of_every_body}_{body}"),
-        };
+        let name = member_name(of_every_body, unit, body);
         let own = Coordinate::new(name, unit, meaning, default_range);
         Coordinate { of_every_body: Some(of_every_body), ..own }
     }
@@ -73,15 +70,8 @@ impl Coordinate {
         unit_in_words: &'static str,
         half_width: f64,
     ) -> Self {
-        Coordinate {
-            name: name.into(),
-            of_every_body: None,
-            unit: None,
-            unit_in_words,
-            meaning,
-            default_range: [0.0 - half_width, half_width], // not -0.0 for no width
-            default_in_words: None,
-        }
+        let range = [0.0 - half_width, half_width]; // not -0.0 for no width
+        Coordinate { unit: None, ..Coordinate::new(name, unit_in_words, meaning, range) }
     }
 }
 

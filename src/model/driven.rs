@@ -5,6 +5,7 @@
 use std::any::{Any, TypeId};
 use std::sync::Arc;
 
+use super::system::pass_on;
 use super::{
     Balancer, BallsInContact, ContactMode, Expression, Friction, Machine, Number, Recorder,
     Structure, System, SystemEquations, Touching,
@@ -110,48 +111,21 @@ impl<B: Turns> System for Driven<B> {
         Some((TypeId::of::<Self>(), laws, order))
     }
 
-    fn contacts(&self) -> usize {
-        self.fastest.contacts()
-    }
-
-    fn friction(&self, contact: usize) -> &Friction {
-        self.fastest.friction(contact)
-    }
-
-    fn longest_step(&self) -> f64 {
-        self.fastest.longest_step()
-    }
-
-    fn pace(&self) -> f64 {
-        self.fastest.pace()
-    }
-
-    fn fewest_steps(&self) -> f64 {
-        self.fastest.fewest_steps()
-    }
-
-    fn surely_one_solution(&self) -> bool {
-        self.fastest.surely_one_solution()
+    pass_on! { fastest:
+        fn contacts() -> usize;
+        fn friction(contact: usize) -> &Friction;
+        fn longest_step() -> f64;
+        fn pace() -> f64;
+        fn fewest_steps() -> f64;
+        fn surely_one_solution() -> bool;
+        fn force_scale() -> f64;
+        fn jump_of_balls(state: &mut [f64], jump: [f64; 2]) -> u32;
+        fn touching() -> Option<&dyn Touching>;
+        fn while_apart() -> &dyn Any;
     }
 
     fn one_solution_at(&self, state: &[f64]) -> bool {
         state.split_last().is_some_and(|(_, state)| self.fastest.one_solution_at(state))
-    }
-
-    fn force_scale(&self) -> f64 {
-        self.fastest.force_scale()
-    }
-
-    fn jump_of_balls(&self, state: &mut [f64], jump: [f64; 2]) -> u32 {
-        self.fastest.jump_of_balls(state, jump)
-    }
-
-    fn touching(&self) -> Option<&dyn Touching> {
-        self.fastest.touching()
-    }
-
-    fn while_apart(&self) -> &dyn Any {
-        self.fastest.while_apart()
     }
 
     fn speed_terms(&self) -> Option<&[f64; SPEED_TERMS]> {

@@ -60,14 +60,6 @@ pub(super) struct BallTerms<T> {
     pub(super) euler: Option<T>,
 }
 
-/// The equations of the table's acceleration, `(1 - m_xx) a_x - m_xy a_y = force_x` and
-/// `m_yx a_x + (1 + m_yy) a_y = force_y`.
-pub(super) struct TableEquations<T> {
-    /// `m_xx`, `m_xy`, `m_yx` and `m_yy`.
-    pub(super) matrix: [T; 4],
-    pub(super) force: [T; 2],
-}
-
 impl<const N: usize, T: Number> Balancer<N, T> {
     /// Returns accelerations and forces for given contacts. The residual speed of a sticking ball
     /// in the switch model enters like any other speed, so that the conditions for stick and for
@@ -86,12 +78,47 @@ impl<const N: usize, T: Number> Balancer<N, T> {
         contacts: &[Contact<T>; N],
         turned: &[(T, T); N],
     ) -> Forces<N, T> {
-        let one = T::constant(1.0);
+        let (one, zero) = (T::constant(1.0), T::constant(0.0));
         let terms = self.ball_terms(state, contacts, turned);
-        let TableEquations { matrix: [m_xx, m_xy, m_yx, m_yy], force } =
-            self.table_equations(state, &terms);
-        let matrix = [[one - m_xx, -m_xy], [m_yx, one + m_yy]];
-        self.forces_of_table(T::solve_two(matrix, force), contacts, &terms, |_| None)
+        // Sums over the balls are separate from the table's own terms, so that exchanging two balls exchanges the results bit
+        // for bit.
+        let (mut m_xx, mut m_xy, mut m_yx, mut m_yy) = (zero, zero, zero, zero);
+        let (mut balls_x, mut balls_y) = (zero, zero);
+        for term in &terms {
+            let BallTerms { sine: s, cosine: c, along: [along_x, along_y], outward, .. } = *term;
+            let held = term.euler.map_or(term.held, |euler| term.held - euler);
+            m_xx = m_xx + s * along_x;
+            m_xy = m_xy + s * along_y;
+            m_yx = m_yx + c * along_x;
+            m_yy = m_yy + c * along_y;
+            balls_x = balls_x + (c * outward - s * held);
+            balls_y = balls_y + (s * outward + c * held);
+        }
+        // `(1 - m_xx) a_x - m_xy a_y = x` and `m_yx a_x + (1 + m_yy) a_y = y`.
+        let [x, y] = self.force_on_table(state, [balls_x, balls_y]);
+        let [[a, b], [c, d]] = [[one - m_xx, -m_xy], [m_yx, one + m_yy]];
+        let inverse = (a * d - b * c).reciprocal();
+        let [a_x, a_y] = [(d * x - b * y) * inverse, (a * y - c * x) * inverse];
+        let mut forces = Forces {
+            table_acceleration: [a_x, a_y],
+            beta_ddot: [zero; N],
+            normal: [zero; N],
+            friction: [zero; N],
+        };
+        for (i, term) in terms.iter().enumerate() {
+            let Contact { free, signed_friction, drag } = contacts[i];
+            let BallTerms { sine, cosine, pressed, .. } = *term;
+            let mut tangential = sine * a_x - cosine * a_y;
+            let normal = pressed - (cosine * a_x + sine * a_y);
+            if let Some(euler) = self.euler_force(i) {
+                tangential = tangential - euler;
+            }
+            let slipping = signed_friction * normal + drag;
+            forces.beta_ddot[i] = free * self.balls[i].mobility * (tangential - slipping);
+            forces.normal[i] = normal;
+            forces.friction[i] = free * slipping + (one - free) * tangential;
+        }
+        forces
     }
 
     /// Returns each ball's part in the equations of motion.
@@ -151,31 +178,6 @@ impl<const N: usize, T: Number> Balancer<N, T> {
         })
     }
 
-    /// Returns the equations of the table's acceleration. Sums over the balls are separate from the table's own terms,
-    /// so that exchanging two balls exchanges the results bit for bit.
-    #[inline]
-    pub(super) fn table_equations(
-        &self,
-        state: &State<N, T>,
-        terms: &[BallTerms<T>; N],
-    ) -> TableEquations<T> {
-        let zero = T::constant(0.0);
-        let (mut m_xx, mut m_xy, mut m_yx, mut m_yy) = (zero, zero, zero, zero);
-        let (mut balls_x, mut balls_y) = (zero, zero);
-        for term in terms {
-            let BallTerms { sine: s, cosine: c, along: [along_x, along_y], outward, .. } = *term;
-            let held = term.euler.map_or(term.held, |euler| term.held - euler);
-            m_xx = m_xx + s * along_x;
-            m_xy = m_xy + s * along_y;
-            m_yx = m_yx + c * along_x;
-            m_yy = m_yy + c * along_y;
-            balls_x = balls_x + (c * outward - s * held);
-            balls_y = balls_y + (s * outward + c * held);
-        }
-        let force = self.force_on_table(state, [balls_x, balls_y]);
-        TableEquations { matrix: [m_xx, m_xy, m_yx, m_yy], force }
-    }
-
     /// Returns the force on the table, with that of the balls.
     #[inline]
     pub(super) fn force_on_table(&self, state: &State<N, T>, balls: [T; 2]) -> [T; 2] {
@@ -197,44 +199,6 @@ impl<const N: usize, T: Number> Balancer<N, T> {
                 [force_x - table * s_x, force_y - table * s_y]
             }
         }
-    }
-
-    /// Returns accelerations and forces for a known acceleration of the table. `pushed` returns the tangential and the
-    /// normal force that other balls exert on a ball, over its mass.
-    #[inline]
-    pub(super) fn forces_of_table(
-        &self,
-        [a_x, a_y]: [T; 2],
-        contacts: &[Contact<T>; N],
-        terms: &[BallTerms<T>; N],
-        pushed: impl Fn(usize) -> Option<[T; 2]>,
-    ) -> Forces<N, T> {
-        let zero = T::constant(0.0);
-        let one = T::constant(1.0);
-        let mut forces = Forces {
-            table_acceleration: [a_x, a_y],
-            beta_ddot: [zero; N],
-            normal: [zero; N],
-            friction: [zero; N],
-        };
-        for (i, term) in terms.iter().enumerate() {
-            let Contact { free, signed_friction, drag } = contacts[i];
-            let BallTerms { sine, cosine, pressed, .. } = *term;
-            let mut tangential = sine * a_x - cosine * a_y;
-            let mut normal = pressed - (cosine * a_x + sine * a_y);
-            if let Some(euler) = self.euler_force(i) {
-                tangential = tangential - euler;
-            }
-            if let Some([along, outward]) = pushed(i) {
-                tangential = tangential + along;
-                normal = normal + outward;
-            }
-            let slipping = signed_friction * normal + drag;
-            forces.beta_ddot[i] = free * self.balls[i].mobility * (tangential - slipping);
-            forces.normal[i] = normal;
-            forces.friction[i] = free * slipping + (one - free) * tangential;
-        }
-        forces
     }
 
     /// Returns the time derivative of the state. A sticking ball keeps its angle, and its residual

@@ -299,53 +299,57 @@ impl ParameterDescriptor {
     /// Returns the numbers of a model that the parameter sets: those of all members, such as balls, or of one, counted
     /// from 1. None for a model without this parameter.
     pub fn numbers<'a>(&self, model: &'a mut Model, member: Option<usize>) -> Vec<&'a mut f64> {
-        let is_meant = |number: usize| member.is_none_or(|own| own == number);
-        match (self.field, model) {
-            (Field::Profile(field), Model::BallBalancer(machine)) => {
+        let machine = match model {
+            Model::BallBalancer(machine) => machine,
+            Model::Own(own) => {
+                let is_own = matches!(self.field, Field::Own { .. } | Field::Count { .. });
+                return own.number_mut(self).filter(|_| is_own).into_iter().collect();
+            }
+        };
+        match self.field {
+            Field::Profile(field) => {
                 machine.speed_profile.as_mut().map(field).into_iter().collect()
             }
-            (Field::Ramp(field), Model::BallBalancer(machine)) => {
+            Field::Ramp(field) => {
                 let parts = machine.speed_profile.iter_mut().flat_map(|one| &mut one.parts);
-                let ramps = parts.filter_map(ProfilePart::ramp_mut);
-                let meant = (1..).zip(ramps).filter(|(number, _)| is_meant(*number));
-                meant.filter_map(|(_, ramp)| field(ramp)).collect()
+                let ramps = parts.filter_map(|part| match part {
+                    ProfilePart::Ramp(ramp) => Some(ramp),
+                    _ => None,
+                });
+                meant(ramps, member).filter_map(field).collect()
             }
-            (Field::Hold, Model::BallBalancer(machine)) => {
+            Field::Hold => {
                 let parts = machine.speed_profile.iter_mut().flat_map(|one| &mut one.parts);
-                let holds = parts.filter_map(ProfilePart::hold_mut);
-                let meant = (1..).zip(holds).filter(|(number, _)| is_meant(*number));
-                meant.filter_map(|(_, lasts_s)| lasts_s.as_mut()).collect()
+                let holds = parts.filter_map(|part| match part {
+                    ProfilePart::Hold(lasts_s) => Some(lasts_s),
+                    _ => None,
+                });
+                meant(holds, member).filter_map(Option::as_mut).collect()
             }
-            (Field::Kick(field), Model::BallBalancer(machine)) => {
-                let kicks = (1..).zip(&mut machine.kicks);
-                kicks.filter(|(number, _)| is_meant(*number)).map(|(_, kick)| field(kick)).collect()
-            }
-            (Field::Machine(field), Model::BallBalancer(machine)) => vec![field(machine)],
-            (Field::OfMachine { number, following, .. }, Model::BallBalancer(machine)) => {
+            Field::Kick(field) => meant(&mut machine.kicks, member).map(field).collect(),
+            Field::Machine(field) => vec![field(machine)],
+            Field::OfMachine { number, following, .. } => {
                 let value = following(machine);
                 vec![number(machine).get_or_insert(value)]
             }
-            (Field::Contact(field), Model::BallBalancer(machine)) => {
-                machine.contact.as_mut().map(field).into_iter().collect()
-            }
-            (Field::Own { .. } | Field::Count { .. }, Model::Own(own)) => {
-                own.number_mut(self).into_iter().collect()
-            }
-            (Field::OfBall { number, following, .. }, Model::BallBalancer(machine)) => {
-                let balls = (1..).zip(&mut machine.balls).filter(|(place, _)| is_meant(*place));
-                let of_ball = |(_, ball): (usize, &'a mut Ball)| {
+            Field::Contact(field) => machine.contact.as_mut().map(field).into_iter().collect(),
+            Field::OfBall { number, following, .. } => {
+                let of_ball = |ball: &'a mut Ball| {
                     let value = following(ball);
                     number(ball).get_or_insert(value)
                 };
-                balls.map(of_ball).collect()
+                meant(&mut machine.balls, member).map(of_ball).collect()
             }
-            (Field::Ball(field), Model::BallBalancer(machine)) => {
-                let balls = (1..).zip(&mut machine.balls);
-                balls.filter(|(number, _)| is_meant(*number)).map(|(_, ball)| field(ball)).collect()
-            }
+            Field::Ball(field) => meant(&mut machine.balls, member).map(field).collect(),
             _ => Vec::new(),
         }
     }
+}
+
+/// Returns all members, or one of them, counted from 1.
+fn meant<T>(all: impl IntoIterator<Item = T>, member: Option<usize>) -> impl Iterator<Item = T> {
+    let numbered = (1..).zip(all);
+    numbered.filter(move |(number, _)| member.is_none_or(|own| own == *number)).map(|(_, one)| one)
 }
 
 /// Returns the name of one member's own value of a parameter with a unit.

@@ -16,7 +16,7 @@
 //! |---|---|---|
 //! | apart | `λ_N = 0` | `λ_T = 0` |
 //! | slip | `g̈ = -2ġ - g` | `λ_T = σ μ λ_N` and the drag |
-//! | stick | `g̈ = -2ġ - g` | `γ̇ = 0`, or `γ̇ = -γ` for a sliding speed that is no component of the state |
+//! | stick | `g̈ = -2ġ - g` | `γ̇ = 0`, or `γ̇ = -γ` for a sliding speed that several velocities give |
 //!
 //! The normal force of a contact that does not open is given, or it is a reaction: a linear function of the accelerations, such as
 //! the force of a ring on a ball.
@@ -105,6 +105,16 @@ pub(super) struct Rows<'r> {
     pub(super) limit: Expression<'r>,
 }
 
+impl<'r> Rows<'r> {
+    /// Returns the velocity with a factor to which a constant adds the sliding speed, such as `x'` of `x' - v_belt`.
+    fn only_velocity(&self) -> Option<(usize, Expression<'r>)> {
+        let (along, drift) = &self.tangential;
+        let mut moving = along.iter().enumerate().filter(|(_, share)| share.known() != Some(0.0));
+        let (place, factor) = moving.next()?;
+        (moving.next().is_none() && drift.known() == Some(0.0)).then_some((place, *factor))
+    }
+}
+
 impl<'r> Mechanism<'r> {
     /// Records the equations.
     ///
@@ -127,12 +137,6 @@ impl<'r> Mechanism<'r> {
             .collect();
         let first_friction = n + normals.iter().flatten().count();
         let size = first_friction + rows.len();
-        // What rounding leaves of a sliding speed decays by itself if the speed is a component of the state; otherwise the
-        // friction force removes it.
-        let residual = |speed: Expression<'r>| match recorder.node_of(speed) {
-            Node::State(_) => zero,
-            _ => speed,
-        };
         let shared = SharedLoads::new(recorder, &self.contacts, &rows);
         let mut matrix = vec![vec![zero; size]; size];
         let mut right = vec![zero; size];
@@ -150,7 +154,11 @@ impl<'r> Mechanism<'r> {
                 matrix[place][i] = stuck * *share;
             }
             matrix[place][place] = if shared.is_first(k) { free } else { one - stuck };
-            right[place] = drag - stuck * (*drift + residual(self.contacts[k].sliding_speed));
+            // What rounding leaves of a sliding speed decays by itself if one velocity gives it; otherwise the friction force
+            // removes it.
+            let residual =
+                if row.only_velocity().is_some() { zero } else { self.contacts[k].sliding_speed };
+            right[place] = drag - stuck * (*drift + residual);
             if along.iter().all(|share| share.known() == Some(0.0)) {
                 // No friction.
                 matrix[place][place] = one;
@@ -277,11 +285,15 @@ impl<'r> Mechanism<'r> {
         for ([_, velocity], acceleration) in self.coordinates.iter().zip(unknowns) {
             derivative[component(recorder, *velocity)] = *acceleration;
         }
+        let one = Expression::constant(1.0);
         for (own, row) in self.contacts.iter().zip(rows) {
-            if let Node::State(place) = recorder.node_of(own.sliding_speed) {
-                let stuck = Expression::constant(1.0) - row.contact.free;
-                let rate = &mut derivative[place as usize];
-                *rate = *rate - stuck * own.sliding_speed;
+            if let Some((place, factor)) = row.only_velocity() {
+                let residual = match factor.known() {
+                    Some(1.0) => own.sliding_speed,
+                    _ => own.sliding_speed / factor,
+                };
+                let rate = &mut derivative[component(recorder, self.coordinates[place][1])];
+                *rate = *rate - (one - row.contact.free) * residual;
             }
         }
         for [other, rate] in &self.others {

@@ -13,13 +13,6 @@ pub trait Number:
     fn sin_cos(self) -> (Self, Self);
     /// One over the number.
     fn reciprocal(self) -> Self;
-    /// The solution `x` of two linear equations `A x = b`, by Cramer's rule.
-    #[inline]
-    fn solve_two(matrix: [[Self; 2]; 2], right: [Self; 2]) -> [Self; 2] {
-        let ([[a, b], [c, d]], [x, y]) = (matrix, right);
-        let inverse = (a * d - b * c).reciprocal();
-        [(d * x - b * y) * inverse, (a * y - c * x) * inverse]
-    }
 }
 
 /// A number with elementary functions.

@@ -41,9 +41,6 @@ pub trait OwnKind: Sync {
     }
 
     /// Checks the parameters against each other. Each value alone is already within its bound.
-    ///
-    /// # Errors
-    /// The first invalid parameter, by the name it has in a study file.
     fn validate(&self, _model: &OwnModel) -> Result<(), InvalidParameter> {
         Ok(())
     }

@@ -33,12 +33,6 @@ impl<const N: usize> BallsInContact<N> {
         })
     }
 
-    /// Returns whether friction holds all balls at rest at these angles.
-    pub fn holds_at_rest(&self, beta: &[f64; N]) -> bool {
-        let rest = self.balancer.rest_point(beta);
-        self.endures([&rest.normal, &rest.friction], &self.closed_gaps(beta), 1.0) >= 0.0
-    }
-
     /// Returns the friction margin of balls that rest at these angles: 1 if no ball needs friction, 0 on the edge of the
     /// equilibrium set, negative outside. It is the largest fraction that the coefficients of friction may lose.
     pub fn rest_margin(&self, beta: &[f64; N]) -> f64 {

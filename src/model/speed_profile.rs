@@ -27,24 +27,6 @@ pub enum ProfilePart {
     Table(Vec<[f64; 2]>),
 }
 
-impl ProfilePart {
-    /// Returns the ramp, if the part is one.
-    pub fn ramp_mut(&mut self) -> Option<&mut Ramp> {
-        match self {
-            ProfilePart::Ramp(ramp) => Some(ramp),
-            ProfilePart::Hold(_) | ProfilePart::Table(_) => None,
-        }
-    }
-
-    /// Returns the duration of a plateau, if the part is one.
-    pub fn hold_mut(&mut self) -> Option<&mut Option<f64>> {
-        match self {
-            ProfilePart::Hold(lasts_s) => Some(lasts_s),
-            ProfilePart::Ramp(_) | ProfilePart::Table(_) => None,
-        }
-    }
-}
-
 /// A change from one speed to another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ramp {
@@ -155,9 +137,6 @@ impl SpeedProfile {
     }
 
     /// Checks that all values have a physical meaning.
-    ///
-    /// # Errors
-    /// The first invalid parameter, by the name it has in a study file.
     pub(super) fn validate(&self, last_speed_rad_s: f64) -> Result<(), InvalidParameter> {
         let start = self.start_speed_rad_s;
         let has_sign = |name: &str, speed: f64| {

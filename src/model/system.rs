@@ -168,6 +168,14 @@ pub fn stiff_pace(damping_rate: f64) -> f64 {
     1e-3 * damping_rate.min(1e5)
 }
 
+/// Passes methods of a system on to one of its fields.
+macro_rules! pass_on {
+    ($to:tt: $(fn $name:ident($($own:ident: $of:ty),*) -> $result:ty;)*) => {
+        $(fn $name(&self, $($own: $of),*) -> $result { self.$to.$name($($own),*) })*
+    };
+}
+pub(super) use pass_on;
+
 /// A system that hides its type: the general kernel computes it from its recorded equations.
 #[derive(Clone, Debug)]
 pub struct Recorded(pub Arc<dyn System>);
@@ -177,68 +185,23 @@ impl System for Recorded {
         self.0.record(recorder)
     }
 
-    fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
-        self.0.inputs(modes)
-    }
-
-    fn structure(&self) -> Option<Structure> {
-        self.0.structure()
-    }
-
-    fn contacts(&self) -> usize {
-        self.0.contacts()
-    }
-
-    fn friction(&self, contact: usize) -> &Friction {
-        self.0.friction(contact)
-    }
-
-    fn longest_step(&self) -> f64 {
-        self.0.longest_step()
-    }
-
-    fn pace(&self) -> f64 {
-        self.0.pace()
-    }
-
-    fn fewest_steps(&self) -> f64 {
-        self.0.fewest_steps()
-    }
-
-    fn surely_one_solution(&self) -> bool {
-        self.0.surely_one_solution()
-    }
-
-    fn one_solution_at(&self, state: &[f64]) -> bool {
-        self.0.one_solution_at(state)
-    }
-
-    fn force_scale(&self) -> f64 {
-        self.0.force_scale()
-    }
-
-    fn smallest_inertia(&self, state: &[f64]) -> f64 {
-        self.0.smallest_inertia(state)
-    }
-
-    fn rest_forms(&self) -> Option<&dyn RestForms> {
-        self.0.rest_forms()
-    }
-
-    fn jump_of_balls(&self, state: &mut [f64], jump: [f64; 2]) -> u32 {
-        self.0.jump_of_balls(state, jump)
-    }
-
-    fn touching(&self) -> Option<&dyn Touching> {
-        self.0.touching()
-    }
-
-    fn outputs(&self, state: &[f64]) -> Components {
-        self.0.outputs(state)
-    }
-
-    fn impact_law(&self, contact: usize) -> ImpactLaw {
-        self.0.impact_law(contact)
+    pass_on! { 0:
+        fn inputs(modes: &[ContactMode]) -> Vec<f64>;
+        fn structure() -> Option<Structure>;
+        fn contacts() -> usize;
+        fn friction(contact: usize) -> &Friction;
+        fn longest_step() -> f64;
+        fn pace() -> f64;
+        fn fewest_steps() -> f64;
+        fn surely_one_solution() -> bool;
+        fn one_solution_at(state: &[f64]) -> bool;
+        fn force_scale() -> f64;
+        fn smallest_inertia(state: &[f64]) -> f64;
+        fn rest_forms() -> Option<&dyn RestForms>;
+        fn jump_of_balls(state: &mut [f64], jump: [f64; 2]) -> u32;
+        fn touching() -> Option<&dyn Touching>;
+        fn outputs(state: &[f64]) -> Components;
+        fn impact_law(contact: usize) -> ImpactLaw;
     }
 
     fn as_any(&self) -> &dyn Any {

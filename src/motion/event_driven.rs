@@ -43,9 +43,6 @@ pub(super) fn release_slack(force_scale: f64) -> f64 {
 
 /// Decides jointly for all contacts `at_rest` whether they stick or in which direction they set
 /// off, and returns what `then` returns for the corresponding forces.
-///
-/// # Errors
-/// [`Failure::NoSolution`] if no combination meets all conditions.
 pub(super) fn decide<R>(
     system: &dyn InState,
     phases: &mut Phases,

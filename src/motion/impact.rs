@@ -54,9 +54,6 @@ pub(crate) struct Hit {
 
 /// Returns the state after an impact at the places `touching`, whose bodies are at each other, with the phases of all contacts
 /// and gaps before it.
-///
-/// # Errors
-/// As [`Meeting::impulses`].
 pub(super) fn impact(
     evaluator: &Evaluator,
     state: &[Dual],
@@ -190,9 +187,6 @@ pub(super) fn impact(
 
 /// Returns the impulses of both laws or, where these would add energy, those that conserve it. There are none unless
 /// contacts approach each other.
-///
-/// # Errors
-/// As [`Meeting::impulses`].
 fn passive(meeting: &Meeting, arms: &[f64]) -> Result<Impulses, Failure> {
     let Meeting { laws, before, tolerance, .. } = meeting;
     if before.iter().step_by(2).all(|opening| opening.value >= -tolerance) {

@@ -50,9 +50,6 @@ pub(super) fn first_phases<'f>(
 }
 
 /// Decides the phases at the start of a motion; those of contacts at rest are open.
-///
-/// # Errors
-/// [`Failure`] if no combination meets all conditions, or if the forces are not sound.
 pub(super) fn decide_first(
     method: Method,
     system: &dyn InState,
@@ -197,9 +194,6 @@ pub(super) fn resolve_modes<R>(
 const MOST_OPEN: usize = 12;
 
 /// Returns the number of combinations of three phases.
-///
-/// # Errors
-/// [`Failure::TooManyCombinations`] for so many contacts that the combinations cannot be tried.
 fn combinations(contacts: usize) -> Result<usize, Failure> {
     let tried = contacts <= MOST_OPEN;
     tried.then(|| 3_usize.pow(contacts as u32)).ok_or(Failure::TooManyCombinations)
@@ -211,9 +205,6 @@ const SAME: f64 = 1e-6;
 
 /// Decides the phases like [`resolve_modes`], by trying all `3^k` combinations of
 /// the open contacts. The current phases are preferred if they are among the solutions.
-///
-/// # Errors
-/// As [`only_motion`].
 fn unique_or_refused(
     system: &dyn InState,
     phases: &mut Phases,

@@ -55,9 +55,6 @@ impl Motion {
 
     /// Starts a motion like [`Motion::with_directions`] in the lanes of an earlier one, if there is one: new lanes cost as
     /// much as many steps.
-    ///
-    /// # Errors
-    /// [`Failure`] if the motion cannot be continued from the start state.
     pub(crate) fn again(
         earlier: Option<Motion>,
         evaluator: &Evaluator,

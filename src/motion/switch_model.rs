@@ -41,9 +41,6 @@ impl Settings {
 
 /// Decides stick or transition jointly for all contacts in the band and returns what `then` returns for the
 /// corresponding forces. Slipping contacts are unchanged.
-///
-/// # Errors
-/// [`Failure::NoSolution`] if no combination meets all conditions.
 pub(super) fn decide<R>(
     system: &dyn InState,
     phases: &mut Phases,

@@ -80,9 +80,6 @@ impl<'a> InTouch<'a> {
 
     /// Decides the phases at the start of a motion. Contacts that start at each other meet; those of them that do not approach
     /// each other have been in contact before.
-    ///
-    /// # Errors
-    /// [`Failure`] if no phases meet all conditions.
     pub(super) fn start(&self, state: &mut Components) -> Result<(Phases, Impact), Failure> {
         let mut phases = self.evaluator.no_phases();
         let (of_contacts, of_gaps) = phases.split_at_mut(self.contacts());
@@ -108,9 +105,6 @@ impl<'a> InTouch<'a> {
 
     /// Resolves the impact of the contacts that are at each other, and decides the phases after it. If a direction of a
     /// neighbouring motion is given, it becomes that after the impact.
-    ///
-    /// # Errors
-    /// [`Failure`] if no impulses, or no phases, meet all conditions.
     pub(super) fn meet(
         &self,
         state: &mut Components,
@@ -178,9 +172,6 @@ impl<'a> InTouch<'a> {
 
     /// Decides the phases where the condition of a contact or a gap has failed: `failed` is a contact. `at_once` is a contact
     /// that stops at the instant at which it set off; it stays at rest.
-    ///
-    /// # Errors
-    /// [`Failure`] if no phases meet all conditions.
     pub(super) fn switch(
         &self,
         state: &mut Components,

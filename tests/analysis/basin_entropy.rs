@@ -218,8 +218,8 @@ fn measure(probabilities: &[f64], pure: bool, runs: usize, draws: &mut TestRng) 
 /// and Madow's correction.
 #[test]
 fn the_bias_of_few_runs_is_as_documented() {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/analysis/basin_entropy.rs");
-    let documented = std::fs::read_to_string(source).expect("the source of the estimate");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/methods.md");
+    let documented = std::fs::read_to_string(source).expect("the documentation");
     let mut lines = Vec::new();
     let mut draws = TestRng::new(31_416);
     for (outcomes, weight, pure) in
@@ -236,7 +236,7 @@ fn the_bias_of_few_runs_is_as_documented() {
                 "{outcomes:2}  {weight:4}  {pure_text:>4}  {runs:4}   {}        {}         {}",
                 columns[0], columns[1], columns[2]
             );
-            println!("//! {line}");
+            println!("{line}");
             lines.push(line);
             let [frequencies, corrected, found] = all;
             let noise = 3.0 * found.error / 20.0;

@@ -201,7 +201,7 @@ fn a_block_that_friction_holds_against_the_force_is_at_rest() {
             let outcome = run([0.8, 0.5, 0.1, springs, 0.8], [0.0, 0.0], method);
             assert_eq!(outcome.evidence, Evidence::PeriodicRest, "{outcome:?}");
             // The largest force is 0.6 of a limit of 0.8.
-            near(outcome.friction_margin, 0.25, 1e-3);
+            near(outcome.friction_margin, 0.25, 1e-7);
             near(outcome.time_to_rest_s, 0.0, 0.0);
             assert!(outcome.cycle.is_none());
         }

@@ -1,5 +1,5 @@
-//! Contacts with one sliding speed, such as two pads on a disc or the two feet of a box: they hold together what one contact with
-//! the sum of their friction limits holds.
+//! Contacts with one sliding speed or multiples of one, such as two pads on a disc or the two feet of a box: they hold together what
+//! one contact with the sum of their friction limits holds. Contacts with the ground and with a belt hold one after the other.
 
 use stickslip::classification::{Evidence, Outcome};
 use stickslip::model::OutputValue;
@@ -82,6 +82,105 @@ fn a_box_rests_on_two_feet() {
             let margin = 1.0 - 200.0 * x.abs() / (limit * 2.0 * 9.81);
             let found = outcome.friction_margin.expect("contacts stick");
             assert!((found - margin).abs() < 1e-9, "{found} {margin} at {x}");
+        }
+    }
+}
+
+/// Pads at two radii of a disc equal pads with a speed in rad/s and a torque as normal force, whatever unit their speeds have.
+#[test]
+fn pads_at_two_radii_share_the_load() {
+    let disc = |pads: [[&str; 3]; 2]| {
+        let pad = |number: usize, [sliding, normal, stribeck_speed]: [&str; 3]| {
+            format!(
+                "  pad_{number}: {{normal: {normal}, sliding: {sliding}, friction: {{stribeck: {{coefficient: 0.2, \
+                 static_coefficient: 0.5, stribeck_speed: {stribeck_speed}}}}}}}\n"
+            )
+        };
+        let system = format!(
+            "parameters: {{j: 0.01 kg m^2, c: 2 N m, r: 0.1 m, n: 5 N, vs: 0.02 m/s}}\n\
+             coordinates: {{phi: {{unit: rad, periodic: true, start: [-3, 3], start_rate: [-40, 40]}}}}\n\
+             mass: {{phi: {{phi: j}}}}\nforce: {{phi: -c * sin(phi)}}\ncontacts:\n{}{}",
+            pad(1, pads[0]),
+            pad(2, pads[1]),
+        );
+        outcomes(&system, 24, 10.0)
+    };
+    let speeds = disc([["r * phi'", "n", "vs"], ["r / 2 * phi'", "n", "vs"]]);
+    let turned = disc([["phi'", "n * r", "vs / r"], ["phi'", "n * r / 2", "2 * vs / r"]]);
+    for (one, other) in speeds.iter().zip(&turned) {
+        assert_eq!([one.evidence, other.evidence], [Evidence::RestCertified; 2], "{one:?}");
+        let values =
+            |outcome: &Outcome| [outcome.outputs[0].end, outcome.friction_margin.expect("sticks")];
+        for (one, other) in values(one).into_iter().zip(values(other)) {
+            assert!((one - other).abs() < 1e-7, "{one} {other}");
+        }
+        let load = 2.0 * one.outputs[0].end.sin().abs();
+        let margin = 1.0 - load / (0.5 * 5.0 * (0.1 + 0.05));
+        assert!((values(one)[1] - margin).abs() < 1e-9, "{margin} {one:?}");
+    }
+}
+
+/// A block on the ground that a belt drags, too, rests where the ground holds what spring and belt leave; if the belt is stronger,
+/// the block sticks on it and slips, for ever.
+#[test]
+fn a_block_between_ground_and_belt() {
+    let block = |ground: &str, contacts: [&str; 2]| {
+        let contact = |name: &str| match name {
+            "ground" => format!(
+                "  ground: {{normal: n, sliding: x', friction: {{coulomb: {{coefficient: {ground}}}}}}}\n"
+            ),
+            _ => {
+                "  belt: {normal: n / 2, sliding: x' - v, friction: {stribeck: {coefficient: 0.2, \
+                  static_coefficient: 0.4, stribeck_speed: 0.05 m/s}}}\n"
+                    .to_owned()
+            }
+        };
+        let system = format!(
+            "parameters: {{m: 2 kg, k: 200 N/m, n: 10 N, v: 0.1 m/s}}\n\
+             coordinates: {{x: {{unit: m, start: [-0.03, -0.015]}}}}\n\
+             mass: {{x: {{x: m}}}}\nforce: {{x: -k * x}}\ncontacts:\n{}",
+            contacts.map(contact).concat(),
+        );
+        outcomes(&system, 24, 20.0)
+    };
+    let drag = 5.0 * (0.2 + 0.2 * (-2.0_f64).exp());
+    for contacts in [["ground", "belt"], ["belt", "ground"]] {
+        for outcome in block("0.3", contacts) {
+            assert_eq!(outcome.evidence, Evidence::Settled, "{outcome:?}");
+            let margin = 1.0 - (drag - 200.0 * outcome.outputs[0].end).abs() / 3.0;
+            let found = outcome.friction_margin.expect("the ground holds the block");
+            assert!((found - margin).abs() < 1e-9, "{found} {margin}");
+        }
+        let outcomes = block("0.01", contacts);
+        for outcome in &outcomes {
+            assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{outcome:?}");
+            let [one, other] = [outcome, &outcomes[0]].map(|one| one.period_s.expect("a period"));
+            assert!((one - other).abs() < 1e-6, "{one} {other}");
+        }
+    }
+}
+
+/// A driven disc between two pads turns at the speed at which viscous drag is left, and disturbances decay as `e^(-d t / j)`.
+#[test]
+fn a_disc_turns_between_two_pads() {
+    let friction =
+        "{stribeck: {coefficient: 0.2, static_coefficient: 0.5, stribeck_speed: 0.02 m/s}}";
+    let system = format!(
+        "parameters: {{j: 0.01 kg m^2, r: 0.1 m, n: 5 N, d: 0.01 N m s, drive: 0.5 N m}}\n\
+         coordinates: {{phi: {{unit: rad, periodic: true, start_rate: [5, 40]}}}}\n\
+         mass: {{phi: {{phi: j}}}}\nforce: {{phi: drive - d * phi'}}\ncontacts:\n  \
+         one: {{normal: 2 * n, sliding: r * phi', friction: {friction}}}\n  \
+         other: {{normal: 2 * n, sliding: r / 2 * phi', friction: {friction}}}\n"
+    );
+    for outcome in outcomes(&system, 16, 20.0) {
+        assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{outcome:?}");
+        let period_s = std::f64::consts::TAU / ((0.5 - 0.2 - 0.1) / 0.01);
+        let cycle = outcome.cycle.expect("known");
+        for (found, exact) in [
+            (outcome.period_s.expect("a period"), period_s),
+            (cycle.multipliers[0], (-period_s).exp()),
+        ] {
+            assert!((found - exact).abs() < 1e-7, "{found} {exact}");
         }
     }
 }

@@ -181,9 +181,14 @@ fn values_without_meaning_are_refused() {
         assert!(error.to_string().contains(found), "{error}");
         assert!(error.line().is_some(), "{error}");
     }
-    let text = GOOD.replace("period: 2 * pi / omega", "period: 3 / omega");
-    let error = parse(&text).expect_err("not the period of the force").to_string();
-    assert!(error.contains("0.6") && error.contains("all formulas repeat"), "{error}");
+    let normal = "normal: f + 0.01 * m * cos(0.4 * omega * t) * x[cart]''";
+    for (old, new, found) in [
+        ("period: 2 * pi / omega", "period: 3 / omega", "0.6"),
+        ("normal: 9.81 * f / 9.81", normal, "1.25"),
+    ] {
+        let error = parse(&GOOD.replace(old, new)).expect_err("not the period").to_string();
+        assert!(error.contains(found) && error.contains("all formulas repeat"), "{error}");
+    }
     let study = with("carts: 5, m: 300 g").unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(study.model().contacts(), 5);
 }

@@ -22,22 +22,6 @@ impl Law for Coulomb {
         "Coulomb friction: the friction force is at most `friction_coefficient` times the normal force."
     }
 
-    fn can_stick(&self) -> bool {
-        true
-    }
-
-    fn static_ratio(&self, coefficient: f64, _values: &[f64]) -> f64 {
-        coefficient
-    }
-
-    fn is_linear(&self, _coefficient: f64, _values: &[f64]) -> bool {
-        true
-    }
-
-    fn is_constant(&self) -> bool {
-        true
-    }
-
     fn force(&self, friction: &Friction, sliding: Sliding) -> SlidingForce {
         SlidingForce { ratio: sliding.direction * friction.coefficient, drag: 0.0 }
     }

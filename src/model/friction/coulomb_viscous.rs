@@ -33,18 +33,6 @@ impl Law for CoulombViscous {
         &PARAMETERS
     }
 
-    fn can_stick(&self) -> bool {
-        true
-    }
-
-    fn static_ratio(&self, coefficient: f64, _values: &[f64]) -> f64 {
-        coefficient
-    }
-
-    fn is_linear(&self, _coefficient: f64, _values: &[f64]) -> bool {
-        true
-    }
-
     fn force(&self, friction: &Friction, Sliding { direction, speed }: Sliding) -> SlidingForce {
         SlidingForce { ratio: direction * friction.coefficient, drag: drag(friction) * speed }
     }

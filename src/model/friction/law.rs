@@ -32,18 +32,19 @@ pub trait Law: Sync {
     }
 
     /// Whether bodies can stick: whether the force at rest can take any value in an interval.
-    fn can_stick(&self) -> bool;
+    fn can_stick(&self) -> bool {
+        true
+    }
 
     /// The largest ratio of friction to normal force in stick, for a (kinetic) coefficient; 0 if bodies
     /// cannot stick.
-    fn static_ratio(&self, coefficient: f64, values: &[f64]) -> f64;
+    fn static_ratio(&self, coefficient: f64, _values: &[f64]) -> f64 {
+        if self.can_stick() { coefficient } else { 0.0 }
+    }
 
     /// Whether the force in slip is a fixed part of the normal force and a drag in proportion to speed.
-    fn is_linear(&self, coefficient: f64, values: &[f64]) -> bool;
-
-    /// Whether the ratio in slip does not depend on speed and there is no drag.
-    fn is_constant(&self) -> bool {
-        false
+    fn is_linear(&self, _coefficient: f64, _values: &[f64]) -> bool {
+        true
     }
 
     /// The force in slip.

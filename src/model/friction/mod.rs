@@ -112,9 +112,6 @@ impl FrictionLaw {
 
     /// Checks that all values have a physical meaning, for a contact with this (kinetic)
     /// coefficient.
-    ///
-    /// # Errors
-    /// The first invalid parameter, by the name it has in a study file.
     pub(super) fn validate(
         &self,
         friction_coefficient: f64,

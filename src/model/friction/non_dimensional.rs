@@ -43,11 +43,6 @@ impl Friction {
         self.law.name()
     }
 
-    /// Whether friction in slip does not depend on speed.
-    pub fn is_constant(&self) -> bool {
-        self.law.law().is_constant()
-    }
-
     /// Whether the force in slip is a fixed part of the normal force and a drag in proportion to speed.
     pub fn is_linear(&self) -> bool {
         self.law.is_linear(self.coefficient)

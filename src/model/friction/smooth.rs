@@ -52,10 +52,6 @@ impl Law for Smooth {
         false
     }
 
-    fn static_ratio(&self, _coefficient: f64, _values: &[f64]) -> f64 {
-        0.0
-    }
-
     fn is_linear(&self, _coefficient: f64, _values: &[f64]) -> bool {
         false
     }

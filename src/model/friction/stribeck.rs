@@ -61,10 +61,6 @@ impl Law for Stribeck {
         &PARAMETERS
     }
 
-    fn can_stick(&self) -> bool {
-        true
-    }
-
     fn static_ratio(&self, _coefficient: f64, values: &[f64]) -> f64 {
         parameters(values).0
     }

@@ -53,14 +53,6 @@ impl Law for Viscous {
         false
     }
 
-    fn static_ratio(&self, _coefficient: f64, _values: &[f64]) -> f64 {
-        0.0
-    }
-
-    fn is_linear(&self, _coefficient: f64, _values: &[f64]) -> bool {
-        true
-    }
-
     fn force(&self, friction: &Friction, sliding: Sliding) -> SlidingForce {
         SlidingForce { ratio: 0.0, drag: drag(friction) * sliding.speed }
     }

@@ -164,21 +164,4 @@ impl Number for Expression<'_> {
     fn reciprocal(self) -> Self {
         Expression(Known(1.0)) / self
     }
-
-    /// Numbers alone are solved at once; otherwise the recorder gets the linear system.
-    fn solve_two(matrix: [[Self; 2]; 2], right: [Self; 2]) -> [Self; 2] {
-        let mut all = matrix.iter().flatten().chain(&right);
-        let recorder = all.find_map(|one| match one.0 {
-            Recorded(recorder, _) => Some(recorder),
-            Known(_) => None,
-        });
-        match recorder.map(|recorder| recorder.solve(&matrix.map(Vec::from), &right)) {
-            Some(solution) => [solution[0], solution[1]],
-            None => {
-                let numbers = matrix.map(|row| row.map(|one| one.known().unwrap_or(0.0)));
-                let right = right.map(|one| one.known().unwrap_or(0.0));
-                f64::solve_two(numbers, right).map(Number::constant)
-            }
-        }
-    }
 }

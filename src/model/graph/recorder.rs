@@ -95,59 +95,40 @@ pub struct GapEquations<'r> {
     pub force: Expression<'r>,
 }
 
-/// What the opening and the closing of a contact are decided by. While the contact is apart, the `normal` of its
-/// [`ContactEquations`] is the gap.
-#[derive(Clone, Copy)]
-pub struct OpeningEquations<'r> {
+/// What the opening and the closing of a contact are decided by, as expressions or by their nodes. While the contact is apart, the
+/// `normal` of its [`ContactEquations`] is the gap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Opening<T = NodeId> {
     /// The contact, counted from 0.
     pub contact: usize,
     /// The distance of the bodies, which depends on positions and time.
-    pub gap: Expression<'r>,
+    pub gap: T,
     /// The rate of change of the gap.
-    pub speed: Expression<'r>,
+    pub speed: T,
     /// The second time derivative of the gap.
-    pub acceleration: Expression<'r>,
+    pub acceleration: T,
     /// The normal force: an unknown of the linear system of the accelerations, as is the friction force unless it is 0. Impacts
     /// follow from their columns.
-    pub force: Expression<'r>,
+    pub force: T,
     /// The friction force in these equations; contacts that share a load show other forces.
-    pub friction: Expression<'r>,
+    pub friction: T,
 }
 
-/// A recorded opening, by the nodes of [`OpeningEquations`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Opening {
-    /// The contact, counted from 0.
-    pub contact: usize,
-    /// The distance of the bodies.
-    pub gap: NodeId,
-    /// The rate of change of the gap.
-    pub speed: NodeId,
-    /// The second time derivative of the gap.
-    pub acceleration: NodeId,
-    /// The normal force.
-    pub force: NodeId,
-    /// The friction force in the equations of the accelerations.
-    pub friction: NodeId,
-}
+/// An opening in the equations of a system.
+pub type OpeningEquations<'r> = Opening<Expression<'r>>;
 
-/// An event that resets the state, such as an impact or a kick.
-pub struct EventEquations<'r> {
+/// An event that resets the state, such as an impact or a kick, as expressions or by their nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event<T = NodeId> {
     /// The event happens where this function of the state falls through zero. The reset must make it positive, or zero
     /// and rising.
-    pub guard: Expression<'r>,
+    pub guard: T,
     /// The components that the event changes, with their values after it as functions of the state before it.
-    pub reset: Vec<(usize, Expression<'r>)>,
+    pub reset: Vec<(usize, T)>,
 }
 
-/// A recorded event.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Event {
-    /// The function that falls through zero.
-    pub guard: NodeId,
-    /// The components that the event changes, with their values after it.
-    pub reset: Vec<(usize, NodeId)>,
-}
+/// An event in the equations of a system.
+pub type EventEquations<'r> = Event<Expression<'r>>;
 
 /// The recorded equations of a system.
 #[derive(Clone, Debug, PartialEq)]
@@ -225,10 +206,54 @@ impl Graph {
 
     /// Returns the component that is the sliding speed of a contact, if it is one component.
     pub fn speed_component(&self, contact: usize) -> Option<usize> {
-        match self.nodes[self.contacts[contact][0] as usize] {
+        self.component(self.contacts[contact][0])
+    }
+
+    /// Returns whether the position of a contact moves at a rate that depends on its sliding speed alone.
+    pub fn holds_position(&self, contact: usize) -> bool {
+        let Some(speed) = self.held_component(contact) else { return false };
+        let mut open = vec![self.derivative[self.layout.contacts[contact].position]];
+        while let Some(node) = open.pop() {
+            match self.nodes[node as usize] {
+                Node::State(component) if component as usize != speed => return false,
+                node => open.extend(node.operands(&self.solves)),
+            }
+        }
+        true
+    }
+
+    /// Returns the component from which the sliding speed of a contact differs by a constant, such as `x'` for `x' - v_belt`.
+    pub fn shifted_component(&self, contact: usize) -> Option<usize> {
+        let speed = self.nodes[self.contacts[contact][0] as usize];
+        let (Node::Sum(of, shift) | Node::Difference(of, shift)) = speed else { return None };
+        let of_two =
+            |of: NodeId, shift: NodeId| self.component(of).filter(|_| self.is_constant(shift));
+        let swapped = || matches!(speed, Node::Sum(..)).then(|| of_two(shift, of)).flatten();
+        of_two(of, shift).or_else(swapped)
+    }
+
+    /// Returns the component that keeps its value while a contact sticks.
+    pub fn held_component(&self, contact: usize) -> Option<usize> {
+        self.speed_component(contact).or_else(|| self.shifted_component(contact))
+    }
+
+    fn component(&self, node: NodeId) -> Option<usize> {
+        match self.nodes[node as usize] {
             Node::State(component) => Some(component as usize),
             _ => None,
         }
+    }
+
+    /// Returns whether a node depends on no component of the state.
+    fn is_constant(&self, node: NodeId) -> bool {
+        let mut open = vec![node];
+        while let Some(node) = open.pop() {
+            match self.nodes[node as usize] {
+                Node::State(_) | Node::Discrete(_) => return false,
+                node => open.extend(node.operands(&self.solves)),
+            }
+        }
+        true
     }
 }
 

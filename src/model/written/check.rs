@@ -124,9 +124,6 @@ fn over(one: Dimension, other: Dimension) -> Dimension {
 
 impl Definition {
     /// Checks the system with the default numbers of bodies, and finds the dimension of each number in its formulas.
-    ///
-    /// # Errors
-    /// The first fault, with the path of its key.
     pub fn check(&mut self) -> Result<(), FaultAt> {
         self.check_names()?;
         self.check_sizes()?;
@@ -461,9 +458,6 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<Use<'d>>, FaultAt> {
 
 impl Instance<'_> {
     /// Checks all formulas with the numbers of bodies of this system.
-    ///
-    /// # Errors
-    /// The first fault, with the path of its key.
     pub fn check(&self) -> Result<(), FaultAt> {
         let (found, _) = check_formulas(self)?;
         for (path, formula) in uses(self)?.into_iter().map(|one| (one.path, one.formula)) {
@@ -479,9 +473,6 @@ impl Instance<'_> {
     }
 
     /// Returns the dimension of the sliding speed of a contact, or of the rate of change of its gap.
-    ///
-    /// # Errors
-    /// A fault in the formula.
     pub fn speed_dimension(&self, number: usize) -> Result<Dimension, FaultAt> {
         let (contact, mut bodies) = self.contact(number);
         let (key, formula) = match &contact.sliding {

@@ -3,7 +3,7 @@
 
 use super::dependence::Dependence;
 use super::evaluate::Values;
-use super::formula::{Dimension, FormulaFault, Function, NONE, Name, WHOLE};
+use super::formula::{Dimension, FormulaFault, Function, NONE, Name, Valued, WHOLE};
 use super::names::Names;
 
 /// The dimension of a term; a number alone, by its place, fits any dimension.
@@ -34,19 +34,9 @@ pub(super) struct Found {
     pub depends: Dependence,
 }
 
-type Checked = Result<Found, FormulaFault>;
-
 impl Dimensions<'_> {
     /// Gives a term this dimension.
-    ///
-    /// # Errors
-    /// A fault if it has another one.
-    pub fn require(
-        &mut self,
-        at: usize,
-        term: Measured,
-        wanted: Dimension,
-    ) -> Result<(), FormulaFault> {
+    pub fn require(&mut self, at: usize, term: Measured, wanted: Dimension) -> Valued<()> {
         match term {
             Measured::Any(places) => {
                 for place in places {
@@ -63,10 +53,7 @@ impl Dimensions<'_> {
     }
 
     /// Returns the dimension of a term; a number alone gets none.
-    ///
-    /// # Errors
-    /// None.
-    fn dimension(&mut self, at: usize, term: Measured) -> Result<Dimension, FormulaFault> {
+    fn dimension(&mut self, at: usize, term: Measured) -> Valued<Dimension> {
         match term {
             Measured::Known(dimension) => Ok(dimension),
             any => self.require(at, any, NONE).map(|()| NONE),
@@ -87,13 +74,13 @@ impl Values for Dimensions<'_> {
         Found { measured: Measured::Known(dimension), depends: Dependence::default() }
     }
 
-    fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Checked {
+    fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Valued<Found> {
         let (meaning, dimension) = self.names.find(at, name, body)?;
         self.appearing.push((name.name.clone(), body));
         Ok(Found { measured: Measured::Known(dimension), depends: Dependence::of(meaning) })
     }
 
-    fn sum(&mut self, at: usize, terms: Vec<(bool, Found)>) -> Checked {
+    fn sum(&mut self, at: usize, terms: Vec<(bool, Found)>) -> Valued<Found> {
         let depends = terms.iter().map(|(_, term)| term.depends).sum();
         let known = terms.iter().find_map(|(_, term)| match term.measured {
             Measured::Known(dimension) => Some(dimension),
@@ -115,7 +102,7 @@ impl Values for Dimensions<'_> {
         Ok(Found { measured: Measured::Known(known), depends })
     }
 
-    fn product(&mut self, at: usize, factors: Vec<(bool, Found)>) -> Checked {
+    fn product(&mut self, at: usize, factors: Vec<(bool, Found)>) -> Valued<Found> {
         let (mut product, mut depends) = (NONE, Dependence::default());
         for (over, factor) in factors {
             depends = depends.times(over, factor.depends);
@@ -134,7 +121,7 @@ impl Values for Dimensions<'_> {
         Ok(Found { measured: Measured::Known(product), depends })
     }
 
-    fn power(&mut self, at: usize, base: Found, exponent: f64) -> Checked {
+    fn power(&mut self, at: usize, base: Found, exponent: f64) -> Valued<Found> {
         let dimension = self.dimension(at, base.measured)?;
         if (2.0 * exponent).fract() != 0.0 || exponent.abs() > 100.0 {
             let allowed = "a multiple of 1/2 up to 100, such as 3 or (1/2)";
@@ -149,7 +136,7 @@ impl Values for Dimensions<'_> {
         Ok(Found { measured: Measured::Known(power), depends })
     }
 
-    fn call(&mut self, at: usize, function: Function, of: Found) -> Checked {
+    fn call(&mut self, at: usize, function: Function, of: Found) -> Valued<Found> {
         let dimension = match function {
             Function::SquareRoot => self.dimension(at, of.measured)?.map(|one| one / 2),
             _ => {

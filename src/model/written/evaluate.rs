@@ -1,6 +1,6 @@
 //! Evaluates formulas: with numbers, with expressions of a record, or with what a check needs to know of each term.
 
-use super::formula::{Content, Dimension, Formula, FormulaFault, Function, Name, Term};
+use super::formula::{Content, Dimension, Formula, FormulaFault, Function, Name, Term, Valued};
 
 /// The largest number of terms of all formulas of a system together, with each body counted.
 pub(super) const MOST_TERMS: usize = 200_000;
@@ -17,42 +17,19 @@ pub(super) trait Values {
     fn quantity(&mut self, value: f64, dimension: Dimension) -> Self::Value;
 
     /// Returns the value of a name; `body` is the number of the body, if the name has one.
-    fn named(
-        &mut self,
-        at: usize,
-        name: &Name,
-        body: Option<i64>,
-    ) -> Result<Self::Value, FormulaFault>;
+    fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Valued<Self::Value>;
 
     /// Returns a sum; the flag is set for what is subtracted.
-    fn sum(
-        &mut self,
-        at: usize,
-        terms: Vec<(bool, Self::Value)>,
-    ) -> Result<Self::Value, FormulaFault>;
+    fn sum(&mut self, at: usize, terms: Vec<(bool, Self::Value)>) -> Valued<Self::Value>;
 
     /// Returns a product; the flag is set for what is divided by.
-    fn product(
-        &mut self,
-        at: usize,
-        factors: Vec<(bool, Self::Value)>,
-    ) -> Result<Self::Value, FormulaFault>;
+    fn product(&mut self, at: usize, factors: Vec<(bool, Self::Value)>) -> Valued<Self::Value>;
 
     /// Returns a power.
-    fn power(
-        &mut self,
-        at: usize,
-        base: Self::Value,
-        exponent: f64,
-    ) -> Result<Self::Value, FormulaFault>;
+    fn power(&mut self, at: usize, base: Self::Value, exponent: f64) -> Valued<Self::Value>;
 
     /// Returns the value of a function.
-    fn call(
-        &mut self,
-        at: usize,
-        function: Function,
-        of: Self::Value,
-    ) -> Result<Self::Value, FormulaFault>;
+    fn call(&mut self, at: usize, function: Function, of: Self::Value) -> Valued<Self::Value>;
 }
 
 /// Whole numbers with their names.
@@ -78,14 +55,7 @@ impl Bodies {
     }
 
     /// Evaluates a formula.
-    ///
-    /// # Errors
-    /// The first fault.
-    pub fn evaluate<V: Values>(
-        &mut self,
-        formula: &Formula,
-        values: &mut V,
-    ) -> Result<V::Value, FormulaFault> {
+    pub fn evaluate<V: Values>(&mut self, formula: &Formula, values: &mut V) -> Valued<V::Value> {
         self.term(&formula.root, formula, values)
     }
 
@@ -94,7 +64,7 @@ impl Bodies {
         term: &Term,
         formula: &Formula,
         values: &mut V,
-    ) -> Result<V::Value, FormulaFault> {
+    ) -> Valued<V::Value> {
         let at = term.at;
         self.terms += 1;
         if self.terms > MOST_TERMS {
@@ -157,7 +127,7 @@ impl Bodies {
         terms: &[(bool, Term)],
         formula: &Formula,
         values: &mut V,
-    ) -> Result<Vec<(bool, V::Value)>, FormulaFault> {
+    ) -> Valued<Vec<(bool, V::Value)>> {
         terms.iter().map(|(flag, term)| Ok((*flag, self.term(term, formula, values)?))).collect()
     }
 
@@ -171,10 +141,7 @@ impl Bodies {
     }
 
     /// Returns the value of a term of whole numbers.
-    ///
-    /// # Errors
-    /// A fault if the term contains anything else.
-    pub fn index(&self, term: &Term) -> Result<i64, FormulaFault> {
+    pub fn index(&self, term: &Term) -> Valued<i64> {
         let total = |parts: &[(bool, Term)]| {
             parts.iter().try_fold(0_i64, |sum, (minus, part)| {
                 let value = self.index(part)?;

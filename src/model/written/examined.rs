@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::definition::{COEFFICIENT, Definition};
 use super::evaluate::Bodies;
-use super::formula::{Dimension, Formula, FormulaFault, NONE, WHOLE};
+use super::formula::{Dimension, Formula, NONE, Valued, WHOLE};
 use super::instance::Instance;
 use super::numeric::Numeric;
 use super::scales::Scales;
@@ -20,8 +20,8 @@ pub(super) struct Examined {
     /// The system without dimensions.
     pub system: Arc<WrittenSystem>,
     pub scales: Scales,
-    /// The dimension of the sliding speed of each contact.
-    pub speeds: Vec<Dimension>,
+    /// The unit of the sliding speed of each contact, in SI units.
+    pub speeds: Vec<f64>,
     /// The dimension of each output.
     pub outputs: Vec<Dimension>,
     /// The highest natural frequency without contacts, rad/s.
@@ -33,28 +33,36 @@ pub(super) struct Examined {
 impl Examined {
     /// Examines a system with these values of its parameters, in SI units, and the law of friction of the study; `number` is
     /// that of its definition.
-    ///
-    /// # Errors
-    /// A fault that the check has found before, or one of other numbers of bodies.
     pub fn new(
         instance: Instance<'static>,
         number: usize,
         values: &[f64],
         of_study: &FrictionLaw,
-    ) -> Result<Self, FormulaFault> {
+    ) -> Valued<Self> {
         let definition = instance.definition;
         let period = definition.period.as_ref().map(|formula| instance.constant(formula, values));
         let period = period.transpose()?;
         let Sizes { middle, reach, is_finite, without_energy, rates, natural_rad_s, scales } =
             instance.sizes(values, period)?;
-        let speeds = (0..instance.contacts.len())
-            .map(|number| instance.speed_dimension(number).map_err(|(_, fault)| fault))
-            .collect::<Result<Vec<_>, _>>()?;
+        let parameters = definition.parameters.iter().zip(values);
+        let scaled: Vec<f64> =
+            parameters.map(|(one, value)| value / scales.unit(one.unit.dimension)).collect();
+        let named = instance.parameters(&scaled);
+        let numeric = Numeric { scales, parameters: &named, coordinates: &[], time: 0.0 };
+        let speed_of = instance.choose_velocities(numeric)?;
+        let moving = instance.rates(&speed_of, numeric)?;
+        let unit_of_speed = |number: usize| {
+            let unit = scales.unit(instance.speed_dimension(number).map_err(|(_, fault)| fault)?);
+            let multiple = instance.multiple((number, speed_of[number]), &moving, numeric)?;
+            Ok(unit * multiple.unwrap_or(1.0))
+        };
+        let speeds = (0..instance.contacts.len()).map(unit_of_speed);
+        let speeds = speeds.collect::<Result<Vec<_>, _>>()?;
         let outputs = (0..instance.outputs.len()).map(|number| instance.output_dimension(number));
         let outputs = outputs.collect::<Result<Vec<_>, _>>()?;
         let second = scales.unit([0, 0, WHOLE]);
         let (mut friction, mut impacts, mut sound) = (Vec::new(), Vec::new(), Ok(()));
-        for (number, speed) in speeds.iter().enumerate() {
+        for (number, &speed) in speeds.iter().enumerate() {
             let (law, coefficient) = instance.law(number, values, of_study)?;
             let impact = instance.impact_law(number, values)?;
             let own =
@@ -67,7 +75,6 @@ impl Examined {
                     ..invalid
                 });
             sound = sound.and(own);
-            let speed = scales.unit(*speed);
             let drag = scales.unit([WHOLE, 2 * WHOLE, -3 * WHOLE]) / (speed * speed);
             friction.push(law.contact(coefficient, speed, drag));
             impacts.push(impact);
@@ -109,18 +116,9 @@ impl Examined {
                 sound = Err(invalid(&coordinate.name, found, "a coordinate without `periodic`"));
             }
         }
-        let parameters = definition.parameters.iter().zip(values);
-        let scaled: Vec<f64> =
-            parameters.map(|(one, value)| value / scales.unit(one.unit.dimension)).collect();
         let largest_force = instance.largest_force(&scaled, scales, &middle)?;
-        let named = instance.parameters(&scaled);
-        let numeric = Numeric { scales, parameters: &named, coordinates: &[], time: 0.0 };
-        let speed_of = instance.choose_velocities(numeric)?;
         let integrals = instance.choose_positions(&speed_of, numeric)?;
-        let coordinates = [
-            instance.rates(&integrals, numeric)?.without_constants(),
-            instance.rates(&speed_of, numeric)?,
-        ];
+        let coordinates = [instance.rates(&integrals, numeric)?.without_constants(), moving];
         let mut system = WrittenSystem {
             has_one_solution: false,
             number,
@@ -141,10 +139,7 @@ impl Examined {
     }
 
     /// Returns a start state in the components of the system: positions, velocities, and the time if the equations contain it.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
-    pub fn start_state(&self, start: &[f64]) -> Result<Vec<f64>, FormulaFault> {
+    pub fn start_state(&self, start: &[f64]) -> Valued<Vec<f64>> {
         let WrittenSystem { instance, scales, values, speeds, integrals, .. } = &*self.system;
         let (positions, rates) = start.split_at(instance.coordinates.len().min(start.len()));
         let state: Vec<[f64; 2]> =
@@ -177,9 +172,6 @@ impl Examined {
 }
 
 /// Checks the values of a contact.
-///
-/// # Errors
-/// The first value without physical meaning.
 fn check_contact(
     law: &FrictionLaw,
     coefficient: f64,
@@ -196,15 +188,12 @@ fn check_contact(
 
 impl Instance<'_> {
     /// Returns the law of friction of a contact and its coefficient, in SI units.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
     fn law(
         &self,
         number: usize,
         values: &[f64],
         of_study: &FrictionLaw,
-    ) -> Result<(FrictionLaw, f64), FormulaFault> {
+    ) -> Valued<(FrictionLaw, f64)> {
         let (contact, bodies) = self.contact(number);
         if contact.has_law_of_study {
             let is_it = |(name, _): &(&str, f64)| *name == FRICTION_COEFFICIENT;
@@ -221,10 +210,7 @@ impl Instance<'_> {
     }
 
     /// Returns the law of impact of a contact.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
-    fn impact_law(&self, number: usize, values: &[f64]) -> Result<ImpactLaw, FormulaFault> {
+    fn impact_law(&self, number: usize, values: &[f64]) -> Valued<ImpactLaw> {
         let (contact, bodies) = self.contact(number);
         let [normal, tangential] = &contact.restitution;
         Ok(ImpactLaw {
@@ -235,15 +221,7 @@ impl Instance<'_> {
     }
 
     /// Returns the largest force in the middle of the start ranges, without dimensions.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
-    fn largest_force(
-        &self,
-        scaled: &[f64],
-        scales: Scales,
-        middle: &[[f64; 2]],
-    ) -> Result<f64, FormulaFault> {
+    fn largest_force(&self, scaled: &[f64], scales: Scales, middle: &[[f64; 2]]) -> Valued<f64> {
         let (parameters, middle) = (self.parameters(scaled), self.scaled(scales, middle));
         let coordinates = self.named(|number| middle[number]);
         let mut numeric =
@@ -259,15 +237,12 @@ impl Instance<'_> {
     }
 
     /// Returns whether the equations at some states and times are the same after a time, or after a turn of a coordinate.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
     fn repeats(
         &self,
         values: &[f64],
         states: &[Vec<[f64; 2]>],
         (period, turned): (f64, Option<usize>),
-    ) -> Result<bool, FormulaFault> {
+    ) -> Valued<bool> {
         let mut pairs: Vec<[Vec<f64>; 2]> = Vec::new();
         for state in states {
             for time in [0.1, 0.37, 0.83].map(|part| part * period) {
@@ -290,17 +265,13 @@ impl Instance<'_> {
     }
 
     /// Returns the values of all formulas of the equations.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
-    pub fn all_at(
-        &self,
-        values: &[f64],
-        state: &[[f64; 2]],
-        time: f64,
-    ) -> Result<Vec<f64>, FormulaFault> {
-        let (parameters, coordinates) =
+    pub fn all_at(&self, values: &[f64], state: &[[f64; 2]], time: f64) -> Valued<Vec<f64>> {
+        let (parameters, mut coordinates) =
             (self.parameters(values), self.named(|number| state[number]));
+        // Normal forces may contain accelerations.
+        for (number, (.., values)) in coordinates.iter_mut().enumerate() {
+            values[2] = 1.0 + 0.3 * number as f64;
+        }
         let mut numeric = Numeric {
             scales: Scales::default(),
             parameters: &parameters,
@@ -330,23 +301,12 @@ impl Instance<'_> {
     }
 
     /// Returns the value of a formula of parameters.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
-    fn constant(&self, formula: &Formula, values: &[f64]) -> Result<f64, FormulaFault> {
+    fn constant(&self, formula: &Formula, values: &[f64]) -> Valued<f64> {
         self.constant_of(&self.bodies, formula, values)
     }
 
     /// Returns the value of a formula of parameters for a body.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
-    fn constant_of(
-        &self,
-        bodies: &Bodies,
-        formula: &Formula,
-        values: &[f64],
-    ) -> Result<f64, FormulaFault> {
+    fn constant_of(&self, bodies: &Bodies, formula: &Formula, values: &[f64]) -> Valued<f64> {
         let parameters = self.parameters(values);
         let mut numeric = Numeric {
             scales: Scales::default(),

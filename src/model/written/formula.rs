@@ -30,6 +30,9 @@ pub struct FormulaFault {
     pub names: Box<[String]>,
 }
 
+/// What a formula gives, or what is wrong in it.
+pub(super) type Valued<T> = Result<T, FormulaFault>;
+
 impl FormulaFault {
     pub(super) fn new(
         at: usize,
@@ -148,10 +151,7 @@ impl Comparison {
 
 impl Formula {
     /// Parses a text.
-    ///
-    /// # Errors
-    /// What is wrong first in the text.
-    pub fn parse(text: &str) -> Result<Formula, FormulaFault> {
+    pub fn parse(text: &str) -> Valued<Formula> {
         let (root, numbers) = parsed(text)?;
         Ok(Formula { text: text.to_owned(), root, numbers: vec![NONE; numbers] })
     }

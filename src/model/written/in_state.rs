@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::formula::FormulaFault;
+use super::formula::Valued;
 use super::numeric::Numeric;
 use super::system::WrittenSystem;
 use super::velocities::Rates;
@@ -11,14 +11,11 @@ use crate::model::Components;
 impl WrittenSystem {
     /// Computes with the values of all names in a state, and with the rates of change as functions of the velocities; `None` if the
     /// state has another number of components.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
     pub(super) fn in_state<R>(
         &self,
         state: &[f64],
-        compute: impl FnOnce(Numeric<'_, f64>, &Rates<f64>) -> Result<R, FormulaFault>,
-    ) -> Result<Option<R>, FormulaFault> {
+        compute: impl FnOnce(Numeric<'_, f64>, &Rates<f64>) -> Valued<R>,
+    ) -> Valued<Option<R>> {
         let (instance, n) = (&self.instance, self.instance.coordinates.len());
         let parts = state
             .split_at_checked(n)
@@ -36,10 +33,7 @@ impl WrittenSystem {
     }
 
     /// Returns the coordinates, their rates of change and the outputs of the file in a state.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
-    pub(super) fn outputs_in(&self, state: &[f64]) -> Result<Components, FormulaFault> {
+    pub(super) fn outputs_in(&self, state: &[f64]) -> Valued<Components> {
         let (instance, n) = (&self.instance, self.instance.coordinates.len());
         let mut outputs = Components::new();
         let Some((positions, rest)) = state.split_at_checked(n) else { return Ok(outputs) };
@@ -60,10 +54,7 @@ impl WrittenSystem {
     }
 
     /// Returns the smallest pivot of the mass matrix over the entry on its diagonal.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
-    pub(super) fn inertia_in(&self, state: &[f64]) -> Result<f64, FormulaFault> {
+    pub(super) fn inertia_in(&self, state: &[f64]) -> Valued<f64> {
         let mass = self
             .in_state(state, |mut values, _| Ok(self.instance.mass_and_forces(&mut values)?.0))?;
         Ok(mass.map_or(1.0, |mass| smallest_pivot(mass).0))

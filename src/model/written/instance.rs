@@ -4,7 +4,7 @@ use super::definition::{Definition, Place, WrittenContact, WrittenOutput};
 use super::dependence::Dependence;
 use super::dimensions::{Dimensions, Found, Measured};
 use super::evaluate::Bodies;
-use super::formula::{Content, Dimension, Formula, FormulaFault, NONE, Name, Term};
+use super::formula::{Content, Dimension, Formula, FormulaFault, NONE, Name, Term, Valued};
 use super::names::{Names, place_of};
 
 /// One of the coordinates or contacts of a definition, and the body that it belongs to.
@@ -36,9 +36,6 @@ pub type FaultAt = (Vec<String>, FormulaFault);
 
 impl<'d> Instance<'d> {
     /// Creates the system; `count` returns the value of a whole number among the parameters.
-    ///
-    /// # Errors
-    /// The first fault of a sliding speed or of the place of an entry.
     pub fn new(definition: &'d Definition, count: impl Fn(&str) -> i64) -> Result<Self, FaultAt> {
         let counts = definition.parameters.iter().filter(|one| one.most.is_some());
         let counts: Vec<_> = counts.map(|one| (one.name.clone(), count(&one.name))).collect();
@@ -110,10 +107,7 @@ impl<'d> Instance<'d> {
     }
 
     /// Returns the dimension of an output.
-    ///
-    /// # Errors
-    /// A fault in the formula.
-    pub fn output_dimension(&self, number: usize) -> Result<Dimension, FormulaFault> {
+    pub fn output_dimension(&self, number: usize) -> Valued<Dimension> {
         let (output, mut bodies) = self.output(number);
         let (found, _) = self.analysed(&output.formula, &mut bodies)?;
         Ok(match found.measured {
@@ -147,10 +141,7 @@ impl<'d> Instance<'d> {
     }
 
     /// Returns whether the sliding speed of a contact has the same factors of the rates of change in all states.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
-    pub fn has_constant_factors(&self, contact: usize) -> Result<bool, FormulaFault> {
+    pub fn has_constant_factors(&self, contact: usize) -> Valued<bool> {
         let (contact, mut bodies) = self.contact(contact);
         let Some(sliding) = &contact.sliding else { return Ok(false) };
         let (found, _) = self.analysed(sliding, &mut bodies)?;
@@ -158,14 +149,11 @@ impl<'d> Instance<'d> {
     }
 
     /// Analyses a formula.
-    ///
-    /// # Errors
-    /// The first fault in it.
     pub fn analysed(
         &self,
         formula: &Formula,
         bodies: &mut Bodies,
-    ) -> Result<(Found, Dimensions<'_>), FormulaFault> {
+    ) -> Valued<(Found, Dimensions<'_>)> {
         let mut values = Dimensions {
             names: &self.names,
             numbers: vec![None; formula.numbers.len()],
@@ -176,9 +164,6 @@ impl<'d> Instance<'d> {
     }
 
     /// Returns the coordinates of places such as `x[block]` with the bodies for which all of them exist.
-    ///
-    /// # Errors
-    /// A fault if a name is not a coordinate, or if a place without an index does not exist.
     pub fn places<const N: usize>(
         &self,
         places: [&Place; N],

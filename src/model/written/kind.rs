@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::definition::{Definition, WrittenOutput};
 use super::dimensions::unit_of;
 use super::examined::Examined;
-use super::formula::{Dimension, Formula, FormulaFault, WHOLE};
+use super::formula::{Dimension, Formula, FormulaFault, Valued, WHOLE};
 use super::instance::{Instance, Member};
 use super::sizes::ranges;
 use super::velocities::SpeedOf;
@@ -163,10 +163,7 @@ fn sliding_speed_of_study(definition: &'static Definition) -> SlidingSpeed {
 
 impl WrittenKind {
     /// Returns the system with the numbers of bodies of a model.
-    ///
-    /// # Errors
-    /// The first fault of a formula with these numbers of bodies.
-    fn instance(&self, model: &OwnModel) -> Result<Arc<Instance<'static>>, FormulaFault> {
+    fn instance(&self, model: &OwnModel) -> Valued<Arc<Instance<'static>>> {
         let count = |name: &str| self.value(model, name) as i64;
         let mut sound = self.sound.lock().unwrap_or_else(PoisonError::into_inner);
         let has_counts = |known: &&Arc<Instance>| {
@@ -190,7 +187,7 @@ impl WrittenKind {
 
     /// Returns what the values of a model say about the system. The latest ones of each thread are kept, because all runs at one
     /// point have the same values.
-    fn examined(&self, model: &OwnModel) -> Result<Arc<Examined>, FormulaFault> {
+    fn examined(&self, model: &OwnModel) -> Valued<Arc<Examined>> {
         LATEST.with_borrow_mut(|latest| {
             let is_it = |(number, values, law, _): &Latest| {
                 *number == self.number && values == model.values() && law == model.friction()
@@ -213,7 +210,7 @@ impl WrittenKind {
     }
 
     /// Returns a part of a model that has been validated.
-    fn part<T: Default>(part: Result<T, FormulaFault>) -> T {
+    fn part<T: Default>(part: Valued<T>) -> T {
         // A model is validated before it is simulated; what has a fault has no coordinates.
         part.unwrap_or_default()
     }
@@ -280,9 +277,8 @@ impl OwnKind for WrittenKind {
         let instance = &system.instance;
         let unit = |dimension: Dimension| scales.unit(dimension);
         let power = unit([WHOLE, 2 * WHOLE, -3 * WHOLE]);
-        let contact = |(number, speed): (usize, &Dimension)| {
+        let contact = |(number, &sliding_speed): (usize, &f64)| {
             let member = instance.coordinates[system.position(number)];
-            let sliding_speed = unit(*speed);
             ContactUnits {
                 position: match system.integrals[number] {
                     SpeedOf::Formula => unit(self.definition.coordinates[member.of].unit.dimension),

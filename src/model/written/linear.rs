@@ -1,7 +1,7 @@
 //! Sliding speeds as linear functions of the rates of change.
 
 use super::evaluate::Values;
-use super::formula::{Dimension, FormulaFault, Function, Name};
+use super::formula::{Dimension, Function, Name, Valued};
 use super::instance::Instance;
 use super::numeric::{Numeric, Quantity};
 
@@ -51,12 +51,7 @@ impl<T: Quantity> Values for Linearised<'_, '_, T> {
         Linear::constant(self.numeric.quantity(value, dimension))
     }
 
-    fn named(
-        &mut self,
-        at: usize,
-        name: &Name,
-        body: Option<i64>,
-    ) -> Result<Linear<T>, FormulaFault> {
+    fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Valued<Linear<T>> {
         match self.instance.number_of(&name.name, body).filter(|_| name.primes == 1) {
             Some(number) => {
                 Ok(Linear { constant: T::constant(0.0), factors: vec![(number, T::constant(1.0))] })
@@ -65,18 +60,14 @@ impl<T: Quantity> Values for Linearised<'_, '_, T> {
         }
     }
 
-    fn sum(&mut self, _: usize, terms: Vec<(bool, Linear<T>)>) -> Result<Linear<T>, FormulaFault> {
+    fn sum(&mut self, _: usize, terms: Vec<(bool, Linear<T>)>) -> Valued<Linear<T>> {
         let signed =
             |(minus, term): (bool, Linear<T>)| if minus { term.map(|one| -one) } else { term };
         let sum = terms.into_iter().map(signed).reduce(Linear::plus);
         Ok(sum.unwrap_or_else(|| Linear::constant(T::constant(0.0))))
     }
 
-    fn product(
-        &mut self,
-        _: usize,
-        factors: Vec<(bool, Linear<T>)>,
-    ) -> Result<Linear<T>, FormulaFault> {
+    fn product(&mut self, _: usize, factors: Vec<(bool, Linear<T>)>) -> Valued<Linear<T>> {
         let one = Linear::constant(T::constant(1.0));
         let times = |product: Linear<T>, (over, factor): (bool, Linear<T>)| match over {
             true => product.map(|one| one / factor.constant),
@@ -86,24 +77,14 @@ impl<T: Quantity> Values for Linearised<'_, '_, T> {
         Ok(factors.into_iter().fold(one, times))
     }
 
-    fn power(
-        &mut self,
-        at: usize,
-        base: Linear<T>,
-        exponent: f64,
-    ) -> Result<Linear<T>, FormulaFault> {
+    fn power(&mut self, at: usize, base: Linear<T>, exponent: f64) -> Valued<Linear<T>> {
         match exponent == 1.0 {
             true => Ok(base),
             false => self.numeric.power(at, base.constant, exponent).map(Linear::constant),
         }
     }
 
-    fn call(
-        &mut self,
-        at: usize,
-        function: Function,
-        of: Linear<T>,
-    ) -> Result<Linear<T>, FormulaFault> {
+    fn call(&mut self, at: usize, function: Function, of: Linear<T>) -> Valued<Linear<T>> {
         self.numeric.call(at, function, of.constant).map(Linear::constant)
     }
 }

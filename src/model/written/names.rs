@@ -2,7 +2,7 @@
 
 use super::definition::Definition;
 use super::evaluate::Bodies;
-use super::formula::{Dimension, Formula, FormulaFault, NONE, Name, WHOLE};
+use super::formula::{Dimension, Formula, FormulaFault, NONE, Name, Valued, WHOLE};
 
 /// The names of a system with certain numbers of bodies.
 #[derive(Clone, Debug)]
@@ -39,15 +39,7 @@ impl Names {
     }
 
     /// Returns what a name means, and its dimension.
-    ///
-    /// # Errors
-    /// A fault if there is no such name, or if its body does not exist.
-    pub fn find(
-        &self,
-        at: usize,
-        name: &Name,
-        body: Option<i64>,
-    ) -> Result<(Meaning, Dimension), FormulaFault> {
+    pub fn find(&self, at: usize, name: &Name, body: Option<i64>) -> Valued<(Meaning, Dimension)> {
         let text = name.name.as_str();
         let shown = format!("`{text}{}`", "'".repeat(name.primes));
         let of_one = |body: Option<i64>, count: Option<i64>| match (body, count) {
@@ -112,13 +104,7 @@ impl Names {
 }
 
 /// Returns the coordinate and the body that a place such as `x[block + 1]` names.
-///
-/// # Errors
-/// A fault if the text is something else.
-pub(super) fn place_of(
-    place: &Formula,
-    bodies: &Bodies,
-) -> Result<(String, Option<i64>), FormulaFault> {
+pub(super) fn place_of(place: &Formula, bodies: &Bodies) -> Valued<(String, Option<i64>)> {
     match &place.root.content {
         super::formula::Content::Name(Name { name, primes: 0, body }) => {
             let body = body.as_ref().map(|body| bodies.index(body)).transpose()?;

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::ops::Div;
 
 use super::evaluate::Values;
-use super::formula::{Dimension, FormulaFault, Function, Name};
+use super::formula::{Dimension, FormulaFault, Function, Name, Valued};
 use super::scales::Scales;
 use crate::model::{self, Bounded, Elementary, Expression, Number};
 
@@ -94,7 +94,7 @@ impl<T: Quantity> Values for Numeric<'_, T> {
         self.number(value, dimension, 0)
     }
 
-    fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Result<T, FormulaFault> {
+    fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Valued<T> {
         let coordinate =
             self.coordinates.iter().find(|(own, of, _)| *own == name.name && *of == body);
         if let (Some((.., values)), Some(which @ 0..=2)) = (coordinate, Some(name.primes)) {
@@ -110,7 +110,7 @@ impl<T: Quantity> Values for Numeric<'_, T> {
         }
     }
 
-    fn sum(&mut self, _: usize, terms: Vec<(bool, T)>) -> Result<T, FormulaFault> {
+    fn sum(&mut self, _: usize, terms: Vec<(bool, T)>) -> Valued<T> {
         // Sums of many bodies are added in halves, so that the expression stays shallow.
         if terms.len() > 16 {
             let later = terms.len() / 2;
@@ -126,7 +126,7 @@ impl<T: Quantity> Values for Numeric<'_, T> {
         Ok(terms.fold(first, |sum, (minus, value)| if minus { sum - value } else { sum + value }))
     }
 
-    fn product(&mut self, _: usize, factors: Vec<(bool, T)>) -> Result<T, FormulaFault> {
+    fn product(&mut self, _: usize, factors: Vec<(bool, T)>) -> Valued<T> {
         let times = |product: T, (over, value): (bool, T)| match over {
             true => product / value,
             false => product * value,
@@ -134,7 +134,7 @@ impl<T: Quantity> Values for Numeric<'_, T> {
         Ok(factors.into_iter().fold(T::constant(1.0), times))
     }
 
-    fn power(&mut self, _: usize, base: T, exponent: f64) -> Result<T, FormulaFault> {
+    fn power(&mut self, _: usize, base: T, exponent: f64) -> Valued<T> {
         // Whole powers by repeated squares, and half powers with a root.
         let (base, mut left) = match exponent.fract() == 0.0 {
             true => (base, exponent.abs() as u64),
@@ -154,7 +154,7 @@ impl<T: Quantity> Values for Numeric<'_, T> {
         Ok(if exponent < 0.0 { T::constant(1.0) / power } else { power })
     }
 
-    fn call(&mut self, _: usize, function: Function, of: T) -> Result<T, FormulaFault> {
+    fn call(&mut self, _: usize, function: Function, of: T) -> Valued<T> {
         let one = T::constant(1.0);
         Ok(match function {
             Function::Sine => of.sin_cos().0,

@@ -1,6 +1,8 @@
 //! Reads the text of a formula: sums, products, powers, functions, and `sum(body, ...)`.
 
-use super::formula::{Comparison, Content, FormulaFault, Function, LONGEST_FORMULA, Name, Term};
+use super::formula::{
+    Comparison, Content, FormulaFault, Function, LONGEST_FORMULA, Name, Term, Valued,
+};
 
 /// The deepest nesting of parentheses.
 const DEEPEST: usize = 60;
@@ -13,10 +15,7 @@ const KINKED: [&str; 11] =
     ["abs", "sign", "sgn", "min", "max", "floor", "ceil", "round", "mod", "heaviside", "step"];
 
 /// Returns the tree of a text, and how many numbers it contains.
-///
-/// # Errors
-/// What is wrong first in the text.
-pub(super) fn parsed(text: &str) -> Result<(Term, usize), FormulaFault> {
+pub(super) fn parsed(text: &str) -> Valued<(Term, usize)> {
     if text.len() > LONGEST_FORMULA {
         let found = format!("{} bytes", text.len());
         let allowed =
@@ -41,8 +40,6 @@ struct Parser<'t> {
     /// How many numbers have been read.
     numbers: usize,
 }
-
-type Parsed = Result<Term, FormulaFault>;
 
 impl<'t> Parser<'t> {
     fn rest(&self) -> &'t str {
@@ -78,12 +75,12 @@ impl<'t> Parser<'t> {
         }
     }
 
-    fn expect(&mut self, wanted: &str) -> Result<(), FormulaFault> {
+    fn expect(&mut self, wanted: &str) -> Valued<()> {
         if self.take(wanted) { Ok(()) } else { Err(self.unexpected(&format!("`{wanted}`"))) }
     }
 
     /// Enters a further level of nesting.
-    fn deeper(&mut self) -> Result<(), FormulaFault> {
+    fn deeper(&mut self) -> Valued<()> {
         self.depth += 1;
         if self.depth <= DEEPEST {
             return Ok(());
@@ -92,7 +89,7 @@ impl<'t> Parser<'t> {
         Err(FormulaFault::new(self.at, "too deep a formula", "one more level", allowed))
     }
 
-    fn sum(&mut self) -> Parsed {
+    fn sum(&mut self) -> Valued<Term> {
         self.next();
         let at = self.at;
         self.deeper()?;
@@ -109,7 +106,7 @@ impl<'t> Parser<'t> {
         Ok(joined(at, terms, Content::Sum))
     }
 
-    fn product(&mut self) -> Parsed {
+    fn product(&mut self) -> Valued<Term> {
         self.next();
         let at = self.at;
         let mut factors = vec![(false, self.factor()?)];
@@ -126,7 +123,7 @@ impl<'t> Parser<'t> {
     }
 
     /// A power, or a negative one.
-    fn factor(&mut self) -> Parsed {
+    fn factor(&mut self) -> Valued<Term> {
         self.next();
         let at = self.at;
         if self.take("-") {
@@ -156,7 +153,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    fn atom(&mut self) -> Parsed {
+    fn atom(&mut self) -> Valued<Term> {
         let first = self.next();
         let at = self.at;
         match first {
@@ -175,7 +172,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    fn number(&mut self) -> Parsed {
+    fn number(&mut self) -> Valued<Term> {
         let (at, rest) = (self.at, self.rest());
         let mut end = rest.bytes().take_while(|one| one.is_ascii_digit() || *one == b'.').count();
         let exponent = rest[end..].strip_prefix(['e', 'E']).map(|exponent| {
@@ -210,7 +207,7 @@ impl<'t> Parser<'t> {
         &rest[..end]
     }
 
-    fn named(&mut self) -> Parsed {
+    fn named(&mut self) -> Valued<Term> {
         let at = self.at;
         let name = self.name();
         if self.next() == Some('(') {
@@ -236,7 +233,7 @@ impl<'t> Parser<'t> {
         primes
     }
 
-    fn call(&mut self, at: usize, name: &str) -> Parsed {
+    fn call(&mut self, at: usize, name: &str) -> Valued<Term> {
         self.expect("(")?;
         let content = match (name, Function::ALL.iter().find(|(known, _)| *known == name)) {
             ("sum", _) => {
@@ -252,7 +249,7 @@ impl<'t> Parser<'t> {
         Ok(Term { at, content })
     }
 
-    fn choice(&mut self) -> Result<Content, FormulaFault> {
+    fn choice(&mut self) -> Valued<Content> {
         let before = self.numbers;
         let one = self.sum()?;
         let comparison = Comparison::ALL.iter().find(|(sign, _)| self.take(sign));

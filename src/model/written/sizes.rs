@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, Schur};
 
-use super::formula::{FormulaFault, WHOLE};
+use super::formula::{Valued, WHOLE};
 use super::in_state::smallest_pivot;
 use super::instance::Instance;
 use super::numeric::Numeric;
@@ -28,13 +28,7 @@ pub(super) struct Sizes {
 }
 
 /// Returns the range of start values and that of start rates of each coordinate, in SI units.
-///
-/// # Errors
-/// A fault that the check has found before, or one of other numbers of bodies.
-pub(super) fn ranges(
-    instance: &Instance<'_>,
-    values: &[f64],
-) -> Result<Vec<[[f64; 2]; 2]>, FormulaFault> {
+pub(super) fn ranges(instance: &Instance<'_>, values: &[f64]) -> Valued<Vec<[[f64; 2]; 2]>> {
     let parameters = instance.parameters(values);
     let mut numeric =
         Numeric { scales: Scales::default(), parameters: &parameters, coordinates: &[], time: 0.0 };
@@ -55,10 +49,7 @@ pub(super) fn ranges(
 
 impl Instance<'_> {
     /// Returns the sizes for these values of the parameters; `period` is that of the equations.
-    ///
-    /// # Errors
-    /// A fault that the check has found before, or one of other numbers of bodies.
-    pub fn sizes(&self, values: &[f64], period: Option<f64>) -> Result<Sizes, FormulaFault> {
+    pub fn sizes(&self, values: &[f64], period: Option<f64>) -> Valued<Sizes> {
         let (instance, n) = (self, self.coordinates.len());
         let ranges = ranges(self, values)?;
         let middle: Vec<[f64; 2]> =
@@ -84,8 +75,11 @@ impl Instance<'_> {
                 }
             }
         }
-        let [stiffness, damping] = slopes.map(|slopes| largest_eigenvalue(&slopes));
         let definition = instance.definition;
+        // The largest speed at which an angle turns at the start.
+        let turns = |i: &usize| definition.coordinates[instance.coordinates[*i].of].periodic;
+        let turning = (0..n).filter(turns).map(|i| reach[i][1]).fold(0.0, f64::max);
+        let [stiffness, damping] = slopes.map(|slopes| largest_eigenvalue(&slopes));
         let forcing = period.map_or(0.0, |period| TAU / period.abs());
         let frequency = stiffness.sqrt().max(forcing);
         let [acceleration, mass] =
@@ -127,21 +121,15 @@ impl Instance<'_> {
             reach,
             is_finite,
             without_energy,
-            rates: [frequency, damping],
+            // A step is at most half a turn at this speed.
+            rates: [frequency.max(0.5 * turning), damping],
             natural_rad_s: stiffness.sqrt(),
             scales,
         })
     }
 
     /// Returns the mass matrix and the forces in a state.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
-    fn mass_at(
-        &self,
-        values: &[f64],
-        state: &[[f64; 2]],
-    ) -> Result<(Vec<Vec<f64>>, Vec<f64>), FormulaFault> {
+    fn mass_at(&self, values: &[f64], state: &[[f64; 2]]) -> Valued<(Vec<Vec<f64>>, Vec<f64>)> {
         let (parameters, coordinates) =
             (self.parameters(values), self.named(|number| state[number]));
         let scales = Scales::default();
@@ -151,14 +139,7 @@ impl Instance<'_> {
     }
 
     /// Returns the accelerations without contacts, and the diagonal of the mass matrix; `None` if this is not positive definite.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
-    fn accelerations(
-        &self,
-        values: &[f64],
-        state: &[[f64; 2]],
-    ) -> Result<Option<[Vec<f64>; 2]>, FormulaFault> {
+    fn accelerations(&self, values: &[f64], state: &[[f64; 2]]) -> Valued<Option<[Vec<f64>; 2]>> {
         let (mass, forces) = self.mass_at(values, state)?;
         let n = forces.len();
         let matrix = DMatrix::from_fn(n, n, |row, column| mass[row][column]);

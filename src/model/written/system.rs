@@ -4,7 +4,7 @@ use std::any::{Any, TypeId};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::definition::WrittenNormal;
-use super::formula::FormulaFault;
+use super::formula::Valued;
 use super::instance::{Instance, Member};
 use super::numeric::{Numeric, Quantity};
 use super::scales::Scales;
@@ -63,13 +63,10 @@ impl Instance<'_> {
     }
 
     /// Returns the mass matrix, and the forces.
-    ///
-    /// # Errors
-    /// A fault that [`super::Definition::check`] has found before, or one of other numbers of bodies.
     pub fn mass_and_forces<T: Quantity>(
         &self,
         values: &mut Numeric<'_, T>,
-    ) -> Result<(Vec<Vec<T>>, Vec<T>), FormulaFault> {
+    ) -> Valued<(Vec<Vec<T>>, Vec<T>)> {
         let (n, zero) = (self.coordinates.len(), T::constant(0.0));
         let (mut mass, mut forces) = (vec![vec![zero; n]; n], vec![zero; n]);
         for ([row, column], formula) in &self.definition.mass {
@@ -91,7 +88,7 @@ impl Instance<'_> {
 }
 
 impl WrittenSystem {
-    fn mechanism<'r>(&self, recorder: &'r Recorder) -> Result<Mechanism<'r>, FormulaFault> {
+    fn mechanism<'r>(&self, recorder: &'r Recorder) -> Valued<Mechanism<'r>> {
         let (instance, n) = (&self.instance, self.instance.coordinates.len());
         let positions: Vec<_> = (0..n).map(|_| recorder.state()).collect();
         let speeds: Vec<_> = (0..n).map(|_| recorder.state()).collect();
@@ -139,13 +136,19 @@ impl WrittenSystem {
         for (number, friction) in self.friction.iter().enumerate() {
             let (contact, mut bodies) = instance.contact(number);
             let formula = contact.normal.entry().1;
-            let normal = bodies.evaluate(formula, &mut values)?;
+            // A sliding speed in a larger unit means forces in a smaller one.
+            let factor = instance.multiple((number, self.speeds[number]), &rates, base)?;
+            let in_unit = |force| factor.map_or(force, |factor| factor * force);
+            let normal = in_unit(bodies.evaluate(formula, &mut values)?);
             let place = self.position(number);
             let member = instance.coordinates[place];
             contacts.push(MechanismContact {
                 position: (positions[place], instance.definition.coordinates[member.of].periodic),
                 sliding_speed: match (self.speeds[number], &contact.sliding) {
-                    (SpeedOf::Velocity(place) | SpeedOf::Same(place), _) => speeds[place],
+                    (
+                        SpeedOf::Velocity(place) | SpeedOf::Same(place) | SpeedOf::Multiple(place),
+                        _,
+                    ) => speeds[place],
                     (SpeedOf::Formula, Some(sliding)) => bodies.evaluate(sliding, &mut values)?,
                     (SpeedOf::Formula, None) => zero,
                 },
@@ -155,7 +158,7 @@ impl WrittenSystem {
                     }
                     WrittenNormal::Given(_) => {
                         let mut moving = Numeric { coordinates: &accelerated, ..values };
-                        let force = bodies.evaluate(formula, &mut moving)?;
+                        let force = in_unit(bodies.evaluate(formula, &mut moving)?);
                         let factor =
                             |of: &Expression<'r>| recorder.rate_of_change(force, &[(*of, one)]);
                         let factors: Vec<_> = accelerations.iter().map(factor).collect();
@@ -186,12 +189,13 @@ impl WrittenSystem {
     /// Returns the position that a contact moves.
     pub fn position(&self, contact: usize) -> usize {
         match self.integrals[contact] {
-            SpeedOf::Velocity(place) | SpeedOf::Same(place) => place,
+            SpeedOf::Velocity(place) | SpeedOf::Same(place) | SpeedOf::Multiple(place) => place,
             SpeedOf::Formula => self.instance.positions[contact],
         }
     }
 
-    /// Returns whether no contact opens, and each has a sliding speed that is a velocity; contacts with one velocity hold as one.
+    /// Returns whether no contact opens, and each has a sliding speed that is a velocity or a multiple of one; contacts with one
+    /// velocity hold as one.
     pub fn does_not_open(&self) -> bool {
         self.speeds.iter().enumerate().all(|(number, speed)| {
             let normal = &self.instance.contact(number).0.normal;
@@ -226,8 +230,9 @@ impl System for WrittenSystem {
         let counts = self.instance.bodies.counts.iter().map(|(_, count)| *count as usize);
         let units = self.scales.0.map(|exponent| exponent.cast_unsigned() as usize);
         let speeds = self.speeds.iter().map(|speed| match speed {
-            SpeedOf::Velocity(place) => 2 * place + 1,
-            SpeedOf::Same(place) => 2 * place + 2,
+            SpeedOf::Velocity(place) => 3 * place + 1,
+            SpeedOf::Same(place) => 3 * place + 2,
+            SpeedOf::Multiple(place) => 3 * place + 3,
             SpeedOf::Formula => 0,
         });
         Some((

@@ -7,7 +7,7 @@
 
 use nalgebra::DMatrix;
 
-use super::formula::FormulaFault;
+use super::formula::Valued;
 use super::numeric::Numeric;
 use super::system::WrittenSystem;
 use super::velocities::{Rates, SpeedOf};
@@ -32,10 +32,7 @@ impl WrittenSystem {
     }
 
     /// Returns whether stick and slip are surely decided in one way in a state.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
-    pub(super) fn decides_in_one_way(&self, state: &[f64]) -> Result<bool, FormulaFault> {
+    pub(super) fn decides_in_one_way(&self, state: &[f64]) -> Valued<bool> {
         let found = self.in_state(state, |values, _| {
             let at = |number: usize| {
                 let (.., [position, rate, _]) = values.coordinates[number];
@@ -46,15 +43,11 @@ impl WrittenSystem {
         Ok(found.unwrap_or(false))
     }
 
-    fn is_dominant(
-        &self,
-        at: impl Fn(usize) -> [Interval; 2],
-        time: Interval,
-    ) -> Result<bool, FormulaFault> {
+    fn is_dominant(&self, at: impl Fn(usize) -> [Interval; 2], time: Interval) -> Valued<bool> {
         let (instance, n) = (&self.instance, self.instance.coordinates.len());
         let place = |speed: &SpeedOf| match speed {
             SpeedOf::Velocity(place) => Some(*place),
-            SpeedOf::Same(_) | SpeedOf::Formula => None,
+            SpeedOf::Same(_) | SpeedOf::Multiple(_) | SpeedOf::Formula => None,
         };
         let places: Option<Vec<usize>> = self.speeds.iter().map(place).collect();
         let Some(places) = places else { return Ok(false) };

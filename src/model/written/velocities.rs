@@ -6,7 +6,7 @@
 //! contact sticks, so that a rest can be certified.
 
 use super::definition::WrittenNormal;
-use super::formula::{FormulaFault, WHOLE};
+use super::formula::{Valued, WHOLE};
 use super::instance::Instance;
 use super::linear::{Linear, Linearised};
 use super::numeric::{Numeric, Quantity};
@@ -21,6 +21,8 @@ pub(super) enum SpeedOf {
     Velocity(usize),
     /// It equals this velocity, which belongs to an earlier contact.
     Same(usize),
+    /// It is a positive multiple of this velocity, which belongs to an earlier contact: the multiple is in its unit.
+    Multiple(usize),
     /// It is a formula.
     Formula,
 }
@@ -99,27 +101,18 @@ impl<T: Quantity> Rates<T> {
 
 impl Instance<'_> {
     /// Returns the sliding speed of a contact as a linear function of the rates of change.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
     pub fn linear<T: Quantity>(
         &self,
         contact: usize,
         numeric: Numeric<'_, T>,
-    ) -> Result<Option<Linear<T>>, FormulaFault> {
+    ) -> Valued<Option<Linear<T>>> {
         let (contact, mut bodies) = self.contact(contact);
         let Some(sliding) = &contact.sliding else { return Ok(None) };
         bodies.evaluate(sliding, &mut Linearised { instance: self, numeric }).map(Some)
     }
 
     /// Chooses the velocities, for these values of the parameters.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
-    pub fn choose_velocities(
-        &self,
-        numeric: Numeric<'_, f64>,
-    ) -> Result<Vec<SpeedOf>, FormulaFault> {
+    pub fn choose_velocities(&self, numeric: Numeric<'_, f64>) -> Valued<Vec<SpeedOf>> {
         let mut rates = Rates::<f64>::identity(self.coordinates.len());
         let mut chosen: Vec<SpeedOf> = Vec::new();
         for contact in 0..self.contacts.len() {
@@ -145,20 +138,20 @@ impl Instance<'_> {
                 let preferred = is_preferred(one).cmp(&is_preferred(other));
                 preferred.then(size(one).total_cmp(&size(other))).then(other.cmp(one))
             });
+            if let Some(place) = largest {
+                rates.replace(place, &all);
+                chosen.push(SpeedOf::Velocity(place));
+                continue;
+            }
             // Elimination rounds what is exactly 0 or 1.
-            let is_near = |one: f64, other: f64| (one - other).abs() <= ROUNDING;
-            let is_same = |place: usize| {
-                let mut factors = all.0.iter().enumerate();
-                is_near(all.1, 0.0)
-                    && factors.all(|(at, one)| is_near(*one, f64::from(u8::from(at == place))))
-            };
-            chosen.push(match (largest, (0..all.0.len()).find(|place| is_same(*place))) {
-                (Some(place), _) => {
-                    rates.replace(place, &all);
-                    SpeedOf::Velocity(place)
-                }
-                (None, Some(place)) => SpeedOf::Same(place),
-                (None, None) => SpeedOf::Formula,
+            let mut moving = (0..all.0.len()).filter(|place| size(place) > ROUNDING);
+            chosen.push(match (moving.next(), moving.next()) {
+                (Some(place), None) if all.1.abs() <= ROUNDING => match all.0[place] {
+                    factor if (factor - 1.0).abs() <= ROUNDING => SpeedOf::Same(place),
+                    factor if factor > 0.0 && !opens => SpeedOf::Multiple(place),
+                    _ => SpeedOf::Formula,
+                },
+                _ => SpeedOf::Formula,
             });
         }
         Ok(chosen)
@@ -168,14 +161,11 @@ impl Instance<'_> {
     /// that goes round and round is no function of the state. Of contacts that open and move the same coordinates, only the first
     /// has its integral as a position: otherwise no position would be one on which nothing depends, such as the height of a body
     /// that falls.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
     pub fn choose_positions(
         &self,
         chosen: &[SpeedOf],
         numeric: Numeric<'_, f64>,
-    ) -> Result<Vec<SpeedOf>, FormulaFault> {
+    ) -> Valued<Vec<SpeedOf>> {
         let is_periodic =
             |(of, _): &(usize, f64)| self.definition.coordinates[self.coordinates[*of].of].periodic;
         let mut rates = Rates::<f64>::identity(self.coordinates.len());
@@ -183,7 +173,7 @@ impl Instance<'_> {
         for (contact, speed_of) in chosen.iter().enumerate() {
             let speed = match speed_of {
                 SpeedOf::Formula => None,
-                SpeedOf::Velocity(_) | SpeedOf::Same(_) => self.linear(contact, numeric)?,
+                _ => self.linear(contact, numeric)?,
             };
             let opens = matches!(self.contact(contact).0.normal, WrittenNormal::Gap(_));
             let is_free = |speed: &Linear<f64>| {
@@ -191,7 +181,7 @@ impl Instance<'_> {
                 !(opens && is_moved || speed.factors.iter().any(is_periodic))
             };
             let speed = match speed_of {
-                SpeedOf::Same(place) => {
+                SpeedOf::Same(place) | SpeedOf::Multiple(place) => {
                     speed.filter(|_| integrals.contains(&SpeedOf::Velocity(*place)))
                 }
                 _ => speed.filter(is_free),
@@ -202,22 +192,31 @@ impl Instance<'_> {
                     rates.replace(place, &all);
                     *speed_of
                 }
-                (SpeedOf::Same(_), Some(_)) => *speed_of,
+                (SpeedOf::Same(place) | SpeedOf::Multiple(place), Some(_)) => SpeedOf::Same(place),
                 _ => SpeedOf::Formula,
             });
         }
         Ok(integrals)
     }
 
+    /// Returns the sliding speed of a contact over the velocity of which it is a multiple.
+    pub fn multiple<T: Quantity>(
+        &self,
+        (contact, speed): (usize, SpeedOf),
+        rates: &Rates<T>,
+        numeric: Numeric<'_, T>,
+    ) -> Valued<Option<T>> {
+        let SpeedOf::Multiple(place) = speed else { return Ok(None) };
+        let speed = self.linear(contact, numeric)?;
+        Ok(speed.map(|speed| rates.of_velocities(&speed).0[place]))
+    }
+
     /// Returns the rates of change for chosen velocities.
-    ///
-    /// # Errors
-    /// A fault that the check has found before.
     pub fn rates<T: Quantity>(
         &self,
         chosen: &[SpeedOf],
         numeric: Numeric<'_, T>,
-    ) -> Result<Rates<T>, FormulaFault> {
+    ) -> Valued<Rates<T>> {
         let mut rates = Rates::identity(self.coordinates.len());
         for (contact, speed_of) in chosen.iter().enumerate() {
             let SpeedOf::Velocity(place) = speed_of else { continue };

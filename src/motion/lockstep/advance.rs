@@ -181,9 +181,6 @@ struct Event {
 
 /// Returns the first event of a step of one lane and its place in the step. A condition that fails only by rounding
 /// changes no phase; the next condition may.
-///
-/// # Errors
-/// [`Failure`] if a condition fails at the start of the step and no next phase can be decided.
 #[inline(never)]
 fn first_event<S: Vector, K: Kernel<S>>(
     g: &Group<S, K>,
@@ -286,8 +283,13 @@ fn decide<S: Vector, K: Kernel<S>>(
         Method::Event => {
             let (at_rest, stopped) = event_driven::stop(phases, speed, stops_at_once(contact));
             for (contact, _) in stopped.iter().enumerate().filter(|(_, stopped)| **stopped) {
-                if let (_, Some(component)) = kernel.coordinates(contact) {
-                    state[component] = 0.0;
+                match (kernel.coordinates(contact).1, kernel.shifted(contact)) {
+                    (Some(component), _) => state[component] = 0.0,
+                    (None, Some(component)) => {
+                        let residual = kernel.in_state(lane, own, state, |at| at.speed(contact));
+                        state[component] -= residual;
+                    }
+                    (None, None) => {}
                 }
             }
             kernel.in_state(lane, own, state, |at| {

@@ -74,9 +74,6 @@ impl Lane {
     }
 
     /// Counts an event.
-    ///
-    /// # Errors
-    /// [`Failure::StepLimit`] if there are more within a unit of time, over the pace, than in any motion that goes on.
     pub(super) fn count_event(&mut self, time: f64) -> Result<(), Failure> {
         if time >= self.events_since + 1.0 / self.pace {
             (self.events, self.events_since) = (0, time);
@@ -111,9 +108,6 @@ pub(crate) struct Saved {
 
 impl Saved {
     /// Creates a run at its start.
-    ///
-    /// # Errors
-    /// [`Failure`] if the motion cannot be continued from the start state.
     pub(crate) fn start(
         system: &Arc<dyn System>,
         settings: Settings,
@@ -123,9 +117,6 @@ impl Saved {
     }
 
     /// Creates a run at its start like [`Saved::start`], with known recorded equations.
-    ///
-    /// # Errors
-    /// [`Failure`] if the motion cannot be continued from the start state.
     pub(crate) fn start_with(
         evaluator: impl FnOnce() -> Evaluator,
         system: &Arc<dyn System>,
@@ -218,9 +209,6 @@ impl Saved {
     }
 
     /// Continues the run with another system from a state, in which a blow has lifted balls off their support.
-    ///
-    /// # Errors
-    /// [`Failure`] if the motion cannot be continued from the state.
     pub(crate) fn enters(
         &self,
         system: &Arc<dyn System>,
@@ -288,9 +276,6 @@ impl Saved {
 }
 
 /// Returns the phases in which a motion starts from a state, by the sliding speeds there.
-///
-/// # Errors
-/// [`Failure`] if no phases meet all conditions.
 pub(super) fn start_phases(
     system: &dyn System,
     settings: Settings,

@@ -434,6 +434,10 @@ impl<S: Vector> Kernel<S> for General<S> {
         (self.graph.layout.contacts[contact].position, self.speeds[contact])
     }
 
+    fn shifted(&self, contact: usize) -> Option<usize> {
+        self.graph.shifted_component(contact)
+    }
+
     fn vibration(&self) -> Option<[usize; 2]> {
         self.graph.layout.vibration
     }

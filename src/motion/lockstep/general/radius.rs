@@ -18,34 +18,29 @@ pub(super) enum Rule {
     Linear(Vec<(Slot, StaticId)>),
 }
 
-/// The rules that bound the changes of expressions, operands first.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Radii {
-    pub(super) rules: Vec<(Slot, Rule)>,
-}
-
-impl Radii {
-    /// Returns the rules for the changes of these expressions; `None` if they consist of more than sums and products of
-    /// components, unknowns, sines and cosines.
-    pub(super) fn of(operations: &Operations, slots: impl Iterator<Item = Slot>) -> Option<Self> {
-        let mut keyed = Vec::new();
-        let mut open: Vec<Slot> = slots.collect();
-        while let Some(slot) = open.pop() {
-            if keyed.iter().any(|(_, known, _)| *known == slot) {
-                continue;
-            }
-            let (place, rule) = rule(operations, slot)?;
-            match &rule {
-                Rule::Series => {}
-                Rule::Angle(angle) => open.push(*angle),
-                Rule::Product(factors) => open.extend(factors),
-                Rule::Linear(terms) => open.extend(terms.iter().map(|(slot, _)| *slot)),
-            }
-            keyed.push((place, slot, rule));
+/// Returns the rules that bound the changes of these expressions, operands first; `None` if they consist of more than sums and
+/// products of components, unknowns, sines and cosines.
+pub(super) fn radii(
+    operations: &Operations,
+    slots: impl Iterator<Item = Slot>,
+) -> Option<Vec<(Slot, Rule)>> {
+    let mut keyed = Vec::new();
+    let mut open: Vec<Slot> = slots.collect();
+    while let Some(slot) = open.pop() {
+        if keyed.iter().any(|(_, known, _)| *known == slot) {
+            continue;
         }
-        keyed.sort_by_key(|(place, ..)| *place);
-        Some(Radii { rules: keyed.into_iter().map(|(_, slot, rule)| (slot, rule)).collect() })
+        let (place, rule) = rule(operations, slot)?;
+        match &rule {
+            Rule::Series => {}
+            Rule::Angle(angle) => open.push(*angle),
+            Rule::Product(factors) => open.extend(factors),
+            Rule::Linear(terms) => open.extend(terms.iter().map(|(slot, _)| *slot)),
+        }
+        keyed.push((place, slot, rule));
     }
+    keyed.sort_by_key(|(place, ..)| *place);
+    Some(keyed.into_iter().map(|(_, slot, rule)| (slot, rule)).collect())
 }
 
 /// Returns the rule of an expression, with the place of the operation that computes it.

@@ -46,9 +46,6 @@ impl Held {
 }
 
 /// Writes the code of the lines.
-///
-/// # Errors
-/// An instruction that cannot be encoded, such as one for a cell that the program does not have.
 pub(super) fn assign(lowered: Lowered, encoder: &mut Encoder, cells: usize) -> Encoded {
     if lowered.values.iter().any(|value| value.cell as usize >= cells) {
         return Err(NotEncoded);

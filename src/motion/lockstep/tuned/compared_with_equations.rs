@@ -1,5 +1,5 @@
-//! Tests of the series of eight different machines side by side against the equations of motion, integrated by another
-//! method.
+//! Tests of the series of eight different machines side by side, over their longest steps, against the equations of motion,
+//! integrated by another method.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use fearless_simd::SimdBase;
 use super::mode_selection::contact_along;
 use super::step::within_tolerance;
 use super::tangent::carry;
-use super::{Flow, LANES, Lanes, Room, Tuned};
+use super::{LANES, Lanes, Room, Tuned};
 use crate::model::{Balancer, Dual, FrictionLaw, Machine, Method, Number, State, System};
 use crate::motion::lockstep::Saved;
 use crate::motion::lockstep::group::Group;
@@ -18,8 +18,6 @@ use crate::motion::lockstep::simd_level::tested_vectors;
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::{Phase, Settings, Tolerance};
 
-/// Length of the step.
-const LENGTH: f64 = 0.5;
 /// Number of intervals in the tableau of extrapolation: Gragg's method has an expansion in even powers, so that eight
 /// of them give order 16.
 const INTERVALS: [u32; 8] = [2, 4, 6, 8, 10, 12, 14, 16];
@@ -111,16 +109,6 @@ fn state<const N: usize>(lane: usize, stuck: impl Fn(usize) -> f64) -> State<N> 
     }
 }
 
-/// A state in dual numbers without its slope.
-fn value<const N: usize>(state: &State<N, Dual>) -> State<N> {
-    State {
-        position: state.position.map(|dual| dual.value),
-        velocity: state.velocity.map(|dual| dual.value),
-        beta: state.beta.map(|dual| dual.value),
-        beta_dot: state.beta_dot.map(|dual| dual.value),
-    }
-}
-
 fn largest<const N: usize>(state: &State<N>) -> f64 {
     let State { position, velocity, beta, beta_dot } = state;
     let all = position.iter().chain(velocity).chain(beta).chain(beta_dot);
@@ -177,72 +165,4 @@ fn longest_steps() {
     over_longest_steps::<1>(simd);
     over_longest_steps::<2>(simd);
     over_longest_steps::<4>(simd);
-}
-
-fn against_equations<const N: usize>(simd: impl Vector) {
-    // A wide band, so that the residual speed of a sticking ball is significant.
-    let settings = Settings {
-        method: Method::Switch,
-        band: 1e-3,
-        tolerance: Tolerance { relative: 1e-8, absolute: 1e-10 },
-        effort_limit: 1000,
-    };
-    let mut group = Group::new(simd, Tuned::<_, N>::new(simd, false));
-    let balancers: Vec<Balancer<N>> =
-        (0..LANES).map(|lane| Balancer::new(&machine(lane, N)).expect("N balls")).collect();
-    for (lane, balancer) in balancers.iter().enumerate() {
-        let start = state(lane, |ball| 1e-4 * (ball + 1) as f64);
-        let start: State<N> = start;
-        let system: Arc<dyn System> = Arc::new(*balancer);
-        let saved = Saved::start(&system, settings, &start.components()).expect("starts");
-        group.put(lane, &saved, 1.0);
-        let displaced: State<N> = state(lane + 100, |_| 0.3);
-        group.displace(lane, &displaced.components());
-    }
-    let length = Lanes::splat(simd, LENGTH);
-    let Group { kernel, room, state, displacement, .. } = &mut group;
-    kernel.expand(room, state, false);
-    let mut end: Flow<_, N> = *state;
-    kernel.at(room, state, length, &mut end);
-    let Room { series, displaced, .. } = &mut **room;
-    let moved = carry(series, (&kernel.equations, None), displacement, length, displaced);
-    let mut sticks = 0;
-    for (lane, balancer) in balancers.iter().enumerate() {
-        let phases = group.phases(lane);
-        sticks += phases.iter().filter(|phase| **phase == Phase::Stick).count();
-        let start = group.state.lane(lane).along(&group.displacement.lane(lane));
-        let along = integrated(balancer, phases, &start, (LENGTH, 8));
-        let mut difference = value(&along);
-        difference.add_scaled(-1.0, &end.lane(lane));
-        assert!(largest(&difference) < 1e-13, "{difference:?} in lane {lane}");
-        let mut difference = along.slope();
-        difference.add_scaled(-1.0, &moved.lane(lane));
-        assert!(largest(&difference) < 1e-11, "{difference:?} in lane {lane}");
-        // The series of each component sum up to the end.
-        let start = group.state.lane(lane).components();
-        for (component, end) in end.lane(lane).components().into_iter().enumerate() {
-            let powers = group.kernel.component(&group.room, lane, component, start[component]);
-            let sum = powers.iter().rev().fold(0.0, |sum, power| sum * LENGTH + power);
-            assert!((sum - end).abs() < 1e-13, "{sum} {end}: {component} in lane {lane}");
-        }
-    }
-    assert!(sticks > 0);
-}
-
-#[test]
-fn one_ball() {
-    let Some(simd) = tested_vectors() else { return };
-    against_equations::<1>(simd);
-}
-
-#[test]
-fn two_balls() {
-    let Some(simd) = tested_vectors() else { return };
-    against_equations::<2>(simd);
-}
-
-#[test]
-fn four_balls() {
-    let Some(simd) = tested_vectors() else { return };
-    against_equations::<4>(simd);
 }

@@ -334,6 +334,10 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         (4 + contact, Some(4 + N + contact))
     }
 
+    fn shifted(&self, _: usize) -> Option<usize> {
+        None
+    }
+
     fn vibration(&self) -> Option<[usize; 2]> {
         Some([0, 1])
     }

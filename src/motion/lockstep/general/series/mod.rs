@@ -14,7 +14,7 @@ use std::collections::HashMap;
 
 use super::elimination::Elimination;
 use super::operations::{Operation, Operations, Slot};
-use super::radius::Radii;
+use super::radius::radii;
 use super::statics::StaticId;
 use crate::graph::{Builder, Cell, Program, tangent};
 use crate::motion::lockstep::ORDER;
@@ -79,9 +79,9 @@ impl Operations {
         }
         expansion.last_of_positions();
         let of_contacts = |which: usize| self.contacts.iter().map(move |contact| contact[which]);
-        let radii = Radii::of(self, of_contacts(2));
+        let radii = radii(self, of_contacts(2));
         let exact = radii.is_some().then(|| expansion.screen(None));
-        let screen = expansion.screen(radii.as_ref());
+        let screen = expansion.screen(radii.as_deref());
         let Expansion { builder, not_zero, .. } = expansion;
         let series = |slot: Slot| {
             let orders = (0..TERMS).filter(|k| not_zero[slot as usize * TERMS + k]);

@@ -7,7 +7,7 @@ use super::{Expansion, TERMS};
 use crate::graph::{Cell, Product};
 use crate::motion::lockstep::ORDER;
 use crate::motion::lockstep::general::operations::{OfContact, OfGap, Operations, Slot};
-use crate::motion::lockstep::general::radius::{Radii, Rule};
+use crate::motion::lockstep::general::radius::Rule;
 use crate::motion::lockstep::root_isolation::FOURTH;
 
 /// The cells with lower bounds of conditions. Where a bound is negative or not a number, the condition may fail.
@@ -71,7 +71,7 @@ struct Powers {
 
 impl Expansion<'_> {
     /// Adds the instructions that bound all conditions. The normal forces are bounded by `radii`, or else by their series.
-    pub(super) fn screen(&mut self, radii: Option<&Radii>) -> Screen {
+    pub(super) fn screen(&mut self, radii: Option<&[(Slot, Rule)]>) -> Screen {
         let of: &Operations = self.of;
         let powers = self.powers();
         let normals: Vec<Normal> = match radii {
@@ -239,10 +239,10 @@ impl Expansion<'_> {
     }
 
     /// Returns lower bounds of the normal forces.
-    fn least_normals(&mut self, radii: &Radii, powers: &Powers) -> Vec<Cell> {
+    fn least_normals(&mut self, radii: &[(Slot, Rule)], powers: &Powers) -> Vec<Cell> {
         let zero = self.builder.number(0.0);
         let mut of = vec![zero; self.of.slots];
-        for (slot, rule) in &radii.rules {
+        for (slot, rule) in radii {
             of[*slot as usize] = match rule {
                 Rule::Angle(angle) => of[*angle as usize],
                 Rule::Series => {
