@@ -6,7 +6,7 @@ use super::designs::{ExaminedDesign, described};
 use super::points::points_to_examine;
 use super::values::{findings, has_room};
 use super::warning::{Finding, Warning};
-use crate::model::InvalidParameter;
+use crate::model::{BALL_BALANCER, InvalidParameter, Machine, Model};
 use crate::numbers::short;
 use crate::optimize::Space;
 use crate::study::{
@@ -125,7 +125,12 @@ fn mostly_defaults(study: &Study) -> Option<Finding> {
         named.filter(|one| is_left(one) == wanted).collect()
     };
     let (left, given) = (body(true), body(false));
-    let default = default_model();
+    let mut machine = Model::from(Machine::default());
+    let mut default = |name: &str| {
+        let parameter = BALL_BALANCER.parameters.iter().find(|one| one.name == name)?;
+        let number = parameter.numbers(&mut machine, Some(1)).into_iter().next()?;
+        Some(ParameterValue::Number(*number))
+    };
     let differs =
         |one: &&&ListedParameter| !one.is_default && Some(one.value) != default(&one.name);
     let own: Vec<&str> = given.iter().filter(differs).map(|one| one.name.as_str()).collect();
@@ -181,26 +186,6 @@ fn overridden(study: &Study) -> Vec<Finding> {
         })
     };
     study.parameters().into_iter().filter_map(finding).collect()
-}
-
-/// Returns a function that returns the default value of a parameter of the body.
-fn default_model() -> impl Fn(&str) -> Option<ParameterValue> {
-    let machine = crate::model::Machine::default();
-    move |name: &str| {
-        let ball = machine.balls.first()?;
-        let value = match name {
-            "table_mass_kg" => machine.table_mass_kg,
-            "stiffness_n_m" => machine.stiffness_n_m,
-            "damping_n_s_m" => machine.damping_n_s_m,
-            "ring_radius_m" => machine.ring_radius_m,
-            "imbalance_mass_kg" => machine.imbalance_mass_kg,
-            "imbalance_radius_m" => machine.imbalance_radius_m,
-            "ball_mass_kg" => ball.mass_kg,
-            "ball_diameter_m" => ball.diameter_m,
-            _ => return None,
-        };
-        Some(ParameterValue::Number(value))
-    }
 }
 
 /// Warns of distributions whose draws are often impossible values. The draws are those of the study's own runs.

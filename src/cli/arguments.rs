@@ -30,17 +30,11 @@ pub struct StudyArgument {
 
 impl StudyArgument {
     /// Reads the study file and the tables that it names.
-    ///
-    /// # Errors
-    /// Returns the first error in the study or its tables, with its place.
     pub fn load(&self) -> Result<Study, StudyError> {
         Study::load_with_tables(&self.study, &self.tables)
     }
 
     /// Reads and resolves the study, and prints what is implausible in it unless `quiet`.
-    ///
-    /// # Errors
-    /// Returns the first error in the study or its tables, with its place.
     pub fn load_and_warn(&self, quiet: bool) -> Result<Study, StudyError> {
         let study = self.load()?;
         if !quiet {
@@ -78,9 +72,6 @@ impl ThreadsArgument {
     }
 
     /// Starts the worker threads.
-    ///
-    /// # Errors
-    /// Returns an error if the operating system cannot start them.
     pub fn start(&self) -> Result<WorkerPool, CliError> {
         WorkerPool::new(self.count()).map_err(CliError::Threads)
     }

@@ -55,9 +55,6 @@ pub struct CheckArguments {
 }
 
 /// Checks the study and prints its plan.
-///
-/// # Errors
-/// Returns an error if the study or one of its tables is invalid.
 pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
     let warnings = warnings(&study);
@@ -104,7 +101,7 @@ pub fn check_json(study: &Study, existence: bool) -> Value {
         "runs": study.run_count(),
         "model": study.model().kind().name,
         "method": method_name(study.simulation().method),
-        "endings": endings_name(study.simulation().endings),
+        "endings": study.simulation().endings,
         "balls": study.model().balls(),
         "swept": swept,
         "uncertain": uncertain,
@@ -306,12 +303,5 @@ fn method_name(method: Method) -> &'static str {
     match method {
         Method::Switch => "switch",
         Method::Event => "event",
-    }
-}
-
-fn endings_name(endings: Endings) -> &'static str {
-    match endings {
-        Endings::All => "all",
-        Endings::Rest => "rest",
     }
 }

@@ -48,9 +48,6 @@ pub struct CompareArguments {
 }
 
 /// Compares two directories of results.
-///
-/// # Errors
-/// Returns an error if a directory holds no results, or if a table cannot be read.
 pub fn compare(arguments: &CompareArguments) -> Result<End, CliError> {
     let directories = [&arguments.first, &arguments.second];
     let [first, second] = directories.map(|directory| readable_results(directory));

@@ -22,9 +22,6 @@ pub struct CompletionsArguments {
 }
 
 /// Prints the completions.
-///
-/// # Errors
-/// Returns an error if standard output cannot be written to.
 pub fn completions(arguments: &CompletionsArguments) -> Result<End, CliError> {
     let mut script = Vec::new();
     generate(arguments.shell, &mut super::definition(), "stickslip", &mut script);

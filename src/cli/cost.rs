@@ -83,12 +83,7 @@ impl Cost {
         }
         let of_study = if counted.designs { study.least_run_count() } else { study.run_count() };
         let all = of_study as f64 / f64::max(runs, 1.0);
-        Cost {
-            steps: all * cost.steps,
-            core_seconds: all * cost.core_seconds,
-            most_steps: all * cost.most_steps,
-            most_core_seconds: all * cost.most_core_seconds,
-        }
+        cost.times(all)
     }
 
     /// Adds `runs` runs of a model; `known` says that all of them have exactly its parameters.

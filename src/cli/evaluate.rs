@@ -63,9 +63,6 @@ pub struct EvaluateArguments {
 }
 
 /// Evaluates designs.
-///
-/// # Errors
-/// Returns an error if the study or the table cannot be used, if the output file exists, or if it cannot be written.
 pub fn evaluate(arguments: &EvaluateArguments) -> Result<End, CliError> {
     let study = arguments.study.load_and_warn(arguments.quiet)?;
     check(arguments, &study)?;

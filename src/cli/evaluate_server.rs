@@ -26,9 +26,6 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 type Line = Option<Vec<u8>>;
 
 /// Answers requests until the input ends, the output is closed, or `stop` becomes true.
-///
-/// # Errors
-/// Returns an error if standard input cannot be read or standard output cannot be written.
 pub fn serve(study: &Study, workers: &WorkerPool, stop: &AtomicBool) -> Result<End, CliError> {
     let lines = lines();
     let writer = Writer::start();

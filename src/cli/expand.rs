@@ -43,9 +43,6 @@ pub struct ExpandArguments {
 const PIECE: usize = 1024;
 
 /// Writes the cases.
-///
-/// # Errors
-/// Returns an error if the study cannot be used, if the output file exists, or if it cannot be written.
 pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
     let mut list = Columns::<PlannedRun>::new();

@@ -49,9 +49,6 @@ fn template() -> impl TypedValueParser<Value = Template> {
 }
 
 /// Writes a study.
-///
-/// # Errors
-/// Returns an error if the file exists or cannot be written, or if its name is not that of a study.
 pub fn new(arguments: &NewArguments) -> Result<End, CliError> {
     let Some(file) = arguments.file.as_deref().filter(|_| !arguments.list) else {
         let line = |template: Template| format!("{:<12} {}\n", template.name, template.summary);

@@ -35,9 +35,6 @@ pub struct CsvTable<R> {
 
 impl<R> NewTable<R> {
     /// Starts a table.
-    ///
-    /// # Errors
-    /// Returns an error if the name is one of another format, or if the file exists or cannot be created.
     pub fn create(
         path: &Path,
         columns: Vec<Column<R>>,
@@ -74,9 +71,6 @@ impl<R> NewTable<R> {
     }
 
     /// Adds a row.
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be written.
     pub fn push(&mut self, row: R) -> Result<(), CliError> {
         match self {
             NewTable::Parquet(table) => Ok(table.push(row)?),
@@ -91,9 +85,6 @@ impl<R> NewTable<R> {
     }
 
     /// Gives the complete table its name.
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be written, or if a file of this name appeared in the meantime.
     pub fn finish(self) -> Result<(), CliError> {
         match self {
             NewTable::Parquet(table) => {
@@ -114,9 +105,6 @@ impl<R> NewTable<R> {
     }
 
     /// Removes the incomplete table.
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be removed.
     pub fn abandon(self) -> Result<(), CliError> {
         match self {
             NewTable::Parquet(table) => Ok(table.abandon()?),

@@ -16,17 +16,11 @@ pub enum Reader {
 }
 
 /// Writes text to standard output, without terminal control characters.
-///
-/// # Errors
-/// Returns an error if standard output cannot be written to, except when its reader has gone.
 pub fn print(text: &str) -> io::Result<Reader> {
     write(&harmless(text))
 }
 
 /// Writes JSON to standard output, with terminal control characters escaped.
-///
-/// # Errors
-/// Returns an error if standard output cannot be written to, except when its reader has gone.
 pub fn print_json(json: &str) -> io::Result<Reader> {
     write(&harmless_json(json))
 }
@@ -48,9 +42,6 @@ fn write(text: &str) -> io::Result<Reader> {
 }
 
 /// Returns cells as one line of CSV.
-///
-/// # Errors
-/// Returns an error if the cells cannot be written.
 pub fn csv_line(cells: impl IntoIterator<Item = String>) -> io::Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(cells)?;
@@ -59,17 +50,11 @@ pub fn csv_line(cells: impl IntoIterator<Item = String>) -> io::Result<String> {
 }
 
 /// Returns the names of columns as one line of CSV.
-///
-/// # Errors
-/// Returns an error if the line cannot be written.
 pub fn csv_header<R>(columns: &[Column<R>]) -> io::Result<String> {
     csv_line(columns.iter().map(|column| column.name().to_owned()))
 }
 
 /// Returns rows as lines of CSV, with every bit of a number; a missing value is an empty cell.
-///
-/// # Errors
-/// Returns an error if the lines cannot be written.
 pub fn csv_rows<R>(columns: &[Column<R>], rows: &[R]) -> io::Result<String> {
     let batch = batch(columns, rows).map_err(io::Error::other)?;
     let line = |row| csv_line(batch.columns().iter().map(|column| cell_text(column, row, "")));

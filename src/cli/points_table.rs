@@ -65,9 +65,6 @@ impl PointsTable {
     }
 
     /// Reads the table of a study's `points.parquet`.
-    ///
-    /// # Errors
-    /// Returns an error if the table cannot be read.
     pub fn read(study: &Study, table: &Table, most: usize) -> Result<Self, TableError> {
         let mut points = Self::new(study, most);
         table.for_each(|row| {

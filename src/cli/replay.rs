@@ -74,9 +74,6 @@ fn run_number(text: &str) -> Result<u64, String> {
 }
 
 /// Computes the run again and writes its motion.
-///
-/// # Errors
-/// Returns an error if the directory holds no results or not this run, or if a table cannot be written.
 pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
     let ReplayArguments { directory, run_id, .. } = arguments;
     let (study, manifest) = results_study(directory)?;

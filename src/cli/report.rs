@@ -38,9 +38,6 @@ pub struct ReportArguments {
 }
 
 /// Writes the report and prints its path.
-///
-/// # Errors
-/// Returns an error if the directory holds no readable results, or if the page cannot be written.
 pub fn report(arguments: &ReportArguments) -> Result<End, CliError> {
     let file = write_report(&arguments.directory, arguments.out.as_deref())?;
     print(&format!("{}\n", file.display()))?;

@@ -33,9 +33,6 @@ pub struct ResumeArguments {
 }
 
 /// Continues a study.
-///
-/// # Errors
-/// Returns an error if the directory holds no study or cannot be used, or if a table cannot be written.
 pub fn resume(arguments: &ResumeArguments) -> Result<End, CliError> {
     let directory = &arguments.directory;
     let (study, manifest) = begun_study(directory)?;

@@ -61,9 +61,6 @@ pub struct RunArguments {
 }
 
 /// Computes the study.
-///
-/// # Errors
-/// Returns an error if the study or the output directory cannot be used, or if a table cannot be written.
 pub fn run(arguments: &RunArguments) -> Result<End, CliError> {
     let study = arguments.study.load_and_warn(arguments.engine.quiet)?;
     let directory =
@@ -77,9 +74,6 @@ pub fn run(arguments: &RunArguments) -> Result<End, CliError> {
 }
 
 /// Computes a study in its output directory.
-///
-/// # Errors
-/// Returns an error if the output directory cannot be used, or if a table or finished runs cannot be written.
 pub fn carry_out(
     study: &Study,
     output_dir: &OutputDir<'_>,

@@ -43,9 +43,6 @@ impl Ran {
     }
 
     /// Prints the result; `expectations` is added to the JSON.
-    ///
-    /// # Errors
-    /// Returns an error if standard output cannot be written to.
     pub fn report(
         &self,
         study: &Study,
@@ -154,9 +151,6 @@ impl<S: Sink> Sink for Collector<'_, S> {
 }
 
 /// Computes a study with progress; `sink` receives each run and each point.
-///
-/// # Errors
-/// Returns an error if the worker threads cannot be started, if `sink` returns one, or if a chunk cannot be written.
 pub fn run_on_engine(
     study: &Study,
     options: EngineOptions,

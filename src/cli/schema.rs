@@ -20,9 +20,6 @@ checks it:
 pub struct SchemaArguments {}
 
 /// Prints the schema.
-///
-/// # Errors
-/// Returns an error if standard output cannot be written to.
 pub fn schema(_: &SchemaArguments) -> Result<End, CliError> {
     print_json(&format!("{:#}\n", json_schema()))?;
     Ok(End::Well)

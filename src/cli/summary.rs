@@ -65,9 +65,6 @@ fn points(text: &str) -> Result<usize, String> {
 }
 
 /// Prints the summary of a directory of results.
-///
-/// # Errors
-/// Returns an error if the directory holds no results, or if a table cannot be read.
 pub fn summary(arguments: &SummaryArguments) -> Result<End, CliError> {
     let directory = &arguments.directory;
     let results = readable_results(directory)?;

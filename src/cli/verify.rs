@@ -42,9 +42,6 @@ pub struct VerifyArguments {
 }
 
 /// Computes the study and checks its expectations.
-///
-/// # Errors
-/// Returns the errors of `run`, and an error if the study has no `expect`.
 pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
     let study = arguments.study.load_and_warn(arguments.engine.quiet)?;
     if study.expectations().is_empty() {

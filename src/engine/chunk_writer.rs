@@ -24,9 +24,6 @@ pub(super) fn new_results() -> (SyncSender<NewResult>, Receiver<NewResult>) {
 
 /// Writes the received runs until all senders are gone: one chunk per `chunk` runs, or earlier when `MAX_WAIT` has
 /// passed.
-///
-/// # Errors
-/// Returns an error if a chunk cannot be written; the study then stops.
 pub(super) fn write_chunks(
     appender: &mut ChunkAppender,
     finished: &Receiver<NewResult>,

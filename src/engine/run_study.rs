@@ -32,16 +32,10 @@ pub trait Sink: Send {
     type Error: Send;
 
     /// Receives a finished run. Runs arrive in ascending order of their numbers.
-    ///
-    /// # Errors
-    /// An error stops the study.
     fn run(&mut self, record: RunRecord) -> Result<(), Self::Error>;
 
     /// Receives a point whose runs have finished, all of them or those before an interruption; `detail` holds the
     /// rows of other tables.
-    ///
-    /// # Errors
-    /// An error stops the study.
     fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), Self::Error>;
 }
 

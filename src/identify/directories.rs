@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
-use super::inference::{Inference, Inferred, Sets};
+use super::inference::{Inference, Inferred};
 use super::parameter_set::{ParameterSet, read_parameter_set, set_columns, set_facts, set_name};
 use super::tables::{
     evaluated_set_columns, fit_columns, position_columns, position_rows, posterior_columns,
@@ -39,8 +39,12 @@ impl<'a> SetFiles<'a> {
     }
 }
 
-impl Sets<CommandError> for SetFiles<'_> {
-    fn find(&mut self, values: &[DesignValue]) -> Result<Option<ParameterSet>, CommandError> {
+impl SetFiles<'_> {
+    /// Returns the runs of a parameter set, if they have been computed before.
+    pub(super) fn find(
+        &mut self,
+        values: &[DesignValue],
+    ) -> Result<Option<ParameterSet>, CommandError> {
         let name = format!("{}.parquet", set_name(self.study, values));
         if self.directory.changed.contains(&name) || !self.directory.list.has(&name) {
             return Ok(None);
@@ -49,7 +53,8 @@ impl Sets<CommandError> for SetFiles<'_> {
             .map_err(|error| CommandError::Usage(error.to_string()))
     }
 
-    fn keep(&mut self, set: &ParameterSet) -> Result<(), CommandError> {
+    /// Keeps the runs of a parameter set.
+    pub(super) fn keep(&mut self, set: &ParameterSet) -> Result<(), CommandError> {
         let (name, facts) = (set_name(self.study, &set.values), set_facts(self.study, &set.values));
         let about = provenance_with(self.study, &name, &facts);
         self.directory.write(&name, &about, set_columns(self.study), set.ends.clone())?;

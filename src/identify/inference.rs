@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::density::{MOST_BALLS, Rests};
+use super::directories::SetFiles;
 use super::end::{End, SimulatedEnd};
 use super::fit_test::{SiteFit, fit_tests};
 use super::likelihood::Likelihood;
@@ -19,6 +20,7 @@ use super::set_densities::SetDensities;
 use super::site::Site;
 use super::smoother::Smoother;
 use crate::classification::Label;
+use crate::command_error::CommandError;
 use crate::engine::WorkerPool;
 use crate::optimize::Space;
 use crate::study::{DesignValue, Identification, Study};
@@ -42,21 +44,6 @@ pub struct Inference<'a> {
     pub workers: &'a WorkerPool,
     /// Stops the inference when it becomes true.
     pub stop: &'a AtomicBool,
-}
-
-/// Where the runs of parameter sets are kept.
-pub trait Sets<E> {
-    /// Returns the runs of a parameter set, if they have been computed before.
-    ///
-    /// # Errors
-    /// Returns an error if the runs cannot be read.
-    fn find(&mut self, values: &[DesignValue]) -> Result<Option<ParameterSet>, E>;
-
-    /// Keeps the runs of a parameter set.
-    ///
-    /// # Errors
-    /// Returns an error if the runs cannot be written.
-    fn keep(&mut self, set: &ParameterSet) -> Result<(), E>;
 }
 
 /// How an inference ended.
@@ -88,12 +75,12 @@ pub struct Inferred {
 ///
 /// # Errors
 /// Returns the errors of `sets`.
-pub fn infer<E>(
+pub(super) fn infer(
     inference: &Inference,
-    sets: &mut impl Sets<E>,
+    sets: &mut SetFiles,
     finished: &(dyn Fn(Label) + Sync),
     mut evaluated: impl FnMut(u64),
-) -> Result<InferenceEnd, E> {
+) -> Result<InferenceEnd, CommandError> {
     let Inference { study, identification, workers, .. } = *inference;
     if study.model().balls() > MOST_BALLS {
         let problem =
@@ -152,12 +139,12 @@ fn values_at(inference: &Inference, place: &[f64]) -> Vec<DesignValue> {
 
 /// Returns the parameter sets at these places with their runs, computed unless they are kept; `None` if the inference was
 /// stopped.
-fn simulated<E>(
+fn simulated(
     inference: &Inference,
-    sets: &mut impl Sets<E>,
+    sets: &mut SetFiles,
     places: &[Vec<f64>],
     finished: &(dyn Fn(Label) + Sync),
-) -> Result<Option<Vec<ParameterSet>>, E> {
+) -> Result<Option<Vec<ParameterSet>>, CommandError> {
     let Inference { study, workers, stop, .. } = *inference;
     let all: Vec<Vec<DesignValue>> =
         places.iter().map(|place| values_at(inference, place)).collect();

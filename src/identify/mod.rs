@@ -33,7 +33,7 @@ pub use density::Rests;
 pub use end::{End, SimulatedEnd};
 pub use fit_test::{Seen, SiteFit, fit_tests};
 pub use in_words::{identification_json, result_in_words};
-pub use inference::{Inference, InferenceEnd, Inferred, Sets, infer};
+pub use inference::{Inference, InferenceEnd, Inferred};
 pub use into_directory::{Identified, Identify};
 pub use likelihood::Likelihood;
 pub use parameter_set::{ParameterSet, read_parameter_set, set_columns, set_facts, set_name};

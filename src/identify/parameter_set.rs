@@ -9,7 +9,8 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use super::end::{End, SimulatedEnd};
-use crate::study::{DesignValue, Study, Variable};
+use crate::responses::design_json;
+use crate::study::{DesignValue, Study};
 use crate::table::column::{Column, Columns};
 use crate::table::{Row, Table, TableError};
 
@@ -31,27 +32,14 @@ pub fn set_name(study: &Study, values: &[DesignValue]) -> String {
 
 /// Returns what determines the runs of a parameter set besides the study's hash.
 pub fn set_facts(study: &Study, values: &[DesignValue]) -> Value {
-    json!({ "parameters": set_parameters(study, values), "seed": set_seed(study, values) })
+    json!({ "parameters": design_json(study, values), "seed": set_seed(study, values) })
 }
 
 /// Returns the master seed of the runs of a parameter set, which depends on its values.
 pub fn set_seed(study: &Study, values: &[DesignValue]) -> u64 {
-    let digest = Sha256::digest(set_parameters(study, values).to_string());
+    let digest = Sha256::digest(design_json(study, values).to_string());
     let number = digest.iter().take(8).fold(0, |number, byte| (number << 8) | u64::from(*byte));
     study.derived_seed("identify set", number)
-}
-
-fn set_parameters(study: &Study, values: &[DesignValue]) -> Value {
-    let value = |(parameter, value): (&Variable, &DesignValue)| {
-        let number = match value {
-            DesignValue::Number(number) => json!(number),
-            DesignValue::Choice(choice) => json!(choice),
-        };
-        (parameter.name().to_owned(), number)
-    };
-    let values: serde_json::Map<String, Value> =
-        study.variables().iter().zip(values).map(value).collect();
-    values.into()
 }
 
 /// Returns the columns of the table of a parameter set: one row per run and stage.

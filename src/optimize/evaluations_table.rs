@@ -80,24 +80,16 @@ pub fn read_evaluations(study: &Study, directory: &Path) -> Result<Vec<Evaluatio
             return Err(other(&format!("`{key}`")));
         }
     }
+    let refused = |what: &str| {
+        let allowed = "the unchanged table, or another directory with --out";
+        CommandError::Usage(format!("{}: {what}\n  allowed: {allowed}", path.display()))
+    };
     let mut rows = Vec::new();
     for (number, row) in table.read_rows(|row| read_row(study, row))?.enumerate() {
-        let row = row?.ok_or_else(|| {
-            CommandError::Usage(format!(
-                "{}: row {} is not a row of a search\n  allowed: the unchanged table, or another directory with --out",
-                path.display(),
-                number + 1
-            ))
-        });
-        rows.push(row?);
+        let not_own = || refused(&format!("row {} is not a row of a search", number + 1));
+        rows.push(row?.ok_or_else(not_own)?);
     }
-    grouped_by_design(study, rows).ok_or_else(|| {
-        CommandError::Usage(format!(
-            "{}: incomplete designs\n  allowed: the unchanged table, or another directory \
-             with --out",
-            path.display()
-        ))
-    })
+    grouped_by_design(study, rows).ok_or_else(|| refused("incomplete designs"))
 }
 
 /// The largest number of differences that a message lists.

@@ -68,9 +68,6 @@ impl io::Write for HashWriter {
 }
 
 /// Reads a regular file of at most `most` bytes.
-///
-/// # Errors
-/// Returns an error if the file is not regular (for example, a link), is larger, or cannot be read.
 pub(crate) fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     // Checked before opening: opening a named pipe would wait for a writer, and a link may lead
     // anywhere.

@@ -65,9 +65,6 @@ impl Limits<'_> {
 
 impl Cells {
     /// Reads an Arrow table.
-    ///
-    /// # Errors
-    /// Returns an error for the reasons given at [`Self::read`].
     pub fn of_arrow(reader: impl RecordBatchReader, limits: &Limits<'_>) -> Result<Cells, Refusal> {
         let mut cells = Self::of_schema(&reader.schema(), limits)?;
         for batch in reader {
@@ -110,9 +107,6 @@ impl Cells {
     }
 
     /// Creates a table without rows.
-    ///
-    /// # Errors
-    /// Returns an error if a column has an invalid name or contains neither numbers nor text.
     pub(super) fn of_schema(schema: &Schema, limits: &Limits<'_>) -> Result<Cells, Refusal> {
         let columns: Vec<String> =
             schema.fields().iter().map(|field| field.name().clone()).collect();
@@ -127,9 +121,6 @@ impl Cells {
     }
 
     /// Appends the rows of a batch.
-    ///
-    /// # Errors
-    /// Returns an error if a text is too long.
     pub(super) fn push(&mut self, batch: &RecordBatch) -> Result<(), Refusal> {
         let columns = self.columns.iter().zip(batch.columns());
         let mut columns = columns

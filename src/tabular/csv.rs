@@ -63,9 +63,6 @@ pub(super) fn read(bytes: Vec<u8>, limits: &Limits<'_>) -> Result<Cells, Refusal
 }
 
 /// Converts bytes to text.
-///
-/// # Errors
-/// Returns an error if the bytes are not UTF-8.
 pub(crate) fn to_text(bytes: Vec<u8>) -> Result<String, Fault> {
     String::from_utf8(bytes).map_err(|error| {
         let found = format!("an invalid byte at position {}", error.utf8_error().valid_up_to());

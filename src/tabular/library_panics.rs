@@ -6,9 +6,6 @@ use super::error::Fault;
 
 /// Calls the Parquet library, which panics on some damaged files, for example if a value refers to a missing dictionary
 /// entry. The values that `call` changes must not be used after a fault.
-///
-/// # Errors
-/// Returns a fault if the library panics.
 pub(super) fn guarded<T>(call: impl FnOnce() -> T) -> Result<T, Fault> {
     // The caller drops every value that `call` may have left half changed.
     panic::catch_unwind(AssertUnwindSafe(call))

@@ -48,17 +48,11 @@ fn library_result<T>(result: Result<ParquetResult<T>, Fault>) -> Result<T, Fault
 
 impl ParquetFile {
     /// Opens a file in memory.
-    ///
-    /// # Errors
-    /// Returns an error if the bytes are not a Parquet file, or if the file is damaged or too large.
     pub fn in_memory(bytes: Vec<u8>) -> Result<ParquetFile, Fault> {
         Self::new(Place::Memory(Bytes::from(bytes)))
     }
 
     /// Opens a file on disk.
-    ///
-    /// # Errors
-    /// Returns an error for the reasons given at [`Self::in_memory`].
     pub fn on_disk(file: File) -> Result<ParquetFile, Fault> {
         Self::new(Place::Disk(file))
     }
@@ -81,9 +75,6 @@ impl ParquetFile {
     }
 
     /// Returns the columns with the Arrow types and metadata that the writing program stored in the file.
-    ///
-    /// # Errors
-    /// Returns an error if the stored types cannot be read.
     pub fn written_schema(&self) -> Result<SchemaRef, Fault> {
         arrow_schema(&self.source.metadata, self.key_values())
     }
@@ -98,17 +89,11 @@ impl ParquetFile {
     }
 
     /// Reads some columns, in the order of the file, with the types of `types`, a schema of this file.
-    ///
-    /// # Errors
-    /// Returns an error if there are too many rows or if a column has an unsupported type.
     pub fn batches(&self, columns: &[usize], types: &Schema) -> Result<Batches, Fault> {
         self.select(columns, types, None)
     }
 
     /// Reads one row with the types of `types`, a schema of this file.
-    ///
-    /// # Errors
-    /// Returns an error for the reasons given at [`Self::batches`].
     pub fn row(&self, row: u64, types: &Schema) -> Result<Option<RecordBatch>, Fault> {
         let all: Vec<usize> = (0..self.schema.fields().len()).collect();
         self.select(&all, types, Some(row))?.next().transpose()

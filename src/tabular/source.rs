@@ -91,9 +91,6 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Source {
     /// Reads the footer of a file.
-    ///
-    /// # Errors
-    /// Returns an error if the footer is missing, too large or damaged, or if columns are nested too deeply.
     pub fn new(place: Place) -> Result<Source, Fault> {
         let metadata = place.footer()?;
         Ok(Source { place, metadata, budget: Mutex::new(0), fault: Mutex::new(None) })
@@ -105,9 +102,6 @@ impl Source {
     }
 
     /// Subtracts the size of a page from the budget.
-    ///
-    /// # Errors
-    /// Returns an error if the pages exceed the allowed size.
     pub fn charge(&self, bytes: u64) -> Result<(), Fault> {
         let mut budget = locked(&self.budget);
         let allowed = "the size that this number of rows and columns needs";

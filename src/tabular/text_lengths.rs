@@ -12,9 +12,6 @@ use super::thrift::{signed, varint};
 pub(super) const MAX_TEXT_BYTES: usize = 16 * 1024;
 
 /// Checks that a page contains at most `most` encoded texts and none longer than [`MAX_TEXT_BYTES`].
-///
-/// # Errors
-/// Returns an error if a text is too long or if the page ends before its last text.
 pub(super) fn check_texts(encoding: Encoding, bytes: &[u8], most: usize) -> Result<(), Fault> {
     let damaged = || Fault::damaged("a page that ends before its last text");
     let check = |length: i64| match usize::try_from(length) {

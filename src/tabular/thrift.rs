@@ -99,9 +99,6 @@ mod shapes {
 use shapes::{FOOTER, PAGE_HEADER};
 
 /// Checks the footer of a file.
-///
-/// # Errors
-/// Returns an error if the footer is ambiguous, damaged or too long, or if columns are nested too deeply.
 pub(super) fn check_footer(bytes: &[u8]) -> Result<(), Fault> {
     let mut reader = Reader::new(bytes);
     match reader.value(STRUCT, Some(FOOTER), MAX_DEPTH) {
@@ -115,9 +112,6 @@ pub(super) fn check_footer(bytes: &[u8]) -> Result<(), Fault> {
 }
 
 /// Returns the length of the page header at the start of these bytes.
-///
-/// # Errors
-/// Returns an error if the header is missing, damaged or ambiguous.
 pub(super) fn page_header(bytes: &[u8]) -> Result<usize, Fault> {
     let mut reader = Reader::new(bytes);
     let read = reader.value(STRUCT, Some(PAGE_HEADER), MAX_DEPTH);

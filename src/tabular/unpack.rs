@@ -13,9 +13,6 @@ use super::error::Fault;
 pub(super) const MAX_PAGE_BYTES: usize = 16 * 1024 * 1024;
 
 /// Decompresses `packed` and appends the result to `unpacked`.
-///
-/// # Errors
-/// Returns an error if the bytes are damaged, exceed the largest page, or have an unsupported compression.
 pub(super) fn unpack(
     packed: &[u8],
     compression: Compression,

@@ -176,6 +176,6 @@ expect:
             .collect::<Vec<u64>>()
     };
     assert_eq!((selected(first), selected(second)), (vec![3], vec![0, 1, 2, 3]));
-    assert_eq!(first.equilibrium_fraction(), Some([0.25, 0.5]));
+    assert_eq!(first.fractions, [("equilibrium", [0.25, 0.5])]);
     assert_eq!(second.fractions, [("limit_cycle", [0.0, 0.5]), ("failed", [0.0, 0.0])]);
 }

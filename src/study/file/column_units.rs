@@ -3,8 +3,8 @@
 
 use crate::study::error::{Fault, list_names, shorten};
 use crate::study::file::quantity::Conversion;
+use crate::study::file::unit_keys::split_unit;
 use crate::study::file::values::Entry;
-use crate::study::plan::units::si_name;
 
 /// A column as the program knows it, and how its numbers become SI numbers.
 pub(super) struct KnownColumn {
@@ -14,9 +14,6 @@ pub(super) struct KnownColumn {
 
 impl KnownColumn {
     /// Returns the column that a table calls by this name; `allowed` contains the SI names.
-    ///
-    /// # Errors
-    /// Returns a fault if there is no such column, or if the unit is unknown or of another quantity.
     pub(super) fn of(written: &str, allowed: &[String]) -> Result<KnownColumn, Fault> {
         let own = |name: &String| KnownColumn { name: name.clone(), conversion: None };
         if let Some(name) = allowed.iter().find(|name| *name == written) {
@@ -28,7 +25,7 @@ impl KnownColumn {
         let (short, unit) = with_unit.ok_or_else(unknown)?;
         let (short, unit) = (short.trim(), unit.trim());
         let known = allowed.iter().find_map(|name| {
-            let (without, si) = si_name(name)?;
+            let (without, si) = split_unit(name)?;
             (name == short || without == short).then_some((name, si))
         });
         let (name, si) = known.ok_or_else(unknown)?;

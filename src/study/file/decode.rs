@@ -22,9 +22,6 @@ use crate::study::file::unit_keys::{Keys, Names, UnitKey, WITHOUT_UNIT};
 use crate::study::file::yaml_tree::{Content, Node, Source};
 
 /// Deserialises a value of type `T` from the whole source.
-///
-/// # Errors
-/// Returns the first value that does not fit `T`, with its place and key path, or otherwise all missing keys.
 pub(in crate::study) fn decode<T: DeserializeOwned>(
     source: &Source,
     names: &Names,

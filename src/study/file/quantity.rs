@@ -124,9 +124,6 @@ pub(crate) fn split_number(text: &str) -> Option<(&str, &str)> {
 }
 
 /// Converts a text such as `40 N s/m` into a number in the given SI unit.
-///
-/// # Errors
-/// Returns a fault if the text is not a number with a unit, or if its unit has another dimension.
 pub(crate) fn convert(text: &str, si_unit: &str) -> Result<f64, Fault> {
     let found = || format!("text {:?}", shorten(text));
     let allowed = measured(si_unit);
@@ -161,9 +158,6 @@ pub(crate) struct Conversion(Vec<(Symbol, i32)>);
 
 impl Conversion {
     /// Creates the conversion.
-    ///
-    /// # Errors
-    /// Returns a fault if the unit is unknown or has another dimension than the SI unit.
     pub(crate) fn new(unit: &str, si_unit: &str) -> Result<Conversion, Fault> {
         convert(&format!("1 {unit}"), si_unit)?;
         Ok(Conversion(factors(unit).unwrap_or_default()))
@@ -203,9 +197,6 @@ const SI_UNITS: [&str; 23] = [
 ];
 
 /// Returns the SI unit of a unit, such as `N/m` of `N/mm`, and its exponents of length, mass, time and angle; `1` without any.
-///
-/// # Errors
-/// Returns a fault if the text is not a unit.
 pub(crate) fn unit_of(text: &str) -> Result<(String, Dimension), Fault> {
     if text == "1" {
         return Ok(("1".to_owned(), [0; 4]));
@@ -292,9 +283,6 @@ fn unknown(unit: &str, symbol: &str, si_unit: &str) -> Fault {
 }
 
 /// Parses a unit such as `N s/m` into symbols with powers.
-///
-/// # Errors
-/// Returns an unknown symbol, or an empty text if the form is wrong.
 fn factors(unit: &str) -> Result<Vec<(Symbol, i32)>, String> {
     let symbols = symbols();
     let unit =

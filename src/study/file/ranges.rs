@@ -12,9 +12,6 @@ const FORMS: &str = "{from: 1, to: 5, count: 9}, {from: 1, to: 5, step: 0.5}, \
                      {from: 1, to: 100, count: 5, spacing: logarithmic}, or a list";
 
 /// Replaces the ranges under `grid` and `zip` by lists.
-///
-/// # Errors
-/// Returns an error if a range lacks a key, has an unknown one, or has no values or too many.
 pub(in crate::study) fn expand_ranges(source: &mut Source) -> Result<(), StudyError> {
     let mut found: Result<(), (KeyPath, Wrong)> = Ok(());
     let mut left = MAX_VALUES;

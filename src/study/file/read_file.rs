@@ -9,9 +9,6 @@ use crate::study::file::yaml_tree::MAX_FILE_BYTES;
 use crate::tabular::to_text;
 
 /// Reads a regular file of limited size.
-///
-/// # Errors
-/// Returns an error if the file does not exist, is not a regular file, is too large, or cannot be read.
 pub(crate) fn read_bytes(file: &Path) -> Result<Vec<u8>, Fault> {
     let metadata = fs::metadata(file).map_err(|error| unreadable(&error))?;
     if !metadata.is_file() {
@@ -34,9 +31,6 @@ pub(crate) fn read_bytes(file: &Path) -> Result<Vec<u8>, Fault> {
 }
 
 /// Reads a text file of limited size.
-///
-/// # Errors
-/// Returns an error for the reasons given at [`read_bytes`], or if the file is not UTF-8.
 pub(crate) fn read_text(file: &Path) -> Result<String, Fault> {
     to_text(read_bytes(file)?)
 }

@@ -22,11 +22,6 @@ impl ResolvedFile {
     pub(in crate::study) fn new(file: StudyFile) -> Self {
         ResolvedFile { file, yaml: OnceLock::new(), hash: OnceLock::new() }
     }
-
-    /// Returns the file as plain values.
-    pub(in crate::study) fn to_value(&self) -> Value {
-        to_value(&self.file)
-    }
 }
 
 /// Returns the file as plain values, without keys that are not given. Its types always serialise.

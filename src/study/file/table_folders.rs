@@ -95,9 +95,6 @@ impl TableFolders {
     }
 
     /// Returns the path of a table with all symbolic links resolved.
-    ///
-    /// # Errors
-    /// Returns an error if the file does not exist or lies outside the allowed directories.
     fn find(&self, name: &str, path: &Path) -> Result<PathBuf, Fault> {
         if self.named.is_empty() && leaves_directory(Path::new(name)) {
             return Err(self.outside(name, None));

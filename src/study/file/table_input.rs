@@ -32,9 +32,6 @@ struct TableFile {
 }
 
 /// Creates a table from rows in memory, with one value per column, `None` if it is missing.
-///
-/// # Errors
-/// Returns an error for the reasons given at [`Cells::of_rows`].
 pub(crate) fn cells_in_memory(
     columns: Vec<String>,
     rows: Vec<Vec<Option<Entry>>>,
@@ -255,9 +252,6 @@ fn key(row: Option<usize>, column: Option<&str>) -> String {
 }
 
 /// Returns the columns with these names.
-///
-/// # Errors
-/// Returns the index and the fault of the first column that is unknown or given twice.
 fn known_columns(
     columns: &[String],
     allowed: &[String],

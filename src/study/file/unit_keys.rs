@@ -99,7 +99,8 @@ enum Values {
     Either,
 }
 
-/// What a study calls by names that depend on its model.
+/// What a study calls by names that depend on its model; nothing for a file that is no study.
+#[derive(Default)]
 pub(in crate::study) struct Names {
     parameters: Vec<String>,
     /// The coordinates with a unit.
@@ -124,16 +125,6 @@ impl Names {
             parameters: model_kind(kind).map_or_else(parameters_of_any, parameters_of),
             coordinates: coordinates_of(model_kind(kind)),
             choices: names_of_choices(root),
-            units: RefCell::default(),
-        }
-    }
-
-    /// Returns no names, for a file that is no study.
-    pub fn none() -> Names {
-        Names {
-            parameters: Vec::new(),
-            coordinates: Vec::new(),
-            choices: Vec::new(),
             units: RefCell::default(),
         }
     }

@@ -25,9 +25,6 @@ pub struct Audit {
 
 impl Audit {
     /// Checks the audit of a study file.
-    ///
-    /// # Errors
-    /// Returns an error if the fraction is not above 0 and at most 1.
     pub(in crate::study) fn check(self, source: &Source) -> Result<(), StudyError> {
         let Audit { fraction } = self;
         if 0.0 < fraction && fraction <= 1.0 {

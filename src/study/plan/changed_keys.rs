@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use crate::study::file::resolved_yaml::to_value;
 use crate::study::plan::planned_study::Study;
 
 /// The longest value that is shown in full, in characters.
@@ -11,7 +12,7 @@ const LONGEST: usize = 60;
 /// `simulation.end_time_s: 16.5 -> 33.0`, in the order of the file.
 pub fn changed_keys(before: &Study, after: &Study) -> Vec<String> {
     let mut found = Vec::new();
-    collect("", &before.resolved.to_value(), &after.resolved.to_value(), &mut found);
+    collect("", &to_value(&before.resolved.file), &to_value(&after.resolved.file), &mut found);
     found
 }
 

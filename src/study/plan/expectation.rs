@@ -25,16 +25,6 @@ impl Expectation {
             column.and_then(|column| swept.get(column)).is_some_and(|value| same(value, wanted))
         })
     }
-
-    /// Returns the expected range of the fraction of runs at rest, if there is one.
-    pub fn equilibrium_fraction(&self) -> Option<[f64; 2]> {
-        self.fraction("equilibrium")
-    }
-
-    /// Returns the expected range of a label's fraction of runs, if there is one.
-    pub fn fraction(&self, label: &str) -> Option<[f64; 2]> {
-        self.fractions.iter().find(|(name, _)| *name == label).map(|(_, range)| *range)
-    }
 }
 
 /// Returns whether two values are equal words, or numbers that agree to twelve digits.

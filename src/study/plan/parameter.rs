@@ -397,9 +397,6 @@ impl Parameter {
 }
 
 /// Checks a number of balls.
-///
-/// # Errors
-/// Returns a fault if it is not a whole number or too small or large.
 pub(in crate::study) fn check_number_of_balls(number: f64) -> Result<(), Fault> {
     if number.fract() == 0.0 && (1.0..=MAX_BALLS as f64).contains(&number) {
         return Ok(());

@@ -103,9 +103,6 @@ impl Precision {
 
 impl Sampling {
     /// Computes the number of runs of a point whose design has `first` samples; a precision adds runs up to `longest`.
-    ///
-    /// # Errors
-    /// Returns an error if there is a precision and the design cannot be enlarged.
     pub(in crate::study) fn new(
         design: &Design,
         first: u64,

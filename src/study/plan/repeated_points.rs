@@ -23,10 +23,15 @@ pub struct RepeatedPoints {
 impl Study {
     /// Returns the points that repeat an earlier point, if there are any.
     pub fn repeated_points(&self) -> Option<RepeatedPoints> {
-        let mut seen: HashMap<Vec<Value>, u64> = HashMap::new();
+        // Adding 0 turns -0 into 0.
+        let key = |value: &ParameterValue| match value {
+            ParameterValue::Number(number) => Ok((number + 0.0).to_bits()),
+            ParameterValue::Text(text) => Err(*text),
+        };
+        let mut seen: HashMap<Vec<Result<u64, &'static str>>, u64> = HashMap::new();
         let mut found: Option<RepeatedPoints> = None;
         for point_id in 0..self.point_count().min(MOST_POINTS) {
-            let values = self.point(point_id).swept.iter().map(Value::of).collect();
+            let values = self.point(point_id).swept.iter().map(key).collect();
             let earlier = *seen.entry(values).or_insert(point_id);
             if earlier == point_id || self.design_at(point_id) != self.design_at(earlier) {
                 continue;
@@ -41,22 +46,5 @@ impl Study {
     fn design_at(&self, point_id: u64) -> &Design {
         let block = &self.blocks[self.block_of(point_id)];
         &block.sampling_of(point_id - block.first_point).0.design
-    }
-}
-
-/// The value of a parameter as a key.
-#[derive(PartialEq, Eq, Hash)]
-enum Value {
-    Number(u64),
-    Text(&'static str),
-}
-
-impl Value {
-    fn of(value: &ParameterValue) -> Value {
-        match value {
-            // Adding 0 turns -0 into 0.
-            ParameterValue::Number(number) => Value::Number((number + 0.0).to_bits()),
-            ParameterValue::Text(text) => Value::Text(text),
-        }
     }
 }

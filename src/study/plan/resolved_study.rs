@@ -23,7 +23,7 @@ impl Study {
 
     /// Returns the complete study file as plain values.
     pub(crate) fn resolved_file(&self) -> Value {
-        self.resolved.to_value()
+        to_value(&self.resolved.file)
     }
 
     /// Returns the complete study file in a canonical form, with all defaults and with inline

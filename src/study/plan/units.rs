@@ -87,15 +87,9 @@ impl Units {
     }
 }
 
-/// Returns a name without its unit, such as `ball_mass_1` for `ball_mass_1_kg` and `beta_1` for `beta_1_rad`, and the SI
-/// unit; `None` if it has no unit.
-pub(in crate::study) fn si_name(name: &str) -> Option<(&str, &'static str)> {
-    split_unit(name)
-}
-
 /// Returns the name of a parameter without its unit, such as `ball_mass_1` for `ball_mass_1_kg`.
 pub(crate) fn short_name(name: &str, unit: &str) -> String {
-    si_name(name).filter(|(_, si)| *si == unit).map_or(name, |(short, _)| short).to_owned()
+    split_unit(name).filter(|(_, si)| *si == unit).map_or(name, |(short, _)| short).to_owned()
 }
 
 /// Returns the quantity with this SI unit; a length, not a vibration, for `m`.

@@ -199,9 +199,6 @@ impl Variable {
     }
 
     /// Validates a word as a value of this variable.
-    ///
-    /// # Errors
-    /// Returns an error if the word is not a choice, or if the variable accepts numbers.
     pub(crate) fn word(&self, word: &str) -> Result<DesignValue, Fault> {
         let Domain::Choices(choices) = &self.domain else {
             let found = format!("text {:?}", shorten(word));

@@ -26,9 +26,6 @@ impl Study {
     /// Sets the variables, one value for each in their order, and returns the study of the design.
     /// Start states and random numbers are those of this study, and so are name, hash and resolved
     /// file.
-    ///
-    /// # Errors
-    /// Returns a fault if the values are physically impossible together at a point of the sweep.
     pub(crate) fn with_design(&self, values: &[DesignValue]) -> Result<Study, Fault> {
         let (mut balls, mut set) = (None, Vec::new());
         for (variable, value) in self.variables.iter().zip(values) {

@@ -6,9 +6,6 @@ use crate::study::file::contact_file::{ContactFile, ContactLawFile, NoContact};
 use crate::study::file::yaml_tree::{Source, describe_number};
 
 /// Returns the law of contact between balls; `None` for balls that pass through each other.
-///
-/// # Errors
-/// Returns an error if a value has no physical meaning, or if the restitution is given twice.
 pub(in crate::study) fn resolve_contact(
     source: &Source,
     written: Option<&ContactFile>,
@@ -46,9 +43,6 @@ pub(in crate::study) fn resolve_contact(
 }
 
 /// Checks that balls without dry friction on the ring have none between each other.
-///
-/// # Errors
-/// Returns an error that names the key to change.
 pub(in crate::study) fn check_contact(source: &Source, model: &Model) -> Result<(), StudyError> {
     let Some(machine) = model.ball_balancer() else { return Ok(()) };
     let friction = machine.contact.map_or(0.0, |contact| contact.friction_coefficient);

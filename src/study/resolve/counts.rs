@@ -7,9 +7,6 @@ use crate::study::file::source_path::SourcePath;
 use crate::study::file::values::Count;
 
 /// Returns the number under a key, if it is written.
-///
-/// # Errors
-/// Returns an error if the number is out of the range.
 pub(crate) fn count_within(
     path: &SourcePath<'_>,
     key: &str,

@@ -11,9 +11,6 @@ use crate::study::file::yaml_tree::Source;
 use crate::study::plan::parameter::{MOST_MEMBERS, Parameter};
 
 /// Returns the names of the parameters that others determine, which are then no parameters of the study.
-///
-/// # Errors
-/// Returns an error if the study also gives, sweeps, draws, designs or infers one of them.
 pub(crate) fn determined(
     source: &Source,
     kind: &'static ModelKind,

@@ -8,9 +8,6 @@ use crate::study::file::friction_file::FrictionFile;
 use crate::study::file::yaml_tree::Source;
 
 /// Returns the friction law with sliding speeds in the unit of this kind of model.
-///
-/// # Errors
-/// Returns an error if a speed is missing, or has the unit of another kind of model.
 pub(in crate::study) fn resolve_friction(
     source: &Source,
     written: Option<&FrictionFile>,
@@ -36,9 +33,6 @@ pub(in crate::study) fn resolve_friction(
 }
 
 /// Validates the friction law together with the other parameters.
-///
-/// # Errors
-/// Returns an error if a value of the law is physically impossible.
 pub(in crate::study) fn check_friction(source: &Source, model: &Model) -> Result<(), StudyError> {
     model.validate().map_err(|invalid| {
         let problem = "no physical meaning";

@@ -23,9 +23,6 @@ const USUAL_START: [u64; 3] = [128, 1000, 2000];
 const MOST_PARAMETERS: usize = 8;
 
 /// Validates the key `identify`.
-///
-/// # Errors
-/// Returns an error if a parameter is unknown, swept or uncertain, if a range is empty, or if a number is out of range.
 pub(crate) fn resolve_identification(
     source: &Source,
     study: &Study,

@@ -168,9 +168,6 @@ fn parameter_names(kind: &ModelKind) -> Vec<&'static str> {
 
 /// Checks the names of the parameters before the file is decoded, because the message lists only the parameters of this
 /// kind of model, and that each has one value.
-///
-/// # Errors
-/// Returns an error for the first parameter that no model has, or that is a list.
 pub(in crate::study) fn check_parameters(source: &Source, names: &Names) -> Result<(), StudyError> {
     let below = |name| source.root.get("model")?.get(name);
     let (Some(kind), Some(Content::Map(given))) =

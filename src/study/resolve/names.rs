@@ -3,9 +3,6 @@
 use crate::study::error::{Fault, shorten};
 
 /// Checks a name of 1 to 100 ASCII letters, digits and `further` characters. `allowed` describes it in words.
-///
-/// # Errors
-/// Returns a fault if the name is too long, has another character, or begins with another one than `is_first` accepts.
 pub(in crate::study) fn check_name(
     name: &str,
     further: &str,
@@ -21,18 +18,12 @@ pub(in crate::study) fn check_name(
 }
 
 /// Checks the name of a study, which becomes the name of a directory.
-///
-/// # Errors
-/// Returns a fault if the name is not valid.
 pub(in crate::study) fn check_study_name(name: &str) -> Result<(), Fault> {
     let allowed = "1 to 100 letters, digits, `-`, `_` and `.`, not starting with `.`";
     check_name(name, "-_.", |first| first != '.', allowed)
 }
 
 /// Checks the name of a variable or response, which becomes a column and a key of results.
-///
-/// # Errors
-/// Returns a fault if the name is not valid.
 pub(in crate::study) fn check_column_name(name: &str) -> Result<(), Fault> {
     let allowed = "1 to 100 letters, digits and `_`, beginning with a letter";
     check_name(name, "_", |first| first.is_ascii_alphabetic(), allowed)

@@ -71,9 +71,6 @@ pub(in crate::study) fn with_listed_balls<'a>(
 }
 
 /// Returns the base with the smallest and the largest number of balls of all points.
-///
-/// # Errors
-/// Returns an error if a block sweeps a value of a ball that some points do not have.
 pub(in crate::study) fn base_of_all_points(
     source: &Source,
     blocks: &[ResolvedBlock],

@@ -7,7 +7,7 @@ use crate::study::file::optimize_file::{
     LimitFile, Names, OptimizeFile, SensitivityFile, SensitivityFrom,
 };
 use crate::study::file::source_path::SourcePath;
-use crate::study::file::values::{Count, Entry};
+use crate::study::file::values::Entry;
 use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::optimization::{Limit, Objective, Optimization};
 use crate::study::plan::planned_study::Study;
@@ -62,8 +62,9 @@ pub(crate) fn resolve_optimization(
     let objectives = setting.objectives(file)?;
     let limits = setting.limits(file.subject_to.as_ref())?;
     let variables = study.variables.len() as u64;
-    let start_designs = setting.count("start_designs", file.start_designs, 2..=MAX_DESIGNS)?;
-    let designs = setting.count("designs", file.designs, 2..=MAX_DESIGNS)?;
+    let start_designs =
+        count_within(&setting.path, "start_designs", file.start_designs, 2..=MAX_DESIGNS)?;
+    let designs = count_within(&setting.path, "designs", file.designs, 2..=MAX_DESIGNS)?;
     let usual = (5 * variables).max(10);
     let start_designs =
         start_designs.unwrap_or_else(|| designs.map_or(usual, |all| usual.min(all)));
@@ -75,8 +76,8 @@ pub(crate) fn resolve_optimization(
     }
     let sensitivity = file.sensitivity.unwrap_or(SensitivityFile { from: None, samples: None });
     let from = sensitivity.from.unwrap_or_default();
-    let own = Setting { path: setting.path.key("sensitivity"), study };
-    let samples = own.count("samples", sensitivity.samples, MIN_SAMPLES..=MAX_SAMPLES)?;
+    let own = setting.path.key("sensitivity");
+    let samples = count_within(&own, "samples", sensitivity.samples, MIN_SAMPLES..=MAX_SAMPLES)?;
     let default = if from == SensitivityFrom::Runs { 64 } else { 1024 };
     Ok(Some(Optimization {
         objectives,
@@ -84,10 +85,15 @@ pub(crate) fn resolve_optimization(
         over_points: file.over_points.unwrap_or_default(),
         start_designs,
         designs,
-        finalists: setting.count("finalists", file.finalists, 1..=MAX_FINAL)?.unwrap_or(5),
-        final_samples: setting
-            .count("final_samples", file.final_samples, 1..=MAX_FINAL)?
-            .unwrap_or(16),
+        finalists: count_within(&setting.path, "finalists", file.finalists, 1..=MAX_FINAL)?
+            .unwrap_or(5),
+        final_samples: count_within(
+            &setting.path,
+            "final_samples",
+            file.final_samples,
+            1..=MAX_FINAL,
+        )?
+        .unwrap_or(16),
         sensitivity_from: from,
         sensitivity_samples: samples.unwrap_or(default),
         compare_with: file
@@ -186,15 +192,6 @@ impl Setting<'_> {
                 }));
         }
         Ok(limits)
-    }
-
-    fn count(
-        &self,
-        key: &str,
-        written: Option<Count>,
-        allowed: std::ops::RangeInclusive<u64>,
-    ) -> Result<Option<u64>, StudyError> {
-        count_within(&self.path, key, written, allowed)
     }
 
     fn compare_with(

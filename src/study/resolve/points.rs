@@ -16,9 +16,6 @@ use crate::study::plan::sweep::Listing;
 const MAX_CHECKED_POINTS: u64 = 100_000;
 
 /// Validates the points of a sweep.
-///
-/// # Errors
-/// Returns an error for the first point whose values are physically impossible together.
 pub(in crate::study) fn check_points(
     source: &Source,
     written: &StudyFile,

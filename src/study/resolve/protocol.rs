@@ -29,9 +29,6 @@ pub(in crate::study) struct StagesFile {
 }
 
 /// Returns the speed profile and the disturbances of the model, which its protocol may be short for.
-///
-/// # Errors
-/// Returns an error if a protocol is given beside what it is short for, or if one of its numbers is not possible.
 pub(in crate::study) fn stages_of(
     source: &Source,
     written: &ModelFile,

@@ -80,9 +80,6 @@ pub(crate) fn resolve_design<'a>(
 }
 
 /// Checks the number of dimensions of a Sobol' sequence.
-///
-/// # Errors
-/// Returns a fault if the library's sequence has fewer dimensions.
 pub(crate) fn check_dimensions(dimensions: usize) -> Result<(), Fault> {
     if dimensions <= SOBOL_DIMENSIONS as usize {
         return Ok(());

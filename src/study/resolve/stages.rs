@@ -155,9 +155,6 @@ fn check_number(path: &SourcePath<'_>, number: usize, what: &str) -> Result<(), 
 }
 
 /// Returns the kicks, and for each whether its direction is drawn.
-///
-/// # Errors
-/// Returns an error if a direction is given twice.
 pub(in crate::study) fn resolve_kicks(
     path: &SourcePath<'_>,
     written: &[DisturbanceFile],
@@ -177,9 +174,6 @@ pub(in crate::study) fn resolve_kicks(
 }
 
 /// Checks the numbers of the speed profile and of the kicks.
-///
-/// # Errors
-/// Returns an error for the first number that is not possible.
 pub(in crate::study) fn check_stages(source: &Source, machine: &Machine) -> Result<(), StudyError> {
     let Err(invalid) = machine.validate_stages() else { return Ok(()) };
     let path = place_of(&invalid.name, source, machine);
@@ -188,9 +182,6 @@ pub(in crate::study) fn check_stages(source: &Source, machine: &Machine) -> Resu
 }
 
 /// Checks that all kicks come before the end of the runs.
-///
-/// # Errors
-/// Returns an error for the first kick that comes later.
 pub(in crate::study) fn check_kicks(
     source: &Source,
     model: &Model,

@@ -25,9 +25,6 @@ use crate::tabular::to_text;
 const MOST_BODIES: u64 = 64;
 
 /// Replaces the key `system` of a model by the key `kind` with the kind that the system defines.
-///
-/// # Errors
-/// Returns an error if the system file cannot be read, or the first fault in it.
 pub(in crate::study) fn read_system(
     source: &mut Source,
     folders: &TableFolders,
@@ -95,7 +92,7 @@ pub(in crate::study) fn built_in_system(file: &str, text: &str) -> &'static Mode
 
 /// Reads and checks the keys of a system.
 fn definition(source: &Source) -> Result<Definition, StudyError> {
-    let file: SystemFile = decode(source, &Names::none()).map_err(|error| {
+    let file: SystemFile = decode(source, &Names::default()).map_err(|error| {
         let is_cut = error.found().is_some_and(|found| found.contains([')', ']', '}']));
         with_hint(error, is_cut)
     })?;
@@ -354,9 +351,6 @@ impl<'s> Reader<'s> {
     }
 
     /// Reads a formula, or a value with a unit.
-    ///
-    /// # Errors
-    /// The first fault in it.
     pub(super) fn formula(&self, path: &[&str], text: &FormulaText) -> Result<Formula, StudyError> {
         self.formula_at(&self.path(path), text)
     }

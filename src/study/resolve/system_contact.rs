@@ -12,9 +12,6 @@ use crate::study::file::system_file::{ContactEntry, FormulaText, FrictionEntry, 
 
 impl Reader<'_> {
     /// Reads a contact.
-    ///
-    /// # Errors
-    /// The first fault in it.
     pub(super) fn contact(
         &self,
         key: &str,

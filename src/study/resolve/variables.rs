@@ -113,7 +113,8 @@ impl Setting<'_> {
         }
         let parameter = self.parameter(name).map_err(|fault| path.refuse_key(fault))?;
         for (key, end) in [("from", from), ("to", to)] {
-            self.check(&path.key(key), parameter, end)?;
+            let path = path.key(key);
+            parameter.check(end, self.study.model()).map_err(|fault| path.refuse_value(fault))?;
         }
         Ok(Domain::Parameter { parameter, from, to })
     }
@@ -181,15 +182,6 @@ impl Setting<'_> {
         Ok(parameter)
     }
 
-    fn check(
-        &self,
-        path: &SourcePath<'_>,
-        parameter: Parameter,
-        value: f64,
-    ) -> Result<(), StudyError> {
-        parameter.check(value, self.study.model()).map_err(|fault| path.refuse_value(fault))
-    }
-
     fn choices(
         &self,
         path: &SourcePath<'_>,
@@ -203,7 +195,8 @@ impl Setting<'_> {
             for (key, value) in values {
                 let path = path.key(key);
                 let parameter = self.parameter(key).map_err(|fault| path.refuse_key(fault))?;
-                self.check(&path, parameter, *value)?;
+                let checked = parameter.check(*value, self.study.model());
+                checked.map_err(|fault| path.refuse_value(fault))?;
                 own.push((parameter, *value));
             }
             own.sort_by_key(|(parameter, _)| *parameter);

@@ -54,9 +54,6 @@ const SCHEMA: u64 = 1;
 impl Study {
     /// Reads and validates a study file and the tables that it names. Tables are in the directory
     /// of the study file or below it.
-    ///
-    /// # Errors
-    /// Returns the first fault, with its place.
     pub fn load(path: &Path) -> Result<Study, StudyError> {
         Study::load_with_tables(path, &[])
     }
@@ -64,9 +61,6 @@ impl Study {
     /// Reads a study file like [`Study::load`], and grants access to tables in further directories
     /// and below them. The paths of tables stay relative to the study file, so that the directories
     /// never change the meaning of a study.
-    ///
-    /// # Errors
-    /// Returns the first fault, with its place.
     pub fn load_with_tables(path: &Path, directories: &[PathBuf]) -> Result<Study, StudyError> {
         let text = read_text(path).map_err(|fault| StudyError::about_file(path, fault))?;
         Study::parse_with_tables(path, text, directories)
@@ -74,18 +68,12 @@ impl Study {
 
     /// Parses a study from the text of a file of this name. The paths of tables are relative to
     /// this file.
-    ///
-    /// # Errors
-    /// Returns the first fault, with its place.
     pub fn parse(file: &Path, text: String) -> Result<Study, StudyError> {
         Study::parse_with_tables(file, text, &[])
     }
 
     /// Parses a study from the keys and values of a study file. Messages show them in the notation of a file of this name,
     /// to which the paths of tables are relative, with access to tables in further directories.
-    ///
-    /// # Errors
-    /// Returns the first fault, with its place.
     pub fn from_value(
         file: &Path,
         value: &Value,
@@ -95,9 +83,6 @@ impl Study {
     }
 
     /// Parses a study like [`Study::parse`], and grants access to tables in further directories.
-    ///
-    /// # Errors
-    /// Returns the first fault, with its place.
     pub fn parse_with_tables(
         file: &Path,
         text: String,

@@ -45,9 +45,6 @@ pub(crate) struct Contradiction {
 
 impl Copula {
     /// Creates the copula of `count` parameters.
-    ///
-    /// # Errors
-    /// Returns the pair at fault if the matrix of the normal correlations is not positive definite.
     pub fn new(count: usize, pairs: &[RankCorrelation]) -> Result<Copula, Contradiction> {
         let mut matrix = DMatrix::<f64>::identity(count, count);
         for RankCorrelation { places: [one, other], value } in pairs {

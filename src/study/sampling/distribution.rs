@@ -44,9 +44,6 @@ const MIN_TRUNCATED_FRACTION: f64 = 1.0e-12;
 
 impl Distribution {
     /// Validates a distribution of a study file.
-    ///
-    /// # Errors
-    /// Returns the faulty key below the distribution's name and the fault.
     pub fn resolve(written: &DistributionFile) -> Result<Distribution, (&'static str, Fault)> {
         match written {
             DistributionFile::Normal { mean, std_dev } => {

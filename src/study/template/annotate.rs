@@ -3,6 +3,8 @@
 //!
 //! The text is in block style, with one key per line; a value on the line of its key stays as it is.
 
+use std::collections::HashSet;
+
 use serde_json::Value;
 
 use super::schema_place::{SchemaKey, SchemaPlace};
@@ -38,7 +40,7 @@ const OF_MODEL: [&str; 2] = ["model", "model.parameters"];
 pub(super) fn annotate(source: &Source, schema: &Value, defaults: &Value) -> String {
     let lines: Vec<&str> = source.text.lines().collect();
     let mut annotator =
-        Annotator { before: vec![String::new(); lines.len() + 1], lines, said: Vec::new() };
+        Annotator { before: vec![String::new(); lines.len() + 1], lines, said: HashSet::new() };
     if let Some(blank) = annotator.lines.iter().position(|line| line.is_empty()) {
         annotator.before[blank].push_str("#\n");
         annotator.comment(blank, 0, LEGEND);
@@ -57,7 +59,7 @@ struct Annotator<'t> {
     lines: Vec<&'t str>,
     before: Vec<String>,
     /// Every description and every list of choices so far.
-    said: Vec<String>,
+    said: HashSet<String>,
 }
 
 /// A map of the study.
@@ -161,12 +163,12 @@ impl Annotator<'_> {
     /// Returns what is said about a key: its description, its choices, and a default that the description does not
     /// state. No description and no list of choices is said twice.
     fn about(&mut self, key: &SchemaKey<'_>) -> Option<String> {
-        let description = key.description.filter(|about| !self.is_written(about))?;
+        let description = key.description.filter(|about| self.said.insert((*about).to_owned()))?;
         let mut characters = description.chars();
         let first = characters.next()?;
         let mut about: String = first.to_uppercase().chain(characters).collect();
         let choices = format!(" Choices: {}.", key.place.choices().join(", "));
-        if !key.place.choices().is_empty() && !self.is_written(&choices) {
+        if !key.place.choices().is_empty() && self.said.insert(choices.clone()) {
             about.push_str(&choices);
         }
         if let Some(default) = key.default.filter(|_| !description.contains("default")) {
@@ -175,15 +177,6 @@ impl Annotator<'_> {
             about.push('.');
         }
         Some(about)
-    }
-
-    /// Returns whether this has been asked before about the same text.
-    fn is_written(&mut self, text: &str) -> bool {
-        let known = self.said.iter().any(|said| said == text);
-        if !known {
-            self.said.push(text.to_owned());
-        }
-        known
     }
 
     /// Writes a comment before a line, counted from 0, in lines of limited width.
