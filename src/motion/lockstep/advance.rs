@@ -14,7 +14,7 @@ use super::lane_group::Happened;
 use super::{LANES, Lanes, gaps};
 use crate::model::{Components, Method};
 use crate::motion::impact::Impact;
-use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 use crate::motion::modes::check_forces;
 use crate::motion::saltation::{Condition, saltation, saltation_at_impact, saltation_at_reset};
 use crate::motion::settings::MOST_AT_ONCE;
@@ -33,10 +33,7 @@ const BETWEEN: f64 = 0.25;
 
 /// Takes a step in all lanes of a group. If `displaced`, a displacement of each lane is propagated.
 pub(super) fn advance<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happened {
-    g.simd.vectorize(
-        #[inline(always)]
-        || step(g, displaced),
-    )
+    vectorized!(g.simd, step(g, displaced))
 }
 
 #[inline(always)]

@@ -12,7 +12,7 @@ use super::lane::{Lane, Saved};
 use super::lane_group::{Happened, LaneGroup};
 use super::{LANES, Lanes, advance};
 use crate::model::{Components, System};
-use crate::motion::lockstep::vector::Vector;
+use crate::motion::lockstep::vector::{Vector, vectorized};
 use crate::motion::settings::MOST_PER_TIME;
 use crate::motion::{Effort, Hit, PerContact, Phase, Touches};
 
@@ -373,8 +373,5 @@ pub(super) fn carry<S: Vector, K: Kernel<S>>(
     displacement: &K::Flow,
     length: Lanes<S>,
 ) -> K::Flow {
-    simd.vectorize(
-        #[inline(always)]
-        || kernel.carry(room, displacement, length),
-    )
+    vectorized!(simd, kernel.carry(room, displacement, length))
 }

@@ -9,7 +9,7 @@ use crate::motion::cluster::HeldCluster;
 use crate::motion::lockstep::ORDER;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::root_isolation::{ConditionFate, Polynomial};
-use crate::motion::lockstep::vector::Vector;
+use crate::motion::lockstep::vector::{Vector, vectorized};
 use crate::motion::root::fall_through_zero;
 
 /// The coefficients of a power series of time.
@@ -65,10 +65,7 @@ pub(super) fn held_until<S: Vector>(
             .filter_map(|condition| {
                 let moved = condition.of(&forces, (from * length, length, slack));
                 let scaled = Polynomial { coefficients: moved, length: span * length };
-                let fate = simd.vectorize(
-                    #[inline(always)]
-                    || scaled.first_fall(&scaled.outline()),
-                );
+                let fate = vectorized!(simd, scaled.first_fall(&scaled.outline()));
                 match fate {
                     ConditionFate::Holds => None,
                     ConditionFate::Fails(part) => Some(from + part * span),

@@ -9,7 +9,7 @@ use super::lane::Lane;
 use super::root_isolation::{Bounds, ConditionFate, Polynomial};
 use crate::model::{Components, System};
 use crate::motion::Evaluator;
-use crate::motion::lockstep::vector::Vector;
+use crate::motion::lockstep::vector::{Vector, vectorized};
 use crate::motion::modes::InState;
 use crate::motion::saltation::Condition;
 
@@ -151,10 +151,7 @@ impl Ends {
         bounds: Option<&Bounds>,
         failed: Condition,
     ) {
-        simd.vectorize(
-            #[inline(always)]
-            || self.or_in_vectors(condition, bounds, failed),
-        );
+        vectorized!(simd, self.or_in_vectors(condition, bounds, failed));
     }
 
     /// Does the work of [`Ends::or`]. Must be inlined where the processor's fused multiply-add is available.

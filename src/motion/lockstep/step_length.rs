@@ -51,7 +51,7 @@ fn inverse_sixteenth_root<S: Vector>(x: Lanes<S>) -> Lanes<S> {
 mod tests {
     use super::{inverse_sixteenth_root, reciprocal};
     use crate::motion::lockstep::simd_level::with_each_level;
-    use crate::motion::lockstep::vector::Vector;
+    use crate::motion::lockstep::vector::{Vector, vectorized};
     use crate::motion::lockstep::{LANES, Lanes};
     use fearless_simd::prelude::*;
 
@@ -63,10 +63,7 @@ mod tests {
     fn reciprocals_are_near(simd: impl Vector) {
         for exponent in -300..300 {
             let number = 1.7 * libm::exp10(f64::from(exponent));
-            let found = simd.vectorize(
-                #[inline(always)]
-                || reciprocal(Lanes::splat(simd, number)),
-            )[0];
+            let found = vectorized!(simd, reciprocal(Lanes::splat(simd, number)))[0];
             assert!((found * number - 1.0).abs() < 0.13, "{found} of {number}");
         }
     }
@@ -81,10 +78,7 @@ mod tests {
             let number = |lane: usize| libm::exp10(f64::from(exponent) + 0.13 * lane as f64);
             let mut numbers = Lanes::splat(simd, 0.0);
             (0..LANES).for_each(|lane| numbers[lane] = number(lane));
-            let roots = simd.vectorize(
-                #[inline(always)]
-                || inverse_sixteenth_root(numbers),
-            );
+            let roots = vectorized!(simd, inverse_sixteenth_root(numbers));
             for lane in 0..LANES {
                 let expected = libm::pow(number(lane), -1.0 / 16.0);
                 let off = (roots[lane] / expected - 1.0).abs();

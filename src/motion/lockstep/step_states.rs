@@ -9,7 +9,7 @@ use super::group::Group;
 use super::kernel::{Kernel, POWERS, Powers};
 use super::root_isolation::{PolynomialPoint, guess};
 use crate::model::Components;
-use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 use crate::motion::lockstep::{LANES, Lanes};
 use crate::motion::root::fall_of_smooth;
 
@@ -79,10 +79,7 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
     /// Returns the rate of change of a component at a time after the start of the latest step.
     pub(super) fn rate_at(&self, lane: usize, component: usize, after: f64) -> f64 {
         let powers = self.kernel.component(&self.room, lane, component, 0.0);
-        self.simd.vectorize(
-            #[inline(always)]
-            || value_and_rate(&powers, after).1,
-        )
+        vectorized!(self.simd, value_and_rate(&powers, after).1)
     }
 
     /// Returns a component at a time after the start of the latest step; `start` is the state there.
@@ -94,10 +91,7 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         after: f64,
     ) -> f64 {
         let powers = self.kernel.component(&self.room, lane, component, start[component]);
-        self.simd.vectorize(
-            #[inline(always)]
-            || value(&powers, after),
-        )
+        vectorized!(self.simd, value(&powers, after))
     }
 
     /// Returns the state at a time after the start of the latest step.
@@ -105,10 +99,7 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
     pub(super) fn state_at(&self, lane: usize, after: f64) -> Components {
         let time = Lanes::splat(self.simd, after);
         let mut state = self.kernel.flow(self.simd);
-        self.simd.vectorize(
-            #[inline(always)]
-            || self.kernel.at(&self.room, &self.before, time, &mut state),
-        );
+        vectorized!(self.simd, self.kernel.at(&self.room, &self.before, time, &mut state));
         self.kernel.lane(&state, lane)
     }
 
@@ -120,10 +111,7 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         let mut states = std::array::from_fn(|_| start.clone());
         for component in 0..start.len() {
             let powers = self.kernel.component(&self.room, lane, component, start[component]);
-            let values = simd.vectorize(
-                #[inline(always)]
-                || along(simd, after, &powers),
-            );
+            let values = vectorized!(simd, along(simd, after, &powers));
             for (place, state) in states.iter_mut().enumerate() {
                 state[component] = values[place];
             }
@@ -140,13 +128,10 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         let x = self.kernel.component(&self.room, lane, x, 0.0);
         let y = self.kernel.component(&self.room, lane, y, 0.0);
         let simd = self.simd;
-        let squares = simd.vectorize(
-            #[inline(always)]
-            || {
-                let [x, y] = [along(simd, after, &x), along(simd, after, &y)];
-                x * x + y * y
-            },
-        );
+        let squares = vectorized!(simd, {
+            let [x, y] = [along(simd, after, &x), along(simd, after, &y)];
+            x * x + y * y
+        });
         std::array::from_fn(|place| squares[place])
     }
 
@@ -166,52 +151,47 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         ];
         let length = self.length[lane];
         let simd = self.simd;
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                // Vectors of places in the step of one lane, not of lanes.
-                let mut times = Lanes::splat(simd, 0.0);
-                for (place, node) in PARTS.into_iter().enumerate() {
-                    times[place] = node * length;
+        vectorized!(simd, {
+            // Vectors of places in the step of one lane, not of lanes.
+            let mut times = Lanes::splat(simd, 0.0);
+            for (place, node) in PARTS.into_iter().enumerate() {
+                times[place] = node * length;
+            }
+            let zero = Lanes::splat(simd, 0.0);
+            let (mut places, mut rates) = ([zero; 2], [zero; 2]);
+            for k in (0..POWERS).rev() {
+                for axis in 0..2 {
+                    rates[axis] = rates[axis].fused(times, places[axis]);
+                    places[axis] = places[axis].fused(times, Lanes::splat(simd, powers[axis][k]));
                 }
-                let zero = Lanes::splat(simd, 0.0);
-                let (mut places, mut rates) = ([zero; 2], [zero; 2]);
-                for k in (0..POWERS).rev() {
-                    for axis in 0..2 {
-                        rates[axis] = rates[axis].fused(times, places[axis]);
-                        places[axis] =
-                            places[axis].fused(times, Lanes::splat(simd, powers[axis][k]));
-                    }
+            }
+            let squares = places[0] * places[0] + places[1] * places[1];
+            let outward = places[0] * rates[0] + places[1] * rates[1];
+            largest.push((PARTS[0], squares[0]));
+            for high in 1..LANES {
+                largest.push((PARTS[high], squares[high]));
+                let low = high - 1;
+                let rises_and_falls = outward[low] > 0.0 && outward[high] <= 0.0;
+                if !rises_and_falls || squares[low].max(squares[high]) < near * known {
+                    continue;
                 }
-                let squares = places[0] * places[0] + places[1] * places[1];
-                let outward = places[0] * rates[0] + places[1] * rates[1];
-                largest.push((PARTS[0], squares[0]));
-                for high in 1..LANES {
-                    largest.push((PARTS[high], squares[high]));
-                    let low = high - 1;
-                    let rises_and_falls = outward[low] > 0.0 && outward[high] <= 0.0;
-                    if !rises_and_falls || squares[low].max(squares[high]) < near * known {
-                        continue;
-                    }
-                    let [from, to] = [low, high].map(
-                        #[inline(always)]
-                        |place| outward[place],
-                    );
-                    let span = PARTS[high] - PARTS[low];
-                    let guess = PARTS[low] + span * from / (from - to);
-                    let part = fall_of_smooth(
-                        #[inline(always)]
-                        |part| rise(&powers, part * length, length),
-                        (PARTS[low], PARTS[high]),
-                        guess,
-                        1e-13,
-                    );
-                    let (x, y) =
-                        (value(&powers[0], part * length), value(&powers[1], part * length));
-                    largest.push((part, x * x + y * y));
-                }
-            },
-        );
+                let [from, to] = [low, high].map(
+                    #[inline(always)]
+                    |place| outward[place],
+                );
+                let span = PARTS[high] - PARTS[low];
+                let guess = PARTS[low] + span * from / (from - to);
+                let part = fall_of_smooth(
+                    #[inline(always)]
+                    |part| rise(&powers, part * length, length),
+                    (PARTS[low], PARTS[high]),
+                    guess,
+                    1e-13,
+                );
+                let (x, y) = (value(&powers[0], part * length), value(&powers[1], part * length));
+                largest.push((part, x * x + y * y));
+            }
+        });
         largest
     }
 
@@ -234,23 +214,20 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         };
         let length = self.length[lane];
         let powers = self.kernel.component(&self.room, lane, component, start);
-        let part = self.simd.vectorize(
-            #[inline(always)]
-            || {
-                // Not a map over both ends: the fused multiply-add must be inlined.
-                let (value, slope) = ahead(&powers, 0.0, length, (mark, sign));
-                let low = PolynomialPoint { at: 0.0, value, slope };
-                let (value, slope) = ahead(&powers, 1.0, length, (mark, sign));
-                let high = PolynomialPoint { at: 1.0, value, slope };
-                fall_of_smooth(
-                    #[inline(always)]
-                    |part| ahead(&powers, part, length, (mark, sign)),
-                    (0.0, 1.0),
-                    guess(low, high),
-                    1e-13,
-                )
-            },
-        );
+        let part = vectorized!(self.simd, {
+            // Not a map over both ends: the fused multiply-add must be inlined.
+            let (value, slope) = ahead(&powers, 0.0, length, (mark, sign));
+            let low = PolynomialPoint { at: 0.0, value, slope };
+            let (value, slope) = ahead(&powers, 1.0, length, (mark, sign));
+            let high = PolynomialPoint { at: 1.0, value, slope };
+            fall_of_smooth(
+                #[inline(always)]
+                |part| ahead(&powers, part, length, (mark, sign)),
+                (0.0, 1.0),
+                guess(low, high),
+                1e-13,
+            )
+        });
         let after = part * length;
         Some((self.time_before[lane] + after, self.state_at(lane, after)))
     }

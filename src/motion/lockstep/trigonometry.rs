@@ -80,7 +80,7 @@ fn flip<S: Vector>(value: f64x8<S>, sign: fearless_simd::u64x8<S>) -> f64x8<S> {
 mod tests {
     use super::sin_cos;
     use crate::motion::lockstep::simd_level::with_each_level;
-    use crate::motion::lockstep::vector::Vector;
+    use crate::motion::lockstep::vector::{Vector, vectorized};
     use crate::motion::lockstep::{LANES, Lanes};
     use fearless_simd::prelude::*;
 
@@ -100,10 +100,7 @@ mod tests {
             };
             let mut angles = Lanes::splat(simd, 0.0);
             (0..LANES).for_each(|lane| angles[lane] = angle(lane));
-            let (sines, cosines) = simd.vectorize(
-                #[inline(always)]
-                || sin_cos(angles),
-            );
+            let (sines, cosines) = vectorized!(simd, sin_cos(angles));
             for lane in 0..LANES {
                 let (sine, cosine) = libm::sincos(angle(lane));
                 for (found, expected) in [(sines[lane], sine), (cosines[lane], cosine)] {

@@ -29,6 +29,17 @@ impl<S: Vector> Fused for Lanes<S> {
     }
 }
 
+/// Computes with the instructions of a level, such as its fused multiply-add, all of which are inlined.
+macro_rules! vectorized {
+    ($simd:expr, $work:expr) => {
+        $simd.vectorize(
+            #[inline(always)]
+            || $work,
+        )
+    };
+}
+pub(super) use vectorized;
+
 macro_rules! with_instruction {
     ($($level:ty, $has_many_registers:literal, $width:expr;)*) => {
         $(

@@ -14,7 +14,7 @@ use memmap2::{Mmap, MmapMut};
 
 use super::LANES;
 use super::run::Numbers;
-use super::vector::Vector;
+use super::vector::{Vector, vectorized};
 use crate::graph::{Cell, Instruction, Program};
 use crate::model::Function;
 use encode::Encoder;
@@ -127,10 +127,7 @@ impl Code {
         for part in &self.parts {
             match part {
                 Part::Code(place) => self.call(*place, memory),
-                Part::Turns(turns) => simd.vectorize(
-                    #[inline(always)]
-                    || T::sines_cosines(simd, memory, turns),
-                ),
+                Part::Turns(turns) => vectorized!(simd, T::sines_cosines(simd, memory, turns)),
                 Part::Function { out, function, of } => {
                     memory[*out as usize] = memory[*of as usize].image(*function);
                 }

@@ -2,7 +2,7 @@
 
 use super::Numbers;
 use crate::graph::{Instruction, Product, Program};
-use crate::motion::lockstep::vector::Vector;
+use crate::motion::lockstep::vector::{Vector, vectorized};
 
 /// Runs a program on its cells.
 #[inline(never)]
@@ -11,14 +11,11 @@ pub(in crate::motion::lockstep) fn run<S: Vector, T: Numbers<S>>(
     program: &Program,
     memory: &mut [T],
 ) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            for instruction in &program.instructions {
-                step(simd, program, memory, instruction);
-            }
-        },
-    );
+    vectorized!(simd, {
+        for instruction in &program.instructions {
+            step(simd, program, memory, instruction);
+        }
+    });
 }
 
 #[inline(always)]

@@ -21,7 +21,7 @@ use crate::model::SPEED_TERMS;
 use crate::motion::Phase;
 use crate::motion::lockstep::curve::Curve;
 use crate::motion::lockstep::root_isolation::FOURTH;
-use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 use crate::motion::lockstep::{Lanes, ORDER};
 
 /// The fourth derivative of a cubic polynomial times `exp(-t)` is at most this times the sum of the magnitudes of its
@@ -203,26 +203,23 @@ fn look_over_gaps<S: Vector, const N: usize>(
     length: Lanes<S>,
     doubts: &mut Doubts<S, N>,
 ) {
-    length.simd.vectorize(
-        #[inline(always)]
-        || {
-            doubts.pushed = [Lanes::splat(length.simd, 0.0); N];
-            for (g, gap) in gaps.gaps.iter().enumerate() {
-                let force = Curve::of_series(
-                    length,
-                    ORDER - 1,
-                    #[inline(always)]
-                    |k| series.forces[k][g],
-                );
-                doubts.of_gaps[g] = !gap.pressure.over(&force).holds().to_bitmask();
-                let [start, end] = force.values;
-                let most = Lanes::splat(length.simd, 2.0) * start.abs().max(end.abs());
-                for (pushed, outward) in doubts.pushed.iter_mut().zip(gap.outward) {
-                    *pushed += outward.abs() * most;
-                }
+    vectorized!(length.simd, {
+        doubts.pushed = [Lanes::splat(length.simd, 0.0); N];
+        for (g, gap) in gaps.gaps.iter().enumerate() {
+            let force = Curve::of_series(
+                length,
+                ORDER - 1,
+                #[inline(always)]
+                |k| series.forces[k][g],
+            );
+            doubts.of_gaps[g] = !gap.pressure.over(&force).holds().to_bitmask();
+            let [start, end] = force.values;
+            let most = Lanes::splat(length.simd, 2.0) * start.abs().max(end.abs());
+            for (pushed, outward) in doubts.pushed.iter_mut().zip(gap.outward) {
+                *pushed += outward.abs() * most;
             }
-        },
-    );
+        }
+    });
 }
 
 /// The table's acceleration over a step.
@@ -273,10 +270,7 @@ fn on_disc<S: Vector, const N: usize>(
     (ball, left): (usize, Lanes<S>),
     length: Lanes<S>,
 ) -> ([Lanes<S>; 5], Curve<S>) {
-    length.simd.vectorize(
-        #[inline(always)]
-        || on_disc_in_vectors(turning, (ball, left), length),
-    )
+    vectorized!(length.simd, on_disc_in_vectors(turning, (ball, left), length))
 }
 
 #[inline(always)]

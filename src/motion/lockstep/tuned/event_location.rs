@@ -11,7 +11,7 @@ use crate::motion::lockstep::held::held_until;
 use crate::motion::lockstep::kernel::Ends;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::root_isolation::Polynomial;
-use crate::motion::lockstep::vector::Vector;
+use crate::motion::lockstep::vector::{Vector, vectorized};
 use crate::motion::lockstep::{Lanes, ORDER};
 use crate::motion::saltation::Condition;
 
@@ -26,9 +26,9 @@ pub(super) fn first_event<S: Vector, const N: usize>(
 ) -> Ends {
     let simd = series.terms[0].table[0].simd;
     // The fused multiply-add is an instruction in this closure.
-    simd.vectorize(
-        #[inline(always)]
-        || first_of_all(simd, series, (own, balancer, gaps), (lane, length), doubts, ignored),
+    vectorized!(
+        simd,
+        first_of_all(simd, series, (own, balancer, gaps), (lane, length), doubts, ignored)
     )
 }
 

@@ -12,7 +12,7 @@ use crate::model::{self, pushes};
 use crate::motion::cluster::{HeldCluster, held_clusters};
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::pressure::Pressure;
-use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 use crate::motion::lockstep::{LANES, Lanes};
 
 /// The forces in the gaps, or the accelerations of the balls, for one power of time.
@@ -154,10 +154,7 @@ impl<S: Vector, const N: usize> Response<S, N> {
 
     #[inline(never)]
     fn set(&mut self, gaps: &Gaps<S, N>, solver: &Solver<S, N>) {
-        solver.inverse[0].simd.vectorize(
-            #[inline(always)]
-            || self.set_vectors(gaps, solver),
-        );
+        vectorized!(solver.inverse[0].simd, self.set_vectors(gaps, solver));
     }
 
     #[inline(always)]

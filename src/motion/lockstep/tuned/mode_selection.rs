@@ -10,7 +10,7 @@ use crate::model::{Balancer, Components, Contact, Dual, Friction, State, System}
 use crate::motion::Phase;
 use crate::motion::evaluator::{ContactForces, Forces};
 use crate::motion::lockstep::trigonometry::sin_cos;
-use crate::motion::lockstep::vector::Vector;
+use crate::motion::lockstep::vector::{Vector, vectorized};
 use crate::motion::lockstep::{LANES, Lanes};
 use crate::motion::modes::{AHEAD, InState};
 
@@ -131,19 +131,16 @@ impl<const N: usize> InState for InPlace<'_, N> {
 
 /// Returns sine and cosine of the angles of one lane.
 pub(super) fn turned<S: Vector, const N: usize>(simd: S, angles: [f64; N]) -> [(f64, f64); N] {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            // A vector of the angles of one lane, not of lanes.
-            const { assert!(N <= LANES) };
-            let mut all = Lanes::splat(simd, 0.0);
-            for (place, angle) in angles.into_iter().enumerate() {
-                all[place] = angle;
-            }
-            let (sines, cosines) = sin_cos(all);
-            std::array::from_fn(|place| (sines[place], cosines[place]))
-        },
-    )
+    vectorized!(simd, {
+        // A vector of the angles of one lane, not of lanes.
+        const { assert!(N <= LANES) };
+        let mut all = Lanes::splat(simd, 0.0);
+        for (place, angle) in angles.into_iter().enumerate() {
+            all[place] = angle;
+        }
+        let (sines, cosines) = sin_cos(all);
+        std::array::from_fn(|place| (sines[place], cosines[place]))
+    })
 }
 
 /// Calls a function that is large, without inlining it a second time.

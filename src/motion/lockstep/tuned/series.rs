@@ -33,7 +33,7 @@ use super::terms::{ResidualForce, Solver, TERMS, Term};
 use super::turning::{Drive, Turning};
 use crate::motion::lockstep::kernel::Powers;
 use crate::motion::lockstep::trigonometry::sin_cos;
-use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 use crate::motion::lockstep::{Lanes, ORDER};
 
 /// The sums of the powers above those of the series, over the first of them.
@@ -183,24 +183,21 @@ impl<S: Vector, const N: usize> Series<S, N> {
         drive: Option<&Drive<S, N>>,
         k: usize,
     ) {
-        equations.speed.simd.vectorize(
-            #[inline(always)]
-            || {
-                let Series { terms, sums: [room, _], .. } = self;
-                let mut few = [Sums::zero(equations.speed.simd); N];
-                let sums = if N <= FEW && !WHOLE { &mut few } else { room };
-                add_up(terms, k, sums);
-                let gaps = if self.response.active { Some(&self.response) } else { None };
-                let residual = self.residual.as_ref();
-                let turning = with_drive(drive, &self.turning);
-                let by = Solving { solver: &self.solver, start: None, residual, turning, gaps };
-                let constants = Constants::Whole;
-                let forces = solve::<S, N, WHOLE>(terms, equations, &by, k, sums, constants);
-                if let Some(forces) = forces {
-                    self.forces[k] = forces;
-                }
-            },
-        );
+        vectorized!(equations.speed.simd, {
+            let Series { terms, sums: [room, _], .. } = self;
+            let mut few = [Sums::zero(equations.speed.simd); N];
+            let sums = if N <= FEW && !WHOLE { &mut few } else { room };
+            add_up(terms, k, sums);
+            let gaps = if self.response.active { Some(&self.response) } else { None };
+            let residual = self.residual.as_ref();
+            let turning = with_drive(drive, &self.turning);
+            let by = Solving { solver: &self.solver, start: None, residual, turning, gaps };
+            let constants = Constants::Whole;
+            let forces = solve::<S, N, WHOLE>(terms, equations, &by, k, sums, constants);
+            if let Some(forces) = forces {
+                self.forces[k] = forces;
+            }
+        });
     }
 
     /// Returns whether the speed is constant and no forces act in gaps.

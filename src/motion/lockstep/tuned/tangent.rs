@@ -8,7 +8,7 @@ use super::recurrence::{Constants, Solving, products, solve};
 use super::series::{Higher, Series, with_drive};
 use super::turning::Drive;
 use crate::motion::lockstep::Lanes;
-use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 
 /// The highest power of time in the series of a displacement's speeds.
 pub(super) const LINEAR: usize = 14;
@@ -76,9 +76,9 @@ impl<S: Vector, const N: usize> Series<S, N> {
         displaced: &mut Self,
         k: usize,
     ) {
-        equations.speed.simd.vectorize(
-            #[inline(always)]
-            || self.linear_order::<WHOLE>((equations, drive), displaced, k),
+        vectorized!(
+            equations.speed.simd,
+            self.linear_order::<WHOLE>((equations, drive), displaced, k)
         );
     }
 

@@ -10,7 +10,7 @@ use super::recurrence::DYING;
 use super::terms::{TERMS, Term};
 use crate::model::{Balancer, BalancerBall, SPEED_TERMS};
 use crate::motion::lockstep::Lanes;
-use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 
 /// The number of coefficients of the square of the speed.
 pub(super) const SQUARED_TERMS: usize = 2 * SPEED_TERMS - 1;
@@ -90,10 +90,7 @@ impl<S: Vector, const N: usize> Drive<S, N> {
     /// Returns the speed of the disc from a time in its segment on.
     #[inline(never)]
     pub(super) fn turning(&self, elapsed: Lanes<S>) -> Turning<S, N> {
-        elapsed.simd.vectorize(
-            #[inline(always)]
-            || self.turning_in_vectors(elapsed),
-        )
+        vectorized!(elapsed.simd, self.turning_in_vectors(elapsed))
     }
 
     #[inline(always)]
