@@ -124,11 +124,14 @@ pub(super) fn examine(map: ReturnMap, passed: &[Passed], closure: f64) -> Option
     Some(if is_stable { Verdict::Stable(orbit) } else { Verdict::Open })
 }
 
+/// The largest component of the time derivative, non-dimensional, of an orbit that is no larger than its closing error allows.
+const SHRUNK: f64 = 10.0 * SLOW;
+
 /// Returns whether an orbit has shrunk to an equilibrium: a motion that swings about one also returns to the section.
 fn is_equilibrium(closed: &Closed) -> bool {
     let ReturnMap { section, view, .. } = closed.map;
     let rates = view.evaluator.rates(&section.phases, &closed.state);
-    rates.iter().all(|rate| rate.abs() <= SLOW)
+    rates.iter().all(|rate| rate.abs() <= SHRUNK)
 }
 
 /// Finds a fixed point of the return map by Newton's method. The derivative is reused while the

@@ -286,11 +286,13 @@ fn maxima(view: &SystemView) -> Vec<Mark> {
 /// the way to the speed at which another contact stops.
 fn smooth_speed(view: &SystemView, component: usize, speed: f64) -> f64 {
     let graph = view.evaluator.graph();
-    let zero = vec![0.0; view.dimension()];
-    let sliding = view.evaluator.speeds(&zero);
+    let mut state = vec![0.0; view.dimension()];
+    let at_zero = view.evaluator.speeds(&state);
+    state[component] = 1.0;
+    let at_one = view.evaluator.speeds(&state);
     let shifted = (0..view.contacts.len())
         .filter(|contact| graph.shifted_component(*contact) == Some(component));
-    let stops = shifted.map(|contact| -sliding[contact]);
+    let stops = shifted.map(|contact| at_zero[contact] / (at_zero[contact] - at_one[contact]));
     let nearest = stops.filter(|stop| *stop != 0.0).min_by(|a, b| a.abs().total_cmp(&b.abs()));
     nearest.map_or(speed, |stop| 0.5 * stop)
 }

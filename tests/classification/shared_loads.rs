@@ -1,10 +1,10 @@
 //! Contacts with one sliding speed or multiples of one, such as two pads on a disc or the two feet of a box: they hold together what
 //! one contact with the sum of their friction limits holds. Contacts with the ground and with a belt hold one after the other.
 
-use stickslip::classification::{Evidence, Outcome};
-use stickslip::model::OutputValue;
+use stickslip::classification::{Evidence, Outcome, simulate};
+use stickslip::model::{Method, OutputValue};
 
-use super::outputs::outcomes;
+use super::outputs::{cases, outcomes};
 
 /// Returns the outcomes of a block of 2 kg on a spring and a belt, with these contacts.
 fn pads(belt_speed: &str, contacts: &[&str]) -> Vec<Outcome> {
@@ -181,6 +181,42 @@ fn a_disc_turns_between_two_pads() {
             (cycle.multipliers[0], (-period_s).exp()),
         ] {
             assert!((found - exact).abs() < 1e-7, "{found} {exact}");
+        }
+    }
+}
+
+/// A block on two belts, one of them with another unit of its speed, sticks on one of them and slips; both methods find the cycle.
+#[test]
+fn a_block_on_two_belts_sticks_and_slips() {
+    let system = "coordinates: {x: {start: [-2, 2], start_rate: [-1, 1]}}\n\
+                  mass: {x: {x: 1}}\nforce: {x: -x}\ncontacts:\n  \
+                  slow: {normal: 0.5, sliding: \"2 * (x' - 0.2)\", friction: {coulomb: {coefficient: 0.1}}}\n  \
+                  fast: {normal: 1, sliding: x' - 0.5, friction: {stribeck: {coefficient: 0.5, \
+                  static_coefficient: 1, stribeck_speed: 0.3}}}\n";
+    let mut periods = Vec::new();
+    for mut case in cases(system, 16, 60.0) {
+        for method in [Method::Event, Method::Switch] {
+            case.simulation.method = method;
+            let outcome = simulate(&case);
+            assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{outcome:?}");
+            periods.push(outcome.period_s.expect("a period"));
+        }
+    }
+    assert!(periods.iter().all(|one| (one - periods[0]).abs() < 1e-4), "{periods:?}");
+}
+
+/// A motion that spirals slowly into steady sliding is no cycle, however small it has become.
+#[test]
+fn a_spiral_is_no_cycle() {
+    let system = "coordinates: {x: {start: [-2, 2], start_rate: [-1, 1]}, y: {start: [-2, 2], start_rate: [-1, 1]}}\n\
+                  mass: {x: {x: 1}, y: {y: 1}}\nforce: {x: -x + 1.1 * (y - x), y: -y + 1.1 * (x - y)}\ncontacts:\n  \
+                  belt: {normal: 1.68, sliding: x' - 0.5, friction: {coulomb: {coefficient: 0.57}}}\n  \
+                  other: {normal: 1.47, sliding: y' - 0.2, friction: {smooth: {coefficient: 0.21, smoothing_speed: 1}}}\n  \
+                  drag: {normal: 1, sliding: x' + 0.2, friction: {viscous: {viscous_coefficient: 0.17}}}\n";
+    for end_time_s in [60.0, 400.0] {
+        let expected = if end_time_s > 100.0 { Evidence::Settled } else { Evidence::EndTime };
+        for outcome in outcomes(system, 12, end_time_s) {
+            assert_eq!(outcome.evidence, expected, "{outcome:?}");
         }
     }
 }

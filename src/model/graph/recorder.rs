@@ -222,14 +222,33 @@ impl Graph {
         true
     }
 
-    /// Returns the component from which the sliding speed of a contact differs by a constant, such as `x'` for `x' - v_belt`.
+    /// Returns the component of which the sliding speed of a contact is an affine function with constant coefficients, such as `x'`
+    /// for `x' - v_belt`, if it is not the component itself.
     pub fn shifted_component(&self, contact: usize) -> Option<usize> {
-        let speed = self.nodes[self.contacts[contact][0] as usize];
-        let (Node::Sum(of, shift) | Node::Difference(of, shift)) = speed else { return None };
-        let of_two =
-            |of: NodeId, shift: NodeId| self.component(of).filter(|_| self.is_constant(shift));
-        let swapped = || matches!(speed, Node::Sum(..)).then(|| of_two(shift, of)).flatten();
-        of_two(of, shift).or_else(swapped)
+        let mut node = self.contacts[contact][0];
+        if self.component(node).is_some() {
+            return None;
+        }
+        loop {
+            node = match self.nodes[node as usize] {
+                Node::State(component) => return Some(component as usize),
+                Node::Negation(of) => of,
+                Node::Sum(a, b) | Node::Product(a, b) | Node::Difference(a, b)
+                    if self.is_constant(a) =>
+                {
+                    b
+                }
+                Node::Sum(a, b)
+                | Node::Product(a, b)
+                | Node::Difference(a, b)
+                | Node::Quotient(a, b)
+                    if self.is_constant(b) =>
+                {
+                    a
+                }
+                _ => return None,
+            };
+        }
     }
 
     /// Returns the component that keeps its value while a contact sticks.

@@ -283,8 +283,11 @@ fn decide<S: Vector, K: Kernel<S>>(
                 match (kernel.coordinates(contact).1, kernel.shifted(contact)) {
                     (Some(component), _) => state[component] = 0.0,
                     (None, Some(component)) => {
-                        let residual = kernel.in_state(lane, own, state, |at| at.speed(contact));
-                        state[component] -= residual;
+                        let mut unit = Components::from_elem(0.0, state.len());
+                        unit[component] = 1.0;
+                        state[component] -= kernel.in_state(lane, own, state, |at| {
+                            at.speed(contact) / at.speed_along(contact, &unit)
+                        });
                     }
                     (None, None) => {}
                 }
