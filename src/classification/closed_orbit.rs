@@ -155,25 +155,21 @@ fn shoot<'a>(map: ReturnMap<'a>, run: &[f64], closure: f64) -> Option<Closed<'a>
             }
             Some(_) => (map.follow(&start)?, None),
         };
+        let known_or_followed =
+            |slope: Option<DMatrix<f64>>| slope.or_else(|| Some(map.follow_with_slope(&start)?.1));
         let residual = map.section.difference(&end.state, &start);
         let size = residual.amax();
         // Iterates below the required accuracy as long as the error decreases.
         let at_best = AT_BEST * map.settings.tolerance.relative;
         if size <= at_best || (last <= closure && size > 0.25 * last) {
-            let slope = match slope {
-                Some(slope) => slope,
-                None => map.follow_with_slope(&start)?.1,
-            };
+            let slope = known_or_followed(slope)?;
             return Some(Closed { map, state: start, slope });
         }
         let matrix = match newton.take().filter(|_| size <= 0.25 * last) {
             Some((matrix, step)) => matrix - &residual * step.transpose() / step.norm_squared(),
             None => {
                 followed += centre.len() * map.turns;
-                let slope = match slope {
-                    Some(slope) => slope,
-                    None => map.follow_with_slope(&start)?.1,
-                };
+                let slope = known_or_followed(slope)?;
                 // A return and the derivative at the end follow at least.
                 let least = end.steps * (1 + cost_of_a_step(centre.len()));
                 let is_hopeless =

@@ -22,9 +22,7 @@ impl CyclePhase {
     pub fn of(phase: Phase, speed: f64) -> Self {
         match phase {
             Phase::Stick | Phase::Open | Phase::Closed => CyclePhase::Stick,
-            Phase::Slip(direction) | Phase::Transition(direction)
-                if direction == Direction::Forward =>
-            {
+            Phase::Slip(Direction::Forward) | Phase::Transition(Direction::Forward) => {
                 CyclePhase::Forward
             }
             Phase::Slip(_) | Phase::Transition(_) => CyclePhase::Backward,

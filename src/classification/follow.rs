@@ -6,6 +6,7 @@
 //! statistics for the later end time begin, and continued from there. The effort limit is that of
 //! the longer run throughout.
 
+use super::late::Late;
 use super::outcome::Label;
 use crate::model::{Extend, Simulation};
 
@@ -21,21 +22,22 @@ pub(super) fn continues(extend: Extend, label: Label) -> bool {
 /// The end time of a run with its statistics over the last part of the time, and those of the later
 /// end time to which it may be continued.
 #[derive(Clone, Debug)]
-pub(super) struct Horizons<W> {
-    now: Horizon<W>,
-    later: Option<Horizon<W>>,
+pub(super) struct Horizons {
+    pub(super) now: Horizon,
+    pub(super) later: Option<Horizon>,
 }
 
+/// An end time, non-dimensional, with its statistics.
 #[derive(Clone, Debug)]
-struct Horizon<W> {
-    end: f64,
-    window: W,
+pub(super) struct Horizon {
+    pub(super) end: f64,
+    pub(super) window: Late,
 }
 
-impl<W> Horizons<W> {
+impl Horizons {
     /// Returns the end times of a simulation; `natural` converts time in s into non-dimensional
     /// time, and `window` creates the statistics for an end time.
-    pub(super) fn new(simulation: &Simulation, natural: f64, window: impl Fn(f64) -> W) -> Self {
+    pub(super) fn new(simulation: &Simulation, natural: f64, window: impl Fn(f64) -> Late) -> Self {
         let horizon = |end_time_s: f64| {
             let end = end_time_s * natural;
             Horizon { end, window: window(end) }
@@ -44,29 +46,9 @@ impl<W> Horizons<W> {
         Horizons { now: horizon(now), later: simulation.extend.map(|_| horizon(later)) }
     }
 
-    /// Returns the end time, non-dimensional.
-    pub(super) fn end(&self) -> f64 {
-        self.now.end
-    }
-
     /// Returns the latest end time, non-dimensional.
     pub(super) fn latest_end(&self) -> f64 {
         self.later.as_ref().map_or(self.now.end, |later| later.end)
-    }
-
-    /// Returns the statistics for the end time.
-    pub(super) fn window(&self) -> &W {
-        &self.now.window
-    }
-
-    /// Returns the statistics for the end time, mutably.
-    pub(super) fn window_mut(&mut self) -> &mut W {
-        &mut self.now.window
-    }
-
-    /// Returns the statistics for the later end time; `None` without one.
-    pub(super) fn later_window(&self) -> Option<&W> {
-        self.later.as_ref().map(|later| &later.window)
     }
 
     /// Replaces the end time by the later one.

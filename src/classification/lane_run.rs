@@ -34,7 +34,7 @@ pub(super) struct LaneRun {
     endings: Endings,
     extend: Option<Extend>,
     pub(super) stages: Stages,
-    pub(super) horizons: Horizons<Late>,
+    pub(super) horizons: Horizons,
     pub(super) watch: CycleWatch,
     pub(super) settled: SettledWatch,
     still: bool,
@@ -100,7 +100,7 @@ impl LaneRun {
     /// Returns the end of the present stage.
     pub(super) fn end(&self) -> f64 {
         if self.stages.is_last() {
-            self.horizons.end()
+            self.horizons.now.end
         } else {
             self.stages.present().ends_s * self.units.natural_rad_s
         }
@@ -108,7 +108,7 @@ impl LaneRun {
 
     /// Returns whether the run needs a displacement at a time.
     pub(super) fn is_displaced(&self, time: f64) -> bool {
-        let separation = &self.horizons.window().separation;
+        let separation = &self.horizons.now.window.separation;
         separation.has_begun() && separation.follows(time)
     }
 
@@ -160,21 +160,21 @@ impl LaneRun {
         }
         let displaced = self.is_displaced(time);
         self.measure(&*group, lane);
-        let separation = &mut self.horizons.window_mut().separation;
+        let separation = &mut self.horizons.now.window.separation;
         if displaced {
             self.separate(group, lane, time, happened.attention & bit != 0);
         } else if separation.follows(time) && !separation.has_begun() {
             let mut displacement = lyapunov::displacement(&self.view);
             self.view.keep_together(group.phases(lane), &mut displacement);
             group.displace(lane, &displacement);
-            separation.begin(time, lyapunov::course(&LaneStep { group, lane, view: &self.view }));
+            separation.mark(time, lyapunov::course(&LaneStep { group, lane, view: &self.view }));
         }
         let still = happened.still & bit != 0;
         if still || self.still {
             self.still = still;
             let since = if still { group.time_before(lane) } else { time };
             let at = (group.phases(lane), &*group.state(lane));
-            if self.settled.look(&self.view, at, [since, time, self.horizons.end()]) {
+            if self.settled.look(&self.view, at, [since, time, self.horizons.now.end]) {
                 return self.ends(group, lane, Ending::Settled);
             }
         }
@@ -185,7 +185,7 @@ impl LaneRun {
                 return self.ends(group, lane, ending);
             }
         }
-        if time >= self.horizons.end() {
+        if time >= self.horizons.now.end {
             return self.ends_in_time(group, lane);
         }
         if happened.rest & bit != 0 && self.rests(group, lane) {
@@ -219,7 +219,7 @@ impl LaneRun {
     fn measure(&mut self, group: &dyn LaneGroup, lane: usize) {
         let step = LaneStep { group, lane, view: &self.view };
         self.watch.take_in(&step);
-        self.horizons.window_mut().take_in(&step);
+        self.horizons.now.window.take_in(&step);
     }
 
     /// Records the growth of the displacement when that is due or its size is out of range. Other
@@ -230,14 +230,14 @@ impl LaneRun {
         }
         let (mut displacement, grazed) = group.displacement(lane);
         let size = lyapunov::size(&self.view, &displacement);
-        let due = time >= self.horizons.window().separation.next_mark();
+        let due = time >= self.horizons.now.window.separation.next_mark();
         if !due && HANDY.contains(&size) {
             return;
         }
         displacement.iter_mut().for_each(|component| *component *= 1.0 / size);
         group.displace(lane, &displacement);
         let course = lyapunov::course(&LaneStep { group, lane, view: &self.view });
-        self.horizons.window_mut().separation.grow(time, size, grazed, course);
+        self.horizons.now.window.separation.grow(time, size, grazed, course);
     }
 
     /// Returns whether all contacts stick and can never break loose again.
@@ -253,17 +253,17 @@ impl LaneRun {
         if !self.stages.is_last() {
             return;
         }
-        let Late { window, separation, .. } = self.horizons.window();
-        let mut attention = if self.watch.sees_each_step() { 0.0 } else { window.start() };
+        let Late { window, separation, .. } = &self.horizons.now.window;
+        let mut attention = if self.watch.sees_each_step() { 0.0 } else { window.start };
         if !separation.has_begun() {
-            attention = attention.min(separation.start());
+            attention = attention.min(separation.start);
         } else if self.is_displaced(group.time(lane)) {
             attention = attention.min(separation.next_mark());
         }
-        if let Some(later) = self.horizons.later_window()
+        if let Some(later) = self.horizons.later.as_ref().map(|later| &later.window)
             && self.kept.is_none()
         {
-            let depends = later.start().min(self.horizons.end());
+            let depends = later.start().min(self.horizons.now.end);
             if group.reaches(lane, depends) {
                 let run = self.clone();
                 self.kept = group.copy(lane).map(|saved| Box::new((saved, run)));

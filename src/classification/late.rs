@@ -32,7 +32,7 @@ impl Late {
 
     /// Returns the earliest time at which the statistics begin.
     pub(super) fn start(&self) -> f64 {
-        self.separation.start().min(self.window.start())
+        self.separation.start.min(self.window.start)
     }
 
     /// Adds the latest step to the means.

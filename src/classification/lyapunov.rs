@@ -63,7 +63,8 @@ const GROWS: f64 = 2.0;
 /// Measures how fast neighbours of a motion separate between two times.
 #[derive(Clone, Debug)]
 pub(super) struct Separation {
-    start: f64,
+    /// The start of the window.
+    pub(super) start: f64,
     end: f64,
     /// Logarithm of the growth so far.
     growth: f64,
@@ -96,11 +97,6 @@ impl Separation {
         Separation { start, end, growth: 0.0, marks: Vec::new(), given_up: false, grazed: false }
     }
 
-    /// Returns the start of the window.
-    pub(super) fn start(&self) -> f64 {
-        self.start
-    }
-
     /// Returns whether displacements are measured at a time: the window has begun and the
     /// measurement has not stopped.
     pub(super) fn follows(&self, time: f64) -> bool {
@@ -110,12 +106,6 @@ impl Separation {
     /// Returns whether the measurement has begun.
     pub(super) fn has_begun(&self) -> bool {
         !self.marks.is_empty()
-    }
-
-    /// Begins at the end of the first step that extends into the window, where the displacement has
-    /// the size 1.
-    pub(super) fn begin(&mut self, time: f64, course: Course) {
-        self.mark(time, course);
     }
 
     /// Adds the growth of the displacement since the last call.
@@ -142,7 +132,8 @@ impl Separation {
         }
     }
 
-    fn mark(&mut self, time: f64, course: Course) {
+    /// Marks a time: first the end of the first step that extends into the window, where the displacement has the size 1.
+    pub(super) fn mark(&mut self, time: f64, course: Course) {
         self.marks.push(Mark { time, growth: self.growth, course });
     }
 
@@ -204,9 +195,7 @@ impl Separation {
             && low > 0.0
             && last.growth - half.growth >= SEPARATED.ln()
     }
-}
 
-impl Separation {
     /// Returns whether the motion itself grows without bound: neighbours of such a motion separate at the rate of its growth.
     fn grows(&self) -> bool {
         let (early, late) = self.marks.split_at(self.marks.len() / 2);
@@ -266,7 +255,7 @@ mod tests {
     fn in_turn(courses: f64) -> Separation {
         let mut separation = Separation::new(0.0, PARTS as f64);
         let course = |courses: f64| Course { courses, speed: 1.0 };
-        separation.begin(0.0, course(0.0));
+        separation.mark(0.0, course(0.0));
         for part in 1..=PARTS {
             let rate: f64 = if part % 2 == 1 { 1.0 } else { 3.0 };
             separation.grow(part as f64, rate.exp(), false, course(part as f64 * courses));

@@ -49,7 +49,7 @@ impl Label {
 }
 
 /// Why a run has its label.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Default)]
 pub enum Evidence {
     /// All balls stick and the closed form excludes that any ever breaks loose.
     RestCertified,
@@ -70,6 +70,7 @@ pub enum Evidence {
     /// Neighbouring motions separate, and the confidence interval of the exponent, from enough blocks, is positive.
     Lyapunov,
     /// The end time was reached without any other evidence.
+    #[default]
     EndTime,
     /// The motion could not be continued.
     Failure(Failure),
@@ -177,7 +178,7 @@ pub struct TouchingOutcome {
 }
 
 /// One run's result. Per-ball values are in the order of the balls.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Default)]
 pub struct Outcome {
     /// The reason for the label.
     pub evidence: Evidence,
@@ -254,26 +255,6 @@ impl Outcome {
 
     /// Returns the outcome of a failed run, with its evidence and message only.
     pub fn failed(evidence: Evidence, error: String) -> Self {
-        Outcome {
-            evidence,
-            balls_running: None,
-            time_to_rest_s: None,
-            end_time_s: None,
-            extended: false,
-            position: None,
-            outputs: Vec::new(),
-            amplitude_m: None,
-            friction_margin: None,
-            period_s: None,
-            mean_speed: None,
-            cycle: None,
-            lyapunov: None,
-            rest_since_s: None,
-            stages: Vec::new(),
-            peak: None,
-            touching: None,
-            effort: Effort::default(),
-            error: Some(error),
-        }
+        Outcome { evidence, error: Some(error), ..Outcome::default() }
     }
 }

@@ -66,20 +66,10 @@ impl LaneRun {
             ..outcome
         };
         let base = Outcome {
-            evidence: Evidence::EndTime,
-            balls_running: None,
-            time_to_rest_s: None,
             end_time_s: Some(step.time() / natural),
             extended: self.extended,
             position: Some(position),
             outputs,
-            amplitude_m: None,
-            friction_margin: None,
-            period_s: None,
-            mean_speed: None,
-            cycle: None,
-            lyapunov: None,
-            rest_since_s: None,
             stages: self.stages.outcomes(&step, &self.units),
             peak: self.stages.peak(&self.units),
             touching: group.touches(lane).map(|touches| TouchingOutcome {
@@ -90,7 +80,7 @@ impl LaneRun {
                 force_n: None,
             }),
             effort: step.effort(),
-            error: None,
+            ..Outcome::default()
         };
         counted(match ending {
             Ending::Rest => Outcome {
@@ -162,7 +152,7 @@ impl LaneRun {
                 }
                 CycleWatch::Orbits(_) | CycleWatch::None => Vec::new(),
             },
-            Ending::EndTime => self.horizons.window().outputs.measured(false),
+            Ending::EndTime => self.horizons.now.window.outputs.measured(false),
             Ending::Failure(_) => Vec::new(),
         };
         let none = OutputOutcome { end: 0.0, range: None };
@@ -250,7 +240,7 @@ impl LaneRun {
     /// Returns the outcome of a run at its end time without another ending.
     fn at_end_time(&self, step: &LaneStep, base: Outcome) -> Outcome {
         let natural = self.units.natural_rad_s;
-        let Late { window, separation, .. } = self.horizons.window();
+        let Late { window, separation, .. } = &self.horizons.now.window;
         let lyapunov = separation.exponent().map(|exponent| in_seconds(exponent, natural));
         let base = Outcome { lyapunov, ..base };
         let orbits = match &self.watch {
@@ -294,7 +284,7 @@ impl LaneRun {
     fn slow_since(&self, step: &LaneStep) -> Option<f64> {
         match self.view.vibration {
             Some(_) => Some(latest(&step.group.slow_since(step.lane))),
-            None => self.settled.slow_since(),
+            None => self.settled.slow_since,
         }
     }
 

@@ -48,7 +48,8 @@ const RESERVE: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SettledWatch {
     next: f64,
-    slow_since: Option<f64>,
+    /// The time since which everything is slow, if it is.
+    pub(super) slow_since: Option<f64>,
 }
 
 impl SettledWatch {
@@ -71,11 +72,6 @@ impl SettledWatch {
         }
         self.next = 1.5 * time;
         has_settled(view, phases, state).unwrap_or(false)
-    }
-
-    /// Returns the time since which everything is slow, if it is.
-    pub(super) fn slow_since(&self) -> Option<f64> {
-        self.slow_since
     }
 }
 

@@ -84,7 +84,7 @@ impl Stages {
     /// Requests a report of each step in which the amplitude may be larger than so far.
     pub(super) fn watch(&self, group: &mut dyn LaneGroup, lane: usize) {
         if self.counts() {
-            group.watch_amplitude(lane, self.peak.square());
+            group.watch_amplitude(lane, self.peak.square);
         }
     }
 
@@ -143,6 +143,6 @@ impl Stages {
 }
 
 fn in_si(peak: Peak, units: &Units) -> PeakAmplitude {
-    let [amplitude, time] = peak.amplitude_and_time();
+    let (amplitude, time) = (peak.square.sqrt(), peak.time);
     PeakAmplitude { amplitude_m: amplitude * units.length_m, time_s: time / units.natural_rad_s }
 }

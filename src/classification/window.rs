@@ -28,7 +28,8 @@ pub(super) const WEIGHTS: [f64; 5] = [
 /// Sums for the means.
 #[derive(Clone, Debug)]
 pub(super) struct Window {
-    start: f64,
+    /// The start, non-dimensional.
+    pub(super) start: f64,
     opened: Option<Opened>,
 }
 
@@ -53,11 +54,6 @@ impl Window {
     /// Creates a window that starts at a time.
     pub(super) fn new(start: f64) -> Self {
         Window { start, opened: None }
-    }
-
-    /// Returns the start of the window.
-    pub(super) fn start(&self) -> f64 {
-        self.start
     }
 
     /// Adds the part of a step that lies in the window.

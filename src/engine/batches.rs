@@ -39,18 +39,14 @@ pub(super) struct Batches<'a> {
     begun: u64,
     /// The point that is being sampled, and the number of its runs in batches so far.
     point: Option<(Point, u64)>,
-    most: u64,
+    /// An upper bound of the number of runs of all batches, from what is known so far.
+    pub most: u64,
 }
 
 impl<'a> Batches<'a> {
     /// Creates the batches of a study's shard.
     pub fn new(study: &'a Study, shard: Shard) -> Self {
         Batches { study, shard, begun: 0, point: None, most: shard.most_runs(study) }
-    }
-
-    /// Returns an upper bound of the number of runs of all batches, from what is known so far.
-    pub fn most_runs(&self) -> u64 {
-        self.most
     }
 
     /// Returns the next batch, if any; `so_far` holds all runs of the point of the last batch.

@@ -61,12 +61,10 @@ pub fn readable_results(directory: &Path) -> Result<Readable, CommandError> {
     let circumstances = Circumstances {
         shard: manifest.shard.clone(),
         runs_planned: manifest.runs_planned,
-        runs_kept: 0,
-        complete: false,
         started_unix_s: manifest.started_unix_s,
-        wall_s: 0.0,
         threads: manifest.threads,
         merging: manifest.merging.clone(),
+        ..Circumstances::default()
     };
     let mut written = results.finish(study, circumstances)?;
     written.host.clone_from(&manifest.host);

@@ -202,7 +202,7 @@ impl<'a> StudyRun<'a> {
         let mut batches = Batches::new(study, options.shard);
         let mut due = 0;
         while let Some(batch) = batches.next(collector.so_far()) {
-            progress.limit(batches.most_runs());
+            progress.limit(batches.most);
             due += batch.runs;
             let mut finished: Vec<RunRecord> = Vec::new();
             let mut first = 0;
@@ -250,7 +250,7 @@ impl<'a> StudyRun<'a> {
                 break;
             }
         }
-        progress.limit(batches.most_runs());
+        progress.limit(batches.most);
         let counts = collector.finish().map_err(EngineError::Sink)?;
         let stopped = (counts.total() < due)
             .then(|| stop_condition.reason().unwrap_or(StopReason::Interrupted));

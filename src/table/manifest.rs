@@ -30,7 +30,7 @@ const MAX_BYTES: u64 = 4 * 1024 * 1024;
 const LONGEST_TEXT: usize = 256;
 
 /// Facts about an execution of the program.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Default)]
 pub struct Circumstances {
     /// Part of the study, as `K/N`.
     pub shard: String,
@@ -56,16 +56,7 @@ impl Circumstances {
         // A clock before 1970 is wrong.
         let started = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let started_unix_s = started.as_secs_f64();
-        Circumstances {
-            shard,
-            runs_planned,
-            runs_kept: 0,
-            complete: false,
-            started_unix_s,
-            wall_s: 0.0,
-            threads: 0,
-            merging: Vec::new(),
-        }
+        Circumstances { shard, runs_planned, started_unix_s, ..Circumstances::default() }
     }
 }
 

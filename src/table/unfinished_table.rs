@@ -27,7 +27,8 @@ const MAX_ATTEMPTS: u32 = 100;
 /// The directory of an unfinished table.
 pub(super) struct UnfinishedTable {
     target: PathBuf,
-    directory: TempDir,
+    /// The directory with the parts.
+    pub(super) directory: TempDir,
 }
 
 /// Returns the name of a part in the directory of its table; names sort like numbers up to 100,000
@@ -49,11 +50,6 @@ impl UnfinishedTable {
         let unfinished = UnfinishedTable { target: target.to_owned(), directory };
         fs::create_dir(unfinished.parts())?;
         Ok(unfinished)
-    }
-
-    /// Removes the directory with the parts.
-    pub(super) fn remove(self) -> io::Result<()> {
-        self.directory.close()
     }
 
     fn parts(&self) -> PathBuf {

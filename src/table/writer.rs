@@ -140,7 +140,7 @@ impl<R> TableWriter<R> {
                 unfinished.publish(files.len())
             }
             Err(error) => Err(error),
-            Ok(_) if is_table_of(path, files)? => unfinished.remove(),
+            Ok(_) if is_table_of(path, files)? => unfinished.directory.close(),
             Ok(_) => Err(taken()),
         })?;
         Ok(())
@@ -153,7 +153,7 @@ impl<R> TableWriter<R> {
     pub fn abandon(self) -> Result<(), WriteError> {
         let TableWriter { path, part, unfinished, .. } = self;
         drop(part);
-        unfinished.remove().map_err(|error| WriteError { path, cause: error.into() })
+        unfinished.directory.close().map_err(|error| WriteError { path, cause: error.into() })
     }
 
     fn error(&self, cause: WriteCause) -> WriteError {

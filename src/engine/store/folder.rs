@@ -77,24 +77,12 @@ pub(super) fn what_follows(shared: bool) -> &'static str {
 
 impl Folder {
     /// Reads the list of a folder; a missing folder has no chunks. Reports lines that cannot be read. `ours` says
-    /// whether the folder may be modified.
+    /// whether the folder may be modified. If another process may be adding chunks to it (`shared`), a last line that is not
+    /// finished is ignored, and the folder never changes.
     ///
     /// # Errors
     /// Returns an error if the operating system refuses access, or if the folder or its list is a symbolic link.
-    pub fn open(path: PathBuf, study_hash: &str, ours: bool) -> Result<Self, StoreError> {
-        Self::read_list(path, study_hash, ours, false)
-    }
-
-    /// Reads the list of a folder like [`Self::open`], while another process may be adding chunks. Ignores a last
-    /// line that is not finished, and never changes the folder.
-    ///
-    /// # Errors
-    /// Returns the errors of [`Self::open`].
-    pub fn open_shared(path: PathBuf, study_hash: &str) -> Result<Self, StoreError> {
-        Self::read_list(path, study_hash, false, true)
-    }
-
-    fn read_list(
+    pub fn open(
         path: PathBuf,
         study_hash: &str,
         ours: bool,

@@ -96,7 +96,7 @@ pub enum StoreError {
 /// Returns [`StoreError::Unusable`] if the list cannot be read.
 pub fn listed_runs(directory: &Path, study: &Study) -> Result<u64, StoreError> {
     let hash = study.hash();
-    Ok(Folder::open_shared(directory.join(CHUNKS).join(&hash[..DIGITS]), &hash)?.runs())
+    Ok(Folder::open(directory.join(CHUNKS).join(&hash[..DIGITS]), &hash, false, true)?.runs())
 }
 
 /// The finished runs in an output directory, which is locked as long as this value lives, unless it was opened with
@@ -138,10 +138,10 @@ impl Store {
         others.sort();
         let open = |path: PathBuf| {
             let hash = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            Folder::open(path, &hash, true)
+            Folder::open(path, &hash, true, false)
         };
         let others: Result<Vec<Folder>, StoreError> = others.into_iter().map(open).collect();
-        let own = Folder::open(own, &study_hash, true)?;
+        let own = Folder::open(own, &study_hash, true, false)?;
         Ok(Store {
             chunk_index: ChunkIndex::new(own.clone()),
             appender: ChunkAppender { folder: own, study_hash },
@@ -158,7 +158,7 @@ impl Store {
     pub fn open_shared(directory: &Path, study: &Study) -> Result<Self, StoreError> {
         let chunks = directory.join(CHUNKS);
         let study_hash = study.hash();
-        let folder = Folder::open_shared(chunks.join(&study_hash[..DIGITS]), &study_hash)?;
+        let folder = Folder::open(chunks.join(&study_hash[..DIGITS]), &study_hash, false, true)?;
         Ok(Store {
             chunk_index: ChunkIndex::new(folder.clone()),
             appender: ChunkAppender { folder, study_hash },
@@ -173,7 +173,8 @@ impl Store {
     /// Returns [`StoreError::Unusable`] if the list cannot be read.
     pub fn add_shard(&mut self, directory: &Path) -> Result<u64, StoreError> {
         let hash = &self.appender.study_hash;
-        let folder = Folder::open(directory.join(CHUNKS).join(&hash[..DIGITS]), hash, false)?;
+        let folder =
+            Folder::open(directory.join(CHUNKS).join(&hash[..DIGITS]), hash, false, false)?;
         let runs = folder.runs();
         self.chunk_index.folders.push(folder);
         Ok(runs)
@@ -194,7 +195,7 @@ impl Store {
 
     /// Whether there are finished runs of other studies.
     pub fn has_others(&self) -> bool {
-        !self.result_cache.is_empty()
+        !self.result_cache.index.is_empty()
     }
 
     /// Whether another study has finished this run, so that it need not be computed.

@@ -18,7 +18,7 @@ pub(in crate::engine) struct ResultCache {
     /// Folder index and list entry of each chunk.
     chunks: Vec<(usize, Listed)>,
     /// Chunk number and index in the chunk, by case.
-    index: HashMap<CaseKey, (u32, u32)>,
+    pub(super) index: HashMap<CaseKey, (u32, u32)>,
     /// The chunks read last, the most recent at the end.
     loaded: Mutex<VecDeque<(u32, Arc<Chunk>)>>,
 }
@@ -41,11 +41,6 @@ impl ResultCache {
             }
         }
         cache
-    }
-
-    /// Whether there are no runs.
-    pub fn is_empty(&self) -> bool {
-        self.index.is_empty()
     }
 
     /// Returns the content of a finished run of this case.

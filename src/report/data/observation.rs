@@ -2,39 +2,28 @@
 
 use super::{PointFacts, ReportData};
 
-/// When the runs of a point end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Observation {
-    /// The begin of the last stage, s; 0 for a run with one stage.
-    pub begin_s: f64,
-    /// The time at which a run ends at the latest, unless it is continued, s.
-    pub end_s: f64,
-}
-
-impl Observation {
-    /// Returns how long the runs are observed, which is what times to rest are compared with, s.
-    pub fn observed_s(self) -> f64 {
-        self.end_s - self.begin_s
-    }
-}
-
 impl ReportData<'_> {
-    /// Returns when the runs of a point end, with uncertain parameters at their medians.
-    pub fn observation(&self, point: &PointFacts) -> Observation {
+    /// Returns since when the runs of a point are observed (from the begin of the last stage, 0 for a run with one stage), and when
+    /// they end at the latest unless they are continued, in s, with uncertain parameters at their medians.
+    fn observation(&self, point: &PointFacts) -> [f64; 2] {
         let end_s = self.study.simulation().end_time_s;
         if !self.study.has_stages() || point.point_id >= self.study.point_count() {
-            return Observation { begin_s: 0.0, end_s };
+            return [0.0, end_s];
         }
         let point = self.study.point(point.point_id);
-        Observation {
-            begin_s: point.model().last_stage_begins_s(),
-            end_s: point.model().end_time_s().map_or(end_s, rounded),
-        }
+        let model = point.model();
+        [model.last_stage_begins_s(), model.end_time_s().map_or(end_s, rounded)]
+    }
+
+    /// Returns how long the runs of a point are observed, which is what times to rest are compared with, s.
+    pub fn observed_s(&self, point: &PointFacts) -> f64 {
+        let [begin_s, end_s] = self.observation(point);
+        end_s - begin_s
     }
 
     /// Returns the end of the runs in words, as `33` or `16 to 20`, in s.
     pub fn ends_in_words(&self) -> String {
-        let ends = self.points.iter().map(|point| self.observation(point).end_s);
+        let ends = self.points.iter().map(|point| self.observation(point)[1]);
         let (least, most) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), end| {
             (least.min(end), most.max(end))
         });

@@ -149,22 +149,12 @@ pub fn read(
 }
 
 impl RunSample {
-    /// Returns the number of runs in the sample.
-    pub fn len(&self) -> usize {
-        self.run_id.len()
-    }
-
-    /// Whether the sample is empty.
-    pub fn is_empty(&self) -> bool {
-        self.run_id.is_empty()
-    }
-
     /// Returns a sentence on the size of the subsample; empty if it holds all runs.
     pub fn left_out(&self) -> String {
         if self.one_in <= 1 {
             return String::new();
         }
-        let (of, shown, one_in) = (self.of, self.len(), self.one_in);
+        let (of, shown, one_in) = (self.of, self.run_id.len(), self.one_in);
         format!(" Subsample: {shown} of the {of} runs of these points, about one in {one_in}.")
     }
 }

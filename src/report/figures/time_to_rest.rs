@@ -15,7 +15,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     if with_curves.is_empty() {
         return None;
     }
-    let observed = data.points.iter().map(|point| data.observation(point).observed_s());
+    let observed = data.points.iter().map(|point| data.observed_s(point));
     let last = with_curves.iter().filter_map(|(_, curve)| curve.time_s.last().copied());
     let range = Some([0.0, last.chain(observed).fold(0.0, f64::max)]);
     let x = Axis { range, ..axis(&format!("time{after}"), "s") };
@@ -59,7 +59,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
 }
 
 fn layers(data: &ReportData<'_>, curves: &[CurveOf<'_, &RestCurve>]) -> Vec<Layer> {
-    let end_of = |point: &PointFacts| data.observation(point).observed_s();
+    let end_of = |point: &PointFacts| data.observed_s(point);
     let layer = |place: usize, point: &PointFacts, mark| {
         let name = match failed(point) {
             0 => data.curve_name(point),
