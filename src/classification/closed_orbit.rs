@@ -124,7 +124,7 @@ pub(super) fn examine(map: ReturnMap, passed: &[Passed], closure: f64) -> Option
     Some(if is_stable { Verdict::Stable(orbit) } else { Verdict::Open })
 }
 
-/// The largest component of the time derivative, non-dimensional, of an orbit that is no larger than its closing error allows.
+/// An orbit whose time derivative has no component above this one, non-dimensional, may be as small as its closing error.
 const SHRUNK: f64 = 10.0 * SLOW;
 
 /// Returns whether an orbit has shrunk to an equilibrium: a motion that swings about one also returns to the section.

@@ -282,8 +282,8 @@ fn maxima(view: &SystemView) -> Vec<Mark> {
     view.contacts.iter().enumerate().filter_map(mark).collect()
 }
 
-/// Returns a speed in the place of one at which a contact may stop, such as a block on the ground that a belt drives, too: half of
-/// the way to the speed at which another contact stops.
+/// Returns the speed at which a section lies. A section where a contact stops would lie on a switch. If several contacts of one body
+/// stop at different speeds, such as a block on the ground and on a belt, the section lies halfway between two of these speeds.
 fn smooth_speed(view: &SystemView, component: usize, speed: f64) -> f64 {
     let graph = view.evaluator.graph();
     let mut state = vec![0.0; view.dimension()];

@@ -38,9 +38,9 @@ const NEUTRAL: f64 = 1e-9;
 /// by one body that the differences resolve.
 const NO_FORCE: f64 = 1e-6;
 const LEAST_FORCE: f64 = 1e-5;
-/// A contact that slides at an equilibrium is at least this fast, so that it will not stick, and one that is open this wide.
+/// A contact that slides at an equilibrium is at least this fast, so that it will not stick. An open contact is at least this wide.
 const SLIDES: f64 = 1e-3;
-/// The least part of its friction that a contact that sticks at an equilibrium has in reserve.
+/// At an equilibrium, each contact that sticks has at least this part of its friction in reserve.
 const RESERVE: f64 = 1e-6;
 
 /// Schedules the examinations so that their cost stays bounded: each waits for half of the time

@@ -106,7 +106,7 @@ pub(super) struct Rows<'r> {
 }
 
 impl<'r> Rows<'r> {
-    /// Returns the velocity with a factor to which a constant adds the sliding speed, such as `x'` of `x' - v_belt`.
+    /// Returns the velocity that alone determines the sliding speed, and its constant factor: `x'` and 1 for `x' - v_belt`.
     fn only_velocity(&self) -> Option<(usize, Expression<'r>)> {
         let (along, drift) = &self.tangential;
         let mut moving = along.iter().enumerate().filter(|(_, share)| share.known() != Some(0.0));
@@ -154,8 +154,8 @@ impl<'r> Mechanism<'r> {
                 matrix[place][i] = stuck * *share;
             }
             matrix[place][place] = if shared.is_first(k) { free } else { one - stuck };
-            // What rounding leaves of a sliding speed decays by itself if one velocity gives it; otherwise the friction force
-            // removes it.
+            // Rounding leaves a small sliding speed. It decays by itself if one velocity determines the sliding speed; otherwise
+            // the friction force removes it.
             let residual =
                 if row.only_velocity().is_some() { zero } else { self.contacts[k].sliding_speed };
             right[place] = drag - stuck * (*drift + residual);

@@ -222,8 +222,8 @@ impl Graph {
         true
     }
 
-    /// Returns the component of which the sliding speed of a contact is an affine function with constant coefficients, such as `x'`
-    /// for `x' - v_belt`, if it is not the component itself.
+    /// Returns the component that alone determines the sliding speed of a contact, by a constant factor and a constant summand:
+    /// `x'` for `x' - v_belt`. Returns `None` if the sliding speed equals the component.
     pub fn shifted_component(&self, contact: usize) -> Option<usize> {
         let mut node = self.contacts[contact][0];
         if self.component(node).is_some() {

@@ -21,7 +21,8 @@ pub(super) enum SpeedOf {
     Velocity(usize),
     /// It equals this velocity, which belongs to an earlier contact.
     Same(usize),
-    /// It is a positive multiple of this velocity, which belongs to an earlier contact: the multiple is in its unit.
+    /// It is a positive multiple of this velocity, which belongs to an earlier contact. The unit of this sliding speed contains the
+    /// factor, so that both have the same value.
     Multiple(usize),
     /// It is a formula.
     Formula,
@@ -199,7 +200,7 @@ impl Instance<'_> {
         Ok(integrals)
     }
 
-    /// Returns the sliding speed of a contact over the velocity of which it is a multiple.
+    /// Returns the factor between a velocity and the sliding speed of a contact that is a multiple of it; `None` for other contacts.
     pub fn multiple<T: Quantity>(
         &self,
         (contact, speed): (usize, SpeedOf),

@@ -100,7 +100,7 @@ pub(super) trait Kernel<S: Vector>: Sized {
     fn component(&self, room: &Self::Room, lane: usize, component: usize, start: f64) -> Powers;
     /// Returns the components that are the position of a contact and, if it is one, its sliding speed.
     fn coordinates(&self, contact: usize) -> (usize, Option<usize>);
-    /// Returns the component of which the sliding speed of a contact is an affine function.
+    /// Returns the component that determines the sliding speed of a contact, as [`crate::model::Graph::shifted_component`] does.
     fn shifted(&self, contact: usize) -> Option<usize>;
     /// Returns the components whose displacement is measured.
     fn vibration(&self) -> Option<[usize; 2]>;

@@ -29,7 +29,7 @@ impl<S: Vector> Fused for Lanes<S> {
     }
 }
 
-/// Computes with the instructions of a level, such as its fused multiply-add, all of which are inlined.
+/// Computes with the vector instructions of a level. The compiler inlines each of them, such as the fused multiply-add.
 macro_rules! vectorized {
     ($simd:expr, $work:expr) => {
         $simd.vectorize(
