@@ -220,3 +220,29 @@ fn a_spiral_is_no_cycle() {
         }
     }
 }
+
+/// A spring tips a high box onto one foot. The box rests where the moments of spring and weight about this foot balance,
+/// `k x h = m g a`, while the other foot stays open.
+#[test]
+fn a_box_rests_on_one_foot() {
+    let foot = |sign: char| {
+        format!(
+            "{{gap: y {sign} a * phi, sliding: x' + h * phi', friction: {{coulomb: {{coefficient: 0.3}}}}}}"
+        )
+    };
+    let system = format!(
+        "parameters: {{m: 3 kg, j: 0.05 kg m^2, g: 9.81 m/s^2, k: 400 N/m, c: 20 N s/m, a: 0.2 m, h: 0.9 m}}\n\
+         coordinates: {{x: {{unit: m, start: [0.03, 0.05]}}, y: {{unit: m, start: 0 m}}, phi: {{unit: rad}}}}\n\
+         mass: {{x: {{x: m}}, y: {{y: m}}, phi: {{phi: j}}}}\n\
+         force: {{x: -k * x - c * x', y: -m * g}}\ncontacts: {{left: {}, right: {}}}\n",
+        foot('-'),
+        foot('+'),
+    );
+    for outcome in outcomes(&system, 12, 20.0) {
+        assert_eq!(outcome.evidence, Evidence::Settled, "{outcome:?}");
+        let x = outcome.outputs[0].end.abs();
+        assert!((x - 3.0 * 9.81 * 0.2 / 0.9 / 400.0).abs() < 1e-5, "{x}");
+        let margin = outcome.friction_margin.expect("one foot sticks");
+        assert!((margin - (1.0 - 0.2 / 0.9 / 0.3)).abs() < 1e-5, "{margin}");
+    }
+}
