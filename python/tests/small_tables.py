@@ -7,7 +7,7 @@ import pyarrow
 import pyarrow.parquet
 
 HASH = "0" * 64
-LABELS = ("equilibrium", "limit_cycle", "quasi_periodic", "irregular", "undecided", "failed")
+LABELS = ("equilibrium", "limit_cycle", "creep", "quasi_periodic", "irregular", "undecided", "failed")
 PARAMETERS = """\
 model:
   kind: ball_balancer
@@ -53,8 +53,8 @@ def write(folder, name, columns, options=None, study_hash=HASH):
 
 
 def points(folder, swept, labels, more=None):
-    """`points.parquet`: swept columns, and for each point the counts of its labels but quasi-periodic motion."""
-    counts = np.insert(np.array(labels), LABELS.index("quasi_periodic"), 0, axis=1)
+    """`points.parquet`: swept columns, and for each point the counts of its labels but creep and quasi-periodic motion."""
+    counts = np.insert(np.array(labels), [LABELS.index("creep")] * 2, 0, axis=1)
     runs = counts.sum(axis=1)
     columns = {"point_id": list(range(len(counts))), **swept, "runs": runs.tolist()}
     for place, label in enumerate(LABELS):

@@ -81,7 +81,8 @@ impl CycleWatch {
     }
 
     /// Evaluates a run that ends otherwise undecided after some steps; `last_switches` are the times at which its contacts
-    /// last changed their phases. Returns the ending if the run has been shown to approach a limit cycle.
+    /// last changed their phases. Returns the ending if the run has been shown to approach a limit cycle or to
+    /// creep.
     pub(super) fn closes_at_end(
         &self,
         settings: &Settings,
@@ -89,8 +90,9 @@ impl CycleWatch {
         steps: u64,
     ) -> Option<Ending> {
         let CycleWatch::Orbits(watch) = self else { return None };
-        let orbit = watch.look_at_end(settings, last_switches, steps)?;
-        Some(Ending::Orbit(Box::new(orbit)))
+        let orbit = watch.look_at_end(settings, last_switches, steps);
+        let creep = || Some(Ending::Creep(Box::new(watch.creep(settings)?)));
+        orbit.map(|orbit| Ending::Orbit(Box::new(orbit))).or_else(creep)
     }
 
     /// Evaluates the end of a step with an event or a completed turn. Returns the ending if the run

@@ -15,7 +15,11 @@ pub(super) fn continues(extend: Extend, label: Label) -> bool {
     match label {
         Label::Undecided => extend.undecided,
         Label::Irregular => extend.irregular,
-        Label::Equilibrium | Label::LimitCycle | Label::QuasiPeriodic | Label::Failed => false,
+        Label::Equilibrium
+        | Label::LimitCycle
+        | Label::Creep
+        | Label::QuasiPeriodic
+        | Label::Failed => false,
     }
 }
 

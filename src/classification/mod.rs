@@ -10,6 +10,7 @@
 //! | `equilibrium` | `periodic_rest` | all contacts stick throughout a period of the forcing, and the motion of the other components repeats |
 //! | `equilibrium` | `settled` | not all contacts stick: an equilibrium is near, stable by its eigenvalues, and friction holds the contacts that stick |
 //! | `limit_cycle` | `closed_orbit` | the orbit closes modulo 2π, its multipliers lie inside the unit circle, resting balls keep a margin |
+//! | `creep` | `periodic_creep` | in each of the latest periods of the forcing, contacts slip by the same small amount and stop or turn back |
 //! | `quasi_periodic` | `torus` | weighted averages of the returns to a section converge as on a torus with two frequencies |
 //! | `irregular` | `lyapunov` | neighbouring motions separate exponentially; the confidence interval of the exponent, from enough blocks, is positive |
 //! | `undecided` | `unstable_orbit` | the orbit closes, but a multiplier lies outside the unit circle |
@@ -37,6 +38,7 @@ mod output_watch;
 mod passages;
 mod peak;
 mod period;
+mod periodic_creep;
 mod recorder;
 mod return_map;
 mod run_outcome;
@@ -52,7 +54,7 @@ mod window;
 
 /// Version of the computed outcomes, incremented with every change that alters an outcome; cached
 /// results of other versions are not reused. A test pins the outcomes of each version.
-pub const MODEL_VERSION: u32 = 18;
+pub const MODEL_VERSION: u32 = 19;
 
 pub use closed_orbit::Orbit;
 pub use cycle::{Cycle, CyclePhase, TouchingPair};

@@ -18,15 +18,16 @@
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
-use super::closed_orbit::{Orbit, Verdict, examine};
+use super::closed_orbit::{Orbit, Passed, Verdict, examine};
 use super::lane_step::LaneStep;
 use super::passages::{Passage, Passages};
+use super::periodic_creep::{Creep, creep};
 use super::return_map::ReturnMap;
-use super::section::{Mark, RESOLVED, marks, next_period};
+use super::section::{Mark, RESOLVED, Section, marks, next_period};
 use super::step_limit::{MOST_LOOKS, MOST_STEPS_OF_A_LOOK};
 use super::system_view::SystemView;
 use crate::model::Components;
-use crate::motion::{Phase, Phases, Settings, Tolerance};
+use crate::motion::{Motion, Phase, Settings, Tolerance};
 
 /// The orbit of a run is examined at its end only if its end time is at least this many times the time of a return.
 const LEAST_RETURNS: f64 = 14.0;
@@ -202,6 +203,21 @@ impl OrbitWatch {
         self.at_end().any(Passages::fill_a_torus)
     }
 
+    /// Returns how a run with a forcing creeps at its end.
+    pub(super) fn creep(&self, settings: &Settings) -> Option<Creep> {
+        let mut marked = self.marked.iter();
+        let (_, passages) = marked.find(|(mark, _)| matches!(mark, Mark::Period(_)))?;
+        if passages.unstable_orbit().is_some() {
+            return None;
+        }
+        // The displacement of every contact counts: none rests throughout.
+        let none_rests = vec![f64::INFINITY; self.view.contacts.len()];
+        let section = passages.section(&self.view, 1, &none_rests)?;
+        let (left, latest) = (Cell::new(MOST_STEPS_OF_A_LOOK), RefCell::new(None));
+        let map = return_map(passages, (&self.view, &section), settings, 1, (&left, &latest))?;
+        creep(map, &passed(passages))
+    }
+
     /// Returns the passages that count at the end of a run.
     fn at_end(&self) -> impl Iterator<Item = &Passages> {
         let with_stops = self.with_stops.iter().map(|(passages, _)| passages);
@@ -300,14 +316,36 @@ fn examine_orbit(
     (turns, last_switches): (usize, &[f64]),
     (most_steps, only_stable): (u64, bool),
 ) -> Verdict {
-    let [latest, earlier] = [0, turns].map(|turns| passages.before(turns));
-    let (Some(latest), Some(earlier)) = (latest, earlier) else { return Verdict::Open };
     let Some(section) = passages.section(view, turns, last_switches) else { return Verdict::Open };
-    let map = ReturnMap {
+    let (left, latest) = (Cell::new(most_steps), RefCell::new(None));
+    let used = (&left, &latest);
+    let Some(map) = return_map(passages, (view, &section), settings, turns, used) else {
+        return Verdict::Open;
+    };
+    let map = ReturnMap { only_stable, ..map };
+    examine(map, &passed(passages), closure.min(CLOSED)).unwrap_or(Verdict::Open)
+}
+
+/// Returns the latest passages, the latest one first.
+fn passed(passages: &Passages) -> Vec<Passed<'_>> {
+    passages.backwards().map(|passage| (&passage.phases, &passage.state)).collect()
+}
+
+/// Returns the map from one passage of a section to that some turns later, with finer tolerances than those of the run. It uses
+/// these steps and this motion.
+fn return_map<'a>(
+    passages: &Passages,
+    (view, section): (&'a SystemView, &'a Section),
+    settings: &Settings,
+    turns: usize,
+    (steps_left, latest): (&'a Cell<u64>, &'a RefCell<Option<Motion>>),
+) -> Option<ReturnMap<'a>> {
+    let time = |turns: usize| Some(passages.before(turns)?.time);
+    Some(ReturnMap {
         view,
-        steps_left: &Cell::new(most_steps),
-        latest: &RefCell::new(None),
-        only_stable,
+        steps_left,
+        latest,
+        only_stable: false,
         settings: Settings {
             tolerance: Tolerance {
                 relative: settings.tolerance.relative.min(1e-10),
@@ -316,11 +354,8 @@ fn examine_orbit(
             effort_limit: 1_000_000,
             ..*settings
         },
-        section: &section,
+        section,
         turns,
-        longest: 2.0 * (latest.time - earlier.time),
-    };
-    let passed: Vec<(&Phases, &Components)> =
-        passages.backwards().map(|passage| (&passage.phases, &passage.state)).collect();
-    examine(map, &passed, closure.min(CLOSED)).unwrap_or(Verdict::Open)
+        longest: 2.0 * (time(0)? - time(turns)?),
+    })
 }

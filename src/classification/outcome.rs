@@ -14,6 +14,8 @@ pub enum Label {
     Equilibrium,
     /// A stable periodic motion, closed modulo 2π of the running balls' angles.
     LimitCycle,
+    /// Contacts slip a little in every period of the forcing.
+    Creep,
     /// The motion fills a torus: it has two frequencies without a common period.
     QuasiPeriodic,
     /// Neighbouring motions separate exponentially.
@@ -26,20 +28,27 @@ pub enum Label {
 
 impl Label {
     /// All labels, in the order of the tables.
-    pub const ALL: [Label; 6] = [
+    pub const ALL: [Label; 7] = [
         Label::Equilibrium,
         Label::LimitCycle,
+        Label::Creep,
         Label::QuasiPeriodic,
         Label::Irregular,
         Label::Undecided,
         Label::Failed,
     ];
 
+    /// The names of all labels.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        Label::ALL.into_iter().map(Label::name)
+    }
+
     /// The label's name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Label::Equilibrium => "equilibrium",
             Label::LimitCycle => "limit_cycle",
+            Label::Creep => "creep",
             Label::QuasiPeriodic => "quasi_periodic",
             Label::Irregular => "irregular",
             Label::Undecided => "undecided",
@@ -63,6 +72,8 @@ pub enum Evidence {
     PeriodicRest,
     /// The orbit closes, is stable, and resting balls keep a margin.
     ClosedOrbit,
+    /// The displacement in the latest periods of the forcing is small and the same.
+    PeriodicCreep,
     /// The orbit closes but is unstable.
     UnstableOrbit,
     /// Weighted averages of the returns to a section converge as on a torus.
@@ -82,7 +93,7 @@ pub enum Evidence {
 
 impl Evidence {
     /// The names of all evidence in tables, in a fixed order.
-    pub const NAMES: [&'static str; 19] = [
+    pub const NAMES: [&'static str; 20] = [
         "rest_certified",
         "creep",
         "settled",
@@ -102,6 +113,7 @@ impl Evidence {
         "torus",
         "rest_contracting",
         "indefinite_mass",
+        "periodic_creep",
     ];
 
     /// The evidence's name in tables.
@@ -113,6 +125,7 @@ impl Evidence {
             Evidence::Settled => "settled",
             Evidence::PeriodicRest => "periodic_rest",
             Evidence::ClosedOrbit => "closed_orbit",
+            Evidence::PeriodicCreep => "periodic_creep",
             Evidence::UnstableOrbit => "unstable_orbit",
             Evidence::Torus => "torus",
             Evidence::Lyapunov => "lyapunov",
@@ -140,6 +153,7 @@ impl Evidence {
             | Evidence::Settled
             | Evidence::PeriodicRest => Label::Equilibrium,
             Evidence::ClosedOrbit => Label::LimitCycle,
+            Evidence::PeriodicCreep => Label::Creep,
             Evidence::Torus => Label::QuasiPeriodic,
             Evidence::Lyapunov => Label::Irregular,
             Evidence::UnstableOrbit | Evidence::EndTime => Label::Undecided,
@@ -203,7 +217,7 @@ pub struct Outcome {
     /// The smallest friction margin of a resting ball: at the rest point, or along the cycle. 0 for
     /// creeping balls, which are on the edge of the set within the accuracy of the run.
     pub friction_margin: Option<f64>,
-    /// The cycle's period, s.
+    /// The period of the cycle, or of the forcing of a run that creeps, s.
     pub period_s: Option<f64>,
     /// Mean speed of each ball relative to the ring in the last tenth of the time or over the
     /// cycle, rad/s; 0 at rest.

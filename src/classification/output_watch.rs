@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::lane_step::LaneStep;
 use super::window::{NODES, WEIGHTS};
-use crate::model::{Components, OutputUnits, OutputValue};
+use crate::model::{Components, OutputUnits, OutputValue, wrap_to_pi};
 use crate::motion::SLOW;
 
 /// The number of times at which an extreme value between known values is approached by a parabola.
@@ -22,6 +22,8 @@ pub struct OutputOutcome {
     pub end: f64,
     /// The values over the cycle or the last tenth of the time, or at rest; `None` for an output that drifts.
     pub range: Option<OutputRange>,
+    /// The displacement in the period of a run on a closed orbit or of one that creeps, an angle without whole turns.
+    pub creep: Option<f64>,
 }
 
 /// The values of an output over a part of the time.
@@ -38,6 +40,7 @@ impl OutputOutcome {
     pub fn value(&self, value: OutputValue) -> Option<f64> {
         let OutputRange { mean, extremes: [low, high] } = match value {
             OutputValue::End => return Some(self.end),
+            OutputValue::Creep => return self.creep,
             _ => self.range?,
         };
         Some(match value {
@@ -51,7 +54,7 @@ impl OutputOutcome {
     /// Returns an output that has this value for good, or drifts at this rate.
     pub(super) fn constant(end: f64, rate: f64) -> Self {
         let range = OutputRange { mean: end, extremes: [end; 2] };
-        OutputOutcome { end, range: (rate.abs() <= SLOW).then_some(range) }
+        OutputOutcome { end, range: (rate.abs() <= SLOW).then_some(range), creep: None }
     }
 
     /// Returns an output in SI units; angles begin within a turn of 0.
@@ -61,7 +64,12 @@ impl OutputOutcome {
             mean: (mean - turns(mean)) * units.size,
             extremes: extremes.map(|one| (one - turns(mean)) * units.size),
         });
-        OutputOutcome { end: (self.end - turns(self.end)) * units.size, range }
+        let creep = self.creep.map(|creep| if units.angular { wrap_to_pi(creep) } else { creep });
+        OutputOutcome {
+            end: (self.end - turns(self.end)) * units.size,
+            range,
+            creep: creep.map(|creep| creep * units.size),
+        }
     }
 }
 
@@ -95,9 +103,19 @@ impl OutputWatch {
             let Watched { ends: [start, end], integral, extremes } = *one;
             let drifts = repeats && (end - start).abs() > DRIFT * (1.0 + start.abs());
             let range = OutputRange { mean: integral / self.span, extremes };
-            OutputOutcome { end, range: (!drifts).then_some(range) }
+            OutputOutcome {
+                end,
+                range: (!drifts).then_some(range),
+                creep: repeats.then_some(end - start),
+            }
         };
         self.outputs.iter().map(measured).collect()
+    }
+
+    /// Returns the outputs over a period after which they have been displaced.
+    pub(super) fn displaced(&self) -> Vec<OutputOutcome> {
+        let pairs = self.measured(false).into_iter().zip(self.measured(true));
+        pairs.map(|(all, period)| OutputOutcome { creep: period.creep, ..all }).collect()
     }
 
     /// Adds the part of the latest step of a run that is after the start.

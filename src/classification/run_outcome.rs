@@ -9,6 +9,7 @@ use super::lane_step::LaneStep;
 use super::late::Late;
 use super::outcome::{Evidence, LyapunovExponent, Outcome, TouchingOutcome};
 use super::output_watch::OutputOutcome;
+use super::periodic_creep::Creep;
 use super::settled::friction_margin;
 use super::system_view::ContactPlace;
 use crate::model::{ContactUnits, OutputValue};
@@ -31,6 +32,8 @@ pub(super) enum Ending {
     Orbit(Box<Orbit>),
     /// The run is on a cycle between break-aways of its single contact.
     BreakAways { period: f64 },
+    /// The run creeps under a periodic force.
+    Creep(Box<Creep>),
     /// The end time was reached.
     EndTime,
     /// The motion could not be continued.
@@ -124,6 +127,12 @@ impl LaneRun {
                     ..slow
                 }
             }
+            Ending::Creep(creep) => Outcome {
+                evidence: Evidence::PeriodicCreep,
+                period_s: Some(creep.period / natural),
+                mean_speed: self.view.moves_on().then(|| self.speeds(&creep.speed)),
+                ..self.at_end_time(&step, base)
+            },
             Ending::EndTime => self.at_end_time(&step, base),
             Ending::Failure(failure) => Outcome {
                 evidence: Evidence::Failure(failure),
@@ -146,6 +155,7 @@ impl LaneRun {
             }
             Ending::Settled => self.constant_outputs(step.phases(), &state),
             Ending::Orbit(orbit) => orbit.outputs.clone(),
+            Ending::Creep(creep) => creep.outputs.clone(),
             Ending::BreakAways { .. } => match &self.watch {
                 CycleWatch::BreakAways(watch) => {
                     watch.outputs().map_or_else(Vec::new, |watch| watch.measured(true))
@@ -155,7 +165,7 @@ impl LaneRun {
             Ending::EndTime => self.horizons.now.window.outputs.measured(false),
             Ending::Failure(_) => Vec::new(),
         };
-        let none = OutputOutcome { end: 0.0, range: None };
+        let none = OutputOutcome { end: 0.0, range: None, creep: None };
         let measured = measured.into_iter().chain(std::iter::repeat(none));
         let ends = self.view.system().outputs(&state).into_iter();
         let all = ends.zip(measured).map(|(end, measured)| OutputOutcome { end, ..measured });

@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::point_words::point_line;
 use crate::analysis::AuditCounts;
+use crate::classification::Label;
 use crate::counted::counted;
 use crate::printed_table::{PrintedColumn, as_markdown, as_text};
 use crate::report::{Conclusion, PointFacts, printed_columns, response_columns};
@@ -228,7 +229,7 @@ impl PointsTable {
 }
 
 /// The columns of `points.parquet` in the JSON object of a point, and those that need a precision or an audit.
-const COLUMNS: [&str; 23] = [
+const COLUMNS: [&str; 12] = [
     "runs",
     "amplitude_p50_m",
     "amplitude_p95_m",
@@ -241,18 +242,9 @@ const COLUMNS: [&str; 23] = [
     "balance_quality_grade_p50_mm_s",
     "balance_quality_grade_p95_mm_s",
     "overlapping_rest_fraction",
-    "equilibrium_runs",
-    "limit_cycle_runs",
-    "quasi_periodic_runs",
-    "irregular_runs",
-    "undecided_runs",
-    "failed_runs",
-    "equilibrium_fraction",
-    "ci_low",
-    "ci_high",
-    "ci_method",
-    "time_to_rest_p50_s",
 ];
+const OF_REST: [&str; 5] =
+    ["equilibrium_fraction", "ci_low", "ci_high", "ci_method", "time_to_rest_p50_s"];
 const OF_PRECISION: [&str; 1] = ["precision_reached"];
 const OF_AUDIT: [&str; 6] = [
     "audited_runs",
@@ -266,7 +258,9 @@ const OF_AUDIT: [&str; 6] = [
 /// Returns a row of `points.parquet` as JSON.
 fn point_json(study: &Study, row: &Row<'_>) -> Value {
     let swept = study.swept().iter().map(|column| column.name.as_str());
+    let of_labels: Vec<String> = Label::names().map(|label| format!("{label}_runs")).collect();
     let columns = ["point_id"].into_iter().chain(swept).chain(COLUMNS);
+    let columns = columns.chain(of_labels.iter().map(String::as_str)).chain(OF_REST);
     let columns = columns.chain(study.precision().map(|_| OF_PRECISION).into_iter().flatten());
     let columns = columns.chain(study.audit().map(|_| OF_AUDIT).into_iter().flatten());
     let columns = columns.chain(["set_fraction"]);

@@ -35,6 +35,8 @@ pub enum OutputValue {
     Greatest,
     /// Half of the distance between the extremes.
     Amplitude,
+    /// The displacement in a period, with its sign.
+    Creep,
 }
 
 impl OutputValue {
@@ -46,6 +48,9 @@ impl OutputValue {
         ("max_", Self::Greatest),
     ];
 
+    /// What precedes the name of the output in columns with its displacement in a period.
+    pub const CREEP: (&'static str, OutputValue) = ("creep_", Self::Creep);
+
     /// Returns what the value is, after the name of the output.
     pub fn in_words(self) -> &'static str {
         match self {
@@ -55,6 +60,9 @@ impl OutputValue {
             }
             OutputValue::Least => "least value in that time",
             OutputValue::Greatest => "greatest value in that time",
+            OutputValue::Creep => {
+                "displacement in each period of the limit cycle or of the forcing; positive for growing values"
+            }
             OutputValue::Amplitude => "half of the distance between the extremes in that time",
         }
     }

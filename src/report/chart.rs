@@ -3,9 +3,10 @@
 //! Rust code builds figures from tables, and the page's script draws them from their JSON, in which long columns are
 //! packed. Tests check marks and coordinates, not pixels.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::packed;
+use crate::classification::Label;
 
 /// A figure: one or more panels with their texts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -101,18 +102,13 @@ pub enum Colour {
     Series(usize),
     /// By value, from the panel's scale.
     Scale,
-    /// Runs that ended in equilibrium.
-    Equilibrium,
-    /// Runs that ended in a limit cycle.
-    LimitCycle,
-    /// Runs of quasi-periodic motion.
-    QuasiPeriodic,
-    /// Runs of irregular motion.
-    Irregular,
-    /// Undecided runs.
-    Undecided,
-    /// Runs that failed.
-    Failed,
+    /// Runs with a label.
+    #[serde(untagged, serialize_with = "name_of_label")]
+    Label(Label),
+}
+
+fn name_of_label<S: Serializer>(label: &Label, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(label.name())
 }
 
 /// The symbol of a dot.

@@ -180,7 +180,8 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         "smallest unused fraction of the friction limit at rest; 0 on the boundary of the \
          equilibrium set, where balls creep",
     );
-    list.number("period_s", "s", |row| row.outcome.period_s).meaning("period of the limit cycle");
+    list.number("period_s", "s", |row| row.outcome.period_s)
+        .meaning("period of the limit cycle, or of the forcing of a system that creeps");
     list.text("cycle_class", |RunRecord { planned, outcome, .. }| {
         let case = planned.case.as_ref().ok()?;
         Some(CycleClass::of(&case.model, outcome)?.name)
@@ -238,10 +239,16 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
 
 /// Adds the values of the outputs of a run.
 fn add_outputs(list: &mut Columns<RunRecord>, model: &Model) {
+    let may_creep =
+        model.system().is_some_and(|system| Graph::of(system.as_ref()).layout.forcing.is_some());
+    let positions: Vec<String> =
+        (0..model.contacts()).map(|contact| model.position_column(contact).0).collect();
     for (place, output) in model.output_names().into_iter().enumerate() {
         let OutputName { name, unit, meaning } = output;
         let of = if meaning.is_empty() { &name } else { &meaning };
-        for (before, value) in OutputValue::COLUMNS {
+        let creeps = may_creep && positions.contains(&format!("end_{name}"));
+        let values = OutputValue::COLUMNS.into_iter().chain(creeps.then_some(OutputValue::CREEP));
+        for (before, value) in values {
             list.number(format!("{before}{name}"), &unit, move |row| {
                 row.outcome.outputs.get(place)?.value(value)
             })

@@ -35,7 +35,11 @@ fn compare([all, rest]: [Outcome; 2]) -> Label {
         Label::Equilibrium | Label::Failed => {
             assert_eq!(format!("{all:?}"), format!("{rest:?}"));
         }
-        Label::LimitCycle | Label::QuasiPeriodic | Label::Irregular | Label::Undecided => {
+        Label::LimitCycle
+        | Label::Creep
+        | Label::QuasiPeriodic
+        | Label::Irregular
+        | Label::Undecided => {
             assert_eq!((rest.evidence, rest.label()), (Evidence::EndTime, Label::Undecided));
             assert!(rest.cycle.is_none() && rest.lyapunov.is_none());
             assert!(rest.amplitude_m.is_some(), "{rest:?}");
@@ -70,7 +74,7 @@ fn balls_come_to_rest_as_with_all_endings() {
             }
         }
     }
-    let [equilibria, cycles, _, irregular, undecided, _] = seen;
+    let [equilibria, cycles, _, _, irregular, undecided, _] = seen;
     assert!(equilibria > 20 && cycles > 5 && irregular + undecided > 5, "{seen:?}");
 }
 

@@ -72,7 +72,7 @@ fn cases(model: &str, samples: u32, simulation: Simulation) -> Vec<Case> {
 /// rest, are irregular, remain undecided and find limit cycles.
 #[test]
 fn a_continued_run_of_balls_is_the_longer_run() {
-    let mut ends = [0; 5];
+    let mut ends = [0; Label::ALL.len()];
     for speed in [-160.8, -191.6372, -216.3772, -247.3] {
         let model = format!("{{kind: ball_balancer, parameters: {{speed_rad_s: {speed}}}}}");
         let mut continued = 0;

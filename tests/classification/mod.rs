@@ -6,6 +6,7 @@ mod bouncing_ball;
 mod certificate;
 mod contracting;
 pub mod convergence;
+mod creep;
 mod dry_and_viscous;
 mod effort_pinned;
 mod endings;

@@ -16,7 +16,7 @@ from .tables import Directory, Numbers, Table
 __all__ = ["LABELS", "MOST_DETAILS", "Axis", "Sweep", "evenly", "listed"]
 
 #: The labels of runs, in the order of the tables' columns.
-LABELS = ("equilibrium", "limit_cycle", "quasi_periodic", "irregular", "undecided", "failed")
+LABELS = ("equilibrium", "limit_cycle", "creep", "quasi_periodic", "irregular", "undecided", "failed")
 #: Largest number of points that have a panel or a curve each.
 MOST_DETAILS = 24
 

@@ -1,6 +1,6 @@
 //! Figure: fractions of failed and undecided runs, and of flips in the audit.
 
-use super::layers::{Estimate, fraction_axis, label_colour, label_symbol, label_words};
+use super::layers::{Estimate, fraction_axis, label_symbol, label_words};
 use crate::classification::Label;
 use crate::report::chart::{Axis, Colour, Figure, Layer, Panel, Symbol, Tooltips};
 use crate::report::data::{Fraction, PointFacts, ReportData};
@@ -14,7 +14,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let mut layers = Vec::new();
     // Side by side, so that intervals do not overlap.
     for (shift, label) in [(-0.16, Label::Undecided), (0.0, Label::Failed)] {
-        let look = (&*label_words(label), label_colour(label), label_symbol(label));
+        let look = (&*label_words(label), Colour::Label(label), label_symbol(label));
         let fractions = points.iter().map(|point| {
             let Fraction { runs, fraction, low, high } = point.label(label);
             Some((runs, [fraction, low, high]))

@@ -1,9 +1,9 @@
 //! Figure: the fraction of each label with its interval, over a swept parameter.
 
-use super::layers::{Estimate, fraction_axis, label_colour, label_symbol, label_words, of_points};
+use super::layers::{Estimate, fraction_axis, label_symbol, label_words, of_points};
 use super::over_sweep::OverSweep;
 use crate::classification::Label;
-use crate::report::chart::{Figure, Layer, Tooltips};
+use crate::report::chart::{Colour, Figure, Layer, Tooltips};
 use crate::report::data::{Fraction, PointFacts, ReportData};
 
 /// Plots over the parameter with the most values, or over the points if no number is swept.
@@ -56,7 +56,7 @@ fn layers(data: &ReportData<'_>, points: &[(f64, &PointFacts)]) -> Vec<Layer> {
             runs,
             point,
         ]);
-        let look = (&*label_words(label), label_colour(label), label_symbol(label));
+        let look = (&*label_words(label), Colour::Label(label), label_symbol(label));
         Estimate::layers(look, Some(label != Label::Equilibrium), &estimates, tooltips)
     };
     let seen = |label: &Label| {

@@ -26,23 +26,12 @@ pub fn label_words(label: Label) -> String {
     label.name().replace('_', " ")
 }
 
-/// Returns the colour of a label.
-pub fn label_colour(label: Label) -> Colour {
-    match label {
-        Label::Equilibrium => Colour::Equilibrium,
-        Label::LimitCycle => Colour::LimitCycle,
-        Label::QuasiPeriodic => Colour::QuasiPeriodic,
-        Label::Irregular => Colour::Irregular,
-        Label::Undecided => Colour::Undecided,
-        Label::Failed => Colour::Failed,
-    }
-}
-
 /// Returns the symbol of a label, which distinguishes labels without colour.
 pub fn label_symbol(label: Label) -> Symbol {
     match label {
         Label::Equilibrium => Symbol::Disc,
         Label::LimitCycle => Symbol::Triangle,
+        Label::Creep => Symbol::Star,
         Label::QuasiPeriodic => Symbol::Circle,
         Label::Irregular => Symbol::Square,
         Label::Undecided => Symbol::Diamond,
@@ -138,7 +127,7 @@ pub fn dots_by_label(
         let own: Vec<usize> = places.iter().copied().filter(is).collect();
         let run_ids = own.iter().filter_map(|place| run_id.get(*place).copied()).collect();
         let tooltips = Tooltips { run_ids, ..Tooltips::default() };
-        let look = (&*label_words(label), label_colour(label), symbol(label));
+        let look = (&*label_words(label), Colour::Label(label), symbol(label));
         (!own.is_empty()).then(|| run_dots(look, coordinates, &own, tooltips))
     };
     (0..).zip(Label::ALL).filter_map(layer).collect()

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::equilibrium_set::{SetLayers, angle_axis, set_layers};
-use super::layers::{axis, label_colour, label_words, places, run_dots, run_tooltips};
+use super::layers::{axis, label_words, places, run_dots, run_tooltips};
 use super::{overlap, residual_imbalance};
 use crate::classification::Label;
 use crate::report::chart::{Axis, Colour, Figure, Layer, Panel, Symbol};
@@ -128,6 +128,6 @@ fn one_contact(data: &ReportData<'_>, point: &PointFacts) -> Panel {
         Some(_) => (angle_axis(1), axis("amplitude", &amplitude_unit.symbol), &amplitude),
     };
     let mut layer = dots(data, point, place, over);
-    layer.colour = label_colour(Label::Equilibrium);
+    layer.colour = Colour::Label(Label::Equilibrium);
     Panel { title: counted(data, point), ..Panel::new(x, y, vec![layer]) }
 }

@@ -6,18 +6,15 @@ use serde_json::{Map, Value, json};
 use super::parameters_file::BALLS;
 use super::schema_parts::{axes_of, numeric_parameters_of, parameters_of};
 use super::unit_keys::split_unit;
+use crate::classification::Label;
 use crate::model::{FRICTION_LAWS, LawParameter, ModelKind, ParameterDescriptor};
 use crate::study::kinds::model_kinds;
 
-const FRACTIONS: [&str; 7] = [
-    "equilibrium_fraction",
-    "limit_cycle_fraction",
-    "quasi_periodic_fraction",
-    "irregular_fraction",
-    "undecided_fraction",
-    "failed_fraction",
-    "audit_flip_rate",
-];
+/// Returns the keys of an expectation that are fractions.
+fn fractions() -> impl Iterator<Item = String> {
+    let of_labels = Label::names().map(|label| format!("{label}_fraction"));
+    of_labels.chain(["audit_flip_rate".to_owned()])
+}
 
 /// Adds the rules.
 pub(in crate::study) fn add_rules(schema: &mut Value) {
@@ -41,7 +38,7 @@ pub(in crate::study) fn add_rules(schema: &mut Value) {
         ),
         (
             "/$defs/ExpectationFile",
-            json!({ "anyOf": FRACTIONS.map(|fraction| required(&[fraction])) }),
+            json!({ "anyOf": fractions().map(|name| required(&[&name])).collect::<Vec<_>>() }),
         ),
         ("/$defs/ModelFile", json!({ "oneOf": [required(&["kind"]), required(&["system"])] })),
         ("/$defs/VariableFile", range_or_choices()),
@@ -61,7 +58,7 @@ pub(in crate::study) fn add_rules(schema: &mut Value) {
     for (pointer, rule) in rules {
         merge(schema.pointer_mut(pointer), rule);
     }
-    for name in FRACTIONS {
+    for name in fractions() {
         let pointer = format!("/$defs/ExpectationFile/properties/{name}");
         merge(schema.pointer_mut(&pointer), fraction.clone());
     }

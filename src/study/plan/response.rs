@@ -1,5 +1,6 @@
 //! Responses: the quantities that are estimated for a design.
 
+use crate::classification::Label;
 use crate::model::OutputValue;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::shown_values::six_digits;
@@ -54,25 +55,24 @@ pub enum AmplitudeKind {
 pub(crate) const SUFFIXES: [&str; 5] =
     ["_standard_error", "_low", "_high", "_reason", "_without_balls"];
 
-/// Names of columns that result tables use themselves.
-pub(in crate::study) const RESERVED_COLUMNS: [&str; 16] = [
+/// Names of columns that result tables use themselves, beside those of the labels.
+const RESERVED_COLUMNS: [&str; 10] = [
     "id",
     "design",
     "point_id",
     "responses",
     "runs",
-    "equilibrium",
-    "limit_cycle",
-    "quasi_periodic",
-    "irregular",
-    "undecided",
-    "failed",
     "discontinuous",
     "origin",
     "role",
     "met",
     "on_front",
 ];
+
+/// Returns whether result tables have a column of their own with this name.
+pub(in crate::study) fn is_reserved(name: &str) -> bool {
+    RESERVED_COLUMNS.contains(&name) || Label::names().any(|label| label == name)
+}
 
 impl Response {
     /// Returns the name of the column in `points.parquet`, where other columns could have the name of the response.

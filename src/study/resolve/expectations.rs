@@ -79,6 +79,7 @@ fn fractions(
     for (label, range) in [
         ("equilibrium", file.equilibrium_fraction),
         ("limit_cycle", file.limit_cycle_fraction),
+        ("creep", file.creep_fraction),
         ("quasi_periodic", file.quasi_periodic_fraction),
         ("irregular", file.irregular_fraction),
         ("undecided", file.undecided_fraction),
@@ -87,7 +88,7 @@ fn fractions(
         let Some(range) = range else { continue };
         let path = path.key(&format!("{label}_fraction"));
         let only_rest = study.simulation().endings == Endings::Rest;
-        if only_rest && ["limit_cycle", "quasi_periodic", "irregular"].contains(&label) {
+        if only_rest && ["limit_cycle", "creep", "quasi_periodic", "irregular"].contains(&label) {
             let allowed = "simulation: {endings: all}, or no expectation of this label";
             let found = "a study with `endings: rest`";
             let fault = Fault::new("the study does not detect this label", found, allowed);
@@ -96,7 +97,7 @@ fn fractions(
         fractions.push((label, range_of_fractions(&path, range)?));
     }
     if fractions.is_empty() && file.audit_flip_rate.is_none() {
-        let allowed = "at least one of equilibrium_fraction, limit_cycle_fraction, \
+        let allowed = "at least one of equilibrium_fraction, limit_cycle_fraction, creep_fraction, \
                        quasi_periodic_fraction, irregular_fraction, undecided_fraction, failed_fraction, audit_flip_rate";
         let fault = Fault::new("nothing is expected", "no range", allowed);
         return Err(path.refuse_value(fault));

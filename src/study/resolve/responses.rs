@@ -11,7 +11,7 @@ use crate::study::file::source_path::SourcePath;
 use crate::study::file::values::NumberOrLength;
 use crate::study::file::yaml_tree::{Content, Source, describe_number};
 use crate::study::plan::planned_study::Study;
-use crate::study::plan::response::{AmplitudeKind, Measure, RESERVED_COLUMNS, Response, SUFFIXES};
+use crate::study::plan::response::{AmplitudeKind, Measure, Response, SUFFIXES, is_reserved};
 use crate::study::resolve::names::check_column_name;
 
 /// Validates the responses.
@@ -32,10 +32,7 @@ pub(crate) fn resolve_responses(
         let own = std::iter::once("").chain(SUFFIXES).map(|suffix| format!("{name}{suffix}"));
         for column in own {
             let swept = study.swept().iter().any(|swept| swept.name == column);
-            if swept
-                || RESERVED_COLUMNS.contains(&column.as_str())
-                || !columns.insert(column.clone())
-            {
+            if swept || is_reserved(&column) || !columns.insert(column.clone()) {
                 let fault = Fault::new("another column has this name", column, "another name");
                 return Err(path.refuse_key(fault));
             }
@@ -132,7 +129,9 @@ fn quantity(
             let outputs = study.model().output_names();
             let each = outputs.iter().enumerate();
             let mut all = each.flat_map(|(place, OutputName { name, unit, .. })| {
-                let values = OutputValue::COLUMNS.into_iter().chain([("", OutputValue::Amplitude)]);
+                let values = OutputValue::COLUMNS
+                    .into_iter()
+                    .chain([OutputValue::CREEP, ("", OutputValue::Amplitude)]);
                 values.map(move |(before, value)| {
                     (format!("{before}{name}"), AmplitudeKind::Output(place, value), unit)
                 })

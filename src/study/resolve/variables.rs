@@ -9,7 +9,7 @@ use crate::study::file::source_path::SourcePath;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::{Parameter, check_number_of_balls};
 use crate::study::plan::planned_study::Study;
-use crate::study::plan::response::{RESERVED_COLUMNS, SUFFIXES};
+use crate::study::plan::response::{SUFFIXES, is_reserved};
 use crate::study::plan::variable::{Domain, Variable};
 use crate::study::resolve::names::{check_column_name, check_name};
 use crate::study::resolve::sweep::find_parameter;
@@ -77,7 +77,7 @@ impl Setting<'_> {
             let rest = name.strip_prefix(response.name.as_str());
             rest.is_some_and(|rest| rest.is_empty() || SUFFIXES.contains(&rest))
         });
-        if of_response || RESERVED_COLUMNS.contains(&name) {
+        if of_response || is_reserved(name) {
             let problem = "a result column has this name";
             return Err(Fault::new(problem, name, "another name"));
         }

@@ -53,7 +53,7 @@
     const style = getComputedStyle(document.documentElement);
     const one = (name) => style.getPropertyValue('--' + name).trim();
     theme = { ground: one('ground'), ink: one('ink'), soft: one('soft'), line: one('line'), raised: one('raised') };
-    for (const label of ['equilibrium', 'limit-cycle', 'quasi-periodic', 'irregular', 'undecided', 'failed']) {
+    for (const label of ['equilibrium', 'limit-cycle', 'creep', 'quasi-periodic', 'irregular', 'undecided', 'failed']) {
       theme[label.replace('-', '_')] = one(label);
     }
     theme.series = one('series').split(/\s+/);
