@@ -28,9 +28,9 @@ pub struct RunUp {
 
 /// Returns the changes of speed of a machine, in the order of time; none at constant speed.
 pub fn run_ups(machine: &Machine) -> Vec<RunUp> {
-    let segments = machine.speed_segments();
-    let driven = segments.iter().filter(|segment| !segment.is_hold);
-    driven.map(|segment| run_up(machine, segment)).collect()
+    let disc = machine.disc_motion();
+    let driven = disc.segments().iter().filter(|(segment, _)| !segment.is_hold);
+    driven.map(|(segment, _)| run_up(machine, segment)).collect()
 }
 
 /// Returns the acceleration that a ball can follow at a speed, rad/s².

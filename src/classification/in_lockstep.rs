@@ -307,7 +307,7 @@ impl Team {
 
 /// Returns the team that a run belongs to.
 fn team_of(saved: &Saved, run: &LaneRun) -> usize {
-    if run.stages.present().is_driven() {
+    if run.stages.present().is_driven {
         return DRIVEN;
     }
     usize::from(run.is_displaced(saved.time()))

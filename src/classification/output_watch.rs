@@ -51,10 +51,15 @@ impl OutputOutcome {
         })
     }
 
+    /// Returns an output of which only the value at the end is known.
+    pub(super) fn at(end: f64) -> Self {
+        OutputOutcome { end, range: None, creep: None }
+    }
+
     /// Returns an output that has this value for good, or drifts at this rate.
     pub(super) fn constant(end: f64, rate: f64) -> Self {
         let range = OutputRange { mean: end, extremes: [end; 2] };
-        OutputOutcome { end, range: (rate.abs() <= SLOW).then_some(range), creep: None }
+        OutputOutcome { range: (rate.abs() <= SLOW).then_some(range), ..Self::at(end) }
     }
 
     /// Returns an output in SI units; angles begin within a turn of 0.

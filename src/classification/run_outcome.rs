@@ -74,7 +74,7 @@ impl LaneRun {
             position: Some(position),
             outputs,
             stages: self.stages.outcomes(&step, &self.units),
-            peak: self.stages.peak(&self.units),
+            peak: self.view.vibration.and_then(|_| self.stages.peak(&self.units)),
             touching: group.touches(lane).map(|touches| TouchingOutcome {
                 impacts: touches.impacts,
                 lifted_off: touches.lifted_off,
@@ -165,8 +165,7 @@ impl LaneRun {
             Ending::EndTime => self.horizons.now.window.outputs.measured(false),
             Ending::Failure(_) => Vec::new(),
         };
-        let none = OutputOutcome { end: 0.0, range: None, creep: None };
-        let measured = measured.into_iter().chain(std::iter::repeat(none));
+        let measured = measured.into_iter().chain(std::iter::repeat(OutputOutcome::at(0.0)));
         let ends = self.view.system().outputs(&state).into_iter();
         let all = ends.zip(measured).map(|(end, measured)| OutputOutcome { end, ..measured });
         let units = self.units.outputs.iter();

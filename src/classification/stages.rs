@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::lane_step::LaneStep;
+use super::output_watch::OutputOutcome;
 use super::peak::Peak;
 use crate::model::{Stage, Units};
 use crate::motion::all_stick;
@@ -17,6 +18,8 @@ pub struct StageOutcome {
     pub time_s: [f64; 2],
     /// The speed of the disc at the begin and at the end, rad/s.
     pub speed_rad_s: [f64; 2],
+    /// Whether it is the last stage of the run.
+    pub is_last: bool,
     /// Whether the table is kicked at the begin.
     pub is_kicked: bool,
     /// The number of balls that the kick lifts off the ring, which the model does not follow.
@@ -25,7 +28,9 @@ pub struct StageOutcome {
     pub position: Vec<f64>,
     /// Speed of each ball relative to the ring at the end, rad/s.
     pub ball_speed_rad_s: Vec<f64>,
-    /// Whether the balls rest for good at the speed of the stage; `None` while the speed changes.
+    /// The outputs at the end, for a system that has some.
+    pub outputs: Vec<f64>,
+    /// Whether the contacts stick for good at the speed of the stage; `None` while the speed changes, and without a certificate.
     pub is_at_rest: Option<bool>,
     /// The distance of the disc's centre from its place at rest at the end, m.
     pub amplitude_m: f64,
@@ -124,18 +129,20 @@ impl Stages {
         let phases = group.phases(lane);
         let speeds = (0..view.contacts.len()).map(|ball| view.speed(phases, &state, ball));
         let speeds: Vec<f64> = speeds.collect();
-        let rests = || {
-            let forms = view.rest_forms();
-            all_stick(phases) && forms.is_some_and(|forms| forms.rests(&state))
-        };
+        let forms = view.rest_forms().filter(|_| !stage.is_driven);
+        let outputs = view.system().outputs(&state).into_iter().zip(&units.outputs);
         StageOutcome {
             time_s: [stage.begins_s, step.time() / units.natural_rad_s],
             speed_rad_s: stage.speeds_rad_s.unwrap_or_default(),
+            is_last: self.is_last(),
             is_kicked: stage.is_kicked,
             lifted_off: self.lifted,
             position: units.of_contacts(&view.wrapped(&state), |unit| unit.position),
             ball_speed_rad_s: units.of_contacts(&speeds, |unit| unit.sliding_speed),
-            is_at_rest: (!stage.is_driven()).then(rests),
+            outputs: outputs
+                .map(|(value, units)| OutputOutcome::at(value).in_units(units).end)
+                .collect(),
+            is_at_rest: forms.map(|forms| all_stick(phases) && forms.rests(&state)),
             amplitude_m: view.square(&state).sqrt() * units.length_m,
             peak: in_si(self.peak, units),
         }

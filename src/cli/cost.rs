@@ -149,8 +149,7 @@ fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
 /// Returns the number of stages after the first one: each ends a step.
 fn corners(model: &Model, simulation: &Simulation) -> f64 {
     let [_, end_time_s] = simulation.end_times_s();
-    let begins_s = model.ball_balancer().map(|machine| machine.stage_begins_s(end_time_s));
-    begins_s.map_or(0.0, |begins_s| begins_s.len() as f64 - 1.0)
+    model.stage_begins_s(end_time_s).len() as f64 - 1.0
 }
 
 /// Returns the seconds that a run takes to end a step and to begin another stage.

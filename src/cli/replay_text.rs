@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::classification::{Outcome, Recording, StageOutcome, Switch, Touch, TouchingOutcome};
 use crate::counted::counted;
-use crate::model::{Machine, Model, SlidingSpeed};
+use crate::model::{DiscMotion, Model, SlidingSpeed};
 use crate::printed_table::text_table;
 use crate::report::{three_digits, time_text};
 use crate::study::Units;
@@ -82,8 +82,8 @@ pub fn terminal_text(
     let (label, evidence) = (outcome.label().name(), outcome.evidence.name());
     let end = outcome.end_time_s.map(|end| format!(" at {end:.4} s")).unwrap_or_default();
     let mut rows = vec![("ending", format!("{label} ({evidence}){end}"))];
-    if let (Some(machine), Some(last)) = (model.ball_balancer(), outcome.stages.last()) {
-        rows.extend(stage_rows((machine, units), outcome, last));
+    if let (Some(speed), Some(last)) = (model.disc_motion(), outcome.stages.last()) {
+        rows.extend(stage_rows(&speed, units, outcome, last));
     }
     if let Some(positions) = &outcome.position {
         let angles = model.kind().sliding_speed == SlidingSpeed::RadS;
@@ -122,18 +122,18 @@ pub fn terminal_text(
 
 /// Returns the rows on the stages of a run: the last one, since when the balls rest, and the largest vibration of all.
 fn stage_rows(
-    (machine, units): (&Machine, &Units),
+    speed: &DiscMotion,
+    units: &Units,
     outcome: &Outcome,
     last: &StageOutcome,
 ) -> Vec<(&'static str, String)> {
     let begin_s = last.time_s[0];
-    let speed = machine.disc_motion();
     let unit = units.speed();
     let shown = |time_s: f64| unit.of(speed.speed_rad_s(time_s));
     let at = |time_s: f64| format!("{time_s:.4} s, at {:.4} {}", shown(time_s), unit.symbol);
     let stages = outcome.stages.len();
     // A run that fails may not reach the last stage.
-    let is_last = begin_s >= machine.last_stage_begins_s();
+    let is_last = last.is_last;
     let name = if is_last { "last stage" } else { "stage" };
     let mut rows = vec![(name, format!("number {stages}, from {}", at(begin_s)))];
     rows.extend(outcome.rest_since_s.zip(outcome.time_to_rest_s).map(|(since_s, after_s)| {

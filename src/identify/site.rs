@@ -71,5 +71,5 @@ fn constant_stages(study: &Study, point_id: u64) -> Vec<bool> {
     let run = study.planned_run(study.point(point_id).first_run);
     let end_time_s = run.case.as_ref().map_or(f64::INFINITY, |case| case.simulation.end_time_s);
     let stages = study.point(point_id).model().stages(&run.start, end_time_s);
-    stages.unwrap_or_default().iter().map(|stage| !stage.is_driven()).collect()
+    stages.unwrap_or_default().iter().map(|stage| !stage.is_driven).collect()
 }

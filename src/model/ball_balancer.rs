@@ -16,6 +16,29 @@ pub static BALL_BALANCER: ModelKind = ModelKind {
     }),
 };
 
+/// The parameters of a speed profile.
+pub(super) const PROFILE_PARAMETERS: [ParameterDescriptor; 4] = [
+    ParameterDescriptor {
+        name: "start_speed_rad_s",
+        unit: "rad/s",
+        meaning: "speed of the disc at the start",
+        field: Field::Profile(|profile| &mut profile.start_speed_rad_s),
+    },
+    ParameterDescriptor {
+        name: "ramp_to_rad_s",
+        unit: "rad/s",
+        meaning: "speed of the disc at the end",
+        field: Field::Ramp(|ramp| ramp.to_rad_s.as_mut()),
+    },
+    ParameterDescriptor {
+        name: "ramp_over_s",
+        unit: "s",
+        meaning: "duration",
+        field: Field::Ramp(|ramp| Some(&mut ramp.over_s)),
+    },
+    ParameterDescriptor { name: "hold_s", unit: "s", meaning: "duration", field: Field::Hold },
+];
+
 const PARAMETERS: [ParameterDescriptor; 24] = [
     ParameterDescriptor {
         name: "table_mass_kg",
@@ -121,25 +144,10 @@ const PARAMETERS: [ParameterDescriptor; 24] = [
         meaning: "speed of the disc, the last one of its profile",
         field: Field::Machine(|machine| &mut machine.speed_rad_s),
     },
-    ParameterDescriptor {
-        name: "start_speed_rad_s",
-        unit: "rad/s",
-        meaning: "speed of the disc at the start",
-        field: Field::Profile(|profile| &mut profile.start_speed_rad_s),
-    },
-    ParameterDescriptor {
-        name: "ramp_to_rad_s",
-        unit: "rad/s",
-        meaning: "speed of the disc at the end",
-        field: Field::Ramp(|ramp| ramp.to_rad_s.as_mut()),
-    },
-    ParameterDescriptor {
-        name: "ramp_over_s",
-        unit: "s",
-        meaning: "duration",
-        field: Field::Ramp(|ramp| Some(&mut ramp.over_s)),
-    },
-    ParameterDescriptor { name: "hold_s", unit: "s", meaning: "duration", field: Field::Hold },
+    PROFILE_PARAMETERS[0],
+    PROFILE_PARAMETERS[1],
+    PROFILE_PARAMETERS[2],
+    PROFILE_PARAMETERS[3],
     ParameterDescriptor {
         name: "kick_at_s",
         unit: "s",

@@ -1,6 +1,6 @@
 //! The motion of the disc in a run: its speed, and the angle by which it has turned since the start.
 
-use super::{Machine, Model, SpeedSegment};
+use super::{Kick, Machine, Model, ParameterDescriptor, SpeedProfile, SpeedSegment};
 
 /// The motion of a disc over the time of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,50 +41,103 @@ impl DiscMotion {
     }
 }
 
-impl Machine {
-    /// Returns the motion of the disc.
-    pub fn disc_motion(&self) -> DiscMotion {
+impl DiscMotion {
+    /// Returns the motion with a profile, or with the last speed throughout.
+    fn new(profile: Option<&SpeedProfile>, speed_rad_s: f64) -> Self {
+        let constant = || {
+            let terms = [speed_rad_s, 0.0, 0.0, 0.0];
+            vec![SpeedSegment { begins_s: 0.0, lasts_s: f64::INFINITY, terms, is_hold: true }]
+        };
+        let segments = profile.map_or_else(constant, |profile| profile.segments(speed_rad_s));
         let mut turned_rad = 0.0;
         let with_angle = |segment: SpeedSegment| {
             let before_rad = turned_rad;
             turned_rad += segment.turned_rad(segment.lasts_s);
             (segment, before_rad)
         };
-        DiscMotion { segments: self.speed_segments().into_iter().map(with_angle).collect() }
+        DiscMotion { segments: segments.into_iter().map(with_angle).collect() }
     }
 
-    /// Returns whether a run has stages: the disc changes its speed, or the table is kicked.
-    pub fn has_stages(&self) -> bool {
-        self.speed_profile.is_some() || !self.kicks.is_empty()
-    }
-
-    /// Returns the begins of the stages of a run that ends at a time, s, in order.
-    pub fn stage_begins_s(&self, end_time_s: f64) -> Vec<f64> {
-        let segments = self.speed_segments();
-        let knots = segments.iter().map(|segment| segment.begins_s);
-        let mut begins: Vec<f64> = knots.chain(self.kicks.iter().map(|kick| kick.at_s)).collect();
+    /// Returns the begins of the stages of a run that ends at a time, s, in order. Kicks at some times begin stages, too.
+    fn stage_begins_s(&self, kicks: &[Kick], end_time_s: f64) -> Vec<f64> {
+        let knots = self.segments.iter().map(|(segment, _)| segment.begins_s);
+        let mut begins: Vec<f64> = knots.chain(kicks.iter().map(|kick| kick.at_s)).collect();
         begins.retain(|begin| *begin < end_time_s);
         begins.sort_by(f64::total_cmp);
         begins.dedup();
         begins
     }
+}
 
-    /// Returns the begin of the last stage of a run, s.
+impl Machine {
+    /// Returns the motion of the disc.
+    pub fn disc_motion(&self) -> DiscMotion {
+        DiscMotion::new(self.speed_profile.as_ref(), self.speed_rad_s)
+    }
+}
+
+impl Model {
+    /// Returns how the speed of the disc, or of the part that turns, changes; `None` for a constant speed.
+    pub fn speed_profile(&self) -> Option<&SpeedProfile> {
+        match self {
+            Model::BallBalancer(machine) => machine.speed_profile.as_ref(),
+            Model::Own(own) => own.speed_profile.as_ref(),
+        }
+    }
+
+    /// Returns how the speed of the disc, or of the part that turns, changes.
+    pub(crate) fn speed_profile_mut(&mut self) -> &mut Option<SpeedProfile> {
+        match self {
+            Model::BallBalancer(machine) => &mut machine.speed_profile,
+            Model::Own(own) => &mut own.speed_profile,
+        }
+    }
+
+    /// Returns the parameter that is the last speed of a profile; `None` for a model without a part that turns.
+    pub(crate) fn speed_parameter(&self) -> Option<&'static ParameterDescriptor> {
+        match self {
+            Model::BallBalancer(_) => {
+                self.kind().parameters.iter().find(|one| one.name == "speed_rad_s")
+            }
+            Model::Own(own) => own.own().speed_place().map(|place| &self.kind().parameters[place]),
+        }
+    }
+
+    /// Returns the motion of the disc, or of the part that turns; `None` for a model without such a part.
+    pub fn disc_motion(&self) -> Option<DiscMotion> {
+        match self {
+            Model::BallBalancer(machine) => Some(machine.disc_motion()),
+            Model::Own(own) => {
+                let speed_rad_s = own.values()[own.own().speed_place()?];
+                Some(DiscMotion::new(own.speed_profile.as_ref(), speed_rad_s))
+            }
+        }
+    }
+
+    fn kicks(&self) -> &[Kick] {
+        self.ball_balancer().map_or(&[], |machine| &machine.kicks)
+    }
+
+    /// Returns whether a run has stages: the speed changes, or the table is kicked.
+    pub fn has_stages(&self) -> bool {
+        self.speed_profile().is_some() || !self.kicks().is_empty()
+    }
+
+    /// Returns the begins of the stages of a run that ends at a time, s, in order; one for a model without a part that turns.
+    pub fn stage_begins_s(&self, end_time_s: f64) -> Vec<f64> {
+        let motion = self.disc_motion();
+        motion.map_or(vec![0.0], |motion| motion.stage_begins_s(self.kicks(), end_time_s))
+    }
+
+    /// Returns the begin of the last stage of a run, s; 0 for a model whose runs have one stage.
     pub fn last_stage_begins_s(&self) -> f64 {
         self.stage_begins_s(f64::INFINITY).last().copied().unwrap_or_default()
     }
 }
 
-impl Model {
-    /// Returns the begin of the last stage of a run, s; 0 for a model whose runs have one stage.
-    pub fn last_stage_begins_s(&self) -> f64 {
-        self.ball_balancer().map_or(0.0, Machine::last_stage_begins_s)
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use crate::model::{Kick, Machine, ProfilePart, Ramp, RampShape, SpeedProfile};
+    use crate::model::{Kick, Machine, Model, ProfilePart, Ramp, RampShape, SpeedProfile};
 
     /// The angle is the integral of the speed, by Simpson's rule, which is exact for the cubic polynomials here.
     #[test]
@@ -114,9 +167,10 @@ mod tests {
         }
         assert_eq!([0.0, 2.25, 9.0].map(|time| disc.speed_rad_s(time)), [-10.0, -100.0, -200.0]);
         assert_eq!(disc.fastest_rad_s(), 200.0);
-        assert_eq!(machine.last_stage_begins_s(), 4.0);
+        let model = Model::from(machine);
+        assert_eq!(model.last_stage_begins_s(), 4.0);
         let constant = Machine::default();
         assert_eq!(constant.disc_motion().turned_rad(0.5), 0.5 * constant.speed_rad_s);
-        assert!(machine.has_stages() && !constant.has_stages());
+        assert!(model.has_stages() && !Model::from(constant).has_stages());
     }
 }

@@ -101,6 +101,7 @@ impl fmt::Debug for ModelKind {
 }
 
 /// A parameter of a model.
+#[derive(Clone, Copy)]
 pub struct ParameterDescriptor {
     /// Name in study files and tables, with its unit.
     pub name: &'static str,
@@ -299,33 +300,35 @@ impl ParameterDescriptor {
     /// Returns the numbers of a model that the parameter sets: those of all members, such as balls, or of one, counted
     /// from 1. None for a model without this parameter.
     pub fn numbers<'a>(&self, model: &'a mut Model, member: Option<usize>) -> Vec<&'a mut f64> {
-        let machine = match model {
-            Model::BallBalancer(machine) => machine,
-            Model::Own(own) => {
-                let is_own = matches!(self.field, Field::Own { .. } | Field::Count { .. });
-                return own.number_mut(self).filter(|_| is_own).into_iter().collect();
-            }
+        let parts = |model: &'a mut Model| {
+            let profile = model.speed_profile_mut().as_mut();
+            profile.into_iter().flat_map(|one| &mut one.parts)
         };
-        match self.field {
-            Field::Profile(field) => {
-                machine.speed_profile.as_mut().map(field).into_iter().collect()
+        let machine = match (self.field, model) {
+            (Field::Profile(field), model) => {
+                return model.speed_profile_mut().as_mut().map(field).into_iter().collect();
             }
-            Field::Ramp(field) => {
-                let parts = machine.speed_profile.iter_mut().flat_map(|one| &mut one.parts);
-                let ramps = parts.filter_map(|part| match part {
+            (Field::Ramp(field), model) => {
+                let ramps = parts(model).filter_map(|part| match part {
                     ProfilePart::Ramp(ramp) => Some(ramp),
                     _ => None,
                 });
-                meant(ramps, member).filter_map(field).collect()
+                return meant(ramps, member).filter_map(field).collect();
             }
-            Field::Hold => {
-                let parts = machine.speed_profile.iter_mut().flat_map(|one| &mut one.parts);
-                let holds = parts.filter_map(|part| match part {
+            (Field::Hold, model) => {
+                let holds = parts(model).filter_map(|part| match part {
                     ProfilePart::Hold(lasts_s) => Some(lasts_s),
                     _ => None,
                 });
-                meant(holds, member).filter_map(Option::as_mut).collect()
+                return meant(holds, member).filter_map(Option::as_mut).collect();
             }
+            (Field::Own { .. } | Field::Count { .. }, Model::Own(own)) => {
+                return own.number_mut(self).into_iter().collect();
+            }
+            (_, Model::Own(_)) => return Vec::new(),
+            (_, Model::BallBalancer(machine)) => machine,
+        };
+        match self.field {
             Field::Kick(field) => meant(&mut machine.kicks, member).map(field).collect(),
             Field::Machine(field) => vec![field(machine)],
             Field::OfMachine { number, following, .. } => {

@@ -216,13 +216,10 @@ impl Machine {
         })
     }
 
-    /// Checks that all values of the speed profile and of the kicks have a physical meaning.
-    ///
-    /// # Errors
-    /// The first invalid parameter, by the name it has in a study file.
-    pub fn validate_stages(&self) -> Result<(), InvalidParameter> {
+    /// Checks the values of the speed profile and of the kicks.
+    pub(super) fn validate_stages(&self) -> Result<(), InvalidParameter> {
         if let Some(profile) = &self.speed_profile {
-            profile.validate(self.speed_rad_s)?;
+            profile.validate(("speed_rad_s", self.speed_rad_s))?;
         }
         (1..).zip(&self.kicks).try_for_each(|(number, kick)| kick.validate(number))
     }

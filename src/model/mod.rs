@@ -46,6 +46,7 @@ mod written;
 pub use angle::{wrap_to_pi, wrap_to_two_pi};
 pub use balancer::{Balancer, BalancerBall, SPHERE_INERTIA, State};
 pub use ball_balancer::BALL_BALANCER;
+use ball_balancer::PROFILE_PARAMETERS;
 pub(crate) use ball_contact::pushes;
 pub use ball_contact::{BallContact, Gap, rolling_restitution};
 pub use balls_in_contact::{BallsInContact, LASTING_APPROACH};
@@ -94,5 +95,5 @@ pub use units::{ContactUnits, Units};
 pub use written::{
     COEFFICIENT, Definition, FaultAt, Formula, FormulaFault, LONGEST_FORMULA, Place, Unit, WHOLE,
     WRITTEN, WrittenContact, WrittenCoordinate, WrittenFriction, WrittenNormal, WrittenOutput,
-    WrittenParameter, law_key, written_kind, written_kind_named,
+    WrittenParameter, WrittenTurning, law_key, written_kind, written_kind_named,
 };

@@ -56,6 +56,17 @@ impl Model {
         }
     }
 
+    /// Checks that all values of the speed profile and of the kicks have a physical meaning.
+    ///
+    /// # Errors
+    /// The first invalid parameter, by the name it has in a study file.
+    pub fn validate_stages(&self) -> Result<(), InvalidParameter> {
+        match self {
+            Model::BallBalancer(machine) => machine.validate_stages(),
+            Model::Own(own) => own.validate_stages(),
+        }
+    }
+
     /// Checks that each value alone has a physical meaning.
     ///
     /// # Errors

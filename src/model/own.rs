@@ -9,7 +9,8 @@ use serde_json::Value;
 use super::invalid_parameter::{invalid, not_negative, positive};
 use super::kind::{Bound, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor};
 use super::{
-    Components, Coordinate, Friction, FrictionLaw, InvalidParameter, OutputName, System, Units,
+    Components, Coordinate, Friction, FrictionLaw, InvalidParameter, OutputName, SpeedProfile,
+    SpeedSegment, System, Units,
 };
 
 /// What a kind of models outside this crate computes from the parameters of a model. Equal models must give equal
@@ -69,6 +70,22 @@ pub trait OwnKind: Sync {
     /// Returns the system without dimensions.
     fn system(&self, model: &OwnModel) -> Arc<dyn System>;
 
+    /// Returns the place of the parameter that is the speed of a part that turns; `None` for a model without such a part.
+    fn speed_place(&self) -> Option<usize> {
+        None
+    }
+
+    /// Returns the system in a stage in which the part that turns has this speed, after this angle. The last component of its state
+    /// is the time since the begin of the stage.
+    fn system_in_stage(
+        &self,
+        model: &OwnModel,
+        _speed: &SpeedSegment,
+        _before_rad: f64,
+    ) -> Arc<dyn System> {
+        self.system(model)
+    }
+
     /// Returns a start state in the components of the system; `start` has one value for each coordinate.
     fn start_state(&self, model: &OwnModel, start: &[f64]) -> Components;
 }
@@ -91,16 +108,24 @@ pub struct ContactNames {
 pub struct OwnModel {
     kind: &'static ModelKind,
     own: &'static dyn OwnKind,
-    /// One value for each parameter of the kind.
+    /// One value for each parameter of the kind that is not part of a speed profile.
     values: Vec<f64>,
     friction: FrictionLaw,
+    /// How the speed of the part that turns changes.
+    pub(super) speed_profile: Option<SpeedProfile>,
 }
 
 impl OwnModel {
     /// Creates a model of a kind with the default values and Coulomb friction.
     pub fn new(kind: &'static ModelKind, own: &'static dyn OwnKind) -> Self {
-        let values = kind.parameters.iter().map(|parameter| parameter.field.default_number());
-        OwnModel { kind, own, values: values.collect(), friction: FrictionLaw::COULOMB }
+        let own_values = kind.parameters.iter().filter(|parameter| !parameter.has_own_key());
+        OwnModel {
+            kind,
+            own,
+            values: own_values.map(|parameter| parameter.field.default_number()).collect(),
+            friction: FrictionLaw::COULOMB,
+            speed_profile: None,
+        }
     }
 
     /// Returns the values of the parameters, in their order.
@@ -180,7 +205,18 @@ impl OwnModel {
         }
     }
 
+    /// Checks the values of the speed profile.
+    pub(super) fn validate_stages(&self) -> Result<(), InvalidParameter> {
+        match (&self.speed_profile, self.own.speed_place()) {
+            (Some(profile), Some(place)) => {
+                profile.validate((self.kind.parameters[place].name, self.values[place]))
+            }
+            _ => Ok(()),
+        }
+    }
+
     fn validate_bounds(&self) -> Result<(), InvalidParameter> {
+        self.validate_stages()?;
         for (parameter, &value) in self.kind.parameters.iter().zip(&self.values) {
             let name = parameter.name;
             match parameter.field {
@@ -202,6 +238,7 @@ impl OwnModel {
 impl PartialEq for OwnModel {
     fn eq(&self, other: &Self) -> bool {
         (self.kind, &self.values, &self.friction) == (other.kind, &other.values, &other.friction)
+            && self.speed_profile == other.speed_profile
     }
 }
 
@@ -211,7 +248,8 @@ impl fmt::Debug for OwnModel {
         for (parameter, value) in self.kind.parameters.iter().zip(&self.values) {
             shown.field(parameter.name, value);
         }
-        shown.field("friction", &self.friction).finish()
+        shown.field("friction", &self.friction);
+        shown.field("speed_profile", &self.speed_profile).finish()
     }
 }
 
@@ -219,7 +257,7 @@ impl fmt::Debug for OwnModel {
 impl Serialize for OwnModel {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let version = self.own.version();
-        let own = (self.kind.name, version, &self.values, &self.friction);
+        let own = (self.kind.name, version, &self.values, &self.friction, &self.speed_profile);
         match self.own.source() {
             Some(source) => (own, source).serialize(serializer),
             None => own.serialize(serializer),

@@ -137,7 +137,10 @@ impl SpeedProfile {
     }
 
     /// Checks that all values have a physical meaning.
-    pub(super) fn validate(&self, last_speed_rad_s: f64) -> Result<(), InvalidParameter> {
+    pub(super) fn validate(
+        &self,
+        (last_name, last_speed_rad_s): (&str, f64),
+    ) -> Result<(), InvalidParameter> {
         let start = self.start_speed_rad_s;
         let has_sign = |name: &str, speed: f64| {
             let allowed =
@@ -179,10 +182,10 @@ impl SpeedProfile {
                 }
             }
         }
-        has_sign("speed_rad_s", last_speed_rad_s)?;
+        has_sign(last_name, last_speed_rad_s)?;
         if speed.to_bits() != last_speed_rad_s.to_bits() {
             let found = last_speed_rad_s.to_string();
-            return Err(invalid("speed_rad_s", &found, "the last speed of the speed profile"));
+            return Err(invalid(last_name, &found, "the last speed of the speed profile"));
         }
         Ok(())
     }
@@ -205,7 +208,7 @@ mod tests {
                 ramp(RampShape::Linear, None, 3.0),
             ],
         };
-        assert_eq!(profile.validate(-200.0), Ok(()));
+        assert_eq!(profile.validate(("speed_rad_s", -200.0)), Ok(()));
         let segments = profile.segments(-200.0);
         let begins: Vec<f64> = segments.iter().map(|one| one.begins_s).collect();
         assert_eq!(begins, [0.0, 2.0, 2.5, 3.5, 4.0, 7.0]);
@@ -233,10 +236,16 @@ mod tests {
             })],
         };
         assert_eq!(
-            to(Some(5.0)).validate(-200.0).expect_err("crosses zero").name,
+            to(Some(5.0)).validate(("speed_rad_s", -200.0)).expect_err("crosses zero").name,
             "ramp_to_1_rad_s"
         );
-        assert_eq!(to(None).validate(200.0).expect_err("crosses zero").name, "speed_rad_s");
-        assert_eq!(to(Some(-20.0)).validate(-200.0).expect_err("jumps").name, "speed_rad_s");
+        assert_eq!(
+            to(None).validate(("speed_rad_s", 200.0)).expect_err("crosses zero").name,
+            "speed_rad_s"
+        );
+        assert_eq!(
+            to(Some(-20.0)).validate(("speed_rad_s", -200.0)).expect_err("jumps").name,
+            "speed_rad_s"
+        );
     }
 }

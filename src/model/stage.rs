@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::invalid_parameter::{InvalidParameter, invalid};
 use super::kind::member_name;
-use super::{Components, DiscMotion, Machine, Model, SPEED_TERMS, SpeedSegment, Start, System};
+use super::{Components, DiscMotion, Machine, Model, OwnModel, SPEED_TERMS, Start, System};
 
 /// A stage of a run.
 #[derive(Clone, Debug)]
@@ -20,9 +20,13 @@ pub struct Stage {
     pub is_kicked: bool,
     /// The system in this stage.
     pub system: Arc<dyn System>,
-    /// The non-dimensional time since the begin of the segment of the profile, which is the last component of the state
-    /// if the speed changes.
+    /// Whether the speed changes.
+    pub is_driven: bool,
+    /// The non-dimensional time since the begin of the segment of the profile, if it is the last component of the state: for
+    /// a balancer if the speed changes, for another model always.
     time: Option<f64>,
+    /// Whether the last component of a start state is a time.
+    starts_with_time: bool,
     /// The jump of the table's velocity at its begin, non-dimensional, in the turning frame.
     jump: [f64; 2],
 }
@@ -32,7 +36,7 @@ impl Stage {
     /// number of balls that a kick lifts off the ring.
     pub fn entered(&self, before: Option<&Stage>, state: &[f64]) -> (Components, u32) {
         let mut state = Components::from(state);
-        if before.is_some_and(Stage::is_driven) {
+        if before.map_or(self.starts_with_time, |before| before.time.is_some()) {
             state.pop();
         }
         let lifted =
@@ -40,51 +44,63 @@ impl Stage {
         state.extend(self.time);
         (state, lifted)
     }
-
-    /// Returns whether the speed of the disc changes.
-    pub fn is_driven(&self) -> bool {
-        self.time.is_some()
-    }
 }
 
 impl Model {
     /// Returns the stages of a run that ends at a time; `None` for an unsupported number of balls. The speed is constant in
     /// the last stage.
     pub fn stages(&self, start: &Start, end_time_s: f64) -> Option<Vec<Stage>> {
-        let machine = match self.ball_balancer() {
-            Some(machine) if machine.speed_profile.is_some() || !machine.kicks.is_empty() => {
-                machine
-            }
-            _ => {
-                let system = self.system_for(start)?;
-                let only = Stage {
-                    begins_s: 0.0,
-                    ends_s: end_time_s,
-                    speeds_rad_s: self.ball_balancer().map(|machine| [machine.speed_rad_s; 2]),
-                    is_kicked: false,
-                    system,
-                    time: None,
-                    jump: [0.0; 2],
-                };
-                return Some(vec![only]);
-            }
+        let (disc, begins) = (self.disc_motion(), self.stage_begins_s(end_time_s));
+        let Some(disc) = disc.filter(|_| self.has_stages()) else {
+            let only = Stage {
+                begins_s: 0.0,
+                ends_s: end_time_s,
+                speeds_rad_s: self.ball_balancer().map(|machine| [machine.speed_rad_s; 2]),
+                is_kicked: false,
+                system: self.system_for(start)?,
+                is_driven: false,
+                time: None,
+                starts_with_time: false,
+                jump: [0.0; 2],
+            };
+            return Some(vec![only]);
         };
-        let disc = machine.disc_motion();
-        let begins = machine.stage_begins_s(end_time_s);
         let ends = begins.iter().copied().skip(1).chain([end_time_s]);
-        let angles = start.0.get(2..2 + machine.balls.len())?;
-        // Each stage copies the machine, but not a profile of many rows.
-        let machine = Machine { speed_profile: None, ..machine.clone() };
-        let stage =
-            |(begins_s, ends_s): (&f64, f64)| machine.stage(angles, &disc, [*begins_s, ends_s]);
-        begins.iter().zip(ends).map(stage).collect()
+        let times = begins.iter().copied().zip(ends).map(|(begin, end)| [begin, end]);
+        match self {
+            Model::BallBalancer(machine) => {
+                let angles = start.0.get(2..2 + machine.balls.len())?;
+                // Each stage copies the machine, but not a profile of many rows.
+                let machine = Machine { speed_profile: None, ..machine.clone() };
+                times.map(|times| machine.stage(angles, &disc, times)).collect()
+            }
+            Model::Own(own) => times.map(|times| own.stage(&disc, times)).collect(),
+        }
+    }
+}
+
+impl OwnModel {
+    fn stage(&self, disc: &DiscMotion, [begins_s, ends_s]: [f64; 2]) -> Option<Stage> {
+        let (segment, before_rad) = disc.segment_at(begins_s)?;
+        let speed_at = |time_s: f64| segment.speed_rad_s(time_s - segment.begins_s);
+        Some(Stage {
+            begins_s,
+            ends_s,
+            speeds_rad_s: Some([begins_s, ends_s].map(speed_at)),
+            is_kicked: false,
+            system: self.own().system_in_stage(self, segment, before_rad % TAU),
+            is_driven: !segment.is_hold,
+            time: Some(0.0),
+            starts_with_time: true,
+            jump: [0.0; 2],
+        })
     }
 }
 
 impl Model {
     /// Returns the end time of a run, s, if the speed profile has an end.
     pub fn end_time_s(&self) -> Option<f64> {
-        self.ball_balancer()?.speed_profile.as_ref()?.end_time_s()
+        self.speed_profile()?.end_time_s()
     }
 
     /// Checks that all kicks come before the end of a run.
@@ -105,16 +121,6 @@ impl Model {
 }
 
 impl Machine {
-    /// Returns the segments of the speed; one if the speed is constant.
-    pub fn speed_segments(&self) -> Vec<SpeedSegment> {
-        let constant = || {
-            let terms = [self.speed_rad_s, 0.0, 0.0, 0.0];
-            vec![SpeedSegment { begins_s: 0.0, lasts_s: f64::INFINITY, terms, is_hold: true }]
-        };
-        let profile = self.speed_profile.as_ref();
-        profile.map_or_else(constant, |profile| profile.segments(self.speed_rad_s))
-    }
-
     fn stage(
         &self,
         angles: &[f64],
@@ -155,7 +161,9 @@ impl Machine {
             speeds_rad_s: Some(speeds_rad_s),
             is_kicked: !kicks.is_empty(),
             system: system?,
+            is_driven: !segment.is_hold,
             time: (!segment.is_hold).then_some(since_begin_s * natural),
+            starts_with_time: false,
             jump,
         })
     }

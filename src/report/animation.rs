@@ -77,10 +77,10 @@ pub fn animation(machine: &Machine, recording: &Recording, title: &str) -> Strin
         data["touching"] = json!(touching);
         data["impacts"] = json!(impacts);
     }
-    if machine.has_stages() {
+    if model.has_stages() {
         data["disc"] = json!(disc(machine));
         data["kicks"] = json!(machine.kicks.iter().map(|kick| kick.at_s).collect::<Vec<f64>>());
-        data["last_stage_s"] = machine.last_stage_begins_s().into();
+        data["last_stage_s"] = model.last_stage_begins_s().into();
     }
     let escaped = title.replace('&', "&amp;").replace('<', "&lt;");
     // The data are numbers, which cannot end the script element.

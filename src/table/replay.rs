@@ -72,14 +72,15 @@ pub fn trajectory_columns(model: &Model, gaps: &[[usize; 2]]) -> Vec<Column<Samp
     list.count("step", |row| row.step).meaning(
         "number of the integration step that contains the row or ends there; 0 at the start",
     );
-    if let Some(machine) = model.ball_balancer() {
-        let disc = machine.disc_motion();
-        if machine.has_stages() {
+    if let Some(disc) = model.disc_motion() {
+        if model.has_stages() {
             let disc = disc.clone();
             list.number("speed_rad_s", "rad/s", move |row| disc.speed_rad_s(row.time / natural))
                 .meaning("speed of the disc");
         }
-        add_table(&mut list, &units, &disc);
+        if model.ball_balancer().is_some() {
+            add_table(&mut list, &units, &disc);
+        }
     }
     for contact in 0..model.contacts() {
         match model.ball_balancer() {

@@ -149,7 +149,7 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         },
     );
     if study.has_stages() {
-        add_stages(&mut list);
+        add_stages(&mut list, model);
     }
     list.number("end_time_s", "s", |row| row.outcome.end_time_s)
         .meaning("simulated time at which the run was stopped");
@@ -258,11 +258,14 @@ fn add_outputs(list: &mut Columns<RunRecord>, model: &Model) {
 }
 
 /// Adds the columns of runs with stages.
-fn add_stages(list: &mut Columns<RunRecord>) {
+fn add_stages(list: &mut Columns<RunRecord>, model: &Model) {
     list.number("rest_since_s", "s", |row| row.outcome.rest_since_s)
         .meaning("time from the start of the run until the last ball stopped for good");
     list.number("last_stage_begin_s", "s", |row| Some(row.outcome.stages.last()?.time_s[0]))
         .meaning("begin of the last stage that the run reached");
+    if !model.kind().offers.vibration {
+        return;
+    }
     list.number("peak_amplitude_m", "m", |row| Some(row.outcome.peak?.amplitude_m))
         .meaning("largest displacement of the table in the run");
     list.number("peak_time_s", "s", |row| Some(row.outcome.peak?.time_s))

@@ -5,6 +5,7 @@ use super::column::{Column, Columns};
 use super::point_key::add_point_id;
 use super::run_record::RunRecord;
 use crate::classification::StageOutcome;
+use crate::model::OutputName;
 use crate::study::Study;
 
 /// A stage of a run.
@@ -39,14 +40,17 @@ impl StageRow {
 
 /// Returns the columns of `stages.parquet`.
 pub fn stage_columns(study: &Study) -> Vec<Column<StageRow>> {
+    let model = study.model();
     let mut list = Columns::<StageRow>::new();
     list.count("run_id", |row| row.run_id).meaning("number of the run in the study, from 0");
     add_point_id(&mut list, |row| row.point_id);
     list.count("stage", |row| row.stage).meaning("number of the stage in the run, from 1");
     list.word("kind", StageRow::kind)
         .meaning("ramp, in which the speed of the disc changes, or hold, at constant speed");
-    list.boolean("kicked", |row| row.outcome.is_kicked)
-        .meaning("whether the table is kicked at the begin of the stage");
+    if model.kind().offers.vibration {
+        list.boolean("kicked", |row| row.outcome.is_kicked)
+            .meaning("whether the table is kicked at the begin of the stage");
+    }
     list.number("begin_s", "s", |row| row.outcome.time_s[0]).meaning("begin of the stage");
     list.number("end_s", "s", |row| row.outcome.time_s[1])
         .meaning("end of the stage, or of the run in it");
@@ -54,21 +58,37 @@ pub fn stage_columns(study: &Study) -> Vec<Column<StageRow>> {
         .meaning("speed of the disc at the begin of the stage");
     list.number("end_speed_rad_s", "rad/s", |row| row.outcome.speed_rad_s[1])
         .meaning("speed of the disc at the end of the stage");
-    for ball in 0..study.model().balls() {
+    for ball in 0..model.balls() {
         list.number(format!("beta_{}_rad", ball + 1), "rad", move |row| {
             row.outcome.position.get(ball).copied()
         })
         .meaning("angle of the ball from the imbalance at the end of the stage, in [0, 2π)");
     }
-    for ball in 0..study.model().balls() {
+    for ball in 0..model.balls() {
         list.number(format!("ball_speed_{}_rad_s", ball + 1), "rad/s", move |row| {
             row.outcome.ball_speed_rad_s.get(ball).copied()
         })
         .meaning("speed of the ball relative to the ring at the end of the stage");
     }
+    for (place, OutputName { name, unit, meaning }) in model.output_names().into_iter().enumerate()
+    {
+        let of = if meaning.is_empty() { &name } else { &meaning };
+        list.number(format!("end_{name}"), &unit, move |row| {
+            row.outcome.outputs.get(place).copied()
+        })
+        .meaning(format!("{of}: at the end of the stage"));
+    }
     list.boolean("at_rest", |row| row.outcome.is_at_rest).meaning(
         "whether friction holds all balls for good at the end of the stage; null while the speed of the disc changes",
     );
+    if model.kind().offers.vibration {
+        add_vibration(&mut list);
+    }
+    list.finish()
+}
+
+/// Adds the columns of stages of a balancer.
+fn add_vibration(list: &mut Columns<StageRow>) {
     list.number("displacement_m", "m", |row| row.outcome.amplitude_m)
         .meaning("distance of the table from its place at rest at the end of the stage");
     list.number("peak_amplitude_m", "m", |row| row.outcome.peak.amplitude_m)
@@ -78,5 +98,4 @@ pub fn stage_columns(study: &Study) -> Vec<Column<StageRow>> {
     list.count("lifted_off", |row| u64::from(row.outcome.lifted_off)).meaning(
         "balls that the kick at the begin of the stage lifts off the ring, which the model does not follow",
     );
-    list.finish()
 }

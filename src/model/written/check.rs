@@ -63,7 +63,7 @@ const PREFIXES: [&str; 10] = [
 ];
 
 /// What a formula may depend on.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 enum Allowed {
     Constants,
     /// Positions and the time.
@@ -255,7 +255,9 @@ impl Definition {
             coordinates.map(|one| ("coordinates", one.name.as_str(), one.index.as_deref()));
         let outputs = self.outputs.iter();
         let outputs = outputs.map(|one| ("outputs", one.name.as_str(), one.index.as_deref()));
-        for (key, name, index) in parameters.chain(indices).chain(coordinates).chain(outputs) {
+        let turning = self.turning.iter().map(|one| ("turning", one.angle.as_str(), None));
+        let names = parameters.chain(indices).chain(coordinates).chain(outputs).chain(turning);
+        for (key, name, index) in names {
             let fault = |problem: &str, allowed: &str| {
                 let path = vec![key.to_owned(), with_index(name, index)];
                 (path, FormulaFault::new(0, problem, name, allowed))
@@ -314,6 +316,14 @@ fn check_formulas(instance: &Instance<'_>) -> Result<(Numbers, Dependence), Faul
         bodies.terms = terms;
         let (found_here, mut values) = instance.analysed(formula, &mut bodies).map_err(at)?;
         let depends = found_here.depends;
+        if let Some(turning) = &instance.definition.turning
+            && allowed != Allowed::Constants
+            && values.appearing.iter().any(|(name, _)| *name == turning.speed)
+        {
+            let allowed = format!("{}', which also follows a speed profile", turning.angle);
+            let problem = "the last speed of a part that turns";
+            return Err(at(FormulaFault::new(0, problem, &turning.speed, allowed)));
+        }
         if let Some((problem, allowed)) = allowed.refuses(depends) {
             return Err(at(FormulaFault::new(0, problem, formula.text.as_str(), allowed)));
         }

@@ -24,7 +24,9 @@ pub struct Definition {
     pub contacts: Vec<WrittenContact>,
     /// What results show besides the coordinates.
     pub outputs: Vec<WrittenOutput>,
-    /// The time after which the equations repeat.
+    /// The angle of a part that turns at a given speed.
+    pub turning: Option<WrittenTurning>,
+    /// The time after which the equations repeat; the time of a turn if it is not given.
     pub period: Option<Formula>,
     /// Whether a formula contains the time; [`Definition::check`] finds this.
     pub uses_time: bool,
@@ -79,6 +81,15 @@ pub struct WrittenCoordinate {
     pub start: [[Formula; 2]; 2],
 }
 
+/// An angle that turns at a given speed, which a study may change in time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenTurning {
+    /// The name of the angle in formulas.
+    pub angle: String,
+    /// The parameter that is the speed, the last one of a profile.
+    pub speed: String,
+}
+
 /// A name with the index of a body, such as `x[block + 1]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place(pub Formula);
@@ -125,6 +136,12 @@ pub enum WrittenNormal {
 }
 
 impl Definition {
+    /// Returns the place of the parameter that is the speed of the part that turns.
+    pub(super) fn speed_place(&self) -> Option<usize> {
+        let turning = self.turning.as_ref()?;
+        self.parameters.iter().position(|one| one.name == turning.speed)
+    }
+
     /// Returns whether the study gives the law of friction of a contact.
     pub fn has_law_of_study(&self) -> bool {
         self.contacts.iter().any(|contact| contact.has_law_of_study)

@@ -41,13 +41,14 @@ impl Examined {
     ) -> Valued<Self> {
         let definition = instance.definition;
         let period = definition.period.as_ref().map(|formula| instance.constant(formula, values));
-        let period = period.transpose()?;
+        let of_a_turn = definition.speed_place().map(|place| TAU / values[place].abs());
+        let period = period.transpose()?.or(of_a_turn.filter(|_| definition.uses_time));
         let Sizes { middle, reach, is_finite, without_energy, rates, natural_rad_s, scales } =
             instance.sizes(values, period)?;
         let parameters = definition.parameters.iter().zip(values);
         let scaled: Vec<f64> =
             parameters.map(|(one, value)| value / scales.unit(one.unit.dimension)).collect();
-        let named = instance.parameters(&scaled);
+        let named = instance.parameters(&scaled, 0.0);
         let numeric = Numeric { scales, parameters: &named, coordinates: &[], time: 0.0 };
         let speed_of = instance.choose_velocities(numeric)?;
         let moving = instance.rates(&speed_of, numeric)?;
@@ -125,6 +126,7 @@ impl Examined {
             friction,
             impacts,
             period: period.map(|period| period / second),
+            stage: Vec::new(),
             speeds: speed_of,
             integrals,
             coordinates,
@@ -145,7 +147,7 @@ impl Examined {
         let state: Vec<[f64; 2]> =
             positions.iter().zip(rates).map(|(position, rate)| [*position, *rate]).collect();
         let state = instance.scaled(*scales, &state);
-        let parameters = instance.parameters(values);
+        let parameters = instance.parameters(values, 0.0);
         let coordinates = instance.named(|number| state[number]);
         let mut numeric = Numeric {
             scales: *scales,
@@ -196,9 +198,9 @@ impl Instance<'_> {
     ) -> Valued<(FrictionLaw, f64)> {
         let (contact, bodies) = self.contact(number);
         if contact.has_law_of_study {
-            let is_it = |(name, _): &(&str, f64)| *name == FRICTION_COEFFICIENT;
-            let coefficient = self.parameters(values).into_iter().find(is_it);
-            return Ok((*of_study, coefficient.map_or(0.0, |(_, value)| value)));
+            let is_it = |(name, ..): &(&str, usize, f64)| *name == FRICTION_COEFFICIENT;
+            let coefficient = self.parameters(values, 0.0).into_iter().find(is_it);
+            return Ok((*of_study, coefficient.map_or(0.0, |(.., value)| value)));
         }
         let Some(friction) = &contact.friction else {
             // No force, and no stick either.
@@ -222,7 +224,7 @@ impl Instance<'_> {
 
     /// Returns the largest force in the middle of the start ranges, without dimensions.
     fn largest_force(&self, scaled: &[f64], scales: Scales, middle: &[[f64; 2]]) -> Valued<f64> {
-        let (parameters, middle) = (self.parameters(scaled), self.scaled(scales, middle));
+        let (parameters, middle) = (self.parameters(scaled, 0.0), self.scaled(scales, middle));
         let coordinates = self.named(|number| middle[number]);
         let mut numeric =
             Numeric { scales, parameters: &parameters, coordinates: &coordinates, time: 0.0 };
@@ -267,7 +269,7 @@ impl Instance<'_> {
     /// Returns the values of all formulas of the equations.
     pub fn all_at(&self, values: &[f64], state: &[[f64; 2]], time: f64) -> Valued<Vec<f64>> {
         let (parameters, mut coordinates) =
-            (self.parameters(values), self.named(|number| state[number]));
+            (self.parameters(values, time), self.named(|number| state[number]));
         // Normal forces may contain accelerations.
         for (number, (.., values)) in coordinates.iter_mut().enumerate() {
             values[2] = 1.0 + 0.3 * number as f64;
@@ -307,7 +309,7 @@ impl Instance<'_> {
 
     /// Returns the value of a formula of parameters for a body.
     fn constant_of(&self, bodies: &Bodies, formula: &Formula, values: &[f64]) -> Valued<f64> {
-        let parameters = self.parameters(values);
+        let parameters = self.parameters(values, 0.0);
         let mut numeric = Numeric {
             scales: Scales::default(),
             parameters: &parameters,

@@ -24,7 +24,7 @@ impl WrittenSystem {
         let time = clock
             .first()
             .map_or(0.0, |clock| clock * self.period.map_or(1.0, |period| period / TAU));
-        let parameters = instance.parameters(&self.values);
+        let parameters = self.parameters_at(&self.values, &self.stage, time);
         let base = Numeric { scales: self.scales, parameters: &parameters, coordinates: &[], time };
         let [shapes, rates] = &self.coordinates;
         let (shapes, moving) = (shapes.at(positions), rates.at(velocities));

@@ -16,7 +16,7 @@ use crate::model::kind::member_name;
 use crate::model::{
     Capabilities, Components, ContactNames, ContactUnits, Coordinate, DefaultModel, Field,
     FrictionLaw, InvalidParameter, ModelKind, OutputName, OutputUnits, OwnKind, OwnModel,
-    ParameterDescriptor, SlidingSpeed, System, Units,
+    PROFILE_PARAMETERS, ParameterDescriptor, SlidingSpeed, SpeedSegment, System, Units,
 };
 
 /// What a kind of model of a file computes, with the texts that a process keeps.
@@ -99,6 +99,7 @@ fn leaked(
             None => Field::Own { default: one.value, bound: one.bound },
         },
     });
+    let profile = definition.turning.iter().flat_map(|_| PROFILE_PARAMETERS);
     let coordinates = definition.coordinates.iter().map(|one| {
         let unit = one.unit.si.as_str();
         let rate = match (definition.has_units(), unit) {
@@ -138,7 +139,7 @@ fn leaked(
     let kind = ModelKind {
         name: &definition.name,
         meaning: &definition.meaning,
-        parameters: Box::leak(parameters.collect::<Vec<_>>().into_boxed_slice()),
+        parameters: Box::leak(parameters.chain(profile).collect::<Vec<_>>().into_boxed_slice()),
         body: "contact",
         sliding_speed: sliding_speed_of_study(definition),
         offers: Capabilities::MOTION,
@@ -318,6 +319,23 @@ impl OwnKind for WrittenKind {
 
     fn highest_frequency_rad_s(&self, model: &OwnModel) -> f64 {
         self.examined(model).map_or(f64::NAN, |one| one.natural_rad_s)
+    }
+
+    fn speed_place(&self) -> Option<usize> {
+        self.definition.speed_place()
+    }
+
+    fn system_in_stage(
+        &self,
+        model: &OwnModel,
+        speed: &SpeedSegment,
+        before_rad: f64,
+    ) -> Arc<dyn System> {
+        let Ok(examined) = self.examined(model) else { return self.system(model) };
+        let count = speed.terms.iter().rposition(|term| *term != 0.0).map_or(1, |last| last + 1);
+        let end = speed.speed_rad_s(if speed.lasts_s.is_finite() { speed.lasts_s } else { 0.0 });
+        let fastest = speed.terms[0].abs().max(end.abs());
+        Arc::new(examined.system.in_stage(before_rad, &speed.terms[..count], fastest))
     }
 
     fn system(&self, model: &OwnModel) -> Arc<dyn System> {

@@ -28,7 +28,7 @@ mod velocities;
 
 pub use definition::{
     COEFFICIENT, Definition, Place, Unit, WrittenContact, WrittenCoordinate, WrittenFriction,
-    WrittenNormal, WrittenOutput, WrittenParameter, law_key,
+    WrittenNormal, WrittenOutput, WrittenParameter, WrittenTurning, law_key,
 };
 pub use formula::{Formula, FormulaFault, LONGEST_FORMULA, WHOLE};
 pub use instance::FaultAt;

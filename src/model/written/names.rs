@@ -9,6 +9,8 @@ use super::formula::{Dimension, Formula, FormulaFault, NONE, Name, Valued, WHOLE
 pub(super) struct Names {
     parameters: Vec<(String, Dimension)>,
     coordinates: Vec<(String, Option<i64>, Dimension)>,
+    /// The angle of the part that turns.
+    turning: Option<String>,
 }
 
 /// What a name means.
@@ -35,6 +37,7 @@ impl Names {
         Names {
             parameters: parameters.map(|one| (one.name.clone(), one.unit.dimension)).collect(),
             coordinates: coordinates.collect(),
+            turning: definition.turning.as_ref().map(|one| one.angle.clone()),
         }
     }
 
@@ -76,6 +79,9 @@ impl Names {
                 }
             };
         }
+        if self.turning.as_deref() == Some(text) && body.is_none() && name.primes <= 2 {
+            return Ok((Meaning::Time, [0, 0, -WHOLE * name.primes as i32]));
+        }
         let constant = match text {
             "t" => Some((Meaning::Time, [0, 0, WHOLE])),
             "pi" => Some((Meaning::Constant, NONE)),
@@ -93,7 +99,8 @@ impl Names {
             None => {
                 let coordinates = self.coordinates.iter().map(|one| one.0.clone());
                 let parameters = self.parameters.iter().map(|one| one.0.clone());
-                let names = coordinates.chain(parameters).chain(["t", "pi"].map(str::to_owned));
+                let names = coordinates.chain(parameters).chain(self.turning.clone());
+                let names = names.chain(["t", "pi"].map(str::to_owned));
                 Err(FormulaFault {
                     names: names.collect(),
                     ..FormulaFault::new(at, "unknown name", text, "")

@@ -75,8 +75,8 @@ impl Quantity for Expression<'_> {
 pub(super) struct Numeric<'a, T> {
     /// The units of numbers.
     pub scales: Scales,
-    /// The names of the parameters with their values.
-    pub parameters: &'a [(&'a str, T)],
+    /// The parameters and the angle that turns, each by its name and its number of primes, with its value.
+    pub parameters: &'a [(&'a str, usize, T)],
     /// Each coordinate by its name and its body, with its value, its rate of change and its acceleration.
     pub coordinates: &'a [(&'a str, Option<i64>, [T; 3])],
     /// The time.
@@ -100,9 +100,11 @@ impl<T: Quantity> Values for Numeric<'_, T> {
         if let (Some((.., values)), Some(which @ 0..=2)) = (coordinate, Some(name.primes)) {
             return Ok(values[which]);
         }
-        let parameter = self.parameters.iter().find(|(own, _)| *own == name.name);
+        let is_it =
+            |(own, primes, _): &&(&str, usize, T)| *own == name.name && *primes == name.primes;
+        let parameter = self.parameters.iter().find(is_it);
         match (parameter, name.name.as_str()) {
-            (Some((_, value)), _) => Ok(*value),
+            (Some((.., value)), _) => Ok(*value),
             (None, "pi") => Ok(T::constant(PI)),
             (None, "t") => Ok(self.time),
             // A check has found all names before.

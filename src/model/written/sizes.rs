@@ -29,7 +29,7 @@ pub(super) struct Sizes {
 
 /// Returns the range of start values and that of start rates of each coordinate, in SI units.
 pub(super) fn ranges(instance: &Instance<'_>, values: &[f64]) -> Valued<Vec<[[f64; 2]; 2]>> {
-    let parameters = instance.parameters(values);
+    let parameters = instance.parameters(values, 0.0);
     let mut numeric =
         Numeric { scales: Scales::default(), parameters: &parameters, coordinates: &[], time: 0.0 };
     let mut all = Vec::new();
@@ -131,7 +131,7 @@ impl Instance<'_> {
     /// Returns the mass matrix and the forces in a state.
     fn mass_at(&self, values: &[f64], state: &[[f64; 2]]) -> Valued<(Vec<Vec<f64>>, Vec<f64>)> {
         let (parameters, coordinates) =
-            (self.parameters(values), self.named(|number| state[number]));
+            (self.parameters(values, 0.0), self.named(|number| state[number]));
         let scales = Scales::default();
         let mut numeric =
             Numeric { scales, parameters: &parameters, coordinates: &coordinates, time: 0.0 };

@@ -4,7 +4,7 @@ use std::any::{Any, TypeId};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::definition::WrittenNormal;
-use super::formula::Valued;
+use super::formula::{Valued, WHOLE};
 use super::instance::{Instance, Member};
 use super::numeric::{Numeric, Quantity};
 use super::scales::Scales;
@@ -16,7 +16,7 @@ use crate::model::{
 };
 
 /// A system of a file with values of its parameters, without dimensions.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct WrittenSystem {
     pub instance: Instance<'static>,
     /// A number for each definition of the process.
@@ -34,6 +34,9 @@ pub(super) struct WrittenSystem {
     pub coordinates: [Rates<f64>; 2],
     /// The period after which the equations repeat, if they depend on the time.
     pub period: Option<f64>,
+    /// How far a part has turned at the begin of a stage, and the coefficients of its speed as a polynomial of the time since then,
+    /// without those that are zero throughout; empty for the speed of the parameters.
+    pub stage: Vec<f64>,
     /// The highest frequency, and the largest rate of damping, of motions without friction.
     pub rates: [f64; 2],
     pub largest_force: f64,
@@ -56,10 +59,25 @@ impl Instance<'_> {
         members.map(named).collect()
     }
 
-    /// Returns the parameters by name.
-    pub fn parameters<T: Copy>(&self, values: &[T]) -> Vec<(&str, T)> {
+    /// Returns the parameters by name, and the angle that turns at constant speed at a time.
+    pub fn parameters<T: Quantity>(&self, values: &[T], time: T) -> Vec<(&str, usize, T)> {
+        let speed = self.definition.speed_place().map(|place| values[place]);
+        let turned = speed.map(|speed| [speed * time, speed, T::constant(0.0)]);
+        self.parameters_and_angle(values, turned)
+    }
+
+    /// Returns the parameters by name, and the angle that turns with its rates of change.
+    pub fn parameters_and_angle<T: Copy>(
+        &self,
+        values: &[T],
+        turned: Option<[T; 3]>,
+    ) -> Vec<(&str, usize, T)> {
         let names = self.definition.parameters.iter().map(|one| one.name.as_str());
-        names.zip(values.iter().copied()).collect()
+        let parameters = names.zip(values).map(|(name, value)| (name, 0, *value));
+        let angle = self.definition.turning.iter().zip(turned).flat_map(|(turning, angle)| {
+            (0..).zip(angle).map(|(primes, value)| (turning.angle.as_str(), primes, value))
+        });
+        parameters.chain(angle).collect()
     }
 
     /// Returns the mass matrix, and the forces.
@@ -105,7 +123,8 @@ impl WrittenSystem {
             (Some(time), None) => [time, one],
             (None, _) => [zero; 2],
         };
-        let parameters = instance.parameters(&values);
+        let stage: Vec<_> = self.stage.iter().map(|_| recorder.parameter("stage")).collect();
+        let parameters = self.parameters_at(&values, &stage, time);
         let at_rest = instance.named(|_| [zero; 2]);
         let base =
             Numeric { scales: self.scales, parameters: &parameters, coordinates: &at_rest, time };
@@ -186,6 +205,54 @@ impl WrittenSystem {
 }
 
 impl WrittenSystem {
+    /// Returns the parameters by name, and the angle that turns at a time.
+    pub fn parameters_at<T: Quantity>(
+        &self,
+        values: &[T],
+        stage: &[T],
+        time: T,
+    ) -> Vec<(&str, usize, T)> {
+        let Some((before, terms)) = stage.split_first() else {
+            return self.instance.parameters(values, time);
+        };
+        // The polynomials by Horner's rule: the angle, the speed and the acceleration.
+        let sum = |factor: fn(f64) -> f64, from: usize| {
+            let later = terms.iter().zip([1.0, 2.0, 3.0, 4.0]).skip(from).rev();
+            later.fold(T::constant(0.0), |sum, (term, power)| {
+                sum * time + T::constant(factor(power)) * *term
+            })
+        };
+        let angle = *before + sum(|power| 1.0 / power, 0) * time;
+        let turned = [angle, sum(|_| 1.0, 0), sum(|power| power - 1.0, 1)];
+        self.instance.parameters_and_angle(values, Some(turned))
+    }
+
+    /// Returns the system while its part turns as in a stage: after this angle, with these coefficients of the speed as a
+    /// polynomial of the time since the begin of the stage, rad and s. Units are those of the system.
+    pub fn in_stage(&self, before_rad: f64, terms: &[f64], fastest_rad_s: f64) -> Self {
+        let second = self.scales.unit([0, 0, WHOLE]);
+        let mut unit = 1.0;
+        let scaled = terms.iter().map(|term| {
+            unit *= second;
+            term * unit
+        });
+        let stage: Vec<f64> = std::iter::once(before_rad).chain(scaled).collect();
+        let is_constant = terms.len() == 1;
+        let fastest = fastest_rad_s.abs() * second;
+        let own = self.instance.definition.period.is_none();
+        let period = self.period.map(|period| if own { TAU / fastest } else { period });
+        let rates = [self.rates[0].max(fastest), self.rates[1]];
+        let mut system = WrittenSystem {
+            stage,
+            rates,
+            period: period.filter(|_| is_constant),
+            has_one_solution: false,
+            ..self.clone()
+        };
+        system.has_one_solution = system.always_decides_in_one_way();
+        system
+    }
+
     /// Returns the position that a contact moves.
     pub fn position(&self, contact: usize) -> usize {
         match self.integrals[contact] {
@@ -214,6 +281,7 @@ impl System for WrittenSystem {
     fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
         let mut inputs = self.values.clone();
         inputs.extend(self.period.iter().flat_map(|period| [period / TAU, TAU / period]));
+        inputs.extend(&self.stage);
         if self.instance.definition.uses_accelerations {
             inputs.extend(self.instance.coordinates.iter().map(|_| 0.0));
         }
@@ -229,6 +297,7 @@ impl System for WrittenSystem {
         let numbers = [self.number, self.instance.coordinates.len()].into_iter();
         let counts = self.instance.bodies.counts.iter().map(|(_, count)| *count as usize);
         let units = self.scales.0.map(|exponent| exponent.cast_unsigned() as usize);
+        let form = [self.stage.len(), usize::from(self.period.is_some())];
         let speeds = self.speeds.iter().map(|speed| match speed {
             SpeedOf::Velocity(place) => 3 * place + 1,
             SpeedOf::Same(place) => 3 * place + 2,
@@ -238,7 +307,7 @@ impl System for WrittenSystem {
         Some((
             TypeId::of::<Self>(),
             laws,
-            numbers.chain(counts).chain(units).chain(speeds).collect(),
+            numbers.chain(counts).chain(units).chain(speeds).chain(form).collect(),
         ))
     }
 

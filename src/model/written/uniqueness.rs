@@ -53,9 +53,10 @@ impl WrittenSystem {
         let Some(places) = places else { return Ok(false) };
         let bounded = |value: Interval| Bounded { value, slope: Interval::exact(0.0) };
         let values: Vec<Bounded> = self.values.iter().map(|one| Bounded::constant(*one)).collect();
-        let parameters = instance.parameters(&values);
-        let mut coordinates = instance.named(|number| at(number).map(bounded));
+        let stage: Vec<Bounded> = self.stage.iter().map(|one| Bounded::constant(*one)).collect();
         let (scales, time) = (self.scales, bounded(time));
+        let parameters = self.parameters_at(&values, &stage, time);
+        let mut coordinates = instance.named(|number| at(number).map(bounded));
         let mut numeric =
             Numeric { scales, parameters: &parameters, coordinates: &coordinates, time };
         let constants = |all: &Vec<f64>| all.iter().map(|one| Bounded::constant(*one)).collect();

@@ -49,7 +49,7 @@ pub fn motion(study: &Study, run_id: u64, end_s: f64) -> Option<Motion> {
     let disc = machine.disc_motion();
     let units = case.model.units();
     let rate_rad_s = disc.fastest_rad_s() + units.natural_rad_s;
-    let last_stage_s = machine.last_stage_begins_s();
+    let last_stage_s = case.model.last_stage_begins_s();
     let parts = match 0.0 < last_stage_s && last_stage_s < end_s {
         true => vec![[0.0, last_stage_s], [last_stage_s, end_s]],
         false => vec![[0.0, end_s]],

@@ -34,6 +34,10 @@ pub(in crate::study) struct SystemFile {
     /// Quantities that results show besides the coordinates, by name; `load[block]` for one of each body.
     #[serde(default)]
     pub outputs: IndexMap<String, OutputEntry>,
+    /// The angle of a part that turns, with the parameter that is its speed: `{theta: speed}`.
+    #[serde(default)]
+    #[schemars(extend("maxProperties" = 1))]
+    pub turning: IndexMap<String, String>,
     /// The time after which the equations repeat, if they contain the time `t`.
     pub period: Option<FormulaText>,
 }

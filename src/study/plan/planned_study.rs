@@ -165,8 +165,7 @@ impl Study {
 
     /// Returns whether the runs have stages: the disc changes its speed, or the table is kicked.
     pub fn has_stages(&self) -> bool {
-        let machine = self.base.model.ball_balancer();
-        machine.is_some_and(|machine| machine.speed_profile.is_some() || !machine.kicks.is_empty())
+        self.base.model.has_stages()
     }
 
     /// Returns the settings of the simulation.

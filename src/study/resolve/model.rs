@@ -57,30 +57,47 @@ impl Base {
             general = machine.balls.first().copied().unwrap_or_default();
             own = own_values(&path.key("balls"), given.balls.as_ref())?;
             machine.balls = own.iter().map(|ball| overlay(general, ball)).collect();
-            let stages = stages_of(source, written, machine.speed_rad_s)?;
-            if let Some(parts) = &stages.speed_profile {
-                let is_given = given.numbers.contains_key("speed_rad_s");
-                let path = source.path("model.speed_profile");
-                let speed = (machine.speed_rad_s, is_given);
-                let (profile, last) = resolve_profile(folders, &path, parts, speed)?;
-                machine.speed_profile = Some(profile);
-                machine.speed_rad_s = last;
-            }
+        }
+        let speed = model.speed_parameter();
+        let last_speed = speed.and_then(|speed| speed.numbers(&mut model, None).pop().copied());
+        let stages = stages_of(source, written, last_speed.unwrap_or(1.0))?;
+        if let (Some(parts), Some(speed), Some(last)) = (&stages.speed_profile, speed, last_speed) {
+            let last = (last, given.numbers.contains_key(speed.name));
+            let path = source.path("model.speed_profile");
+            let (profile, last) = resolve_profile(folders, &path, parts, last)?;
+            *model.speed_profile_mut() = Some(profile);
+            speed.numbers(&mut model, None).into_iter().for_each(|speed| *speed = last);
+        }
+        if let Some(machine) = model.ball_balancer_mut() {
             let path = source.path("model.disturbances");
             let kicks = resolve_kicks(&path, stages.disturbances.as_deref().unwrap_or_default())?;
             let random = (1..).zip(&kicks).filter(|(_, (_, is_random))| *is_random);
             random_kicks = random.map(|(number, _)| number).collect();
             machine.kicks = kicks.into_iter().map(|(kick, _)| kick).collect();
-            check_stages(source, machine)?;
         } else {
+            let turns = speed.is_some();
+            let hits = stages.disturbances.is_some() && written.protocol.is_some();
             let foreign = [
                 (path.key("balls"), given.balls.is_some()),
                 (source.path("model.normal_force"), written.normal_force.is_some()),
                 (source.path("model.contact"), written.contact.is_some()),
-                (source.path("model.speed_profile"), written.speed_profile.is_some()),
                 (source.path("model.disturbances"), written.disturbances.is_some()),
+                (source.path("model.protocol"), hits),
+            ];
+            let of_turning = [
+                (source.path("model.speed_profile"), written.speed_profile.is_some()),
                 (source.path("model.protocol"), written.protocol.is_some()),
             ];
+            if let Some((path, _)) = of_turning.into_iter().find(|(_, given)| *given && !turns) {
+                let allowed =
+                    "a model with a part that turns (`turning` in its system file), or no such key";
+                let found = format!("kind: {}", model.kind().name);
+                return Err(path.refuse_key(Fault::new(
+                    "no part of this model turns",
+                    found,
+                    allowed,
+                )));
+            }
             if let Some((path, _)) = foreign.into_iter().find(|(_, given)| *given) {
                 let allowed = "kind: ball_balancer, or no such key";
                 let found = format!("kind: {}", model.kind().name);
@@ -88,6 +105,7 @@ impl Base {
                 return Err(path.refuse_key(fault));
             }
         }
+        check_stages(source, &model)?;
         check_friction(source, &model)?;
         check_contact(source, &model)?;
         let fewest_balls = own.len();
@@ -125,9 +143,7 @@ impl Base {
                 .then(|| friction_to_file(self.model.friction(), kind.sliding_speed)),
             normal_force: machine.map(|machine| machine.normal_force),
             contact: machine.map(|machine| contact_to_file(machine.contact)),
-            speed_profile: machine
-                .and_then(|machine| machine.speed_profile.as_ref())
-                .map(profile_to_file),
+            speed_profile: self.model.speed_profile().map(profile_to_file),
             disturbances: machine
                 .map(|machine| kicks_to_file(&machine.kicks, &self.random_kicks))
                 .filter(|kicks| !kicks.is_empty()),

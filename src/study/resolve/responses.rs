@@ -119,7 +119,7 @@ fn quantity(
             let allowed = "of: residual, or relative: false";
             return refuse(&own.key("relative"), problem, "relative: true".to_owned(), allowed);
         }
-        ("peak", false) if !study.has_stages() => {
+        ("peak", false) if !(study.has_stages() && study.model().kind().offers.vibration) => {
             let problem = "no peak amplitude at constant speed without disturbances";
             let allowed = "of: residual, or a speed_profile or disturbances in the model";
             return refuse(&own.key("of"), problem, "of: peak".to_owned(), allowed);

@@ -1,6 +1,6 @@
 //! Resolution of the speed profile and the disturbances, and the reverse.
 
-use crate::model::{Kick, Machine, Model, ProfilePart, Ramp, RampShape, Simulation, SpeedProfile};
+use crate::model::{Kick, Model, ProfilePart, Ramp, RampShape, Simulation, SpeedProfile};
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::stages_file::{
@@ -174,9 +174,9 @@ pub(in crate::study) fn resolve_kicks(
 }
 
 /// Checks the numbers of the speed profile and of the kicks.
-pub(in crate::study) fn check_stages(source: &Source, machine: &Machine) -> Result<(), StudyError> {
-    let Err(invalid) = machine.validate_stages() else { return Ok(()) };
-    let path = place_of(&invalid.name, source, machine);
+pub(in crate::study) fn check_stages(source: &Source, model: &Model) -> Result<(), StudyError> {
+    let Err(invalid) = model.validate_stages() else { return Ok(()) };
+    let path = place_of(&invalid.name, source, model);
     let problem = format!("no physical meaning: {}", invalid.name);
     Err(path.refuse_value(Fault::new(problem, invalid.found, invalid.allowed)))
 }
@@ -196,13 +196,13 @@ pub(in crate::study) fn check_kicks(
 }
 
 /// Returns the key of a number of the speed profile or of a kick.
-fn place_of<'a>(name: &str, source: &'a Source, machine: &Machine) -> SourcePath<'a> {
+fn place_of<'a>(name: &str, source: &'a Source, model: &Model) -> SourcePath<'a> {
     let number = name.split('_').find_map(|part| part.parse::<usize>().ok()).unwrap_or(1);
     if name.starts_with("kick_") {
         return source.path("model.disturbances").item(number.saturating_sub(1));
     }
     let path = source.path("model.speed_profile");
-    let parts = machine.speed_profile.iter().flat_map(|profile| &profile.parts).enumerate();
+    let parts = model.speed_profile().into_iter().flat_map(|profile| &profile.parts).enumerate();
     let is_ramp = |part: &ProfilePart| matches!(part, ProfilePart::Ramp(_));
     let is_hold = |part: &ProfilePart| matches!(part, ProfilePart::Hold(_));
     let is_meant: fn(&ProfilePart) -> bool = match name {

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::model::{
     Bound, Definition, FaultAt, Formula, FormulaFault, ModelKind, Place, Unit, WHOLE,
-    WrittenCoordinate, WrittenOutput, WrittenParameter, written_kind,
+    WrittenCoordinate, WrittenOutput, WrittenParameter, WrittenTurning, written_kind,
 };
 use crate::study::error::{Fault, StudyError, list_names, shorten};
 use crate::study::file::decode::decode;
@@ -192,6 +192,25 @@ impl<'s> Reader<'s> {
             let formula = self.formula_at(&value, &entry.0.value)?;
             outputs.push(WrittenOutput { name, index, meaning: entry.0.meaning.clone(), formula });
         }
+        let turning = file.turning.iter().next();
+        if let Some((angle, speed)) = turning {
+            let is_speed = |one: &WrittenParameter| {
+                one.name == *speed
+                    && one.most.is_none()
+                    && matches!(one.unit.si.as_str(), "rad/s" | "1/s" | "1")
+            };
+            if file.turning.len() > 1 {
+                let allowed = "one part that turns; other speeds are multiples of its speed";
+                let fault =
+                    Fault::new("several parts that turn", file.turning.len().to_string(), allowed);
+                return Err(self.path(&["turning"]).refuse_value(fault));
+            }
+            if !parameters.iter().any(is_speed) {
+                let allowed = "a parameter that is a speed, such as 3000 rpm";
+                let fault = Fault::new("not a speed of this system", shorten(speed), allowed);
+                return Err(self.path(&["turning", angle]).refuse_value(fault));
+            }
+        }
         let period = file.period.as_ref().map(|text| self.formula(&["period"], text));
         Ok(Definition {
             name: file.system.clone(),
@@ -203,6 +222,10 @@ impl<'s> Reader<'s> {
             force,
             contacts,
             outputs,
+            turning: turning.map(|(angle, speed)| WrittenTurning {
+                angle: angle.clone(),
+                speed: speed.clone(),
+            }),
             period: period.transpose()?,
             uses_time: false,
             uses_accelerations: false,
