@@ -272,6 +272,10 @@ fn orbit(closed: &Closed, end: &Return, period: Period, multipliers: Vec<f64>) -
         let turns = if contact.angular { turned[index] / std::f64::consts::TAU } else { 0.0 };
         turns.round() as i32
     };
+    let is_forced = matches!(section.mark, Mark::Period(_));
+    let rests = section.rests.contains(&true)
+        && (0..section.rests.len())
+            .all(|index| section.rests[index] || is_forced && period.is_idle(index));
     Orbit {
         period: end.time,
         turns: contacts.map(whole).collect(),
@@ -284,7 +288,7 @@ fn orbit(closed: &Closed, end: &Return, period: Period, multipliers: Vec<f64>) -
         stick_fraction: period.stuck.iter().map(|time| time / end.time).collect(),
         amplitude: (period.square_time / end.time).sqrt(),
         peak: period.peak,
-        rests: !section.rests.is_empty() && section.rests.iter().all(|rests| *rests),
+        rests,
         margin: period.margin.is_finite().then_some(period.margin),
         multipliers,
         neutral_directions: section.neutral_directions(view),

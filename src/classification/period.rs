@@ -65,6 +65,12 @@ impl Period {
         period
     }
 
+    /// Returns whether the bodies of a contact stay apart, or touch without sliding although the contact does not stick.
+    pub(super) fn is_idle(&self, contact: usize) -> bool {
+        self.speeds[contact] == [0.0; 2]
+            || self.configurations.iter().all(|phases| phases[contact] == CyclePhase::Apart)
+    }
+
     /// Returns the contacts that have touched.
     pub(super) fn touching(&self, view: &SystemView) -> Vec<TouchingPair> {
         let gaps = view.system().touching().map_or(&[][..], |touching| touching.gaps());

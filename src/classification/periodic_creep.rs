@@ -11,7 +11,6 @@
 use nalgebra::DVector;
 
 use super::closed_orbit::Passed;
-use super::cycle::CyclePhase;
 use super::output_watch::OutputOutcome;
 use super::return_map::ReturnMap;
 
@@ -52,10 +51,9 @@ pub(super) fn creep(map: ReturnMap, passed: &[Passed]) -> Option<Creep> {
     let start = passed.first()?.1;
     let (end, period) = map.follow_closely(start)?;
     let slides = |contact: usize| {
-        let mut phases = period.configurations.iter().map(|phases| phases[contact]);
-        let first = phases.next();
-        matches!(first, Some(CyclePhase::Forward | CyclePhase::Backward))
-            && phases.all(|phase| Some(phase) == first)
+        let [low, high] = period.speeds[contact];
+        let one_way = low > 0.0 || high < 0.0;
+        one_way && period.stuck[contact] == 0.0 && !period.is_idle(contact)
     };
     let contacts = || view.contacts.iter().enumerate();
     let change = |position: usize| end.state[position] - start[position];

@@ -109,7 +109,11 @@ impl Section {
                 let speed = contact.speed.filter(|speed| is_new(&coordinates, *speed));
                 coordinates.extend(speed.map(|place| (place, false)));
             }
-            let counts = !(contact.ignorable || rests[index] && contact.speed.is_some());
+            // Another contact of the same body may hold it there.
+            let held = |(other, place): (usize, &ContactPlace)| {
+                place.position == contact.position && rests[other] && place.speed.is_some()
+            };
+            let counts = !contact.ignorable && !view.contacts.iter().enumerate().any(held);
             if counts && is_new(&coordinates, contact.position) {
                 coordinates.push((contact.position, contact.angular));
             }

@@ -157,8 +157,8 @@ pub enum Field {
         /// The possible values.
         bound: Bound,
     },
-    /// A whole number from 1 of a model that is defined outside this crate, such as a number of bodies. It is the same
-    /// for all runs of a study.
+    /// A whole number of a model that is defined outside this crate, such as a number of bodies, from 1, or from 0 if that is the
+    /// default. It is the same for all runs of a study.
     Count {
         /// The default.
         default: usize,
@@ -289,12 +289,18 @@ impl ParameterDescriptor {
         self.own_key().is_some()
     }
 
-    /// Returns the largest value of a whole number; `None` for other parameters.
-    pub fn largest_count(&self) -> Option<usize> {
+    /// Returns the least and the largest value of a whole number; `None` for other parameters. The least value is 1, or 0 if that
+    /// is the default.
+    pub fn counts(&self) -> Option<[usize; 2]> {
         match self.field {
-            Field::Count { most, .. } => Some(most),
+            Field::Count { default, most } => Some([default.min(1), most]),
             _ => None,
         }
+    }
+
+    /// Returns the largest value of a whole number; `None` for other parameters.
+    pub fn largest_count(&self) -> Option<usize> {
+        self.counts().map(|[_, most]| most)
     }
 
     /// Returns the numbers of a model that the parameter sets: those of all members, such as balls, or of one, counted

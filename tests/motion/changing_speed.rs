@@ -58,7 +58,7 @@ struct Turning<const N: usize> {
 impl<const N: usize> Turning<N> {
     fn at(machine: &Machine, time: f64) -> Self {
         let natural = machine.natural_frequency_rad_s();
-        let segment = machine.speed_segments()[0];
+        let (segment, _) = machine.disc_motion().segments()[0];
         let time_s = time / natural;
         let slope =
             segment.terms[1] + time_s * (2.0 * segment.terms[2] + 3.0 * segment.terms[3] * time_s);
@@ -125,7 +125,7 @@ fn the_motors_work_accounts_for_the_energy_through_a_ramp() {
         let machine = Machine { ring_runout_m, ring_runout_angle_rad: 2.0, ..machine.clone() };
         let machine = with_ramp(&machine, shape, from, to, over_s);
         let (stage, mut motion) = first_stage(&machine, &start, 2.0 * over_s);
-        assert!(stage.is_driven() && stage.ends_s == over_s);
+        assert!(stage.is_driven && stage.ends_s == over_s);
         let end = over_s * machine.natural_frequency_rad_s();
         let at = |time: f64| Turning::<2>::at(&machine, time);
         let energy_at = |time: f64, state: &[f64]| {
@@ -219,7 +219,7 @@ fn a_slow_ramp_follows_the_amplitude_without_balls() {
     let found = recorded(&machine, &start, over_s + 0.1, times);
     assert_eq!(found.samples.len(), 20);
     for sample in &found.samples {
-        let omega = machine.speed_segments()[0].speed_rad_s(sample.time / natural) / natural;
+        let omega = machine.disc_motion().speed_rad_s(sample.time / natural) / natural;
         let square = omega * omega;
         let resistance = (1.0 - square).hypot(2.0 * balancer.damping_ratio * omega);
         let expected = balancer.imbalance * square / resistance;
@@ -278,12 +278,11 @@ fn the_run_up_through_resonance_agrees_with_an_independent_integration() {
     for shape in [RampShape::Linear, RampShape::Smooth] {
         let machine = with_ramp(&without_balls(), shape, -20.0, -250.0, over_s);
         let natural = machine.natural_frequency_rad_s();
-        let segments = machine.speed_segments();
+        let disc = machine.disc_motion();
         let angle = |time: f64| {
             let time_s = time / natural;
-            let segment = segments[usize::from(time_s > over_s)];
+            let (segment, before) = disc.segments()[usize::from(time_s > over_s)];
             let after = time_s - segment.begins_s;
-            let before = if time_s > over_s { segments[0].turned_rad(over_s) } else { 0.0 };
             let [_, b, c, d] = segment.terms;
             let slope = b + after * (2.0 * c + 3.0 * d * after);
             let turned = (before + segment.turned_rad(after)) % TAU;
@@ -319,7 +318,7 @@ fn peak_of_run_up(acceleration: f64) -> [f64; 2] {
     let outcome = simulate(&Case { model: machine.clone().into(), start, simulation });
     let peak = outcome.peak.expect("a peak");
     let unit = machine.imbalance_mass_kg / machine.total_mass_kg() * machine.imbalance_radius_m;
-    let speed = machine.speed_segments()[0].speed_rad_s(peak.time_s) / natural;
+    let speed = machine.disc_motion().speed_rad_s(peak.time_s) / natural;
     [peak.amplitude_m / unit, speed]
 }
 

@@ -129,7 +129,8 @@ impl Definition {
         self.check_sizes()?;
         let (found, all) = {
             let definition: &Definition = self;
-            let instance = Instance::new(definition, |name| definition.default_count(name))?;
+            // A contact of no bodies has formulas, too.
+            let instance = Instance::new(definition, |name| definition.default_count(name).max(1))?;
             check_formulas(&instance)?
         };
         self.uses_time = all.time;

@@ -60,7 +60,7 @@ impl<'d> Instance<'d> {
             names,
             bodies,
         };
-        // A contact with few coordinates chooses first, so that results show many of them.
+        // A contact that slides and has few coordinates chooses first, so that results show many of them.
         let mut candidates = Vec::new();
         for number in 0..instance.contacts.len() {
             let (contact, bodies) = instance.contact(number);
@@ -82,7 +82,8 @@ impl<'d> Instance<'d> {
             });
             candidates.push((number, numbers));
         }
-        candidates.sort_by_key(|(_, numbers)| numbers.len());
+        let slides = |number: usize| instance.contact(number).0.sliding.is_some();
+        candidates.sort_by_key(|(number, numbers)| (!slides(*number), numbers.len()));
         let mut positions = vec![None; candidates.len()];
         for (number, numbers) in candidates {
             let is_new = |one: &&usize| !positions.contains(&Some(**one));

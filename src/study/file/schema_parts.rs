@@ -182,8 +182,8 @@ pub(in crate::study) fn parameters_schema(generator: &mut SchemaGenerator) -> Sc
 /// Returns the schema of a whole number; `None` if no kind of model has this one.
 fn count(name: &str) -> Option<Value> {
     let mut all = model_kinds().iter().flat_map(|kind| kind.parameters);
-    let most = all.find(|own| own.name == name)?.largest_count()?;
-    Some(json!({ "type": "integer", "minimum": 1, "maximum": most }))
+    let [least, most] = all.find(|own| own.name == name)?.counts()?;
+    Some(json!({ "type": "integer", "minimum": least, "maximum": most }))
 }
 
 /// Returns the description of a parameter: its meanings with their defaults, unit and lowest value.

@@ -163,9 +163,9 @@ fn set_count(
     model: &mut Model,
     value: f64,
 ) -> Result<(), StudyError> {
-    let most = count.largest_count().unwrap_or(1);
-    if value.fract() != 0.0 || !(1.0..=most as f64).contains(&value) {
-        let allowed = format!("a whole number from 1 to {most}");
+    let [least, most] = count.counts().unwrap_or([1, 1]);
+    if value.fract() != 0.0 || !(least as f64..=most as f64).contains(&value) {
+        let allowed = format!("a whole number from {least} to {most}");
         let fault = Fault::new("not a possible number", describe_number(value), allowed);
         return Err(path.key(count.name).refuse_value(fault));
     }

@@ -254,10 +254,10 @@ impl<'s> Reader<'s> {
         }
         self.check_ending(&path, name, &unit)?;
         if let Some(most) = entry.most {
-            let is_count = number.fract() == 0.0 && number >= 1.0 && number <= most as f64;
+            let is_count = number.fract() == 0.0 && number >= 0.0 && number <= most as f64;
             if !is_count || most > MOST_BODIES || unit.si != "1" {
                 let allowed =
-                    format!("a whole number from 1 to `most`, which is at most {MOST_BODIES}");
+                    format!("a whole number up to `most`, which is at most {MOST_BODIES}");
                 let found = format!("{} with most: {most}", shorten(text));
                 return Err(fault(Fault::new("not a number of bodies", found, allowed)));
             }

@@ -70,7 +70,7 @@ fn run(machine: &Machine, method: Method, lane: usize) -> Saved {
     let stage = model.stages(&start, 10.0).expect("stages").swap_remove(0);
     let state = model.start_state(&start).expect("a state of the machine");
     let (mut state, _) = stage.entered(None, &state);
-    if stage.is_driven() {
+    if stage.is_driven {
         state[4 + 2 * balls] = 60.0 + 50.0 * value(8, lane);
     }
     let band = if method == Method::Switch { 1e-3 } else { 0.0 };
