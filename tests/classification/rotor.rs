@@ -8,8 +8,8 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use stickslip::classification::{Evidence, Outcome, simulate};
-use stickslip::model::OutputValue;
+use stickslip::classification::{Evidence, Label, Outcome, simulate};
+use stickslip::model::{Case, Machine, OutputValue, Start};
 use stickslip::study::Study;
 
 use crate::support::angular_distance;
@@ -96,7 +96,10 @@ fn balls_of_a_rotor_end_as_an_independent_program_says() {
                 at_rest += 1;
             }
             Err(_) => {
-                assert_eq!(found.evidence, Evidence::EndTime, "{id}: {found:?}");
+                assert!(
+                    !matches!(found.label(), Label::Equilibrium | Label::Failed),
+                    "{id}: {found:?}"
+                );
                 for (coordinate, column) in [(0, "X"), (1, "Y")] {
                     let end = found.outputs[coordinate].value(OutputValue::End);
                     let error = end.expect("it has ended") - number(column);
@@ -106,4 +109,89 @@ fn balls_of_a_rotor_end_as_an_independent_program_says() {
         }
     }
     assert_eq!(at_rest, 6);
+}
+
+/// Returns the cases of a study.
+fn cases(text: String) -> Vec<Case> {
+    let study =
+        Study::parse(Path::new("rotor.yaml"), text).unwrap_or_else(|error| panic!("{error}"));
+    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("a case")).collect()
+}
+
+const SIMULATION: &str =
+    "simulation: {method: event, tolerance: {relative: 1.0e-10, absolute: 1.0e-12}";
+
+/// A rotor without gravity, on supports that are equally stiff in all directions and at equal distances from the race, is a planar
+/// balancer: the balls rest at the same angles from the same times on, also after a run-up.
+#[test]
+fn a_rotor_runs_up_as_a_planar_balancer() {
+    const PROFILE: &str = "  speed_profile: [{ramp: {from_rad_s: 150, to_rad_s: 250, over_s: 0.5}}, {hold_s: 0.2}, \
+                           {smooth_ramp: {to_rad_s: 216.3772, over_s: 0.3}}, {hold_s: 6}]\n";
+    let machine = Machine { speed_rad_s: 216.3772, ..Machine::default() };
+    let (length, natural) = (machine.ring_radius_m, machine.natural_frequency_rad_s());
+    let rotor_mass = machine.table_mass_kg + machine.imbalance_mass_kg;
+    let ball = machine.balls[0];
+    for (profile, start_speed) in [(PROFILE, 150.0), ("", machine.speed_rad_s)] {
+        let planar = cases(format!(
+            "schema: 1\nname: planar\nseed: 3\nmodel:\n  kind: ball_balancer\n  parameters: {{balls: 2, speed_rad_s: {}}}\n\
+             {profile}initial_conditions: {{design: {{monte_carlo: {{samples: 24}}}}}}\n{SIMULATION}}}\n",
+            machine.speed_rad_s,
+        ));
+        let mut rests = 0;
+        for case in &planar {
+            let planar = simulate(case);
+            let Start(values) = &case.start;
+            let [x, y, beta_1, beta_2, x_dot, y_dot, beta_dot_1, beta_dot_2] = values[..] else {
+                panic!("two balls: {values:?}")
+            };
+            // The start state in the turning frame, with the unit of length and 1/ω_n.
+            let turning = start_speed / natural;
+            let start = [
+                ("shaft_x_m", length * x),
+                ("shaft_y_m", length * y),
+                ("shaft_x_rate_m_s", length * natural * (x_dot - turning * y)),
+                ("shaft_y_rate_m_s", length * natural * (y_dot + turning * x)),
+                ("ball_angle_1_rad", beta_1),
+                ("ball_angle_2_rad", beta_2),
+                ("ball_angle_rate_1_rad_s", natural * beta_dot_1),
+                ("ball_angle_rate_2_rad_s", natural * beta_dot_2),
+            ];
+            let range =
+                |(name, value): (&str, f64)| format!("    {name}: [{value:?}, {value:?}]\n");
+            let rotor = cases(format!(
+                "schema: 1\nname: rotor\nseed: 1\nmodel:\n  kind: rotor_balancer\n  parameters: {{speed_rad_s: {}, \
+                 rotor_mass_kg: {rotor_mass}, eccentricity_m: {}, couple_imbalance: 0, z_1_m: 0.1, z_2_m: -0.1, z_race_m: 0, \
+                 stiffness_x_n_m: {k}, stiffness_y_n_m: {k}, damping_x_n_s_m: {c}, damping_y_n_s_m: {c}, race_radius_m: {length}, ball_mass_kg: {}, \
+                 ball_diameter_m: {}, friction_coefficient: {}, ball_drag_1_s: 0, gravity_m_s2: 0}}\n{profile}\
+                 initial_conditions:\n  design: {{monte_carlo: {{samples: 1}}}}\n  box:\n{}{SIMULATION}, end_time_s: 16.5}}\n",
+                machine.speed_rad_s,
+                machine.imbalance_mass_kg * machine.imbalance_radius_m / rotor_mass,
+                ball.mass_kg,
+                ball.diameter_m,
+                ball.friction_coefficient,
+                start.map(range).concat(),
+                k = 0.5 * machine.stiffness_n_m,
+                c = 0.5 * machine.damping_n_s_m,
+            ).replace(", end_time_s: 16.5", if profile.is_empty() { ", end_time_s: 16.5" } else { "" }));
+            let rotor = simulate(&rotor[0]);
+            if planar.label() != Label::Equilibrium {
+                continue;
+            }
+            rests += 1;
+            assert_eq!(rotor.evidence, Evidence::PeriodicRest, "{planar:?} {rotor:?}");
+            let positions = [&planar, &rotor].map(|one| one.position.clone().expect("at rest"));
+            for (one, other) in positions[0].iter().zip(&positions[1]) {
+                assert!(angular_distance(*one, *other) < 1e-7, "{positions:?}");
+            }
+            let [one, other] = [&planar, &rotor].map(|one| one.rest_since_s.expect("at rest"));
+            assert!((one - other).abs() < 1e-7, "{one} {other}");
+            assert_eq!(planar.stages.len(), rotor.stages.len());
+            for (one, other) in planar.stages.iter().zip(&rotor.stages) {
+                for (one, other) in one.position.iter().zip(&other.position) {
+                    assert!(angular_distance(*one, *other) < 1e-6, "{planar:?} {rotor:?}");
+                }
+            }
+        }
+        assert!(rests >= 4, "{rests} at rest");
+    }
 }
