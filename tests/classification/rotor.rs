@@ -126,7 +126,7 @@ const SIMULATION: &str =
 #[test]
 fn a_rotor_runs_up_as_a_planar_balancer() {
     const PROFILE: &str = "  speed_profile: [{ramp: {from_rad_s: 150, to_rad_s: 250, over_s: 0.5}}, {hold_s: 0.2}, \
-                           {smooth_ramp: {to_rad_s: 216.3772, over_s: 0.3}}, {hold_s: 6}]\n";
+                           {smooth_ramp: {to_rad_s: 216.3772, over_s: 0.3}}, {hold_s: 10}]\n";
     let machine = Machine { speed_rad_s: 216.3772, ..Machine::default() };
     let (length, natural) = (machine.ring_radius_m, machine.natural_frequency_rad_s());
     let rotor_mass = machine.table_mass_kg + machine.imbalance_mass_kg;
