@@ -27,8 +27,8 @@ pub(super) fn system_text(study: &Study) -> String {
     for (name, output) in entries(&source["outputs"]) {
         rows.push([format!("output {name}"), in_words(output)]);
     }
-    if let Some(period) = source.get("period") {
-        rows.push(["period".to_owned(), in_words(period)]);
+    for key in ["turning", "period"] {
+        rows.extend(source.get(key).map(|value| [key.to_owned(), in_words(value)]));
     }
     rows.push(["rest".to_owned(), rest_in_words(study.model())]);
     let rows: Vec<Vec<String>> =

@@ -86,7 +86,7 @@ impl Model {
     }
 
     /// Returns how the speed of the disc, or of the part that turns, changes.
-    pub(crate) fn speed_profile_mut(&mut self) -> &mut Option<SpeedProfile> {
+    pub fn speed_profile_mut(&mut self) -> &mut Option<SpeedProfile> {
         match self {
             Model::BallBalancer(machine) => &mut machine.speed_profile,
             Model::Own(own) => &mut own.speed_profile,
@@ -94,7 +94,7 @@ impl Model {
     }
 
     /// Returns the parameter that is the last speed of a profile; `None` for a model without a part that turns.
-    pub(crate) fn speed_parameter(&self) -> Option<&'static ParameterDescriptor> {
+    pub fn speed_parameter(&self) -> Option<&'static ParameterDescriptor> {
         match self {
             Model::BallBalancer(_) => {
                 self.kind().parameters.iter().find(|one| one.name == "speed_rad_s")

@@ -207,11 +207,12 @@ impl OwnModel {
 
     /// Checks the values of the speed profile.
     pub(super) fn validate_stages(&self) -> Result<(), InvalidParameter> {
-        match (&self.speed_profile, self.own.speed_place()) {
-            (Some(profile), Some(place)) => {
-                profile.validate((self.kind.parameters[place].name, self.values[place]))
-            }
-            _ => Ok(()),
+        let Some(place) = self.own.speed_place() else { return Ok(()) };
+        let last @ (name, speed_rad_s) = (self.kind.parameters[place].name, self.values[place]);
+        match &self.speed_profile {
+            Some(profile) => profile.validate(last),
+            None if speed_rad_s == 0.0 => Err(invalid(name, "0", "a speed that is not zero")),
+            None => Ok(()),
         }
     }
 

@@ -35,11 +35,11 @@ fn outcome(row: &HashMap<&str, &str>) -> Outcome {
         ("damping_x_n_s_m", 0.5 * number("cx11")),
         ("damping_y_n_s_m", 0.5 * number("cy11")),
         ("eccentricity_m", length("eps_x", "eps_y")),
-        ("eccentricity_direction", angle("eps_x", "eps_y")),
-        ("couple_imbalance", length("chi_x", "chi_y")),
-        ("couple_direction", angle("chi_x", "chi_y")),
+        ("eccentricity_direction_rad", angle("eps_x", "eps_y")),
+        ("couple_imbalance_rad", length("chi_x", "chi_y")),
+        ("couple_direction_rad", angle("chi_x", "chi_y")),
         ("runout_m", length("ex", "ey")),
-        ("runout_direction", angle("ex", "ey")),
+        ("runout_direction_rad", angle("ex", "ey")),
         ("friction_coefficient", number("mu")),
         ("ball_drag_1_s", number("cb")),
         ("gravity_m_s2", -number("gy")),
@@ -160,7 +160,7 @@ fn a_rotor_runs_up_as_a_planar_balancer() {
                 |(name, value): (&str, f64)| format!("    {name}: [{value:?}, {value:?}]\n");
             let rotor = cases(format!(
                 "schema: 1\nname: rotor\nseed: 1\nmodel:\n  kind: rotor_balancer\n  parameters: {{speed_rad_s: {}, \
-                 rotor_mass_kg: {rotor_mass}, eccentricity_m: {}, couple_imbalance: 0, z_1_m: 0.1, z_2_m: -0.1, z_race_m: 0, \
+                 rotor_mass_kg: {rotor_mass}, eccentricity_m: {}, couple_imbalance_rad: 0, z_1_m: 0.1, z_2_m: -0.1, z_race_m: 0, \
                  stiffness_x_n_m: {k}, stiffness_y_n_m: {k}, damping_x_n_s_m: {c}, damping_y_n_s_m: {c}, race_radius_m: {length}, ball_mass_kg: {}, \
                  ball_diameter_m: {}, friction_coefficient: {}, ball_drag_1_s: 0, gravity_m_s2: 0}}\n{profile}\
                  initial_conditions:\n  design: {{monte_carlo: {{samples: 1}}}}\n  box:\n{}{SIMULATION}, end_time_s: 16.5}}\n",

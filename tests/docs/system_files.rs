@@ -11,6 +11,7 @@ fn systems_on_the_page_are_shipped() {
         include_str!("../../studies/systems/belt_oscillator.yaml"),
         include_str!("../../studies/systems/woodpecker.yaml"),
         include_str!("../../studies/systems/block_chain.yaml"),
+        include_str!("../../studies/systems/unbalanced_shaft.yaml"),
         include_str!("../../studies/belt-oscillator.yaml"),
     ];
     let excerpt = "parameters: {m: 1 kg";
@@ -31,5 +32,5 @@ fn systems_on_the_page_are_shipped() {
         assert!(shipped.iter().any(|file| file.contains(text)), "not shipped:\n{text}");
         blocks += 1;
     }
-    assert_eq!(blocks, 6);
+    assert_eq!(blocks, 7);
 }

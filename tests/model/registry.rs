@@ -16,7 +16,10 @@ use stickslip::study::{Registry, model_kinds};
 fn with_all_parts(mut model: Model) -> Model {
     if let Some(machine) = model.ball_balancer_mut() {
         machine.contact = Some(BallContact::default());
-        let last = machine.speed_rad_s;
+        machine.kicks = vec![Kick { at_s: 1.0, speed_m_s: 0.01, direction_rad: 0.0 }];
+    }
+    if let Some(speed) = model.speed_parameter() {
+        let last = *speed.numbers(&mut model, None)[0];
         let (start_speed_rad_s, middle) = (0.1 * last, 0.5 * last);
         let ramp = Ramp { shape: RampShape::Linear, to_rad_s: Some(middle), over_s: 1.0 };
         let parts = vec![
@@ -24,8 +27,7 @@ fn with_all_parts(mut model: Model) -> Model {
             ProfilePart::Hold(Some(1.0)),
             ProfilePart::Table(vec![[0.0, middle], [1.0, last]]),
         ];
-        machine.speed_profile = Some(SpeedProfile { start_speed_rad_s, parts });
-        machine.kicks = vec![Kick { at_s: 1.0, speed_m_s: 0.01, direction_rad: 0.0 }];
+        *model.speed_profile_mut() = Some(SpeedProfile { start_speed_rad_s, parts });
     }
     model
 }

@@ -145,6 +145,10 @@ period: 2 * pi / omega ¦ period: 2 * pi / omega\n    outputs: {x_rate: f} ¦ 30
 x[cart]: {'x[cart]': m} ¦ {} ¦ 21 ¦ a coordinate without a mass ¦ x[cart] ¦ x[cart]: {x[cart]: ...}
 period: 2 * pi / omega ¦ period: omega ¦ 29 ¦ another quantity ¦ 1/s ¦ s
 + f * cos(omega * t) ¦  ¦ 29 ¦ a period without the time ¦ 2 * pi ¦ no period
+period: 2 * pi / omega ¦ turning: {q: omega, p: omega} ¦ 29 ¦ several parts that turn ¦ 2 ¦ one part
+period: 2 * pi / omega ¦ turning: {q: m} ¦ 29 ¦ not a speed ¦ m ¦ 3000 rpm
+period: 2 * pi / omega ¦ turning: {x: omega} ¦ 29 ¦ given twice ¦ x ¦ one name
+period: 2 * pi / omega ¦ turning: {q: omega} ¦ 23 ¦ the last speed ¦ omega ¦ q'
   system:\n ¦   kind: ball_balancer\n  system:\n ¦ 5 ¦ not beside `system` ¦ kind ¦ `system`"#;
 
 #[test]
@@ -217,6 +221,35 @@ fn a_resolved_study_contains_its_system() {
     assert_eq!(study.resolved_yaml(), again.resolved_yaml());
     let other = parse(&GOOD.replace("-k * x[cart] +", "-2 * k * x[cart] +"));
     assert_ne!(study.hash(), other.unwrap_or_else(|error| panic!("{error}")).hash());
+}
+
+/// A study gives the part that turns a speed profile, whose values are parameters. The resolved study contains the profile.
+#[test]
+fn a_part_that_turns_follows_a_profile() {
+    let profile =
+        "  speed_profile: [{ramp: {from_rad_s: 1, over_s: 2}}, {hold_s: 3}]\ninitial_conditions";
+    let turning = GOOD
+        .replace("cos(omega * t)", "cos(q)")
+        .replace("period: 2 * pi / omega", "turning: {q: omega}");
+    let study = parse(&turning.replace("initial_conditions", profile));
+    let study = study.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(study.model().stage_begins_s(5.0), [0.0, 2.0]);
+    let again = parse(&study.resolved_yaml()).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(study.hash(), again.hash());
+    let swept = format!(
+        "{profile}:\n  design: {{monte_carlo: {{samples: 3}}}}\nsweep: [{{grid: {{ramp_over_1_s: [1, 4]}}}}]\n"
+    );
+    let (head, _) = turning.split_once("initial_conditions").expect("it has some");
+    let study = parse(&format!("{head}{swept}")).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(study.point(1).model().stage_begins_s(9.0), [0.0, 4.0]);
+    for (text, problem) in [
+        (GOOD.replace("initial_conditions", profile), "no part of this model turns"),
+        (turning.replace("cos(q)", "cos(1)"), "an angle without effect"),
+        (turning.replace("omega: 5 rad/s", "omega: 0 rad/s"), "no physical meaning"),
+    ] {
+        let error = parse(&text).expect_err("a wrong study").to_string();
+        assert!(error.contains(problem), "{error}");
+    }
 }
 
 /// Texts that try to exhaust time or memory end with a message.

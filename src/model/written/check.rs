@@ -135,6 +135,11 @@ impl Definition {
         };
         self.uses_time = all.time;
         self.uses_accelerations = all.accelerations > 0;
+        if let Some(turning) = self.turning.as_ref().filter(|_| !all.time) {
+            let allowed = "an angle that a formula contains";
+            let fault = FormulaFault::new(0, "an angle without effect", &turning.angle, allowed);
+            return Err((vec!["turning".to_owned(), turning.angle.clone()], fault));
+        }
         if let Some(period) = self.period.as_ref().filter(|_| !all.time) {
             let allowed = "no period: no formula contains the time t";
             let fault = FormulaFault::new(0, "a period without the time", &period.text, allowed);

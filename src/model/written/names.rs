@@ -66,21 +66,22 @@ impl Names {
                 Err(FormulaFault::new(at, "only one body", &shown, allowed))
             }
         };
-        if let Some((_, count, dimension)) = self.coordinates.iter().find(|one| one.0 == text) {
-            of_one(body, *count)?;
-            let [mass, length, time] = *dimension;
+        let turns = self.turning.as_deref() == Some(text);
+        let angle = turns.then_some((None, NONE));
+        let coordinate = self.coordinates.iter().find(|one| one.0 == text);
+        if let Some((count, dimension)) = coordinate.map(|one| (one.1, one.2)).or(angle) {
+            of_one(body, count)?;
+            let [mass, length, time] = dimension;
+            let meaning = |of_coordinate| if turns { Meaning::Time } else { of_coordinate };
             return match name.primes {
-                0 => Ok((Meaning::Position, *dimension)),
-                1 => Ok((Meaning::Rate, [mass, length, time - WHOLE])),
-                2 => Ok((Meaning::Acceleration, [mass, length, time - 2 * WHOLE])),
+                0 => Ok((meaning(Meaning::Position), dimension)),
+                1 => Ok((meaning(Meaning::Rate), [mass, length, time - WHOLE])),
+                2 => Ok((meaning(Meaning::Acceleration), [mass, length, time - 2 * WHOLE])),
                 _ => {
                     let allowed = "at most two primes: x'' is an acceleration";
                     Err(FormulaFault::new(at, "a third derivative", shown, allowed))
                 }
             };
-        }
-        if self.turning.as_deref() == Some(text) && body.is_none() && name.primes <= 2 {
-            return Ok((Meaning::Time, [0, 0, -WHOLE * name.primes as i32]));
         }
         let constant = match text {
             "t" => Some((Meaning::Time, [0, 0, WHOLE])),

@@ -292,9 +292,10 @@ fn models_of(kind: &'static ModelKind) -> Vec<Model> {
         if let Some(machine) = model.ball_balancer_mut() {
             machine.balls = vec![Ball::default(); MAX_BALLS];
             machine.contact = Some(BallContact::default());
-            machine.speed_profile = Some(longest_profile(machine.speed_rad_s));
             machine.kicks = vec![KICK; MOST_MEMBERS];
         }
+        let last = model.disc_motion().map(|motion| motion.fastest_rad_s());
+        *model.speed_profile_mut() = last.map(longest_profile);
         for count in kind.parameters {
             if let Some(most) = count.largest_count() {
                 count.numbers(&mut model, None).into_iter().for_each(|one| *one = most as f64);

@@ -94,11 +94,12 @@ fn range_or_choices() -> Value {
     ] })
 }
 
-/// Returns the rules of a model without balls: it has none of their keys.
-fn without_balls() -> Value {
-    let foreign = ["normal_force", "contact", "speed_profile", "disturbances", "protocol"];
-    foreign
+/// Returns the rules of a model without balls, which has none of their keys; a part of it may turn.
+fn without_balls(turns: bool) -> Value {
+    let of_disc: &[&str] = if turns { &[] } else { &["speed_profile", "protocol"] };
+    ["normal_force", "contact", "disturbances"]
         .iter()
+        .chain(of_disc)
         .map(|key| ((*key).to_owned(), json!(false)))
         .collect::<Map<String, Value>>()
         .into()
@@ -138,7 +139,8 @@ fn of_kind(kind: &'static ModelKind, parameters: &Map<String, Value>) -> Value {
         let balls = json!({ "properties": { "from": number, "to": number } });
         variables.insert(BALLS.to_owned(), balls);
     } else {
-        merge(Some(&mut model), without_balls());
+        let turns = kind.parameters.iter().any(|one| one.own_key() == Some("speed_profile"));
+        merge(Some(&mut model), without_balls(turns));
     }
     json!({
         "model": { "properties": model },

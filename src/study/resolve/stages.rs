@@ -201,6 +201,9 @@ fn place_of<'a>(name: &str, source: &'a Source, model: &Model) -> SourcePath<'a>
     if name.starts_with("kick_") {
         return source.path("model.disturbances").item(number.saturating_sub(1));
     }
+    if model.speed_profile().is_none() {
+        return source.path("model");
+    }
     let path = source.path("model.speed_profile");
     let parts = model.speed_profile().into_iter().flat_map(|profile| &profile.parts).enumerate();
     let is_ramp = |part: &ProfilePart| matches!(part, ProfilePart::Ramp(_));
