@@ -109,18 +109,6 @@ impl Table {
         self.columns.iter().find(|(name, _)| name == column)?.1
     }
 
-    /// Reads all columns from the first row on.
-    ///
-    /// # Errors
-    /// Returns an error if a column has a type that tables of results do not have.
-    pub fn read_all(&self) -> Result<Batches<'_>, TableError> {
-        // An unsupported column has no kind; `Number` makes `read` return its error.
-        let kind = |kind: &Option<Kind>| kind.unwrap_or(Kind::Number);
-        let all: Vec<(&str, Kind)> =
-            self.columns.iter().map(|(name, found)| (name.as_str(), kind(found))).collect();
-        self.read(&all)
-    }
-
     /// Reads some columns from the first row on.
     ///
     /// # Errors
@@ -246,7 +234,7 @@ impl Batches<'_> {
                         Ok((name.clone(), values.ok_or_else(damaged)?))
                     });
                     let columns = columns.collect::<Result<_, TableError>>()?;
-                    return Ok(Some(Batch { file: path.to_path_buf(), first_row, rows, columns }));
+                    return Ok(Some(Batch { first_row, rows, columns }));
                 }
                 self.part = None;
             }
