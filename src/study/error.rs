@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 pub(crate) use crate::sanitize::shorten;
 use crate::sanitize::shown_path;
+use crate::study::file::source_path::SourcePath;
 use crate::study::file::unit_keys::split_unit;
 pub(crate) use crate::tabular::Fault;
 
@@ -114,6 +115,28 @@ impl StudyError {
     /// Returns what is allowed, or what to do.
     pub fn allowed(&self) -> Option<&str> {
         self.0.fault.allowed.as_deref()
+    }
+}
+
+impl SourcePath<'_> {
+    /// Creates the message for a value: the problem, what was found, and what is allowed.
+    pub(crate) fn wrong_value(
+        &self,
+        problem: impl Into<String>,
+        found: impl Into<String>,
+        allowed: impl Into<String>,
+    ) -> StudyError {
+        self.refuse_value(Fault::new(problem, found, allowed))
+    }
+
+    /// Creates the message for a key: the problem, what was found, and what is allowed.
+    pub(crate) fn wrong_key(
+        &self,
+        problem: impl Into<String>,
+        found: impl Into<String>,
+        allowed: impl Into<String>,
+    ) -> StudyError {
+        self.refuse_key(Fault::new(problem, found, allowed))
     }
 }
 

@@ -57,7 +57,7 @@ impl Precision {
         if half_widths.is_empty() {
             let allowed = "at least one half width, such as equilibrium_fraction: 0.02 or \
                            amplitude_p95_m: 1.0e-6";
-            return Err(path.refuse_value(Fault::new("no interval", "only max_runs", allowed)));
+            return Err(path.wrong_value("no interval", "only max_runs", allowed));
         }
         for (name, half_width, unit) in half_widths {
             let (most, range) = match unit {

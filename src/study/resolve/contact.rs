@@ -14,12 +14,11 @@ pub(in crate::study) fn resolve_contact(
     let path = source.path("model.contact");
     let default = BallContact::default();
     if law.restitution.is_some() && law.material_restitution.is_some() {
-        let fault = Fault::new(
+        return Err(path.key("material_restitution").wrong_key(
             "the restitution is given twice",
             "material_restitution beside restitution",
             "one of both",
-        );
-        return Err(path.key("material_restitution").refuse_key(fault));
+        ));
     }
     for (key, value) in
         [("restitution", law.restitution), ("material_restitution", law.material_restitution)]

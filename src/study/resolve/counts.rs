@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use crate::study::error::{Fault, StudyError};
+use crate::study::error::StudyError;
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::values::Count;
 
@@ -18,6 +18,5 @@ pub(crate) fn count_within(
         return Ok(Some(number));
     }
     let allowed = format!("a whole number from {} to {}", range.start(), range.end());
-    let fault = Fault::new("out of range", number.to_string(), allowed);
-    Err(path.key(key).refuse_value(fault))
+    Err(path.key(key).wrong_value("out of range", number.to_string(), allowed))
 }

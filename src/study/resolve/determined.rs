@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use crate::model::{ModelKind, ParameterDescriptor};
-use crate::study::error::{Fault, StudyError};
+use crate::study::error::StudyError;
 use crate::study::file::balls::Balls;
 use crate::study::file::key_path::KeyPath;
 use crate::study::file::study_file::StudyFile;
@@ -36,12 +36,11 @@ pub(crate) fn determined(
             };
             let [one, two] = [(own_section, written), (section, given)]
                 .map(|(section, name)| as_written(section, name));
-            let fault = Fault::new(
+            return Err(source.path(section).key(given).wrong_key(
                 format!("`{one}` determines `{two}`"),
                 format!("both `{one}` and `{two}`"),
                 "one of the two",
-            );
-            return Err(source.path(section).key(given).refuse_key(fault));
+            ));
         }
         all.push(name);
     }

@@ -1,7 +1,7 @@
 //! The expectations of a study, validated.
 
 use crate::model::Endings;
-use crate::study::error::{Fault, StudyError, list_names, shorten};
+use crate::study::error::{StudyError, list_names, shorten};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::ExpectationFile;
 use crate::study::file::values::Range;
@@ -33,12 +33,11 @@ pub(crate) fn resolve_expectations(
         if !study.has_point(&expectation) {
             let found: Vec<String> =
                 expectation.point.iter().map(|(name, value)| format!("{name} {value}")).collect();
-            let fault = Fault::new(
+            return Err(path.key("point").wrong_value(
                 "no point of the sweep has these values",
                 found.join(", "),
                 "values of one point of the sweep",
-            );
-            return Err(path.key("point").refuse_value(fault));
+            ));
         }
         Ok(expectation)
     };
@@ -60,8 +59,7 @@ fn resolve_selector(
                 list if list.is_empty() => "no `point`: this study sweeps no parameter".to_owned(),
                 list => list,
             };
-            let fault = Fault::new("not a swept parameter", shorten(name), allowed);
-            return Err(path.refuse_key(fault));
+            return Err(path.wrong_key("not a swept parameter", shorten(name), allowed));
         };
         let value = resolve_value(*parameter, entry, study.model())
             .map_err(|fault| path.refuse_value(fault))?;
@@ -91,16 +89,14 @@ fn fractions(
         if only_rest && ["limit_cycle", "creep", "quasi_periodic", "irregular"].contains(&label) {
             let allowed = "simulation: {endings: all}, or no expectation of this label";
             let found = "a study with `endings: rest`";
-            let fault = Fault::new("the study does not detect this label", found, allowed);
-            return Err(path.refuse_key(fault));
+            return Err(path.wrong_key("the study does not detect this label", found, allowed));
         }
         fractions.push((label, range_of_fractions(&path, range)?));
     }
     if fractions.is_empty() && file.audit_flip_rate.is_none() {
         let allowed = "at least one of equilibrium_fraction, limit_cycle_fraction, creep_fraction, \
                        quasi_periodic_fraction, irregular_fraction, undecided_fraction, failed_fraction, audit_flip_rate";
-        let fault = Fault::new("nothing is expected", "no range", allowed);
-        return Err(path.refuse_value(fault));
+        return Err(path.wrong_value("nothing is expected", "no range", allowed));
     }
     Ok(fractions)
 }
@@ -115,8 +111,7 @@ fn audit_flip_rate(
     if study.audit().is_none() {
         let allowed =
             "an audit in the study, such as audit: {fraction: 0.05}, or no `audit_flip_rate`";
-        let fault = Fault::new("the study has no audit", "a study without `audit`", allowed);
-        return Err(path.refuse_key(fault));
+        return Err(path.wrong_key("the study has no audit", "a study without `audit`", allowed));
     }
     range_of_fractions(&path, range).map(Some)
 }
@@ -127,6 +122,5 @@ fn range_of_fractions(path: &SourcePath<'_>, range: Range) -> Result<[f64; 2], S
         return Ok(range.0);
     }
     let found = format!("[{}, {}]", describe_number(low), describe_number(high));
-    let fault = Fault::new("not a range of fractions", found, "0 <= low <= high <= 1");
-    Err(path.refuse_value(fault))
+    Err(path.wrong_value("not a range of fractions", found, "0 <= low <= high <= 1"))
 }

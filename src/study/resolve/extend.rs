@@ -36,7 +36,7 @@ pub(crate) fn resolve_extend(
     if names.is_empty() {
         let allowed =
             format!("one of {} at least, or no `labels` for both", EXTENDED_LABELS.join(", "));
-        return Err(path.refuse_value(Fault::new("no labels", "an empty list", allowed)));
+        return Err(path.wrong_value("no labels", "an empty list", allowed));
     }
     for (index, name) in names.iter().enumerate() {
         let problem = match *name {

@@ -40,11 +40,10 @@ pub(in crate::study) fn check_friction(source: &Source, model: &Model) -> Result
         let mut of_law = model.friction().law().parameters().iter();
         if !of_law.any(|parameter| parameter.name(unit) == invalid.name) {
             let found = format!("{} is {}", invalid.name, invalid.found);
-            let fault = Fault::new(problem, found, invalid.allowed);
-            return source.path("model.parameters").refuse_value(fault);
+            return source.path("model.parameters").wrong_value(problem, found, invalid.allowed);
         }
         let path = source.path("model.friction").key(model.friction().name()).key(&invalid.name);
-        path.refuse_value(Fault::new(problem, invalid.found, invalid.allowed))
+        path.wrong_value(problem, invalid.found, invalid.allowed)
     })
 }
 

@@ -40,11 +40,7 @@ pub(crate) fn resolve_identification(
     if file.parameters.is_empty() || file.parameters.len() > MOST_PARAMETERS {
         let found = format!("{} parameters", file.parameters.len());
         let allowed = format!("1 to {MOST_PARAMETERS} parameters, each with `from` and `to`");
-        return Err(own.refuse_value(Fault::new(
-            "nothing to identify, or too much",
-            found,
-            allowed,
-        )));
+        return Err(own.wrong_value("nothing to identify, or too much", found, allowed));
     }
     let mut ranges: IndexMap<String, VariableFile> = IndexMap::new();
     let mut spacings = Vec::new();
@@ -53,19 +49,11 @@ pub(crate) fn resolve_identification(
         if name == "balls" {
             let allowed =
                 "a numeric parameter; compare the fit of two studies for numbers of balls";
-            return Err(path.refuse_key(Fault::new(
-                "not a number to infer",
-                name.as_str(),
-                allowed,
-            )));
+            return Err(path.wrong_key("not a number to infer", name.as_str(), allowed));
         }
         if from.total_cmp(to).is_ge() {
             let found = format!("from {} to {}", describe_number(*from), describe_number(*to));
-            return Err(path.refuse_value(Fault::new(
-                "an empty range",
-                found,
-                "`from` below `to`",
-            )));
+            return Err(path.wrong_value("an empty range", found, "`from` below `to`"));
         }
         let spacing = spacing.unwrap_or_default();
         if spacing == SpacingFile::Logarithmic && *from <= 0.0 {
@@ -88,8 +76,7 @@ pub(crate) fn resolve_identification(
     if start > designs {
         let found = format!("{start} of {designs} parameter sets");
         let problem = "more parameter sets at the start than in all";
-        let fault = Fault::new(problem, found, "at most `designs`");
-        return Err(path.key("start_designs").refuse_value(fault));
+        return Err(path.key("start_designs").wrong_value(problem, found, "at most `designs`"));
     }
     let samples =
         count_within(&path, "posterior_samples", file.posterior_samples, POSTERIOR_SAMPLES)?;

@@ -101,8 +101,7 @@ impl Base {
             if let Some((path, _)) = foreign.into_iter().find(|(_, given)| *given) {
                 let allowed = "kind: ball_balancer, or no such key";
                 let found = format!("kind: {}", model.kind().name);
-                let fault = Fault::new("only for a ball balancer", found, allowed);
-                return Err(path.refuse_key(fault));
+                return Err(path.wrong_key("only for a ball balancer", found, allowed));
             }
         }
         check_stages(source, &model)?;
@@ -200,11 +199,7 @@ pub(in crate::study) fn check_parameters(source: &Source, names: &Names) -> Resu
             let allowed = format!(
                 "the key `model.{own}`; only a sweep, a distribution or a design has `{name}`"
             );
-            return Err(path.key(name).refuse_key(Fault::new(
-                "not a key of `parameters`",
-                name,
-                allowed,
-            )));
+            return Err(path.key(name).wrong_key("not a key of `parameters`", name, allowed));
         }
         let is_known = match kind.source() {
             Some(_) => kind.parameters.iter().any(|one| one.name == name),
@@ -212,11 +207,7 @@ pub(in crate::study) fn check_parameters(source: &Source, names: &Names) -> Resu
         };
         if !is_known {
             let allowed = list_keys(name, &parameter_names(kind));
-            return Err(path.key(name).refuse_key(Fault::new(
-                "unknown key",
-                shorten(name),
-                allowed,
-            )));
+            return Err(path.key(name).wrong_key("unknown key", shorten(name), allowed));
         }
         if name != BALLS && matches!(value.content, Content::List(_)) {
             let is_suspension = ["stiffness_n_m", "damping_n_s_m"].contains(&name);
@@ -239,8 +230,7 @@ fn own_values(path: &SourcePath<'_>, balls: Option<&Balls>) -> Result<Vec<BallFi
     };
     if !(1..=MAX_BALLS as u64).contains(&number) {
         let allowed = format!("between 1 and {MAX_BALLS} balls");
-        let fault = Fault::new("wrong number of balls", number.to_string(), allowed);
-        return Err(path.refuse_value(fault));
+        return Err(path.wrong_value("wrong number of balls", number.to_string(), allowed));
     }
     let Some(Balls::Each(own)) = balls else {
         return Ok((0..number).map(|_| BallFile::default()).collect());

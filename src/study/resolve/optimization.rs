@@ -46,12 +46,11 @@ pub(crate) fn resolve_optimization(
         (study.responses.is_empty(), "responses", "{vibration: {amplitude_mean: {}}}"),
     ] {
         if empty {
-            let fault = Fault::new(
+            return Err(setting.path.wrong_key(
                 format!("`optimize` without `{key}`"),
                 format!("no `{key}`"),
                 format!("`{key}` in the study, such as {key}: {example}"),
-            );
-            return Err(setting.path.refuse_key(fault));
+            ));
         }
     }
     if study.variables.len() > MAX_VARIABLES {
@@ -128,15 +127,13 @@ impl Setting<'_> {
             for name in names.iter().flat_map(Names::as_slice) {
                 let response = self.response(name).map_err(|fault| path.refuse_value(fault))?;
                 if objectives.iter().any(|other| other.response == response) {
-                    let fault = Fault::new("an objective twice", name.as_str(), "each once");
-                    return Err(path.refuse_value(fault));
+                    return Err(path.wrong_value("an objective twice", name.as_str(), "each once"));
                 }
                 let worst = self.study.responses.get(response).map(|one| one.measure);
                 if worst == Some(Measure::Worst) {
                     let problem = "an objective that is bounded from below only";
                     let allowed = "a quantile, such as amplitude_quantile: {fraction: 0.95}";
-                    let fault = Fault::new(problem, name.as_str(), allowed);
-                    return Err(path.refuse_value(fault));
+                    return Err(path.wrong_value(problem, name.as_str(), allowed));
                 }
                 objectives.push(Objective { response, maximize });
             }
@@ -146,8 +143,7 @@ impl Setting<'_> {
         }
         let found = format!("{} objectives", objectives.len());
         let allowed = "one or two responses under `minimize` and `maximize` together";
-        let fault = Fault::new("no objective, or too many", found, allowed);
-        Err(self.path.refuse_key(fault))
+        Err(self.path.wrong_key("no objective, or too many", found, allowed))
     }
 
     fn limits(

@@ -48,7 +48,7 @@ pub(in crate::study) fn stages_of(
     if let Some((key, _)) = beside.into_iter().find(|(_, is_given)| *is_given) {
         let problem = "a protocol is short for a speed profile and disturbances";
         let found = format!("{key} beside protocol");
-        return Err(path.refuse_value(Fault::new(problem, found, "one of both")));
+        return Err(path.wrong_value(problem, found, "one of both"));
     }
     let (start, hammer) = match protocol {
         ProtocolFile::Named(ProtocolName::Startup) => (StartupFile::default(), None),
@@ -107,6 +107,5 @@ fn above_zero(
     if value.is_finite() && value > 0.0 {
         return Ok(value);
     }
-    let fault = Fault::new("not a duration", describe_number(value), "above 0");
-    Err(path.key(key).refuse_value(fault))
+    Err(path.key(key).wrong_value("not a duration", describe_number(value), "above 0"))
 }

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use indexmap::IndexMap;
 
 use crate::model::{OutputName, OutputValue};
-use crate::study::error::{Fault, StudyError, list_names};
+use crate::study::error::{StudyError, list_names};
 use crate::study::file::response_file::{Amplitude, ResponseFile};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::values::NumberOrLength;
@@ -33,8 +33,7 @@ pub(crate) fn resolve_responses(
         for column in own {
             let swept = study.swept().iter().any(|swept| swept.name == column);
             if swept || is_reserved(&column) || !columns.insert(column.clone()) {
-                let fault = Fault::new("another column has this name", column, "another name");
-                return Err(path.refuse_key(fault));
+                return Err(path.wrong_key("another column has this name", column, "another name"));
             }
         }
         let (measure, amplitude, output) = quantity(study, &path, file)?;
@@ -78,7 +77,7 @@ fn quantity(
     let (key, measure, Amplitude { relative, of }) = parts(file);
     let own = path.key(key);
     let refuse = |path: &SourcePath<'_>, problem: &str, found: String, allowed: &str| {
-        Err(path.refuse_value(Fault::new(problem, found, allowed)))
+        Err(path.wrong_value(problem, found, allowed))
     };
     match measure {
         Measure::Quantile(fraction) if !(fraction > 0.0 && fraction < 1.0) => {

@@ -1,6 +1,6 @@
 //! Numbering of the points and runs of a study.
 
-use crate::study::error::{Fault, StudyError};
+use crate::study::error::StudyError;
 use crate::study::file::values::MAX_COUNT;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::base::Base;
@@ -70,8 +70,7 @@ pub(in crate::study) fn number_runs(
                 describe_number(to_float(points)),
                 describe_number(most),
             );
-            let fault = Fault::new("too many runs", found, "at most 1e15 runs");
-            written.path.refuse_value(fault)
+            written.path.wrong_value("too many runs", found, "at most 1e15 runs")
         })?;
         let ResolvedBlock { listing, columns, .. } = block;
         let block = Block { listing, columns, samplings, numbers, first_point, first_run };

@@ -29,8 +29,7 @@ pub(crate) fn resolve_simulation(
             return Ok(value);
         }
         let allowed = "a positive, finite number";
-        let fault = Fault::new("not positive", describe_number(value), allowed);
-        Err(source.path(keys).refuse_value(fault))
+        Err(source.path(keys).wrong_value("not positive", describe_number(value), allowed))
     };
     let band = positive("simulation.band", given.band, default.band)?;
     if band > WIDEST_BAND {

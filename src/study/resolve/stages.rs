@@ -84,8 +84,7 @@ pub(in crate::study) fn resolve_profile(
         });
     }
     let (Some(start_speed_rad_s), Some(last)) = (start, speed) else {
-        let fault = Fault::new("no parts", "an empty list", "at least one part");
-        return Err(path.refuse_value(fault));
+        return Err(path.wrong_value("no parts", "an empty list", "at least one part"));
     };
     if let Some(given) = given.filter(|given| *given != last) {
         let found = format!(
@@ -93,12 +92,11 @@ pub(in crate::study) fn resolve_profile(
             describe_number(given),
             describe_number(last)
         );
-        let fault = Fault::new(
+        return Err(path.wrong_value(
             "not the last speed of the profile",
             found,
             "the same speed, or no such key",
-        );
-        return Err(path.refuse_value(fault));
+        ));
     }
     Ok((SpeedProfile { start_speed_rad_s, parts }, last))
 }
@@ -107,13 +105,12 @@ pub(in crate::study) fn resolve_profile(
 fn begin(path: &SourcePath<'_>, from: Option<f64>, before: Option<f64>) -> Result<f64, StudyError> {
     match (from, before) {
         (None, None) => {
-            let fault = Fault::new("the first speed is missing", "no such key", "a key from_rad_s");
-            Err(path.refuse_value(fault))
+            Err(path.wrong_value("the first speed is missing", "no such key", "a key from_rad_s"))
         }
         (Some(from), Some(before)) if from != before => {
             let found = describe_number(from);
             let allowed = format!("{}, the speed before", describe_number(before));
-            Err(path.refuse_value(Fault::new("the speed jumps", found, allowed)))
+            Err(path.wrong_value("the speed jumps", found, allowed))
         }
         (from, before) => Ok(before.or(from).unwrap_or_default()),
     }
@@ -151,7 +148,7 @@ fn check_number(path: &SourcePath<'_>, number: usize, what: &str) -> Result<(), 
         return Ok(());
     }
     let allowed = format!("at most {MOST_MEMBERS} {what}");
-    Err(path.refuse_value(Fault::new("too many", number.to_string(), allowed)))
+    Err(path.wrong_value("too many", number.to_string(), allowed))
 }
 
 /// Returns the kicks, and for each whether its direction is drawn.
@@ -178,7 +175,7 @@ pub(in crate::study) fn check_stages(source: &Source, model: &Model) -> Result<(
     let Err(invalid) = model.validate_stages() else { return Ok(()) };
     let path = place_of(&invalid.name, source, model);
     let problem = format!("no physical meaning: {}", invalid.name);
-    Err(path.refuse_value(Fault::new(problem, invalid.found, invalid.allowed)))
+    Err(path.wrong_value(problem, invalid.found, invalid.allowed))
 }
 
 /// Checks that all kicks come before the end of the runs.

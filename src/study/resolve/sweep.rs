@@ -61,7 +61,7 @@ pub(crate) fn resolve_block(
                 given.filter_map(|(name, given)| given.then_some(name)).collect();
             let found = if names.is_empty() { "none of them".into() } else { names.join(", ") };
             let allowed = "exactly one of grid, zip, table";
-            Err(path.refuse_value(Fault::new("not a block of a sweep", found, allowed)))
+            Err(path.wrong_value("not a block of a sweep", found, allowed))
         }
     }
 }
@@ -72,8 +72,7 @@ fn resolve_lists(
     base: &Base,
 ) -> Result<Vec<(Parameter, Vec<ParameterValue>)>, StudyError> {
     if lists.is_empty() {
-        let fault = Fault::new("nothing is swept", "no parameter", "at least one parameter");
-        return Err(path.refuse_value(fault));
+        return Err(path.wrong_value("nothing is swept", "no parameter", "at least one parameter"));
     }
     let mut columns = Vec::with_capacity(lists.len());
     let base = &with_listed_balls(base, lists.get(BALLS).into_iter().flatten());
@@ -108,8 +107,7 @@ fn check_equal_lengths(
             let found = format!("numbers of values: {}", lengths.join(", "));
             let allowed =
                 "equally many values for every parameter (or `grid` for all combinations)";
-            let fault = Fault::new("unequal lengths in a zip", found, allowed);
-            Err(path.key(name).refuse_value(fault))
+            Err(path.key(name).wrong_value("unequal lengths in a zip", found, allowed))
         }
     }
 }

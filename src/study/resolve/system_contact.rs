@@ -23,7 +23,7 @@ impl Reader<'_> {
         let formula = |name: &str, text: &FormulaText| self.formula(&["contacts", key, name], text);
         let sliding = entry.sliding.as_ref().map(|text| formula("sliding", text)).transpose()?;
         let refuse = |problem: &str, found: &str, allowed: &str| {
-            Err(path.refuse_key(Fault::new(problem, found, allowed)))
+            Err(path.wrong_key(problem, found, allowed))
         };
         let allowed = "`gap: ...` for a contact that opens, or `normal: ...` for a given force";
         let normal = match (&entry.gap, &entry.normal) {
@@ -77,12 +77,12 @@ impl Reader<'_> {
         let Some((name, values)) = laws.iter().next().filter(|_| laws.len() == 1) else {
             let (found, allowed) =
                 (format!("{} laws", laws.len()), format!("one of {}", names.join(", ")));
-            return Err(path.refuse_value(Fault::new("not one law of friction", found, allowed)));
+            return Err(path.wrong_value("not one law of friction", found, allowed));
         };
         let path = path.key(name);
         let Some(law) = FRICTION_LAWS.iter().find(|law| law.name() == name) else {
             let allowed = list_names(name, &names);
-            return Err(path.refuse_key(Fault::new("unknown choice", shorten(name), allowed)));
+            return Err(path.wrong_key("unknown choice", shorten(name), allowed));
         };
         let has_coefficient = law.uses_friction_coefficient();
         let own = law.parameters().iter().map(law_key);
@@ -96,7 +96,7 @@ impl Reader<'_> {
             Some(text) => self.formula(&["contacts", key, "friction", name, law_key], text),
             None => {
                 let allowed = format!("a value for `{law_key}`");
-                Err(path.refuse_key(Fault::new("missing key", "no such key", allowed)))
+                Err(path.wrong_key("missing key", "no such key", allowed))
             }
         };
         let coefficient = if has_coefficient { value(COEFFICIENT)? } else { Formula::number(0.0) };

@@ -45,8 +45,7 @@ impl<'a> UncertainSampling<'a> {
         let default = UncertainSamplingFile::default();
         if written.is_some() && names.is_empty() {
             let allowed = "`uncertain` with at least one parameter, or no `uncertain_sampling`";
-            let fault = Fault::new("nothing is uncertain", "no uncertain parameter", allowed);
-            return Err(path.refuse_key(fault));
+            return Err(path.wrong_key("nothing is uncertain", "no uncertain parameter", allowed));
         }
         let UncertainSamplingFile { design, correlations } = written.unwrap_or(&default);
         let kind = design.unwrap_or_default();
@@ -132,7 +131,7 @@ fn pairs(
     let Some(written) = written else { return Ok(Vec::new()) };
     if written.is_empty() {
         let allowed = "at least one pair, or no `correlations`";
-        return Err(path.refuse_value(Fault::new("no pair", "an empty list", allowed)));
+        return Err(path.wrong_value("no pair", "an empty list", allowed));
     }
     let mut pairs: Vec<RankCorrelation> = Vec::with_capacity(written.len());
     for (index, CorrelationFile { parameters, rank_correlation }) in written.iter().enumerate() {
@@ -141,7 +140,7 @@ fn pairs(
         let two = "two different uncertain parameters, such as [stiffness_n_m, damping_n_s_m]";
         let [one, other] = &parameters[..] else {
             let found = format!("a list of {}", parameters.len());
-            return Err(own.refuse_value(Fault::new("wrong number of values", found, two)));
+            return Err(own.wrong_value("wrong number of values", found, two));
         };
         let place = |item: usize, name: &str| {
             find(names, name).map_err(|fault| own.item(item).refuse_value(fault))
@@ -149,13 +148,12 @@ fn pairs(
         let mut places = [place(0, one)?, place(1, other)?];
         if places[0] == places[1] {
             let found = format!("{one} twice");
-            return Err(own.refuse_value(Fault::new("a pair of one parameter", found, two)));
+            return Err(own.wrong_value("a pair of one parameter", found, two));
         }
         places.sort_unstable();
         if let Some(first) = pairs.iter().position(|pair| pair.places == places) {
             let found = format!("{one} and {other} here and in item {first} of the list");
-            let fault = Fault::new("a pair given twice", found, "each pair once");
-            return Err(own.refuse_value(fault));
+            return Err(own.wrong_value("a pair given twice", found, "each pair once"));
         }
         if !(-1.0 < *rank_correlation && *rank_correlation < 1.0) {
             let allowed = "above -1 and below 1; for a parameter that follows from another one, \
@@ -204,7 +202,7 @@ fn copula(
             None => weaker,
         };
         let problem = "correlations that contradict one another (not positive definite)";
-        path.item(pair).key("rank_correlation").refuse_value(Fault::new(problem, found, allowed))
+        path.item(pair).key("rank_correlation").wrong_value(problem, found, allowed)
     };
     Copula::new(names.len(), pairs).map_err(refuse)
 }

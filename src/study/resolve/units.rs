@@ -40,7 +40,7 @@ pub(crate) fn resolve_units(
                 None => format!("{}, or a parameter without its unit", list_names(key, &own)),
             };
             let problem = "neither a quantity nor a parameter with a unit";
-            return Err(path.refuse_key(Fault::new(problem, shorten(key), allowed)));
+            return Err(path.wrong_key(problem, shorten(key), allowed));
         };
         let unit = unit(symbol, si).map_err(|fault| path.refuse_value(fault))?;
         units.0.insert(key.clone(), unit);

@@ -92,18 +92,16 @@ impl Setting<'_> {
     ) -> Result<Domain, StudyError> {
         if let Some(choices) = &file.choices {
             if file.from.is_some() || file.to.is_some() {
-                let fault = Fault::new(
+                return Err(path.wrong_value(
                     "both a range and choices",
                     "from or to",
                     "`choices`, or `from` and `to`",
-                );
-                return Err(path.refuse_value(fault));
+                ));
             }
             let range = name == "balls" || find_parameter(name, self.study.model()).is_ok();
             if range {
                 let allowed = "`from` and `to`, or another name for the choices";
-                let fault = Fault::new("choices with the name of a parameter", name, allowed);
-                return Err(path.refuse_key(fault));
+                return Err(path.wrong_key("choices with the name of a parameter", name, allowed));
             }
             return self.choices(&path.key("choices"), choices);
         }
@@ -121,15 +119,13 @@ impl Setting<'_> {
 
     fn range(&self, path: &SourcePath<'_>, file: &VariableFile) -> Result<[f64; 2], StudyError> {
         let missing = |key: &str| {
-            let fault = Fault::new("missing key", "no such key", "`from` and `to`, or `choices`");
-            path.key(key).refuse_value(fault)
+            path.key(key).wrong_value("missing key", "no such key", "`from` and `to`, or `choices`")
         };
         let from = file.from.ok_or_else(|| missing("from"))?;
         let to = file.to.ok_or_else(|| missing("to"))?;
         if from > to {
             let found = format!("from {} to {}", describe_number(from), describe_number(to));
-            let fault = Fault::new("reversed range", found, "`from` not above `to`");
-            return Err(path.refuse_value(fault));
+            return Err(path.wrong_value("reversed range", found, "`from` not above `to`"));
         }
         Ok([from, to])
     }
@@ -137,8 +133,7 @@ impl Setting<'_> {
     fn balls(&self, path: &SourcePath<'_>, from: f64, to: f64) -> Result<Domain, StudyError> {
         if self.study.model().ball_balancer().is_none() {
             let found = format!("kind: {}", self.study.model().kind().name);
-            let fault = Fault::new("only for a ball balancer", found, "kind: ball_balancer");
-            return Err(path.refuse_key(fault));
+            return Err(path.wrong_key("only for a ball balancer", found, "kind: ball_balancer"));
         }
         self.study.base.check_number_varies().map_err(|fault| path.refuse_key(fault))?;
         if self.study.sweeps_balls() {
@@ -205,20 +200,17 @@ impl Setting<'_> {
                 names.join(", ")
             };
             if own.is_empty() {
-                let fault = Fault::new("an empty choice", "nothing", "values of parameters");
-                return Err(path.refuse_value(fault));
+                return Err(path.wrong_value("an empty choice", "nothing", "values of parameters"));
             }
             let first = all.first().map_or_else(|| names(&own), |(_, first)| names(first));
             if names(&own) != first {
                 let problem = "choices that set different parameters";
-                let fault = Fault::new(problem, names(&own), first);
-                return Err(path.refuse_value(fault));
+                return Err(path.wrong_value(problem, names(&own), first));
             }
             all.push((name.clone(), own));
         }
         if all.is_empty() {
-            let fault = Fault::new("no choices", "nothing", "at least one choice");
-            return Err(path.refuse_value(fault));
+            return Err(path.wrong_value("no choices", "nothing", "at least one choice"));
         }
         Ok(Domain::Choices(all))
     }

@@ -317,8 +317,7 @@ fn resolve_blocks(
         }]),
         Some([]) => {
             let allowed = "at least one block, or no `sweep` for a single point";
-            let fault = Fault::new("an empty sweep", "an empty list", allowed);
-            Err(path.refuse_value(fault))
+            Err(path.wrong_value("an empty sweep", "an empty list", allowed))
         }
         Some(blocks) => blocks
             .iter()
@@ -368,7 +367,7 @@ fn designs<'a>(
         common.cloned().ok_or_else(|| {
             let path = source.path("initial_conditions.design");
             let allowed = "stratified, latin_hypercube, sobol, monte_carlo, grid or table";
-            path.refuse_value(Fault::new("missing key", "no such key", allowed))
+            path.wrong_value("missing key", "no such key", allowed)
         })
     };
     blocks.iter_mut().enumerate().map(resolve).collect()

@@ -101,8 +101,7 @@ impl InitialBox {
             if low > high {
                 let found = format!("[{}, {}]", describe_number(*low), describe_number(*high));
                 let allowed = "[low, high] with low not above high";
-                let fault = Fault::new("reversed range", found, allowed);
-                return Err(path.key(name).refuse_value(fault));
+                return Err(path.key(name).wrong_value("reversed range", found, allowed));
             }
             if !(high - low).is_finite() {
                 let found = format!("[{}, {}]", describe_number(*low), describe_number(*high));
@@ -131,7 +130,7 @@ impl InitialBox {
             let found =
                 format!("[{}, {}] by default", describe_number(*low), describe_number(*high));
             let allowed = "[low, high] with finite numbers and low not above high";
-            return Err(path.key(name).refuse_key(Fault::new("reversed range", found, allowed)));
+            return Err(path.key(name).wrong_key("reversed range", found, allowed));
         }
         Ok(InitialBox { axes })
     }
