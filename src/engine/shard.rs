@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-use crate::study::{Sampling, Study};
+use crate::study::{Sampling, Study, mixed};
 
 /// Part `K` of `N`: one of every `N` consecutive runs or, in a study with a precision, one of every `N` points.
 ///
@@ -96,15 +96,6 @@ impl Shard {
             point.first_run..point.first_run + runs(point.sampling)
         })
     }
-}
-
-/// Returns a pseudo-random number that depends only on `number` (SplitMix64's finaliser, G. L. Steele, D. Lea and
-/// C. H. Flood, OOPSLA 2014, doi:10.1145/2660193.2660195).
-fn mixed(number: u64) -> u64 {
-    let mut bits = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    bits ^ (bits >> 31)
 }
 
 impl FromStr for Shard {

@@ -56,5 +56,6 @@ pub use plan::response::{AmplitudeKind, Measure, Response};
 pub(crate) use plan::units::short_name;
 pub use plan::units::{Unit, Units};
 pub use plan::variable::{DesignValue, Values, Variable};
+pub(crate) use sampling::draw::mixed;
 pub use schema::json_schema;
 pub use template::Template;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::PointFacts;
 use crate::classification::Label;
 use crate::model::Machine;
-use crate::study::Study;
+use crate::study::{Study, mixed};
 use crate::table::{Table, TableError};
 
 /// The largest number of amplitudes in memory.
@@ -159,13 +159,9 @@ impl RunSample {
     }
 }
 
-/// Whether a run belongs to a subsample of about one in `one_in` runs, by a hash of its number (the finaliser of
-/// SplitMix64, G. L. Steele, D. Lea and C. H. Flood, OOPSLA 2014, doi:10.1145/2660193.2660195).
+/// Whether a run belongs to a subsample of about one in `one_in` runs, by a hash of its number.
 pub fn scattered(run_id: u64, one_in: u64) -> bool {
-    let mixed = run_id.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    (mixed ^ (mixed >> 31)).is_multiple_of(one_in.max(1))
+    mixed(run_id).is_multiple_of(one_in.max(1))
 }
 
 #[cfg(test)]

@@ -85,7 +85,12 @@ impl RandomOrder {
     }
 }
 
-/// The finaliser of SplitMix64 (G. Steele, D. Lea and C. Flood, OOPSLA 2014).
+/// Returns a pseudo-random number that depends only on `number`.
+pub(crate) fn mixed(number: u64) -> u64 {
+    mix(number.wrapping_add(0x9e37_79b9_7f4a_7c15))
+}
+
+/// The finaliser of SplitMix64 (G. L. Steele, D. Lea and C. H. Flood, OOPSLA 2014, doi:10.1145/2660193.2660195).
 fn mix(bits: u64) -> u64 {
     let bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
