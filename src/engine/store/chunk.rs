@@ -95,16 +95,6 @@ impl Chunk {
         &self.study_hash
     }
 
-    /// Returns the number of runs.
-    pub fn len(&self) -> usize {
-        self.runs.len()
-    }
-
-    /// Whether it has no runs.
-    pub fn is_empty(&self) -> bool {
-        self.runs.is_empty()
-    }
-
     /// Returns the approximate size in memory, bytes.
     pub fn size(&self) -> usize {
         self.bytes.len() + size_of_val(self.runs.as_slice())
