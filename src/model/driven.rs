@@ -45,26 +45,35 @@ struct Driven<B> {
 }
 
 impl Machine {
-    /// Returns the system of this machine, at the largest speed, while its disc turns with this speed over `ω_n`; `None` for
-    /// an unsupported number of balls. The balls with contact have the order of these angles.
+    /// Returns the system of this machine at constant speed, or at the largest speed while its disc turns with this speed over
+    /// `ω_n`; `None` for an unsupported number of balls. The balls with contact have the order of these angles.
     pub(super) fn driven(
         &self,
         angles: &[f64],
-        speed: [f64; SPEED_TERMS],
+        speed: impl Into<Option<[f64; SPEED_TERMS]>>,
     ) -> Option<Arc<dyn System>> {
         fn of<const N: usize>(
             machine: &Machine,
             angles: &[f64],
-            speed: [f64; SPEED_TERMS],
+            speed: Option<[f64; SPEED_TERMS]>,
         ) -> Option<Arc<dyn System>> {
             Some(match &machine.contact {
-                None => Arc::new(Driven { fastest: Balancer::<N>::new(machine)?, speed }),
+                None => turning(Balancer::<N>::new(machine)?, speed),
                 Some(contact) => {
-                    let fastest = BallsInContact::<N>::new(machine, contact, angles)?;
-                    Arc::new(Driven { fastest, speed })
+                    turning(BallsInContact::<N>::new(machine, contact, angles)?, speed)
                 }
             })
         }
+        fn turning(
+            fastest: impl Turns + 'static,
+            speed: Option<[f64; SPEED_TERMS]>,
+        ) -> Arc<dyn System> {
+            match speed {
+                Some(speed) => Arc::new(Driven { fastest, speed }),
+                None => Arc::new(fastest),
+            }
+        }
+        let speed = speed.into();
         match self.balls.len() {
             1 => of::<1>(self, angles, speed),
             2 => of::<2>(self, angles, speed),

@@ -6,8 +6,8 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::{
-    BALL_BALANCER, Balancer, BallsInContact, Components, FrictionLaw, InvalidParameter, Machine,
-    ModelKind, OwnModel, Start, System,
+    BALL_BALANCER, Components, FrictionLaw, InvalidParameter, Machine, ModelKind, OwnModel,
+    SPEED_TERMS, Start, System,
 };
 
 /// One of the mechanical systems with its parameters.
@@ -102,20 +102,9 @@ impl Model {
     }
 
     pub(super) fn system_in_order(&self, angles: &[f64]) -> Option<Arc<dyn System>> {
-        let machine = match self {
-            Model::BallBalancer(machine) => machine,
-            Model::Own(own) => return Some(own.own().system(own)),
-        };
-        match machine.balls.len() {
-            1 => balancer::<1>(machine, angles),
-            2 => balancer::<2>(machine, angles),
-            3 => balancer::<3>(machine, angles),
-            4 => balancer::<4>(machine, angles),
-            5 => balancer::<5>(machine, angles),
-            6 => balancer::<6>(machine, angles),
-            7 => balancer::<7>(machine, angles),
-            8 => balancer::<8>(machine, angles),
-            _ => None,
+        match self {
+            Model::BallBalancer(machine) => machine.driven(angles, None::<[f64; SPEED_TERMS]>),
+            Model::Own(own) => Some(own.own().system(own)),
         }
     }
 
@@ -269,11 +258,4 @@ impl Model {
             }
         }
     }
-}
-
-fn balancer<const N: usize>(machine: &Machine, angles: &[f64]) -> Option<Arc<dyn System>> {
-    Some(match &machine.contact {
-        None => Arc::new(Balancer::<N>::new(machine)?),
-        Some(contact) => Arc::new(BallsInContact::<N>::new(machine, contact, angles)?),
-    })
 }
