@@ -1,8 +1,6 @@
 //! The parameters that a study may sweep or draw: names, units, meanings and setters.
 
-use std::cmp::Ordering;
 use std::fmt;
-use std::hash::{Hash, Hasher};
 
 use serde::Serialize;
 
@@ -405,9 +403,9 @@ pub(in crate::study) fn check_number_of_balls(number: f64) -> Result<(), Fault> 
     Err(Fault::new("not a number of balls", describe_number(number), allowed))
 }
 
-/// Parameters are ordered as in the documentation, and those of single balls after that of all balls.
 impl Parameter {
-    fn key(&self) -> (usize, &'static str, Option<usize>) {
+    /// Returns a key that orders parameters as in the documentation, and those of single balls after that of all balls.
+    pub fn key(&self) -> (usize, &'static str, Option<usize>) {
         (self.order, self.general_name(), self.member)
     }
 }
@@ -419,21 +417,3 @@ impl PartialEq for Parameter {
 }
 
 impl Eq for Parameter {}
-
-impl PartialOrd for Parameter {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Parameter {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.key().cmp(&other.key())
-    }
-}
-
-impl Hash for Parameter {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        self.key().hash(state);
-    }
-}

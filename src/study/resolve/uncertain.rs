@@ -58,7 +58,7 @@ pub(crate) fn resolve_uncertain(
         all.push(Uncertain { parameter, distribution, factor, key });
     }
     all.extend(random_directions(base, swept, &all, seed));
-    all.sort_by_key(|uncertain| uncertain.parameter);
+    all.sort_by_key(|uncertain| uncertain.parameter.key());
     Ok(all)
 }
 

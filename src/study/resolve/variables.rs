@@ -194,7 +194,7 @@ impl Setting<'_> {
                 checked.map_err(|fault| path.refuse_value(fault))?;
                 own.push((parameter, *value));
             }
-            own.sort_by_key(|(parameter, _)| *parameter);
+            own.sort_by_key(|(parameter, _)| parameter.key());
             let names = |values: &[(Parameter, f64)]| {
                 let names: Vec<String> = values.iter().map(|(one, _)| one.name()).collect();
                 names.join(", ")

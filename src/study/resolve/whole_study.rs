@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-use indexmap::{IndexMap, IndexSet};
+use indexmap::IndexMap;
 use serde_json::Value;
 
 use crate::study::error::{Fault, StudyError};
@@ -170,9 +170,12 @@ fn resolve(
     };
     let designs = designs(source, written, folders, &base, &mut blocks, common.as_ref())?;
     check_values(source, &blocks, common.as_ref())?;
-    let columns = blocks.iter().flat_map(|block| &block.columns);
-    let distinct: IndexSet<Parameter> = columns.map(|(parameter, _)| *parameter).collect();
-    let swept_parameters: Vec<Parameter> = distinct.into_iter().collect();
+    let mut swept_parameters: Vec<Parameter> = Vec::new();
+    for (parameter, _) in blocks.iter().flat_map(|block| &block.columns) {
+        if !swept_parameters.contains(parameter) {
+            swept_parameters.push(*parameter);
+        }
+    }
     let uncertain_parameters = resolve_uncertain(
         source,
         written.uncertain.as_ref(),
