@@ -2,7 +2,7 @@
 
 use smallvec::smallvec;
 
-use super::{Friction, FrictionLaw, Law, LawInputs, Sliding, SlidingForce};
+use super::{Friction, FrictionLaw, Law, LawInputs, Sliding, SlidingForce, about};
 use crate::model::{Expression, Number};
 
 /// In slip `μ f_n`, in stick at most that.
@@ -14,11 +14,8 @@ impl FrictionLaw {
 }
 
 impl Law for Coulomb {
-    fn name(&self) -> &'static str {
-        "coulomb"
-    }
-
-    fn meaning(&self) -> &'static str {
+    about! {
+        "coulomb",
         "Coulomb friction: the friction force is at most `friction_coefficient` times the normal force."
     }
 

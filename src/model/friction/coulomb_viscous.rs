@@ -5,7 +5,7 @@
 use smallvec::smallvec;
 
 use super::viscous::{PARAMETERS, drag};
-use super::{Friction, FrictionLaw, Law, LawInputs, LawParameter, Sliding, SlidingForce};
+use super::{Friction, FrictionLaw, Law, LawInputs, LawParameter, Sliding, SlidingForce, about};
 use crate::model::Expression;
 
 /// In slip `μ f_n sign(v) + c v`, in stick at most `μ f_n`.
@@ -20,17 +20,11 @@ impl FrictionLaw {
 }
 
 impl Law for CoulombViscous {
-    fn name(&self) -> &'static str {
-        "coulomb_viscous"
-    }
-
-    fn meaning(&self) -> &'static str {
+    about! {
+        "coulomb_viscous",
         "Coulomb friction and viscous drag together: the friction force in slip is `friction_coefficient` times the \
-         normal force, plus a drag proportional to the sliding speed; at rest there is no drag."
-    }
-
-    fn parameters(&self) -> &'static [LawParameter] {
-        &PARAMETERS
+         normal force, plus a drag proportional to the sliding speed; at rest there is no drag.",
+        PARAMETERS
     }
 
     fn force(&self, friction: &Friction, Sliding { direction, speed }: Sliding) -> SlidingForce {

@@ -77,6 +77,17 @@ pub trait Law: Sync {
     }
 }
 
+/// What a law is: its name and meaning, and the parameters and properties that differ from the default of [`Law`].
+macro_rules! about {
+    ($name:literal, $meaning:literal $(, $parameters:expr)? $(; $property:ident: $value:literal)*) => {
+        fn name(&self) -> &'static str { $name }
+        fn meaning(&self) -> &'static str { $meaning }
+        $(fn parameters(&self) -> &'static [LawParameter] { &$parameters })?
+        $(fn $property(&self) -> bool { $value })*
+    };
+}
+pub(super) use about;
+
 impl PartialEq for dyn Law {
     fn eq(&self, other: &Self) -> bool {
         self.name() == other.name()

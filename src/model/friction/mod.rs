@@ -17,6 +17,7 @@ use serde::{Serialize, Serializer};
 
 use super::InvalidParameter;
 use super::invalid_parameter::{invalid, not_negative, positive};
+use law::about;
 pub use law::{
     Dimension, Law, LawInputs, LawParameter, Lowest, Sliding, SlidingForce, SlidingSpeed,
 };

@@ -6,6 +6,7 @@ use smallvec::smallvec;
 
 use super::{
     Dimension, Friction, FrictionLaw, Law, LawInputs, LawParameter, Lowest, Sliding, SlidingForce,
+    about,
 };
 use crate::model::{Expression, Number};
 
@@ -24,32 +25,24 @@ fn scale(friction: &Friction) -> f64 {
     friction.values().first().copied().unwrap_or(1.0)
 }
 
+/// The speed `v_0`.
+const PARAMETERS: [LawParameter; 1] = [LawParameter {
+    name: "smoothing_speed",
+    dimension: Dimension::SlidingSpeed {
+        rad_s: "smoothing_speed_rad_s",
+        m_s: "smoothing_speed_m_s",
+    },
+    lowest: Lowest::AboveZero,
+    meaning: "speed at which friction reaches half of its limit",
+    note: "",
+    examples: [0.1, 1.0e-3],
+}];
+
 impl Law for Smooth {
-    fn name(&self) -> &'static str {
-        "smooth"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "Regularised friction `μ f_n (2/π) atan(v / v_0)`, which is zero at rest: no contact ever sticks."
-    }
-
-    fn parameters(&self) -> &'static [LawParameter] {
-        const PARAMETERS: [LawParameter; 1] = [LawParameter {
-            name: "smoothing_speed",
-            dimension: Dimension::SlidingSpeed {
-                rad_s: "smoothing_speed_rad_s",
-                m_s: "smoothing_speed_m_s",
-            },
-            lowest: Lowest::AboveZero,
-            meaning: "speed at which friction reaches half of its limit",
-            note: "",
-            examples: [0.1, 1.0e-3],
-        }];
-        &PARAMETERS
-    }
-
-    fn can_stick(&self) -> bool {
-        false
+    about! {
+        "smooth",
+        "Regularised friction `μ f_n (2/π) atan(v / v_0)`, which is zero at rest: no contact ever sticks.",
+        PARAMETERS; can_stick: false
     }
 
     fn is_linear(&self, _coefficient: f64, _values: &[f64]) -> bool {

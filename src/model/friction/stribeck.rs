@@ -4,6 +4,7 @@ use smallvec::smallvec;
 
 use super::{
     Dimension, Friction, FrictionLaw, Law, LawInputs, LawParameter, Lowest, Sliding, SlidingForce,
+    about,
 };
 use crate::model::{Expression, Number};
 
@@ -26,39 +27,35 @@ fn parameters(values: &[f64]) -> (f64, f64) {
     }
 }
 
+/// `μ_s` and `v_s`.
+const PARAMETERS: [LawParameter; 2] = [
+    LawParameter {
+        name: "static_friction_coefficient",
+        dimension: Dimension::Ratio,
+        lowest: Lowest::FrictionCoefficient,
+        meaning: "coefficient of friction at rest",
+        note: "",
+        examples: [4.0e-3, 0.2],
+    },
+    LawParameter {
+        name: "stribeck_speed",
+        dimension: Dimension::SlidingSpeed {
+            rad_s: "stribeck_speed_rad_s",
+            m_s: "stribeck_speed_m_s",
+        },
+        lowest: Lowest::Zero,
+        meaning: "speed over which friction falls from its static value",
+        note: "0 gives a jump",
+        examples: [1.0, 0.01],
+    },
+];
+
 impl Law for Stribeck {
-    fn name(&self) -> &'static str {
-        "stribeck"
-    }
-
-    fn meaning(&self) -> &'static str {
+    about! {
+        "stribeck",
         "Stribeck friction: the coefficient decays with the sliding speed from a static value to the kinetic \
-         `friction_coefficient`, as `μ + (μ_s - μ) exp(-|v| / v_s)`."
-    }
-
-    fn parameters(&self) -> &'static [LawParameter] {
-        const PARAMETERS: [LawParameter; 2] = [
-            LawParameter {
-                name: "static_friction_coefficient",
-                dimension: Dimension::Ratio,
-                lowest: Lowest::FrictionCoefficient,
-                meaning: "coefficient of friction at rest",
-                note: "",
-                examples: [4.0e-3, 0.2],
-            },
-            LawParameter {
-                name: "stribeck_speed",
-                dimension: Dimension::SlidingSpeed {
-                    rad_s: "stribeck_speed_rad_s",
-                    m_s: "stribeck_speed_m_s",
-                },
-                lowest: Lowest::Zero,
-                meaning: "speed over which friction falls from its static value",
-                note: "0 gives a jump",
-                examples: [1.0, 0.01],
-            },
-        ];
-        &PARAMETERS
+         `friction_coefficient`, as `μ + (μ_s - μ) exp(-|v| / v_s)`.",
+        PARAMETERS
     }
 
     fn static_ratio(&self, _coefficient: f64, values: &[f64]) -> f64 {

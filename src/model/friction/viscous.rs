@@ -4,6 +4,7 @@ use smallvec::smallvec;
 
 use super::{
     Dimension, Friction, FrictionLaw, Law, LawInputs, LawParameter, Lowest, Sliding, SlidingForce,
+    about,
 };
 use crate::model::{Expression, Number};
 
@@ -33,24 +34,10 @@ pub(super) fn drag(friction: &Friction) -> f64 {
 }
 
 impl Law for Viscous {
-    fn name(&self) -> &'static str {
-        "viscous"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "Viscous drag proportional to the sliding speed, without dry friction."
-    }
-
-    fn parameters(&self) -> &'static [LawParameter] {
-        &PARAMETERS
-    }
-
-    fn uses_friction_coefficient(&self) -> bool {
-        false
-    }
-
-    fn can_stick(&self) -> bool {
-        false
+    about! {
+        "viscous",
+        "Viscous drag proportional to the sliding speed, without dry friction.",
+        PARAMETERS; uses_friction_coefficient: false; can_stick: false
     }
 
     fn force(&self, friction: &Friction, sliding: Sliding) -> SlidingForce {
