@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::operations::Operations;
-use super::series::Screen;
+use super::series::Programs;
 use crate::graph::{Cell, Instruction};
 use crate::model::{Graph, PerStructure, System};
 use crate::motion::lockstep::run::Runner;
@@ -11,24 +11,13 @@ use crate::motion::lockstep::run::Runner;
 /// The largest number of systems without a structure whose equations are kept ready.
 const MOST_KNOWN: usize = 16;
 
-/// The equations of a system, ready to run ([`super::series::Programs`]).
+/// The equations of a system, ready to run.
 #[derive(Debug)]
 pub(super) struct Compiled {
     pub(super) operations: Operations,
     /// The cells of parameters, and of what depends on parameters alone.
     pub(super) parameters: Vec<Cell>,
-    pub(super) fixed: Runner,
-    pub(super) modes: Runner,
-    pub(super) motion: Runner,
-    pub(super) displaced_motion: Runner,
-    pub(super) screen: (Runner, Screen),
-    pub(super) normals: Runner,
-    pub(super) exact_screen: Option<(Runner, Screen)>,
-    pub(super) displacement: Runner,
-    pub(super) tail: Runner,
-    pub(super) instant: Runner,
-    pub(super) decision: Runner,
-    pub(super) ahead: Runner,
+    pub(super) programs: Programs<Runner>,
 }
 
 /// Returns recorded equations, ready to run. Equal systems share them.
@@ -58,9 +47,7 @@ impl Compiled {
         let read = computed.filter(|cell| programs.fixed.kept[*cell as usize]);
         let parameters: Vec<Cell> = parameters.chain(read).collect();
         let screen = |(program, screen)| (Runner::new(program), screen);
-        Compiled {
-            parameters,
-            operations,
+        let programs = Programs {
             fixed: Runner::new(programs.fixed),
             modes: Runner::new(programs.modes),
             motion: Runner::new(programs.motion),
@@ -73,6 +60,7 @@ impl Compiled {
             instant: Runner::new(programs.instant),
             decision: Runner::new(programs.decision),
             ahead: Runner::new(programs.ahead),
-        }
+        };
+        Compiled { operations, parameters, programs }
     }
 }

@@ -16,7 +16,7 @@
 
 use super::compiled::Compiled;
 use super::room::Room;
-use super::series::Bound;
+use super::series::{Bound, Programs};
 use crate::motion::Phase;
 use crate::motion::cluster::HeldCluster;
 use crate::motion::lockstep::ORDER;
@@ -58,7 +58,7 @@ pub(super) fn first_event<S: Vector>(
     let aim = 0.5 * own.width;
     let slack = own.margins.slack + aim;
     let series = room.series();
-    let Compiled { operations, screen, exact_screen, .. } = program;
+    let Compiled { operations, programs: Programs { screen, exact_screen, .. }, .. } = program;
     let (_, screen) = exact_screen.as_ref().filter(|_| room.is_exact).unwrap_or(screen);
     let (of_contacts, others) = room.doubts.split_at(operations.contacts.len());
     let (of_events, of_gaps) = others.split_at(operations.guards.len());

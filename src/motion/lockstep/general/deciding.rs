@@ -92,13 +92,13 @@ impl<'a, S: Vector> Deciding<'a, S> {
         state: &'a [f64],
         scratch: &'a mut Scratch,
     ) -> Self {
-        let Compiled { operations, instant, .. } = &*general.program;
+        let Compiled { operations, programs, .. } = &*general.program;
         let first = operations.coefficient(0, 0) as usize;
         scratch.memory[first..][..state.len()].copy_from_slice(state);
         for (cell, component) in &operations.discrete {
             scratch.memory[*cell as usize] = state[*component as usize];
         }
-        instant.run(general.simd, &mut scratch.memory);
+        programs.instant.run(general.simd, &mut scratch.memory);
         scratch.latest = None;
         Deciding { general, own, evaluator, state, scratch: RefCell::new(scratch) }
     }
@@ -109,13 +109,13 @@ impl<'a, S: Vector> Deciding<'a, S> {
         if scratch.latest.as_deref() == Some(phases) {
             return;
         }
-        let Compiled { operations, decision, .. } = &*self.general.program;
+        let Compiled { operations, programs, .. } = &*self.general.program;
         let place = scratch.place(operations, self.own.system.as_ref(), phases);
         let Scratch { memory, known, .. } = scratch;
         for ((cell, _), value) in operations.inputs[0].iter().zip(&known[place].1) {
             memory[*cell as usize] = *value;
         }
-        decision.run(self.general.simd, memory);
+        programs.decision.run(self.general.simd, memory);
         scratch.latest = Some(Phases::from_slice(phases));
     }
 
@@ -159,7 +159,8 @@ impl<S: Vector> InState for Deciding<'_, S> {
 
     fn forces_ahead(&self, phases: &[Phase]) -> Forces {
         self.assume(phases);
-        self.general.program.ahead.run(self.general.simd, &mut self.scratch.borrow_mut().memory);
+        let ahead = &self.general.program.programs.ahead;
+        ahead.run(self.general.simd, &mut self.scratch.borrow_mut().memory);
         let mut forces = self.coefficients(0);
         for (now, change) in forces.iter_mut().zip(self.coefficients(1)) {
             now.speed += AHEAD * change.speed;

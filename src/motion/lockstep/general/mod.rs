@@ -40,7 +40,7 @@ use compiled::{Compiled, compiled};
 use deciding::{Deciding, Scratch};
 use operations::{OfContact, OfGap, Slot};
 use room::{Room, Series};
-use series::{Bound, TERMS};
+use series::{Bound, Programs, TERMS};
 
 /// Bound on every component of the rate of change if everything is slow.
 const STILL: f64 = 1e-6;
@@ -179,7 +179,8 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     fn room(&self, simd: S) -> Room<S> {
-        let Compiled { operations, motion, displacement, tail, .. } = &*self.program;
+        let Compiled { operations, programs, .. } = &*self.program;
+        let Programs { motion, displacement, tail, .. } = programs;
         let programs = [motion, displacement, tail].map(Runner::program);
         Room::new(simd, operations, programs)
     }
@@ -187,16 +188,16 @@ impl<S: Vector> Kernel<S> for General<S> {
     fn set_system(&mut self, lane: usize, own: &Lane) {
         let graph = Arc::clone(&self.graph);
         self.evaluators[lane] = Some(Evaluator::of_graph(Arc::clone(&own.system), graph));
-        let Compiled { operations, fixed, parameters, .. } = &*self.program;
+        let Compiled { operations, parameters, programs } = &*self.program;
         let modes: Vec<_> = own.phases.iter().map(|phase| phase.mode()).collect();
         let inputs = own.system.inputs(&modes);
         let scratch = self.scratch[lane].get_mut();
-        scratch.begin(fixed.program());
+        scratch.begin(programs.fixed.program());
         let memory = &mut scratch.memory;
         for (cell, input) in &operations.inputs[1] {
             memory[*cell as usize] = inputs[*input as usize];
         }
-        fixed.run(self.simd, memory);
+        programs.fixed.run(self.simd, memory);
         self.parameters[lane] = parameters.iter().map(|cell| memory[*cell as usize]).collect();
         self.is_new |= 1 << lane;
     }
@@ -320,7 +321,7 @@ impl<S: Vector> Kernel<S> for General<S> {
 
     #[inline(always)]
     fn expand(&self, room: &mut Room<S>, start: &Flow<S>, displaced: bool) {
-        let Compiled { modes, motion, displaced_motion, .. } = &*self.program;
+        let Programs { modes, motion, displaced_motion, .. } = &self.program.programs;
         room.start(&start.components, false);
         if std::mem::take(&mut room.is_changed) {
             modes.run(self.simd, &mut room.memory);
@@ -355,9 +356,9 @@ impl<S: Vector> Kernel<S> for General<S> {
 
     #[inline(always)]
     fn look_over(&self, room: &mut Room<S>, length: Lanes<S>) -> u64 {
-        let Compiled { operations, screen: (program, screen), normals, exact_screen, .. } =
-            &*self.program;
-        room.memory[operations.length() as usize] = length;
+        let Programs { screen: (program, screen), normals, exact_screen, .. } =
+            &self.program.programs;
+        room.memory[self.program.operations.length() as usize] = length;
         if screen.needs_normals {
             normals.run(self.simd, &mut room.memory);
         }
@@ -400,8 +401,8 @@ impl<S: Vector> Kernel<S> for General<S> {
     fn carry(&self, room: &mut Room<S>, displacement: &Flow<S>, length: Lanes<S>) -> Flow<S> {
         room.start(&displacement.components, true);
         room.memory[self.program.operations.length() as usize] = length;
-        self.program.displacement.run(self.simd, &mut room.memory);
-        self.program.tail.run(self.simd, &mut room.memory);
+        self.program.programs.displacement.run(self.simd, &mut room.memory);
+        self.program.programs.tail.run(self.simd, &mut room.memory);
         let mut moved = displacement.clone();
         self.flow_at(room.changes(), length, &mut moved);
         moved

@@ -26,31 +26,31 @@ pub(super) const TERMS: usize = ORDER + 2;
 
 /// The programs of a step; each runs after those before it, if at all.
 #[derive(Clone, Debug)]
-pub(super) struct Programs {
+pub(super) struct Programs<P = Program> {
     /// Computes what depends on parameters alone.
-    pub(super) fixed: Program,
+    pub(super) fixed: P,
     /// Computes what depends on parameters and modes alone; it runs after `fixed`.
-    pub(super) modes: Program,
+    pub(super) modes: P,
     /// Expands the motion from the state, and the friction forces; it runs after `modes`.
-    pub(super) motion: Program,
+    pub(super) motion: P,
     /// Expands the motion and keeps what `displacement` needs.
-    pub(super) displaced_motion: Program,
+    pub(super) displaced_motion: P,
     /// Expands the normal forces; it runs after `motion`.
-    pub(super) normals: Program,
+    pub(super) normals: P,
     /// Bounds the conditions; it runs after `motion`, or after `normals` if [`Screen::needs_normals`].
-    pub(super) screen: (Program, Screen),
+    pub(super) screen: (P, Screen),
     /// Bounds the conditions with the series of the normal forces, if `screen` does not; it runs after `normals`.
-    pub(super) exact_screen: Option<(Program, Screen)>,
+    pub(super) exact_screen: Option<(P, Screen)>,
     /// Expands a displacement of the state; it runs after `displaced_motion`.
-    pub(super) displacement: Program,
+    pub(super) displacement: P,
     /// Adds the highest powers of the displacement; it runs after `displacement`.
-    pub(super) tail: Program,
+    pub(super) tail: P,
     /// Computes what does not depend on the modes at one instant; it runs after `fixed`.
-    pub(super) instant: Program,
+    pub(super) instant: P,
     /// Computes rates and forces at one instant; it runs after `instant`.
-    pub(super) decision: Program,
+    pub(super) decision: P,
     /// Computes the rates of change of the forces; it runs after `decision`.
-    pub(super) ahead: Program,
+    pub(super) ahead: P,
 }
 
 impl Operations {
