@@ -28,7 +28,7 @@ pub struct Table(pub MemoryTable);
 impl Table {
     /// Returns a capsule ``arrow_schema``, for Arrow libraries.
     fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
-        let schema = FFI_ArrowSchema::try_from(self.0.schema().as_ref()).map_err(Trouble::from)?;
+        let schema = FFI_ArrowSchema::try_from(self.0.schema.as_ref()).map_err(Trouble::from)?;
         PyCapsule::new_with_value(py, schema, c"arrow_schema")
     }
 
@@ -42,8 +42,8 @@ impl Table {
     ) -> PyResult<Bound<'py, PyCapsule>> {
         // The interface permits a producer to ignore the requested schema.
         drop(requested_schema);
-        let batches = self.0.batches().to_vec().into_iter().map(Ok);
-        let reader = RecordBatchIterator::new(batches, self.0.schema().clone());
+        let batches = self.0.batches.clone().into_iter().map(Ok);
+        let reader = RecordBatchIterator::new(batches, self.0.schema.clone());
         let stream = FFI_ArrowArrayStream::new(Box::new(reader));
         PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
     }
@@ -57,13 +57,13 @@ impl Table {
     /// Number of columns.
     #[getter]
     fn num_columns(&self) -> usize {
-        self.0.schema().fields().len()
+        self.0.schema.fields().len()
     }
 
     /// Names of the columns, in order.
     #[getter]
     fn column_names(&self) -> Vec<&str> {
-        self.0.schema().fields().iter().map(|field| field.name().as_str()).collect()
+        self.0.schema.fields().iter().map(|field| field.name().as_str()).collect()
     }
 
     /// Unit of each column, by name; None for a column without a unit.
@@ -80,7 +80,7 @@ impl Table {
 
     /// Whether there is a column with this name.
     fn __contains__(&self, name: &Bound<'_, PyAny>) -> bool {
-        name.extract::<String>().is_ok_and(|name| self.0.schema().index_of(&name).is_ok())
+        name.extract::<String>().is_ok_and(|name| self.0.schema.index_of(&name).is_ok())
     }
 
     /// Number of rows.
@@ -99,7 +99,7 @@ impl Table {
             return Err(wrong_type("column", name, allowed));
         }
         let name: &str = &name.extract::<String>()?;
-        let index = self.0.schema().index_of(name);
+        let index = self.0.schema.index_of(name);
         let index = index.map_err(|_| {
             let names = self.column_names().join(", ");
             PyKeyError::new_err(format!("{name}: no such column; there are {names}"))
@@ -148,7 +148,7 @@ impl Table {
         for (index, name) in self.column_names().into_iter().enumerate() {
             let list = PyList::empty(py);
             let mut before = 0;
-            for batch in self.0.batches() {
+            for batch in &self.0.batches {
                 let rows = batch.num_rows();
                 let from = first.saturating_sub(before).min(rows);
                 let to = first.saturating_add(count).saturating_sub(before).min(rows);
@@ -175,7 +175,7 @@ impl Table {
 impl Table {
     fn metadata<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyDict>> {
         let values = PyDict::new(py);
-        for field in self.0.schema().fields() {
+        for field in self.0.schema.fields() {
             values.set_item(field.name(), field.metadata().get(key))?;
         }
         Ok(values)
@@ -183,7 +183,7 @@ impl Table {
 
     fn column<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyList>> {
         let list = PyList::empty(py);
-        for batch in self.0.batches() {
+        for batch in &self.0.batches {
             append(&list, batch.column(index))?;
         }
         Ok(list)

@@ -199,7 +199,7 @@ impl ClassRuns {
 
     fn group(&self, name: &str, (fraction, interval): (f64, (f64, f64))) -> CycleGroup {
         let range = |middle: Option<f64>, statistics: &SummaryStatistics| {
-            let [least, greatest] = statistics.ends()?;
+            let [least, greatest] = statistics.ends?;
             Some(CycleRange { middle: middle?, least, greatest })
         };
         let period_s = range(self.period.median(), &self.period);

@@ -29,7 +29,7 @@ pub struct RunUp {
 /// Returns the changes of speed of a machine, in the order of time; none at constant speed.
 pub fn run_ups(machine: &Machine) -> Vec<RunUp> {
     let disc = machine.disc_motion();
-    let driven = disc.segments().iter().filter(|(segment, _)| !segment.is_hold);
+    let driven = disc.segments.iter().filter(|(segment, _)| !segment.is_hold);
     driven.map(|(segment, _)| run_up(machine, segment)).collect()
 }
 

@@ -18,7 +18,8 @@ const MOST_VALUES: usize = 512;
 pub struct SummaryStatistics {
     counts: BTreeMap<u64, u64>,
     dropped: u32,
-    ends: Option<[f64; 2]>,
+    /// The least and the greatest value, or `None` if there are no values.
+    pub ends: Option<[f64; 2]>,
 }
 
 impl SummaryStatistics {
@@ -40,11 +41,6 @@ impl SummaryStatistics {
                 *self.counts.entry(key >> 1).or_default() += count;
             }
         }
-    }
-
-    /// Returns the least and the greatest value, or `None` if there are no values.
-    pub fn ends(&self) -> Option<[f64; 2]> {
-        self.ends
     }
 
     /// Returns the median; the mean of the two middle values for an even count.
@@ -112,17 +108,11 @@ mod tests {
     #[test]
     fn statistics_of_few_values_are_exact() {
         let few = statistics([4.0, -2.0, 1.0, 3.0, f64::NAN, f64::INFINITY]);
-        assert_eq!(
-            (few.median(), few.mean(), few.ends()),
-            (Some(2.0), Some(1.5), Some([-2.0, 4.0]))
-        );
+        assert_eq!((few.median(), few.mean(), few.ends), (Some(2.0), Some(1.5), Some([-2.0, 4.0])));
         let same = statistics([0.1; 7]);
-        assert_eq!(
-            (same.median(), same.mean(), same.ends()),
-            (Some(0.1), Some(0.1), Some([0.1; 2]))
-        );
+        assert_eq!((same.median(), same.mean(), same.ends), (Some(0.1), Some(0.1), Some([0.1; 2])));
         let none = statistics([]);
-        assert_eq!((none.median(), none.mean(), none.ends()), (None, None, None));
+        assert_eq!((none.median(), none.mean(), none.ends), (None, None, None));
     }
 
     proptest! {
@@ -145,7 +135,7 @@ mod tests {
             let count = values.len();
             let median = 0.5 * (values[(count - 1) / 2] + values[count / 2]);
             let mean = values.iter().map(|value| value - middle).sum::<f64>() / count as f64 + middle;
-            prop_assert_eq!(found.ends(), Some([values[0], values[count - 1]]));
+            prop_assert_eq!(found.ends, Some([values[0], values[count - 1]]));
             let allowed = 0.01 * (values[count - 1] - values[0]) + 1e-15;
             prop_assert!((found.median().unwrap() - median).abs() < allowed);
             prop_assert!((found.mean().unwrap() - mean).abs() < allowed);

@@ -142,7 +142,7 @@ fn critical_damping_n_s_m(machine: &Machine) -> f64 {
 /// The balls of the templates; that of `thesis` is the ball of the default machine.
 static BALLS_OF_TEMPLATES: LazyLock<Vec<Ball>> = LazyLock::new(|| {
     let ball = |template: &Template| {
-        let study = Study::parse(Path::new(template.name), template.source().to_owned()).ok()?;
+        let study = Study::parse(Path::new(template.name), template.source.to_owned()).ok()?;
         study.model().ball_balancer()?.balls.first().copied()
     };
     Template::ALL.iter().filter_map(ball).collect()

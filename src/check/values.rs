@@ -235,7 +235,7 @@ impl At<'_> {
     fn profile(&self, machine: &Machine) -> Option<Finding> {
         let [_, end_s] = self.study.simulation().end_times_s();
         let disc = machine.disc_motion();
-        let (last, _) = disc.segments().last()?;
+        let (last, _) = disc.segments.last()?;
         // A profile that ends with a plateau sets the end time itself.
         let has_end = machine.speed_profile.as_ref()?.end_time_s().is_some();
         let keys = ["simulation.end_time_s", "model.speed_profile", "model.protocol"];

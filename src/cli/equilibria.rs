@@ -144,11 +144,11 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
     if !arguments.quiet {
         let (points, seconds) = (study.point_count(), started.elapsed().as_secs_f64());
         say(&format!("{} in {seconds:.1} s", counted(points, "equilibrium set")));
-        if report.too_coarse() > 0 {
+        if report.too_coarse > 0 {
             say(&format!(
                 "warning: at {} of them the set has components that are smaller than the grid's spacing and \
                  therefore not all counted (column unresolved_equilibria); choose a finer --grid",
-                report.too_coarse()
+                report.too_coarse
             ));
         }
         say(&format!("tables in {}", directory.display()));

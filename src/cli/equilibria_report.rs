@@ -22,7 +22,8 @@ pub struct Report {
     keep_all: bool,
     own_speeds: bool,
     kinds: [KindCount; FrictionlessKind::ALL.len()],
-    too_coarse: u64,
+    /// The number of points at which the grid does not resolve all components of the set.
+    pub too_coarse: u64,
 }
 
 /// Counts of the equilibria of one kind.
@@ -78,11 +79,6 @@ impl Report {
                 kind.stable_rad_s = Some((low.min(speed_rad_s), high.max(speed_rad_s)));
             }
         }
-    }
-
-    /// Returns the number of points at which the grid does not resolve all components of the set.
-    pub fn too_coarse(&self) -> u64 {
-        self.too_coarse
     }
 
     /// Returns the report as text: the points, and the frictionless equilibria of `--speeds`.

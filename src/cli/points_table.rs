@@ -34,7 +34,8 @@ pub struct PointsTable {
     flips: AuditCounts,
     precision: Option<Precision>,
     points: u64,
-    not_precise: u64,
+    /// The number of points at which the requested precision was not reached.
+    pub not_precise: u64,
     units: Units,
     conclusion: Conclusion,
     responses: Vec<Response>,
@@ -110,11 +111,6 @@ impl PointsTable {
     /// Returns the audit counts of all points, in a study with an audit.
     pub fn flips(&self) -> Option<AuditCounts> {
         self.audit.then_some(self.flips)
-    }
-
-    /// Returns the number of points at which the requested precision was not reached.
-    pub fn not_precise(&self) -> u64 {
-        self.not_precise
     }
 
     /// Returns a line on the precision that the study asks for; `None` if it asks for none.

@@ -163,14 +163,14 @@ fn facts(
         facts["audit_rest_flips"] = audit.rest_flips.into();
     }
     if study.precision().is_some() {
-        facts["points_not_precise"] = points.not_precise().into();
+        facts["points_not_precise"] = points.not_precise.into();
     }
     facts
 }
 
 /// Returns the names of the columns of a table.
 fn names(table: &Table) -> Vec<&str> {
-    table.columns().iter().map(|(name, _)| name.as_str()).collect()
+    table.columns.iter().map(|(name, _)| name.as_str()).collect()
 }
 
 /// Prints the first `most` rows of a table as CSV.

@@ -23,6 +23,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(20);
 /// A pool of worker threads.
 pub struct WorkerPool {
     pool: rayon::ThreadPool,
+    /// The number of threads.
     threads: usize,
 }
 
@@ -40,11 +41,6 @@ impl WorkerPool {
     /// Runs `work` on the pool, where rayon distributes it.
     pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         self.pool.install(work)
-    }
-
-    /// Returns the number of threads.
-    pub fn threads(&self) -> usize {
-        self.threads
     }
 
     /// Runs `work` on the pool, where rayon distributes it, and returns its result. Returns `None` as soon as `stop`

@@ -30,7 +30,7 @@ pub struct Rests {
     /// For each ball all assignments in which it has the first measured angle: the measured angle of each ball.
     orders: Vec<Vec<Vec<usize>>>,
     /// The number of moving runs.
-    moving: usize,
+    pub moving: usize,
 }
 
 impl Rests {
@@ -74,11 +74,6 @@ impl Rests {
     /// Returns the number of runs at rest.
     pub fn at_rest(&self) -> usize {
         self.grouping.len()
-    }
-
-    /// Returns the number of runs that move.
-    pub fn moving(&self) -> usize {
-        self.moving
     }
 
     /// Returns the angles of the balls in each run at rest.

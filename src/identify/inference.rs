@@ -255,7 +255,7 @@ impl<'a> Evaluated<'a> {
         self.runs[0] += study.run_count();
         self.runs[1] += study.run_count().saturating_sub(ended.count() as u64);
         let numbers: Vec<f64> = set.values.iter().map(number_of).collect();
-        let mut places = self.smoother.places().to_vec();
+        let mut places = self.smoother.places.to_vec();
         places.push(identification.place_of(&numbers));
         self.smoother = Smoother::new(places, self.widths.clone());
         self.densities.push(self.densities_of(&rests));
@@ -277,7 +277,7 @@ impl<'a> Evaluated<'a> {
     /// Adds reference positions, and chooses the widths of the regression.
     fn choose_smoothing(&mut self) {
         let Inference { study, sites, .. } = *self.inference;
-        let places = self.smoother.places().to_vec();
+        let places = self.smoother.places.to_vec();
         let likelihood = self.likelihood();
         let likelihoods: Vec<f64> =
             places.par_iter().map(|place| likelihood.at(place, 0)).collect();
@@ -306,7 +306,7 @@ impl<'a> Evaluated<'a> {
             numbered.map(|(number, sample)| self.near(&posterior, number, sample)).collect();
         let fits = fit_tests(study, sites, &drawn);
         let at = |place: &Vec<f64>| likelihood.with_error(place);
-        let likelihoods: Vec<[f64; 2]> = self.smoother.places().par_iter().map(at).collect();
+        let likelihoods: Vec<[f64; 2]> = self.smoother.places.par_iter().map(at).collect();
         Inferred {
             sets: self.values.iter().cloned().zip(likelihoods).collect(),
             runs: self.runs,

@@ -73,7 +73,7 @@ pub(super) fn log_densities<'d>(
     let mass = references.excess(&rests).map(|excess| 1.0 - of_moving[0] + excess);
     let factor = mass.filter(|mass| *mass > 0.0).map_or(1.0, |mass| (1.0 - moving) / mass);
     let log = |sums: &[f64; 2]| libm::log((factor * positive(*sums)).max(uniform * least));
-    (rests.iter().take(references.measured()).map(log).sum(), libm::log(moving))
+    (rests.iter().take(references.measured).map(log).sum(), libm::log(moving))
 }
 
 /// The density where nothing is known.

@@ -9,7 +9,7 @@ const CANDIDATES: usize = 512;
 
 /// Returns `count` places in the unit cube for the next parameter sets.
 pub(super) fn next_places(study: &Study, likelihood: &Likelihood, count: usize) -> Vec<Vec<f64>> {
-    let places = likelihood.smoother.places();
+    let places = &likelihood.smoother.places;
     let dimensions = places.first().map_or(0, Vec::len);
     let mut random = generator(study, "identify next", places.len() as u64);
     let density = |place: &[f64]| likelihood.at(place, 0);

@@ -76,7 +76,7 @@ pub fn posterior(
         sample_in_unit_cube(dimensions, each, density, &mut random)
     };
     let by_replicate: Vec<Vec<Vec<f64>>> = (1..=REPLICATES).into_par_iter().map(sample).collect();
-    summary(identification, likelihood.smoother.widths(), &by_replicate)
+    summary(identification, &likelihood.smoother.widths, &by_replicate)
 }
 
 fn summary(

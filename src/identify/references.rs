@@ -19,7 +19,7 @@ const REFERENCES: usize = 128;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct References {
     /// The number of measured positions, which come before the reference positions.
-    measured: usize,
+    pub measured: usize,
     /// The density of each reference position in the proposal.
     proposal: Vec<f64>,
     /// The excess of mass, if it is known from other references.
@@ -69,11 +69,6 @@ impl References {
     /// Returns no references for this many measured positions, but the excess of mass if it is known.
     pub fn known(measured: usize, excess: Option<f64>) -> Self {
         References { measured, proposal: Vec::new(), known: excess }
-    }
-
-    /// Returns the number of measured positions among those of a site.
-    pub fn measured(&self) -> usize {
-        self.measured
     }
 
     /// Returns the excess of mass of a smoothed density over that of the regression, from the sums of regression and mean at all

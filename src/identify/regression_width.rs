@@ -66,7 +66,7 @@ impl<'a> CrossValidation<'a> {
                 let blurred = angles.iter().map(|angle| angle + std_dev_rad * normal(&mut random));
                 Measured { angles: blurred.collect(), std_dev_rad }
             });
-            let moving = own.moving().div_ceil(every) as u64;
+            let moving = own.moving.div_ceil(every) as u64;
             Site { rests: measured.collect(), moving, ..site.clone() }
         };
         let of_set = |set: usize| {

@@ -55,7 +55,7 @@ impl SetDensities {
         SetDensities {
             runs: rests.runs(),
             rests: site.rests.iter().map(of_run).collect(),
-            moving: over_all(rests.moving() as f64),
+            moving: over_all(rests.moving as f64),
         }
     }
 }

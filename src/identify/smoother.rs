@@ -31,25 +31,15 @@ pub struct SetWeight {
 #[derive(Clone, Debug)]
 pub struct Smoother {
     /// The places of the parameter sets.
-    places: Vec<Vec<f64>>,
+    pub places: Vec<Vec<f64>>,
     /// The width of the weight in each coordinate.
-    widths: Vec<f64>,
+    pub widths: Vec<f64>,
 }
 
 impl Smoother {
     /// Returns the regression over parameter sets at these places.
     pub fn new(places: Vec<Vec<f64>>, widths: Vec<f64>) -> Self {
         Smoother { places, widths }
-    }
-
-    /// Returns the places of the parameter sets.
-    pub fn places(&self) -> &[Vec<f64>] {
-        &self.places
-    }
-
-    /// Returns the width of the weight in each coordinate.
-    pub fn widths(&self) -> &[f64] {
-        &self.widths
     }
 
     /// Returns the weights of the parameter sets at a place: those of the regression and those of a plain mean, which are
@@ -161,7 +151,7 @@ mod tests {
                 let weights = smoother.weights(&place, of_set);
                 let value: f64 = weights
                     .iter()
-                    .map(|one| one.regression * polynomial(&smoother.places()[one.set]))
+                    .map(|one| one.regression * polynomial(&smoother.places[one.set]))
                     .sum();
                 assert!((value - polynomial(&place)).abs() < 1e-6, "{place:?}: {value}");
                 let is_left_out = |set| of_set(set) == 0.0;
@@ -177,7 +167,7 @@ mod tests {
         let value: f64 = smoother
             .weights(&[0.4, 0.6], |_| 1.0)
             .iter()
-            .map(|one| one.regression * (1.0 + smoother.places()[one.set][0]))
+            .map(|one| one.regression * (1.0 + smoother.places[one.set][0]))
             .sum();
         assert!((value - 1.4).abs() < 1e-6, "{value}");
         let one = Smoother::new(vec![vec![0.5]], vec![0.1]);

@@ -6,7 +6,7 @@ use super::{Kick, Machine, Model, ParameterDescriptor, SpeedProfile, SpeedSegmen
 #[derive(Clone, Debug, PartialEq)]
 pub struct DiscMotion {
     /// The segments of the speed, each with the angle by which the disc has turned before.
-    segments: Vec<(SpeedSegment, f64)>,
+    pub segments: Vec<(SpeedSegment, f64)>,
 }
 
 impl DiscMotion {
@@ -27,11 +27,6 @@ impl DiscMotion {
     pub fn fastest_rad_s(&self) -> f64 {
         let begins = self.segments.iter().map(|(segment, _)| segment.terms[0].abs());
         begins.fold(0.0, f64::max)
-    }
-
-    /// Returns the segments of the speed, each with the angle in rad by which the disc has turned before.
-    pub fn segments(&self) -> &[(SpeedSegment, f64)] {
-        &self.segments
     }
 
     /// Returns the segment at a time since the start, with the angle in rad by which the disc has turned before.

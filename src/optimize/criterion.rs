@@ -39,13 +39,13 @@ impl Criterion {
         errors: &[f64],
     ) -> Criterion {
         let sign = |negative: bool| if negative { -1.0 } else { 1.0 };
-        let objectives = goal.objectives().iter();
+        let objectives = goal.objectives.iter();
         let costs: Vec<(usize, f64)> =
             objectives.map(|(quantity, one)| (*quantity, sign(one.maximize))).collect();
         let limit = |(quantity, limit): &(usize, crate::study::Limit)| {
             Some((*quantity, sign(limit.least), scales.get(*quantity)?.scaled(limit.value)))
         };
-        let limits: Vec<(usize, f64, f64)> = goal.limits().iter().filter_map(limit).collect();
+        let limits: Vec<(usize, f64, f64)> = goal.limits.iter().filter_map(limit).collect();
         let designs = values.first().map_or(0, Vec::len);
         let of = |quantity: usize, design: usize| {
             values.get(quantity).and_then(|all| all.get(design)).copied().unwrap_or(f64::NAN)

@@ -114,7 +114,7 @@ pub fn finalists(
             on_front: None,
         })
     };
-    let single = goal.objectives().len() == 1;
+    let single = goal.objectives.len() == 1;
     let role = if single { FinalistRole::Finalist } else { FinalistRole::Pareto };
     let mut all: Vec<Finalist> = candidates(search, &goal, evaluations)
         .into_iter()
@@ -187,7 +187,7 @@ fn respond_with_own_runs(
 fn candidates(search: &Search, goal: &Goal, evaluations: &[Evaluation]) -> Vec<usize> {
     let all = goal.values_of_designs(evaluations);
     let most = search.optimization.finalists as usize;
-    if goal.objectives().len() == 1 {
+    if goal.objectives.len() == 1 {
         let mut order: Vec<usize> = (0..all.len()).collect();
         let rank = |index: &usize| goal.rank(&all[*index]);
         order.sort_by(|one, other| by_rank(rank(one), rank(other)));

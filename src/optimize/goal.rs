@@ -18,12 +18,13 @@ pub struct Quantity {
 /// Objectives and limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Goal {
-    quantities: Vec<Quantity>,
+    /// The quantities, those of objectives first.
+    pub quantities: Vec<Quantity>,
     over_points: OverPoints,
     /// The objectives, each with the index of its quantity.
-    objectives: Vec<(usize, Objective)>,
+    pub objectives: Vec<(usize, Objective)>,
     /// The limits, each with the index of its quantity.
-    limits: Vec<(usize, Limit)>,
+    pub limits: Vec<(usize, Limit)>,
 }
 
 impl Goal {
@@ -48,11 +49,6 @@ impl Goal {
         Goal { quantities, over_points: optimization.over_points, objectives, limits }
     }
 
-    /// Returns the quantities, those of objectives first.
-    pub fn quantities(&self) -> &[Quantity] {
-        &self.quantities
-    }
-
     /// Returns whether large values of a quantity, given by its index, are bad. Its first use decides.
     pub(super) fn large_is_bad(&self, quantity: usize) -> bool {
         let objective = self.objectives.iter().find(|(index, _)| *index == quantity);
@@ -62,16 +58,6 @@ impl Goal {
             (None, Some((_, limit))) => !limit.least,
             (None, None) => true,
         }
-    }
-
-    /// Returns the objectives, each with the index of its quantity.
-    pub fn objectives(&self) -> &[(usize, Objective)] {
-        &self.objectives
-    }
-
-    /// Returns the limits, each with the index of its quantity.
-    pub fn limits(&self) -> &[(usize, Limit)] {
-        &self.limits
     }
 
     /// Returns one estimate per quantity of a design with these answers.

@@ -39,5 +39,5 @@ pub fn unmet_limits(study: &Study, goal: &Goal, estimates: &[Estimate]) -> Vec<S
         let bound = format!("{} {}", trimmed(unit.of(limit.value)), unit.symbol);
         Some(format!("{} is {found}, allowed: {relation} {}", response.name, bound.trim_end()))
     };
-    goal.limits().iter().filter_map(unmet).collect()
+    goal.limits.iter().filter_map(unmet).collect()
 }

@@ -17,7 +17,7 @@ impl QuantityScale {
     pub fn new(goal: &Goal, quantity: usize, values: &[f64]) -> QuantityScale {
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
         let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let mut limits = goal.limits().iter().filter(|(index, _)| *index == quantity);
+        let mut limits = goal.limits.iter().filter(|(index, _)| *index == quantity);
         let positive = least > 0.0 && limits.all(|(_, limit)| limit.value > 0.0);
         match positive && most > DECADE * least {
             true => QuantityScale::Logarithmic,

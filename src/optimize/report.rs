@@ -39,7 +39,7 @@ pub fn optimum_json(
                 "ratio": estimate_ratio(best, other),
             }))
         };
-        Some(goal.objectives().iter().filter_map(of).collect::<Vec<Value>>())
+        Some(goal.objectives.iter().filter_map(of).collect::<Vec<Value>>())
     };
     json!({
         "study": study.name(),
@@ -84,7 +84,7 @@ fn sensitivity_json(one: &Sensitivity) -> Value {
 }
 
 fn final_json(study: &Study, goal: &Goal, one: &Finalist) -> Value {
-    let estimates = goal.quantities().iter().zip(&one.estimates);
+    let estimates = goal.quantities.iter().zip(&one.estimates);
     let responses: serde_json::Map<String, Value> = estimates
         .filter_map(|(quantity, estimate)| {
             let name = study.responses().get(quantity.response)?.name.clone();
@@ -130,14 +130,14 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
         last.origin.name()
     );
     line.push_str(&estimates_in_words(study, &goal, &goal.estimates(&last.answers)));
-    if goal.objectives().len() == 1 {
+    if goal.objectives.len() == 1 {
         let all = goal.values_of_designs(evaluations);
         let best = super::finalists::best(all.iter().map(|own| goal.rank(own)));
         if let Some(index) = best {
             let (grade, _) = goal.rank(&all[index]);
-            let value = goal.objectives().first().and_then(|(quantity, _)| all[index][*quantity]);
+            let value = goal.objectives.first().and_then(|(quantity, _)| all[index][*quantity]);
             let unit = |index: usize| study.responses().get(index).map_or("1", |one| one.unit());
-            let unit = goal.objectives().first().map_or("1", |(_, one)| unit(one.response));
+            let unit = goal.objectives.first().map_or("1", |(_, one)| unit(one.response));
             let value = value.map_or_else(
                 || "no value".to_owned(),
                 |value| value_in_words(value, &study.units().of_response(unit)),
@@ -151,7 +151,7 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
 }
 
 fn estimates_in_words(study: &Study, goal: &Goal, estimates: &[Estimate]) -> String {
-    let each = goal.quantities().iter().zip(estimates).filter_map(|(quantity, estimate)| {
+    let each = goal.quantities.iter().zip(estimates).filter_map(|(quantity, estimate)| {
         let response = study.responses().get(quantity.response)?;
         Some(format!(
             "{} {}",
@@ -170,7 +170,7 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
     let mut describe = |title: &str, one: &Finalist| {
         let number = one.design.map_or_else(String::new, |design| format!(" (design {design})"));
         let _ = writeln!(text, "{title}{number}: {}", design_in_words(study, &one.values));
-        let estimates = goal.quantities().iter().zip(&one.estimates);
+        let estimates = goal.quantities.iter().zip(&one.estimates);
         let rows = estimates.filter_map(|(quantity, estimate)| {
             let response = study.responses().get(quantity.response)?;
             Some(vec![
@@ -204,7 +204,7 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
     if let Some((best, other)) =
         finalists.of(FinalistRole::Best).zip(finalists.of(FinalistRole::CompareWith))
     {
-        for (quantity, objective) in goal.objectives() {
+        for (quantity, objective) in &goal.objectives {
             let both = best.estimates.get(*quantity).zip(other.estimates.get(*quantity));
             let response = study.responses().get(objective.response);
             if let Some(((best, other), response)) = both.zip(response) {

@@ -112,7 +112,7 @@ fn next_designs(
 /// Returns an error message if an objective does not depend on the design.
 fn constant(study: &Study, goal: &Goal, evaluations: &[Evaluation]) -> Option<String> {
     let all = goal.values_of_designs(evaluations);
-    goal.objectives().iter().find_map(|(quantity, objective)| {
+    goal.objectives.iter().find_map(|(quantity, objective)| {
         let name = &study.responses().get(objective.response)?.name;
         let values: Vec<Option<f64>> =
             all.iter().map(|values| values.get(*quantity).copied().flatten()).collect();

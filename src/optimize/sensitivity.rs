@@ -73,7 +73,7 @@ pub fn sensitivities(
         SensitivityFrom::Runs => (Some(seed), None),
     };
     let mut rows = Vec::new();
-    for (quantity, values) in goal.quantities().iter().zip(by_quantity) {
+    for (quantity, values) in goal.quantities.iter().zip(by_quantity) {
         let indices =
             values.and_then(|values| sobol_indices(&values, variables.len(), bootstrap_seed));
         for (index, variable) in variables.iter().enumerate() {
@@ -116,7 +116,7 @@ pub fn surrogates(search: &Search, evaluations: &[Evaluation]) -> Option<Vec<Qua
                 });
             (quantity.response, fitted)
         };
-        goal.quantities().par_iter().enumerate().map(fit).collect()
+        goal.quantities.par_iter().enumerate().map(fit).collect()
     })
 }
 
@@ -132,7 +132,7 @@ fn from_runs(
         let studies = vec![Cow::Owned(study.set(values).ok()?)];
         Some(Ok(Design { number, values, studies }))
     });
-    let mut values = vec![vec![None; designs.len()]; goal.quantities().len()];
+    let mut values = vec![vec![None; designs.len()]; goal.quantities.len()];
     let add = |design: &Design, answers: Vec<Answer>| {
         for (all, one) in values.iter_mut().zip(goal.estimates(&answers)) {
             all[design.number as usize] = one.value;

@@ -71,7 +71,7 @@ impl TrainingData {
             let values = values.into_iter().map(|value| scale.scaled(value)).collect();
             Some((scale, values, error * error))
         };
-        let quantities: Option<Vec<_>> = (0..goal.quantities().len()).map(quantity).collect();
+        let quantities: Option<Vec<_>> = (0..goal.quantities.len()).map(quantity).collect();
         let rows: Vec<Vec<f64>> =
             evaluations.iter().map(|one| space.coordinates(&one.values)).collect();
         Some(TrainingData { coordinates: table(&rows).ok()?, quantities: quantities? })

@@ -27,7 +27,7 @@ pub fn pareto_columns(study: &Study, optimization: &Optimization) -> Vec<Column<
     let mut list = Columns::<Finalist>::new();
     list.count("design", |row| row.design).meaning("number of the design in the search");
     add_variables(&mut list, study, |row: &Finalist| row.values.as_slice());
-    for (place, quantity) in Goal::new(study, optimization).quantities().iter().enumerate() {
+    for (place, quantity) in Goal::new(study, optimization).quantities.iter().enumerate() {
         let Some(response) = study.responses().get(quantity.response) else { continue };
         let (name, unit) = (&response.name, response.unit());
         // A response has several quantities if different points are its worst.

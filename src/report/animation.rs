@@ -91,7 +91,7 @@ pub fn animation(machine: &Machine, recording: &Recording, title: &str) -> Strin
 /// speed as a polynomial of the time since the begin.
 fn disc(machine: &Machine) -> Vec<(f64, f64, [f64; SPEED_TERMS])> {
     let disc = machine.disc_motion();
-    let segments = disc.segments().iter();
+    let segments = disc.segments.iter();
     segments.map(|(segment, turned)| (segment.begins_s, *turned, segment.terms)).collect()
 }
 

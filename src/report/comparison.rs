@@ -189,7 +189,7 @@ fn points(results: &ComparedResults<'_>, list: &[Quantity]) -> Result<Vec<Point>
             Point { point_id, swept, estimates, runs: Vec::new() }
         }));
     })?;
-    let names = runs.columns().iter().map(|(name, _)| name.as_str());
+    let names = runs.columns.iter().map(|(name, _)| name.as_str());
     let starts: Vec<&str> = names.filter(|name| name.starts_with("initial_")).collect();
     let mut place = 0;
     runs.for_each(|row| {

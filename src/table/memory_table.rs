@@ -22,22 +22,14 @@ const WAITING: usize = 4096;
 /// A table in memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MemoryTable {
-    schema: SchemaRef,
-    batches: Vec<RecordBatch>,
+    /// The schema, with unit and meaning of each column, and the provenance under the
+    /// metadata key `stickslip`.
+    pub schema: SchemaRef,
+    /// The rows, in order.
+    pub batches: Vec<RecordBatch>,
 }
 
 impl MemoryTable {
-    /// Returns the schema, with unit and meaning of each column, and the provenance under the
-    /// metadata key `stickslip`.
-    pub fn schema(&self) -> &SchemaRef {
-        &self.schema
-    }
-
-    /// Returns the rows, in order.
-    pub fn batches(&self) -> &[RecordBatch] {
-        &self.batches
-    }
-
     /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.batches.iter().map(RecordBatch::num_rows).sum()

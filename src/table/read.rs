@@ -26,7 +26,8 @@ pub struct Table {
     study_hash: String,
     /// The files and their numbers of rows.
     pub(super) parts: Vec<(PathBuf, u64)>,
-    columns: Vec<(String, Option<Kind>)>,
+    /// The names and kinds of the columns in order. The kind is `None` for a type that tables of results do not have.
+    pub columns: Vec<(String, Option<Kind>)>,
 }
 
 impl Table {
@@ -97,11 +98,6 @@ impl Table {
     /// Returns the number of rows.
     pub fn rows(&self) -> u64 {
         self.parts.iter().map(|(_, rows)| *rows).fold(0, u64::saturating_add)
-    }
-
-    /// Returns the names and kinds of the columns in order. The kind is `None` for a type that tables of results do not have.
-    pub fn columns(&self) -> &[(String, Option<Kind>)] {
-        &self.columns
     }
 
     /// Returns the kind of a column; `None` if there is no such column.

@@ -36,7 +36,7 @@ fn no_beginning_of_a_chunk_is_another_chunk() {
     let bytes = three_runs();
     let chunk = Chunk::parse(bytes.clone()).unwrap();
     assert_eq!(chunk.run_ids().collect::<Vec<_>>(), [0, 1, 2]);
-    assert_eq!(chunk.study_hash().len(), 64);
+    assert_eq!(chunk.study_hash.len(), 64);
     let ends = ends(&bytes);
     assert_eq!((ends.len(), ends[3]), (4, bytes.len()));
     for length in 0..bytes.len() {

@@ -58,7 +58,7 @@ struct Turning<const N: usize> {
 impl<const N: usize> Turning<N> {
     fn at(machine: &Machine, time: f64) -> Self {
         let natural = machine.natural_frequency_rad_s();
-        let (segment, _) = machine.disc_motion().segments()[0];
+        let (segment, _) = machine.disc_motion().segments[0];
         let time_s = time / natural;
         let slope =
             segment.terms[1] + time_s * (2.0 * segment.terms[2] + 3.0 * segment.terms[3] * time_s);
@@ -281,7 +281,7 @@ fn the_run_up_through_resonance_agrees_with_an_independent_integration() {
         let disc = machine.disc_motion();
         let angle = |time: f64| {
             let time_s = time / natural;
-            let (segment, before) = disc.segments()[usize::from(time_s > over_s)];
+            let (segment, before) = disc.segments[usize::from(time_s > over_s)];
             let after = time_s - segment.begins_s;
             let [_, b, c, d] = segment.terms;
             let slope = b + after * (2.0 * c + 3.0 * d * after);

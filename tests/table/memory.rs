@@ -34,10 +34,10 @@ impl Sink for InMemory {
 
 /// Asserts equal names, types, units and descriptions of the columns, and equal values.
 fn assert_same(mine: &MemoryTable, other: &MemoryTable) {
-    assert_eq!(mine.schema().fields(), other.schema().fields());
+    assert_eq!(mine.schema.fields(), other.schema.fields());
     assert_eq!(mine.rows(), other.rows());
     let columns = |table: &MemoryTable| -> Vec<_> {
-        table.batches().iter().flat_map(|batch| batch.columns().to_vec()).collect()
+        table.batches.iter().flat_map(|batch| batch.columns().to_vec()).collect()
     };
     assert_eq!(columns(mine), columns(other));
 }
@@ -65,7 +65,7 @@ fn what_is_computed_is_what_is_written() {
     assert_eq!(tables[0].rows() as u64, study.run_count());
     for (name, table) in TABLES.into_iter().zip(&tables) {
         assert_same(table, &read(name).unwrap());
-        let about = &table.schema().metadata()["stickslip"];
+        let about = &table.schema.metadata()["stickslip"];
         assert!(about.contains(&format!("\"table\":\"{name}\"")), "{about}");
     }
 
@@ -125,12 +125,12 @@ fn rows_keep_their_order_over_batches() {
         list.word("when", word).meaning("early or late");
         let table = in_memory(list.finish(), "here".to_owned(), 0..rows).unwrap();
         assert_eq!(table.rows() as u64, rows);
-        assert_eq!(table.batches().len() as u64, rows.div_ceil(BATCH));
-        assert_eq!(table.schema().metadata()["stickslip"], "here");
-        let numbers = table.batches().iter().flat_map(|batch| {
-            assert_eq!(batch.schema(), *table.schema());
+        assert_eq!(table.batches.len() as u64, rows.div_ceil(BATCH));
+        assert_eq!(table.schema.metadata()["stickslip"], "here");
+        let numbers = table.batches.iter().flat_map(|batch| {
+            assert_eq!(batch.schema(), table.schema);
             let words = batch.column(1).as_dictionary::<Int32Type>();
-            let first = table.batches()[0].column(1).as_dictionary::<Int32Type>();
+            let first = table.batches[0].column(1).as_dictionary::<Int32Type>();
             assert!(Arc::ptr_eq(words.values(), first.values()));
             assert!(words.values().len() <= 2);
             let words = words.downcast_dict::<StringArray>().unwrap();

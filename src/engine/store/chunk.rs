@@ -48,7 +48,8 @@ pub enum ChunkFault {
 /// A parsed chunk.
 #[derive(Debug)]
 pub struct Chunk {
-    study_hash: String,
+    /// The hash of the study of the runs.
+    pub study_hash: String,
     runs: Vec<Entry>,
     bytes: Vec<u8>,
 }
@@ -88,11 +89,6 @@ impl Chunk {
             runs.push(entry);
         }
         Ok(Chunk { study_hash: String::from_utf8_lossy(&hash).into_owned(), runs, bytes })
-    }
-
-    /// Returns the hash of the study of the runs.
-    pub fn study_hash(&self) -> &str {
-        &self.study_hash
     }
 
     /// Returns the approximate size in memory, bytes.

@@ -170,7 +170,7 @@ impl Folder {
         let bytes = bytes.map_err(|cause| fault(&path, cause))?;
         let chunk = Chunk::parse(bytes).map_err(|cause| fault(&path, cause))?;
         let ids = || chunk.run_ids();
-        let same_study = chunk.study_hash().starts_with(&self.study_hash);
+        let same_study = chunk.study_hash.starts_with(&self.study_hash);
         let same_runs = ids().len() as u64 == entry.runs
             && ids().next() == Some(entry.first_run)
             && ids().last() == Some(entry.last_run);

@@ -51,7 +51,7 @@ pub(super) fn evaluated(data: &OptimumData) -> Vec<Evaluated<'_>> {
     let mut designs = Vec::new();
     for (design, evaluation) in data.evaluations.iter().enumerate() {
         let values = data.values(evaluation);
-        let quantities = data.goal.objectives().iter().map(|(quantity, _)| *quantity);
+        let quantities = data.goal.objectives.iter().map(|(quantity, _)| *quantity);
         let objectives = quantities.map(|quantity| values.get(quantity).copied().flatten());
         let (objectives, met) = (objectives.collect(), data.goal.is_met(&values));
         designs.push(Evaluated { design, evaluation, objectives, met });
@@ -123,8 +123,8 @@ fn convergence(data: &OptimumData) -> Option<Figure> {
     let mut panels = Vec::new();
     let mut sentences = Vec::new();
     let mut unknown = 0;
-    let single = data.goal.objectives().len() == 1;
-    for (place, (_, objective)) in data.goal.objectives().iter().enumerate() {
+    let single = data.goal.objectives.len() == 1;
+    for (place, (_, objective)) in data.goal.objectives.iter().enumerate() {
         let (y, factor) = objective_axis(data, objective);
         let value = |one: &Evaluated<'_>| Some(factor * one.objectives.get(place).copied()??);
         let mut layers = Vec::new();
@@ -186,7 +186,7 @@ fn convergence(data: &OptimumData) -> Option<Figure> {
 
 /// Plots one objective over the other, with the final runs of the Pareto front.
 fn front(data: &OptimumData) -> Option<Figure> {
-    let [(_, first), (_, second)] = data.goal.objectives() else { return None };
+    let [(_, first), (_, second)] = &data.goal.objectives[..] else { return None };
     let (x_axis, x_factor) = objective_axis(data, first);
     let (y_axis, y_factor) = objective_axis(data, second);
     let designs = evaluated(data);

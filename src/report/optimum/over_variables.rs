@@ -13,7 +13,7 @@ const LOOKS: Looks =
 pub fn over_variables(data: &OptimumData) -> Option<Figure> {
     let designs = evaluated(data);
     let mut panels = Vec::new();
-    for (place, (_, objective)) in data.goal.objectives().iter().enumerate() {
+    for (place, (_, objective)) in data.goal.objectives.iter().enumerate() {
         let (y, factor) = objective_axis(data, objective);
         let value = |one: &Evaluated<'_>| Some(factor * one.objectives.get(place).copied()??);
         for (index, variable) in data.study.variables().iter().enumerate() {
@@ -22,7 +22,7 @@ pub fn over_variables(data: &OptimumData) -> Option<Figure> {
             if layers.is_empty() {
                 continue;
             }
-            let title = match data.goal.objectives().len() {
+            let title = match data.goal.objectives.len() {
                 1 => String::new(),
                 _ => y.name.clone(),
             };

@@ -27,7 +27,7 @@ pub fn parallel_coordinates(data: &OptimumData) -> Option<Figure> {
             Some(variable),
         )
     });
-    let objectives = data.goal.objectives().iter().enumerate().map(|(place, (_, objective))| {
+    let objectives = data.goal.objectives.iter().enumerate().map(|(place, (_, objective))| {
         let (axis, factor) = objective_axis(data, objective);
         let value = |one: &Evaluated<'_>| Some(factor * one.objectives.get(place).copied()??);
         upright(&axis.name, &axis.unit, designs.iter().map(value), None)
@@ -37,7 +37,7 @@ pub fn parallel_coordinates(data: &OptimumData) -> Option<Figure> {
         return None;
     }
     // The best design meets all limits and has the best value of the only objective.
-    let best = match data.goal.objectives() {
+    let best = match &data.goal.objectives[..] {
         [(_, objective)] => {
             let value = |place: &usize| {
                 let value = designs[*place].objectives[0]?;

@@ -80,7 +80,7 @@ impl<'a> UncertainSampling<'a> {
     ) -> Result<UncertainDesign, StudyError> {
         let own = |runs| UncertainDesign::latin_hypercube(&self.names, runs, self.seed);
         let refuse = |fault| self.path.key("design").refuse_value(fault);
-        let uncertain_design = match (self.kind, design.layout()) {
+        let uncertain_design = match (self.kind, &design.layout) {
             (UncertainDesignKind::MonteCarlo, _)
             | (UncertainDesignKind::Joint, Layout::MonteCarlo { .. }) => {
                 UncertainDesign::MonteCarlo

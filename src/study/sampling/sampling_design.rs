@@ -46,7 +46,8 @@ pub(crate) enum Layout {
 /// index.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Design {
-    layout: Layout,
+    /// The layout.
+    pub layout: Layout,
     axes: Vec<AxisDraws>,
     sobol_seed: u32,
     seed: u64,
@@ -99,11 +100,6 @@ impl Design {
     /// Returns the range of each coordinate.
     pub fn ranges(&self) -> Vec<[f64; 2]> {
         self.axes.iter().map(|AxisDraws { axis, .. }| [axis.low, axis.high]).collect()
-    }
-
-    /// Returns the layout.
-    pub fn layout(&self) -> &Layout {
-        &self.layout
     }
 
     /// Returns dimensions of the same Sobol' sequence that no axis uses.

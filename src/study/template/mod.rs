@@ -25,7 +25,7 @@ pub struct Template {
     /// What the template is for, in one line.
     pub summary: &'static str,
     /// Keys and values, after a head of comments. `NAME` and `FILE` are placeholders.
-    source: &'static str,
+    pub source: &'static str,
 }
 
 impl Template {
@@ -71,11 +71,6 @@ impl Template {
     /// Returns the template of a name.
     pub fn find(name: &str) -> Option<Template> {
         Template::ALL.into_iter().find(|template| template.name == name)
-    }
-
-    /// Returns keys and values of the study, with placeholders as its name and its file.
-    pub fn source(&self) -> &'static str {
-        self.source
     }
 
     /// Returns a study of this name, whose head shows commands with this file.

@@ -31,7 +31,6 @@ use crate::motion::all_stick;
 use crate::motion::cluster::{HeldCluster, held_clusters};
 use crate::motion::evaluator::Evaluator;
 use crate::motion::lockstep::pressure::Pressure;
-use crate::motion::lockstep::run::Runner;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::modes::InState;
 use crate::motion::saltation::Condition;
@@ -181,7 +180,7 @@ impl<S: Vector> Kernel<S> for General<S> {
     fn room(&self, simd: S) -> Room<S> {
         let Compiled { operations, programs, .. } = &*self.program;
         let Programs { motion, displacement, tail, .. } = programs;
-        let programs = [motion, displacement, tail].map(Runner::program);
+        let programs = [motion, displacement, tail].map(|runner| &runner.program);
         Room::new(simd, operations, programs)
     }
 
@@ -192,7 +191,7 @@ impl<S: Vector> Kernel<S> for General<S> {
         let modes: Vec<_> = own.phases.iter().map(|phase| phase.mode()).collect();
         let inputs = own.system.inputs(&modes);
         let scratch = self.scratch[lane].get_mut();
-        scratch.begin(programs.fixed.program());
+        scratch.begin(&programs.fixed.program);
         let memory = &mut scratch.memory;
         for (cell, input) in &operations.inputs[1] {
             memory[*cell as usize] = inputs[*input as usize];

@@ -131,7 +131,7 @@ impl Operations {
 
     /// Returns the place of a coefficient; those of one order stand side by side.
     pub(super) fn coefficient(&self, slot: Slot, k: usize) -> Cell {
-        (self.statics.all().len() + k * self.slots + slot as usize) as Cell
+        (self.statics.all.len() + k * self.slots + slot as usize) as Cell
     }
 
     /// Returns the place of the length of a step.

@@ -29,16 +29,12 @@ pub(super) enum Static {
 /// Static numbers, operands first; equal ones are one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Statics {
-    all: Vec<Static>,
+    /// The numbers, by their places.
+    pub(super) all: Vec<Static>,
     known: HashMap<(u8, u64, u64), StaticId>,
 }
 
 impl Statics {
-    /// Returns the numbers, by their places.
-    pub(super) fn all(&self) -> &[Static] {
-        &self.all
-    }
-
     /// Returns the place of a static number, which is added if it is new.
     pub(super) fn add(&mut self, number: Static) -> StaticId {
         let two = |kind: u8, a: StaticId, b: StaticId| (kind, u64::from(a), u64::from(b));

@@ -18,7 +18,7 @@ pub(super) enum Place {
 pub(super) struct Encoder {
     assembler: Assembler,
     position: u64,
-    width: Width,
+    pub(super) width: Width,
     /// Whether the last register contains all bits but the sign.
     has_mask: bool,
     /// Ranges of [`Encoder::near`] cells, and registers that point to their middles.
@@ -56,10 +56,6 @@ impl Encoder {
     pub(super) fn new(width: Width) -> Self {
         let assembler = Assembler::new(64);
         Encoder { assembler, position: 0, width, has_mask: false, ranges: Vec::new() }
-    }
-
-    pub(super) fn width(&self) -> Width {
-        self.width
     }
 
     /// Returns the number of vector registers for values.

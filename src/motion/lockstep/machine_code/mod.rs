@@ -203,7 +203,7 @@ fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<Part>> {
         // A cell that is read after this part is stored.
         let stored =
             |cell: u32| program.kept[cell as usize] || last_read[cell as usize] <= later.len();
-        let lowered = lower::lower(program, own, stored, encoder.width());
+        let lowered = lower::lower(program, own, stored, encoder.width);
         let cells = lowered.values.iter().map(|value| value.cell);
         let is_size = |line: &Line| matches!(line.operation, Operation::Size(_));
         let has_sizes = lowered.lines.iter().any(is_size);

@@ -20,7 +20,8 @@ const FIRST_RUNS: u32 = 100;
 /// A program with its machine code.
 #[derive(Debug)]
 pub(super) struct Runner {
-    program: Program,
+    /// The program.
+    pub(super) program: Program,
     /// The machine code for each width, where it is possible.
     code: [OnceLock<Option<Code>>; 3],
     /// The number of runs in the interpreter, up to [`FIRST_RUNS`].
@@ -32,11 +33,6 @@ impl Runner {
     pub(super) fn new(program: Program) -> Self {
         let program = program.with_functions_first();
         Runner { program, code: Default::default(), runs: AtomicU32::new(0) }
-    }
-
-    /// Returns the program.
-    pub(super) fn program(&self) -> &Program {
-        &self.program
     }
 
     /// Runs the program on its cells.

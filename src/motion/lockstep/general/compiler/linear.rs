@@ -21,7 +21,7 @@ impl Compiler<'_> {
         }
         let Linear { constant, terms } = sum;
         if let ([(slot, factor)], None) = (terms.as_slice(), constant)
-            && self.statics.all()[*factor as usize] == Static::Constant(1.0)
+            && self.statics.all[*factor as usize] == Static::Constant(1.0)
         {
             return *slot;
         }
