@@ -115,8 +115,9 @@ impl Cost {
         let [steps, corners, most_steps] =
             [steps, corners, most_steps].map(|one| one * runs as f64);
         let most_core_seconds = most_steps * seconds_per_step(model);
-        let core_seconds =
-            steps * usual_seconds_per_step(model) + corners * seconds_per_corner(model);
+        // To end a step and to begin another stage.
+        let per_corner = times_longer(model) * (6e-6 + 1.5e-6 * model.contacts() as f64);
+        let core_seconds = steps * usual_seconds_per_step(model) + corners * per_corner;
         self.steps += steps + corners;
         self.core_seconds += core_seconds.min(most_core_seconds);
         self.most_steps += most_steps;
@@ -150,11 +151,6 @@ fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
 fn corners(model: &Model, simulation: &Simulation) -> f64 {
     let [_, end_time_s] = simulation.end_times_s();
     model.stage_begins_s(end_time_s).len() as f64 - 1.0
-}
-
-/// Returns the seconds that a run takes to end a step and to begin another stage.
-fn seconds_per_corner(model: &Model) -> f64 {
-    times_longer(model) * (6e-6 + 1.5e-6 * model.contacts() as f64)
 }
 
 /// Returns the time of a step of balls that may touch, over that of balls that may not, if they touch half of the time.

@@ -201,7 +201,7 @@ impl<'a> StudyRun<'a> {
             PointCollector { study, sink, point: None, counts: LabelCounts::default() };
         let mut batches = Batches::new(study, options.shard);
         let mut due = 0;
-        while let Some(batch) = batches.next(collector.so_far()) {
+        while let Some(batch) = batches.next(collector.point.as_ref().map(|point| &point.runs)) {
             progress.limit(batches.most);
             due += batch.runs;
             let mut finished: Vec<RunRecord> = Vec::new();
@@ -279,11 +279,6 @@ struct PointCollector<'a, S> {
 }
 
 impl<S: Sink> PointCollector<'_, S> {
-    /// Returns the runs of the last point so far.
-    fn so_far(&self) -> Option<&PointAccumulator> {
-        self.point.as_ref().map(|point| &point.runs)
-    }
-
     fn add_all(&mut self, records: Vec<RunRecord>) -> Result<(), S::Error> {
         for record in records {
             let point_id = record.planned.point_id;

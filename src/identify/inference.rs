@@ -105,7 +105,7 @@ pub(super) fn infer(
             evaluated(all.count());
         }
         if all.count() == identification.start_designs {
-            if all.known_runs() == 0 {
+            if all.rests.iter().flatten().all(|rests| rests.runs() == 0) {
                 let problem = "all runs of all parameter sets failed".to_owned();
                 return Ok(InferenceEnd::Impossible(problem));
             }
@@ -234,10 +234,6 @@ impl<'a> Evaluated<'a> {
 
     fn count(&self) -> u64 {
         self.values.len() as u64
-    }
-
-    fn known_runs(&self) -> usize {
-        self.rests.iter().flatten().map(Rests::runs).sum()
     }
 
     fn add(&mut self, set: ParameterSet) {

@@ -41,11 +41,6 @@ pub(crate) struct ParquetFile {
     schema: SchemaRef,
 }
 
-/// Converts an error of the Parquet library into a fault.
-fn library_result<T>(result: Result<ParquetResult<T>, Fault>) -> Result<T, Fault> {
-    result?.map_err(|error| Fault::damaged(&error.to_string()))
-}
-
 impl ParquetFile {
     /// Opens a file in memory.
     pub fn in_memory(bytes: Vec<u8>) -> Result<ParquetFile, Fault> {
@@ -137,7 +132,8 @@ fn arrow_schema(
     key_values: Option<&Vec<KeyValue>>,
 ) -> Result<SchemaRef, Fault> {
     let columns = metadata.file_metadata().schema_descr();
-    library_result(guarded(|| parquet_to_arrow_schema(columns, key_values))).map(Arc::new)
+    let schema = guarded(|| parquet_to_arrow_schema(columns, key_values))?;
+    schema.map(Arc::new).map_err(|error| Fault::damaged(&error.to_string()))
 }
 
 /// Returns the fault of a column with an unsupported type.

@@ -155,7 +155,8 @@ impl Number for Expression<'_> {
                 (Number::constant(sine), Number::constant(cosine))
             }
             Recorded(recorder, id) => {
-                let [sine, cosine] = recorder.add_sine_and_cosine(id);
+                // The cosine comes after the sine.
+                let [sine, cosine] = [Node::Sine(id), Node::Cosine(id)].map(|of| recorder.add(of));
                 (Expression::node(recorder, sine), Expression::node(recorder, cosine))
             }
         }

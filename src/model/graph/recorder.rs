@@ -446,11 +446,6 @@ impl Recorder {
         }
         id
     }
-
-    /// Returns the places of sine and cosine, the cosine after the sine.
-    pub(super) fn add_sine_and_cosine(&self, angle: NodeId) -> [NodeId; 2] {
-        [self.add(Node::Sine(angle)), self.add(Node::Cosine(angle))]
-    }
 }
 
 /// Returns a key that only equal nodes share. The order of the operands of sums and products does not matter.

@@ -76,7 +76,7 @@ pub fn motion(study: &Study, run_id: u64, end_s: f64) -> Option<Motion> {
         if samples.is_empty() {
             break;
         }
-        motion.time_s.push(interval.middle_s());
+        motion.time_s.push(0.5 * (interval.ends_s[0] + interval.ends_s[1]));
         let tables = samples.iter().filter_map(|sample| sample.table);
         let largest = tables.map(|[x, y, ..]| x.hypot(y)).fold(0.0, f64::max);
         motion.amplitude_m.push(largest * units.length_m);
@@ -101,10 +101,6 @@ impl Interval {
         let Interval { ends_s: [from, to], instants } = *self;
         let part = move |place: usize| (place as f64 + 0.5) / instants as f64;
         (0..instants).map(move |place| from + (to - from) * part(place))
-    }
-
-    fn middle_s(&self) -> f64 {
-        0.5 * (self.ends_s[0] + self.ends_s[1])
     }
 }
 

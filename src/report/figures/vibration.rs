@@ -21,7 +21,9 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let sweep = OverSweep::new(data, 4);
     let amplitudes = amplitude_axis(data);
     let amplitude = |points: &[(f64, &PointFacts)]| amplitude_layers(data, points);
-    let fraction = |points: &[(f64, &PointFacts)]| worse_layers(points);
+    let fraction = |points: &[(f64, &PointFacts)]| {
+        line((WORSE, Colour::Series(1), Symbol::Disc, false), points, worse_fraction)
+    };
     let has_worse = data.points.iter().any(|point| worse_fraction(point).is_some());
     let mut panels = sweep.panels(data, &amplitudes, amplitude);
     if has_worse {
@@ -136,8 +138,4 @@ type Value<'a> = &'a dyn Fn(&PointFacts) -> Option<f64>;
 /// Returns the fraction of a point's runs that vibrate more than without balls.
 fn worse_fraction(point: &PointFacts) -> Option<f64> {
     point.residual.worse_than_without_balls.map(|[worse, ..]| worse)
-}
-
-fn worse_layers(points: &[(f64, &PointFacts)]) -> Vec<Layer> {
-    line((WORSE, Colour::Series(1), Symbol::Disc, false), points, worse_fraction)
 }

@@ -58,7 +58,8 @@ impl Copula {
             if !pairs.iter().any(earlier) {
                 continue;
             }
-            let factor = Cholesky::new(leading(&matrix, place + 1)).map(Cholesky::unpack);
+            let leading = matrix.view((0, 0), (place + 1, place + 1));
+            let factor = Cholesky::new(leading.into_owned()).map(Cholesky::unpack);
             let factor = factor
                 .filter(|factor| factor[(place, place)].powi(2) > MIN_REMAINING_VARIANCE)
                 .ok_or_else(|| contradiction(&matrix, place, pairs))?;
@@ -93,11 +94,6 @@ fn normal_correlation(rank: f64) -> f64 {
 /// Returns the rank correlation of two normal numbers with this correlation.
 fn rank_correlation(normal: f64) -> f64 {
     6.0 / PI * (normal / 2.0).clamp(-0.5, 0.5).asin()
-}
-
-/// Returns the first rows and columns of a matrix.
-fn leading(matrix: &DMatrix<f64>, size: usize) -> DMatrix<f64> {
-    matrix.view((0, 0), (size, size)).into_owned()
 }
 
 /// Returns the last of a parameter's pairs whose change alone makes the leading minor positive, or the last pair if

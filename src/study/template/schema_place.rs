@@ -34,7 +34,8 @@ impl<'a> SchemaPlace<'a> {
 
     /// Returns a key of a map.
     pub(super) fn key(&self, name: &str) -> Option<SchemaKey<'a>> {
-        let named = self.alternatives.iter().find_map(|node| Some((*node, of_map(node, name)?)));
+        let in_map = |node: &&'a Value| Some((*node, node.get("properties")?.get(name)?));
+        let named = self.alternatives.iter().find_map(in_map);
         let other = || {
             let free = |node: &&'a Value| {
                 Some((*node, node.get("additionalProperties").filter(|below| below.is_object())?))
@@ -94,10 +95,6 @@ fn collect<'a>(schema: &'a Value, node: &'a Value, found: &mut Vec<&'a Value>) {
             collect(schema, one, found);
         }
     }
-}
-
-fn of_map<'a>(node: &'a Value, name: &str) -> Option<&'a Value> {
-    node.get("properties")?.get(name)
 }
 
 /// Returns the key of a map that has exactly one, which is required.
