@@ -10,36 +10,36 @@ use super::{Elementary, Function, Number, State};
 
 /// `value + slope ε` with `ε² = 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dual {
+pub struct Dual<T = f64> {
     /// The number itself.
-    pub value: f64,
+    pub value: T,
     /// Its rate of change along the direction.
-    pub slope: f64,
+    pub slope: T,
 }
 
-impl Add for Dual {
-    type Output = Dual;
+impl<T: Add<Output = T>> Add for Dual<T> {
+    type Output = Self;
 
     #[inline]
-    fn add(self, other: Dual) -> Dual {
+    fn add(self, other: Self) -> Self {
         Dual { value: self.value + other.value, slope: self.slope + other.slope }
     }
 }
 
-impl Sub for Dual {
-    type Output = Dual;
+impl<T: Sub<Output = T>> Sub for Dual<T> {
+    type Output = Self;
 
     #[inline]
-    fn sub(self, other: Dual) -> Dual {
+    fn sub(self, other: Self) -> Self {
         Dual { value: self.value - other.value, slope: self.slope - other.slope }
     }
 }
 
-impl Mul for Dual {
-    type Output = Dual;
+impl<T: Copy + Add<Output = T> + Mul<Output = T>> Mul for Dual<T> {
+    type Output = Self;
 
     #[inline]
-    fn mul(self, other: Dual) -> Dual {
+    fn mul(self, other: Self) -> Self {
         Dual {
             value: self.value * other.value,
             slope: self.slope * other.value + self.value * other.slope,
@@ -47,11 +47,11 @@ impl Mul for Dual {
     }
 }
 
-impl Neg for Dual {
-    type Output = Dual;
+impl<T: Neg<Output = T>> Neg for Dual<T> {
+    type Output = Self;
 
     #[inline]
-    fn neg(self) -> Dual {
+    fn neg(self) -> Self {
         Dual { value: -self.value, slope: -self.slope }
     }
 }
@@ -78,9 +78,9 @@ impl Number for Dual {
     }
 }
 
-impl Dual {
+impl<T: Mul<Output = T>> Dual<T> {
     /// The function value with the slope of the function times that of its argument.
-    fn chain(self, value: f64, slope: f64) -> Dual {
+    pub(super) fn chain(self, value: T, slope: T) -> Self {
         Dual { value, slope: slope * self.slope }
     }
 }

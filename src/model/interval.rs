@@ -6,7 +6,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{Elementary, Function, Number};
+use super::{Dual, Elementary, Function, Number};
 
 /// All numbers between two ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,35 +123,7 @@ impl Neg for Interval {
 }
 
 /// Values and rates of change along a direction, for all states of a box.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounded {
-    /// The values.
-    pub value: Interval,
-    /// The rates of change.
-    pub slope: Interval,
-}
-
-impl Bounded {
-    fn chain(self, value: Interval, slope: Interval) -> Self {
-        Bounded { value, slope: slope * self.slope }
-    }
-}
-
-impl Add for Bounded {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Bounded { value: self.value + other.value, slope: self.slope + other.slope }
-    }
-}
-
-impl Sub for Bounded {
-    type Output = Self;
-
-    fn sub(self, other: Self) -> Self {
-        Bounded { value: self.value - other.value, slope: self.slope - other.slope }
-    }
-}
+pub type Bounded = Dual<Interval>;
 
 impl Div for Bounded {
     type Output = Self;
@@ -162,25 +134,6 @@ impl Div for Bounded {
             value: self.value * inverse.value,
             slope: self.slope * inverse.value + self.value * inverse.slope,
         }
-    }
-}
-
-impl Mul for Bounded {
-    type Output = Self;
-
-    fn mul(self, other: Self) -> Self {
-        Bounded {
-            value: self.value * other.value,
-            slope: self.slope * other.value + self.value * other.slope,
-        }
-    }
-}
-
-impl Neg for Bounded {
-    type Output = Self;
-
-    fn neg(self) -> Self {
-        Bounded { value: -self.value, slope: -self.slope }
     }
 }
 
