@@ -86,11 +86,6 @@ impl Rests {
         self.positions().nth(index)
     }
 
-    /// Returns whether any balls rest in touch.
-    pub fn touches(&self) -> bool {
-        self.groupings.iter().flatten().any(|group| group.len() > 1)
-    }
-
     /// Returns the density at which one further run would rest anywhere, for balls that are not told apart.
     pub fn uniform(&self) -> f64 {
         let balls = self.balls as f64;

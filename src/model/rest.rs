@@ -48,20 +48,6 @@ impl<const N: usize> Balancer<N> {
         RestPoint { position: [x, y], normal, friction }
     }
 
-    /// Returns the smallest friction coefficient, equal for all balls, with which the balls can
-    /// rest at `beta`; infinite if a normal force would have to pull.
-    pub fn required_friction(&self, beta: &[f64; N]) -> f64 {
-        let rest = self.rest_point(beta);
-        let ratio = |i: usize| {
-            if rest.normal[i] > 0.0 {
-                rest.friction[i].abs() / rest.normal[i]
-            } else {
-                f64::INFINITY
-            }
-        };
-        (0..N).map(ratio).fold(0.0, f64::max)
-    }
-
     /// Amplitude of the table's vibration with balls at rest at `beta`, over `L`.
     pub fn rest_amplitude(&self, beta: &[f64; N]) -> f64 {
         let [x, y] = self.rest_point(beta).position;

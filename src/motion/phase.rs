@@ -65,7 +65,7 @@ pub type Phases = SmallVec<[Phase; 16]>;
 pub type PerContact = SmallVec<[f64; 8]>;
 
 /// Returns whether all contacts stick, whatever the gaps do.
-pub(crate) fn all_stick(phases: &[Phase]) -> bool {
+pub fn all_stick(phases: &[Phase]) -> bool {
     phases.iter().all(|phase| matches!(phase, Phase::Stick | Phase::Open | Phase::Closed))
 }
 

@@ -6,9 +6,7 @@ use std::sync::Arc;
 use super::cancellation::unwind_if_cancelled;
 use super::lockstep::{LANES, LaneGroup, Saved};
 use super::root::fall_through_zero;
-use super::{
-    Effort, Evaluator, Failure, Instant, PerContact, Phase, SLOW, Settings, SimdLevel, all_stick,
-};
+use super::{Effort, Evaluator, Failure, Instant, PerContact, Phase, SLOW, Settings, SimdLevel};
 use crate::model::{Components, Method, System};
 
 /// A motion in progress.
@@ -168,11 +166,6 @@ impl Motion {
     /// it never was, and the current time if it is now.
     pub fn slow_since(&self) -> PerContact {
         self.lane().slow_since(0)
-    }
-
-    /// Returns whether all contacts stick.
-    pub fn all_stick(&self) -> bool {
-        all_stick(self.phases())
     }
 
     /// Returns whether all contacts are slow in the sense of [`Motion::slow_since`].

@@ -74,18 +74,6 @@ pub enum Values {
 }
 
 impl Values {
-    /// Returns the kind of the values.
-    pub fn kind(&self) -> Kind {
-        match self {
-            Values::Number(_) => Kind::Number,
-            Values::Count(_) => Kind::Count,
-            Values::Integer(_) => Kind::Integer,
-            Values::Boolean(_) => Kind::Boolean,
-            Values::Text(_) => Kind::Text,
-            Values::Numbers(_) => Kind::Numbers,
-        }
-    }
-
     /// Returns the value in a row as JSON; null if it is missing.
     pub(crate) fn json(&self, row: usize) -> Value {
         match self {

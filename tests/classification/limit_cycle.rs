@@ -5,7 +5,7 @@ use std::path::Path;
 use rayon::prelude::*;
 use stickslip::classification::{Evidence, Label, simulate};
 use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start, State, certified};
-use stickslip::motion::{Settings, Tolerance};
+use stickslip::motion::{Settings, Tolerance, all_stick};
 use stickslip::study::Study;
 
 use super::simulate_all::{cases_of, simulate_all};
@@ -102,7 +102,7 @@ initial_conditions: {design: {latin_hypercube: {samples: 64}}}
             let mut motion = started(&system, settings, &start);
             let mut earlier = None;
             while motion.time() < end {
-                if motion.all_stick() {
+                if all_stick(motion.phases()) {
                     let state = state_of(&motion);
                     let rest = balancer.rest_point(&state.beta);
                     assert!(!certified(&balancer, &rest, &state), "came to rest");

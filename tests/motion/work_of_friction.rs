@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::support::{Block, SliderState};
 use stickslip::model::{Balancer, FrictionLaw, Machine, Method, State, System};
-use stickslip::motion::{Settings, Tolerance};
+use stickslip::motion::{Settings, Tolerance, all_stick};
 
 use crate::support::{for_each_kernel, started, state_of};
 
@@ -81,7 +81,7 @@ fn dry_friction_dissipates_force_times_distance() {
         let start = SliderState { position: [], velocity: [], beta: [0.0], beta_dot: [1.7] };
         let mut motion = started(&slider, settings(method), &start);
         let (mut way, mut energy) = (0.0, 0.5 * 1.7 * 1.7);
-        while !motion.all_stick() {
+        while !all_stick(motion.phases()) {
             let before = motion.state()[0];
             let turn = motion.advance(1000.0).map(|_| {
                 let velocity = |direction: f64| move |s: &[f64]| direction * s[1];
@@ -111,7 +111,7 @@ fn dry_and_viscous_friction_dissipate_force_times_distance_and_speed() {
         let start = SliderState { position: [], velocity: [], beta: [0.0], beta_dot: [1.7] };
         let mut motion = started(&slider, settings(method), &start);
         let mut work = 0.0;
-        while !motion.all_stick() {
+        while !all_stick(motion.phases()) {
             let time = motion.time();
             motion.advance(time + 0.02).expect("continues");
             let length = motion.time() - time;
