@@ -52,6 +52,16 @@ pub(super) type Encoded<T = ()> = Result<T, NotEncoded>;
 /// Less than; false for NaN, which raises no exception.
 const LESS: u32 = 0x11;
 
+/// Operations with two operands: their codes for eight, four and one numbers.
+macro_rules! three {
+    ($($(#[$doc:meta])* $name:ident: $eight:ident, $four:ident, $one:ident;)*) => {
+        $($(#[$doc])*
+        pub(super) fn $name(&mut self, to: usize, a: usize, b: Place) -> Encoded {
+            self.three(self.pick([Code::$eight, Code::$four, Code::$one]), to, a, b)
+        })*
+    };
+}
+
 impl Encoder {
     pub(super) fn new(width: Width) -> Self {
         let assembler = Assembler::new(64);
@@ -234,22 +244,13 @@ impl Encoder {
         self.three(code, to, self.all_registers() - 1, of)
     }
 
-    pub(super) fn product(&mut self, to: usize, a: usize, b: Place) -> Encoded {
-        let code = self.pick([
-            Code::EVEX_Vmulpd_zmm_k1z_zmm_zmmm512b64_er,
-            Code::VEX_Vmulpd_ymm_ymm_ymmm256,
-            Code::VEX_Vmulsd_xmm_xmm_xmmm64,
-        ]);
-        self.three(code, to, a, b)
-    }
-
-    pub(super) fn quotient(&mut self, to: usize, of: usize, by: Place) -> Encoded {
-        let code = self.pick([
-            Code::EVEX_Vdivpd_zmm_k1z_zmm_zmmm512b64_er,
-            Code::VEX_Vdivpd_ymm_ymm_ymmm256,
-            Code::VEX_Vdivsd_xmm_xmm_xmmm64,
-        ]);
-        self.three(code, to, of, by)
+    three! {
+        product: EVEX_Vmulpd_zmm_k1z_zmm_zmmm512b64_er, VEX_Vmulpd_ymm_ymm_ymmm256, VEX_Vmulsd_xmm_xmm_xmmm64;
+        quotient: EVEX_Vdivpd_zmm_k1z_zmm_zmmm512b64_er, VEX_Vdivpd_ymm_ymm_ymmm256, VEX_Vdivsd_xmm_xmm_xmmm64;
+        /// Writes `a` where it is less than `b`, and `b` elsewhere, also where one of them is not a number.
+        smaller: EVEX_Vminpd_zmm_k1z_zmm_zmmm512b64_sae, VEX_Vminpd_ymm_ymm_ymmm256, VEX_Vminsd_xmm_xmm_xmmm64;
+        /// Writes `a` where it is greater than `b`, and `b` elsewhere, also where one of them is not a number.
+        larger: EVEX_Vmaxpd_zmm_k1z_zmm_zmmm512b64_sae, VEX_Vmaxpd_ymm_ymm_ymmm256, VEX_Vmaxsd_xmm_xmm_xmmm64;
     }
 
     /// Adds `a b` to a register, or subtracts it.
@@ -268,26 +269,6 @@ impl Encoder {
             ]
         };
         self.three(self.pick(codes), sum, a, b)
-    }
-
-    /// Writes `a` where it is less than `b`, and `b` elsewhere, also where one of them is not a number.
-    pub(super) fn smaller(&mut self, to: usize, a: usize, b: Place) -> Encoded {
-        let code = self.pick([
-            Code::EVEX_Vminpd_zmm_k1z_zmm_zmmm512b64_sae,
-            Code::VEX_Vminpd_ymm_ymm_ymmm256,
-            Code::VEX_Vminsd_xmm_xmm_xmmm64,
-        ]);
-        self.three(code, to, a, b)
-    }
-
-    /// Writes `a` where it is greater than `b`, and `b` elsewhere, also where one of them is not a number.
-    pub(super) fn larger(&mut self, to: usize, a: usize, b: Place) -> Encoded {
-        let code = self.pick([
-            Code::EVEX_Vmaxpd_zmm_k1z_zmm_zmmm512b64_sae,
-            Code::VEX_Vmaxpd_ymm_ymm_ymmm256,
-            Code::VEX_Vmaxsd_xmm_xmm_xmmm64,
-        ]);
-        self.three(code, to, a, b)
     }
 
     /// Writes the third register where the first is less than the second, else the fourth. `to` is none of them.
