@@ -104,7 +104,9 @@ impl Values {
             let number = |value| digits(value).parse().unwrap_or(f64::NAN);
             Some(Values::Number(all::<T, f64>(column, number)?))
         }
-        let text = |text: Option<&str>| text.map(str::to_owned);
+        fn texts<'a>(all: impl Iterator<Item = Option<&'a str>>) -> Values {
+            Values::Text(all.map(|text| text.map(str::to_owned)).collect())
+        }
         Some(match column.data_type() {
             DataType::Int8 => Values::Integer(all::<Int8Type, _>(column, i64::from)?),
             DataType::Int16 => Values::Integer(all::<Int16Type, _>(column, i64::from)?),
@@ -122,15 +124,9 @@ impl Values {
             DataType::Decimal128(_, scale) => decimal::<Decimal128Type>(column, *scale)?,
             DataType::Decimal256(_, scale) => decimal::<Decimal256Type>(column, *scale)?,
             DataType::Boolean => Values::Boolean(column.as_boolean_opt()?.iter().collect()),
-            DataType::Utf8 => {
-                Values::Text(column.as_string_opt::<i32>()?.iter().map(text).collect())
-            }
-            DataType::LargeUtf8 => {
-                Values::Text(column.as_string_opt::<i64>()?.iter().map(text).collect())
-            }
-            DataType::Utf8View => {
-                Values::Text(column.as_string_view_opt()?.iter().map(text).collect())
-            }
+            DataType::Utf8 => texts(column.as_string_opt::<i32>()?.iter()),
+            DataType::LargeUtf8 => texts(column.as_string_opt::<i64>()?.iter()),
+            DataType::Utf8View => texts(column.as_string_view_opt()?.iter()),
             DataType::Dictionary(..) => {
                 let coded = column.as_any_dictionary_opt()?;
                 Values::of(&take(coded.values(), coded.keys(), None).ok()?)?
