@@ -139,12 +139,9 @@ impl<const N: usize> System for BallsInContact<N> {
         fn longest_step() -> f64;
         fn pace() -> f64;
         fn fewest_steps() -> f64;
+        fn surely_one_solution() -> bool;
         fn force_scale() -> f64;
         fn jump_of_balls(state: &mut [f64], jump: [f64; 2]) -> u32;
-    }
-
-    fn surely_one_solution(&self) -> bool {
-        System::surely_one_solution(&self.balancer)
     }
 
     fn one_solution_at(&self, state: &[f64]) -> bool {

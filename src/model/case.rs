@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Model, State};
+use super::Model;
 
 /// A start state: one value for each of [`Model::coordinates`], in that order.
 ///
@@ -28,15 +28,6 @@ impl Start {
         beta_dot: &[f64],
     ) -> Self {
         Start([&position, beta, &velocity, beta_dot].concat())
-    }
-
-    /// The start state of a balancer with `N` balls; `None` of another number.
-    pub fn of_balls<const N: usize>(&self) -> Option<State<N>> {
-        let (position, rest) = self.0.split_first_chunk()?;
-        let (beta, rest) = rest.split_first_chunk()?;
-        let (velocity, rest) = rest.split_first_chunk()?;
-        let beta_dot = rest.try_into().ok()?;
-        Some(State { position: *position, velocity: *velocity, beta: *beta, beta_dot })
     }
 }
 

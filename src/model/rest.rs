@@ -72,12 +72,6 @@ impl<const N: usize> Balancer<N> {
         (0..N).map(used).fold(0.0, f64::max)
     }
 
-    /// Returns the friction margin at rest: 1 if no ball needs friction, 0 on the edge of the
-    /// equilibrium set, negative outside.
-    pub fn rest_margin(&self, beta: &[f64; N]) -> f64 {
-        1.0 - self.friction_use(&self.rest_point(beta), 0.0)
-    }
-
     /// Distance of the table from its rest point in phase space, for balls at rest:
     /// `R = sqrt(|u|² + |v|²)`, `u = z - z_0`, `v = u̇ + iωu`. `R²/2` is the energy of a damped
     /// oscillator in inertial space, so `R` never grows.

@@ -9,7 +9,7 @@ use stickslip::motion::{Settings, Tolerance, all_stick};
 use stickslip::study::Study;
 
 use super::simulate_all::{cases_of, simulate_all};
-use crate::support::{for_each_kernel, shared, started, state_of};
+use crate::support::{for_each_kernel, shared, start_of, started, state_of};
 
 /// The start states of thesis table 5.1, with the speeds of the disc and the mean speeds of the
 /// balls; the second ball is `apart` from the first.
@@ -89,7 +89,7 @@ initial_conditions: {design: {latin_hypercube: {samples: 64}}}
         let machine = case.model.ball_balancer().expect("a balancer");
         let balancer = Balancer::<2>::new(machine).expect("two balls");
         let natural = machine.natural_frequency_rad_s();
-        let start: State<2> = case.start.of_balls().expect("two balls");
+        let start: State<2> = start_of(&case.start);
         let settings = Settings {
             method: Method::Switch,
             band: case.simulation.band,
@@ -216,7 +216,7 @@ initial_conditions: {{design: {{latin_hypercube: {{samples: 64}}}}}}
             tolerance: Tolerance { relative: 1e-8, absolute: 1e-10 },
             effort_limit: u64::MAX,
         };
-        let start: State<2> = case.start.of_balls().expect("two balls");
+        let start: State<2> = start_of(&case.start);
         let mut motion = started(&shared(balancer), settings, &start);
         let end = 165.0 * machine.natural_frequency_rad_s();
         while motion.time() < end {

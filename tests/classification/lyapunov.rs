@@ -15,7 +15,7 @@ use stickslip::motion::{Phase, Settings, Tolerance};
 use stickslip::study::Study;
 
 use super::simulate_all::{cases_of, simulate_all};
-use crate::support::{for_each_kernel, started, state_of};
+use crate::support::{for_each_kernel, start_of, started, state_of};
 
 /// At an unstable equilibrium with viscous drag only, neighbours separate at the rate of the
 /// equations linearised there, an independent formulation (`exp(A t)`). Nothing else happens, so
@@ -162,7 +162,7 @@ simulation: {method: event, end_time_s: 5, tolerance: {relative: 1.0e-12, absolu
                 tolerance: Tolerance { relative: 1e-12, absolute: 1e-14 },
                 effort_limit: 10_000_000,
             };
-            let start = case.start.of_balls().expect("two balls");
+            let start = start_of(&case.start);
             let end = case.simulation.end_time_s * natural;
             let window = [end - window_s * natural, end];
             let [_, general] = for_each_kernel(balancer);

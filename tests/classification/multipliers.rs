@@ -8,7 +8,7 @@ use stickslip::classification::{Evidence, Outcome, simulate};
 use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start, State, System};
 use stickslip::motion::{Phase, Settings, Tolerance};
 
-use crate::support::{shared, started};
+use crate::support::{shared, start_of, started};
 
 const FINE: Settings = Settings {
     method: Method::Event,
@@ -133,7 +133,7 @@ fn multipliers_are_those_of_the_return_map() {
         let machine = case.model.ball_balancer().expect("a balancer");
         let natural = machine.natural_frequency_rad_s();
         let system = shared(Balancer::<2>::new(machine).expect("two balls"));
-        let start = case.start.of_balls().expect("two balls");
+        let start = start_of(&case.start);
         let (orbit, ball, period) = settled(&system, &outcome, &start);
         let period_s = outcome.period_s.expect("a period");
         // With a neutral direction the period depends on where the other ball rests.

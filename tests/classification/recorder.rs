@@ -10,7 +10,7 @@ use stickslip::model::{Balancer, Case, Model, Simulation, Start, State};
 use stickslip::motion::{Phase, SLACK, Settings};
 use stickslip::study::Study;
 
-use crate::support::{for_each_kernel, started, state_of};
+use crate::support::{for_each_kernel, start_of, started, state_of};
 
 /// Returns the cases of a study with a model, a design and a simulation.
 pub fn cases(model: &str, samples: u32, simulation: &str) -> Vec<Case> {
@@ -168,7 +168,7 @@ fn times_agree_with_motions_at_tighter_tolerances() {
         let tight =
             Simulation { relative_tolerance: 1e-11, absolute_tolerance: 1e-13, ..case.simulation };
         let settings = Settings::new(&tight, 1_000_000);
-        let start: State<2> = case.start.of_balls().expect("two balls");
+        let start: State<2> = start_of(&case.start);
         assert_eq!(recording.samples.len(), times.len());
         let kernels = for_each_kernel(balancer);
         let mut motions = kernels.each_ref().map(|system| started(system, settings, &start));

@@ -12,7 +12,7 @@ use stickslip::model::{
 };
 use stickslip::motion::Settings;
 
-use crate::support::{angular_distance, shared, started, state_of};
+use crate::support::{angular_distance, shared, start_of, started, state_of};
 
 fn run(model: impl Into<Model>, start: &Start, end_time_s: f64) -> Outcome {
     let simulation = Simulation { end_time_s, ..Simulation::default() };
@@ -61,7 +61,7 @@ fn resting<const N: usize>(machine: &Machine, beta: [f64; N]) -> Start {
 fn later<const N: usize>(machine: &Machine, start: &Start, time_s: f64) -> ([f64; N], f64) {
     let balancer = Balancer::<N>::new(machine).expect("balls");
     let settings = Settings::new(&Simulation::default(), u64::MAX);
-    let state: State<N> = start.of_balls().expect("balls");
+    let state: State<N> = start_of(start);
     let mut motion = started(&shared(balancer), settings, &state);
     let end = time_s * machine.natural_frequency_rad_s();
     while motion.time() < end {

@@ -9,6 +9,7 @@ use stickslip::model::{
 use stickslip::motion::{Evaluator, Meets, Motion, Phase, Settings, Tolerance};
 
 use super::samples::Sampler;
+use crate::support::rest_margin;
 
 pub(super) fn settings(method: Method, relative: f64) -> Settings {
     let tolerance = Tolerance { relative, absolute: 1e-2 * relative };
@@ -316,7 +317,7 @@ fn touching_positions_that_are_rests() {
         rests.count() as f64 / f64::from(places)
     };
     let with = share(&|beta| system.rest_margin(beta) >= 0.0);
-    let without = share(&|beta| system.balancer.rest_margin(beta) >= 0.0);
+    let without = share(&|beta| rest_margin(&system.balancer, beta) >= 0.0);
     assert!((with - 0.3844).abs() < 1e-4, "{with}");
     assert!((without - 0.2200).abs() < 1e-4, "{without}");
     // The interval of forces, written out.

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use stickslip::model::{Balancer, Machine, Method, Simulation, Start, State, System};
 use stickslip::motion::{Motion, Settings};
 
-use crate::support::{for_each_kernel, started};
+use crate::support::{for_each_kernel, start_of, started};
 
 const METHODS: [Method; 2] = [Method::Event, Method::Switch];
 
 fn motion(system: &Arc<dyn System>, method: Method) -> Motion {
     let simulation = Simulation { method, ..Simulation::default() };
     let start = Start::of_balancer([0.01, 0.0], &[1.0, 4.0], [0.0, 0.02], &[0.5, -0.3]);
-    let state: State<2> = start.of_balls().expect("two balls");
+    let state: State<2> = start_of(&start);
     started(system, Settings::new(&simulation, u64::MAX), &state)
 }
 

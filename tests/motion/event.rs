@@ -10,7 +10,7 @@ use stickslip::study::Study;
 
 use super::samples::{Sampler, difference, go_on, moved, settings};
 use crate::support::reference::stick_reserve;
-use crate::support::{for_each_kernel, started, state_of};
+use crate::support::{for_each_kernel, rest_margin, started, state_of};
 
 fn two_balls(speed_rad_s: f64) -> Balancer<2> {
     let machine = Machine { speed_rad_s, ..Machine::default() };
@@ -83,7 +83,7 @@ fn break_away_within_rounding() {
 #[test]
 fn creep_does_not_chatter() {
     let balancer = two_balls(-179.2671);
-    let margin = |beta: f64| balancer.rest_margin(&[beta, beta]);
+    let margin = |beta: f64| rest_margin(&balancer, &[beta, beta]);
     let (mut edges, mut creeping) = (0, 0);
     for k in 0..628 {
         let (mut one, mut other) = (0.01 * f64::from(k), 0.01 * f64::from(k + 1));

@@ -15,7 +15,7 @@ use stickslip::motion::{
 use stickslip::study::Study;
 
 use crate::support::reference::{self, stick_reserve};
-use crate::support::{OwnSystem, for_each_kernel, shared, started, state_of};
+use crate::support::{OwnSystem, for_each_kernel, rest_margin, shared, started, state_of};
 
 fn balancer<const N: usize>(friction: f64, heavier: f64) -> Balancer<N> {
     let mut machine = Machine::default();
@@ -127,7 +127,7 @@ fn creep_does_not_chatter() {
     let machine = Machine { speed_rad_s: -179.2671, ..Machine::default() };
     let balancer = Balancer::<2>::new(&machine).expect("two balls");
     // The edge of the set for balls side by side, by bisection on the closed form.
-    let margin = |beta: f64| balancer.rest_margin(&[beta, beta]);
+    let margin = |beta: f64| rest_margin(&balancer, &[beta, beta]);
     let (mut inside, mut outside) = (0.0, 0.0);
     for k in 0..628 {
         let beta = 0.01 * f64::from(k);

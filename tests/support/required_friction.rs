@@ -12,3 +12,8 @@ pub fn required_friction<const N: usize>(balancer: &Balancer<N>, beta: &[f64; N]
     };
     (0..N).map(ratio).fold(0.0, f64::max)
 }
+
+/// Returns the friction margin at rest: 1 if no ball needs friction, 0 on the edge of the equilibrium set, negative outside.
+pub fn rest_margin<const N: usize>(balancer: &Balancer<N>, beta: &[f64; N]) -> f64 {
+    1.0 - balancer.friction_use(&balancer.rest_point(beta), 0.0)
+}
