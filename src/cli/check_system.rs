@@ -9,23 +9,17 @@ use crate::study::Study;
 /// Returns the equations as lines of text; nothing for a kind of model that no file defines.
 pub(super) fn system_text(study: &Study) -> String {
     let Some(source) = study.model().kind().source() else { return String::new() };
-    let mut rows: Vec<[String; 2]> = Vec::new();
-    for (name, coordinate) in entries(&source["coordinates"]) {
-        rows.push([format!("coordinate {name}"), in_words(coordinate)]);
-    }
+    let named = |key: &str, word: &'static str| {
+        entries(&source[key]).map(move |(name, one)| [format!("{word} {name}"), in_words(one)])
+    };
+    let mut rows: Vec<[String; 2]> = named("coordinates", "coordinate").collect();
     for (row, columns) in entries(&source["mass"]) {
         for (column, formula) in entries(columns) {
             rows.push([format!("mass {row}, {column}"), in_words(formula)]);
         }
     }
-    for (name, formula) in entries(&source["force"]) {
-        rows.push([format!("force {name}"), in_words(formula)]);
-    }
-    for (name, contact) in entries(&source["contacts"]) {
-        rows.push([format!("contact {name}"), in_words(contact)]);
-    }
-    for (name, output) in entries(&source["outputs"]) {
-        rows.push([format!("output {name}"), in_words(output)]);
+    for (key, word) in [("force", "force"), ("contacts", "contact"), ("outputs", "output")] {
+        rows.extend(named(key, word));
     }
     for key in ["turning", "period"] {
         rows.extend(source.get(key).map(|value| [key.to_owned(), in_words(value)]));
