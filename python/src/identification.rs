@@ -8,7 +8,7 @@ use pyo3::types::PyDict;
 use serde_json::Value;
 use stickslip::engine::WorkerPool;
 use stickslip::identify::Identify;
-use stickslip::study::{MeasuredRun, Study, StudyError, implausible_angle};
+use stickslip::study::{MeasuredRun, Study, StudyError, TableSource, implausible_angle};
 use stickslip::table::MemoryTable;
 
 use crate::directory::{Directory, check_named};
@@ -105,8 +105,10 @@ const MEASURED: Words = Words {
 fn measured_runs(study: &Study, given: Given) -> Result<Vec<MeasuredRun>, StudyError> {
     match given {
         Given::File(file) => study.measured(&file),
-        Given::Arrow(reader) => study.measured_in_arrow(MEASURED.name, reader),
-        Given::Rows(columns, rows) => study.measured_in_memory(MEASURED.name, columns, rows),
+        Given::Arrow(reader) => study.measured(TableSource::Arrow(MEASURED.name, Box::new(reader))),
+        Given::Rows(columns, rows) => {
+            study.measured(TableSource::Rows(MEASURED.name, columns, rows))
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use pyo3::types::{PyDict, PyTuple};
 use stickslip::cli::check_json;
 use stickslip::engine::{Parts, Planned, Progress, WorkerPool};
 use stickslip::responses::{check_answerable, respond_to_all, response_columns, run_count};
-use stickslip::study::Study;
+use stickslip::study::{Study, TableSource};
 use stickslip::table::{in_memory, provenance};
 
 use crate::directory::{check_named, check_path};
@@ -306,8 +306,12 @@ impl PyStudy {
         let threads = crate::threads::threads(threads)?;
         let designs = match DESIGNS.given(designs)? {
             Given::File(file) => self.study.designs(&file),
-            Given::Arrow(reader) => self.study.designs_in_arrow(DESIGNS.name, reader),
-            Given::Rows(columns, rows) => self.study.designs_in_memory(DESIGNS.name, columns, rows),
+            Given::Arrow(reader) => {
+                self.study.designs(TableSource::Arrow(DESIGNS.name, Box::new(reader)))
+            }
+            Given::Rows(columns, rows) => {
+                self.study.designs(TableSource::Rows(DESIGNS.name, columns, rows))
+            }
         };
         let designs = designs.map_err(Trouble::from)?;
         let study = Arc::clone(&self.study);

@@ -1,18 +1,14 @@
 //! Reads tables of measured runs: where balls were seen to rest, or that they were seen to move.
 
 use std::f64::consts::TAU;
-use std::path::Path;
-
-use arrow_array::RecordBatchReader;
 
 use super::error::{Fault, StudyError};
-use super::file::read_file::read_bytes;
-use super::file::table_input::{Rows, cells_in_memory};
+use super::file::table_input::Rows;
 use super::file::values::Entry;
 use super::file::yaml_tree::describe_number;
 use super::plan::parameter::{ParameterKind, ParameterValue};
 use super::plan::planned_study::Study;
-use crate::tabular::{Cells, Limits, Refusal, check_name};
+use super::table_source::TableSource;
 
 /// Swept values of the table and of the study agree if they differ by at most this part.
 const AGREEMENT: f64 = 1e-4;
@@ -49,50 +45,17 @@ pub fn implausible_angle(runs: &[MeasuredRun]) -> Option<String> {
 }
 
 impl Study {
-    /// Reads measured runs from a CSV or Parquet file: columns of swept parameters, which select the point; `stage`;
-    /// `beta_1_rad` and so on, empty where the balls were seen to move; and `std_dev_rad`.
+    /// Reads measured runs from a table: columns of swept parameters, which select the point; `stage`; `beta_1_rad` and so
+    /// on, empty where the balls were seen to move; and `std_dev_rad`.
     ///
     /// # Errors
     /// Returns the first fault with its row and column: an unreadable file, an unknown or missing column, a row that
     /// selects no point or several, a value that is no angle, or a standard deviation that is not positive.
-    pub fn measured(&self, path: &Path) -> Result<Vec<MeasuredRun>, StudyError> {
-        let refuse = |fault| StudyError::about_file(path, fault);
-        check_name(path, "a name that ends in .csv or .parquet").map_err(refuse)?;
-        let bytes = read_bytes(path).map_err(refuse)?;
-        self.measured_in(path, |limits| Cells::read(path, bytes, limits))
-    }
-
-    /// Reads measured runs from an Arrow table, called `name` in messages.
-    ///
-    /// # Errors
-    /// Returns an error for the reasons given at [`Study::measured`].
-    pub fn measured_in_arrow(
+    pub fn measured<'a>(
         &self,
-        name: &str,
-        reader: impl RecordBatchReader,
+        table: impl Into<TableSource<'a>>,
     ) -> Result<Vec<MeasuredRun>, StudyError> {
-        self.measured_in(Path::new(name), |limits| Cells::of_arrow(reader, limits))
-    }
-
-    /// Reads measured runs from a table in memory, called `name` in messages. Each row has one value per column, `None` if
-    /// it is missing.
-    ///
-    /// # Errors
-    /// Returns an error for the reasons given at [`Study::measured`].
-    pub fn measured_in_memory(
-        &self,
-        name: &str,
-        columns: Vec<String>,
-        rows: Vec<Vec<Option<Entry>>>,
-    ) -> Result<Vec<MeasuredRun>, StudyError> {
-        self.measured_in(Path::new(name), |limits| cells_in_memory(columns, rows, limits))
-    }
-
-    fn measured_in(
-        &self,
-        path: &Path,
-        read: impl FnOnce(&Limits<'_>) -> Result<Cells, Refusal>,
-    ) -> Result<Vec<MeasuredRun>, StudyError> {
+        let (path, read) = table.into().open("a name that ends in .csv or .parquet")?;
         let angles: Vec<String> =
             (1..=self.model().balls()).map(|ball| format!("beta_{ball}_rad")).collect();
         let mut names: Vec<String> = self.swept().iter().map(|one| one.name.clone()).collect();

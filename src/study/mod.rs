@@ -33,6 +33,7 @@ mod plan;
 mod resolve;
 mod sampling;
 mod schema;
+mod table_source;
 mod template;
 
 pub use error::StudyError;
@@ -58,4 +59,5 @@ pub use plan::units::{Unit, Units};
 pub use plan::variable::{DesignValue, Values, Variable};
 pub(crate) use sampling::draw::mixed;
 pub use schema::json_schema;
+pub use table_source::TableSource;
 pub use template::Template;

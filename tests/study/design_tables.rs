@@ -8,7 +8,7 @@ use arrow::array::{
     ArrayRef, BooleanArray, DictionaryArray, Int16Array, LargeStringArray, RecordBatch,
     RecordBatchIterator,
 };
-use stickslip::study::{DesignValue, StudyError};
+use stickslip::study::{DesignValue, StudyError, TableSource};
 
 use super::study;
 
@@ -26,8 +26,8 @@ design:
 fn read(columns: Vec<(&str, ArrayRef)>) -> Result<Vec<Vec<DesignValue>>, StudyError> {
     let batch = RecordBatch::try_from_iter(columns).unwrap();
     let batches = [Ok(batch.clone()), Ok(batch.clone())];
-    study(TWO_VARIABLES)
-        .designs_in_arrow("designs", RecordBatchIterator::new(batches, batch.schema()))
+    let reader = RecordBatchIterator::new(batches, batch.schema());
+    study(TWO_VARIABLES).designs(TableSource::Arrow("designs", Box::new(reader)))
 }
 
 fn speeds() -> ArrayRef {
