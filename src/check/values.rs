@@ -37,7 +37,8 @@ pub(super) fn findings(
     let Some(machine) = model.ball_balancer() else {
         let kinetic = model.friction_coefficient();
         let friction = kinetic.and_then(|kinetic| at.friction(model.friction(), kinetic, None));
-        return friction.into_iter().chain(at.fast_support(model)).collect();
+        let profile = at.profile(model);
+        return friction.into_iter().chain(at.fast_support(model)).chain(profile).collect();
     };
     let fits = [at.ring(machine), at.room(machine)].into_iter().flatten();
     let mut all: Vec<Finding> = fits.collect();
@@ -50,7 +51,7 @@ pub(super) fn findings(
         at.friction(&machine.friction, ball.friction_coefficient, Some(number))
     }));
     all.extend(at.speed(machine));
-    all.extend(at.profile(machine));
+    all.extend(at.profile(model));
     // A density of no material explains heavy balls.
     let limits = LIMITS.iter().filter(|limit| !(is_dense && limit.kind == HEAVY_BALLS));
     all.extend(limits.filter_map(|limit| at.limit(machine, limit)));
@@ -232,12 +233,12 @@ impl At<'_> {
         })
     }
 
-    fn profile(&self, machine: &Machine) -> Option<Finding> {
+    fn profile(&self, model: &Model) -> Option<Finding> {
         let [_, end_s] = self.study.simulation().end_times_s();
-        let disc = machine.disc_motion();
+        let disc = model.disc_motion()?;
         let (last, _) = disc.segments.last()?;
         // A profile that ends with a plateau sets the end time itself.
-        let has_end = machine.speed_profile.as_ref()?.end_time_s().is_some();
+        let has_end = model.speed_profile()?.end_time_s().is_some();
         let keys = ["simulation.end_time_s", "model.speed_profile", "model.protocol"];
         (!has_end && end_s <= last.begins_s).then(|| Finding {
             kind: "profile_beyond_end",
@@ -248,7 +249,7 @@ impl At<'_> {
                 "an end at {} s with {} rad/s; the profile reaches {} rad/s at {} s",
                 short(end_s),
                 short(disc.speed_rad_s(end_s)),
-                short(machine.speed_rad_s),
+                short(last.terms[0]),
                 short(last.begins_s)
             ),
             remedy: "a larger simulation.end_time_s, with time to come to rest at the last speed"

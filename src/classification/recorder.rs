@@ -58,7 +58,7 @@ pub struct ContactSample {
     pub friction: f64,
     /// Friction limit: the static coefficient times the normal force.
     pub limit: f64,
-    /// Normal force.
+    /// Normal force; 0 while the contact is apart.
     pub normal: f64,
 }
 
@@ -253,13 +253,15 @@ impl Recorder {
 }
 
 fn contact_sample(view: &SystemView, instant: &Instant, contact: usize) -> ContactSample {
-    let forces = instant.forces[contact];
+    let (forces, phase) = (instant.forces[contact], instant.phases[contact]);
+    // What the equations have in the place of the normal force of a contact that is apart is its gap.
+    let normal = if phase == Phase::Apart { 0.0 } else { forces.normal };
     ContactSample {
         position: instant.unwrapped[contact],
         speed: forces.speed,
-        phase: instant.phases[contact],
+        phase,
         friction: forces.friction,
-        limit: view.system().friction(contact).limit * forces.normal,
-        normal: forces.normal,
+        limit: view.system().friction(contact).limit * normal,
+        normal,
     }
 }

@@ -149,7 +149,7 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         },
     );
     if study.has_stages() {
-        add_stages(&mut list, model);
+        add_stages(&mut list, study);
     }
     list.number("end_time_s", "s", |row| row.outcome.end_time_s)
         .meaning("simulated time at which the run was stopped");
@@ -258,12 +258,12 @@ fn add_outputs(list: &mut Columns<RunRecord>, model: &Model) {
 }
 
 /// Adds the columns of runs with stages.
-fn add_stages(list: &mut Columns<RunRecord>, model: &Model) {
+fn add_stages(list: &mut Columns<RunRecord>, study: &Study) {
     list.number("rest_since_s", "s", |row| row.outcome.rest_since_s)
         .meaning("time from the start of the run until the last ball stopped for good");
     list.number("last_stage_begin_s", "s", |row| Some(row.outcome.stages.last()?.time_s[0]))
         .meaning("begin of the last stage that the run reached");
-    if !model.kind().offers.vibration {
+    if !study.has_peaks() {
         return;
     }
     list.number("peak_amplitude_m", "m", |row| Some(row.outcome.peak?.amplitude_m))

@@ -8,10 +8,13 @@ use serde_json::Value;
 use super::support::{Scratch, assert_has, counts, numbers, words};
 use crate::support::TwoBlocks;
 
-const STUDIES: [(&str, &str, &str); 2] =
-    [("woodpecker", "woodpecker", "samples: 16"), ("block-chain", "block_chain", "samples: 8")];
+const STUDIES: [(&str, &str, &str); 3] = [
+    ("woodpecker", "woodpecker", "samples: 16"),
+    ("block-chain", "block_chain", "samples: 8"),
+    ("run-up", "unbalanced_shaft", "samples: 8"),
+];
 
-/// Returns a folder with both studies and their systems, with four runs at each point.
+/// Returns a folder with the studies and their systems, with four runs at each point.
 fn studies() -> Scratch {
     let scratch = Scratch::new();
     std::fs::create_dir(scratch.path("systems")).expect("a folder");

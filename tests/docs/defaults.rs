@@ -68,7 +68,7 @@ fn defaults_on_the_page_are_those_of_the_program() {
     assert_eq!(compare("### Block on a spring or belt", "ParametersFile", ""), 3);
     assert_eq!(compare("## Simulation", "SimulationFile", ""), 4);
     assert_eq!(compare("## Simulation", "ToleranceFile", "tolerance."), 2);
-    assert_eq!(compare("### Rotor balancer", "ParametersFile", ""), 21);
+    assert_eq!(compare("### Rotor balancer", "ParametersFile", ""), 23);
     // These have other defaults in each kind of model.
     let balancer = stickslip::model::Machine::default();
     let block = crate::support::Block::on_belt();

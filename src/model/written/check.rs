@@ -49,18 +49,22 @@ const COLUMNS: [&str; 30] = [
     "friction",
     "contact",
 ];
-const PREFIXES: [&str; 10] = [
+const PREFIXES: [&str; 11] = [
     "initial_",
     "end_",
     "min_",
     "max_",
     "mean_",
+    "creep_",
     "stick_fraction_",
     "equilibrium_",
     "limit_cycle_",
     "undecided_",
     "failed_",
 ];
+
+/// The names of the parameters of speed profiles begin like this.
+const OF_PROFILES: [&str; 4] = ["start_speed", "ramp_to", "ramp_over", "hold"];
 
 /// What a formula may depend on.
 #[derive(Clone, Copy, PartialEq)]
@@ -221,7 +225,8 @@ impl Definition {
         };
         for one in &self.parameters {
             let begins = |prefix: &&str| one.name.starts_with(*prefix);
-            if COLUMNS.contains(&one.name.as_str()) || PREFIXES.iter().any(begins) {
+            let of_profile = self.turning.is_some() && OF_PROFILES.iter().any(begins);
+            if COLUMNS.contains(&one.name.as_str()) || PREFIXES.iter().any(begins) || of_profile {
                 return fault("parameters", &one.name, None);
             }
         }

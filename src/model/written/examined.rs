@@ -107,8 +107,22 @@ impl Examined {
         if let (Some(period), true) = (period, sound.is_ok())
             && !instance.repeats(values, &states, (period, None))?
         {
-            let found = period.to_string();
-            sound = Err(invalid("period", &found, "the time after which all formulas repeat"));
+            sound = Err(match (&definition.period, &definition.turning) {
+                (None, Some(turning)) => {
+                    let found = format!(
+                        "{}, but not all formulas are the same after a turn",
+                        turning.angle
+                    );
+                    let allowed =
+                        "the angle in sines and cosines, without the time t, or the key `period`";
+                    invalid("turning", &found, allowed)
+                }
+                _ => invalid(
+                    "period",
+                    &period.to_string(),
+                    "the time after which all formulas repeat",
+                ),
+            });
         }
         for (number, member) in instance.coordinates.iter().enumerate() {
             let coordinate = &definition.coordinates[member.of];

@@ -75,7 +75,7 @@ struct Candidates {
 
 /// Reads the runs of these points, and computes a few of them again.
 pub fn read(study: &Study, table: &Table, points: &[PointFacts]) -> Result<RunUp, TableError> {
-    if !study.has_stages() {
+    if !study.has_peaks() {
         return Ok(RunUp::default());
     }
     let mut run_up = RunUp::default();

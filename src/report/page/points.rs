@@ -68,7 +68,7 @@ fn further_columns(data: &ReportData<'_>, rows: &[PointFacts]) -> Vec<PrintedCol
     let (study, vibration) = (data.study, data.study.units().vibration());
     let speed = study.units().speed();
     let mut table = PrintedTable::new(rows, "–");
-    if study.has_stages() {
+    if study.has_peaks() {
         let peak = |point: &PointFacts| data.run_up.largest.get(&point.point_id);
         table.add_if_any(format!("largest amplitude of a run [{}]", vibration.symbol), |point| {
             Some(significant(vibration.of(peak(point)?.amplitude_m)))

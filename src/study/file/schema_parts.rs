@@ -294,7 +294,8 @@ fn models_of(kind: &'static ModelKind) -> Vec<Model> {
             machine.contact = Some(BallContact::default());
             machine.kicks = vec![KICK; MOST_MEMBERS];
         }
-        let last = model.disc_motion().map(|motion| motion.fastest_rad_s());
+        let speed = model.speed_parameter();
+        let last = speed.and_then(|speed| speed.numbers(&mut model, None).pop().copied());
         *model.speed_profile_mut() = last.map(longest_profile);
         for count in kind.parameters {
             if let Some(most) = count.largest_count() {

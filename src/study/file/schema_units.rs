@@ -8,7 +8,7 @@ use crate::model::MATERIALS;
 
 /// A number with a unit; the program checks the unit.
 pub(super) const QUANTITY: &str =
-    r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*[A-Za-zµμ°].*$";
+    r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*(\s1/)?[A-Za-zµμ°].*$";
 
 /// The ending of the name of a definition with values with units.
 const WITH_UNITS: &str = "WithUnits";

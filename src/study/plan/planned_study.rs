@@ -168,6 +168,11 @@ impl Study {
         self.base.model.has_stages()
     }
 
+    /// Returns whether runs have a largest amplitude: they have stages, and the amplitude of the table is measured.
+    pub fn has_peaks(&self) -> bool {
+        self.has_stages() && self.base.model.kind().offers.vibration
+    }
+
     /// Returns the settings of the simulation.
     pub fn simulation(&self) -> &Simulation {
         &self.simulation

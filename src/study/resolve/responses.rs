@@ -118,12 +118,12 @@ fn quantity(
             let allowed = "of: residual, or relative: false";
             return refuse(&own.key("relative"), problem, "relative: true".to_owned(), allowed);
         }
-        ("peak", false) if !(study.has_stages() && study.model().kind().offers.vibration) => {
+        ("peak", false) if study.model().kind().offers.vibration && !study.has_stages() => {
             let problem = "no peak amplitude at constant speed without disturbances";
             let allowed = "of: residual, or a speed_profile or disturbances in the model";
             return refuse(&own.key("of"), problem, "of: peak".to_owned(), allowed);
         }
-        ("peak", false) => AmplitudeKind::Peak,
+        ("peak", false) if study.has_peaks() => AmplitudeKind::Peak,
         (name, _) => {
             let outputs = study.model().output_names();
             let each = outputs.iter().enumerate();
@@ -138,7 +138,8 @@ fn quantity(
             if let Some((column, amplitude, unit)) = all.find(|(column, ..)| column == name) {
                 return Ok((measure, amplitude, Some((column, unit.clone()))));
             }
-            let mut names = vec!["residual".to_owned(), "peak".to_owned()];
+            let mut names = vec!["residual".to_owned()];
+            names.extend(study.has_peaks().then(|| "peak".to_owned()));
             names.extend(outputs.iter().map(|output| output.name.clone()));
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             let (problem, allowed) = ("not a quantity of a run", list_names(name, &names));

@@ -197,7 +197,7 @@ impl<'s> Reader<'s> {
             let is_speed = |one: &WrittenParameter| {
                 one.name == *speed
                     && one.most.is_none()
-                    && matches!(one.unit.si.as_str(), "rad/s" | "1/s" | "1")
+                    && matches!(one.unit.si.as_str(), "rad/s" | "1")
             };
             if file.turning.len() > 1 {
                 let allowed = "one part that turns; other speeds are multiples of its speed";
