@@ -71,7 +71,7 @@ pub struct Orbit {
     pub amplitude: f64,
     /// Greatest displacement, over the unit of length.
     pub peak: f64,
-    /// Whether all contacts rest throughout, in a system that a force drives.
+    /// Whether all contacts rest or stay apart throughout, in a system that a force drives.
     pub rests: bool,
     /// The smallest friction margin of a resting ball; `None` if no ball rests.
     pub margin: Option<f64>,

@@ -7,7 +7,7 @@
 //! | `equilibrium` | `rest_contracting` | all contacts stick, and bounds of the equations show that the motion approaches its rest point |
 //! | `equilibrium` | `rest_certified` | all balls stick and, by the closed form, can never break loose |
 //! | `equilibrium` | `creep` | all balls are slow and drift, ever slower, at the edge of the equilibrium set |
-//! | `equilibrium` | `periodic_rest` | all contacts stick throughout a period of the forcing, and the motion of the other components repeats |
+//! | `equilibrium` | `periodic_rest` | throughout a period of the forcing, all contacts stick, or some stick and the others stay open, and the motion of the other components repeats |
 //! | `equilibrium` | `settled` | not all contacts stick: an equilibrium is near, stable by its eigenvalues, and friction holds the contacts that stick |
 //! | `limit_cycle` | `closed_orbit` | the orbit closes modulo 2π, its multipliers lie inside the unit circle, resting balls keep a margin |
 //! | `creep` | `periodic_creep` | in each of the latest periods of the forcing, contacts slip by the same small amount and stop or turn back |

@@ -19,6 +19,8 @@ pub(super) struct Period {
     time: f64,
     /// The sequence of phases of the contacts.
     pub(super) configurations: Vec<Vec<CyclePhase>>,
+    /// For each contact, whether its bodies have met.
+    met: Vec<bool>,
     /// For each gap, whether its contacts have touched, and whether they have been apart.
     gaps: Vec<[bool; 2]>,
     /// Least and greatest speed of each contact.
@@ -49,6 +51,7 @@ impl Period {
             rests: contacts.clone().filter(|&contact| section.rests[contact]).collect(),
             time: 0.0,
             configurations: vec![cycle_phases(view, phases, start)],
+            met: vec![false; view.contacts.len()],
             gaps: vec![[false; 2]; phases.len() - view.contacts.len()],
             speeds: contacts.map(|contact| [view.speed(phases, start, contact); 2]).collect(),
             positions: view.wrapped(start).iter().map(|position| [*position; 2]).collect(),
@@ -65,10 +68,13 @@ impl Period {
         period
     }
 
-    /// Returns whether the bodies of a contact stay apart, or touch without sliding although the contact does not stick.
+    /// Returns whether the bodies of a contact stay apart, or touch throughout without sliding although the contact does not stick.
     pub(super) fn is_idle(&self, contact: usize) -> bool {
-        self.speeds[contact] == [0.0; 2]
-            || self.configurations.iter().all(|phases| phases[contact] == CyclePhase::Apart)
+        let is_apart = |phases: &Vec<CyclePhase>| phases[contact] == CyclePhase::Apart;
+        match self.configurations.iter().any(is_apart) {
+            true => self.configurations.iter().all(is_apart) && !self.met[contact],
+            false => self.speeds[contact] == [0.0; 2],
+        }
     }
 
     /// Returns the contacts that have touched.
@@ -162,6 +168,9 @@ impl Period {
                 most = maximum([near[0], near[1], near[2]], most, lacks).unwrap_or(most);
             }
             self.margin = -most;
+        }
+        for (contact, gap) in view.evaluator.opening_gaps(&state) {
+            self.met[contact] |= gap <= TOUCHING;
         }
         self.look_at_gaps(view, during, &state);
         if view.has_outputs {

@@ -6,7 +6,7 @@
 //!
 //! - the state moves from period to period, by a small displacement that hardly changes from the first of them to the last: a
 //!   vibration that still decays changes its displacement from each period to the next;
-//! - no contact slides in one direction all the time.
+//! - a contact moves, and none slides in one direction all the time.
 
 use nalgebra::DVector;
 

@@ -23,7 +23,7 @@ pub struct Stage {
     /// Whether the speed changes.
     pub is_driven: bool,
     /// The non-dimensional time since the begin of the segment of the profile, if it is the last component of the state: for
-    /// a balancer if the speed changes, for another model always.
+    /// a balancer if the speed changes, for another model in all stages of a profile.
     time: Option<f64>,
     /// Whether the last component of a start state is a time.
     starts_with_time: bool,
@@ -88,7 +88,7 @@ impl OwnModel {
             ends_s,
             speeds_rad_s: Some([begins_s, ends_s].map(speed_at)),
             is_kicked: false,
-            system: self.own().system_in_stage(self, segment, before_rad % TAU),
+            system: self.own().system_in_stage(self, segment, *before_rad),
             is_driven: !segment.is_hold,
             time: Some(0.0),
             starts_with_time: true,

@@ -104,6 +104,12 @@ impl Evaluator {
         self.graph.openings.iter().map(opening).collect()
     }
 
+    /// Returns the contacts that may open, each with its gap, non-dimensional.
+    pub(crate) fn opening_gaps(&self, state: &[f64]) -> SmallVec<[(usize, f64); 4]> {
+        let gaps = self.openings(|component| state[component]);
+        self.graph.openings.iter().zip(gaps).map(|(one, [gap, ..])| (one.contact, gap)).collect()
+    }
+
     /// Returns phases for quantities that do not depend on them.
     pub(super) fn no_phases(&self) -> Phases {
         let mut phases = Phases::from_elem(Phase::Stick, self.graph.contacts.len());

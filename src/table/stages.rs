@@ -79,7 +79,7 @@ pub fn stage_columns(study: &Study) -> Vec<Column<StageRow>> {
         .meaning(format!("{of}: at the end of the stage"));
     }
     list.boolean("at_rest", |row| row.outcome.is_at_rest).meaning(
-        "whether friction holds all balls for good at the end of the stage; null while the speed of the disc changes",
+        "whether friction holds all balls for good at the end of the stage; null while the speed changes, and without a certificate",
     );
     if model.kind().offers.vibration {
         add_vibration(&mut list);

@@ -64,7 +64,7 @@ const PREFIXES: [&str; 11] = [
 ];
 
 /// The names of the parameters of speed profiles begin like this.
-const OF_PROFILES: [&str; 4] = ["start_speed", "ramp_to", "ramp_over", "hold"];
+const OF_PROFILES: [&str; 4] = ["start_speed", "ramp_to_", "ramp_over_", "hold_"];
 
 /// What a formula may depend on.
 #[derive(Clone, Copy, PartialEq)]
@@ -225,7 +225,9 @@ impl Definition {
         };
         for one in &self.parameters {
             let begins = |prefix: &&str| one.name.starts_with(*prefix);
-            let of_profile = self.turning.is_some() && OF_PROFILES.iter().any(begins);
+            let with_end = format!("{}_", one.name);
+            let of_profile =
+                self.turning.is_some() && OF_PROFILES.iter().any(|own| with_end.starts_with(own));
             if COLUMNS.contains(&one.name.as_str()) || PREFIXES.iter().any(begins) || of_profile {
                 return fault("parameters", &one.name, None);
             }
@@ -327,9 +329,17 @@ fn check_formulas(instance: &Instance<'_>) -> Result<(Numbers, Dependence), Faul
         bodies.terms = terms;
         let (found_here, mut values) = instance.analysed(formula, &mut bodies).map_err(at)?;
         let depends = found_here.depends;
+        let contains = |wanted: &str| values.appearing.iter().any(|(name, _)| name == wanted);
+        if let Some(turning) = &instance.definition.turning
+            && contains("t")
+        {
+            let allowed = format!("the angle {} alone: a profile gives it", turning.angle);
+            let problem = "the time beside a part that turns";
+            return Err(at(FormulaFault::new(0, problem, "t", allowed)));
+        }
         if let Some(turning) = &instance.definition.turning
             && allowed != Allowed::Constants
-            && values.appearing.iter().any(|(name, _)| *name == turning.speed)
+            && contains(&turning.speed)
         {
             let allowed = format!("{}', which also follows a speed profile", turning.angle);
             let problem = "the last speed of a part that turns";

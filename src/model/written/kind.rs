@@ -150,7 +150,7 @@ fn leaked(
 
 /// Returns the unit of sliding speeds in the law of friction of the study.
 fn sliding_speed_of_study(definition: &'static Definition) -> SlidingSpeed {
-    let instance = Instance::new(definition, |name| definition.default_count(name)).ok();
+    let instance = Instance::new(definition, |name| definition.default_count(name).max(1)).ok();
     let of_study = |instance: &Instance| {
         let mut numbers = 0..instance.contacts.len();
         let own = numbers.find(|number| instance.contact(*number).0.has_law_of_study)?;

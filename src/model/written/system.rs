@@ -35,7 +35,7 @@ pub(super) struct WrittenSystem {
     /// The period after which the equations repeat, if they depend on the time.
     pub period: Option<f64>,
     /// How far a part has turned at the begin of a stage, and the coefficients of its speed as a polynomial of the time since then,
-    /// without those that are zero throughout; empty for the speed of the parameters.
+    /// without the last ones that are zero; empty for the speed of the parameters.
     pub stage: Vec<f64>,
     /// The highest frequency, and the largest rate of damping, of motions without friction.
     pub rates: [f64; 2],
@@ -236,11 +236,16 @@ impl WrittenSystem {
             unit *= second;
             term * unit
         });
-        let stage: Vec<f64> = std::iter::once(before_rad).chain(scaled).collect();
+        let definition = self.instance.definition;
+        // The angle after which all formulas repeat.
+        let repeats_rad = match (&definition.period, definition.speed_place(), self.period) {
+            (Some(_), Some(place), Some(period)) => period * self.values[place].abs(),
+            _ => TAU,
+        };
+        let stage: Vec<f64> = std::iter::once(before_rad % repeats_rad).chain(scaled).collect();
         let is_constant = terms.len() == 1;
         let fastest = fastest_rad_s.abs() * second;
-        let own = self.instance.definition.period.is_none();
-        let period = self.period.map(|period| if own { TAU / fastest } else { period });
+        let period = self.period.map(|_| repeats_rad / fastest);
         let rates = [self.rates[0].max(fastest), self.rates[1]];
         let mut system = WrittenSystem {
             stage,

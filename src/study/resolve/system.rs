@@ -193,11 +193,12 @@ impl<'s> Reader<'s> {
             outputs.push(WrittenOutput { name, index, meaning: entry.0.meaning.clone(), formula });
         }
         let turning = file.turning.iter().next();
+        let units =
+            parameters.iter().map(|one| &one.unit).chain(coordinates.iter().map(|one| &one.unit));
+        let speed_unit = if units.into_iter().any(|unit| unit.si != "1") { "rad/s" } else { "1" };
         if let Some((angle, speed)) = turning {
             let is_speed = |one: &WrittenParameter| {
-                one.name == *speed
-                    && one.most.is_none()
-                    && matches!(one.unit.si.as_str(), "rad/s" | "1")
+                one.name == *speed && one.most.is_none() && one.unit.si == speed_unit
             };
             if file.turning.len() > 1 {
                 let allowed = "one part that turns; other speeds are multiples of its speed";
