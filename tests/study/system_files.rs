@@ -148,7 +148,7 @@ period: 2 * pi / omega ¦ period: omega ¦ 29 ¦ another quantity ¦ 1/s ¦ s
 period: 2 * pi / omega ¦ turning: {q: omega, p: omega} ¦ 29 ¦ several parts that turn ¦ 2 ¦ one part
 period: 2 * pi / omega ¦ turning: {q: m} ¦ 29 ¦ not a speed ¦ m ¦ 3000 rpm
 period: 2 * pi / omega ¦ turning: {x: omega} ¦ 29 ¦ given twice ¦ x ¦ one name
-period: 2 * pi / omega ¦ turning: {q: omega} ¦ 23 ¦ the last speed ¦ omega ¦ q'
+period: 2 * pi / omega ¦ turning: {q: omega} ¦ 23 ¦ the time beside a part that turns ¦ t ¦ the angle q
   system:\n ¦   kind: ball_balancer\n  system:\n ¦ 5 ¦ not beside `system` ¦ kind ¦ `system`"#;
 
 #[test]
@@ -245,6 +245,9 @@ fn a_part_that_turns_follows_a_profile() {
     for (text, problem) in [
         (GOOD.replace("initial_conditions", profile), "no part of this model turns"),
         (turning.replace("cos(q)", "cos(1)"), "an angle without effect"),
+        (turning.replace("cos(q)", "cos(q) * omega / omega"), "the last speed of a part"),
+        (turning.replace("cos(q)", "cos(q / 2)"), "not all formulas are the same after a turn"),
+        (turning.replace("omega: 5 rad/s", "omega: 5"), "not a speed of this system"),
         (turning.replace("omega: 5 rad/s", "omega: 0 rad/s"), "no physical meaning"),
     ] {
         let error = parse(&text).expect_err("a wrong study").to_string();
