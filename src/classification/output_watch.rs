@@ -51,7 +51,7 @@ impl OutputOutcome {
         })
     }
 
-    /// Returns an output of which only the value at the end is known.
+    /// Returns an output with this value at the end; its other values are unknown.
     pub(super) fn at(end: f64) -> Self {
         OutputOutcome { end, range: None, creep: None }
     }

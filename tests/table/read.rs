@@ -132,8 +132,11 @@ fn values_of_every_kind_are_read_back() {
         let (folder, manifest) = one_table(rows, &right());
         let table = Table::open(folder.path(), &manifest, "t").unwrap();
         assert_eq!(compare(&table), rows);
-        let kinds: Vec<_> =
-            table.columns.iter().map(|(name, kind)| (name.as_str(), kind.unwrap())).collect();
+        let kinds: Vec<_> = table
+            .columns
+            .iter()
+            .map(|(name, kind)| (name.as_str(), kind.expect("a kind")))
+            .collect();
         assert_eq!(kinds, all_kinds());
     }
     let folder = tempdir().unwrap();
