@@ -1,12 +1,13 @@
 //! Mechanical systems that a file describes by formulas.
 //!
 //! Read [`definition`] first: what a file contains. [`formula`] and [`parser`] turn texts into trees, which [`evaluate`] computes
-//! with numbers, expressions ([`numeric`]), dimensions ([`dimensions`]) or dependences ([`dependence`]). [`check`] refuses a
+//! with numbers, expressions ([`numeric`]), dimensions ([`dimensions`]) or dependences ([`dependence`]). [`check`] (and `check_names`) refuses a
 //! definition that contradicts itself, [`instance`] has certain numbers of bodies, [`examined`] certain values of the
 //! parameters, whose [`sizes`] give the units of the motion, [`velocities`] makes sliding speeds components of the state, and
 //! [`system`] records the equations, whose formulas [`in_state`] computes in one state. [`kind`] makes all this a kind of model.
 
 mod check;
+mod check_names;
 mod definition;
 mod dependence;
 mod dimensions;

@@ -1,0 +1,193 @@
+//! Checks the names in a system file: no two things have one name, and no column of tables has two meanings; and its sizes.
+
+use super::definition::{Definition, WrittenParameter};
+use super::formula::FormulaFault;
+use super::instance::{FaultAt, with_index};
+use super::names::RESERVED;
+use crate::model::FRICTION_COEFFICIENT;
+
+/// The largest numbers of coordinates and of contacts, of parameters, and of indices.
+const MOST_MEMBERS: usize = 64;
+const MOST_PARAMETERS: usize = 500;
+const MOST_INDICES: usize = 8;
+
+/// Columns of tables without a unit, which a parameter without a unit must not have as its name.
+const COLUMNS: [&str; 30] = [
+    "label",
+    "evidence",
+    "run_id",
+    "point_id",
+    "cell",
+    "replicate",
+    "steps",
+    "switches",
+    "error",
+    "extended",
+    "friction_margin",
+    "cycle_class",
+    "audit_label",
+    "audit_evidence",
+    "neutral_directions",
+    "largest_multiplier",
+    "rejected_steps",
+    "lyapunov_blocks",
+    "runs",
+    "points",
+    "equilibrium_runs",
+    "ci_low",
+    "ci_high",
+    "class",
+    "fraction",
+    "multipliers",
+    "audited_runs",
+    "balls",
+    "friction",
+    "contact",
+];
+const PREFIXES: [&str; 11] = [
+    "initial_",
+    "end_",
+    "min_",
+    "max_",
+    "mean_",
+    "creep_",
+    "stick_fraction_",
+    "equilibrium_",
+    "limit_cycle_",
+    "undecided_",
+    "failed_",
+];
+
+/// The names of the parameters of speed profiles begin like this.
+const OF_PROFILES: [&str; 4] = ["start_speed", "ramp_to_", "ramp_over_", "hold_"];
+
+impl Definition {
+    /// Checks that the equations stay small with the largest numbers of bodies.
+    pub(super) fn check_sizes(&self) -> Result<(), FaultAt> {
+        let most = |index: &Option<String>| {
+            let count = self.repeat.iter().find(|(known, _)| Some(known) == index.as_ref());
+            let own = |(_, count): &(String, String)| {
+                self.parameters.iter().find(|one| one.name == *count)?.most
+            };
+            count.and_then(own).unwrap_or(1)
+        };
+        let coordinates: usize = self.coordinates.iter().map(|one| most(&one.index)).sum();
+        let contacts: usize = self.contacts.iter().map(|one| most(&one.index)).sum();
+        let outputs: usize = self.outputs.iter().map(|one| most(&one.index)).sum();
+        let sizes = [
+            ("coordinates", coordinates, MOST_MEMBERS),
+            ("contacts", contacts, MOST_MEMBERS),
+            ("outputs", outputs, MOST_MEMBERS),
+            ("parameters", self.parameters.len(), MOST_PARAMETERS),
+            ("repeat", self.repeat.len(), MOST_INDICES),
+        ];
+        match sizes.into_iter().find(|(_, count, most)| count > most) {
+            Some((key, count, most)) => {
+                let found = format!("{count} {key}, with the largest numbers of bodies");
+                let fault =
+                    FormulaFault::new(0, "too large a system", found, format!("at most {most}"));
+                Err((vec![key.to_owned()], fault))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Checks that no two columns of tables have one name.
+    fn check_columns(&self) -> Result<(), FaultAt> {
+        let fault = |key: &str, name: &str, index: Option<&str>| {
+            let path = vec![key.to_owned(), with_index(name, index)];
+            let problem = "a name that another column of tables has";
+            Err((path, FormulaFault::new(0, problem, name, "another name")))
+        };
+        for one in &self.parameters {
+            let begins = |prefix: &&str| one.name.starts_with(*prefix);
+            let with_end = format!("{}_", one.name);
+            let of_profile =
+                self.turning.is_some() && OF_PROFILES.iter().any(|own| with_end.starts_with(own));
+            if COLUMNS.contains(&one.name.as_str()) || PREFIXES.iter().any(begins) || of_profile {
+                return fault("parameters", &one.name, None);
+            }
+        }
+        fn named<'a>(
+            key: &'a str,
+            (name, index): (&'a String, &'a Option<String>),
+        ) -> (&'a str, &'a str, Option<&'a str>) {
+            (key, name.as_str(), index.as_deref())
+        }
+        let coordinates = self.coordinates.iter().map(|one| (&one.name, &one.index));
+        let outputs = self.outputs.iter().map(|one| (&one.name, &one.index));
+        let contacts = self.contacts.iter().map(|one| (&one.name, &one.index));
+        let coordinates = coordinates.map(|one| named("coordinates", one));
+        let quantities = coordinates.chain(outputs.map(|one| named("outputs", one)));
+        let contacts = contacts.map(|one| named("contacts", one));
+        for members in [quantities.collect::<Vec<_>>(), contacts.collect()] {
+            for (key, name, index) in &members {
+                // `x_2` is the second body of `x`, and `x_rate` its rate of change.
+                let Some((base, end)) = name.rsplit_once('_') else { continue };
+                let is_number = end.bytes().all(|one| one.is_ascii_digit());
+                if (is_number || end == "rate")
+                    && members.iter().any(|(_, other, _)| *other == base)
+                {
+                    return fault(key, name, *index);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn check_names(&self) -> Result<(), FaultAt> {
+        let mut known: Vec<&str> = RESERVED.to_vec();
+        let parameters = self.parameters.iter().map(|one| ("parameters", one.name.as_str(), None));
+        let indices = self.repeat.iter().map(|(index, _)| ("repeat", index.as_str(), None));
+        let coordinates = self.coordinates.iter();
+        let coordinates =
+            coordinates.map(|one| ("coordinates", one.name.as_str(), one.index.as_deref()));
+        let outputs = self.outputs.iter();
+        let outputs = outputs.map(|one| ("outputs", one.name.as_str(), one.index.as_deref()));
+        let turning = self.turning.iter().map(|one| ("turning", one.angle.as_str(), None));
+        let names = parameters.chain(indices).chain(coordinates).chain(outputs).chain(turning);
+        for (key, name, index) in names {
+            let fault = |problem: &str, allowed: &str| {
+                let path = vec![key.to_owned(), with_index(name, index)];
+                (path, FormulaFault::new(0, problem, name, allowed))
+            };
+            if !is_name(name) {
+                return Err(fault("not a name", "letters, digits and _, with a letter first"));
+            }
+            if RESERVED.contains(&name) {
+                return Err(fault("a name with another meaning in formulas", "a name of its own"));
+            }
+            if known.contains(&name) {
+                return Err(fault("a name that is given twice", "one name for each thing"));
+            }
+            known.push(name);
+        }
+        self.check_columns()?;
+        let is_it = |one: &WrittenParameter| one.name == FRICTION_COEFFICIENT && one.unit.si == "1";
+        if self.has_law_of_study() && !self.parameters.iter().any(is_it) {
+            let problem = "the law of the study without its coefficient";
+            let found = format!("no parameter `{FRICTION_COEFFICIENT}`");
+            let allowed = format!("`{FRICTION_COEFFICIENT}: 0.1` among the parameters");
+            return Err((
+                vec!["parameters".to_owned()],
+                FormulaFault::new(0, problem, &found, allowed),
+            ));
+        }
+        let mut contacts: Vec<&str> = Vec::new();
+        for contact in &self.contacts {
+            let name = contact.name.as_str();
+            if !is_name(name) || contacts.contains(&name) {
+                let path = vec!["contacts".to_owned(), with_index(name, contact.index.as_deref())];
+                let allowed = "a name of its own, of letters, digits and _";
+                return Err((path, FormulaFault::new(0, "not a name of a contact", name, allowed)));
+            }
+            contacts.push(name);
+        }
+        Ok(())
+    }
+}
+
+fn is_name(name: &str) -> bool {
+    let is_part = |one: char| one.is_ascii_alphanumeric() || one == '_';
+    name.starts_with(|first: char| first.is_ascii_alphabetic()) && name.chars().all(is_part)
+}
