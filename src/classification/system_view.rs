@@ -61,7 +61,8 @@ impl SystemView {
         let has_outputs = !evaluator.system().outputs(&any).is_empty();
         let mut view =
             SystemView { free, contacts, vibration, evaluator, has_outputs, derived: None };
-        if view.system().rest_forms().is_none() {
+        // Without contacts, motions decay and nothing comes to rest at an instant.
+        if view.system().rest_forms().is_none() && !view.contacts.is_empty() {
             view.derived = DerivedRest::of(&view).map(Arc::new);
         }
         view

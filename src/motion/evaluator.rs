@@ -92,7 +92,7 @@ impl Evaluator {
     }
 
     /// Returns the gap, the opening speed and the sliding speed of each opening, which do not depend on phases.
-    pub(super) fn openings<T: Solved>(&self, state: impl Fn(usize) -> T) -> SmallVec<[[T; 3]; 4]> {
+    pub(crate) fn openings<T: Solved>(&self, state: impl Fn(usize) -> T) -> SmallVec<[[T; 3]; 4]> {
         if self.graph.openings.is_empty() {
             return SmallVec::new();
         }

@@ -205,10 +205,13 @@ impl<'a> InTouch<'a> {
         let given = phases.clone();
         let all = self.combinations(phases, fixed)?;
         let mut equations = self.evaluator.in_state(state);
-        let fits = |candidate: &Phases, (forces, gaps): &(Forces, SmallVec<[GapForces; 8]>)| {
-            let fit = || self.fits(candidate, &given, (forces, gaps), fixed, slack);
+        type Found = (Forces, SmallVec<[GapForces; 8]>);
+        let fits = |candidate: &Phases, (forces, gaps): &Found, least: f64| {
+            let fit = || self.fits(candidate, &given, (forces, gaps), fixed, [slack, least]);
             !forces.iter().all(is_finite) || fit()
         };
+        // A contact opens where its normal force is certainly negative, by half of the width within which this is located.
+        let least = -0.25 * width(self.settings.tolerance.relative);
         // The given combination is tried first, alone.
         let is_given = |one: &Phases| *one == given;
         let is_consistent = all.iter().any(is_given);
@@ -221,17 +224,26 @@ impl<'a> InTouch<'a> {
                 continue;
             }
             let forces = equations.forces_of_several(some);
-            let fit =
-                some.iter().zip(&forces).filter(|(candidate, forces)| fits(candidate, forces));
+            let fit = some
+                .iter()
+                .zip(&forces)
+                .filter(|(candidate, forces)| fits(candidate, forces, least));
             likely.extend(fit.map(|(candidate, _)| candidate.clone()));
         }
-        let (decided, forces) = only_motion(&given, likely.into_iter(), |candidate| {
-            if !is_consistent && *candidate == given {
-                return None;
-            }
-            let found = equations.forces_and_gaps(candidate);
-            fits(candidate, &found).then(|| self.of_motion(candidate, found))
-        })?;
+        let mut only = |least: f64| {
+            only_motion(&given, likely.iter().cloned(), |candidate| {
+                if !is_consistent && *candidate == given {
+                    return None;
+                }
+                let found = equations.forces_and_gaps(candidate);
+                fits(candidate, &found, least).then(|| self.of_motion(candidate, found))
+            })
+        };
+        let (decided, forces) = match only(least) {
+            // Light bodies separate with a force that is negative by less.
+            Err(Failure::NoSolution { solutions: 2.. }) => only(0.0),
+            other => other,
+        }?;
         *phases = decided;
         check_forces(&forces)
     }
@@ -343,14 +355,15 @@ impl<'a> InTouch<'a> {
         })
     }
 
-    /// Returns whether phases meet all conditions. Gaps that are closed in `given` touch.
+    /// Returns whether phases meet all conditions, with this slack and this least force of contacts that may open. Gaps that are
+    /// closed in `given` touch.
     fn fits(
         &self,
         phases: &Phases,
         given: &Phases,
         (forces, gap_forces): (&Forces, &[GapForces]),
         fixed: &[usize],
-        slack: f64,
+        [slack, least]: [f64; 2],
     ) -> bool {
         let (of_contacts, of_gaps) = phases.split_at(self.contacts());
         let was_closed = &given[self.contacts()..];
@@ -366,8 +379,6 @@ impl<'a> InTouch<'a> {
                 return false;
             }
         }
-        // A contact opens where its normal force is certainly negative, by half of the width within which this is located.
-        let least = -0.25 * width(self.settings.tolerance.relative);
         for (opening, found) in self.openings.iter().zip(&gap_forces[self.gaps.len()..]) {
             let holds = match (phases[opening.contact], given[opening.contact]) {
                 (Phase::Apart, Phase::Apart) => true,

@@ -3,13 +3,14 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use stickslip::classification::{CyclePhase, Evidence, Label, Outcome};
+use stickslip::classification::{CyclePhase, Evidence, Label, Outcome, simulate};
 use stickslip::model::{
     Capabilities, DefaultModel, Expression, Friction, FrictionLaw, ImpactLaw, Mechanism,
-    MechanismContact, MechanismNormal, Method, ModelKind, Number, OwnModel, ParameterDescriptor,
-    Recorder, Simulation, SlidingSpeed, System,
+    MechanismContact, MechanismNormal, Method, ModelKind, Number, OutputValue, OwnModel,
+    ParameterDescriptor, Recorder, Simulation, SlidingSpeed, System,
 };
 
+use super::outputs::cases;
 use crate::support::{OwnMechanism, UnitKind, simulate_kind};
 
 const METHODS: [Method; 2] = [Method::Event, Method::Switch];
@@ -109,6 +110,42 @@ fn a_block_that_a_plate_throws_once_per_period_forgets_its_start() {
             assert!(cycle.multipliers.iter().all(|one| *one < 1e-6), "{cycle:?}");
             assert!(cycle.configurations.contains(&vec![CyclePhase::Apart]), "{cycle:?}");
             assert!(cycle.configurations.contains(&vec![CyclePhase::Stick]), "{cycle:?}");
+        }
+    }
+}
+
+/// Two blocks that springs press against each other rest in touch. The force between them is not determined: they are at rest with the
+/// margin of friction that the best force leaves, `min(1 - |T_x - force| / limit, 1 - |T_y + force| / limit)`.
+#[test]
+fn blocks_that_touch_rest_if_any_force_between_them_holds_them() {
+    let [stiffness, offset, load, coefficient] = [100.0, 0.05, 10.0, 0.2];
+    let system = format!(
+        "parameters: {{m: 1 kg, n: 2 kg, k: {stiffness} N/m, a: {offset} m, load: {load} N, mu: {coefficient}}}
+coordinates:
+  x: {{unit: m, start: [-0.1, -0.01], start_rate: [-0.5, 0.5]}}
+  y: {{unit: m, start: [0.01, 0.1], start_rate: [-0.5, 0.5]}}
+mass: {{x: {{x: m}}, y: {{y: n}}}}
+force: {{x: -k * (x - a), y: -k * (y + a)}}
+contacts:
+  left: {{normal: load, sliding: \"x'\", friction: {{coulomb: {{coefficient: mu}}}}}}
+  right: {{normal: load, sliding: \"y'\", friction: {{coulomb: {{coefficient: mu}}}}}}
+  between: {{gap: y - x, restitution: 0.3}}"
+    );
+    for method in METHODS {
+        for mut case in cases(&system, 32, 20.0) {
+            case.simulation.method = method;
+            let outcome = simulate(&case);
+            assert_eq!(outcome.evidence, Evidence::Settled, "{method:?} {outcome:?}");
+            let end = |output: usize| {
+                outcome.outputs[output].value(OutputValue::End).expect("a place of rest")
+            };
+            let pulls = [-stiffness * (end(0) - offset), -stiffness * (end(1) + offset)];
+            // The best force makes both forces of friction equal, or there is none.
+            let force = (0.5 * (pulls[0] - pulls[1])).max(0.0);
+            let needed = (pulls[0] - force).abs().max((pulls[1] + force).abs());
+            let margin = 1.0 - needed / (coefficient * load);
+            let found = outcome.friction_margin.expect("a margin");
+            assert!((found - margin).abs() < 1e-9, "{found} {margin}");
         }
     }
 }

@@ -121,10 +121,12 @@ pub(super) fn first_event<S: Vector>(
             }
             Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => {}
         }
-        if own.phases[contact] == Phase::Apart {
+        // A gap between bodies that stick does not change; it may be negative by rounding.
+        let changes = || (1..ORDER).any(|k| normal(k) != 0.0);
+        if own.phases[contact] == Phase::Apart && changes() {
             let failed = Condition::Landing(contact);
             first.or(simd, &polynomial(length, 0.0, ORDER - 1, normal), None, failed);
-        } else {
+        } else if own.phases[contact] != Phase::Apart {
             examine(Bound::Closed, 2, &|| polynomial(length, aim, ORDER - 1, normal));
         }
     }
