@@ -10,7 +10,8 @@ use super::slips::{HEAVY_BALLS, LIMITS, Limit, has_mass_of_template};
 use super::warning::Finding;
 use crate::analysis::{Balance, RestForm, reference_amplitude};
 use crate::model::{
-    Ball, Dimension, FrictionLaw, LawParameter, Machine, Model, ParameterDescriptor, STEEL_KG_M3,
+    Ball, DerivedQuantity, Dimension, FrictionLaw, LawParameter, Machine, Model,
+    ParameterDescriptor, STEEL_KG_M3,
 };
 use crate::numbers::short;
 use crate::study::{ListedParameter, Study};
@@ -38,7 +39,8 @@ pub(super) fn findings(
         let kinetic = model.friction_coefficient();
         let friction = kinetic.and_then(|kinetic| at.friction(model.friction(), kinetic, None));
         let profile = at.profile(model);
-        return friction.into_iter().chain(at.fast_support(model)).chain(profile).collect();
+        let all = friction.into_iter().chain(at.fast_support(model)).chain(profile);
+        return all.chain(at.unusual(model)).collect();
     };
     let fits = [at.ring(machine), at.room(machine)].into_iter().flatten();
     let mut all: Vec<Finding> = fits.collect();
@@ -100,6 +102,27 @@ impl At<'_> {
     /// Returns a remark on the unit of a number, unless the study writes the unit of this key itself.
     fn remark(&self, key: &str, remark: &'static str) -> &'static str {
         if self.study.key_with_unit(key).is_some() { "" } else { remark }
+    }
+
+    /// Returns the derived quantities of a system that are outside of their usual ranges.
+    fn unusual(&self, model: &Model) -> Vec<Finding> {
+        let Model::Own(own) = model else { return Vec::new() };
+        let finding = |derived: DerivedQuantity| {
+            let DerivedQuantity { name, value, usual, .. } = derived;
+            let [low, high] = usual.filter(|[low, high]| !(*low..=*high).contains(&value))?;
+            Some(Finding {
+                kind: "unusual_machine",
+                key: "model".to_owned(),
+                problem: format!("`{}` is outside of its usual range: {}", name.name, name.meaning),
+                found: self.said(&name.name, value).trim_end().to_owned(),
+                remedy: format!(
+                    "parameters with which it is from {} to {}",
+                    self.said(&name.name, low).trim_end(),
+                    self.said(&name.name, high).trim_end()
+                ),
+            })
+        };
+        own.derived().into_iter().filter_map(finding).collect()
     }
 
     fn ring(&self, machine: &Machine) -> Option<Finding> {

@@ -187,11 +187,15 @@ fn rows(
         1 => format!("{} with 1 {}", kind.name, kind.body),
         contacts => format!("{} with {contacts} {}s", kind.name, kind.body),
     };
-    let (friction, natural) = (model.friction_in_words(), natural_frequency(described));
+    let friction = match model.friction_in_words() {
+        name if name.is_empty() => "no friction".to_owned(),
+        name => format!("{name} friction"),
+    };
+    let natural = natural_frequency(described);
     let (hash, seed) = (&study.hash()[..12], study.seed());
     let mut rows = vec![
         ("study", format!("{} (hash {hash}, seed {seed})", study.name())),
-        ("model", format!("{what}, {friction} friction, natural frequency {natural}")),
+        ("model", format!("{what}, {friction}{natural}")),
         ("swept", names(study.swept())),
         ("uncertain", names(study.uncertain()) + &sampled_together(study)),
     ];
@@ -223,16 +227,22 @@ fn rows(
     rows
 }
 
-/// Returns the natural frequencies of the points, with uncertain parameters at their medians.
+/// Returns the least and the largest natural frequency at the points, with uncertain parameters at their medians, after a comma.
 fn natural_frequency(study: &Study) -> String {
     let points = points_to_examine(study.point_count(), most_points(study)).into_iter();
-    let each = points.map(|point| study.point(point).model().highest_frequency_rad_s());
+    let each = points
+        .flat_map(|point| study.point(point).model().natural_frequencies().first_rad_s().to_vec());
     let [low, high] = each
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], one| [low.min(one), high.max(one)]);
+    if low > high {
+        return String::new();
+    }
     let unit = study.units().speed();
     let [least, most] = [low, high].map(|one| format!("{:.3}", unit.of(one)));
-    let range = if least == most { least } else { format!("{least} to {most}") };
-    format!("{range} {}", unit.symbol)
+    match least == most {
+        true => format!(", natural frequency {least} {}", unit.symbol),
+        false => format!(", natural frequencies {least} to {most} {}", unit.symbol),
+    }
 }
 
 /// Returns how the uncertain parameters are sampled together, in parentheses; empty if their draws are independent.

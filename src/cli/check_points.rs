@@ -5,13 +5,14 @@ use serde_json::{Value, json};
 use super::check_legend::legend;
 use crate::analysis::{Balance, Stability};
 use crate::check::{
-    BalancerFacts, BallPositions, ExaminedDesign, RestFacts, SteadySliding, SteadyStates,
+    BalancerFacts, BallPositions, ExaminedDesign, OwnFacts, RestFacts, SteadySliding, SteadyStates,
     points_to_examine,
 };
+use crate::model::{DerivedQuantity, NaturalFrequencies};
 use crate::numbers::short;
 use crate::printed_table::{PrintedTable, as_text};
 use crate::responses::{design_json, merged, point_keys};
-use crate::study::{Point, Study, Units, VariedParameter};
+use crate::study::{Point, Study, Units, VariedParameter, short_name};
 
 /// The closed forms at some points of a sweep, with uncertain parameters at their medians.
 pub(super) struct ClosedForms {
@@ -31,8 +32,7 @@ pub(super) struct ClosedForms {
 enum Facts {
     /// The facts, and the positions of rest with friction at its quantiles 0.025 and 0.975 if friction is uncertain.
     Balancer(Box<BalancerFacts>, Option<[RestFacts; 2]>),
-    /// A system of one's own, with its steady states if they are sought.
-    Own(f64, Option<SteadyStates>),
+    Own(Box<OwnFacts>),
 }
 
 /// Returns whether a parameter of this name is a friction coefficient.
@@ -53,10 +53,7 @@ impl ClosedForms {
                 let facts = BalancerFacts::of(machine, &positions)?;
                 Facts::Balancer(Box::new(facts), friction_range(study, point_id, &positions))
             } else {
-                Facts::Own(
-                    model.highest_frequency_rad_s(),
-                    SteadyStates::of(&model, &point.start_ranges),
-                )
+                Facts::Own(Box::new(OwnFacts::of(&model, &point.start_ranges)?))
             };
             Some((point, facts))
         };
@@ -91,9 +88,38 @@ impl ClosedForms {
         let mut table = PrintedTable::new(&self.at, "-");
         table.add_point(|(point, _)| point.point_id, &self.swept, &self.shown);
         let speed = self.units.speed();
-        table.add(format!("natural [{}]", speed.symbol), |(_, facts)| {
-            format!("{:.2}", speed.of(facts.natural_frequency_rad_s()))
+        let in_unit = |all: &[f64]| {
+            let shown = all.iter().map(|one| format!("{:.2}", speed.of(*one)));
+            (!all.is_empty()).then(|| shown.collect::<Vec<_>>().join(", "))
+        };
+        let symbol = &speed.symbol;
+        let has_two = self.at.iter().any(|(_, facts)| facts.has_two_kinds_of_frequencies());
+        let held = if has_two { "held, natural" } else { "natural" };
+        table.add_if_any(format!("{held} [{symbol}]"), |(_, facts)| {
+            in_unit(facts.natural_frequencies().first_rad_s())
         });
+        if has_two {
+            table.add_known(format!("sliding, natural [{symbol}]"), |(_, facts)| {
+                in_unit(facts.natural_frequencies().free_rad_s.as_ref()?)
+            });
+        }
+        table.add_if_any(format!("critical [{symbol}]"), |(_, facts)| {
+            in_unit(&facts.own()?.critical_speeds_rad_s)
+        });
+        let derived = self.at.iter().find_map(|(_, facts)| Some(&facts.own()?.derived));
+        let shown = derived.into_iter().flatten().enumerate().filter(|(_, one)| one.is_shown);
+        for (place, DerivedQuantity { name, .. }) in shown {
+            let unit = self.units.shown(&name.name);
+            let stem = short_name(&name.name, &name.unit);
+            let header = match unit.symbol.as_str() {
+                "" => stem,
+                symbol => format!("{stem} [{symbol}]"),
+            };
+            table.add_known(header, |(_, facts)| {
+                let value = facts.own()?.derived.get(place)?.value;
+                value.is_finite().then(|| short(unit.of(value)))
+            });
+        }
         if !balancers.is_empty() {
             self.add_balancer(&mut table);
         }
@@ -200,18 +226,31 @@ const MOST_NAMED: usize = 3;
 const RANGE: &str = " .. ";
 
 impl Facts {
-    fn natural_frequency_rad_s(&self) -> f64 {
+    fn natural_frequencies(&self) -> NaturalFrequencies {
         match self {
-            Facts::Balancer(facts, _) => facts.natural_frequency_rad_s,
-            Facts::Own(natural_frequency_rad_s, _) => *natural_frequency_rad_s,
+            Facts::Balancer(facts, _) => NaturalFrequencies {
+                held_rad_s: None,
+                free_rad_s: Some(vec![facts.natural_frequency_rad_s]),
+            },
+            Facts::Own(facts) => facts.natural_frequencies.clone(),
+        }
+    }
+
+    /// Returns whether a system has natural frequencies while its contacts hold, and others while they slide.
+    fn has_two_kinds_of_frequencies(&self) -> bool {
+        let NaturalFrequencies { held_rad_s, free_rad_s } = self.natural_frequencies();
+        held_rad_s.is_some() && free_rad_s.is_some()
+    }
+
+    fn own(&self) -> Option<&OwnFacts> {
+        match self {
+            Facts::Own(facts) => Some(facts),
+            Facts::Balancer(..) => None,
         }
     }
 
     fn steady(&self) -> Option<&SteadyStates> {
-        match self {
-            Facts::Own(_, steady) => steady.as_ref(),
-            Facts::Balancer(..) => None,
-        }
+        self.own()?.steady_states.as_ref()
     }
 
     /// Returns a value of the positions of rest, with its values for small and large friction if these differ.
@@ -230,12 +269,7 @@ impl Facts {
     /// Returns the facts as a JSON object.
     fn json(&self) -> Value {
         let (facts, range) = match self {
-            Facts::Own(natural_frequency_rad_s, steady) => {
-                return json!({
-                    "natural_frequency_rad_s": natural_frequency_rad_s,
-                    "steady_states": steady,
-                });
-            }
+            Facts::Own(facts) => return json!(facts),
             Facts::Balancer(facts, range) => (facts, range),
         };
         let mut object = json!({

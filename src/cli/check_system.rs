@@ -18,7 +18,9 @@ pub(super) fn system_text(study: &Study) -> String {
             rows.push([format!("mass {row}, {column}"), in_words(formula)]);
         }
     }
-    for (key, word) in [("force", "force"), ("contacts", "contact"), ("outputs", "output")] {
+    for (key, word) in
+        [("force", "force"), ("contacts", "contact"), ("outputs", "output"), ("derived", "derived")]
+    {
         rows.extend(named(key, word));
     }
     for key in ["turning", "period"] {
@@ -52,6 +54,9 @@ fn in_words(value: &Value) -> String {
 /// Returns whether a rest with all contacts sticking can be certified.
 fn rest_in_words(model: &Model) -> String {
     let Some(system) = model.system() else { return String::new() };
+    if system.contacts() == 0 {
+        return "where all forces vanish and small motions decay".to_owned();
+    }
     let graph = Graph::of(system.as_ref());
     let contacts = 0..system.contacts();
     let without: Vec<String> = contacts

@@ -157,11 +157,13 @@ pub enum Field {
         /// The possible values.
         bound: Bound,
     },
-    /// A whole number of a model that is defined outside this crate, such as a number of bodies, from 1, or from 0 if that is the
-    /// default. It is the same for all runs of a study.
+    /// A whole number of a model that is defined outside this crate, such as a number of bodies. It is the same for all runs of a
+    /// study.
     Count {
         /// The default.
         default: usize,
+        /// The least value.
+        least: usize,
         /// The largest value.
         most: usize,
     },
@@ -219,7 +221,12 @@ impl ParameterDescriptor {
         default: usize,
         most: usize,
     ) -> Self {
-        ParameterDescriptor { name, unit: "1", meaning, field: Field::Count { default, most } }
+        ParameterDescriptor {
+            name,
+            unit: "1",
+            meaning,
+            field: Field::Count { default, least: 1, most },
+        }
     }
 
     /// Returns whether each ball has a value of its own.
@@ -289,11 +296,10 @@ impl ParameterDescriptor {
         self.own_key().is_some()
     }
 
-    /// Returns the least and the largest value of a whole number; `None` for other parameters. The least value is 1, or 0 if that
-    /// is the default.
+    /// Returns the least and the largest value of a whole number; `None` for other parameters.
     pub fn counts(&self) -> Option<[usize; 2]> {
         match self.field {
-            Field::Count { default, most } => Some([default.min(1), most]),
+            Field::Count { least, most, .. } => Some([least, most]),
             _ => None,
         }
     }

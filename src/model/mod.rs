@@ -30,6 +30,7 @@ mod material;
 mod mechanism;
 mod modelled;
 mod naming;
+mod natural_frequencies;
 mod number;
 mod output;
 mod own;
@@ -80,8 +81,9 @@ pub use machine::{Ball, MAX_BALLS, Machine, NormalForce};
 pub use material::{MATERIALS, Material, STEEL_KG_M3};
 pub use mechanism::{ImpactLaw, Mechanism, MechanismContact, MechanismNormal};
 pub use modelled::{Model, OtherCoordinates};
+pub use natural_frequencies::{CampbellDiagram, NaturalFrequencies, SmallMotionEquations};
 pub use number::{Elementary, Function, Number};
-pub use output::{OutputName, OutputUnits, OutputValue};
+pub use output::{DerivedQuantity, OutputName, OutputUnits, OutputValue};
 pub use own::{ContactNames, OwnKind, OwnModel};
 pub use recorded::{ContactMode, add_contact_inputs, add_mechanism_inputs, record_contact};
 pub use rest::RestPoint;
@@ -94,6 +96,6 @@ pub use system::{
 pub use units::{ContactUnits, Units};
 pub use written::{
     COEFFICIENT, Definition, FaultAt, Formula, FormulaFault, LONGEST_FORMULA, Place, Unit, WHOLE,
-    WRITTEN, WrittenContact, WrittenCoordinate, WrittenFriction, WrittenNormal, WrittenOutput,
-    WrittenParameter, WrittenTurning, law_key, written_kind, written_kind_named,
+    WRITTEN, WrittenContact, WrittenCoordinate, WrittenDerived, WrittenFriction, WrittenNormal,
+    WrittenOutput, WrittenParameter, WrittenTurning, law_key, written_kind, written_kind_named,
 };

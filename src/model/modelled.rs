@@ -6,8 +6,8 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::{
-    BALL_BALANCER, Components, FrictionLaw, InvalidParameter, Machine, ModelKind, OwnModel,
-    SPEED_TERMS, Start, System,
+    BALL_BALANCER, Components, FrictionLaw, InvalidParameter, Machine, ModelKind,
+    NaturalFrequencies, OwnModel, SPEED_TERMS, Start, System,
 };
 
 /// One of the mechanical systems with its parameters.
@@ -223,11 +223,14 @@ impl Model {
         }
     }
 
-    /// Returns the natural frequency that people read, rad/s: for a system of a file, its highest one without contacts.
-    pub fn highest_frequency_rad_s(&self) -> f64 {
+    /// Returns the natural frequencies that people read: of a ball balancer, that of its suspension.
+    pub fn natural_frequencies(&self) -> NaturalFrequencies {
         match self {
-            Model::Own(own) => own.own().highest_frequency_rad_s(own),
-            Model::BallBalancer(_) => self.natural_frequency_rad_s(),
+            Model::Own(own) => own.own().small_motions(own).natural_frequencies(),
+            Model::BallBalancer(machine) => NaturalFrequencies {
+                held_rad_s: None,
+                free_rad_s: Some(vec![machine.natural_frequency_rad_s()]),
+            },
         }
     }
 

@@ -11,6 +11,19 @@ pub struct OutputName {
     pub meaning: String,
 }
 
+/// A quantity that follows from the parameters of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DerivedQuantity {
+    /// What results call it.
+    pub name: OutputName,
+    /// Its value, in SI units.
+    pub value: f64,
+    /// The range outside of which a machine is unusual.
+    pub usual: Option<[f64; 2]>,
+    /// Whether it has no range: people want to read it, and not whether it is in order.
+    pub is_shown: bool,
+}
+
 /// The unit of an output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutputUnits {

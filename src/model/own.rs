@@ -9,8 +9,8 @@ use serde_json::Value;
 use super::invalid_parameter::{invalid, not_negative, positive};
 use super::kind::{Bound, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor};
 use super::{
-    Components, Coordinate, Friction, FrictionLaw, InvalidParameter, OutputName, SpeedProfile,
-    SpeedSegment, System, Units,
+    Components, Coordinate, DerivedQuantity, Friction, FrictionLaw, InvalidParameter, OutputName,
+    SmallMotionEquations, SpeedProfile, SpeedSegment, System, Units,
 };
 
 /// What a kind of models outside this crate computes from the parameters of a model. Equal models must give equal
@@ -41,6 +41,11 @@ pub trait OwnKind: Sync {
         Vec::new()
     }
 
+    /// Returns quantities that follow from the parameters alone.
+    fn derived(&self, _model: &OwnModel) -> Vec<DerivedQuantity> {
+        Vec::new()
+    }
+
     /// Checks the parameters against each other. Each value alone is already within its bound.
     fn validate(&self, _model: &OwnModel) -> Result<(), InvalidParameter> {
         Ok(())
@@ -62,9 +67,9 @@ pub trait OwnKind: Sync {
     /// Returns the units of the model, with a unit of force for each contact.
     fn units(&self, model: &OwnModel) -> Units;
 
-    /// Returns the natural frequency that people read, rad/s; by default, the reciprocal of the unit of time.
-    fn highest_frequency_rad_s(&self, model: &OwnModel) -> f64 {
-        self.units(model).natural_rad_s
+    /// Returns the equations of small motions; by default, none.
+    fn small_motions(&self, _model: &OwnModel) -> SmallMotionEquations {
+        SmallMotionEquations::default()
     }
 
     /// Returns the system without dimensions.
@@ -169,6 +174,11 @@ impl OwnModel {
         let mut parameters = self.kind.parameters.iter();
         let place = parameters.position(|one| one.name == FRICTION_COEFFICIENT)?;
         self.own.has_law_of_study().then(|| self.values[place])
+    }
+
+    /// Returns the quantities that follow from the parameters alone.
+    pub fn derived(&self) -> Vec<DerivedQuantity> {
+        self.own.derived(self)
     }
 
     /// Returns what the kind computes.

@@ -113,7 +113,7 @@ fn check_names(kind: &ModelKind) -> Result<(), String> {
         }
         match parameter.field {
             Field::Own { .. } => {}
-            Field::Count { default, most } if (1..=most).contains(&default) => {}
+            Field::Count { default, least, most } if (least.max(1)..=most).contains(&default) => {}
             Field::Count { .. } => {
                 return Err(format!("the default of `{name}` is not from 1 to its largest value"));
             }

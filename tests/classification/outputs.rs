@@ -37,23 +37,28 @@ fn assert_values(outcome: &Outcome, output: usize, expected: &[(OutputValue, f64
 #[test]
 fn outputs_of_a_forced_vibration_have_their_closed_forms() {
     let [m, c, k, p, omega] = [1.5_f64, 0.4, 6.0, 3.0, 2.5];
-    let system = format!(
+    let with = |contacts: &str| {
+        format!(
         "parameters: {{m: {m} kg, c: {c} N s/m, k: {k} N/m, p: {p} N, omega: {omega} rad/s, load: 6 N}}
 coordinates: {{x: {{unit: m, start: [-1, 1]}}, y: {{unit: m, start: [-1, 1]}}}}
 mass: {{x: {{x: m}}, y: {{y: m}}}}
 force: {{x: -k * x - c * x' + p * cos(omega * t), y: load - k * y - 4 * c * y'}}
-contacts: {{ground: {{normal: load, sliding: x'}}}}
-outputs:
+{contacts}outputs:
   ground_force: k * x + c * x'
   power: {{value: \"c * x'^2\", meaning: power of the damper}}
 period: 2 * pi / omega"
-    );
+    )
+    };
     let x = p / ((k - m * omega * omega).powi(2) + (c * omega).powi(2)).sqrt();
     let force = x * (k * k + (c * omega).powi(2)).sqrt();
     let power = c * (omega * x).powi(2);
     use OutputValue::{Amplitude, Greatest, Least, Mean};
-    for outcome in outcomes(&system, 3, 400.0) {
+    // A contact without friction has no effect.
+    let both = ["contacts: {ground: {normal: load, sliding: x'}}\n", ""];
+    for outcome in both.into_iter().flat_map(|contacts| outcomes(&with(contacts), 3, 400.0)) {
         assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{outcome:?}");
+        let period = std::f64::consts::TAU / omega;
+        assert!((outcome.period_s.unwrap_or_default() - period).abs() < 1e-9, "{outcome:?}");
         assert_values(&outcome, 0, &[(Amplitude, x), (Mean, 0.0)]);
         assert_values(&outcome, 1, &[(Least, 1.0), (Greatest, 1.0), (Mean, 1.0)]);
         assert_values(&outcome, 2, &[(Amplitude, omega * x), (Mean, 0.0)]);

@@ -22,6 +22,7 @@ use crate::cli::support::{counts, numbers, table, words};
 const README: &str = include_str!("../../README.md");
 const EQUILIBRIA: &str = include_str!("../../docs/equilibria.md");
 const STUDY_FILE: &str = include_str!("../../docs/study-file.md");
+const ROTOR: &str = include_str!("../../docs/rotor.md");
 const SYSTEM_FILES: &str = include_str!("../../docs/system-files.md");
 
 fn stickslip(arguments: &[&str]) -> Output {
@@ -37,6 +38,19 @@ fn block_after(page: &str, line: &str) -> String {
     let mut lines = page.lines().skip_while(|text| *text != line).skip(1);
     assert!(lines.next().is_some_and(|fence| fence.starts_with("```")), "a block after {line}");
     lines.take_while(|text| !text.starts_with("```")).map(|text| format!("{text}\n")).collect()
+}
+
+/// The closed forms on the page about the rotor are those that `check` prints of its template.
+#[test]
+fn the_page_about_the_rotor_shows_the_closed_forms() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let study = folder.path().join("rotor.yaml");
+    let study = study.to_str().expect("a plain name");
+    assert!(stickslip(&["new", "--template", "rotor", study]).status.success());
+    let output = stickslip(&["check", study]);
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    let (_, closed_forms) = printed.split_once("\nwithout ").expect("the closed forms");
+    assert_eq!(format!("without {closed_forms}"), block_after(ROTOR, "<!-- tested: rotor -->"));
 }
 
 /// The table in the README is the output of its first command.

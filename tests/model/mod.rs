@@ -4,6 +4,7 @@ mod dual;
 mod existence;
 mod extended_lagrange;
 mod held_contacts;
+mod natural_frequencies;
 mod registry;
 mod rest;
 mod thesis_matrices;

@@ -63,6 +63,54 @@ fn the_good_system_is_good() {
 }
 
 #[test]
+fn a_derived_quantity_has_parameters_only() {
+    let end = "    period: 2 * pi / omega\n";
+    let with = |derived: &str| format!("    derived:\n      limit: {derived}\n{end}");
+    refused(end, &with("2 * x[1]"), 30, "changes with the state", "2 * x[1]", "parameters");
+    refused(end, &with("{value: f / k, unit: s}"), 30, "another quantity", "m", "s");
+    refused(end, &with("{value: f / k, unit: mm}"), 30, "not an SI unit", "mm", "m");
+    let of_bodies = with("f / k").replace("limit", "limit[cart]");
+    refused(end, &of_bodies, 30, "a quantity of a body", "limit[cart]", "without an index");
+    refused(end, &with("f / k").replace("limit", "k"), 30, "given twice", "k", "one name");
+    let text = GOOD.replacen(end, &with("{value: f / k, unit: m, meaning: static deflection}"), 1);
+    let study = parse(&text).unwrap_or_else(|error| panic!("{error}"));
+    let stickslip::model::Model::Own(own) = study.model() else { panic!("not a system") };
+    let [limit] = &own.derived()[..] else { panic!("one quantity") };
+    assert_eq!((limit.name.name.as_str(), limit.name.unit.as_str()), ("limit_m", "m"));
+    assert!((limit.value - 20.0 / 300.0).abs() < 1e-15 && limit.is_shown, "{limit:?}");
+    let ranged = |ranges: &str| with(&format!("{{value: f / k, {ranges}}}"));
+    refused(end, &ranged("usual: [0, 1 s]"), 30, "another quantity", "s", "m");
+    let refuse = parse(&GOOD.replacen(end, &ranged("within: [0, f / (2 * k)]"), 1));
+    let error = refuse.err().expect("a static deflection above half of it").to_string();
+    assert!(error.contains("limit is 0.066") && error.contains("between 0 and 0.033"), "{error}");
+    let text = GOOD.replacen(end, &ranged("usual: [0, f / (2 * k)]"), 1);
+    let study = parse(&text).unwrap_or_else(|error| panic!("{error}"));
+    let warnings = stickslip::check::warnings(&study);
+    let [warning] = &warnings[..] else { panic!("one warning: {warnings:?}") };
+    assert!(warning.problem.contains("`limit_m` is outside of its usual range"), "{warning}");
+    assert!(warning.remedy.ends_with("from 0 m to 0.03333 m"), "{warning}");
+}
+
+#[test]
+fn a_number_of_bodies_may_be_zero_if_the_file_says_so() {
+    let count = "carts: {value: 2, most: 5,";
+    refused(
+        count,
+        "carts: {value: 2, least: 3, most: 5,",
+        9,
+        "not a number of bodies",
+        "2",
+        "least",
+    );
+    let text = GOOD.replacen(count, "carts: {value: 0, least: 0, most: 5,", 1);
+    let text = text.replacen("x[cart]: {unit", "y: {unit: m}\n      x[cart]: {unit", 1);
+    let text = text.replacen("mass:\n", "mass:\n      y: {y: m}\n", 1);
+    let text = text.replacen("force:\n", "force:\n      y: -k * y\n", 1);
+    let study = parse(&text).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(study.model().contacts(), 0);
+}
+
+#[test]
 fn formulas_are_read_in_full() {
     let force = "-k * x[cart] + if(cart > 1, k * (x[cart - 1] - x[cart]), 0) + f * cos(omega * t)";
     for (formula, problem, found, allowed) in [

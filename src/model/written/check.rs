@@ -2,7 +2,9 @@
 
 use std::ptr;
 
-use super::definition::{COEFFICIENT, Definition, WrittenNormal, law_key};
+use super::definition::{
+    COEFFICIENT, Definition, WrittenDerived, WrittenNormal, WrittenOutput, law_key,
+};
 use super::dependence::Dependence;
 use super::dimensions::Measured;
 use super::evaluate::Bodies;
@@ -127,7 +129,12 @@ impl Definition {
                 .chain(&mut contact.restitution)
         });
         let outputs = self.outputs.iter_mut().map(|output| &mut output.formula);
-        mass.chain(force).chain(starts).chain(contacts).chain(outputs).chain(&mut self.period)
+        let derived = self.derived.iter_mut().flat_map(|derived| {
+            let ends = derived.within.iter_mut().chain(&mut derived.usual).flatten();
+            [&mut derived.quantity.formula].into_iter().chain(ends)
+        });
+        let results = outputs.chain(derived);
+        mass.chain(force).chain(starts).chain(contacts).chain(results).chain(&mut self.period)
     }
 }
 
@@ -287,7 +294,24 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<Use<'d>>, FaultAt> {
         let (output, bodies) = instance.output(number);
         let path = path(&["outputs", &with_index(&output.name, output.index.as_deref())]);
         let (allowed, formula) = (Allowed::Anything, &output.formula);
-        all.push(Use { path, formula, allowed, dimension: None, bodies });
+        let dimension = output.unit.as_ref().map(|unit| unit.dimension);
+        all.push(Use { path, formula, allowed, dimension, bodies });
+    }
+    for WrittenDerived { quantity, within, usual } in &definition.derived {
+        let WrittenOutput { name, unit, formula, .. } = quantity;
+        let mut add = |keys: &[&str], formula: &'d Formula, dimension: Option<Dimension>| {
+            let (path, bodies) = (path(keys), instance.bodies.clone());
+            all.push(Use { path, formula, allowed: Allowed::Constants, dimension, bodies });
+        };
+        let own = unit.as_ref().map(|unit| unit.dimension);
+        add(&["derived", name], formula, own);
+        let fault = |fault| (path(&["derived", name]), fault);
+        let found = instance.dimension(formula, instance.bodies.clone()).map_err(fault)?;
+        for (key, ends) in [("within", within), ("usual", usual)] {
+            for (end, place) in ends.iter().flatten().zip(["[0]", "[1]"]) {
+                add(&["derived", name, key, place], end, Some(own.unwrap_or(found)));
+            }
+        }
     }
     if let Some(formula) = &definition.period {
         let (allowed, bodies) = (Allowed::Constants, instance.bodies.clone());

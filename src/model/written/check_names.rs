@@ -67,7 +67,8 @@ impl Definition {
         let most = |index: &Option<String>| {
             let count = self.repeat.iter().find(|(known, _)| Some(known) == index.as_ref());
             let own = |(_, count): &(String, String)| {
-                self.parameters.iter().find(|one| one.name == *count)?.most
+                let parameter = self.parameters.iter().find(|one| one.name == *count)?;
+                parameter.counts.map(|[_, most]| most)
             };
             count.and_then(own).unwrap_or(1)
         };
@@ -79,6 +80,7 @@ impl Definition {
             ("contacts", contacts, MOST_MEMBERS),
             ("outputs", outputs, MOST_MEMBERS),
             ("parameters", self.parameters.len(), MOST_PARAMETERS),
+            ("derived", self.derived.len(), MOST_PARAMETERS),
             ("repeat", self.repeat.len(), MOST_INDICES),
         ];
         match sizes.into_iter().find(|(_, count, most)| count > most) {
@@ -145,6 +147,8 @@ impl Definition {
         let outputs = self.outputs.iter();
         let outputs = outputs.map(|one| ("outputs", one.name.as_str(), one.index.as_deref()));
         let turning = self.turning.iter().map(|one| ("turning", one.angle.as_str(), None));
+        let derived = self.derived.iter().map(|one| ("derived", one.quantity.name.as_str(), None));
+        let outputs = outputs.chain(derived);
         let names = parameters.chain(indices).chain(coordinates).chain(outputs).chain(turning);
         for (key, name, index) in names {
             let fault = |problem: &str, allowed: &str| {

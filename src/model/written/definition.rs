@@ -24,6 +24,8 @@ pub struct Definition {
     pub contacts: Vec<WrittenContact>,
     /// What results show besides the coordinates.
     pub outputs: Vec<WrittenOutput>,
+    /// Quantities that follow from the parameters alone.
+    pub derived: Vec<WrittenDerived>,
     /// The angle of a part that turns at a given speed.
     pub turning: Option<WrittenTurning>,
     /// The time after which the equations repeat; the time of a turn if it is not given.
@@ -58,8 +60,8 @@ pub struct WrittenParameter {
     pub meaning: String,
     /// The possible values.
     pub bound: Bound,
-    /// The largest value of a whole number, which is the same for all runs of a study.
-    pub most: Option<usize>,
+    /// The least and the largest value of a whole number, which is the same for all runs of a study.
+    pub counts: Option<[usize; 2]>,
 }
 
 /// A coordinate, with its start range.
@@ -101,10 +103,23 @@ pub struct WrittenOutput {
     pub name: String,
     /// The index that counts the bodies with this quantity.
     pub index: Option<String>,
+    /// Its unit; by default, that of its dimension.
+    pub unit: Option<Unit>,
     /// What it is, in a few words.
     pub meaning: String,
     /// Its value.
     pub formula: Formula,
+}
+
+/// A quantity that follows from the parameters alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenDerived {
+    /// The quantity, without an index.
+    pub quantity: WrittenOutput,
+    /// The range outside of which a machine is impossible.
+    pub within: Option<[Formula; 2]>,
+    /// The range outside of which a machine is unusual.
+    pub usual: Option<[Formula; 2]>,
 }
 
 /// A contact.

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use super::definition::{COEFFICIENT, Definition};
+use super::definition::{COEFFICIENT, Definition, WrittenDerived};
 use super::evaluate::Bodies;
 use super::formula::{Dimension, Formula, NONE, Valued, WHOLE};
 use super::instance::Instance;
@@ -24,8 +24,6 @@ pub(super) struct Examined {
     pub speeds: Vec<f64>,
     /// The dimension of each output.
     pub outputs: Vec<Dimension>,
-    /// The highest natural frequency without contacts, rad/s.
-    pub natural_rad_s: f64,
     /// The first value without physical meaning.
     pub sound: Result<(), InvalidParameter>,
 }
@@ -40,10 +38,8 @@ impl Examined {
         of_study: &FrictionLaw,
     ) -> Valued<Self> {
         let definition = instance.definition;
-        let period = definition.period.as_ref().map(|formula| instance.constant(formula, values));
-        let of_a_turn = definition.speed_place().map(|place| TAU / values[place].abs());
-        let period = period.transpose()?.or(of_a_turn.filter(|_| definition.uses_time));
-        let Sizes { middle, reach, is_finite, without_energy, rates, natural_rad_s, scales } =
+        let period = instance.period_s(values)?;
+        let Sizes { middle, reach, is_finite, without_energy, rates, scales } =
             instance.sizes(values, period)?;
         let parameters = definition.parameters.iter().zip(values);
         let scaled: Vec<f64> =
@@ -59,7 +55,10 @@ impl Examined {
         };
         let speeds = (0..instance.contacts.len()).map(unit_of_speed);
         let speeds = speeds.collect::<Result<Vec<_>, _>>()?;
-        let outputs = (0..instance.outputs.len()).map(|number| instance.output_dimension(number));
+        let outputs = (0..instance.outputs.len()).map(|number| {
+            let (output, bodies) = instance.output(number);
+            instance.dimension(&output.formula, bodies)
+        });
         let outputs = outputs.collect::<Result<Vec<_>, _>>()?;
         let second = scales.unit([0, 0, WHOLE]);
         let (mut friction, mut impacts, mut sound) = (Vec::new(), Vec::new(), Ok(()));
@@ -131,6 +130,17 @@ impl Examined {
                 sound = Err(invalid(&coordinate.name, found, "a coordinate without `periodic`"));
             }
         }
+        for WrittenDerived { quantity, within, .. } in &definition.derived {
+            let Some([low, high]) = within else { continue };
+            let value = instance.constant(&quantity.formula, values)?;
+            let [low, high] = [instance.constant(low, values)?, instance.constant(high, values)?];
+            if !(low..=high).contains(&value) {
+                let meaning = &quantity.meaning;
+                let found = format!("{value}, which is not between {low} and {high} ({meaning})");
+                let allowed = "parameters with which this quantity is within its range";
+                sound = Err(invalid(&quantity.name, &found, allowed));
+            }
+        }
         let largest_force = instance.largest_force(&scaled, scales, &middle)?;
         let integrals = instance.choose_positions(&speed_of, numeric)?;
         let coordinates = [instance.rates(&integrals, numeric)?.without_constants(), moving];
@@ -151,7 +161,7 @@ impl Examined {
             instance,
         };
         system.has_one_solution = sound.is_ok() && system.always_decides_in_one_way();
-        Ok(Examined { system: Arc::new(system), scales, speeds, outputs, natural_rad_s, sound })
+        Ok(Examined { system: Arc::new(system), scales, speeds, outputs, sound })
     }
 
     /// Returns a start state in the components of the system: positions, velocities, and the time if the equations contain it.
@@ -317,7 +327,7 @@ impl Instance<'_> {
     }
 
     /// Returns the value of a formula of parameters.
-    fn constant(&self, formula: &Formula, values: &[f64]) -> Valued<f64> {
+    pub fn constant(&self, formula: &Formula, values: &[f64]) -> Valued<f64> {
         self.constant_of(&self.bodies, formula, values)
     }
 

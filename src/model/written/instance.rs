@@ -37,7 +37,7 @@ pub type FaultAt = (Vec<String>, FormulaFault);
 impl<'d> Instance<'d> {
     /// Creates the system; `count` returns the value of a whole number among the parameters.
     pub fn new(definition: &'d Definition, count: impl Fn(&str) -> i64) -> Result<Self, FaultAt> {
-        let counts = definition.parameters.iter().filter(|one| one.most.is_some());
+        let counts = definition.parameters.iter().filter(|one| one.counts.is_some());
         let counts: Vec<_> = counts.map(|one| (one.name.clone(), count(&one.name))).collect();
         let indices = definition.repeat.iter().map(|(index, of)| (index.clone(), count(of)));
         let bodies = Bodies { indices: indices.collect(), counts, ..Bodies::default() };
@@ -107,10 +107,9 @@ impl<'d> Instance<'d> {
         (output, self.bound(output.index.as_deref(), body))
     }
 
-    /// Returns the dimension of an output.
-    pub fn output_dimension(&self, number: usize) -> Valued<Dimension> {
-        let (output, mut bodies) = self.output(number);
-        let (found, _) = self.analysed(&output.formula, &mut bodies)?;
+    /// Returns the dimension of a formula.
+    pub fn dimension(&self, formula: &Formula, mut bodies: Bodies) -> Valued<Dimension> {
+        let (found, _) = self.analysed(formula, &mut bodies)?;
         Ok(match found.measured {
             Measured::Known(dimension) => dimension,
             Measured::Any(_) => NONE,
@@ -196,7 +195,7 @@ impl<'d> Instance<'d> {
             }
             all.push((numbers, bodies));
         }
-        if all.is_empty() {
+        if all.is_empty() && last > 0 {
             let found = places[0].0.text.as_str();
             let allowed = "bodies from 1 to their number";
             let fault = FormulaFault::new(0, "bodies that do not exist", found, allowed);

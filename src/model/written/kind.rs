@@ -3,8 +3,9 @@
 use std::cell::RefCell;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::definition::{Definition, WrittenOutput};
+use super::definition::{Definition, WrittenDerived, WrittenOutput};
 use super::dimensions::unit_of;
+use super::evaluate::Bodies;
 use super::examined::Examined;
 use super::formula::{Dimension, Formula, FormulaFault, Valued, WHOLE};
 use super::instance::{Instance, Member};
@@ -14,9 +15,10 @@ use crate::model::coordinate::unit_ending;
 use crate::model::invalid_parameter::invalid;
 use crate::model::kind::member_name;
 use crate::model::{
-    Capabilities, Components, ContactNames, ContactUnits, Coordinate, DefaultModel, Field,
-    FrictionLaw, InvalidParameter, ModelKind, OutputName, OutputUnits, OwnKind, OwnModel,
-    PROFILE_PARAMETERS, ParameterDescriptor, SlidingSpeed, SpeedSegment, System, Units,
+    Capabilities, Components, ContactNames, ContactUnits, Coordinate, DefaultModel,
+    DerivedQuantity, Field, FrictionLaw, InvalidParameter, ModelKind, OutputName, OutputUnits,
+    OwnKind, OwnModel, PROFILE_PARAMETERS, ParameterDescriptor, SlidingSpeed, SmallMotionEquations,
+    SpeedSegment, System, Units,
 };
 
 /// What a kind of model of a file computes, with the texts that a process keeps.
@@ -94,8 +96,8 @@ fn leaked(
         name: kept(format!("{}{}", one.name, unit_ending(&one.unit.si))),
         unit: &one.unit.si,
         meaning: &one.meaning,
-        field: match one.most {
-            Some(most) => Field::Count { default: one.value as usize, most },
+        field: match one.counts {
+            Some([least, most]) => Field::Count { default: one.value as usize, least, most },
             None => Field::Own { default: one.value, bound: one.bound },
         },
     });
@@ -210,6 +212,21 @@ impl WrittenKind {
         if self.definition.has_units() { unit_of(dimension) } else { "1".to_owned() }
     }
 
+    /// Returns the name and the unit of a quantity that results show.
+    fn named(
+        &self,
+        instance: &Instance<'_>,
+        WrittenOutput { name, unit, meaning, formula, .. }: &WrittenOutput,
+        bodies: Bodies,
+    ) -> Valued<OutputName> {
+        let unit = match unit {
+            Some(unit) => unit.si.clone(),
+            None => self.shown_unit(instance.dimension(formula, bodies)?),
+        };
+        let name = format!("{name}{}", unit_ending(&unit));
+        Ok(OutputName { name, unit, meaning: meaning.clone() })
+    }
+
     /// Returns a part of a model that has been validated.
     fn part<T: Default>(part: Valued<T>) -> T {
         // A model is validated before it is simulated; what has a fault has no coordinates.
@@ -317,8 +334,9 @@ impl OwnKind for WrittenKind {
         }
     }
 
-    fn highest_frequency_rad_s(&self, model: &OwnModel) -> f64 {
-        self.examined(model).map_or(f64::NAN, |one| one.natural_rad_s)
+    fn small_motions(&self, model: &OwnModel) -> SmallMotionEquations {
+        let instance = self.instance(model);
+        Self::part(instance.and_then(|one| one.small_motions(model.values())))
     }
 
     fn speed_place(&self) -> Option<usize> {
@@ -365,16 +383,29 @@ impl OwnKind for WrittenKind {
                 })
             };
             let of_output = |(number, member): (usize, &Member)| {
-                let WrittenOutput { name, meaning, .. } = &self.definition.outputs[member.of];
-                let unit = self.shown_unit(instance.output_dimension(number)?);
-                let name = format!("{name}{}", unit_ending(&unit));
-                let (name, meaning) = (numbered(&name, &unit, member.body), meaning.clone());
-                Ok(OutputName { name, unit, meaning })
+                let (output, bodies) = instance.output(number);
+                let OutputName { name, unit, meaning } = self.named(&instance, output, bodies)?;
+                Ok(OutputName { name: numbered(&name, &unit, member.body), unit, meaning })
             };
             let outputs = instance.outputs.iter().enumerate().map(of_output);
             of_coordinate(0).chain(of_coordinate(1)).chain(outputs).collect()
         });
         Self::part(names)
+    }
+
+    fn derived(&self, model: &OwnModel) -> Vec<DerivedQuantity> {
+        let all = self.instance(model).and_then(|instance| {
+            let value = |formula: &Formula| instance.constant(formula, model.values());
+            let range = |[low, high]: &[Formula; 2]| Ok([value(low)?, value(high)?]);
+            let one = |WrittenDerived { quantity, within, usual }: &WrittenDerived| {
+                let is_shown = within.is_none() && usual.is_none();
+                let name = self.named(&instance, quantity, instance.bodies.clone())?;
+                let usual = usual.as_ref().map(range).transpose()?;
+                Ok(DerivedQuantity { name, value: value(&quantity.formula)?, usual, is_shown })
+            };
+            self.definition.derived.iter().map(one).collect()
+        });
+        Self::part(all)
     }
 
     fn contact_names(&self, model: &OwnModel) -> Vec<ContactNames> {

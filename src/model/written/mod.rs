@@ -23,13 +23,14 @@ mod numeric;
 mod parser;
 mod scales;
 mod sizes;
+mod small_motions;
 mod system;
 mod uniqueness;
 mod velocities;
 
 pub use definition::{
-    COEFFICIENT, Definition, Place, Unit, WrittenContact, WrittenCoordinate, WrittenFriction,
-    WrittenNormal, WrittenOutput, WrittenParameter, WrittenTurning, law_key,
+    COEFFICIENT, Definition, Place, Unit, WrittenContact, WrittenCoordinate, WrittenDerived,
+    WrittenFriction, WrittenNormal, WrittenOutput, WrittenParameter, WrittenTurning, law_key,
 };
 pub use formula::{Formula, FormulaFault, LONGEST_FORMULA, WHOLE};
 pub use instance::FaultAt;

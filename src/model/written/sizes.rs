@@ -22,8 +22,6 @@ pub(super) struct Sizes {
     pub without_energy: Option<usize>,
     /// The highest frequency and the largest rate of damping without contacts, 1/s.
     pub rates: [f64; 2],
-    /// The highest natural frequency, rad/s.
-    pub natural_rad_s: f64,
     pub scales: Scales,
 }
 
@@ -52,29 +50,10 @@ impl Instance<'_> {
     pub fn sizes(&self, values: &[f64], period: Option<f64>) -> Valued<Sizes> {
         let (instance, n) = (self, self.coordinates.len());
         let ranges = ranges(self, values)?;
-        let middle: Vec<[f64; 2]> =
-            ranges.iter().map(|both| both.map(|[low, high]| 0.5 * (low + high))).collect();
-        let reach: Vec<[f64; 2]> =
-            ranges.iter().map(|both| both.map(|[low, high]| low.abs().max(high.abs()))).collect();
-        let accelerations = |state: &[[f64; 2]]| instance.accelerations(values, state);
-        let at_middle = accelerations(&middle)?;
-        // Central differences; the equations are smooth, and only sizes matter.
-        let mut slopes = [DMatrix::zeros(n, n), DMatrix::zeros(n, n)];
-        for column in 0..n {
-            for (which, slopes) in slopes.iter_mut().enumerate() {
-                let step =
-                    if reach[column][which] > 0.0 { 1e-4 * reach[column][which] } else { 1e-6 };
-                let mut both = [middle.clone(), middle.clone()];
-                both[0][column][which] += step;
-                both[1][column][which] -= step;
-                let [ahead, behind] = [accelerations(&both[0])?, accelerations(&both[1])?];
-                if let (Some([ahead, _]), Some([behind, _])) = (ahead, behind) {
-                    for row in 0..n {
-                        slopes[(row, column)] = (ahead[row] - behind[row]) / (2.0 * step);
-                    }
-                }
-            }
-        }
+        let [middle, reach] = middle_and_reach(&ranges);
+        let all: Vec<usize> = (0..n).collect();
+        let at_middle = self.accelerations(values, &middle, 0.0, &all)?;
+        let slopes = self.slopes(values, &ranges, 0.0, &all)?;
         let definition = instance.definition;
         // The largest speed at which an angle turns at the start.
         let turns = |i: &usize| definition.coordinates[instance.coordinates[*i].of].periodic;
@@ -113,7 +92,7 @@ impl Instance<'_> {
         };
         let without_energy = match at_middle.is_some() {
             true => None,
-            false => Some(smallest_pivot(self.mass_at(values, &middle)?.0).1),
+            false => Some(smallest_pivot(self.mass_at(values, &middle, 0.0)?.0).1),
         };
         let is_finite = self.all_at(values, &middle, 0.0)?.iter().all(|one| one.is_finite());
         Ok(Sizes {
@@ -123,34 +102,82 @@ impl Instance<'_> {
             without_energy,
             // A step is at most half a turn at this speed.
             rates: [frequency.max(0.5 * turning), damping],
-            natural_rad_s: stiffness.sqrt(),
             scales,
         })
     }
 
+    /// Returns the slopes of the accelerations of some coordinates without contacts over their values, and over their rates of
+    /// change, in the middle of the start ranges. The other coordinates do not move.
+    pub fn slopes(
+        &self,
+        values: &[f64],
+        ranges: &[[[f64; 2]; 2]],
+        time: f64,
+        moving: &[usize],
+    ) -> Valued<[DMatrix<f64>; 2]> {
+        let [middle, reach] = middle_and_reach(ranges);
+        let mut slopes = [0, 1].map(|_| DMatrix::zeros(moving.len(), moving.len()));
+        // Central differences; the equations are smooth.
+        for (column, &number) in moving.iter().enumerate() {
+            for (which, slopes) in slopes.iter_mut().enumerate() {
+                let reach = reach[number][which];
+                let step = if reach > 0.0 { 1e-4 * reach } else { 1e-6 };
+                let beside = |step: f64| {
+                    let mut state = middle.clone();
+                    state[number][which] += step;
+                    self.accelerations(values, &state, time, moving)
+                };
+                if let (Some([ahead, _]), Some([behind, _])) = (beside(step)?, beside(-step)?) {
+                    for row in 0..moving.len() {
+                        slopes[(row, column)] = (ahead[row] - behind[row]) / (2.0 * step);
+                    }
+                }
+            }
+        }
+        Ok(slopes)
+    }
+
     /// Returns the mass matrix and the forces in a state.
-    fn mass_at(&self, values: &[f64], state: &[[f64; 2]]) -> Valued<(Vec<Vec<f64>>, Vec<f64>)> {
+    fn mass_at(
+        &self,
+        values: &[f64],
+        state: &[[f64; 2]],
+        time: f64,
+    ) -> Valued<(Vec<Vec<f64>>, Vec<f64>)> {
         let (parameters, coordinates) =
-            (self.parameters(values, 0.0), self.named(|number| state[number]));
+            (self.parameters(values, time), self.named(|number| state[number]));
         let scales = Scales::default();
         let mut numeric =
-            Numeric { scales, parameters: &parameters, coordinates: &coordinates, time: 0.0 };
+            Numeric { scales, parameters: &parameters, coordinates: &coordinates, time };
         self.mass_and_forces(&mut numeric)
     }
 
-    /// Returns the accelerations without contacts, and the diagonal of the mass matrix; `None` if this is not positive definite.
-    fn accelerations(&self, values: &[f64], state: &[[f64; 2]]) -> Valued<Option<[Vec<f64>; 2]>> {
-        let (mass, forces) = self.mass_at(values, state)?;
-        let n = forces.len();
-        let matrix = DMatrix::from_fn(n, n, |row, column| mass[row][column]);
+    /// Returns the accelerations of some coordinates without contacts while the others do not move, and their diagonal of the
+    /// mass matrix; `None` if this is not positive definite.
+    fn accelerations(
+        &self,
+        values: &[f64],
+        state: &[[f64; 2]],
+        time: f64,
+        moving: &[usize],
+    ) -> Valued<Option<[Vec<f64>; 2]>> {
+        let (mass, forces) = self.mass_at(values, state, time)?;
+        let n = moving.len();
+        let matrix = DMatrix::from_fn(n, n, |row, column| mass[moving[row]][moving[column]]);
+        let forces = nalgebra::DVector::from_fn(n, |row, _| forces[moving[row]]);
         if !matrix.iter().chain(&forces).all(|one| one.is_finite()) {
             return Ok(None);
         }
-        let diagonal = (0..n).map(|i| mass[i][i]).collect();
+        let diagonal = matrix.diagonal().iter().copied().collect();
         let Some(factors) = matrix.cholesky() else { return Ok(None) };
-        let accelerations = factors.solve(&nalgebra::DVector::from_vec(forces));
-        Ok(Some([accelerations.iter().copied().collect(), diagonal]))
+        Ok(Some([factors.solve(&forces).iter().copied().collect(), diagonal]))
     }
+}
+
+/// Returns the middle of the start ranges, and the largest start values.
+fn middle_and_reach(ranges: &[[[f64; 2]; 2]]) -> [Vec<[f64; 2]>; 2] {
+    let of = |value: fn([f64; 2]) -> f64| ranges.iter().map(|both| both.map(value)).collect();
+    [of(|[low, high]| 0.5 * (low + high)), of(|[low, high]| low.abs().max(high.abs()))]
 }
 
 /// Returns the largest modulus of an eigenvalue; 0 for a matrix that is not finite.

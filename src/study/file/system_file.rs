@@ -29,11 +29,15 @@ pub(in crate::study) struct SystemFile {
     /// Forces by coordinate, without those of contacts.
     #[serde(default)]
     pub force: IndexMap<String, FormulaText>,
-    /// Contacts by name; `belt[block]` for a contact of each body.
+    /// Contacts by name; `belt[block]` for a contact of each body. By default, there are none.
+    #[serde(default)]
     pub contacts: IndexMap<String, ContactEntry>,
     /// Quantities that results show besides the coordinates, by name; `load[block]` for one of each body.
     #[serde(default)]
     pub outputs: IndexMap<String, OutputEntry>,
+    /// Quantities that follow from the parameters alone, by name, such as a speed limit; `check` shows them.
+    #[serde(default)]
+    pub derived: IndexMap<String, DerivedEntry>,
     /// The angle of a part that turns, with the parameter that is its speed: `{theta: speed}`.
     #[serde(default)]
     #[schemars(extend("maxProperties" = 1))]
@@ -57,6 +61,8 @@ pub(in crate::study) struct ParameterKeys {
     pub meaning: String,
     /// The possible values; by default any.
     pub bound: Option<BoundFile>,
+    /// The least value of a whole number; by default 1, or 0 if that is the default.
+    pub least: Option<u64>,
     /// The largest value of a whole number, such as a number of bodies.
     pub most: Option<u64>,
 }
@@ -81,9 +87,32 @@ pub(in crate::study) struct OutputEntry(#[schemars(with = "FormulaOrKeys")] pub 
 pub(in crate::study) struct OutputKeys {
     /// Its formula.
     pub value: FormulaText,
+    /// Its unit, if its dimension has several, such as `rad/s` beside `1/s`.
+    pub unit: Option<String>,
     /// What it is, in a few words.
     #[serde(default)]
     pub meaning: String,
+}
+
+/// A quantity of parameters alone: its formula, or keys.
+#[derive(Clone, Debug, JsonSchema)]
+pub(in crate::study) struct DerivedEntry(#[schemars(with = "FormulaOrDerived")] pub DerivedKeys);
+
+/// The keys of a quantity of parameters alone.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::study) struct DerivedKeys {
+    /// Its formula.
+    pub value: FormulaText,
+    /// Its unit, if its dimension has several, such as `rad/s` beside `1/s`.
+    pub unit: Option<String>,
+    /// What it is, in a few words.
+    #[serde(default)]
+    pub meaning: String,
+    /// The range `[low, high]` outside of which a machine is impossible.
+    pub within: Option<Ends>,
+    /// The range `[low, high]` outside of which `check` warns.
+    pub usual: Option<Ends>,
 }
 
 /// A coordinate.
@@ -172,16 +201,41 @@ notations! {
     map(OutputKeys) => OutputEntry,
 }
 
+notations! {
+    DerivedEntry: "a formula, or keys and values",
+    number => |number: f64| Some(DerivedEntry::of(describe_number(number))),
+    text => |text: &str| Some(DerivedEntry::of(text.to_owned())),
+    map(DerivedKeys) => DerivedEntry,
+}
+
+impl DerivedEntry {
+    fn of(formula: String) -> Self {
+        DerivedEntry(DerivedKeys {
+            value: FormulaText(formula),
+            unit: None,
+            meaning: String::new(),
+            within: None,
+            usual: None,
+        })
+    }
+}
+
 impl OutputEntry {
     fn of(formula: String) -> Self {
-        OutputEntry(OutputKeys { value: FormulaText(formula), meaning: String::new() })
+        OutputEntry(OutputKeys { value: FormulaText(formula), unit: None, meaning: String::new() })
     }
 }
 
 impl ParameterEntry {
     fn of(value: String) -> Self {
         let value = FormulaText(value);
-        ParameterEntry(ParameterKeys { value, meaning: String::new(), bound: None, most: None })
+        ParameterEntry(ParameterKeys {
+            value,
+            meaning: String::new(),
+            bound: None,
+            least: None,
+            most: None,
+        })
     }
 }
 
@@ -216,6 +270,14 @@ enum ValueOrKeys {
 enum FormulaOrKeys {
     Formula(NumberOrText),
     Keys(OutputKeys),
+}
+
+#[derive(JsonSchema)]
+#[serde(untagged)]
+#[expect(dead_code, reason = "only the schema of these types is used")]
+enum FormulaOrDerived {
+    Formula(NumberOrText),
+    Keys(DerivedKeys),
 }
 
 #[derive(JsonSchema)]

@@ -6,7 +6,8 @@ use serde_json::Value;
 
 use crate::model::{
     Bound, Definition, FaultAt, Formula, FormulaFault, ModelKind, Place, Unit, WHOLE,
-    WrittenCoordinate, WrittenOutput, WrittenParameter, WrittenTurning, written_kind,
+    WrittenCoordinate, WrittenDerived, WrittenOutput, WrittenParameter, WrittenTurning,
+    written_kind,
 };
 use crate::study::error::{Fault, StudyError, list_names, shorten};
 use crate::study::file::decode::decode;
@@ -14,7 +15,8 @@ use crate::study::file::key_path::Segment;
 use crate::study::file::quantity::{convert, split_number, unit_of};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::system_file::{
-    BoundFile, CoordinateEntry, Ends, FormulaText, ParameterKeys, SystemFile,
+    BoundFile, CoordinateEntry, DerivedEntry, DerivedKeys, Ends, FormulaText, OutputKeys,
+    ParameterKeys, SystemFile,
 };
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::unit_keys::{Names, split_unit};
@@ -141,8 +143,8 @@ impl<'s> Reader<'s> {
             parameters.push(self.parameter(name, &entry.0)?);
         }
         for (index, count) in &file.repeat {
-            if !parameters.iter().any(|one| one.name == *count && one.most.is_some()) {
-                let counts = parameters.iter().filter(|one| one.most.is_some());
+            if !parameters.iter().any(|one| one.name == *count && one.counts.is_some()) {
+                let counts = parameters.iter().filter(|one| one.counts.is_some());
                 let counts: Vec<&str> = counts.map(|one| one.name.as_str()).collect();
                 let allowed = match counts[..] {
                     [] => {
@@ -175,22 +177,36 @@ impl<'s> Reader<'s> {
         for (key, entry) in &file.contacts {
             contacts.push(self.contact(key, entry, file)?);
         }
-        for (key, is_empty) in
-            [("coordinates", coordinates.is_empty()), ("contacts", contacts.is_empty())]
-        {
-            if is_empty {
-                let fault = Fault::new("an empty list", "no keys", "at least one");
-                return Err(self.path(&[key]).refuse_value(fault));
-            }
+        if coordinates.is_empty() {
+            let fault = Fault::new("an empty list", "no keys", "at least one");
+            return Err(self.path(&["coordinates"]).refuse_value(fault));
         }
-        let mut outputs = Vec::new();
-        for (key, entry) in &file.outputs {
-            let path = self.path(&["outputs", key]);
+        let quantity = |list: &str, key: &String, entry: &OutputKeys| {
+            let path = self.path(&[list, key]);
             let (name, index) = self.indexed(&path, key, file)?;
-            let value =
-                if path.key("value").node().is_some() { path.key("value") } else { path.clone() };
-            let formula = self.formula_at(&value, &entry.0.value)?;
-            outputs.push(WrittenOutput { name, index, meaning: entry.0.meaning.clone(), formula });
+            let value = path.key("value");
+            let value = if value.node().is_some() { value } else { path.clone() };
+            let formula = self.formula_at(&value, &entry.value)?;
+            let unit = entry.unit.as_deref().map(|unit| self.si_unit(&path, unit, ""));
+            let (unit, meaning) = (unit.transpose()?, entry.meaning.clone());
+            Ok(WrittenOutput { name, index, unit, meaning, formula })
+        };
+        let outputs = file.outputs.iter().map(|(key, entry)| quantity("outputs", key, &entry.0));
+        let outputs = outputs.collect::<Result<Vec<_>, StudyError>>()?;
+        let mut derived = Vec::new();
+        for (key, DerivedEntry(keys)) in &file.derived {
+            let path = self.path(&["derived", key]);
+            let DerivedKeys { value, unit, meaning, within, usual } = keys.clone();
+            let quantity = quantity("derived", key, &OutputKeys { value, unit, meaning })?;
+            if quantity.index.is_some() {
+                let allowed = "a name without an index: parameters are the same for all bodies";
+                return Err(path.refuse_key(Fault::new("a quantity of a body", key, allowed)));
+            }
+            let range = |key: &str, ends: Option<Ends>| {
+                ends.map(|ends| self.range(&path.key(key), &ends)).transpose()
+            };
+            let (within, usual) = (range("within", within)?, range("usual", usual)?);
+            derived.push(WrittenDerived { quantity, within, usual });
         }
         let turning = file.turning.iter().next();
         let units =
@@ -198,7 +214,7 @@ impl<'s> Reader<'s> {
         let speed_unit = if units.into_iter().any(|unit| unit.si != "1") { "rad/s" } else { "1" };
         if let Some((angle, speed)) = turning {
             let is_speed = |one: &WrittenParameter| {
-                one.name == *speed && one.most.is_none() && one.unit.si == speed_unit
+                one.name == *speed && one.counts.is_none() && one.unit.si == speed_unit
             };
             if file.turning.len() > 1 {
                 let allowed = "one part that turns; other speeds are multiples of its speed";
@@ -223,6 +239,7 @@ impl<'s> Reader<'s> {
             force,
             contacts,
             outputs,
+            derived,
             turning: turning.map(|(angle, speed)| WrittenTurning {
                 angle: angle.clone(),
                 speed: speed.clone(),
@@ -255,10 +272,12 @@ impl<'s> Reader<'s> {
         }
         self.check_ending(&path, name, &unit)?;
         if let Some(most) = entry.most {
-            let is_count = number.fract() == 0.0 && number >= 0.0 && number <= most as f64;
+            let least = entry.least.unwrap_or(0) as f64;
+            let is_count = number.fract() == 0.0 && (least..=most as f64).contains(&number);
             if !is_count || most > MOST_BODIES || unit.si != "1" {
-                let allowed =
-                    format!("a whole number up to `most`, which is at most {MOST_BODIES}");
+                let allowed = format!(
+                    "a whole number from `least` to `most`, which is at most {MOST_BODIES}"
+                );
                 let found = format!("{} with most: {most}", shorten(text));
                 return Err(fault(Fault::new("not a number of bodies", found, allowed)));
             }
@@ -273,8 +292,27 @@ impl<'s> Reader<'s> {
                 Some(BoundFile::Positive) => Bound::Positive,
                 Some(BoundFile::NotNegative) => Bound::NotNegative,
             },
-            most: entry.most.map(|most| most as usize),
+            counts: entry.most.map(|most| {
+                let least = entry.least.map_or((number as usize).min(1), |least| least as usize);
+                [least, most as usize]
+            }),
         })
+    }
+
+    /// Returns the unit under the key `unit`, which must be an SI unit.
+    fn si_unit(
+        &self,
+        path: &SourcePath<'_>,
+        written: &str,
+        remedy: &str,
+    ) -> Result<Unit, StudyError> {
+        let refuse = |fault| path.key("unit").refuse_value(fault);
+        let unit = self.unit(written).map_err(refuse)?;
+        if convert(&format!("1 {written}"), &unit.si).is_ok_and(|one| one != 1.0) {
+            let allowed = format!("{}{remedy}", unit.si);
+            return Err(refuse(Fault::new("not an SI unit", shorten(written), allowed)));
+        }
+        Ok(unit)
     }
 
     fn coordinate(
@@ -285,43 +323,43 @@ impl<'s> Reader<'s> {
     ) -> Result<WrittenCoordinate, StudyError> {
         let path = self.path(&["coordinates", key]);
         let (name, index) = self.indexed(&path, key, file)?;
-        let unit = entry.unit.as_deref().unwrap_or("1");
-        let refuse = |fault| path.key("unit").refuse_value(fault);
-        let written = unit;
-        let unit = self.unit(unit).map_err(refuse)?;
-        if convert(&format!("1 {written}"), &unit.si).is_ok_and(|one| one != 1.0) {
-            let allowed =
-                format!("{}; values may have other units, as in `start: 5 {written}`", unit.si);
-            return Err(refuse(Fault::new("not an SI unit", shorten(written), allowed)));
-        }
+        let written = entry.unit.as_deref().unwrap_or("1");
+        let unit = self.si_unit(
+            &path,
+            written,
+            &format!("; values may have other units, as in `start: 5 {written}`"),
+        )?;
         self.check_ending(&path, &name, &unit)?;
         if entry.periodic && unit.dimension != [0; 3] {
             let allowed = "a coordinate with the unit rad: a period is one turn";
             let fault = Fault::new("a periodic coordinate", shorten(&unit.si), allowed);
             return Err(path.key("periodic").refuse_value(fault));
         }
-        let range = |key: &str, ends: &Option<Ends>| {
-            let path = path.key(key);
-            let texts = ends.as_ref().map_or(&[][..], |ends| &ends.0);
-            match texts {
-                [] if ends.is_none() => Ok([Formula::number(0.0), Formula::number(0.0)]),
-                [one] => self.formula_at(&path, one).map(|one| [one.clone(), one]),
-                [low, high] => {
-                    let [low, high] = [(0, low), (1, high)]
-                        .map(|(place, text)| self.formula_at(&path.item(place), text));
-                    Ok([low?, high?])
-                }
-                _ => {
-                    let found = format!("{} values", texts.len());
-                    let allowed = "a value, or two values [low, high]";
-                    Err(path.refuse_value(Fault::new("not a range", found, allowed)))
-                }
-            }
+        let range = |key: &str, ends: &Option<Ends>| match ends {
+            None => Ok([Formula::number(0.0), Formula::number(0.0)]),
+            Some(ends) => self.range(&path.key(key), ends),
         };
         let start = [range("start", &entry.start)?, range("start_rate", &entry.start_rate)?];
         let (periodic, meaning) = (entry.periodic, entry.meaning.clone());
         let rate = entry.rate.clone().unwrap_or_else(|| format!("{name}_rate"));
         Ok(WrittenCoordinate { name, index, unit, rate, periodic, meaning, start })
+    }
+
+    /// Returns the formulas of the two ends of a range.
+    fn range(&self, path: &SourcePath<'_>, ends: &Ends) -> Result<[Formula; 2], StudyError> {
+        match &ends.0[..] {
+            [one] => self.formula_at(path, one).map(|one| [one.clone(), one]),
+            [low, high] => {
+                let [low, high] = [(0, low), (1, high)]
+                    .map(|(place, text)| self.formula_at(&path.item(place), text));
+                Ok([low?, high?])
+            }
+            other => {
+                let found = format!("{} values", other.len());
+                let allowed = "a value, or two values [low, high]";
+                Err(path.refuse_value(Fault::new("not a range", found, allowed)))
+            }
+        }
     }
 
     /// Splits a key such as `x[block]` into the name and the index.
