@@ -146,10 +146,11 @@ pub struct ReportData<'a> {
 }
 
 impl<'a> ReportData<'a> {
-    /// Returns the unit of amplitudes: that of vibration, or m for a model without vibration.
+    /// Returns the unit of amplitudes: that of vibration, or m for a model without vibration unless the study chooses another one.
     pub fn amplitude_unit(&self) -> Unit {
-        match self.study.model().kind().offers.vibration {
-            true => self.study.units().vibration(),
+        let units = self.study.units();
+        match self.study.model().kind().offers.vibration || units.chooses_vibration() {
+            true => units.vibration(),
             false => Unit { symbol: "m".to_owned(), si: 1.0 },
         }
     }

@@ -1,6 +1,7 @@
 //! The figures of a report, as data that the page's script draws.
 
 mod basins;
+mod campbell;
 mod diagnostics;
 mod drawn;
 mod equilibrium_set;
@@ -42,6 +43,7 @@ pub fn of_results(data: &ReportData<'_>) -> Vec<Figure> {
         preferred::figure(data),
         basins::figure(data),
         limit_cycles::figure(data),
+        campbell::figure(data),
         diagnostics::figure(data),
     ];
     figures.into_iter().flatten().collect()

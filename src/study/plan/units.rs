@@ -65,6 +65,11 @@ impl Units {
         self.0.get(VIBRATION).cloned().unwrap_or_else(default)
     }
 
+    /// Returns whether the study chooses the unit of the amplitudes of vibration.
+    pub fn chooses_vibration(&self) -> bool {
+        self.0.contains_key(VIBRATION)
+    }
+
     /// Returns the unit of imbalances.
     pub fn imbalance(&self) -> Unit {
         let default = || Unit { symbol: "g mm".to_owned(), si: 1e-6 };
