@@ -1,6 +1,7 @@
 //! Data of the figures of a report.
 
 mod animation;
+mod campbell;
 /// Rank correlations and amplitudes over uncertain parameters.
 mod drawn;
 /// The equilibrium set behind the rest positions.

@@ -30,7 +30,7 @@ pub struct Template {
 
 impl Template {
     /// All templates.
-    pub const ALL: [Template; 7] = [
+    pub const ALL: [Template; 8] = [
         Template {
             name: "machine",
             summary: "a ball balancer of your own, with all its parameters",
@@ -50,6 +50,11 @@ impl Template {
             name: "rotor",
             summary: "a ball balancer on a horizontal rotor with two bearings",
             source: include_str!("rotor.yaml"),
+        },
+        Template {
+            name: "grinder",
+            summary: "an angle grinder with a ball balancer that runs up",
+            source: include_str!("grinder.yaml"),
         },
         Template {
             name: "system",
