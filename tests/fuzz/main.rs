@@ -11,6 +11,7 @@
 //! - `cargo test --test fuzz -- --write-corpus` rewrites the binary files of `fuzz/corpus`.
 
 mod corpus;
+mod hostile;
 mod mutate;
 mod targets;
 
@@ -66,6 +67,7 @@ fn main() -> ExitCode {
         }
         _ if words.contains(&"--list") => {
             TARGETS.iter().for_each(|(name, _)| println!("fuzz::{name}: test"));
+            println!("fuzz::hostile: test");
             println!("fuzz::net: test");
             ExitCode::SUCCESS
         }
@@ -94,6 +96,12 @@ fn parent(words: &[&str]) -> ExitCode {
             let names = BAD.par_iter().map(|(name, _)| *name);
             let holes: Vec<&str> = names.filter(|name| !caught(name)).collect();
             ("net".to_owned(), holes.into_iter().map(str::to_owned).collect())
+        }));
+    }
+    if wanted("hostile") {
+        checks.push(Box::new(|| {
+            let files = hostile::FILES.par_iter();
+            ("hostile".to_owned(), files.filter_map(|(name, _)| not_refused(name)).collect())
         }));
     }
     for name in targets {
@@ -135,6 +143,14 @@ fn deeper(times: u64) -> u64 {
 fn caught(name: &str) -> bool {
     let (read, died) = one_child(name, 0, 0, 3, Duration::from_secs(5));
     died.is_some_and(|(number, _)| number == 1) && read == 1
+}
+
+/// Returns the fault of a hostile table that is not refused.
+fn not_refused(name: &str) -> Option<String> {
+    match one_child(name, 0, 0, 1, TIME) {
+        (0, None) => None,
+        (_, died) => Some(format!("{name}: {}", died.map_or("read".to_owned(), |(_, what)| what))),
+    }
 }
 
 /// Runs children until all inputs have been tested. Returns the number of usable inputs, and the
@@ -212,6 +228,15 @@ fn child(name: &str, seed: u64, numbers: std::ops::Range<u64>) {
         ALLOCATOR.set_limit(ALLOCATOR.allocated() + MEMORY).unwrap();
         println!("0\n{READ}\n1");
         return bad();
+    }
+    if let Some((_, hostile)) = hostile::FILES.iter().find(|(other, _)| *other == name) {
+        let (folder, file) = (tempfile::tempdir().unwrap(), hostile());
+        ALLOCATOR.set_limit(ALLOCATOR.allocated() + hostile::MEMORY).unwrap();
+        println!("0");
+        if target("parquet_table")(folder.path(), &file) {
+            println!("{READ}");
+        }
+        return;
     }
     let (target, corpus) = (target(name), corpus::read(name));
     let folder = tempfile::tempdir().unwrap();
