@@ -1,7 +1,9 @@
 //! Checks the lengths of the texts in a Parquet page before the Parquet library allocates memory for them.
 //!
-//! In the delta encodings the library allocates memory for as many texts as the page announces, and copies a shared prefix
-//! into every text that begins with it.
+//! In the delta encodings the library (parquet 60.1) allocates memory for as many texts as the page announces: for a file of
+//! 189 bytes it fills 4 GiB, and for one of 185 bytes the allocation of 32 GiB fails, which ends the process. It copies a
+//! shared prefix into every text that begins with it, and a text of a dictionary for every row that refers to it: 1024 rows
+//! with the same text of 16 MB take 4 GiB. `tests/fuzz/hostile.rs` has such files.
 
 use parquet::basic::Encoding;
 

@@ -1,23 +1,41 @@
 //! Small Parquet tables that make the Parquet library (60.1) take gigabytes, overflow the stack or run for hours.
 //!
-//! The program must refuse each of them in [`MEMORY`]. The comments state what the library alone does.
+//! The program must refuse each of them in [`MEMORY`] and say why. The comments state what the library alone does.
+
+use std::fs;
+use std::path::Path;
+
+use stickslip::study::Study;
 
 /// Memory limit for one file, bytes. The library alone exceeds it with each file but `nesting` and `booleans`.
 pub const MEMORY: usize = 128 << 20;
 
-/// The files, by name.
-pub const FILES: [(&str, fn() -> Vec<u8>); 10] = [
-    ("columns", columns),
-    ("nesting", nesting),
-    ("booleans", booleans),
-    ("dictionary_of_numbers", dictionary_of_numbers),
-    ("dictionary_of_texts", dictionary_of_texts),
-    ("lengths", lengths),
-    ("equal_lengths", equal_lengths),
-    ("long_text", long_text),
-    ("shared_prefix", shared_prefix),
-    ("zeros", zeros),
+/// The files by name, and a part of the message.
+pub const FILES: [(&str, fn() -> Vec<u8>, &str); 11] = [
+    ("columns", columns, FOOTER),
+    ("nesting", nesting, "wrong type\n  found:   columns within columns"),
+    ("hidden_nesting", hidden_nesting, FOOTER),
+    ("booleans", booleans, FOOTER),
+    ("dictionary_of_numbers", dictionary_of_numbers, "a dictionary of more values"),
+    ("dictionary_of_texts", dictionary_of_texts, "a dictionary of more values"),
+    ("lengths", lengths, "a page that ends before its last text"),
+    ("equal_lengths", equal_lengths, "a page that ends before its last text"),
+    ("long_text", long_text, "the text is too long\n  found:   1000000 bytes"),
+    ("shared_prefix", shared_prefix, "the text is too long\n  found:   1000000 bytes"),
+    ("zeros", zeros, "too large when decompressed"),
 ];
+
+const FOOTER: &str = "not a readable Parquet file\n  found:   a footer";
+
+/// Returns the message about a Parquet file as a sweep, or an empty text if it is accepted.
+pub fn message(folder: &Path, file: &[u8]) -> String {
+    fs::write(folder.join("table.parquet"), file).unwrap();
+    let text = "schema: 1\nname: a\nseed: 5\nmodel: {kind: ball_balancer}\n\
+                initial_conditions: {design: {monte_carlo: {samples: 1}}}\n\
+                sweep: [{table: table.parquet}]\n";
+    let read = Study::parse(&folder.join("study.yaml"), text.to_owned());
+    read.err().map_or_else(String::new, |error| error.to_string())
+}
 
 /// A group that announces 2^31 - 1 columns: 31 bytes for which the library allocates 16 GiB.
 fn columns() -> Vec<u8> {
@@ -28,6 +46,15 @@ fn columns() -> Vec<u8> {
 fn nesting() -> Vec<u8> {
     let column = [0x48, 1, b'a', 0x15, 2, 0];
     let schema = [&[0xfc][..], &varint(100_000), &column.repeat(100_000)].concat();
+    with_footer(b"PAR1", &footer(&schema, &[]))
+}
+
+/// The same in a number that is marked as a text, in the first of 100,000 empty columns. The library reads a number.
+fn hidden_nesting() -> Vec<u8> {
+    let column = [0x48, 1, b'a', 0x15, 2, 0];
+    let hidden = [&[0x28, 1, b'a', 0x15, 2, 0][..], &column.repeat(100_000)].concat();
+    let first = [&[0x28][..], &varint(hidden.len() as u64), &hidden, &[0]].concat();
+    let schema = [&[0xfc][..], &varint(100_000), &first, &[0].repeat(99_999)].concat();
     with_footer(b"PAR1", &footer(&schema, &[]))
 }
 
