@@ -10,8 +10,11 @@ use stickslip::study::Study;
 /// Memory limit for one file, bytes. The library alone exceeds it with each file but `nesting` and `booleans`.
 pub const MEMORY: usize = 128 << 20;
 
-/// The files by name, and a part of the message.
-pub const FILES: [(&str, fn() -> Vec<u8>, &str); 11] = [
+/// A file by name, and a part of the message about it.
+type File = (&'static str, fn() -> Vec<u8>, &'static str);
+
+/// The files.
+pub const FILES: [File; 12] = [
     ("columns", columns, FOOTER),
     ("nesting", nesting, "wrong type\n  found:   columns within columns"),
     ("hidden_nesting", hidden_nesting, FOOTER),
@@ -22,7 +25,8 @@ pub const FILES: [(&str, fn() -> Vec<u8>, &str); 11] = [
     ("equal_lengths", equal_lengths, "a page that ends before its last text"),
     ("long_text", long_text, "the text is too long\n  found:   1000000 bytes"),
     ("shared_prefix", shared_prefix, "the text is too long\n  found:   1000000 bytes"),
-    ("zeros", zeros, "too large when decompressed"),
+    ("zeros", zeros, "too large when decompressed\n  found:   a page of 16777217 bytes"),
+    ("many_zeros", many_zeros, "too large when decompressed\n  found:   larger pages"),
 ];
 
 const FOOTER: &str = "not a readable Parquet file\n  found:   a footer";
@@ -113,13 +117,22 @@ fn shared_prefix() -> Vec<u8> {
 /// A page of 400 kB in Zstandard, which decompresses to 13 GB. The library decompresses Zstandard up to the size that the page
 /// announces, at most 2 GiB, and gzip without a limit: it allocates 2 GiB for a page of 1 MB.
 fn zeros() -> Vec<u8> {
+    Table { compression: ZSTANDARD, ..Table::of_numbers(zstandard(100_000)) }.file()
+}
+
+/// Five pages of 16 MiB with one number each.
+fn many_zeros() -> Vec<u8> {
+    Table { compression: ZSTANDARD, pages: 5, ..Table::of_numbers(zstandard(128)) }.file()
+}
+
+/// Returns zeros in Zstandard: each block of four bytes expands to 128 kB.
+fn zstandard(blocks: usize) -> Vec<u8> {
     let block = |last: u32| {
         let header = (128 << 10) << 3 | 1 << 1 | last;
         [&header.to_le_bytes()[..3], &[0]].concat()
     };
     let frame = [0x28, 0xb5, 0x2f, 0xfd, 0, 0x58];
-    let packed = [&frame[..], &block(0).repeat(100_000), &block(1)].concat();
-    Table { compression: ZSTANDARD, ..Table::of_numbers(packed) }.file()
+    [&frame[..], &block(0).repeat(blocks - 1), &block(1)].concat()
 }
 
 const MOST: i64 = i32::MAX as i64;
@@ -132,22 +145,26 @@ const DELTA_TEXTS: i64 = 7;
 const DICTIONARY: i64 = 8;
 const ZSTANDARD: i64 = 6;
 
-/// A table of one column with one page.
+/// A table of one column.
 struct Table {
     column: &'static str,
     kind: i64,
     compression: i64,
     encoding: i64,
+    /// The number of rows in a page.
     rows: i64,
     /// The bytes of a dictionary page and the number of values that it announces.
     dictionary: Option<(Vec<u8>, i64)>,
+    /// A page, and how often it occurs.
     page: Vec<u8>,
+    pages: usize,
 }
 
 impl Table {
     fn of_numbers(page: Vec<u8>) -> Table {
         let (column, kind) = ("speed_rad_s", DOUBLE);
-        Table { column, kind, compression: 0, encoding: PLAIN, rows: 1, dictionary: None, page }
+        let (rows, dictionary, pages) = (1, None, 1);
+        Table { column, kind, compression: 0, encoding: PLAIN, rows, dictionary, page, pages }
     }
 
     fn of_texts(page: Vec<u8>) -> Table {
@@ -172,8 +189,8 @@ impl Table {
         let start = pages.len() as i64;
         let levels = [int(1, 3), int(1, 3)].concat();
         let header = [vec![0x2c], int(1, rows), int(1, encoding), levels, vec![0, 0]];
-        pages.extend(page(0, &self.page, &header));
-        let size = pages.len() as i64 - 4;
+        pages.extend(page(0, &self.page, &header).repeat(self.pages));
+        let (size, rows) = (pages.len() as i64 - 4, rows * self.pages as i64);
 
         let root = [0x2c, 0x48, 1, b'a', 0x15, 2, 0].to_vec();
         // Field 6 marks texts.

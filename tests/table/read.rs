@@ -150,6 +150,27 @@ fn values_of_every_kind_are_read_back() {
     assert_eq!(compare(&Table::open(folder.path(), &manifest, "t").unwrap()), 12_000);
 }
 
+/// Pages of equal values take a few bytes, however many they announce.
+#[test]
+fn more_list_values_than_the_limit_are_refused() {
+    for (length, read) in [(1024, true), (1025, false)] {
+        let folder = tempdir().unwrap();
+        let mut list = Columns::<u64>::new();
+        list.numbers("list", "rad", |length| Some(vec![0.5; *length as usize]));
+        let path = folder.path().join("t.parquet");
+        let mut writer = TableWriter::create(&path, list.finish(), &right()).unwrap();
+        writer.push(length).unwrap();
+        let entry = writer.finish().unwrap().remove(0).1;
+        let manifest = manifest([("t.parquet".to_owned(), entry)]);
+        let table = Table::open(folder.path(), &manifest, "t").unwrap();
+        let batch = table.read(&[("list", Kind::Numbers)]).unwrap().next().unwrap();
+        match read {
+            true => assert_eq!(batch.unwrap().rows, 1),
+            false => refused(batch, &["not a readable Parquet file", "more values than rows"]),
+        }
+    }
+}
+
 #[track_caller]
 fn refused<T>(result: Result<T, TableError>, parts: &[&str]) {
     let message = result.err().expect("refused").to_string();
