@@ -54,6 +54,7 @@ mod graph;
 pub mod identify;
 pub mod model;
 pub mod motion;
+mod named;
 mod numbers;
 pub mod optimize;
 mod printed_table;

@@ -23,6 +23,7 @@ use super::linearised::{SmallMotions, Stability};
 use super::on_a_line::on_a_line;
 use super::rest_form::RestForm;
 use crate::model::{Machine, wrap_to_two_pi};
+use crate::named::named;
 
 /// The `drag` argument of [`frictionless_equilibria`] that gives the stability of slow balls:
 /// larger values do not change the result.
@@ -47,23 +48,14 @@ pub enum FrictionlessKind {
     Everywhere,
 }
 
-impl FrictionlessKind {
-    /// All kinds.
-    pub const ALL: [Self; 6] =
-        [Self::A1Plus, Self::A1Minus, Self::A2, Self::B1, Self::Other, Self::Everywhere];
-
-    /// Returns the identifier that the tables use.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::A1Plus => "a1_plus",
-            Self::A1Minus => "a1_minus",
-            Self::A2 => "a2",
-            Self::B1 => "b1",
-            Self::Other => "other",
-            Self::Everywhere => "everywhere",
-        }
-    }
-}
+named!(FrictionlessKind {
+    A1Plus: "a1_plus",
+    A1Minus: "a1_minus",
+    A2: "a2",
+    B1: "b1",
+    Other: "other",
+    Everywhere: "everywhere",
+});
 
 /// An equilibrium without friction.
 #[derive(Clone, Debug, PartialEq)]

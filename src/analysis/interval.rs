@@ -1,5 +1,7 @@
 //! Confidence intervals for a fraction of runs.
 
+use crate::named::named;
+
 /// The two-sided 95 % point of the normal distribution.
 pub const Z_95: f64 = 1.959_963_984_540_054;
 
@@ -12,15 +14,7 @@ pub enum IntervalMethod {
     Stratified,
 }
 
-impl IntervalMethod {
-    /// Returns the identifier that the tables use.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Wilson => "wilson",
-            Self::Stratified => "stratified",
-        }
-    }
-}
+named!(IntervalMethod { Wilson: "wilson", Stratified: "stratified" });
 
 /// A 95 % interval of a fraction.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -19,6 +19,7 @@ use nalgebra::{Complex, DMatrix, Schur};
 
 use super::balance::balances;
 use super::rest_form::{RestForm, direction};
+use crate::named::named;
 
 /// Stability of an equilibrium against small disturbances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,17 +35,12 @@ pub enum Stability {
     Unknown,
 }
 
-impl Stability {
-    /// Returns the identifier that the tables use.
-    pub fn name(self) -> &'static str {
-        match self {
-            Stability::Stable => "stable",
-            Stability::Unstable => "unstable",
-            Stability::Marginal => "marginal",
-            Stability::Unknown => "unknown",
-        }
-    }
-}
+named!(Stability {
+    Stable: "stable",
+    Unstable: "unstable",
+    Marginal: "marginal",
+    Unknown: "unknown",
+});
 
 /// Eigenvalues of the linearised equations of motion.
 #[derive(Clone, Debug, PartialEq)]

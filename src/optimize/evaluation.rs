@@ -1,5 +1,6 @@
 //! An evaluated design of a search.
 
+use crate::named::named;
 use crate::responses::Answer;
 use crate::study::DesignValue;
 
@@ -16,29 +17,12 @@ pub enum Origin {
     SpaceFillingInstead,
 }
 
-impl Origin {
-    const ALL: [Origin; 4] = [
-        Origin::CompareWith,
-        Origin::SpaceFilling,
-        Origin::Surrogates,
-        Origin::SpaceFillingInstead,
-    ];
-
-    /// Returns the name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Origin::CompareWith => "compare_with",
-            Origin::SpaceFilling => "spread",
-            Origin::Surrogates => "surrogates",
-            Origin::SpaceFillingInstead => "spread_instead",
-        }
-    }
-
-    /// Returns the origin with this name.
-    pub fn named(name: &str) -> Option<Origin> {
-        Origin::ALL.into_iter().find(|origin| origin.name() == name)
-    }
-}
+named!(Origin {
+    CompareWith: "compare_with",
+    SpaceFilling: "spread",
+    Surrogates: "surrogates",
+    SpaceFillingInstead: "spread_instead",
+});
 
 /// A design with its responses at every point of the sweep.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,6 +13,7 @@ use super::pareto::pareto_front;
 use super::search::Search;
 use crate::analysis::Estimate;
 use crate::classification::Label;
+use crate::named::named;
 use crate::responses::{Answer, Design, respond};
 use crate::study::{AmplitudeKind, DesignValue, Measure, Response};
 
@@ -29,17 +30,12 @@ pub enum FinalistRole {
     CompareWith,
 }
 
-impl FinalistRole {
-    /// Returns the name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            FinalistRole::Finalist => "finalist",
-            FinalistRole::Best => "best",
-            FinalistRole::Pareto => "pareto",
-            FinalistRole::CompareWith => "compare_with",
-        }
-    }
-}
+named!(FinalistRole {
+    Finalist: "finalist",
+    Best: "best",
+    Pareto: "pareto",
+    CompareWith: "compare_with",
+});
 
 /// A design with the responses of its final runs.
 #[derive(Clone, Debug, PartialEq)]

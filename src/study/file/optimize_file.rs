@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::notations::notations;
+use crate::named::named;
 use crate::study::file::values::{Count, Entry};
 
 /// Objectives, limits and effort of `stickslip optimize`.
@@ -83,15 +84,7 @@ pub enum SensitivityFrom {
     Runs,
 }
 
-impl SensitivityFrom {
-    /// Returns the name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            SensitivityFrom::Surrogates => "surrogates",
-            SensitivityFrom::Runs => "runs",
-        }
-    }
-}
+named!(SensitivityFrom { Surrogates: "surrogates", Runs: "runs" });
 
 /// One or two names of responses.
 #[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]

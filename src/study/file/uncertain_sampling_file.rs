@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::named::named;
+
 /// How the uncertain parameters are sampled together.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -30,17 +32,12 @@ pub enum UncertainDesignKind {
     Joint,
 }
 
-impl UncertainDesignKind {
-    /// Returns the word of a study file.
-    pub fn name(self) -> &'static str {
-        match self {
-            UncertainDesignKind::MonteCarlo => "monte_carlo",
-            UncertainDesignKind::LatinHypercube => "latin_hypercube",
-            UncertainDesignKind::Sobol => "sobol",
-            UncertainDesignKind::Joint => "joint",
-        }
-    }
-}
+named!(UncertainDesignKind {
+    MonteCarlo: "monte_carlo",
+    LatinHypercube: "latin_hypercube",
+    Sobol: "sobol",
+    Joint: "joint",
+});
 
 /// The rank correlation of two uncertain parameters.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
