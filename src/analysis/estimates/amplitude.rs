@@ -24,19 +24,12 @@ pub fn mean(sample: &Sample) -> Estimate {
     let Some(mean) = moments::mean(&amplitudes(sample), sample.cells) else {
         return Estimate::unknown(NO_AMPLITUDE);
     };
-    let value = Some(mean.value);
     let Some(variance) = mean.variance else {
-        return Estimate { value, ..Estimate::unknown(ONE_RUN) };
+        return Estimate { value: Some(mean.value), ..Estimate::unknown(ONE_RUN) };
     };
     let error = variance.sqrt();
     let half = student_95(mean.degrees) * error;
-    Estimate {
-        value,
-        standard_error: Some(error),
-        low: Some(mean.value - half),
-        high: Some(mean.value + half),
-        reason: None,
-    }
+    Estimate::known(mean.value, error, [mean.value - half, mean.value + half])
 }
 
 /// Estimates the standard deviation over the whole box of start states, not within cells.
@@ -61,18 +54,11 @@ pub fn standard_deviation(sample: &Sample) -> Estimate {
     // Deviations from the sample mean are smaller than those from the population mean, by the mean's variance.
     let value = (square.value + of_mean).sqrt();
     if value <= 0.0 {
-        let zero = Some(0.0);
-        return Estimate { value: zero, standard_error: zero, low: zero, high: zero, reason: None };
+        return Estimate::known(0.0, 0.0, [0.0; 2]);
     }
     let error = of_square.sqrt() / (2.0 * value);
     let factor = libm::exp(student_95(square.degrees) * error / value);
-    Estimate {
-        value: Some(value),
-        standard_error: Some(error),
-        low: Some(value / factor),
-        high: Some(value * factor),
-        reason: None,
-    }
+    Estimate::known(value, error, [value / factor, value * factor])
 }
 
 /// Estimates a quantile, with an interval between order statistics and the bootstrap's standard error.

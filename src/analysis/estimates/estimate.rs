@@ -60,6 +60,12 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// Creates an estimate with its standard error and its interval.
+    pub fn known(value: f64, standard_error: f64, [low, high]: [f64; 2]) -> Self {
+        let [value, standard_error] = [value, standard_error].map(Some);
+        Estimate { value, standard_error, low: Some(low), high: Some(high), reason: None }
+    }
+
     /// Creates an estimate with its interval. If an end is unbounded, the standard error is omitted for the given
     /// reason.
     pub fn with_interval(

@@ -65,13 +65,8 @@ fn fraction(sample: &Sample, succeeds: impl Fn(&RunResult) -> Option<bool>) -> E
         cells.interval().unwrap_or_else(|| wilson_with_failures(successes, failures, all, Z_95));
     let (from, to) =
         known_cells.interval().unwrap_or_else(|| wilson(successes, all - failures, Z_95));
-    Estimate {
-        value: Some(cells.fraction().unwrap_or(successes as f64 / all as f64)),
-        standard_error: Some((to - from) / (2.0 * Z_95)),
-        low: Some(low),
-        high: Some(high),
-        reason: None,
-    }
+    let value = cells.fraction().unwrap_or(successes as f64 / all as f64);
+    Estimate::known(value, (to - from) / (2.0 * Z_95), [low, high])
 }
 
 /// Returns the times at which runs came to rest or were stopped while moving, without failed runs.
@@ -98,11 +93,6 @@ fn kaplan_meier(sample: &Sample, time_s: f64) -> Estimate {
     let (moving, (low, high)) =
         step.map_or((1.0, curve.interval_before()), |step| (step.moving, step.interval));
     let known = (all - failures) / all;
-    Estimate {
-        value: Some((1.0 - moving) * known),
-        standard_error: Some((high - low) / (2.0 * Z_95)),
-        low: Some((1.0 - high) * known),
-        high: Some((1.0 - low) * known + (1.0 - known)),
-        reason: None,
-    }
+    let ends = [(1.0 - high) * known, (1.0 - low) * known + (1.0 - known)];
+    Estimate::known((1.0 - moving) * known, (high - low) / (2.0 * Z_95), ends)
 }
