@@ -253,6 +253,17 @@ pub struct TooltipColumn {
     pub values: TooltipValues,
 }
 
+/// Returns a linear axis with its quantity and unit.
+pub fn axis(name: &str, unit: &str) -> Axis {
+    Axis { name: name.to_owned(), unit: unit.to_owned(), range: None, kind: AxisKind::Linear }
+}
+
+/// Returns an axis with names at 0, 1, 2 and so on.
+pub fn axis_of_names(names: Vec<String>, axis: Axis) -> Axis {
+    let range = Some([-0.5, names.len() as f64 - 0.5]);
+    Axis { range, kind: AxisKind::Names(names), ..axis }
+}
+
 impl Figure {
     /// Returns a figure; `None` without panels.
     pub fn new(

@@ -25,7 +25,7 @@ pub use run_up::{PeakOfRun, RunUp, SampledRun};
 pub use runs::{Notable, RunSample, scattered};
 pub use time_to_rest::RestCurve;
 
-use super::chart::{Axis, AxisKind};
+use super::chart::{Axis, axis_of_names};
 use crate::classification::Label;
 use crate::study::{Study, Unit, VariedParameter};
 use crate::table::{Manifest, Table, TableError};
@@ -199,8 +199,7 @@ impl<'a> ReportData<'a> {
             .iter()
             .map(|point| names::short(self.study, point.point_id, &point.swept))
             .collect();
-        let range = Some([-0.5, points.len() as f64 - 0.5]);
-        Axis { kind: AxisKind::Names(names), range, ..names::short_axis(self.study) }
+        axis_of_names(names, names::short_axis(self.study))
     }
 
     /// Returns the points in detail.

@@ -1,6 +1,6 @@
 //! Names of parameters and points in words: `speed [rad/s]` for `speed_rad_s`.
 
-use crate::report::chart::{Axis, AxisKind};
+use crate::report::chart::{Axis, axis};
 use crate::study::{ParameterValue, Study, VariedParameter};
 
 /// Returns the name of a parameter in words, without its unit.
@@ -20,12 +20,7 @@ pub fn said(study: &Study, values: &[ParameterValue]) -> Vec<String> {
 
 /// Returns the axis of a parameter.
 pub fn axis_of(parameter: &VariedParameter) -> Axis {
-    Axis {
-        name: words(parameter),
-        unit: parameter.shown_unit().to_owned(),
-        range: None,
-        kind: AxisKind::Linear,
-    }
+    axis(&words(parameter), parameter.shown_unit())
 }
 
 /// Returns the names of the values of [`short`], as `speed [rad/s], friction coefficient`.
@@ -35,8 +30,7 @@ pub fn short_axis(study: &Study) -> Axis {
         unit => format!("{} [{unit}]", words(parameter)),
     };
     let names: Vec<String> = study.swept().iter().map(name).collect();
-    let (unit, kind) = (String::new(), AxisKind::Linear);
-    Axis { name: names.join(", "), unit, range: None, kind }
+    axis(&names.join(", "), "")
 }
 
 /// Returns the values of a point, as `-216.3772, 0.00275`; `point` and its number if nothing is swept.

@@ -3,7 +3,7 @@
 use super::layers::{dots_by_label, label_symbol, label_words, places};
 use crate::classification::Label;
 use crate::model::Coordinate;
-use crate::report::chart::{Axis, AxisKind, Figure, Layer, Panel};
+use crate::report::chart::{Axis, AxisKind, Figure, Layer, Panel, axis};
 use crate::report::data::{ReportData, scattered};
 use crate::study::Study;
 
@@ -121,10 +121,9 @@ fn start_axis(coordinate: &Coordinate, values: &[f64]) -> Axis {
     let round = 0.0..=std::f64::consts::TAU;
     let angle = coordinate.unit == Some("rad")
         && values.iter().all(|value| value.is_nan() || round.contains(value));
-    Axis {
-        name: format!("{} at the start", words(coordinate)),
-        unit: coordinate.unit.unwrap_or("").to_owned(),
-        range: angle.then_some([0.0, std::f64::consts::TAU]),
-        kind: if angle { AxisKind::Angle } else { AxisKind::Linear },
+    let axis = axis(&format!("{} at the start", words(coordinate)), coordinate.unit.unwrap_or(""));
+    match angle {
+        true => Axis { range: Some([0.0, std::f64::consts::TAU]), kind: AxisKind::Angle, ..axis },
+        false => axis,
     }
 }

@@ -1,10 +1,10 @@
 //! Figures over the drawn values of uncertain parameters: rank correlations, and amplitudes of the runs.
 
-use super::layers::{BARS, axis, bars, dots_by_label, label_symbol};
+use super::layers::{BARS, bars, dots_by_label, label_symbol};
 use crate::analysis::RankCorrelation;
 use crate::classification::Label;
 use crate::numbers::significant;
-use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Panel, Symbol};
+use crate::report::chart::{Axis, Colour, Figure, Layer, Panel, Symbol, axis, axis_of_names};
 use crate::report::data::{DrawnRuns, PointFacts, ReportData, axis_of, evenly, scattered};
 
 /// The largest number of parameters in the figures.
@@ -62,11 +62,7 @@ pub fn correlations(data: &ReportData<'_>) -> Option<Figure> {
         .iter()
         .filter_map(|&parameter| Some(axis_of(data.study.uncertain().get(parameter)?).name))
         .collect();
-    let x = Axis {
-        range: Some([-0.5, names.len() as f64 - 0.5]),
-        kind: AxisKind::Names(names.clone()),
-        ..axis("", "")
-    };
+    let x = axis_of_names(names.clone(), axis("", ""));
     let y = Axis { range: Some([-1.0, 1.0]), ..axis("rank correlation", "") };
     let mut panels = Vec::new();
     let mut sentences = Vec::new();

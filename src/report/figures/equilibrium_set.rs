@@ -11,7 +11,7 @@ use crate::analysis::{
 use crate::model::{Machine, wrap_to_pi};
 use crate::report::chart::{
     Axis, AxisKind, Colour, ColourScale, Layer, Mark, Symbol, TooltipColumn, TooltipValues,
-    Tooltips,
+    Tooltips, axis,
 };
 use crate::study::Unit;
 
@@ -35,12 +35,8 @@ pub struct SetLayers {
 
 /// Returns the axis of a ball's angle.
 pub fn angle_axis(ball: usize) -> Axis {
-    Axis {
-        name: format!("angle of ball {ball}"),
-        unit: "rad".to_owned(),
-        range: Some([0.0, TAU]),
-        kind: AxisKind::Angle,
-    }
+    let axis = axis(&format!("angle of ball {ball}"), "rad");
+    Axis { range: Some([0.0, TAU]), kind: AxisKind::Angle, ..axis }
 }
 
 /// Returns the layers of a machine's equilibrium set; `None` unless the machine has two balls, turns, and has a

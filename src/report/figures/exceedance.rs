@@ -1,10 +1,10 @@
 //! Figure: the probability that a run's amplitude exceeds a value, with its 95 % band: in the unit of vibration, and relative
 //! to the amplitude without balls.
 
-use super::layers::{CurveOf, axis, few_each, fraction_axis};
+use super::layers::{CurveOf, few_each, fraction_axis};
 use crate::analysis::{Z_95, wilson};
 use crate::numbers::significant;
-use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel};
+use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, axis};
 use crate::report::data::{ReportData, evenly};
 use crate::study::{AmplitudeKind, Measure, Response, Unit};
 

@@ -1,14 +1,9 @@
 //! Elements that several figures share: axes, colours and symbols of labels, tooltips of runs.
 
 use crate::classification::Label;
-use crate::report::chart::{Axis, AxisKind, Colour, Layer, Mark, Symbol, Tooltips};
+use crate::report::chart::{Axis, Colour, Layer, Mark, Symbol, Tooltips, axis};
 use crate::report::data::{PointFacts, ReportData, RunSample};
 use crate::study::Study;
-
-/// Returns an axis with its quantity and unit.
-pub fn axis(name: &str, unit: &str) -> Axis {
-    Axis { name: name.to_owned(), unit: unit.to_owned(), range: None, kind: AxisKind::Linear }
-}
 
 /// Returns an axis from 0 to 1.
 pub fn fraction_axis(name: &str) -> Axis {

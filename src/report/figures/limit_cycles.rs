@@ -1,8 +1,8 @@
 //! Figure: limit cycles over a swept parameter, one branch per class.
 
-use super::layers::{Estimate, axis};
+use super::layers::Estimate;
 use super::sweep_axis::{Group, SweepAxis};
-use crate::report::chart::{Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
+use crate::report::chart::{Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis};
 use crate::report::data::{CycleFacts, QUANTITIES, ReportData};
 use crate::study::Unit;
 

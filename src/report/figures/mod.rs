@@ -20,7 +20,7 @@ mod time_to_rest;
 mod vibration;
 
 pub use drawn::shown_parameters;
-pub use layers::{BARS, axis, bars};
+pub use layers::{BARS, bars};
 
 use super::chart::Figure;
 use super::data::ReportData;

@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 use super::equilibrium_set::{SetLayers, angle_axis, set_layers};
-use super::layers::{axis, label_words, places, run_dots, run_tooltips};
+use super::layers::{label_words, places, run_dots, run_tooltips};
 use super::{overlap, residual_imbalance};
 use crate::classification::Label;
-use crate::report::chart::{Axis, Colour, Figure, Layer, Panel, Symbol};
+use crate::report::chart::{Axis, Colour, Figure, Layer, Panel, Symbol, axis};
 use crate::report::data::{PointFacts, ReportData};
 
 /// Plots a panel for each point: angles of one or two balls, and the residual imbalance with three or more balls.

@@ -3,11 +3,11 @@
 
 use std::f64::consts::TAU;
 
-use super::layers::{axis, label_words, places, run_dots, run_tooltips};
+use super::layers::{label_words, places, run_dots, run_tooltips};
 use crate::analysis::residual_imbalance_vector;
 use crate::classification::Label;
 use crate::model::Machine;
-use crate::report::chart::{Axis, Colour, Layer, Mark, Panel, Symbol, Tooltips};
+use crate::report::chart::{Axis, Colour, Layer, Mark, Panel, Symbol, Tooltips, axis};
 use crate::report::data::{PointFacts, ReportData};
 
 /// Points of the circle of the imbalance without balls.

@@ -1,8 +1,9 @@
 //! Figure: how the disc starts and how the balls follow, for a sample of runs whose motion was computed again.
 
-use super::layers::axis;
 use crate::numbers::significant;
-use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
+use crate::report::chart::{
+    Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis,
+};
 use crate::report::data::{Motion, ReportData, RunUp, SampledRun};
 use crate::study::{Study, Unit};
 

@@ -1,8 +1,8 @@
 //! Figure: the probability of rest over time, of each point.
 
-use super::layers::{CurveOf, axis, few_each, fraction_axis, moving};
+use super::layers::{CurveOf, few_each, fraction_axis, moving};
 use crate::classification::Label;
-use crate::report::chart::{Axis, Colour, Figure, Layer, Mark, Panel};
+use crate::report::chart::{Axis, Colour, Figure, Layer, Mark, Panel, axis};
 use crate::report::data::{PointFacts, ReportData, RestCurve};
 
 /// Plots curves with their bands, up to the end of the runs. With stages, time counts from the begin of the last one.

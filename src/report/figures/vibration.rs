@@ -1,10 +1,12 @@
 //! Figure: the residual vibration of each point, and the vibration without balls.
 
-use super::layers::{axis, fraction_axis, of_points};
+use super::layers::{fraction_axis, of_points};
 use super::over_sweep::OverSweep;
 use super::sweep_axis::is_by_decades;
 use crate::numbers::significant;
-use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
+use crate::report::chart::{
+    Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis,
+};
 use crate::report::data::{PointFacts, ReportData};
 
 /// The title of the panels with the fraction of runs that the balls make worse.

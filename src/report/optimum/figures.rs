@@ -7,9 +7,8 @@ use super::parallel::parallel_coordinates;
 use crate::numbers::significant;
 use crate::optimize::Evaluation;
 use crate::report::chart::{
-    Axis, Colour, Figure, Layer, Mark, Panel, Symbol, TooltipColumn, TooltipValues, Tooltips,
+    Axis, Colour, Figure, Layer, Mark, Panel, Symbol, TooltipColumn, TooltipValues, Tooltips, axis,
 };
-use crate::report::figures::axis;
 use crate::study::{DesignValue, Objective, Variable};
 
 pub(super) const MET: &str = "meets all limits";

@@ -1,8 +1,8 @@
 //! Figure: Sobol' indices of the variables, as bars.
 
 use super::data::{OptimumData, SensitivityFacts};
-use crate::report::chart::{Axis, AxisKind, Colour, Figure, Panel};
-use crate::report::figures::{BARS, axis, bars};
+use crate::report::chart::{Axis, Colour, Figure, Panel, axis, axis_of_names};
+use crate::report::figures::{BARS, bars};
 
 /// Plots the Sobol' indices of the variables as bars, one panel per response.
 pub fn indices(data: &OptimumData) -> Option<Figure> {
@@ -36,11 +36,7 @@ pub fn indices(data: &OptimumData) -> Option<Figure> {
                 data.variable_in_words(&one.variable)
             ));
         }
-        let x = Axis {
-            range: Some([-0.5, names.len() as f64 - 0.5]),
-            kind: AxisKind::Names(names),
-            ..axis("", "")
-        };
+        let x = axis_of_names(names, axis("", ""));
         // The axis has all bars and intervals from 0.
         let indices = rows.iter().flat_map(|one| [one.first_order, one.total]);
         let ends = indices.flatten().flatten().filter(|end| end.is_finite());

@@ -2,8 +2,7 @@
 
 use super::data::OptimumData;
 use super::figures::{Evaluated, Looks, MET, NOT_MET, design_dots, evaluated, objective_axis};
-use crate::report::chart::{Axis, AxisKind, Colour, Figure, Panel, Symbol};
-use crate::report::figures::axis;
+use crate::report::chart::{Axis, Colour, Figure, Panel, Symbol, axis, axis_of_names};
 use crate::study::Variable;
 
 const LOOKS: Looks =
@@ -51,11 +50,7 @@ fn variable_axis(variable: &Variable) -> Axis {
         None => axis,
         Some(choices) => {
             let names: Vec<String> = choices.map(|choice| choice.replace('_', " ")).collect();
-            Axis {
-                range: Some([-0.5, names.len() as f64 - 0.5]),
-                kind: AxisKind::Names(names),
-                ..axis
-            }
+            axis_of_names(names, axis)
         }
     }
 }

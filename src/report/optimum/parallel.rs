@@ -3,8 +3,9 @@
 use super::data::OptimumData;
 use super::figures::{Evaluated, MET, NOT_MET, design_tooltips, evaluated, objective_axis};
 use crate::numbers::trimmed;
-use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
-use crate::report::figures::axis;
+use crate::report::chart::{
+    Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis,
+};
 use crate::study::Variable;
 
 /// The values of one axis, one for each design, and the name of the axis with its ends.
