@@ -44,7 +44,7 @@ impl CliError {
         match self {
             CliError::Study(_) | CliError::Usage(_) | CliError::Table(_) => 2,
             CliError::Results(ResultsError::Occupied { .. } | ResultsError::Unusable { .. }) => 2,
-            CliError::Store(StoreError::Unusable { .. }) => 2,
+            CliError::Store(StoreError::Unusable(_)) => 2,
             CliError::Results(ResultsError::Write(_))
             | CliError::Store(
                 StoreError::Unwritten { .. } | StoreError::Busy { .. } | StoreError::Lost { .. },

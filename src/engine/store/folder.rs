@@ -10,14 +10,13 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::StoreError;
 use super::chunk::Chunk;
 use crate::classification::MODEL_VERSION;
 use crate::engine::say;
 use crate::sanitize::shown_path;
-use crate::table::{is_inside, make_inside, read_regular, sync_directory};
+use crate::table::{ResultsError, is_inside, make_inside, read_regular, sha256, sync_directory};
 
 /// File name of the list of finished chunks, one line of JSON each.
 pub(super) const LIST: &str = "manifest.jsonl";
@@ -90,10 +89,10 @@ impl Folder {
     ) -> Result<Self, StoreError> {
         for folder in path.parent().into_iter().chain([path.as_path()]) {
             is_inside(folder)
-                .map_err(|cause| StoreError::Unusable { path: folder.to_owned(), cause })?;
+                .map_err(|cause| ResultsError::Unusable { path: folder.to_owned(), cause })?;
         }
         let list = path.join(LIST);
-        let unusable = |cause| StoreError::Unusable { path: list.clone(), cause };
+        let unusable = |cause| ResultsError::Unusable { path: list.clone(), cause };
         let content = match read_regular(&list, LONGEST_LIST) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
             other => other,
@@ -235,7 +234,7 @@ impl Folder {
             last_run,
             runs: run_ids.len() as u64,
             bytes: bytes.len() as u64,
-            sha256: hexadecimal(bytes),
+            sha256: sha256(bytes),
         };
         let temporary = path.with_added_extension("partial");
         let write = || -> io::Result<()> {
@@ -300,12 +299,8 @@ fn read_exactly(path: &Path, entry: &Listed) -> io::Result<Vec<u8>> {
         return Err(io::Error::other(format!("{found} bytes, {} on the list", entry.bytes)));
     }
     let bytes = read_regular(path, LARGEST_CHUNK)?;
-    if hexadecimal(&bytes) != entry.sha256 {
+    if sha256(&bytes) != entry.sha256 {
         return Err(io::Error::other("its content has been changed"));
     }
     Ok(bytes)
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::StoreError;
 use crate::engine::say;
+use crate::table::ResultsError;
 
 /// A directory that this process alone writes to as long as the value lives. The operating system releases the lock
 /// when the process ends.
@@ -23,11 +24,11 @@ impl Lock {
     /// Returns [`StoreError::Busy`] if another process holds the lock, [`StoreError::Unusable`] if the file cannot be
     /// opened.
     pub fn take(path: PathBuf, directory: &Path) -> Result<Self, StoreError> {
-        let unusable = |cause| StoreError::Unusable { path: path.clone(), cause };
+        let unusable = |cause| ResultsError::Unusable { path: path.clone(), cause };
         let named = || path.strip_prefix(directory).unwrap_or(&path).to_owned();
         // Opening a FIFO would block, and a link could lead elsewhere.
         if fs::symlink_metadata(&path).is_ok_and(|found| !found.is_file()) {
-            return Err(unusable(io::Error::other("not a regular file")));
+            return Err(unusable(io::Error::other("not a regular file")).into());
         }
         let opened = OpenOptions::new().create(true).truncate(false).write(true).open(&path);
         let file = opened.map_err(unusable)?;

@@ -28,7 +28,7 @@ use self::chunk::ChunkWriter;
 use self::folder::Folder;
 pub use self::lock::Lock;
 use crate::study::Study;
-use crate::table::{make_directory, make_inside, sync_directory};
+use crate::table::{ResultsError, make_directory, make_inside, sync_directory};
 
 /// Name of the folder of chunks in an output directory.
 pub const CHUNKS: &str = "chunks";
@@ -39,17 +39,8 @@ const DIGITS: usize = 16;
 #[derive(Debug, Error)]
 pub enum StoreError {
     /// A folder or file cannot be used.
-    #[error(
-        "{}: cannot be used as output directory\n  found:   {cause}\n  allowed: a directory that can \
-         be created, read and written to",
-        path.display()
-    )]
-    Unusable {
-        /// The folder or file.
-        path: PathBuf,
-        /// The operating system's error.
-        cause: io::Error,
-    },
+    #[error(transparent)]
+    Unusable(#[from] ResultsError),
     /// Another process writes to the directory.
     #[error(
         "{}: another process is writing into this directory\n  found:   its lock on {}\n  allowed: \
@@ -95,8 +86,13 @@ pub enum StoreError {
 /// # Errors
 /// Returns [`StoreError::Unusable`] if the list cannot be read.
 pub fn listed_runs(directory: &Path, study: &Study) -> Result<u64, StoreError> {
-    let hash = study.hash();
-    Ok(Folder::open(directory.join(CHUNKS).join(&hash[..DIGITS]), &hash, false, true)?.runs())
+    Ok(folder_of(directory, &study.hash(), true)?.runs())
+}
+
+/// Opens the folder of a study in an output directory, which this process does not change.
+fn folder_of(directory: &Path, study_hash: &str, shared: bool) -> Result<Folder, StoreError> {
+    let path = directory.join(CHUNKS).join(&study_hash[..DIGITS]);
+    Folder::open(path, study_hash, false, shared)
 }
 
 /// The finished runs in an output directory, which is locked as long as this value lives, unless it was opened with
@@ -118,7 +114,7 @@ impl Store {
         let chunks = directory.join(CHUNKS);
         let unusable = |path: &Path| {
             let path = path.to_owned();
-            move |cause| StoreError::Unusable { path, cause }
+            move |cause| ResultsError::Unusable { path, cause }
         };
         make_directory(directory).map_err(unusable(directory))?;
         make_inside(&chunks).map_err(unusable(&chunks))?;
@@ -156,14 +152,13 @@ impl Store {
     /// # Errors
     /// Returns [`StoreError::Unusable`] if the list of chunks cannot be read.
     pub fn open_shared(directory: &Path, study: &Study) -> Result<Self, StoreError> {
-        let chunks = directory.join(CHUNKS);
         let study_hash = study.hash();
-        let folder = Folder::open(chunks.join(&study_hash[..DIGITS]), &study_hash, false, true)?;
+        let folder = folder_of(directory, &study_hash, true)?;
         Ok(Store {
             chunk_index: ChunkIndex::new(folder.clone()),
             appender: ChunkAppender { folder, study_hash },
             result_cache: ResultCache::of(Vec::new()),
-            lock: Lock::none(chunks.join(LOCK), directory),
+            lock: Lock::none(directory.join(CHUNKS).join(LOCK), directory),
         })
     }
 
@@ -172,9 +167,7 @@ impl Store {
     /// # Errors
     /// Returns [`StoreError::Unusable`] if the list cannot be read.
     pub fn add_shard(&mut self, directory: &Path) -> Result<u64, StoreError> {
-        let hash = &self.appender.study_hash;
-        let folder =
-            Folder::open(directory.join(CHUNKS).join(&hash[..DIGITS]), hash, false, false)?;
+        let folder = folder_of(directory, &self.appender.study_hash, false)?;
         let runs = folder.runs();
         self.chunk_index.folders.push(folder);
         Ok(runs)
