@@ -11,7 +11,6 @@ use super::check_run_up::{run_up_json, run_up_rows};
 use super::check_system::system_text;
 use super::cost::Cost;
 use super::design_cost::{DesignCost, identify_json, identify_row};
-use super::duration::cost_in_words;
 use super::existence::Existence;
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
@@ -219,7 +218,7 @@ fn rows(
     }
     rows.extend(run_up_rows(described));
     rows.push(("expectations", study.expectations().len().to_string()));
-    rows.push(("cost", cost_in_words(cost)));
+    rows.push(("cost", cost.in_words()));
     if let Some(designs) = designs {
         rows.extend(designs.rows());
     }

@@ -67,6 +67,14 @@ impl Cost {
         }
     }
 
+    /// Returns the estimate and the upper bound in words.
+    pub(super) fn in_words(&self) -> String {
+        let (estimate, bound) = (about(self.core_seconds), at_most(self.most_core_seconds));
+        format!(
+            "{estimate} on one core, if every run lasts to its end (usually much less); {bound}"
+        )
+    }
+
     fn with(study: &Study, counted: Counted) -> Cost {
         let points = study.point_count();
         let stride = points.div_ceil(MOST_POINTS).max(1);
@@ -170,3 +178,29 @@ fn usual_seconds_per_step(model: &Model) -> f64 {
 /// The largest product of step and damping rate at which the integrator is stable: about the length of the
 /// stability region of Taylor's method of order 16 on the negative real axis.
 const STABLE: f64 = 6.0;
+
+const HUNDRED_YEARS_S: f64 = 100.0 * 365.25 * 86_400.0;
+
+fn about(seconds: f64) -> String {
+    let duration = duration(seconds);
+    duration
+        .map_or_else(|| "more than 100 years".to_owned(), |duration| format!("about {duration}"))
+}
+
+fn at_most(seconds: f64) -> String {
+    let words = |duration| format!("at most {duration}, if every run reaches its step limit");
+    duration(seconds).map_or_else(|| "no bound below 100 years".to_owned(), words)
+}
+
+/// Returns a duration in words; `None` above a hundred years.
+fn duration(seconds: f64) -> Option<String> {
+    Some(match seconds {
+        s if s < 1.0 => "a second".to_owned(),
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s if s < 172_800.0 => format!("{:.0} h", s / 3600.0),
+        s if s < 2.0 * 365.25 * 86_400.0 => format!("{:.0} days", s / 86_400.0),
+        s if s < HUNDRED_YEARS_S => format!("{:.0} years", s / (365.25 * 86_400.0)),
+        _ => return None,
+    })
+}

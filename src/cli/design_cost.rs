@@ -3,7 +3,6 @@
 use serde_json::{Value, json};
 
 use super::cost::Cost;
-use super::duration::cost_in_words;
 use crate::responses::merged;
 use crate::study::{Objective, Optimization, OverPoints, SensitivityFrom, Study, describe_number};
 
@@ -43,12 +42,12 @@ impl<'a> DesignCost<'a> {
 
     /// Returns the cost as rows of a table: a key and its text.
     pub(super) fn rows(&self) -> Vec<(&'static str, String)> {
-        let one = format!("{} runs; {}", self.runs, cost_in_words(&self.cost));
+        let one = format!("{} runs; {}", self.runs, self.cost.in_words());
         let mut rows = vec![("one design", one)];
         if let Some(search) = &self.search {
             rows.push(("optimize", search.goal_in_words(self.study)));
             rows.push(("search", search.size_in_words(self.study)));
-            let all = format!("{} runs at most; {}", search.runs(), cost_in_words(&search.cost));
+            let all = format!("{} runs at most; {}", search.runs(), search.cost.in_words());
             rows.push(("search cost", all));
             rows.push((
                 "",
@@ -79,7 +78,7 @@ fn identify_cost(study: &Study) -> Option<(u64, u64, Cost)> {
 /// Returns the cost of `identify` as a row of a table.
 pub(super) fn identify_row(study: &Study) -> Option<(&'static str, String)> {
     let (sets, runs, cost) = identify_cost(study)?;
-    let text = format!("{sets} parameter sets, {runs} runs; {}", cost_in_words(&cost));
+    let text = format!("{sets} parameter sets, {runs} runs; {}", cost.in_words());
     Some(("identify", text))
 }
 

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::point_keys::swept_text;
+use super::point_words::swept_text;
 use crate::check::spread;
 use crate::model::{ExistenceVerdict, SAFE_FRICTION};
 use crate::responses::{merged, point_keys};

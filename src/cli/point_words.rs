@@ -1,9 +1,8 @@
-//! A point as one line of text, for the progress of a study.
+//! A point of the sweep as one line of text, and the values of its swept parameters in messages.
 
-use super::point_keys::swept_text;
 use crate::classification::Label;
 use crate::report::{Fraction, PointFacts, percent, three_digits};
-use crate::study::Study;
+use crate::study::{Study, VariedParameter};
 
 /// Returns a point as one line of text. With `own_machines` the amplitude without balls is a median over the runs.
 pub fn point_line(study: &Study, point: &PointFacts, own_machines: bool) -> String {
@@ -29,4 +28,15 @@ pub fn point_line(study: &Study, point: &PointFacts, own_machines: bool) -> Stri
         0 => line,
         failed => format!("{line}, {failed} failed"),
     }
+}
+
+/// Returns the values of the swept parameters for a message, each after a blank, as ` speed_rad_s=-160` or, with a unit
+/// that the study chooses, ` speed=-1528 rpm`. The values are those of [`Study::shown`].
+pub fn swept_text(columns: &[VariedParameter], shown: &[String]) -> String {
+    let each = columns.iter().zip(shown);
+    each.map(|(column, value)| match &column.shown {
+        Some(unit) => format!(" {}={value} {}", column.short_name(), unit.symbol),
+        None => format!(" {}={value}", column.name),
+    })
+    .collect()
 }

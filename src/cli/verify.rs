@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::arguments::{EngineArguments, StudyArgument};
 use super::exit::{CliError, End};
 use super::output::print;
-use super::point_keys::swept_text;
+use super::point_words::swept_text;
 use super::run_on_engine::run_on_engine;
 use crate::analysis::PointDetail;
 use crate::classification::Label;
