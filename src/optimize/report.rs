@@ -129,7 +129,8 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
         number - 1,
         last.origin.name()
     );
-    line.push_str(&estimates_in_words(study, &goal, &goal.estimates(&last.answers)));
+    let estimates = estimates_in_words(study, &goal, &goal.estimates(&last.answers));
+    line += &estimates.iter().map(|one| one.join(" ")).collect::<Vec<_>>().join(", ");
     if goal.objectives.len() == 1 {
         let all = goal.values_of_designs(evaluations);
         let best = super::finalists::best(all.iter().map(|own| goal.rank(own)));
@@ -150,16 +151,14 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
     line
 }
 
-fn estimates_in_words(study: &Study, goal: &Goal, estimates: &[Estimate]) -> String {
+/// Returns the names of the responses of the goal's quantities, and their estimates in words.
+fn estimates_in_words(study: &Study, goal: &Goal, estimates: &[Estimate]) -> Vec<[String; 2]> {
     let each = goal.quantities.iter().zip(estimates).filter_map(|(quantity, estimate)| {
         let response = study.responses().get(quantity.response)?;
-        Some(format!(
-            "{} {}",
-            response.name,
-            estimate_in_words(estimate, &study.units().of_response(response.unit()))
-        ))
+        let unit = study.units().of_response(response.unit());
+        Some([response.name.clone(), estimate_in_words(estimate, &unit)])
     });
-    each.collect::<Vec<_>>().join(", ")
+    each.collect()
 }
 
 /// Returns the result as text.
@@ -170,14 +169,8 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
     let mut describe = |title: &str, one: &Finalist| {
         let number = one.design.map_or_else(String::new, |design| format!(" (design {design})"));
         let _ = writeln!(text, "{title}{number}: {}", design_in_words(study, &one.values));
-        let estimates = goal.quantities.iter().zip(&one.estimates);
-        let rows = estimates.filter_map(|(quantity, estimate)| {
-            let response = study.responses().get(quantity.response)?;
-            Some(vec![
-                format!("  {}", response.name),
-                estimate_in_words(estimate, &study.units().of_response(response.unit())),
-            ])
-        });
+        let rows = estimates_in_words(study, &goal, &one.estimates).into_iter();
+        let rows = rows.map(|[name, estimate]| vec![format!("  {name}"), estimate]);
         text += &text_table(&rows.collect::<Vec<_>>(), &[0, 1]);
         let failed = match one.failed_runs() {
             0 => String::new(),
