@@ -58,14 +58,16 @@ fn refuse_merge(directory: &Path, manifest: &Manifest) -> Result<(), ResultsErro
     let named: Vec<String> =
         parts.iter().take(MOST_NAMED).map(|part| part.escape_debug().to_string()).collect();
     let more = if parts.len() > MOST_NAMED { " ..." } else { "" };
-    Err(ResultsError::Occupied {
-        path: directory.to_owned(),
-        reason: "this directory holds an unfinished merge".to_owned(),
-        found: format!("a merge of {} directories", parts.len()),
-        allowed: format!(
-            "`stickslip merge {}{more} --out {out}`, which continues it; or `stickslip run {out}/study.yaml \
-             --out {out}`, which computes the missing runs",
-            named.join(" ")
-        ),
-    })
+    let found = format!("a merge of {} directories", parts.len());
+    let allowed = format!(
+        "`stickslip merge {}{more} --out {out}`, which continues it; or `stickslip run {out}/study.yaml \
+         --out {out}`, which computes the missing runs",
+        named.join(" ")
+    );
+    Err(ResultsError::occupied(
+        directory,
+        "this directory holds an unfinished merge",
+        found,
+        allowed,
+    ))
 }

@@ -13,7 +13,7 @@ use super::Lock;
 use crate::command_error::CommandError;
 use crate::sanitize::shorten;
 use crate::table::{
-    FILES, FileList, ResultsError, check_path, clear_temporaries, is_one_of, make_directory,
+    FILES, FileList, ResultsError, check_path, clear_temporaries, is_own, make_directory,
     sync_directory,
 };
 
@@ -40,8 +40,7 @@ impl ExclusiveDirectory {
         let unfinished = fs::symlink_metadata(directory.join(UNFINISHED))
             .is_ok_and(|found| found.is_file() && found.len() == 0);
         let own = |name: &str| {
-            unfinished
-                && (name == UNFINISHED || is_one_of(name, files) || is_one_of(name, &[FILES]))
+            unfinished && (name == UNFINISHED || is_own(name, |name| is_listed(name, files)))
         };
         check_entries(directory, "this directory is not empty", own)
     }
@@ -61,8 +60,7 @@ impl ExclusiveDirectory {
         lock.check()?;
         Self::inspect(directory, if begun { files } else { &[] })?;
         sync_directory(directory).map_err(unusable)?;
-        let own = |name: &str| name == FILES || files.contains(&name);
-        clear_temporaries(directory, own).map_err(unusable)?;
+        clear_temporaries(directory, |name| is_listed(name, files)).map_err(unusable)?;
         // An unfinished list is written anew; an invalid one belongs to someone else.
         FileList::read(directory)?;
         Ok(ExclusiveDirectory { list: FileList::default(), directory: directory.to_owned(), lock })
@@ -80,6 +78,10 @@ impl ExclusiveDirectory {
             .map_err(|cause| ResultsError::Unusable { path: directory, cause })?;
         Ok(())
     }
+}
+
+fn is_listed(name: &str, files: &[&str]) -> bool {
+    name == FILES || files.contains(&name)
 }
 
 /// Checks that all entries of a directory are `own` ones; a missing directory has no entries.
@@ -100,12 +102,10 @@ pub fn check_entries(
     let names = entries.iter().map(|entry| entry.file_name().to_string_lossy().into_owned());
     match names.filter(|name| !own(name)).min() {
         None => Ok(()),
-        Some(name) => Err(ResultsError::Occupied {
-            path: directory.to_owned(),
-            reason: reason.to_owned(),
-            found: format!("{} and perhaps more", shorten(&name)),
-            allowed: "another directory, with --out DIR, or this one removed or renamed first"
-                .to_owned(),
-        }),
+        Some(name) => {
+            let found = format!("{} and perhaps more", shorten(&name));
+            let allowed = "another directory, with --out DIR, or this one removed or renamed first";
+            Err(ResultsError::occupied(directory, reason, found, allowed))
+        }
     }
 }

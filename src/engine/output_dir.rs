@@ -173,19 +173,16 @@ impl<'a> OutputDir<'a> {
         if more > 0 {
             lines.push(format!("and {more} more"));
         }
-        ResultsError::Occupied {
-            path: self.directory.to_owned(),
-            reason:
-                "this directory contains the results of another study, and none of its runs can be reused"
-                    .to_owned(),
-            found: format!("study {}; it differs in\n    {}", manifest.study, lines.join("\n    ")),
-            allowed: match self.shards {
-                [] => format!(
-                    "another directory, with --out DIR; or --recompute, which moves those results to \
-                     {EARLIER}/ and computes all runs"
-                ),
-                _ => "another directory, with --out DIR".to_owned(),
-            },
-        }
+        let reason = "this directory contains the results of another study, and none of its runs can be reused";
+        let found =
+            format!("study {}; it differs in\n    {}", manifest.study, lines.join("\n    "));
+        let allowed = match self.shards {
+            [] => format!(
+                "another directory, with --out DIR; or --recompute, which moves those results to \
+                 {EARLIER}/ and computes all runs"
+            ),
+            _ => "another directory, with --out DIR".to_owned(),
+        };
+        ResultsError::occupied(self.directory, reason, found, allowed)
     }
 }

@@ -38,11 +38,8 @@ pub fn results_study(directory: &Path) -> Result<(Study, Manifest), CommandError
 /// # Errors
 /// Returns an error if there are no results, if another version computed them, or if the study has other runs.
 pub fn begun_study(directory: &Path) -> Result<(Study, Manifest), CommandError> {
-    let occupied = |reason: &str, found: String, allowed: String| ResultsError::Occupied {
-        path: directory.to_owned(),
-        reason: reason.to_owned(),
-        found,
-        allowed,
+    let occupied = |reason: &str, found: String, allowed: String| {
+        ResultsError::occupied(directory, reason, found, allowed)
     };
     if directory.is_file() {
         return Err(not_a_directory(directory));

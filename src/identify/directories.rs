@@ -14,7 +14,7 @@ use crate::command_error::CommandError;
 use crate::engine::ContinuedDirectory;
 use crate::sanitize::shell_word;
 use crate::study::{DesignValue, MeasuredRun, Study};
-use crate::table::provenance_with;
+use crate::table::{hexadecimal, provenance_with};
 
 /// The name of the directory with the ends of simulated runs.
 pub(super) const SIMULATIONS: &str = "simulations";
@@ -141,5 +141,5 @@ fn hash(measured: &[MeasuredRun]) -> String {
         let MeasuredRun { point_id, stage, rest, std_dev_rad } = run;
         digest.update(format!("{point_id} {stage:?} {rest:?} {std_dev_rad:?}\n"));
     }
-    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&digest.finalize())
 }

@@ -12,7 +12,7 @@ use super::end::{End, SimulatedEnd};
 use crate::responses::design_json;
 use crate::study::{DesignValue, Study};
 use crate::table::column::{Column, Columns};
-use crate::table::{Row, Table, TableError};
+use crate::table::{Row, Table, TableError, sha256};
 
 /// A parameter set with the ends of all its runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,9 +25,7 @@ pub struct ParameterSet {
 
 /// Returns the name of the table with the runs of a parameter set, without `.parquet`.
 pub fn set_name(study: &Study, values: &[DesignValue]) -> String {
-    let digest = Sha256::digest(set_facts(study, values).to_string());
-    let hexadecimal: String = digest.iter().take(8).map(|byte| format!("{byte:02x}")).collect();
-    format!("set-{hexadecimal}")
+    format!("set-{}", &sha256(set_facts(study, values).to_string())[..16])
 }
 
 /// Returns what determines the runs of a parameter set besides the study's hash.

@@ -6,10 +6,8 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use sha2::{Digest, Sha256};
-
 use crate::command_error::CommandError;
-use crate::table::{ResultsError, write_atomically};
+use crate::table::{ResultsError, sha256, write_atomically};
 
 /// The largest size of a report, in bytes.
 const MOST_BYTES: u64 = 64 << 20;
@@ -19,18 +17,14 @@ const SEAL: &str = "<!-- stickslip, SHA-256 of what precedes: ";
 pub fn sealed(text: &str) -> String {
     let end = if text.ends_with('\n') { "" } else { "\n" };
     let text = format!("{text}{end}");
-    format!("{text}{SEAL}{} -->\n", hash(&text))
+    format!("{text}{SEAL}{} -->\n", sha256(&text))
 }
 
 fn is_sealed(content: &[u8]) -> bool {
     let Ok(text) = str::from_utf8(content) else { return false };
     let Some(place) = text.rfind(SEAL) else { return false };
     let (before, seal) = text.split_at(place);
-    seal == format!("{SEAL}{} -->\n", hash(before))
-}
-
-fn hash(text: &str) -> String {
-    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+    seal == format!("{SEAL}{} -->\n", sha256(before))
 }
 
 /// Writes a report file atomically in place of an earlier one. Concurrent writers do not disturb each other.
@@ -115,11 +109,6 @@ pub fn replaceable(file: &Path, own: impl Fn(&[u8]) -> bool) -> Result<(), Comma
         Ok(found) if found.is_dir() => "a directory".to_owned(),
         Ok(_) => "neither a file nor a directory".to_owned(),
     };
-    Err(ResultsError::Occupied {
-        path: file.to_owned(),
-        reason: "this would overwrite a foreign file".to_owned(),
-        found,
-        allowed: "a new path or an unchanged report, with --out FILE".to_owned(),
-    }
-    .into())
+    let allowed = "a new path or an unchanged report, with --out FILE";
+    Err(ResultsError::occupied(file, "this would overwrite a foreign file", found, allowed).into())
 }

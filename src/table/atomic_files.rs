@@ -98,11 +98,6 @@ pub(super) fn taken() -> io::Error {
     io::Error::new(io::ErrorKind::AlreadyExists, problem)
 }
 
-/// Returns whether a name is one of `names`, or a temporary name of one of them.
-pub(crate) fn is_one_of(name: &str, names: &[&str]) -> bool {
-    is_own(name, |name| names.contains(&name))
-}
-
 /// Returns whether a name is one of a command's own, or a temporary name of one of them.
 pub(crate) fn is_own(name: &str, own: impl Fn(&str) -> bool) -> bool {
     own(final_name(name).unwrap_or(name))

@@ -63,13 +63,11 @@ fn make_inside_with(path: &Path, sync: &mut impl FnMut(&Path) -> io::Result<()>)
 pub fn is_inside(path: &Path) -> io::Result<bool> {
     match fs::symlink_metadata(path) {
         Ok(found) if found.is_dir() => Ok(true),
-        Ok(found) if found.is_symlink() => {
+        Ok(found) => {
             let name = path.file_name().unwrap_or_default().display();
-            Err(io::Error::other(format!("{name} is a link to somewhere else")))
-        }
-        Ok(_) => {
-            let name = path.file_name().unwrap_or_default().display();
-            Err(io::Error::other(format!("{name} is not a directory")))
+            let is =
+                if found.is_symlink() { "a link to somewhere else" } else { "not a directory" };
+            Err(io::Error::other(format!("{name} is {is}")))
         }
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
         Err(error) => Err(error),

@@ -31,8 +31,7 @@ impl FileEntry {
 
     /// Creates the entry of a file that has this content and is not a table.
     pub(super) fn of_content(content: &[u8]) -> Self {
-        let sha256 = hexadecimal(&Sha256::digest(content));
-        FileEntry { rows: None, bytes: content.len() as u64, sha256 }
+        FileEntry { rows: None, bytes: content.len() as u64, sha256: sha256(content) }
     }
 
     /// Returns whether two files have the same content.
@@ -46,7 +45,12 @@ pub(super) fn short_hash(hash: &str) -> String {
     hash.chars().take(12).collect()
 }
 
-fn hexadecimal(digest: &[u8]) -> String {
+/// Returns the SHA-256 hash of a content, in hexadecimal.
+pub(crate) fn sha256(content: impl AsRef<[u8]>) -> String {
+    hexadecimal(&Sha256::digest(content))
+}
+
+pub(crate) fn hexadecimal(digest: &[u8]) -> String {
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 

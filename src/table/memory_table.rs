@@ -1,17 +1,20 @@
 //! Tables in memory: record batches with the columns and the provenance of the Parquet files.
 
 use std::collections::HashMap;
+use std::path::Path;
 use std::sync::Arc;
 
 use arrow_array::builder::StringDictionaryBuilder;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Int32Type;
 use arrow_array::{RecordBatch, StringArray, TypedDictionaryArray};
-use arrow_schema::ArrowError;
-use arrow_schema::SchemaRef;
+use arrow_schema::{ArrowError, Schema, SchemaRef};
 use arrow_select::concat::concat_batches;
 
 use super::column::{Column, batch, schema};
+use super::read::Table;
+use super::table_error::TableError;
+use crate::tabular::Fault;
 
 /// Number of rows in a batch.
 const BATCH: usize = 65_536;
@@ -138,4 +141,44 @@ pub fn in_memory<R>(
         table.push(row)?;
     }
     table.finish()
+}
+
+impl Table {
+    /// The table in memory, in full, as it was when it was written.
+    pub fn in_memory(&self) -> Result<MemoryTable, TableError> {
+        let mut schema = None;
+        let mut batches = Vec::new();
+        for (path, rows) in &self.parts {
+            let refuse = |fault| TableError::new(path, None, fault);
+            let part = self.open_part(path, *rows)?;
+            let own = part.written_schema().map_err(refuse)?;
+            let all: Vec<usize> = (0..own.fields().len()).collect();
+            // Adds the metadata of the columns of the file.
+            let joined = |read: &[RecordBatch]| {
+                let joined = concat_batches(&own, read);
+                joined.map_err(|error| refuse(Fault::damaged(&error.to_string())))
+            };
+            let mut read = Vec::new();
+            for batch in part.batches(&all, &own).map_err(refuse)? {
+                read.push(batch.map_err(refuse)?);
+                let rows: usize = read.iter().map(RecordBatch::num_rows).sum();
+                if rows >= BATCH {
+                    batches.push(joined(&read)?);
+                    read.clear();
+                }
+            }
+            if !read.is_empty() {
+                batches.push(joined(&read)?);
+            }
+            schema.get_or_insert(own);
+        }
+        // An open table has at least one part.
+        let schema = schema.unwrap_or_else(|| Arc::new(Schema::empty()));
+        MemoryTable::new(schema, batches).map_err(|error| {
+            let problem = "the parts of this table have different columns";
+            let file = self.parts.first().map_or(Path::new(""), |(path, _)| path);
+            let allowed = "the files that were written";
+            TableError::new(file, None, Fault::new(problem, error.to_string(), allowed))
+        })
+    }
 }

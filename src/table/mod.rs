@@ -13,7 +13,6 @@
 //! - In memory: `memory_results` makes the same tables without files.
 
 mod atomic_files;
-mod batch;
 pub mod cell;
 pub mod column;
 mod cycles;
@@ -35,7 +34,6 @@ mod points;
 mod previous_results;
 mod provenance;
 mod read;
-mod read_memory;
 mod replay;
 mod response_samples;
 mod results;
@@ -53,8 +51,7 @@ mod writer;
 
 pub use crate::tabular::{Kind, Values};
 pub use atomic_files::{clear_temporaries, write_atomically, write_once};
-pub(crate) use atomic_files::{is_one_of, is_own, temporary_file};
-pub use batch::Batch;
+pub(crate) use atomic_files::{is_own, temporary_file};
 pub use cycles::{CycleRow, cycle_columns};
 pub use durable_directories::{is_inside, make_directory, make_inside, sync_directory};
 pub use equilibria::{EquilibriumRow, equilibrium_columns};
@@ -63,7 +60,7 @@ pub use equilibrium_histogram::{HistogramRow, histogram_columns};
 pub use equilibrium_set::{SetRow, SetSummaryRow, set_columns, set_summary_columns};
 pub(crate) use estimate::add_estimate;
 pub use file_entry::FileEntry;
-pub(crate) use file_entry::read_regular;
+pub(crate) use file_entry::{hexadecimal, read_regular, sha256};
 pub use file_list::{FILES, FileList};
 pub use frictionless_equilibria::{FrictionlessRow, frictionless_columns};
 pub use manifest::{Circumstances, MANIFEST, Manifest};
@@ -79,7 +76,7 @@ pub use read::{Batches, Table};
 pub use replay::{phase_name, switch_columns, trajectory_columns};
 pub use response_samples::ResponseSamples;
 pub use results::{Results, ResultsError};
-pub use row::Row;
+pub use row::{Batch, Row};
 pub use run_record::RunRecord;
 pub(crate) use runs::add_swept;
 pub use runs::{planned_columns, run_columns};

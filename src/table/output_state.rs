@@ -42,15 +42,15 @@ pub enum OutputState {
 /// [`ResultsError::Unusable`] if it cannot be read.
 pub fn manifest_of(directory: &Path) -> Result<Option<Manifest>, ResultsError> {
     Manifest::read(directory).map_err(|cause| match cause.kind() {
-        io::ErrorKind::InvalidData => ResultsError::Occupied {
-            path: directory.to_owned(),
-            reason: format!("{MANIFEST} is damaged, or is not a manifest of stickslip"),
-            found: one_line(&cause.to_string(), LONGEST_FOUND),
-            allowed: format!(
+        io::ErrorKind::InvalidData => ResultsError::occupied(
+            directory,
+            format!("{MANIFEST} is damaged, or is not a manifest of stickslip"),
+            one_line(&cause.to_string(), LONGEST_FOUND),
+            format!(
                 "another directory, with --out DIR; or, if these are results of a study, remove \
                  {MANIFEST} and run the study again, which reuses the finished runs"
             ),
-        },
+        ),
         _ => ResultsError::Unusable { path: directory.to_owned(), cause },
     })
 }
@@ -122,13 +122,8 @@ pub fn check_path(directory: &Path) -> Result<(), ResultsError> {
 }
 
 fn occupied(directory: &Path, reason: &str, found: &str) -> ResultsError {
-    ResultsError::Occupied {
-        path: directory.to_owned(),
-        reason: reason.to_owned(),
-        found: one_line(found, LONGEST_FOUND),
-        allowed: "another directory, with --out DIR, or this one removed or renamed first"
-            .to_owned(),
-    }
+    let allowed = "another directory, with --out DIR, or this one removed or renamed first";
+    ResultsError::occupied(directory, reason, one_line(found, LONGEST_FOUND), allowed)
 }
 
 /// Inspects a directory without a manifest. A program that is killed at its start leaves finished

@@ -9,11 +9,11 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::batch::Batch;
 use super::file_entry::short_hash;
 use super::file_list::{FILES, FileList};
 use super::manifest::{MANIFEST, Manifest};
 use super::provenance::FORMAT;
+use super::row::Batch;
 use super::table_error::TableError;
 use crate::sanitize::shorten;
 use crate::study::list_names;

@@ -56,6 +56,19 @@ pub enum ResultsError {
     Write(#[from] WriteError),
 }
 
+impl ResultsError {
+    /// Returns the error of a directory or a file that must not be overwritten.
+    pub(crate) fn occupied(
+        path: &Path,
+        reason: impl Into<String>,
+        found: impl Into<String>,
+        allowed: impl Into<String>,
+    ) -> Self {
+        let (reason, found, allowed) = (reason.into(), found.into(), allowed.into());
+        ResultsError::Occupied { path: path.to_owned(), reason, found, allowed }
+    }
+}
+
 /// The tables of a study, open for writing.
 pub struct Results {
     directory: PathBuf,
