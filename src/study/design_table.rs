@@ -21,7 +21,7 @@ impl Study {
         let allowed = "a name that ends in .csv or .parquet, or - for standard input";
         let (name, read) = table.into().open(allowed)?;
         let names: Vec<String> = self.variables.iter().map(|one| one.name.clone()).collect();
-        let rows = Rows::in_file(name, read, &names)?;
+        let rows = Rows::in_file(name, read, &names, None)?;
         let missing = names.iter().find(|name| !rows.columns.contains(name));
         if let Some(name) = missing {
             let found = rows.column_names();

@@ -64,7 +64,7 @@ impl Study {
         }
         names.extend(angles.iter().cloned());
         names.push(STD_DEV.to_owned());
-        let rows = Rows::with_gaps(path, read, &names)?;
+        let rows = Rows::in_file(path, read, &names, Some(Entry::Text(String::new())))?;
         let needed = angles.iter().map(String::as_str).chain([STD_DEV]);
         if let Some(name) = needed.into_iter().find(|name| !rows.columns.iter().any(|c| c == name))
         {

@@ -95,44 +95,20 @@ impl<'a> Rows<'a> {
         })?;
         check_name(&file, "a name that ends in .csv or .parquet")
             .map_err(|fault| path.refuse_value(Fault { found: Some(shorten(name)), ..fault }))?;
-        let rows = Rows::in_file(&file, |limits| Cells::read(&file, bytes, limits), allowed)?;
+        let rows = Rows::in_file(&file, |limits| Cells::read(&file, bytes, limits), allowed, None)?;
         folders
             .count(rows.rows.len() * rows.columns.len())
             .map_err(|fault| path.refuse_value(fault))?;
         Ok(rows)
     }
 
-    /// Reads a table outside the study file, called `name` in messages; `allowed` contains the valid column names.
-    ///
-    /// # Errors
-    /// Returns the first fault with its location.
+    /// Reads a table outside the study file, called `name` in messages; `allowed` contains the valid column names, and
+    /// `empty` is a missing value if there may be one.
     pub fn in_file(
         name: &Path,
         read: impl FnOnce(&Limits<'_>) -> Result<Cells, Refusal>,
         allowed: &[String],
-    ) -> Result<Rows<'a>, StudyError> {
-        let refused = || Err(Fault::new("an empty value", "nothing", "a number"));
-        Rows::with_cells(name, read, allowed, refused)
-    }
-
-    /// Reads a table like [`Rows::in_file`], in which a missing value is an empty text.
-    ///
-    /// # Errors
-    /// Returns the first fault with its location.
-    pub fn with_gaps(
-        name: &Path,
-        read: impl FnOnce(&Limits<'_>) -> Result<Cells, Refusal>,
-        allowed: &[String],
-    ) -> Result<Rows<'a>, StudyError> {
-        Rows::with_cells(name, read, allowed, || Ok(Entry::Text(String::new())))
-    }
-
-    /// Reads a table; `empty` is a missing value.
-    fn with_cells(
-        name: &Path,
-        read: impl FnOnce(&Limits<'_>) -> Result<Cells, Refusal>,
-        allowed: &[String],
-        empty: impl Fn() -> Result<Entry, Fault>,
+        empty: Option<Entry>,
     ) -> Result<Rows<'a>, StudyError> {
         let columns = |columns: &[String]| known_columns(columns, allowed).map(|_| ());
         let refuse = |Refusal { line, row, column, fault }| {
@@ -146,9 +122,9 @@ impl<'a> Rows<'a> {
                 Cell::Number(number) => return Ok(Entry::Number(number)),
                 Cell::Text(text) => return Ok(Entry::Text(text)),
                 Cell::NotFinite(written) => not_finite(written),
-                Cell::Empty => match empty() {
-                    Ok(entry) => return Ok(entry),
-                    Err(fault) => fault,
+                Cell::Empty => match &empty {
+                    Some(entry) => return Ok(entry.clone()),
+                    None => Fault::new("an empty value", "nothing", "a number"),
                 },
             };
             Err(file.refuse(Some(row), Some(column), fault))
