@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::replay_animation::{ANIMATION, animate};
+use super::animation::{ANIMATION, animate};
 use super::stored_run::stored_run;
 use crate::classification::Recording;
 use crate::command_error::CommandError;

@@ -7,7 +7,6 @@ mod conclusion;
 mod html;
 mod optimum;
 mod points;
-mod responses;
 mod tables;
 
 use std::path::Path;
@@ -57,7 +56,6 @@ pub fn page(directory: &Path, data: &ReportData<'_>, figures: &[Figure]) -> Stri
     body.line("</ul></nav>\n<main>");
     conclusion::conclusion(&mut body, data);
     points::points(&mut body, directory, data);
-    responses::responses(&mut body, data);
     drawn_figures(&mut body, figures);
     tables::other_parameters(&mut body, data);
     tables::notable(&mut body, directory, data);

@@ -1,5 +1,6 @@
-//! The table of points: residual vibration first, then the ends of the runs with their intervals.
+//! The table of points, and that of the study's responses.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::html::{Html, escaped};
@@ -7,14 +8,15 @@ use super::tables::MOST_ROWS;
 use crate::numbers::{percent, significant};
 use crate::printed_table::{PrintedColumn, PrintedTable};
 use crate::report::data::{PeakOfRun, PointFacts, ReportData, said};
-use crate::report::printed_columns::printed_columns;
+use crate::report::printed_columns::{printed_columns, response_columns};
 use crate::sanitize::shell_word;
 use crate::study::{ParameterKind, Study};
 
 /// The number of rows above which a table is folded.
 const SHORT_TABLE: usize = 24;
 
-/// Adds the table of points: residual vibration first, then the ends of the runs with their intervals.
+/// Adds the table of points: residual vibration first, then the ends of the runs with their intervals; and that of the
+/// responses.
 pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     body.line("<section aria-labelledby=\"points\"><h2 id=\"points\">Points</h2>");
     let study = data.study;
@@ -51,6 +53,31 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
         ));
     }
     body.line("</section>");
+    responses(body, data, rows, &shown);
+}
+
+/// Adds the table of the study's responses at these points, with the estimates, their 95 % intervals, and what they mean;
+/// nothing if the study has no responses.
+fn responses(body: &mut Html, data: &ReportData<'_>, rows: &[PointFacts], shown: &[Vec<String>]) {
+    let (study, responses) = (data.study, data.study.responses());
+    if responses.is_empty() {
+        return;
+    }
+    body.line("<section aria-labelledby=\"responses\"><h2 id=\"responses\">Responses</h2>");
+    body.columns(&response_columns((rows, study.swept(), shown), responses, study.units()), &[]);
+    body.line("<dl class=\"facts\">");
+    for (index, response) in responses.iter().enumerate() {
+        body.element("dt", "", &response.name);
+        body.element("dd", "", &response.meaning_in(&study.units().vibration()));
+        let estimates = rows.iter().filter_map(|point| point.responses.get(index));
+        let reasons =
+            estimates.filter(|one| one.value.is_none()).filter_map(|one| one.reason.as_deref());
+        let reasons: BTreeSet<&str> = reasons.collect();
+        reasons
+            .iter()
+            .for_each(|reason| body.element("dd", "", &format!("It is missing where {reason}.")));
+    }
+    body.line("</dl></section>");
 }
 
 /// Returns the speed of the disc at the largest vibration of a run, rad/s.
