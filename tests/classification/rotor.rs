@@ -196,3 +196,22 @@ fn a_rotor_runs_up_as_a_planar_balancer() {
         assert!(rests >= 4, "{rests} at rest");
     }
 }
+
+/// Vibration of the rotor of the Bristol rig without balls, mm: the mean over both bearings of the largest displacement, in an independent
+/// prototype. At the four resonances of the published simulation with three washers, and far above them with one to four washers.
+#[test]
+fn the_rotor_without_balls_vibrates_as_in_an_independent_program() {
+    let expected = [0.63, 0.57, 0.24, 0.31, 14.4e-3, 24.7e-3, 37.1e-3, 49.8e-3];
+    let cases = cases(include_str!("../../studies/bristol-plain.yaml").to_owned());
+    assert_eq!(cases.len(), expected.len());
+    for (case, expected_mm) in cases.iter().zip(expected) {
+        let outcome = simulate(case);
+        assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{outcome:?}");
+        // The outputs begin with the four coordinates and their rates of change.
+        let largest = |output: usize| {
+            outcome.outputs[8 + output].value(OutputValue::Greatest).expect("an amplitude")
+        };
+        let found_mm = 1e3 * 0.5 * (largest(0) + largest(1));
+        assert!((found_mm / expected_mm - 1.0).abs() < 0.01, "{found_mm} {expected_mm}");
+    }
+}

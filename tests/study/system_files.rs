@@ -81,7 +81,7 @@ fn a_derived_quantity_has_parameters_only() {
     let ranged = |ranges: &str| with(&format!("{{value: f / k, {ranges}}}"));
     refused(end, &ranged("usual: [0, 1 s]"), 30, "another quantity", "s", "m");
     let refuse = parse(&GOOD.replacen(end, &ranged("within: [0, f / (2 * k)]"), 1));
-    let error = refuse.err().expect("a static deflection above half of it").to_string();
+    let error = refuse.expect_err("a static deflection above half of it").to_string();
     assert!(error.contains("limit is 0.066") && error.contains("between 0 and 0.033"), "{error}");
     let text = GOOD.replacen(end, &ranged("usual: [0, f / (2 * k)]"), 1);
     let study = parse(&text).unwrap_or_else(|error| panic!("{error}"));

@@ -1,9 +1,8 @@
 //! Figure: the natural frequencies of a system over the speed of its part that turns, and its critical speeds.
 
-use super::layers::axis;
 use crate::model::CampbellDiagram;
 use crate::numbers::significant;
-use crate::report::chart::{Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
+use crate::report::chart::{Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis};
 use crate::report::data::ReportData;
 
 /// Plots the Campbell diagram of the fastest point in detail, with uncertain parameters at their medians.
