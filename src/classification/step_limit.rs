@@ -27,7 +27,7 @@ const MOST_STEPS_OF_LOOKS: u64 = 2 * MOST_LOOKS as u64 * MOST_STEPS_OF_A_LOOK;
 pub fn seconds_per_step(model: &Model) -> f64 {
     match model.contacts() {
         1 if model.coordinate_count() == 2 => 1e-6,
-        contacts => 4e-6 * contacts as f64,
+        contacts => 4e-6 * contacts.max(1) as f64,
     }
 }
 

@@ -229,19 +229,17 @@ fn rows(
 /// Returns the least and the largest natural frequency at the points, with uncertain parameters at their medians, after a comma.
 fn natural_frequency(study: &Study) -> String {
     let points = points_to_examine(study.point_count(), most_points(study)).into_iter();
-    let each = points
-        .flat_map(|point| study.point(point).model().natural_frequencies().first_rad_s().to_vec());
-    let [low, high] = each
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], one| [low.min(one), high.max(one)]);
-    if low > high {
-        return String::new();
-    }
+    let of = |point: u64| study.point(point).model().natural_frequencies().first_rad_s().to_vec();
+    let each: Vec<Vec<f64>> = points.map(of).collect();
+    let all = || each.iter().flatten().copied();
+    let ends = [all().reduce(f64::min), all().reduce(f64::max)];
+    let [Some(low), Some(high)] = ends else { return String::new() };
     let unit = study.units().speed();
     let [least, most] = [low, high].map(|one| format!("{:.3}", unit.of(one)));
-    match least == most {
-        true => format!(", natural frequency {least} {}", unit.symbol),
-        false => format!(", natural frequencies {least} to {most} {}", unit.symbol),
-    }
+    let range = if least == most { least } else { format!("{least} to {most}") };
+    let has_several = each.iter().any(|one| one.len() > 1);
+    let name = if has_several { "natural frequencies" } else { "natural frequency" };
+    format!(", {name} {range} {}", unit.symbol)
 }
 
 /// Returns how the uncertain parameters are sampled together, in parentheses; empty if their draws are independent.

@@ -33,7 +33,7 @@ simulation: {end_time_s: 0.2}
     );
     let (_, figures) = reported(&scratch, "a.yaml", Budget::SCREEN, of_results);
     let figure = figures.iter().find(|figure| figure.id == "campbell").expect("the diagram");
-    assert!(figure.caption.ends_with("This is the diagram of speed -2000 rpm."), "{figure:?}");
+    assert!(figure.caption.ends_with("This is the diagram of speed −2000 rpm."), "{figure:?}");
     let [panel] = &figure.panels[..] else { panic!("one panel") };
     let critical_rpm = 100.0 * 30.0 / std::f64::consts::PI;
     for layer in &panel.layers {

@@ -9,10 +9,13 @@ use stickslip::study::{Study, json_schema};
 
 /// Problems that the program finds and the schema cannot express, each with the reason. A problem that ends with a blank
 /// is the beginning of a problem.
-const CONTENT: [(&str, &str); 45] = [
+const CONTENT: [(&str, &str); 48] = [
     ("a peak amplitude has no counterpart without balls", "two keys of a response"),
     ("no peak amplitude at constant speed without disturbances", "a response and the model"),
+    ("no physical meaning: hold_1_s", "a profile with a last part that lasts"),
     ("no physical meaning: ramp_to_1_rad_s", "the sign of all speeds of a profile"),
+    ("no physical meaning: speed_rad_s", "the sign of all speeds of a profile"),
+    ("only for a ball balancer", "the kind of the model"),
     ("no physical meaning: start_speed_rad_s", "the sign of all speeds of a profile"),
     ("not the end of the speed profile", "the sum of the durations of a profile, and another key"),
     ("the first speed is missing", "the place of a part in the list"),

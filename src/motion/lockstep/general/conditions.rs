@@ -24,9 +24,12 @@ use crate::motion::lockstep::held::held_until;
 use crate::motion::lockstep::kernel::Ends;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::pressure::Pressure;
-use crate::motion::lockstep::root_isolation::Polynomial;
+use crate::motion::lockstep::root_isolation::{ConditionFate, Polynomial};
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::saltation::Condition;
+
+/// Bodies that touch have landed where their gap has become smaller by this, non-dimensional.
+const SUNK: f64 = 1e-13;
 
 /// Returns the numbers of a contact's conditions ([`super::operations::OfContact`]), in their order. A condition is satisfied while it is not
 /// negative, and counts as failed if it is negative by `aim`.
@@ -121,12 +124,17 @@ pub(super) fn first_event<S: Vector>(
             }
             Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => {}
         }
-        // A gap between bodies that stick does not change; it may be negative by rounding.
-        let changes = || (1..ORDER).any(|k| normal(k) != 0.0);
-        if own.phases[contact] == Phase::Apart && changes() {
+        if own.phases[contact] == Phase::Apart {
             let failed = Condition::Landing(contact);
-            first.or(simd, &polynomial(length, 0.0, ORDER - 1, normal), None, failed);
-        } else if own.phases[contact] != Phase::Apart {
+            let gap = |offset: f64| polynomial(length, offset, ORDER - 1, normal);
+            // Bodies that touch and move with each other, or stick, do not land: their gap is negative by rounding.
+            let lands_at_once = normal(0) <= 0.0 && {
+                let gap = gap(0.0);
+                gap.first_fall(&gap.outline()) == ConditionFate::FailsAtOnce
+            };
+            let offset = if lands_at_once { SUNK - normal(0) } else { 0.0 };
+            first.or(simd, &gap(offset), None, failed);
+        } else {
             examine(Bound::Closed, 2, &|| polynomial(length, aim, ORDER - 1, normal));
         }
     }
