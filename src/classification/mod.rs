@@ -40,6 +40,7 @@ mod peak;
 mod period;
 mod periodic_creep;
 mod recorder;
+mod rest_in_touch;
 mod return_map;
 mod run_outcome;
 mod section;

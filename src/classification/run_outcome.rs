@@ -10,7 +10,7 @@ use super::late::Late;
 use super::outcome::{Evidence, LyapunovExponent, Outcome, TouchingOutcome};
 use super::output_watch::OutputOutcome;
 use super::periodic_creep::Creep;
-use super::settled::friction_margin;
+use super::rest_in_touch::friction_margin;
 use super::system_view::ContactPlace;
 use crate::model::{ContactUnits, OutputValue};
 use crate::motion::lockstep::LaneGroup;

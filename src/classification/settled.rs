@@ -16,9 +16,10 @@
 
 use nalgebra::{Complex, DMatrix, DVector, SVD, Schur};
 
+use super::rest_in_touch::{at_rest, friction_margin, lies};
 use super::system_view::SystemView;
-use crate::model::{Friction, TOUCHING};
-use crate::motion::{Direction, Forces, Phase, Phases};
+use crate::model::Friction;
+use crate::motion::Phase;
 
 /// Largest component of the time derivative, non-dimensional, at which the motion is examined.
 pub(super) const SLOW: f64 = 1e-6;
@@ -40,15 +41,8 @@ const NO_FORCE: f64 = 1e-6;
 const LEAST_FORCE: f64 = 1e-5;
 /// A contact that slides at an equilibrium is at least this fast, so that it will not stick. An open contact is at least this wide.
 const SLIDES: f64 = 1e-3;
-/// Bodies in touch that move more slowly than this, non-dimensional, rest: rounding is left of their speeds.
-const STILL: f64 = 1e-12;
 /// At an equilibrium, each contact that sticks has at least this part of its friction in reserve.
 const RESERVE: f64 = 1e-6;
-
-/// The largest force between bodies that rest in touch, over that with which one of them is at the limit of its friction, and its
-/// accuracy.
-const MOST_FORCE: f64 = 1e3;
-const FORCE_ACCURACY: f64 = 1e-12;
 
 /// Schedules the examinations so that their cost stays bounded: each waits for half of the time
 /// elapsed, or for the end of the run.
@@ -106,103 +100,6 @@ fn may_settle(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
     let contacts = &resting[..view.contacts.len()];
     !(contacts.iter().all(sticks) && contacts.iter().any(sticks))
         && resting.iter().enumerate().all(lasts)
-}
-
-/// Returns the phases of bodies that rest in touch: those that do not move stick, and no force acts between those that touch.
-///
-/// The force between them is not determined. The decision of the phases may press just so hard that the friction of one body is
-/// at its limit, as if it slipped: larger and smaller forces hold them, too, as far as friction allows. For bodies that move, and
-/// where the force is determined, these are the phases.
-fn at_rest(view: &SystemView, phases: &[Phase], state: &[f64]) -> Phases {
-    let mut resting = Phases::from(phases);
-    let openings = &view.evaluator.graph().openings;
-    if openings.is_empty() {
-        return resting;
-    }
-    for (contact, phase) in resting.iter_mut().enumerate().take(view.contacts.len()) {
-        match phase {
-            Phase::Slip(_) | Phase::Transition(_) => {
-                if view.speed(phases, state, contact).abs() > STILL {
-                    return Phases::from(phases);
-                }
-                *phase = Phase::Stick;
-            }
-            _ => {}
-        }
-    }
-    let gaps = view.evaluator.openings(|component| state[component]);
-    let touching = openings
-        .iter()
-        .zip(&gaps)
-        .filter(|(one, at)| lies(at) && view.system().friction(one.contact).limit == 0.0);
-    for (opening, _) in touching.clone() {
-        resting[opening.contact] = Phase::Apart;
-    }
-    let (_, forces) = view.evaluator.in_state(state).forces_and_gaps(&resting);
-    let without_force = &forces[forces.len() - openings.len()..];
-    let is_determined = openings.iter().zip(without_force).any(|(opening, without)| {
-        touching.clone().any(|(one, _)| one.contact == opening.contact)
-            && without.opening_acceleration.abs() > STILL
-    });
-    if is_determined { Phases::from(phases) } else { resting }
-}
-
-/// Returns the forces at rest where bodies that touch press each other so that the friction of one of them is at its limit; `None`
-/// if no bodies touch without a determined force.
-fn pressed(view: &SystemView, resting: &[Phase], state: &[f64]) -> Option<Forces> {
-    let openings = &view.evaluator.graph().openings;
-    let gaps = view.evaluator.openings(|component| state[component]);
-    let mut equations = view.evaluator.in_state(state);
-    for (place, (opening, at)) in openings.iter().zip(&gaps).enumerate() {
-        if resting[opening.contact] != Phase::Apart || !lies(at) {
-            continue;
-        }
-        let sticking = (0..view.contacts.len()).filter(|one| resting[*one] == Phase::Stick);
-        let directions = [Direction::Forward, Direction::Backward].map(Phase::Slip);
-        for (contact, slip) in sticking.flat_map(|one| directions.map(|slip| (one, slip))) {
-            let mut phases = Phases::from(resting);
-            (phases[opening.contact], phases[contact]) = (Phase::Free, slip);
-            let (forces, gaps) = equations.forces_and_gaps(&phases);
-            let force = gaps[gaps.len() - openings.len() + place].force;
-            if force.is_finite() && force > 0.0 && forces.iter().all(|one| one.friction.is_finite())
-            {
-                return Some(forces);
-            }
-        }
-    }
-    None
-}
-
-/// Returns whether bodies that may separate touch, and do not move apart.
-fn lies([gap, speed, _]: &[f64; 3]) -> bool {
-    gap.abs() <= TOUCHING && speed.abs() <= STILL
-}
-
-/// Returns the least part of its friction that a contact that sticks has in reserve; `None` if no contact sticks. Of bodies that
-/// rest in touch, it is the largest one for any force between them.
-pub(super) fn friction_margin(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<f64> {
-    let resting = at_rest(view, phases, state);
-    let without = view.evaluator.forces(&resting, state);
-    let with = pressed(view, &resting, state);
-    // The force between bodies that touch, over that with which one of them is at the limit of its friction.
-    let at = |force: f64| {
-        let margin = |(contact, phase): (usize, &Phase)| {
-            let from = &without[contact];
-            let to = with.as_ref().map_or(from, |with| &with[contact]);
-            let between = |from: f64, to: f64| from + force * (to - from);
-            let limit = view.system().friction(contact).limit * between(from.normal, to.normal);
-            let needed = between(from.friction, to.friction).abs();
-            (*phase == Phase::Stick).then(|| 1.0 - needed / limit)
-        };
-        let contacts = resting.iter().enumerate().take(view.contacts.len());
-        contacts.filter_map(margin).reduce(f64::min)
-    };
-    let [mut low, mut high] = [0.0, if with.is_some() { MOST_FORCE } else { 0.0 }];
-    while high - low > FORCE_ACCURACY * high {
-        let [one, other] = [2.0 * low + high, low + 2.0 * high].map(|sum| sum / 3.0);
-        if at(one)? < at(other)? { low = one } else { high = other }
-    }
-    at(low)
 }
 
 /// A system whose contacts keep their phases, with one variable for each independent component of the state.

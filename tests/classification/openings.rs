@@ -115,7 +115,7 @@ fn a_block_that_a_plate_throws_once_per_period_forgets_its_start() {
 }
 
 /// Two blocks that springs press against each other rest in touch. The force between them is not determined: they are at rest with the
-/// margin of friction that the best force leaves, `min(1 - |T_x - force| / limit, 1 - |T_y + force| / limit)`.
+/// margin of friction that the best force leaves, `min(1 - |T_x - force| / limit, 1 - |T_y + force| / limit)`. A third block rests apart.
 #[test]
 fn blocks_that_touch_rest_if_any_force_between_them_holds_them() {
     let [stiffness, offset, load, coefficient] = [100.0, 0.05, 10.0, 0.2];
@@ -124,9 +124,11 @@ fn blocks_that_touch_rest_if_any_force_between_them_holds_them() {
 coordinates:
   x: {{unit: m, start: [-0.1, -0.01], start_rate: [-0.5, 0.5]}}
   y: {{unit: m, start: [0.01, 0.1], start_rate: [-0.5, 0.5]}}
-mass: {{x: {{x: m}}, y: {{y: n}}}}
-force: {{x: -k * (x - a), y: -k * (y + a)}}
+  z: {{unit: m, start: [0.9, 1.1], start_rate: [-0.5, 0.5]}}
+mass: {{x: {{x: m}}, y: {{y: n}}, z: {{z: m}}}}
+force: {{x: -k * (x - a), y: -k * (y + a), z: -k * (z - 1)}}
 contacts:
+  far: {{normal: load, sliding: \"z'\", friction: {{coulomb: {{coefficient: mu}}}}}}
   left: {{normal: load, sliding: \"x'\", friction: {{coulomb: {{coefficient: mu}}}}}}
   right: {{normal: load, sliding: \"y'\", friction: {{coulomb: {{coefficient: mu}}}}}}
   between: {{gap: y - x, restitution: 0.3}}"
@@ -143,6 +145,7 @@ contacts:
             // The best force makes both forces of friction equal, or there is none.
             let force = (0.5 * (pulls[0] - pulls[1])).max(0.0);
             let needed = (pulls[0] - force).abs().max((pulls[1] + force).abs());
+            let needed = needed.max((stiffness * (end(2) - 1.0)).abs());
             let margin = 1.0 - needed / (coefficient * load);
             let found = outcome.friction_margin.expect("a margin");
             assert!((found - margin).abs() < 1e-9, "{found} {margin}");

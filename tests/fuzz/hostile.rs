@@ -33,7 +33,7 @@ const FOOTER: &str = "not a readable Parquet file\n  found:   a footer";
 
 /// Returns the message about a Parquet file as a sweep, or an empty text if it is accepted.
 pub fn message(folder: &Path, file: &[u8]) -> String {
-    fs::write(folder.join("table.parquet"), file).unwrap();
+    fs::write(folder.join("table.parquet"), file).expect("the folder takes files");
     let text = "schema: 1\nname: a\nseed: 5\nmodel: {kind: ball_balancer}\n\
                 initial_conditions: {design: {monte_carlo: {samples: 1}}}\n\
                 sweep: [{table: table.parquet}]\n";

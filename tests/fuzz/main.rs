@@ -227,8 +227,9 @@ fn child(name: &str, seed: u64, numbers: std::ops::Range<u64>) {
         return bad();
     }
     if let Some((_, hostile, message)) = hostile::FILES.iter().find(|(other, ..)| *other == name) {
-        let (folder, file) = (tempfile::tempdir().unwrap(), hostile());
-        ALLOCATOR.set_limit(ALLOCATOR.allocated() + hostile::MEMORY).unwrap();
+        let (folder, file) = (tempfile::tempdir().expect("a folder"), hostile());
+        let limit = ALLOCATOR.allocated() + hostile::MEMORY;
+        ALLOCATOR.set_limit(limit).expect("a limit above what is allocated");
         println!("0");
         let found = hostile::message(folder.path(), &file);
         return assert!(found.contains(message), "{found}");

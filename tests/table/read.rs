@@ -130,7 +130,7 @@ fn compare(table: &Table) -> u64 {
 fn values_of_every_kind_are_read_back() {
     for rows in [0, 1, 1024, 1025, 20_000] {
         let (folder, manifest) = one_table(rows, &right());
-        let table = Table::open(folder.path(), &manifest, "t").unwrap();
+        let table = Table::open(folder.path(), &manifest, "t").expect("a table");
         assert_eq!(compare(&table), rows);
         let kinds: Vec<_> = table
             .columns
@@ -154,18 +154,19 @@ fn values_of_every_kind_are_read_back() {
 #[test]
 fn more_list_values_than_the_limit_are_refused() {
     for (length, read) in [(1024, true), (1025, false)] {
-        let folder = tempdir().unwrap();
+        let folder = tempdir().expect("a folder");
         let mut list = Columns::<u64>::new();
         list.numbers("list", "rad", |length| Some(vec![0.5; *length as usize]));
         let path = folder.path().join("t.parquet");
-        let mut writer = TableWriter::create(&path, list.finish(), &right()).unwrap();
-        writer.push(length).unwrap();
-        let entry = writer.finish().unwrap().remove(0).1;
+        let mut writer = TableWriter::create(&path, list.finish(), &right()).expect("a new table");
+        writer.push(length).expect("a row");
+        let entry = writer.finish().expect("a finished table").remove(0).1;
         let manifest = manifest([("t.parquet".to_owned(), entry)]);
         let table = Table::open(folder.path(), &manifest, "t").unwrap();
-        let batch = table.read(&[("list", Kind::Numbers)]).unwrap().next().unwrap();
+        let batch =
+            table.read(&[("list", Kind::Numbers)]).expect("its column").next().expect("a batch");
         match read {
-            true => assert_eq!(batch.unwrap().rows, 1),
+            true => assert_eq!(batch.expect("a batch that can be read").rows, 1),
             false => refused(batch, &["not a readable Parquet file", "more values than rows"]),
         }
     }
