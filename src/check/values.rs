@@ -112,8 +112,8 @@ impl At<'_> {
             let [low, high] = usual.filter(|[low, high]| !(*low..=*high).contains(&value))?;
             Some(Finding {
                 kind: "unusual_machine",
-                key: "model".to_owned(),
-                problem: format!("`{}` is outside of its usual range: {}", name.name, name.meaning),
+                key: format!("model.{}", name.name),
+                problem: format!("a quantity is outside of its usual range: {}", name.meaning),
                 found: self.said(&name.name, value).trim_end().to_owned(),
                 remedy: format!(
                     "parameters with which it is from {} to {}",

@@ -24,9 +24,10 @@ pub(super) fn at_rest(view: &SystemView, phases: &[Phase], state: &[f64]) -> Pha
     if openings.is_empty() {
         return resting;
     }
+    let can_hold = |contact: usize| view.system().friction(contact).limit > 0.0;
     for (contact, phase) in resting.iter_mut().enumerate().take(view.contacts.len()) {
         match phase {
-            Phase::Slip(_) | Phase::Transition(_) => {
+            Phase::Slip(_) | Phase::Transition(_) if can_hold(contact) => {
                 if view.speed(phases, state, contact).abs() > STILL {
                     return Phases::from(phases);
                 }

@@ -117,7 +117,7 @@ impl ClosedForms {
             };
             table.add_known(header, |(_, facts)| {
                 let value = facts.own()?.derived.get(place)?.value;
-                value.is_finite().then(|| short(unit.of(value)))
+                (!value.is_nan()).then(|| short(unit.of(value)))
             });
         }
         if !balancers.is_empty() {

@@ -60,7 +60,8 @@ pub struct CampbellDiagram {
     pub speeds_rad_s: Vec<f64>,
     /// The natural frequencies at each speed, in ascending order, rad/s.
     pub frequencies_rad_s: Vec<Vec<f64>>,
-    /// The critical speeds, at which imbalance excites a natural frequency, in ascending order, rad/s.
+    /// The critical speeds, which equal a natural frequency, in ascending order, rad/s. Coordinates are those of a frame that does
+    /// not turn; on equal supports, an imbalance excites forward whirl only.
     pub critical_rad_s: Vec<f64>,
 }
 

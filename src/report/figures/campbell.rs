@@ -49,8 +49,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         "Natural frequencies (Campbell diagram)",
         format!(
             "Natural frequencies of the coordinates that no contact moves, or of all coordinates without friction if \
-             contacts move all of them. At a critical speed, a natural frequency equals the speed, and an imbalance \
-             excites it.{of_point}"
+             contacts move all of them. At a critical speed, a natural frequency equals the speed.{of_point}"
         ),
         alternative,
         vec![Panel::new(x, y, layers)],
