@@ -152,3 +152,22 @@ contacts:
         }
     }
 }
+
+/// A block without friction presses one that rests: the force between them is determined, and the motion ends at rest or goes on, but
+/// the search for the best force between them ends.
+#[test]
+fn a_block_without_friction_leans_on_one_that_rests() {
+    let system = "parameters: {m: 1 kg, n: 10 N, f: 1.2 N, g: -0.5 N, mu: 0.1}
+coordinates:
+  x: {unit: m, start: [-1, -0.5], start_rate: [0, 1]}
+  y: {unit: m, start: [0.1, 0.5], start_rate: [-1, 0]}
+mass: {x: {x: m}, y: {y: m}}
+force: {x: f, y: g}
+contacts:
+  a: {normal: n, sliding: \"x'\", friction: {coulomb: {coefficient: mu}}}
+  b: {normal: n, sliding: \"y'\", friction: {coulomb: {coefficient: 0}}}
+  touch: {gap: y - x}";
+    for outcome in cases(system, 2, 30.0).iter().map(simulate) {
+        assert_ne!(outcome.label(), Label::Failed, "{outcome:?}");
+    }
+}
