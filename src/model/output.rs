@@ -18,7 +18,7 @@ pub struct DerivedQuantity {
     pub name: OutputName,
     /// Its value, in SI units.
     pub value: f64,
-    /// The range outside of which a machine is unusual.
+    /// The range of usual machines.
     pub usual: Option<[f64; 2]>,
     /// Whether it has no range: people want to read it, and not whether it is in order.
     pub is_shown: bool,

@@ -53,7 +53,7 @@ fn nesting() -> Vec<u8> {
     with_footer(b"PAR1", &footer(&schema, &[]))
 }
 
-/// The same in a number that is marked as a text, in the first of 100,000 empty columns. The library reads a number.
+/// Columns nested 100,000 deep, hidden in a field that the footer marks as a text. The library reads this field as a number.
 fn hidden_nesting() -> Vec<u8> {
     let column = [0x48, 1, b'a', 0x15, 2, 0];
     let hidden = [&[0x28, 1, b'a', 0x15, 2, 0][..], &column.repeat(100_000)].concat();

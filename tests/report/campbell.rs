@@ -6,8 +6,8 @@ use stickslip::report::{Budget, of_results};
 use super::reported;
 use crate::cli::support::Scratch;
 
-/// A disc on a shaft without damping, whose natural frequency `sqrt(k / m)` is its critical speed, at three speeds of which one is
-/// negative. The diagram is that of the fastest, in the unit of the study.
+/// A disc on a shaft without damping has the critical speed `sqrt(k / m)`. The study has three speeds, one of them negative; the
+/// diagram is that of the fastest one, in the unit of the study.
 #[test]
 fn a_shaft_has_its_critical_speed_in_the_diagram() {
     let scratch = Scratch::new();

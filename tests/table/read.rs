@@ -162,7 +162,7 @@ fn more_list_values_than_the_limit_are_refused() {
         writer.push(length).expect("a row");
         let entry = writer.finish().expect("a finished table").remove(0).1;
         let manifest = manifest([("t.parquet".to_owned(), entry)]);
-        let table = Table::open(folder.path(), &manifest, "t").unwrap();
+        let table = Table::open(folder.path(), &manifest, "t").expect("a table");
         let batch =
             table.read(&[("list", Kind::Numbers)]).expect("its column").next().expect("a batch");
         match read {

@@ -116,9 +116,9 @@ pub struct WrittenOutput {
 pub struct WrittenDerived {
     /// The quantity, without an index.
     pub quantity: WrittenOutput,
-    /// The range outside of which a machine is impossible.
+    /// The range of possible machines.
     pub within: Option<[Formula; 2]>,
-    /// The range outside of which a machine is unusual.
+    /// The range of usual machines.
     pub usual: Option<[Formula; 2]>,
 }
 

@@ -109,9 +109,9 @@ pub(in crate::study) struct DerivedKeys {
     /// What it is, in a few words.
     #[serde(default)]
     pub meaning: String,
-    /// The range `[low, high]` outside of which a machine is impossible.
+    /// The range `[low, high]` of possible machines; the program refuses others.
     pub within: Option<Ends>,
-    /// The range `[low, high]` outside of which `check` warns.
+    /// The range `[low, high]` of usual machines; `check` warns of others.
     pub usual: Option<Ends>,
 }
 
