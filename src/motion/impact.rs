@@ -17,10 +17,11 @@
 
 use smallvec::{SmallVec, smallvec};
 
+use super::evaluator::Solved;
 use super::impulses::{GapLaw, Impulses, Meeting, Pairs};
 use super::response::Meets;
 use super::{Evaluator, Failure, Phase};
-use crate::model::{Components, Dual, Elementary, ImpactLaw, Number};
+use crate::model::{Components, Elementary, ImpactLaw};
 
 /// Rounding tolerance of impulses and speeds, over the largest speed.
 const ROUNDING: f64 = 1e-13;
@@ -31,8 +32,6 @@ const UNRESOLVED: f64 = 1e-9;
 /// What an impact has done.
 #[derive(Clone, Debug)]
 pub(super) struct Impact {
-    /// The state after the impact, with its change along a direction.
-    pub(super) state: Vec<Dual>,
     /// The places whose bodies stay together.
     pub(super) together: SmallVec<[Meets; 8]>,
     /// The gaps that were open and have closed.
@@ -52,11 +51,11 @@ pub(crate) struct Hit {
     pub(crate) opening_speed: f64,
 }
 
-/// Returns the state after an impact at the places `touching`, whose bodies are at each other, with the phases of all contacts
-/// and gaps before it.
-pub(super) fn impact(
+/// Changes the state by an impact at the places `touching`, whose bodies are at each other, with the phases of all contacts
+/// and gaps before it. A state of dual numbers has its changes along a direction, too.
+pub(super) fn impact<T: Solved>(
     evaluator: &Evaluator,
-    state: &[Dual],
+    state: &mut [T],
     touching: &[Meets],
     phases: &[Phase],
 ) -> Result<Impact, Failure> {
@@ -69,15 +68,15 @@ pub(super) fn impact(
     let openings = evaluator.openings(|component| state[component]);
     let of_contacts = speeds.iter().flatten().map(|speed| state[*speed]);
     let at_openings = openings.iter().flat_map(|[_, opening, sliding]| [*opening, *sliding]);
-    let all = of_contacts.chain(at_openings).map(|speed| speed.value.abs());
+    let all = of_contacts.chain(at_openings).map(|speed| speed.value().abs());
     let fastest = all.fold(1.0, f64::max);
     // The opening speed and the sliding speed of a place, from a state or from a response.
-    let in_gap = |gap: usize, of: &[Dual]| {
+    let in_gap = |gap: usize, of: &[T]| {
         let speed = |contact: usize| speeds[contact].expect("speeds of balls are components");
         let [behind, ahead] = all_gaps[gap].contacts.map(|contact| of[speed(contact)]);
         [ahead - behind, ahead + behind]
     };
-    let before: Pairs<Dual> = touching
+    let before: Pairs<T> = touching
         .iter()
         .flat_map(|place| match *place {
             Meets::Gap(gap) => in_gap(gap, state),
@@ -85,18 +84,17 @@ pub(super) fn impact(
         })
         .collect();
     let responses = evaluator.responses(state, touching);
-    let by_each = || responses.iter().flatten();
     let rows = touching.iter().flat_map(|place| [0, 1].map(|speed| (*place, speed)));
-    let answers: Vec<Dual> = rows
+    let answers: Vec<T> = rows
         .flat_map(|(place, speed)| {
-            by_each().map(move |by| match place {
+            responses.iter().map(move |by| match place {
                 Meets::Gap(gap) => in_gap(gap, &by.components)[speed],
                 Meets::Opening(one) => by.openings[one][speed],
             })
         })
         .collect();
     let law = |(row, place): (usize, &Meets)| {
-        let answer = answers[2 * row * (before.len() + 1)].value;
+        let answer = answers[2 * row * (before.len() + 1)].value();
         let (law, friction_coefficient, mass) = match (*place, between) {
             (Meets::Gap(gap), Some(between)) => {
                 let gap = &between.gaps()[gap];
@@ -115,8 +113,8 @@ pub(super) fn impact(
     let laws: SmallVec<[_; 8]> = touching.iter().enumerate().map(law).collect();
     let with_opening = laws.iter().zip(before.iter().step_by(2));
     let gap_laws = with_opening.map(|((law, friction_coefficient, mass), opening)| {
-        let lasts = -opening.value < law.lasting_approach && law.restitution < 1.0;
-        let is_slow = lasts || opening.value >= 0.0;
+        let lasts = -opening.value() < law.lasting_approach && law.restitution < 1.0;
+        let is_slow = lasts || opening.value() >= 0.0;
         GapLaw {
             restitution: if is_slow { 0.0 } else { law.restitution },
             tangential_restitution: if is_slow { 0.0 } else { law.tangential_restitution },
@@ -130,7 +128,7 @@ pub(super) fn impact(
     });
     let meeting = Meeting {
         laws: gap_laws.collect(),
-        fastest: before.iter().map(|speed| speed.value.abs()).fold(0.0, f64::max),
+        fastest: before.iter().map(|speed| speed.value().abs()).fold(0.0, f64::max),
         heaviest: masses.fold(0.0, f64::max),
         tolerance: ROUNDING * fastest,
         before,
@@ -145,15 +143,14 @@ pub(super) fn impact(
         .collect();
     let Impulses { impulses, after } = passive(&meeting, &arms)?;
 
-    let mut changed = state.to_vec();
     let mut pressed: Components = smallvec![0.0; contacts];
-    for (place, (impulse, response)) in impulses.iter().zip(by_each()).enumerate() {
-        let components = changed.iter_mut().zip(&response.components);
+    for (place, (impulse, response)) in impulses.iter().zip(&responses).enumerate() {
+        let components = state.iter_mut().zip(&response.components);
         components.for_each(|(to, by)| *to = *to + *impulse * *by);
         if let Meets::Gap(gap) = touching[place / 2] {
             let gap = &all_gaps[gap];
             for (contact, [_, outward]) in gap.contacts.into_iter().zip(gap.pushes()[place % 2]) {
-                pressed[contact] += outward * impulse.value;
+                pressed[contact] += outward * impulse.value();
             }
         }
     }
@@ -163,17 +160,17 @@ pub(super) fn impact(
         _ => UNRESOLVED,
     };
     let places = || touching.iter().zip(&laws).zip(after.iter().step_by(2));
-    let together = places().filter(|((_, (law, ..)), opening)| opening.value <= slow(law));
+    let together = places().filter(|((_, (law, ..)), opening)| opening.value() <= slow(law));
     let together: SmallVec<[Meets; 8]> = together.map(|((place, _), _)| *place).collect();
-    let closes = |place: &Meets, opening: &Dual| {
-        opening.value < -meeting.tolerance || together.contains(place)
+    let closes = |place: &Meets, opening: &T| {
+        opening.value() < -meeting.tolerance || together.contains(place)
     };
     let mut hits = SmallVec::new();
     let mut landed = 0;
     for (place, opening) in touching.iter().zip(meeting.before.iter().step_by(2)) {
         match *place {
             Meets::Gap(gap) if phases[contacts + gap] == Phase::Open && closes(place, opening) => {
-                hits.push(Hit { gap, opening_speed: opening.value });
+                hits.push(Hit { gap, opening_speed: opening.value() });
             }
             Meets::Opening(one) if phases[graph.openings[one].contact] == Phase::Apart => {
                 landed += usize::from(closes(place, opening));
@@ -182,35 +179,36 @@ pub(super) fn impact(
         }
     }
     let lifted = pressed.iter().filter(|force| **force < 0.0).count();
-    Ok(Impact { state: changed, together, hits, landed, lifted })
+    Ok(Impact { together, hits, landed, lifted })
 }
 
 /// Returns the impulses of both laws or, where these would add energy, those that conserve it. There are none unless
 /// contacts approach each other.
-fn passive(meeting: &Meeting, arms: &[f64]) -> Result<Impulses, Failure> {
+fn passive<T: Elementary>(meeting: &Meeting<T>, arms: &[f64]) -> Result<Impulses<T>, Failure> {
     let Meeting { laws, before, tolerance, .. } = meeting;
-    if before.iter().step_by(2).all(|opening| opening.value >= -tolerance) {
-        let impulses = smallvec![Dual::constant(0.0); before.len()];
+    if before.iter().step_by(2).all(|opening| opening.value() >= -tolerance) {
+        let impulses = smallvec![T::constant(0.0); before.len()];
         return Ok(Impulses { impulses, after: before.clone() });
     }
-    let sum = |one: &Pairs<Dual>, factor: Dual, other: &Pairs<Dual>| -> Pairs<Dual> {
+    let sum = |one: &Pairs<T>, factor: T, other: &Pairs<T>| -> Pairs<T> {
         one.iter().zip(other).map(|(one, other)| *one + factor * *other).collect()
     };
     // Twice the work of impulses at these speeds. The friction impulse acts on the bodies against their sliding, with an arm.
-    let work = |impulses: &Pairs<Dual>, speeds: &Pairs<Dual>| {
+    let work = |impulses: &Pairs<T>, speeds: &Pairs<T>| {
         let arms = arms.iter().flat_map(|arm| [1.0, -arm]);
         let all = arms.zip(impulses).zip(speeds);
-        all.fold(Dual::constant(0.0), |sum, ((arm, impulse), speed)| {
-            sum + Dual::constant(arm) * *impulse * *speed
+        all.fold(T::constant(0.0), |sum, ((arm, impulse), speed)| {
+            sum + T::constant(arm) * *impulse * *speed
         })
     };
-    let one = Dual::constant(1.0);
-    let added = |by: &Impulses| work(&by.impulses, &sum(before, one, &by.after));
+    let one = T::constant(1.0);
+    let added = |by: &Impulses<T>| work(&by.impulses, &sum(before, one, &by.after));
     let newton = meeting.impulses()?;
-    let rounding: f64 = newton.impulses.iter().map(|impulse| tolerance * impulse.value.abs()).sum();
+    let rounding: f64 =
+        newton.impulses.iter().map(|impulse| tolerance * impulse.value().abs()).sum();
     let is_inelastic =
         laws.iter().all(|law| law.restitution == 0.0 && law.tangential_restitution == 0.0);
-    if is_inelastic || added(&newton).value <= rounding {
+    if is_inelastic || added(&newton).value() <= rounding {
         return Ok(newton);
     }
     let plastic = |law: &GapLaw| GapLaw { restitution: 0.0, tangential_restitution: 0.0, ..*law };
@@ -221,8 +219,8 @@ fn passive(meeting: &Meeting, arms: &[f64]) -> Result<Impulses, Failure> {
     // Twice the added energy as a polynomial of the share of the difference.
     let (constant, square) = (added(&inelastic), work(&impulses, &after));
     let linear = added(&newton) - constant - square;
-    let root = (linear * linear - Dual::constant(4.0) * square * constant).sqrt();
-    let share = (root - linear) * (Dual::constant(2.0) * square).reciprocal();
+    let root = (linear * linear - T::constant(4.0) * square * constant).sqrt();
+    let share = (root - linear) * (T::constant(2.0) * square).reciprocal();
     Ok(Impulses {
         impulses: sum(&inelastic.impulses, share, &impulses),
         after: sum(&inelastic.after, share, &after),

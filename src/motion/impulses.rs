@@ -3,13 +3,13 @@
 //!
 //! The unknowns are a contact impulse `P` and a friction impulse `Q` in each gap. A gap takes part in one of four ways, and
 //! each way gives two linear equations. All combinations of ways are tried; a combination holds if the impulses, and the
-//! speeds after them, meet the conditions of each way. The equations of a gap are eliminated once for all ways of the
-//! gaps after it.
+//! speeds after them, meet the conditions of each way. The impulses of a gap are eliminated once from the equations of the
+//! gaps after it, for all ways of these gaps.
 
 use smallvec::{SmallVec, smallvec};
 
 use super::Failure;
-use crate::model::{Dual, Number};
+use crate::model::{Elementary, Number};
 
 /// In a row of bodies that do not slide on each other the friction impulses are not determined, but the speeds are. With
 /// this much more of its own speed for each friction impulse they are determined.
@@ -29,9 +29,6 @@ const MOST_TRIED: usize = 1 << 16;
 
 /// Two numbers for each gap: one for the contact, one for the friction.
 pub(super) type Pairs<T> = SmallVec<[T; 16]>;
-
-/// The coefficients of all impulses, and the right side.
-type Equation<T> = SmallVec<[T; 17]>;
 
 /// How a gap takes part in an impact.
 #[derive(Clone, Copy, Debug)]
@@ -58,7 +55,7 @@ pub(super) struct GapLaw {
 
 /// Gaps whose contacts are at each other, and how they answer to impulses.
 #[derive(Clone)]
-pub(super) struct Meeting<T = Dual> {
+pub(super) struct Meeting<T> {
     /// The law of each gap.
     pub(super) laws: SmallVec<[GapLaw; 8]>,
     /// The opening speed and the rolling speed of each gap before the impact.
@@ -75,22 +72,22 @@ pub(super) struct Meeting<T = Dual> {
 
 /// The impulses in all gaps, and the opening speeds and the rolling speeds after them.
 #[derive(Clone)]
-pub(super) struct Impulses {
-    pub(super) impulses: Pairs<Dual>,
-    pub(super) after: Pairs<Dual>,
+pub(super) struct Impulses<T> {
+    pub(super) impulses: Pairs<T>,
+    pub(super) after: Pairs<T>,
 }
 
-impl Meeting {
+impl<T: Elementary> Meeting<T> {
     /// Returns the impulses that obey both laws.
     ///
     /// # Errors
     /// [`Failure::UndecidedImpact`] unless all combinations that hold lead to the same speeds, and
     /// [`Failure::TooManyCombinations`] for so many gaps that they cannot be tried.
-    pub(super) fn impulses(&self) -> Result<Impulses, Failure> {
+    pub(super) fn impulses(&self) -> Result<Impulses<T>, Failure> {
         let values = Meeting {
             laws: self.laws.clone(),
-            before: self.before.iter().map(|speed| speed.value).collect(),
-            answers: self.answers.iter().map(|answer| answer.value).collect(),
+            before: self.before.iter().map(|speed| speed.value()).collect(),
+            answers: self.answers.iter().map(|answer| answer.value()).collect(),
             fastest: self.fastest,
             heaviest: self.heaviest,
             tolerance: self.tolerance,
@@ -100,15 +97,15 @@ impl Meeting {
             return Err(Failure::TooManyCombinations);
         }
         let mut found = Vec::new();
-        values.search(&mut Vec::new(), &mut Vec::new(), &mut found);
+        values.search(&mut Elimination::new(&values), &mut Vec::new(), &mut found);
         let [(ways, _)] = &found[..] else {
             return Err(Failure::UndecidedImpact { solutions: found.len() });
         };
-        let mut equations = Vec::new();
+        let mut elimination = Elimination::new(self);
         for (gap, way) in ways.iter().enumerate() {
-            self.add_equations(&mut equations, gap, *way);
+            elimination.eliminate(&self.laws, gap, *way);
         }
-        let impulses = self.solved(&equations, |_, _| true).ok_or(Failure::NotFinite)?;
+        let impulses = elimination.impulses(|_, _| true).ok_or(Failure::NotFinite)?;
         Ok(Impulses { after: self.after(&impulses), impulses })
     }
 }
@@ -125,23 +122,22 @@ impl Meeting<f64> {
     /// Adds all combinations that hold, of those that begin with `ways`, to `found`: one of each motion.
     fn search(
         &self,
+        elimination: &mut Elimination<f64>,
         ways: &mut Vec<Way>,
-        equations: &mut Vec<Equation<f64>>,
         found: &mut Vec<(Vec<Way>, Pairs<f64>)>,
     ) {
         let gap = ways.len();
         if gap < self.laws.len() {
             for way in self.ways(gap) {
-                self.add_equations(equations, gap, way);
+                elimination.eliminate(&self.laws, gap, way);
                 ways.push(way);
-                self.search(ways, equations, found);
+                self.search(elimination, ways, found);
                 ways.pop();
-                equations.truncate(2 * gap);
             }
             return;
         }
         let are_allowed = |gap, impulses| self.are_allowed(gap, ways[gap], impulses);
-        let Some(impulses) = self.solved(equations, are_allowed) else { return };
+        let Some(impulses) = elimination.impulses(are_allowed) else { return };
         let after = self.after(&impulses);
         let mut gaps = ways.iter().zip(after.chunks(2)).enumerate();
         let holds = gaps.all(|(gap, (way, speeds))| self.follow(gap, *way, [speeds[0], speeds[1]]));
@@ -180,68 +176,6 @@ impl Meeting<f64> {
 }
 
 impl<T: Number> Meeting<T> {
-    /// Adds both equations of a gap that takes part in a way to those of the gaps before it, in triangular form with ones on
-    /// the diagonal.
-    fn add_equations(&self, equations: &mut Vec<Equation<T>>, gap: usize, way: Way) {
-        let size = self.before.len();
-        for row in [2 * gap, 2 * gap + 1] {
-            let mut equation: Equation<T> = smallvec![T::constant(0.0); size + 1];
-            let is_friction = row % 2 == 1;
-            // The first impulse in the equation.
-            let first = match way {
-                Way::None => {
-                    equation[row] = T::constant(1.0);
-                    row
-                }
-                Way::Slides(rolling) if is_friction => {
-                    let share = rolling * self.laws[gap].friction_coefficient;
-                    equation[row - 1] = T::constant(-share);
-                    equation[row] = T::constant(1.0);
-                    row - 1
-                }
-                // Both speeds are given by the law of impact; most bodies that stick do not slide afterwards.
-                Way::Slides(_) | Way::Sticks => {
-                    equation[..size].copy_from_slice(&self.answers[row * size..][..size]);
-                    let law = self.laws[gap];
-                    let (give, kept) = match is_friction {
-                        true => (GIVE, law.tangential_restitution),
-                        false => (0.0, law.restitution),
-                    };
-                    equation[row] = T::constant(1.0 + give) * equation[row];
-                    equation[size] = T::constant(-1.0 - kept) * self.before[row];
-                    0
-                }
-            };
-            for (column, known) in equations.iter().enumerate().skip(first) {
-                let factor = equation[column];
-                for (own, known) in equation[column + 1..].iter_mut().zip(&known[column + 1..]) {
-                    *own = *own - factor * *known;
-                }
-            }
-            let inverse = equation[row].reciprocal();
-            equation[row + 1..].iter_mut().for_each(|own| *own = inverse * *own);
-            equations.push(equation);
-        }
-    }
-
-    /// Returns the impulses that solve the equations of all gaps; `None` if those of a gap are not allowed.
-    fn solved(
-        &self,
-        equations: &[Equation<T>],
-        are_allowed: impl Fn(usize, [T; 2]) -> bool,
-    ) -> Option<Pairs<T>> {
-        let size = self.before.len();
-        let mut impulses: Pairs<T> = smallvec![T::constant(0.0); size];
-        for (row, equation) in equations.iter().enumerate().rev() {
-            let known = equation[row + 1..size].iter().zip(&impulses[row + 1..]);
-            impulses[row] = known.fold(equation[size], |sum, (own, known)| sum - *own * *known);
-            if row % 2 == 0 && !are_allowed(row / 2, [impulses[row], impulses[row + 1]]) {
-                return None;
-            }
-        }
-        Some(impulses)
-    }
-
     /// Returns the opening speeds and the rolling speeds after impulses.
     fn after(&self, impulses: &[T]) -> Pairs<T> {
         let rows = self.before.iter().zip(self.answers.chunks(impulses.len()));
@@ -249,5 +183,109 @@ impl<T: Number> Meeting<T> {
             answers.iter().zip(impulses).fold(*before, |sum, (by, one)| sum + *by * *one)
         })
         .collect()
+    }
+}
+
+/// The equations of all gaps, whose impulses are eliminated one gap after the other.
+struct Elimination<T> {
+    /// For each gap, the equations of this gap and those after it without the impulses of the gaps before it, row by row:
+    /// those of the contact and of the friction, with the coefficients of the impulses and the right side. The law of impact
+    /// gives both speeds, as for bodies that stick.
+    remaining: SmallVec<[Vec<T>; 8]>,
+    /// For each gap, its equations in its way, with ones on the diagonal.
+    solved: SmallVec<[[SmallVec<[T; 17]>; 2]; 8]>,
+}
+
+impl<T: Number> Elimination<T> {
+    fn new(meeting: &Meeting<T>) -> Self {
+        let size = meeting.before.len();
+        let mut first = Vec::with_capacity(size * (size + 1));
+        for (row, answers) in meeting.answers.chunks(size).enumerate() {
+            let law = meeting.laws[row / 2];
+            let (give, kept) = match row % 2 {
+                0 => (0.0, law.restitution),
+                _ => (GIVE, law.tangential_restitution),
+            };
+            first.extend_from_slice(answers);
+            first[row * (size + 2)] = T::constant(1.0 + give) * answers[row];
+            first.push(T::constant(-1.0 - kept) * meeting.before[row]);
+        }
+        let zero = |length: usize| smallvec![T::constant(0.0); length];
+        let gaps = 0..meeting.laws.len();
+        let rows = gaps.clone().map(|gap| size - 2 * gap);
+        let mut remaining: SmallVec<[Vec<T>; 8]> =
+            rows.map(|rows| vec![T::constant(0.0); rows * (rows + 1)]).collect();
+        if let Some(all) = remaining.first_mut() {
+            *all = first;
+        }
+        let solved = gaps.map(|gap| [zero(size - 2 * gap + 1), zero(size - 2 * gap + 1)]).collect();
+        Elimination { remaining, solved }
+    }
+
+    /// Eliminates the impulses of a gap that takes part in a way from the equations of the gaps after it.
+    fn eliminate(&mut self, laws: &[GapLaw], gap: usize, way: Way) {
+        let (known, later) = self.remaining.split_at_mut(gap + 1);
+        let known = &known[gap][..];
+        let [contact, friction] = &mut self.solved[gap];
+        let width = contact.len();
+        // Subtracts a multiple of the equation of the impulse in a column.
+        let subtract = |from: &mut [T], column: usize, equation: &[T]| {
+            let factor = from[column];
+            let rest = from[column + 1..].iter_mut().zip(&equation[column + 1..]);
+            rest.for_each(|(own, known)| *own = *own - factor * *known);
+        };
+        let scale = |equation: &mut [T], column: usize| {
+            let inverse = equation[column].reciprocal();
+            equation[column + 1..].iter_mut().for_each(|own| *own = inverse * *own);
+        };
+        contact.fill(T::constant(0.0));
+        friction.fill(T::constant(0.0));
+        friction[1] = T::constant(1.0);
+        if !matches!(way, Way::None) {
+            contact.copy_from_slice(&known[..width]);
+            scale(contact, 0);
+            match way {
+                Way::Slides(rolling) => {
+                    friction[0] = T::constant(-rolling * laws[gap].friction_coefficient);
+                }
+                // Most bodies that stick do not slide afterwards.
+                _ => friction.copy_from_slice(&known[width..2 * width]),
+            }
+            subtract(friction, 0, contact);
+            scale(friction, 1);
+        }
+        let Some(later) = later.first_mut() else { return };
+        let mut row: SmallVec<[T; 17]> = SmallVec::new();
+        for (from, to) in known.chunks(width).skip(2).zip(later.chunks_mut(width - 2)) {
+            if matches!(way, Way::None) {
+                to.copy_from_slice(&from[2..]);
+                continue;
+            }
+            row.clear();
+            row.extend_from_slice(from);
+            subtract(&mut row, 0, contact);
+            subtract(&mut row, 1, friction);
+            to.copy_from_slice(&row[2..]);
+        }
+    }
+
+    /// Returns the impulses that solve the equations of all gaps; `None` if those of a gap are not allowed.
+    fn impulses(&self, are_allowed: impl Fn(usize, [T; 2]) -> bool) -> Option<Pairs<T>> {
+        let size = 2 * self.solved.len();
+        let mut impulses: Pairs<T> = smallvec![T::constant(0.0); size];
+        for (gap, [contact, friction]) in self.solved.iter().enumerate().rev() {
+            let place = 2 * gap;
+            let of = |equation: &[T], column: usize, impulses: &[T]| {
+                let known = equation[column + 1..].iter().zip(&impulses[place + column + 1..]);
+                let right = equation[equation.len() - 1];
+                known.fold(right, |sum, (own, known)| sum - *own * *known)
+            };
+            impulses[place + 1] = of(friction, 1, &impulses);
+            impulses[place] = of(contact, 0, &impulses);
+            if !are_allowed(gap, [impulses[place], impulses[place + 1]]) {
+                return None;
+            }
+        }
+        Some(impulses)
     }
 }

@@ -7,7 +7,7 @@ use std::sync::{Arc, PoisonError};
 use smallvec::SmallVec;
 
 use super::evaluator::{Forces, GapForces, SMALL_PIVOT, Solution, Solved, Unknowns, forces};
-use super::{Evaluator, Phase, Phases};
+use super::{Evaluator, Phase, Phases, SimdLevel};
 use crate::model::{Elementary, Function, NodeId, Number};
 
 /// The number of assumptions that are computed together.
@@ -95,22 +95,28 @@ impl InOneState<'_> {
         let graph = self.evaluator.graph();
         if self.together.is_empty() {
             self.together.resize(graph.nodes.len(), Several::constant(0.0));
-        }
-        for &node in &self.affected.others {
-            self.together[node as usize] = Several::constant(self.values[node as usize]);
+            for &node in &self.affected.others {
+                self.together[node as usize] = Several::constant(self.values[node as usize]);
+            }
         }
         let input =
             |input: usize| Several(from_fn(|place| inputs[place.min(inputs.len() - 1)][input]));
-        let mut solution = Solution::new();
-        for &place in &self.affected.nodes {
-            let node = &graph.nodes[place as usize];
-            let state = |component: usize| Several::constant(self.state[component]);
-            self.together[place as usize] =
-                self.evaluator.value(node, &self.together, input, state, &mut solution);
-        }
-        let value = |place: usize, node: NodeId| match self.affected.is_affected[node as usize] {
-            true => self.together[node as usize].0[place],
-            false => self.values[node as usize],
+        SimdLevel::best().run(
+            #[inline(always)]
+            || {
+                let mut solution = Solution::new();
+                for &place in &self.affected.nodes {
+                    let node = &graph.nodes[place as usize];
+                    let state = |component: usize| Several::constant(self.state[component]);
+                    self.together[place as usize] =
+                        self.evaluator.value(node, &self.together, input, state, &mut solution);
+                }
+            },
+        );
+        let value = |place: usize, node: NodeId| match self.affected.is_affected.get(node as usize)
+        {
+            Some(true) => self.together[node as usize].0[place],
+            _ => self.values[node as usize],
         };
         (0..assumed.len()).map(|place| self.read(|node| value(place, node))).collect()
     }
@@ -158,6 +164,7 @@ impl InOneState<'_> {
         if (0..inputs.len()).any(|input| varies(input) && !known(input)) {
             let varying = (0..inputs.len()).map(|input| varies(input) || known(input)).collect();
             self.affected = self.evaluator.affected_by(varying);
+            self.together.clear();
         }
     }
 }
@@ -167,10 +174,12 @@ impl InOneState<'_> {
 struct Several([f64; TOGETHER]);
 
 impl Several {
+    #[inline(always)]
     fn each(self, of: impl Fn(f64) -> f64) -> Self {
         Several(self.0.map(of))
     }
 
+    #[inline(always)]
     fn with(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
         Several(from_fn(|place| of(self.0[place], other.0[place])))
     }
@@ -239,6 +248,7 @@ impl Elementary for Several {
 
 impl Solved for Several {
     /// Eliminates as [`solved`] does; each assumption exchanges the rows with its own small pivots.
+    #[inline(always)]
     fn solve(
         matrix: &[NodeId],
         right: &[NodeId],

@@ -1,5 +1,6 @@
 //! How the system moves: integration of smooth phases, stick and slip, switches between them.
 
+mod alone;
 mod cancellation;
 mod cluster;
 mod condition;
@@ -20,6 +21,7 @@ mod settings;
 mod single;
 mod switch_model;
 mod touching;
+mod touching_decision;
 
 pub(crate) use cancellation::unwind_if_cancelled;
 pub use cancellation::{Cancellation, is_cancelled};

@@ -49,16 +49,20 @@ pub(super) fn first_phases<'f>(
     contacts.map(first).collect()
 }
 
-/// Decides the phases at the start of a motion; those of contacts at rest are open.
-pub(super) fn decide_first(
+/// Decides the phases of contacts at rest, or in the band; the contacts `fixed` stay at rest.
+pub(super) fn decide_at_rest(
     method: Method,
     system: &dyn InState,
     phases: &mut Phases,
+    fixed: &[usize],
 ) -> Result<(), Failure> {
     match method {
         Method::Switch => switch_model::decide(system, phases, check_forces),
         Method::Event => {
-            let at_rest = phases.iter().map(|phase| *phase == Phase::Stick).collect();
+            let is_open = |(contact, phase): (usize, &Phase)| {
+                *phase == Phase::Stick && !fixed.contains(&contact)
+            };
+            let at_rest = phases.iter().enumerate().map(is_open).collect();
             event_driven::decide(system, phases, &at_rest, check_forces)
         }
     }

@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use super::response::Meets;
 use super::touching::InTouch;
 use super::{Phase, Phases};
-use crate::model::{Components, Dual, Number, TOUCHING};
+use crate::model::{Components, TOUCHING};
 
 /// The number of times that all speeds at rest are removed in turn.
 const MOST_SWEEPS: usize = 20;
@@ -58,27 +58,25 @@ impl InTouch<'_> {
         }
         let places: SmallVec<[Meets; 4]> =
             touching.iter().map(|one| Meets::Opening(*one)).collect();
-        let before: SmallVec<[Dual; 20]> =
-            state.iter().map(|value| Dual::constant(*value)).collect();
-        let responses = self.evaluator.responses(&before, &places);
+        let responses = self.evaluator.responses(&state[..], &places);
         let mut speeds = self.evaluator.openings(|place| state[place]);
         for _ in 0..MOST_SWEEPS {
-            for (one, response) in touching.iter().zip(&responses) {
+            for (one, response) in touching.iter().zip(responses.chunks(2)) {
                 let contact = self.openings[*one].contact;
                 let slides = phases[contact] != Phase::Stick;
                 for (which, by) in response.iter().enumerate().take(if slides { 1 } else { 2 }) {
-                    let answer = by.openings[*one][which].value;
+                    let answer = by.openings[*one][which];
                     let left = speeds[*one][1 + which];
                     if answer == 0.0 || left == 0.0 {
                         continue;
                     }
                     let impulse = -left / answer;
                     for (value, by) in state.iter_mut().zip(&by.components) {
-                        *value += impulse * by.value;
+                        *value += impulse * by;
                     }
                     for (speeds, by) in speeds.iter_mut().zip(&by.openings) {
-                        speeds[1] += impulse * by[0].value;
-                        speeds[2] += impulse * by[1].value;
+                        speeds[1] += impulse * by[0];
+                        speeds[2] += impulse * by[1];
                     }
                 }
                 if !slides && graph.speed_component(contact).is_some() {

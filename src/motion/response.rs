@@ -12,8 +12,8 @@
 use smallvec::{SmallVec, smallvec};
 
 use super::Evaluator;
-use super::evaluator::{Entries, Unknowns, solved};
-use crate::model::{ContactMode, Dual, Elementary, Node, NodeId, Number, Opening, Solve};
+use super::evaluator::{Entries, Solved, Unknowns, solve_for_each};
+use crate::model::{ContactMode, Node, NodeId, Opening, Solve};
 
 /// A place where bodies hit each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,19 +26,19 @@ pub enum Meets {
 
 /// The change of a state by a unit of impulse.
 #[derive(Clone, Debug)]
-pub struct Response {
+pub struct Response<T> {
     /// Of each component.
-    pub components: Vec<Dual>,
+    pub components: Vec<T>,
     /// Of the opening speed and the sliding speed of each opening.
-    pub openings: SmallVec<[[Dual; 2]; 4]>,
+    pub openings: SmallVec<[[T; 2]; 4]>,
 }
 
 impl Evaluator {
-    /// Returns for each of some places the responses to a unit of its contact impulse and of its friction impulse.
+    /// Returns the responses to a unit of the contact impulse and to one of the friction impulse at each of some places.
     ///
     /// # Panics
     /// Panics if a force there is no unknown of a linear system: a system with such equations is a programming error.
-    pub fn responses(&self, state: &[Dual], places: &[Meets]) -> Vec<[Response; 2]> {
+    pub fn responses<T: Solved>(&self, state: &[T], places: &[Meets]) -> Vec<Response<T>> {
         let graph = self.graph();
         let gaps = self.system().touching().map_or(&[][..], |system| system.gaps());
         // Contacts that set off in no direction have no friction.
@@ -47,7 +47,7 @@ impl Evaluator {
         graph.openings.iter().for_each(|one| modes[one.contact] = ContactMode::Apart);
         modes.resize(modes.len() + graph.gaps.len(), ContactMode::Open);
         let inputs = self.system().inputs(&modes);
-        let values = self.values_with::<Dual>(&inputs, false, |component| state[component]);
+        let values = self.values_with(&inputs, false, |component| state[component]);
         let unknown = |node: NodeId| match graph.nodes[node as usize] {
             Node::Solution { solve, row } => Some((solve, row as usize)),
             _ => None,
@@ -57,67 +57,82 @@ impl Evaluator {
         let at_openings = graph.openings.iter().flat_map(|one| [one.force, one.friction]);
         let forces: SmallVec<[usize; 8]> =
             in_gaps.chain(at_openings).filter_map(unknown).map(|(_, row)| row).collect();
-        let respond = |place: &Meets| {
+        let zero = T::constant(0.0);
+        let mut pushes: Vec<Push<T>> = Vec::new();
+        for place in places {
             let force = match *place {
                 Meets::Gap(gap) => graph.gaps[gap][1],
                 Meets::Opening(opening) => graph.openings[opening].force,
             };
             let (solve, column) = unknown(force).expect("a force that is an unknown");
             let Solve { matrix, right, .. } = &graph.solves[solve as usize];
-            let entry =
-                |row: usize, column: usize| values[matrix[row * right.len() + column] as usize];
-            let rows: SmallVec<[usize; 16]> =
-                (0..right.len()).filter(|row| !forces.contains(row)).collect();
-            let entries: Entries<Dual> = rows
-                .iter()
-                .flat_map(|row| rows.iter().map(|column| entry(*row, *column)))
-                .collect();
-            let push = |row: usize| -entry(row, column);
-            let answer = |of_force: f64, contribution: &dyn Fn(usize) -> Dual| {
-                let right: Unknowns<Dual> = rows.iter().map(|row| contribution(*row)).collect();
-                let accelerations = solved(entries.clone(), right);
-                let of_row = |row: u32| {
-                    if row as usize == column {
-                        return Some(Dual::constant(of_force));
-                    }
-                    let place = rows.iter().position(|one| *one == row as usize)?;
-                    Some(accelerations[place])
-                };
-                self.response(&values, |node| match *node {
-                    Node::Solution { solve: own, row } if own == solve => of_row(row),
-                    _ => None,
-                })
-            };
-            let zero = Dual::constant(0.0);
+            let push =
+                |row: usize, column: usize| -values[matrix[row * right.len() + column] as usize];
+            let rows = || (0..right.len()).filter(|row| !forces.contains(row));
+            let by_contact = rows().map(|row| push(row, column)).collect();
             let by_friction = match *place {
                 Meets::Gap(gap) => {
                     // A body whose acceleration is no unknown does not move.
                     let contact = |one: usize| unknown(graph.contacts[one][1]);
                     let sides = gaps[gap].contacts.map(|one| contact(one).map(|(_, row)| row));
-                    let lever = Dual::constant(gaps[gap].lever);
-                    answer(0.0, &|row| match sides.map(|side| side == Some(row)) {
-                        [true, _] => lever * push(row),
-                        [_, true] => -lever * push(row),
+                    let lever = T::constant(gaps[gap].lever);
+                    let retards = |row| match sides.map(|side| side == Some(row)) {
+                        [true, _] => lever * push(row, column),
+                        [_, true] => -lever * push(row, column),
                         _ => zero,
-                    })
+                    };
+                    rows().map(retards).collect()
                 }
                 Meets::Opening(opening) => match unknown(graph.openings[opening].friction) {
-                    Some((_, column)) => answer(0.0, &|row| -entry(row, column)),
-                    None => answer(0.0, &|_| zero),
+                    Some((_, column)) => rows().map(|row| push(row, column)).collect(),
+                    None => rows().map(|_| zero).collect(),
                 },
             };
-            [answer(1.0, &push), by_friction]
-        };
-        places.iter().map(respond).collect()
+            pushes.push(Push { solve, force: (column, 1.0), rates: by_contact });
+            pushes.push(Push { solve, force: (column, 0.0), rates: by_friction });
+        }
+        let mut changes = vec![zero; graph.nodes.len()];
+        let mut responses = Vec::with_capacity(pushes.len());
+        for of_solve in pushes.chunk_by_mut(|one, other| one.solve == other.solve) {
+            let solve = of_solve[0].solve;
+            let Solve { matrix, right, .. } = &graph.solves[solve as usize];
+            let rows: SmallVec<[usize; 16]> =
+                (0..right.len()).filter(|row| !forces.contains(row)).collect();
+            let entry =
+                |row: usize, column: usize| values[matrix[row * right.len() + column] as usize];
+            let entries: Entries<T> = rows
+                .iter()
+                .flat_map(|row| rows.iter().map(|column| entry(*row, *column)))
+                .collect();
+            solve_for_each(entries, of_solve.iter_mut().map(|push| &mut push.rates).collect());
+            for Push { force: (column, of_force), rates, .. } in of_solve {
+                let of_row = |row: u32| {
+                    if row as usize == *column {
+                        return T::constant(*of_force);
+                    }
+                    let place = rows.iter().position(|one| *one == row as usize);
+                    place.map_or(zero, |place| rates[place])
+                };
+                responses.push(self.response(&values, &mut changes, |node| match *node {
+                    Node::Solution { solve: own, row } if own == solve => of_row(row),
+                    _ => zero,
+                }));
+            }
+        }
+        responses
     }
 
-    /// Returns the change of all rates with unknowns, in which the rates are linear, from the values of all other nodes;
-    /// `changed` returns the change of an unknown.
-    fn response(&self, values: &[Dual], changed: impl Fn(&Node) -> Option<Dual>) -> Response {
+    /// Returns the change of all rates with unknowns, in which the rates are linear, from the values of all nodes; `changed`
+    /// returns the change of an unknown. `changes` has room for the change of each node; those that do not change are 0.
+    fn response<T: Solved>(
+        &self,
+        values: &[T],
+        changes: &mut [T],
+        changed: impl Fn(&Node) -> T,
+    ) -> Response<T> {
         let graph = self.graph();
-        let zero = Dual::constant(0.0);
-        let mut changes = vec![zero; graph.nodes.len()];
-        for (place, node) in graph.nodes.iter().enumerate() {
+        for &place in &graph.rates_with_unknowns {
+            let node = &graph.nodes[place as usize];
             let change = |node: NodeId| changes[node as usize];
             let value = |node: NodeId| values[node as usize];
             let of = match *node {
@@ -130,10 +145,10 @@ impl Evaluator {
                 Node::Quotient(one, other) if !change(one).is_zero() => {
                     change(one) * value(other).reciprocal()
                 }
-                Node::Solution { .. } => changed(node).unwrap_or(zero),
-                _ => zero,
+                Node::Solution { .. } => changed(node),
+                _ => T::constant(0.0),
             };
-            changes[place] = of;
+            changes[place as usize] = of;
         }
         let change = |node: NodeId| changes[node as usize];
         let opening =
@@ -143,6 +158,14 @@ impl Evaluator {
             openings: graph.openings.iter().map(opening).collect(),
         }
     }
+}
+
+/// A unit of an impulse: the changes of accelerations by it, first without the coupling of the accelerations.
+struct Push<T> {
+    /// The linear system of the accelerations, and the row of the force there with the change of the force.
+    solve: u32,
+    force: (usize, f64),
+    rates: Unknowns<T>,
 }
 
 #[cfg(test)]
@@ -184,7 +207,7 @@ mod tests {
         for (place, gap) in Touching::gaps(&system).iter().enumerate() {
             for (way, pushes) in gap.pushes().into_iter().enumerate() {
                 let response: Vec<f64> =
-                    here[place][way].components.iter().map(|one| one.value).collect();
+                    here[2 * place + way].components.iter().map(|one| one.value).collect();
                 let speeds = &response[7..];
                 for (i, ball) in balls.iter().enumerate() {
                     let along: f64 = gap
@@ -207,9 +230,9 @@ mod tests {
                 };
                 assert!((response[2] - sum(f64::sin)).abs() < 1e-12);
                 assert!((response[3] + sum(f64::cos)).abs() < 1e-12);
-                for (component, one) in here[place][way].components.iter().enumerate() {
+                for (component, one) in here[2 * place + way].components.iter().enumerate() {
                     let [less, more] =
-                        [&less, &more].map(|of| of[place][way].components[component].value);
+                        [&less, &more].map(|of| of[2 * place + way].components[component].value);
                     let slope = (more - less) / (2.0 * size);
                     assert!(
                         (one.slope - slope).abs() < 1e-5 * (1.0 + slope.abs()),

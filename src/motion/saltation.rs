@@ -128,7 +128,7 @@ pub(super) fn saltation_at_impact(
     let reset = |direction: &[f64]| {
         let mut after = Components::from(direction);
         let (mut state, mut phases) = (Components::from(state), Phases::from(phases));
-        match in_touch.meet(&mut state, &mut phases, Some(&mut after)) {
+        match in_touch.collide(&mut state, &mut phases, Some(&mut after)) {
             Ok(_) => after,
             Err(_) => smallvec![f64::NAN; direction.len()],
         }

@@ -184,7 +184,7 @@ fn impacts_lose_the_energy_of_the_closed_form() {
             assert!((separation + restitution * approach).abs() < 1e-13, "{separation:e}");
             let dual: Vec<Dual> =
                 before.iter().map(|value| Dual { value: *value, slope: 0.0 }).collect();
-            let response = &evaluator.responses(&dual, &[Meets::Gap(index)])[0][0].components;
+            let response = &evaluator.responses(&dual, &[Meets::Gap(index)])[0].components;
             let gap = contact.gaps()[index];
             let answer =
                 response[speeds + gap.contacts[1]].value - response[speeds + gap.contacts[0]].value;

@@ -155,9 +155,36 @@ pub struct Graph {
     pub openings: Vec<Opening>,
     /// The meaning of the components.
     pub layout: Layout,
+    /// The nodes that depend on unknowns of linear systems and that rates and openings need, operands first.
+    pub(crate) rates_with_unknowns: Vec<NodeId>,
 }
 
 impl Graph {
+    fn with_rates_with_unknowns(mut self) -> Self {
+        let mut depends = vec![false; self.nodes.len()];
+        for (place, node) in self.nodes.iter().enumerate() {
+            let operands = node.operands(&self.solves);
+            let is_unknown = matches!(node, Node::Solution { .. });
+            depends[place] = is_unknown || operands.iter().any(|one| depends[*one as usize]);
+        }
+        let mut is_needed = vec![false; self.nodes.len()];
+        let of_opening = |one: &Opening| [one.acceleration, self.contacts[one.contact][1]];
+        let rates = self.derivative.iter().copied();
+        for node in rates.chain(self.openings.iter().flat_map(of_opening)) {
+            is_needed[node as usize] = true;
+        }
+        for (place, node) in self.nodes.iter().enumerate().rev() {
+            is_needed[place] &= depends[place];
+            if is_needed[place] && !matches!(node, Node::Solution { .. }) {
+                let operands = node.operands(&self.solves);
+                operands.iter().for_each(|operand| is_needed[*operand as usize] = true);
+            }
+        }
+        let needed = (0..).zip(is_needed).filter(|(_, needed)| *needed);
+        self.rates_with_unknowns = needed.map(|(node, _)| node).collect();
+        self
+    }
+
     /// Returns the nodes that depend on inputs that vary, operands first; `varying` has a value for each input.
     pub fn depending_on(&self, varying: &[bool]) -> Vec<NodeId> {
         let mut depends = vec![false; self.nodes.len()];
@@ -417,7 +444,9 @@ impl Recorder {
             gaps,
             openings,
             layout: equations.layout.clone(),
+            rates_with_unknowns: Vec::new(),
         }
+        .with_rates_with_unknowns()
     }
 
     /// Returns the number of components of the state.

@@ -248,7 +248,7 @@ fn decide<S: Vector, K: Kernel<S>>(
                 let Some(in_touch) = InTouch::new(evaluator, own.settings) else {
                     return Ok(None);
                 };
-                Ok(Some(Box::new(in_touch.meet(state, phases, None)?)))
+                Ok(Some(Box::new(in_touch.meet(state, phases)?)))
             });
         }
         Condition::Pressed(_) | Condition::Held(_) => (usize::MAX, 0),

@@ -63,9 +63,11 @@ pub(super) fn held_until<S: Vector>(
         let course = Course { from: &now.forces, to: &later.forces, part: span };
         let fall = conditions(cluster, &contacts, &course)
             .filter_map(|condition| {
-                let moved = condition.of(&forces, (from * length, length, slack));
-                let scaled = Polynomial { coefficients: moved, length: span * length };
-                let fate = vectorized!(simd, scaled.first_fall(&scaled.outline()));
+                let fate = vectorized!(simd, {
+                    let moved = condition.of(&forces, (from * length, length, slack));
+                    let scaled = Polynomial { coefficients: moved, length: span * length };
+                    scaled.first_fall(&scaled.outline())
+                });
                 match fate {
                     ConditionFate::Holds => None,
                     ConditionFate::Fails(part) => Some(from + part * span),
@@ -131,12 +133,13 @@ fn conditions<'a>(
 
 impl HeldCondition {
     /// Returns the condition as a power series of the time since `start`.
+    #[inline(always)]
     fn of(&self, forces: &[[Powers; 2]], (start, length, slack): (f64, f64, f64)) -> Powers {
         let [normal, friction] = &forces[self.contact];
         let mut held: Powers =
             std::array::from_fn(|k| self.limit * normal[k] - self.sign * friction[k]);
         // Taylor's shift, by Horner's scheme.
-        for first in 0..held.len() {
+        for first in 0..if start == 0.0 { 0 } else { held.len() } {
             for k in (first..held.len() - 1).rev() {
                 held[k] = held[k + 1].mul_add(start, held[k]);
             }

@@ -10,7 +10,7 @@ use super::tuned;
 use crate::model::{Components, Method, System};
 use crate::motion::condition::Margins;
 use crate::motion::impact::{Hit, Impact};
-use crate::motion::modes::{Evaluated, InState, decide_first, first_phases};
+use crate::motion::modes::{Evaluated, InState, decide_at_rest, first_phases};
 use crate::motion::settings::MOST_EVENTS_AT_ONCE;
 use crate::motion::touching::InTouch;
 use crate::motion::{
@@ -283,6 +283,6 @@ pub(super) fn start_phases(
 ) -> Result<Phases, Failure> {
     let contacts = (0..system.contacts()).map(|i| (system.friction(i), at.speed(i)));
     let mut phases = first_phases(settings.method, settings.band, contacts);
-    decide_first(settings.method, at, &mut phases)?;
+    decide_at_rest(settings.method, at, &mut phases, &[])?;
     Ok(phases)
 }

@@ -2,12 +2,12 @@
 
 use std::sync::{Arc, OnceLock};
 
-use fearless_simd::Level;
+use fearless_simd::{Level, Simd};
 
 use super::lane_group::LaneGroup;
 use super::lanes_with;
 use super::machine_code;
-use super::vector::{Baseline, Vector};
+use super::vector::{Baseline, Vector, vectorized};
 use crate::model::System;
 
 /// The vector instructions of the lockstep engine. Results do not depend on them.
@@ -90,6 +90,20 @@ impl SimdLevel {
             None => format!("{} interpreter", self.name()),
             Some(width) if width.widest() == width => format!("{} machine code", self.name()),
             Some(_) => format!("{}, avx512 machine code", self.name()),
+        }
+    }
+
+    /// Does work with these instructions: the compiler vectorises what it inlines there.
+    #[inline(always)]
+    pub(crate) fn run<R>(self, work: impl FnOnce() -> R) -> R {
+        match self.0 {
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx512(simd) => vectorized!(simd, work()),
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx2(simd) => vectorized!(simd, work()),
+            #[cfg(target_arch = "aarch64")]
+            Instructions::Neon(simd) => vectorized!(simd, work()),
+            Instructions::Baseline(_) => work(),
         }
     }
 
