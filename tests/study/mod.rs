@@ -49,6 +49,15 @@ fn study(text: &str) -> Study {
     parse(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
+/// Checks line, key, finding and remedy of the error of a study.
+#[track_caller]
+fn refused(text: &str, line: usize, key: &str, found: &str, allowed: &str) {
+    let error = parse(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
+    assert_eq!((error.line(), error.key()), (Some(line), key), "{error}");
+    assert!(error.found().unwrap_or_default().contains(found), "{error}");
+    assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
+}
+
 /// Returns a study with this design, model defaults, and further lines.
 fn with_design(design: &str, rest: &str) -> Study {
     study(&format!("{}{rest}", text_with_design(design)))

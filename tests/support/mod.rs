@@ -2,6 +2,7 @@
 
 mod angle;
 mod block;
+mod cases;
 mod mechanism;
 mod own_system;
 pub mod reference;
@@ -13,6 +14,7 @@ mod unit_kind;
 
 pub use angle::angular_distance;
 pub use block::{Block, Ground, SliderState};
+pub use cases::{cases, rows};
 pub use mechanism::OwnMechanism;
 pub use own_system::OwnSystem;
 pub use required_friction::{required_friction, rest_margin};
