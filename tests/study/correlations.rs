@@ -214,11 +214,7 @@ fn strong_correlations_are_accepted() {
 fn refused(correlations: &str, line: usize, key: &str, found: &str, allowed: &str) {
     let text = text_with_design("{sobol: {samples: 4}}");
     let text = format!("{text}{UNCERTAIN}uncertain_sampling:\n  correlations:{correlations}\n");
-    let error = parse(&text).err().unwrap_or_else(|| panic!("accepted: {text}"));
-    let key = format!("uncertain_sampling.correlations{key}");
-    assert_eq!((error.line(), error.key()), (Some(line), key.as_str()), "{error}");
-    assert!(error.found().unwrap_or_default().contains(found), "{error}");
-    assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
+    super::refused(&text, line, &format!("uncertain_sampling.correlations{key}"), found, allowed);
 }
 
 #[test]

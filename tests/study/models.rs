@@ -5,7 +5,7 @@ use crate::support::{Block, Ground};
 use stickslip::model::Model;
 use stickslip::study::{ParameterValue, Study};
 
-use super::{parse, study};
+use super::{parse, refused, study};
 
 /// Returns a study of a model with these lines under `model`, from line 5 on.
 fn text(model: &str, rest: &str) -> String {
@@ -22,15 +22,6 @@ const STRIBECK: &str =
 const SMOOTH: &str = "  friction: {smooth: {smoothing_speed_m_s: 0.01}}\n";
 const VISCOUS: &str = "  friction: {viscous: {viscous_coefficient_n_s_m: 2}}\n";
 const BOTH: &str = "  friction: {coulomb_viscous: {viscous_coefficient_n_s_m: 2}}\n";
-
-#[track_caller]
-fn refused(text: &str, line: usize, key: &str, found: &str, allowed: &str) {
-    let error = parse(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
-    assert_eq!(error.line(), Some(line), "{error}");
-    assert_eq!(error.key(), key, "{error}");
-    assert!(error.found().unwrap_or_default().contains(found), "{error}");
-    assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
-}
 
 fn block_at(study: &Study, point: u64) -> Block {
     Block::of(study.point(point).model()).expect("a block")

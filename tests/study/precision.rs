@@ -3,7 +3,7 @@
 
 use stickslip::study::{Sampling, Study, json_schema};
 
-use super::{coordinates, parse, study, text_with_design};
+use super::{coordinates, refused, study, text_with_design};
 
 fn precise(design: &str, max_runs: u64, rest: &str) -> Study {
     let precision = format!("precision: {{equilibrium_fraction: 0.02, max_runs: {max_runs}}}\n");
@@ -108,14 +108,6 @@ fn amplitudes_have_half_widths_with_units() {
     let words = "the half width of the 95 % interval of equilibrium_fraction is at most 0.1, and that of \
                  amplitude_p05_m is at most 2e-6 m, and that of amplitude_p95_m is at most 5e-6 m";
     assert_eq!(all.precision().map(|own| own.in_words()).as_deref(), Some(words));
-}
-
-#[track_caller]
-fn refused(text: &str, line: usize, key: &str, found: &str, allowed: &str) {
-    let error = parse(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
-    assert_eq!((error.line(), error.key()), (Some(line), key), "{error}");
-    assert!(error.found().unwrap_or_default().contains(found), "{error}");
-    assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
 }
 
 const PRECISION: &str = "precision: {equilibrium_fraction: 0.02, max_runs: 20000}\n";

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use stickslip::study::Study;
 
-use super::{coordinates, parse, study, text_with_design};
+use super::{coordinates, refused, study, text_with_design};
 
 /// Three parameters whose draws are the fractions of their distributions themselves.
 const FRACTIONS: &str = "uncertain:
@@ -283,14 +283,6 @@ fn a_sequence_ends_with_the_samples_of_a_precision() {
     assert_eq!(study.run_count(), 65_500);
     let last = study.planned_run(65_499);
     assert!(last.uncertain.iter().all(|fraction| (0.0..1.0).contains(fraction)));
-}
-
-#[track_caller]
-fn refused(text: &str, line: usize, key: &str, found: &str, allowed: &str) {
-    let error = parse(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
-    assert_eq!((error.line(), error.key()), (Some(line), key), "{error}");
-    assert!(error.found().unwrap_or_default().contains(found), "{error}");
-    assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
 }
 
 #[test]

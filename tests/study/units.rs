@@ -4,7 +4,7 @@ use std::path::Path;
 
 use stickslip::study::{ParameterValue, Study, VariedParameter};
 
-use super::{machine_at, parse, study};
+use super::{machine_at, parse, refused, study};
 
 /// Returns a study of a balancer with these parameters, in line 6, and further lines from line 7 on.
 fn text(parameters: &str, rest: &str) -> String {
@@ -16,15 +16,6 @@ fn text(parameters: &str, rest: &str) -> String {
         "schema: 1\nname: a\nseed: 5\nmodel:\n  kind: ball_balancer\n  \
          parameters: {{{parameters}}}\n{rest}{end}"
     )
-}
-
-#[track_caller]
-fn refused(text: &str, line: usize, key: &str, found: &str, allowed: &str) {
-    let error = parse(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
-    assert_eq!(error.line(), Some(line), "{error}");
-    assert_eq!(error.key(), key, "{error}");
-    assert!(error.found().unwrap_or_default().contains(found), "{error}");
-    assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
 }
 
 #[track_caller]
