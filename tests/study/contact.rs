@@ -4,6 +4,7 @@ use stickslip::model::BallContact;
 use stickslip::study::Study;
 
 use super::{parse, study};
+use crate::support::rows;
 
 /// Returns the text of a study of balls with this contact, design and box.
 fn text(contact: &str, balls: usize, design: &str, start_box: &str) -> String {
@@ -75,31 +76,21 @@ fn both_numbers_are_swept_and_drawn() {
     assert!(error.contains("contact_restitution"), "{error}");
 }
 
-#[track_caller]
-fn refuses(key: &str, parts: &[&str]) {
-    let error = parse(&text(key, 2, STRATIFIED, "{}")).expect_err("refused").to_string();
-    for part in parts {
-        assert!(error.contains(part), "{part} is not in: {error}");
-    }
-}
-
 #[test]
 fn wrong_contacts_are_refused_with_their_key() {
-    refuses(
-        "{restitution: 1.2}",
-        &["a.yaml:7", "model.contact.restitution", "1.2", "between 0 and 1"],
-    );
-    refuses("{material_restitution: -1}", &["model.contact.material_restitution", "-1"]);
-    refuses(
-        "{restitution: 0.3, material_restitution: 0.9}",
-        &["model.contact.material_restitution", "one of both"],
-    );
-    refuses(
-        "{friction_coefficient: -0.1}",
-        &["model.contact.friction_coefficient", "zero or more"],
-    );
-    refuses("steel", &["model.contact", "none"]);
-    refuses("{restitutoin: 0.3}", &["restitutoin", "restitution"]);
+    for row in rows(
+        "{restitution: 1.2} ¦ a.yaml:7 ¦ model.contact.restitution ¦ 1.2 ¦ between 0 and 1
+{material_restitution: -1} ¦ model.contact.material_restitution ¦ -1
+{restitution: 0.3, material_restitution: 0.9} ¦ model.contact.material_restitution ¦ one of both
+{friction_coefficient: -0.1} ¦ model.contact.friction_coefficient ¦ zero or more
+steel ¦ model.contact ¦ none
+{restitutoin: 0.3} ¦ restitutoin ¦ restitution",
+    ) {
+        let error = parse(&text(&row[0], 2, STRATIFIED, "{}")).expect_err(&row[0]).to_string();
+        for part in &row[1..] {
+            assert!(error.contains(part), "{part} is not in: {error}");
+        }
+    }
     let viscous = text(CONTACT, 2, STRATIFIED, "{}").replace(
         "  contact:",
         "  friction: {viscous: {viscous_coefficient_n_s_m: 1.0e-4}}\n  contact:",

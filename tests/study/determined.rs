@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use stickslip::study::{DesignValue, ParameterValue};
 
 use super::{machine_at, parse, study};
+use crate::support::cases;
 
 fn text(parameters: &str, rest: &str) -> String {
     format!(
@@ -117,39 +118,19 @@ fn a_study_gives_one_of_the_two() {
     let plain = study(&text("", ""));
     assert!(!plain.resolved_yaml().contains("density"));
     assert!(!plain.resolved_yaml().contains("imbalance_kg_m"));
-    for (parameters, rest, key, found) in [
-        (
-            "ball_material: steel, ball_mass: 1 g",
-            "",
-            "model.parameters.ball_mass",
-            "both `ball_material` and `ball_mass`",
-        ),
-        ("ball_density: 7 g/cm^3, balls: [{mass: 1 g}]", "", "balls", "ball_mass_kg"),
-        (
-            "ball_material: steel",
-            "sweep: [{grid: {ball_mass_kg: [1e-4]}}]\n",
-            "sweep",
-            "ball_mass_kg",
-        ),
-        (
-            "imbalance: 40 g mm",
-            "uncertain: {imbalance_mass_kg: {normal: {mean: 1e-4, std_dev: 1e-5}}}\n",
-            "uncertain",
-            "imbalance_mass_kg",
-        ),
-        (
-            "ball_material: steel, ball_density: 7 g/cm^3",
-            "",
-            "ball_density",
-            "`ball_material` in line 6",
-        ),
-        ("ball_material: stel", "", "ball_material", "stel"),
-        ("ball_material: 7810", "", "ball_material", "7810"),
-        ("ball_density: 7810 kg", "", "ball_density", "7810 kg"),
-    ] {
-        let error = parse(&text(parameters, rest)).unwrap_err();
-        assert!(error.key().contains(key), "{error}");
-        assert!(error.found().unwrap_or_default().contains(found), "{error}");
+    for [parameters, rest, key, found] in cases(
+        r"ball_material: steel, ball_mass: 1 g ¦  ¦ model.parameters.ball_mass ¦ both `ball_material` and `ball_mass`
+ball_density: 7 g/cm^3, balls: [{mass: 1 g}] ¦  ¦ balls ¦ ball_mass_kg
+ball_material: steel ¦ sweep: [{grid: {ball_mass_kg: [1e-4]}}]\n ¦ sweep ¦ ball_mass_kg
+imbalance: 40 g mm ¦ uncertain: {imbalance_mass_kg: {normal: {mean: 1e-4, std_dev: 1e-5}}}\n ¦ uncertain ¦ imbalance_mass_kg
+ball_material: steel, ball_density: 7 g/cm^3 ¦  ¦ ball_density ¦ `ball_material` in line 6
+ball_material: stel ¦  ¦ ball_material ¦ stel
+ball_material: 7810 ¦  ¦ ball_material ¦ 7810
+ball_density: 7810 kg ¦  ¦ ball_density ¦ 7810 kg",
+    ) {
+        let error = parse(&text(&parameters, &rest)).unwrap_err();
+        assert!(error.key().contains(&key), "{error}");
+        assert!(error.found().unwrap_or_default().contains(&found), "{error}");
         assert!(error.allowed().is_some(), "{error}");
     }
     let error = parse(&text("ball_material: stel", "")).unwrap_err();

@@ -8,6 +8,8 @@ use statrs::distribution::{ContinuousCDF, LogNormal, Normal};
 
 use stickslip::study::DesignValue;
 
+use crate::support::cases;
+
 use super::{assert_follows, parse, study, text_with_design};
 
 const ALPHA: f64 = 1.0e-3;
@@ -158,33 +160,15 @@ fn times_multiplies_what_is_set() {
 #[test]
 fn invalid_factors_are_refused() {
     let text = text_with_design("{monte_carlo: {samples: 2}}");
-    for (rest, problem) in [
-        ("uncertain: {balls: {times: {uniform: {min: 1, max: 2}}}}", "not a parameter"),
-        (
-            "uncertain: {stiffness_n_m: {times: {times: {uniform: {min: 1, max: 2}}}}}",
-            "a factor of a factor",
-        ),
-        (
-            "uncertain: {stiffness_n_m: {times: {uniform: {min: -1, max: 2}}}}",
-            "no physical meaning",
-        ),
-        (
-            "sweep: [{grid: {friction_coefficient_1: [1e-3]}}]\n\
-             uncertain: {friction_coefficient: {times: {uniform: {min: 1, max: 2}}}}",
-            "both uncertain and swept",
-        ),
-        (
-            "sweep: [{grid: {friction_coefficient: [1e-3]}}]\n\
-             uncertain: {friction_coefficient_1: {times: {uniform: {min: 1, max: 2}}}}",
-            "both uncertain and swept",
-        ),
-        (
-            "uncertain: {stiffness_n_m: {uniform: {min: 9e3, max: 1e4}}}\n\
-             design: {stiffness_n_m: {from: 9e3, to: 1e4}}\nresponses: {a: median_time_to_rest}",
-            "varied twice",
-        ),
-    ] {
+    for [rest, problem] in cases(
+        r"uncertain: {balls: {times: {uniform: {min: 1, max: 2}}}} ¦ not a parameter
+uncertain: {stiffness_n_m: {times: {times: {uniform: {min: 1, max: 2}}}}} ¦ a factor of a factor
+uncertain: {stiffness_n_m: {times: {uniform: {min: -1, max: 2}}}} ¦ no physical meaning
+sweep: [{grid: {friction_coefficient_1: [1e-3]}}]\nuncertain: {friction_coefficient: {times: {uniform: {min: 1, max: 2}}}} ¦ both uncertain and swept
+sweep: [{grid: {friction_coefficient: [1e-3]}}]\nuncertain: {friction_coefficient_1: {times: {uniform: {min: 1, max: 2}}}} ¦ both uncertain and swept
+uncertain: {stiffness_n_m: {uniform: {min: 9e3, max: 1e4}}}\ndesign: {stiffness_n_m: {from: 9e3, to: 1e4}}\nresponses: {a: median_time_to_rest} ¦ varied twice",
+    ) {
         let error = parse(&format!("{text}{rest}\n")).unwrap_err();
-        assert!(error.to_string().contains(problem), "{rest}\n{error}");
+        assert!(error.to_string().contains(&problem), "{rest}\n{error}");
     }
 }

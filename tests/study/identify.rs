@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use stickslip::study::{MeasuredRun, SpacingFile, Study};
 
 use super::{parse, study};
+use crate::support::{cases, rows};
 
 const STUDY: &str = "\
 schema: 1
@@ -23,16 +24,6 @@ identify:
     friction_coefficient: {from: 1.0e-3, to: 6.0e-3, spacing: logarithmic}
     ring_radius: {from: 11 mm, to: 12 mm}
 ";
-
-/// Replaces one text by another and checks the message.
-#[track_caller]
-fn refused(old: &str, new: &str, key: &str, found: &str, allowed: &str) {
-    assert!(STUDY.contains(old), "{old}");
-    let error = parse(&STUDY.replacen(old, new, 1)).expect_err(new);
-    assert_eq!(error.key(), key, "{error}");
-    assert!(error.found().unwrap_or_default().contains(found), "{error}");
-    assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
-}
 
 /// Parameters become the variables of the inference's designs, with units, and the runs stay those of the study.
 #[test]
@@ -65,64 +56,23 @@ fn places_and_values() {
 
 #[test]
 fn wrong_keys() {
-    let own = "identify.parameters";
-    refused(
-        "from: 1.0e-3, to",
-        "from: 7.0e-3, to",
-        &format!("{own}.friction_coefficient"),
-        "from 0.007 to 0.006",
-        "`from` below",
-    );
-    refused(
-        "from: 1.0e-3, to",
-        "from: 0, to",
-        &format!("{own}.friction_coefficient.from"),
-        "from 0",
-        "spacing: linear",
-    );
-    refused(
-        "ring_radius: {from: 11 mm, to: 12 mm}",
-        "ring_size: {from: 0.011, to: 0.012}",
-        &format!("{own}.ring_size"),
-        "ring_size",
-        "ring_radius",
-    );
-    refused(
-        "ring_radius: {from: 11 mm, to: 12 mm}",
-        "balls: {from: 1, to: 2}",
-        &format!("{own}.balls"),
-        "balls",
-        "a numeric parameter",
-    );
-    refused(
-        "ring_radius: {from: 11 mm, to: 12 mm}",
-        "speed_rad_s: {from: -200, to: -100}",
-        &format!("{own}.speed_rad_s"),
-        "in `sweep`",
-        "",
-    );
-    refused(
-        "ring_radius: {from: 11 mm, to: 12 mm}",
-        "imbalance_mass_kg: {from: 1e-5, to: 1e-4}",
-        &format!("{own}.imbalance_mass_kg"),
-        "in `uncertain`",
-        "",
-    );
-    refused("identify:\n", "identify:\n  designs: 4\n", "identify.designs", "4", "from 8 to 4000");
-    refused(
-        "identify:\n",
-        "identify:\n  designs: 20\n  start_designs: 30\n",
-        "identify.start_designs",
-        "30 of 20",
-        "at most",
-    );
-    refused(
-        "identify:\n",
-        "identify:\n  samples: 20\n",
-        "identify.samples",
-        "samples",
-        "posterior_samples",
-    );
+    for [old, new, key, found, allowed] in cases(
+        r"from: 1.0e-3, to ¦ from: 7.0e-3, to ¦ identify.parameters.friction_coefficient ¦ from 0.007 to 0.006 ¦ `from` below
+from: 1.0e-3, to ¦ from: 0, to ¦ identify.parameters.friction_coefficient.from ¦ from 0 ¦ spacing: linear
+ring_radius: {from: 11 mm, to: 12 mm} ¦ ring_size: {from: 0.011, to: 0.012} ¦ identify.parameters.ring_size ¦ ring_size ¦ ring_radius
+ring_radius: {from: 11 mm, to: 12 mm} ¦ balls: {from: 1, to: 2} ¦ identify.parameters.balls ¦ balls ¦ a numeric parameter
+ring_radius: {from: 11 mm, to: 12 mm} ¦ speed_rad_s: {from: -200, to: -100} ¦ identify.parameters.speed_rad_s ¦ in `sweep` ¦
+ring_radius: {from: 11 mm, to: 12 mm} ¦ imbalance_mass_kg: {from: 1e-5, to: 1e-4} ¦ identify.parameters.imbalance_mass_kg ¦ in `uncertain` ¦
+identify:\n ¦ identify:\n  designs: 4\n ¦ identify.designs ¦ 4 ¦ from 8 to 4000
+identify:\n ¦ identify:\n  designs: 20\n  start_designs: 30\n ¦ identify.start_designs ¦ 30 of 20 ¦ at most
+identify:\n ¦ identify:\n  samples: 20\n ¦ identify.samples ¦ samples ¦ posterior_samples",
+    ) {
+        assert!(STUDY.contains(&old), "{old}");
+        let error = parse(&STUDY.replacen(&old, &new, 1)).expect_err(&new);
+        assert_eq!(error.key(), key, "{error}");
+        assert!(error.found().unwrap_or_default().contains(&found), "{error}");
+        assert!(error.allowed().unwrap_or_default().contains(&allowed), "{error}");
+    }
 }
 
 /// Writes a table, and reads it as measured runs.
@@ -149,37 +99,19 @@ fn measured_runs() {
 #[test]
 fn wrong_measured_runs() {
     let head = "speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n";
-    for (table, parts) in [
-        (
-            format!("{head}-170,1,2,0.1\n"),
-            vec!["rests.csv:2:1", "no point of the sweep", "speed_rad_s -170"],
-        ),
-        (
-            format!("{head}-200,1,,0.1\n"),
-            vec!["row 1", "angles of some balls only", "1 of 2 angles"],
-        ),
-        (
-            format!("{head}-200,1,2,0\n"),
-            vec!["row 1, column std_dev_rad", "not an accuracy", "such as 0.1"],
-        ),
-        (format!("{head}-200,1,2,\n"), vec!["not an accuracy", "nothing"]),
-        (
-            format!("{head}-200,x,2,0.1\n"),
-            vec!["column beta_1_rad", "not a number", "balls that move"],
-        ),
-        (head.to_owned(), vec!["a table without rows"]),
-        (
-            "beta_1_rad,beta_2_rad,std_dev_rad\n1,2,0.1\n".to_owned(),
-            vec!["several points of the sweep"],
-        ),
-        (
-            "speed_rad_s,beta_1_rad,std_dev_rad\n-200,1,0.1\n".to_owned(),
-            vec!["no column beta_2_rad"],
-        ),
-        (format!("stage,{head}1,-200,1,2,0.1\n"), vec!["unknown column", "stage"]),
-    ] {
-        let error = measured(STUDY, &table).expect_err(&table);
-        for part in parts {
+    for row in rows(
+        r"speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n-170,1,2,0.1\n ¦ rests.csv:2:1 ¦ no point of the sweep ¦ speed_rad_s -170
+speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n-200,1,,0.1\n ¦ row 1 ¦ angles of some balls only ¦ 1 of 2 angles
+speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n-200,1,2,0\n ¦ row 1, column std_dev_rad ¦ not an accuracy ¦ such as 0.1
+speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n-200,1,2,\n ¦ not an accuracy ¦ nothing
+speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n-200,x,2,0.1\n ¦ column beta_1_rad ¦ not a number ¦ balls that move
+speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n ¦ a table without rows
+beta_1_rad,beta_2_rad,std_dev_rad\n1,2,0.1\n ¦ several points of the sweep
+speed_rad_s,beta_1_rad,std_dev_rad\n-200,1,0.1\n ¦ no column beta_2_rad
+stage,speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n1,-200,1,2,0.1\n ¦ unknown column ¦ stage",
+    ) {
+        let error = measured(STUDY, &row[0]).expect_err(&row[0]);
+        for part in &row[1..] {
             assert!(error.contains(part), "no {part:?} in\n{error}");
         }
     }

@@ -8,6 +8,7 @@ use stickslip::study::Study;
 use tempfile::tempdir;
 
 use super::{parse, study as study_of};
+use crate::support::cases;
 
 fn text(model: &str, rest: &str) -> String {
     format!(
@@ -145,59 +146,20 @@ fn runs_of_a_swept_speed_reach_it() {
 /// A wrong value is refused with its key, the value found and the allowed values.
 #[test]
 fn wrong_profiles_are_refused_with_their_key() {
-    let ramp = "{ramp: {from_rad_s: -31, to_rad_s: -100, over_s: 2}}";
-    for (model, rest, parts) in [
-        ("speed_profile: [{ramp: {over_s: 2}}]", "", ["model.speed_profile[0].ramp", "from_rad_s"]),
-        (
-            "parameters: {speed_rad_s: -90}, speed_profile: [{ramp: {from_rad_s: -31, to_rad_s: -100, over_s: 2}}]",
-            "",
-            ["model.speed_profile[0].ramp.to_rad_s", "-90"],
-        ),
-        (
-            "speed_profile: [{ramp: {from_rad_s: 31, to_rad_s: -100, over_s: 2}}]",
-            "",
-            ["model.speed_profile", "not zero"],
-        ),
-        (
-            "speed_profile: [{ramp: {from_rad_s: -31, to_rad_s: -100, over_s: 0}}]",
-            "",
-            ["model.speed_profile[0]", "ramp_over_1_s"],
-        ),
-        (
-            &format!(
-                "speed_profile: [{ramp}, {{ramp: {{from_rad_s: -90, to_rad_s: -120, over_s: 1}}}}]"
-            ),
-            "",
-            ["model.speed_profile[1].ramp", "-100, the speed before"],
-        ),
-        (
-            &format!("speed_profile: [{ramp}, {{hold_s: 3}}]"),
-            "simulation: {end_time_s: 8}\n",
-            ["simulation.end_time_s", "5, no such key"],
-        ),
-        (
-            "speed_profile: [{table: {columns: [time_s, speed_rad_s], rows: [[1, -10], [2, -20]]}}]",
-            "",
-            ["model.speed_profile[0].table.rows[0][0]", "0 in the first row"],
-        ),
-        (
-            "disturbances: [{kick: {at_s: 20, speed_m_s: 0.01}}]",
-            "",
-            ["model.disturbances[0].kick.at_s", "before the end"],
-        ),
-        (
-            "disturbances: [{kick: {at_s: 2, speed_m_s: -0.01}}]",
-            "",
-            ["model.disturbances[0]", "kick_speed_1_m_s"],
-        ),
-        (
-            "disturbances: [{kick: {at_s: 2, speed_m_s: 0.1, direction: random, direction_rad: 1}}]",
-            "",
-            ["model.disturbances[0].kick.direction_rad", "one of both"],
-        ),
-    ] {
-        let message = refusal(&text(model, rest));
-        assert!(parts.iter().all(|part| message.contains(part)), "{message}\n{parts:?}");
+    for [model, rest, key, part] in cases(
+        r"speed_profile: [{ramp: {over_s: 2}}] ¦  ¦ model.speed_profile[0].ramp ¦ from_rad_s
+parameters: {speed_rad_s: -90}, speed_profile: [{ramp: {from_rad_s: -31, to_rad_s: -100, over_s: 2}}] ¦  ¦ model.speed_profile[0].ramp.to_rad_s ¦ -90
+speed_profile: [{ramp: {from_rad_s: 31, to_rad_s: -100, over_s: 2}}] ¦  ¦ model.speed_profile ¦ not zero
+speed_profile: [{ramp: {from_rad_s: -31, to_rad_s: -100, over_s: 0}}] ¦  ¦ model.speed_profile[0] ¦ ramp_over_1_s
+speed_profile: [{ramp: {from_rad_s: -31, to_rad_s: -100, over_s: 2}}, {ramp: {from_rad_s: -90, to_rad_s: -120, over_s: 1}}] ¦  ¦ model.speed_profile[1].ramp ¦ -100, the speed before
+speed_profile: [{ramp: {from_rad_s: -31, to_rad_s: -100, over_s: 2}}, {hold_s: 3}] ¦ simulation: {end_time_s: 8}\n ¦ simulation.end_time_s ¦ 5, no such key
+speed_profile: [{table: {columns: [time_s, speed_rad_s], rows: [[1, -10], [2, -20]]}}] ¦  ¦ model.speed_profile[0].table.rows[0][0] ¦ 0 in the first row
+disturbances: [{kick: {at_s: 20, speed_m_s: 0.01}}] ¦  ¦ model.disturbances[0].kick.at_s ¦ before the end
+disturbances: [{kick: {at_s: 2, speed_m_s: -0.01}}] ¦  ¦ model.disturbances[0] ¦ kick_speed_1_m_s
+disturbances: [{kick: {at_s: 2, speed_m_s: 0.1, direction: random, direction_rad: 1}}] ¦  ¦ model.disturbances[0].kick.direction_rad ¦ one of both",
+    ) {
+        let message = refusal(&text(&model, &rest));
+        assert!(message.contains(&key) && message.contains(&part), "{model}: {message}");
     }
     let block = "schema: 1\nname: a\nseed: 1\nmodel: {kind: block_on_spring, disturbances: []}\n\
                  initial_conditions: {design: {monte_carlo: {samples: 4}}}\n";
@@ -227,32 +189,17 @@ fn protocols_of_the_thesis() {
 
 #[test]
 fn protocols_that_are_refused() {
-    for (model, problem) in [
-        ("protocol: start", "model.protocol"),
-        (
-            "protocol: startup, disturbances: [{kick: {at_s: 1, speed_m_s: 1}}]",
-            "disturbances beside protocol",
-        ),
-        ("protocol: {startup: {over_s: 0}}", "`model.protocol.startup.over_s`: not a duration"),
-        (
-            "protocol: {startup: {from_rad_s: 31}}",
-            "`model.protocol.startup.from_rad_s`: not a first speed",
-        ),
-        (
-            "protocol: {startup_and_hammer: {hits: 9}}",
-            "`model.protocol.startup_and_hammer.hits`: not a number of hits",
-        ),
-        (
-            "protocol: {startup_and_hammer: {wait_s: -1}}",
-            "`model.protocol.startup_and_hammer.wait_s`: not a duration",
-        ),
-        (
-            "protocol: {startup_and_hammer: {speed_m_s: -1}}",
-            "`model.protocol.startup_and_hammer.speed_m_s`: not a hit",
-        ),
-    ] {
-        let message = refusal(&text(model, ""));
-        assert!(message.contains(problem), "{model}: {message}");
+    for [model, problem] in cases(
+        "protocol: start ¦ model.protocol
+protocol: startup, disturbances: [{kick: {at_s: 1, speed_m_s: 1}}] ¦ disturbances beside protocol
+protocol: {startup: {over_s: 0}} ¦ `model.protocol.startup.over_s`: not a duration
+protocol: {startup: {from_rad_s: 31}} ¦ `model.protocol.startup.from_rad_s`: not a first speed
+protocol: {startup_and_hammer: {hits: 9}} ¦ `model.protocol.startup_and_hammer.hits`: not a number of hits
+protocol: {startup_and_hammer: {wait_s: -1}} ¦ `model.protocol.startup_and_hammer.wait_s`: not a duration
+protocol: {startup_and_hammer: {speed_m_s: -1}} ¦ `model.protocol.startup_and_hammer.speed_m_s`: not a hit",
+    ) {
+        let message = refusal(&text(&model, ""));
+        assert!(message.contains(&problem), "{model}: {message}");
     }
 }
 
