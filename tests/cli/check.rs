@@ -5,6 +5,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::support::{AT_ONCE, Scratch, assert_has, numbers, study_text};
+use crate::support::cases;
 
 /// The thesis's machine; `ball_mass_kg` is on line 14 of a study.
 const MACHINE: &str = "\
@@ -23,9 +24,6 @@ model:
     friction_coefficient: 2.75e-3
     speed_rad_s: -216.4
 ";
-
-/// Changes of the machine, the kinds of all warnings, and key, line and remedy of the first one.
-type Slip<'a> = (&'a [(&'a str, &'a str)], &'a [&'a str], &'a str, u64, &'a str);
 
 /// Returns a study with a model and further lines.
 fn study(model: &str, rest: &str) -> String {
@@ -50,287 +48,74 @@ fn shipped(name: &str) -> String {
     path.display().to_string()
 }
 
+/// Changes of the machine, the kinds of all warnings, and key, line and remedy of the first one.
+const SLIPS: &str = r" ¦  ¦  ¦ 0 ¦
+ball_mass_kg: 1.4e-4 => ball_mass_kg: 0.14 ¦ ball_density ¦ model.parameters.ball_mass_kg ¦ 14 ¦ a steel ball of this diameter has 0.0001104 kg
+ball_diameter_m: 0.003 => ball_diameter_m: 3 ¦ ball_beyond_ring ball_density ¦ model.parameters.ball_diameter_m ¦ 15 ¦ lengths are in m, not in mm
+balls: 2 => balls: 8 ; ball_mass_kg: 1.4e-4 => ball_mass_kg: 4.1e-3 ; ball_diameter_m: 0.003 => ball_diameter_m: 0.01 ¦ balls_do_not_fit ¦ model.parameters.ball_diameter_m ¦ 15 ¦ at most 6 such balls
+coefficient: 2.75e-3 => coefficient: 3 ¦ friction_coefficient balls_held_everywhere ¦ model.parameters.friction_coefficient ¦ 16 ¦ 0, or a value from 1e-6 to 2; about 1e-4 to 1e-2 for a hard ball that rolls
+coefficient: 2.75e-3 => coefficient: 1e-7 ¦ friction_coefficient ¦ model.parameters.friction_coefficient ¦ 16 ¦ 0, or a value
+coefficient: 2.75e-3 => coefficient: 0 ¦  ¦  ¦ 0 ¦
+speed_rad_s: -216.4 => speed_rad_s: 2.0e5 ¦ speed balls_held_everywhere ¦ model.parameters.speed_rad_s ¦ 17 ¦ at most 1e5 rad/s
+speed_rad_s: -216.4 => speed_rad_s: -100 ¦ subcritical_speed ¦ model.parameters.speed_rad_s ¦ 17 ¦ a speed above the natural frequency, or a softer suspension; 1 rpm is 0.10472 rad/s
+coefficient: 2.75e-3 => coefficient: 0.05 ¦ balls_held_everywhere ¦ model.parameters.friction_coefficient ¦ 16 ¦ friction_coefficient below 0.0
+ball_diameter_m: 0.003 => ball_diameter: 60 mm ¦ ball_beyond_ring ball_density ¦ model.parameters.ball_diameter ¦ 15 ¦ ball_diameter below twice ring_radius_m
+imbalance_mass_kg: 5.6e-5 => imbalance_mass_kg: 5.6e-4 ¦ balancing_capacity ¦ model.parameters.ball_mass_kg ¦ 14 ¦ more or heavier balls
+balls: 2 => balls: [{mass_kg: 1.0e-4}] ¦ balancing_capacity balls_held_everywhere ¦ model.parameters.ball_mass_kg ¦ 14 ¦
+balls: 2 => balls: 8 ; ball_mass_kg: 1.4e-4 => ball_mass_kg: 1.1e-4 ¦ overlapping_rests ¦ model.parameters.ball_diameter_m ¦ 15 ¦ fewer or smaller balls
+balls: 2 => balls: [{}, {mass_kg: 0.2}, {mass_kg: 0.2}] ¦ ball_density ¦ model.parameters.balls[1].mass_kg ¦ 13 ¦ a steel ball
+speed_rad_s: -216.4 => speed_rad_s: -216.4\n  contact: {restitution: 1} ¦ elastic_contact ¦ model.contact.restitution ¦ 18 ¦ a restitution below 1
+speed_rad_s: -216.4 => speed_rad_s: -216.4\n  contact: {restitution: 0.99} ¦  ¦  ¦ 0 ¦
+ring_radius_m: 0.0115 => ring_radius_m: 35 ¦ length balls_held_everywhere ¦ model.parameters.ring_radius_m ¦ 10 ¦ at most 2 m; lengths are in m, not in mm
+imbalance_radius_m: 0.037 => imbalance_radius_m: 37 ¦ length balancing_capacity ¦ model.parameters.imbalance_radius_m ¦ 12 ¦ at most 2 m
+stiffness_n_m: 10700 => stiffness_n_m: 60 ¦ soft_suspension balls_held_everywhere ¦ model.parameters.stiffness_n_m ¦ 8 ¦ not in N/mm, and masses are in kg, not in g
+table_mass_kg: 0.324 => table_mass_kg: 3200 ¦ soft_suspension balls_held_everywhere ¦ model.parameters.stiffness_n_m ¦ 8 ¦ twice the radius of the ring
+damping_n_s_m: 1.28 => damping_n_s_m: 40000 ¦ overdamped_suspension balls_held_everywhere ¦ model.parameters.damping_n_s_m ¦ 9 ¦ twice the critical damping
+ball_diameter_m: 0.003 => ball_diameter_m: 0.005 ¦ ball_density ¦ model.parameters.ball_mass_kg ¦ 14 ¦ the mass of a ball of this diameter, with the mass in kg and the diameter in m; a steel ball of this diameter has 0.0005112 kg
+# The ball of the template `machine` with another diameter.
+ball_mass_kg: 1.4e-4 => ball_mass_kg: 0.88e-3 ; ball_diameter_m: 0.003 => ball_diameter_m: 0.0085 ¦ ball_density ¦ model.parameters.ball_mass_kg ¦ 14 ¦ the mass of a ball of this diameter
+ball_mass_kg: 1.4e-4 => ball_mass_kg: 0.88e-3 ; ball_diameter_m: 0.003 => ball_diameter_m: 0.006 ¦  ¦  ¦ 0 ¦";
+
+/// A model other than the machine, further lines, the kinds of all warnings, and the key of the first one.
+const SLIPS_OF_STUDIES: &str = r" ¦ uncertain: {imbalance_mass_kg: {normal: {mean: 5.6e-5, std_dev: 1.0e-3}}}\n ¦ invalid_draws ¦ uncertain.imbalance_mass_kg
+ ¦ sweep: [{grid: {speed: [1000 rpm, 1500 rpm]}}]\n ¦ subcritical_speed overridden_value ¦ sweep[0].grid.speed
+ ¦ design: {stiffness_n_m: {from: 30000, to: 60000}}\nresponses: {half: median_time_to_rest}\n ¦ subcritical_speed ¦ model.parameters.speed_rad_s
+ ¦ sweep: [{grid: {speed_rad_s: [-200, -216.4, -200]}}]\n ¦ repeated_point ¦ sweep[0]
+ ¦ sweep:\n  - grid: {speed_rad_s: [-200, -216]}\n  - zip: {ball_mass_kg: [0.14]}\n ¦ ball_density ¦ sweep[1].zip.ball_mass_kg
+ ¦ uncertain: {friction_coefficient: {uniform: {min: 1, max: 9}}}\n ¦ friction_coefficient balls_held_everywhere overridden_value ¦ uncertain.friction_coefficient
+ ¦ design: {balls: {from: 1, to: 8}, ball_diameter_m: {from: 0.002, to: 0.012}}\nresponses: {half: median_time_to_rest}\n ¦ ball_density overlapping_rests designs_without_room ¦ design.ball_diameter_m
+ ¦ sweep: [{grid: {ball_diameter_m: [0.003, 0.005]}}]\n ¦ ball_density ¦ sweep[0].grid.ball_diameter_m
+model: {kind: ball_balancer, parameters: {table_mass_kg: 3, speed_rad_s: 628}}\n ¦  ¦ balls_held_everywhere mostly_defaults ¦ model.parameters.friction_coefficient
+ ¦ sweep: [{grid: {speed_rad_s: [-200, -210]}}]\n ¦ overridden_value ¦ model.parameters.speed_rad_s
+ ¦ sweep: [{zip: {balls: [3, 4]}}]\n ¦ overridden_value ¦ model.parameters.balls
+model: {kind: ball_balancer, normal_force: newton}\n ¦ sweep: [{grid: {normal_force: [lagrange]}}]\n ¦ overridden_value ¦ model.normal_force
+model: {kind: ball_balancer, protocol: startup}\n ¦  ¦ profile_beyond_end ¦ simulation.end_time_s
+model: {kind: block_on_belt, parameters: {friction_coefficient: 5}}\n ¦  ¦ friction_coefficient ¦ model.parameters.friction_coefficient
+model: {kind: block_on_belt, parameters: {belt_speed_m_s: 5000}}\n ¦  ¦ speed ¦ model.parameters.belt_speed_m_s";
+
 /// Each slip gives its own warnings and no others, with the key and its line.
 #[test]
 fn slips_are_warnings_with_their_key_and_line() {
-    let changed = |changes: &[(&str, &str)]| {
-        changes.iter().fold(MACHINE.to_owned(), |model, (from, to)| {
+    let scratch = Scratch::new();
+    for [changes, expected, key, line, remedy] in cases(SLIPS) {
+        let changes: Vec<_> =
+            changes.split(" ; ").filter_map(|one| one.split_once(" => ")).collect();
+        let model = changes.iter().fold(MACHINE.to_owned(), |model, (from, to)| {
             assert!(model.contains(from), "{from}");
             model.replace(from, to)
-        })
-    };
-    let mass = |kg| ("ball_mass_kg: 1.4e-4", kg);
-    let diameter = |m| ("ball_diameter_m: 0.003", m);
-    let of_machine: &[Slip<'_>] = &[
-        (&[], &[], "", 0, ""),
-        (
-            &[mass("ball_mass_kg: 0.14")],
-            &["ball_density"],
-            "model.parameters.ball_mass_kg",
-            14,
-            "a steel ball of this diameter has 0.0001104 kg",
-        ),
-        (
-            &[diameter("ball_diameter_m: 3")],
-            &["ball_beyond_ring", "ball_density"],
-            "model.parameters.ball_diameter_m",
-            15,
-            "lengths are in m, not in mm",
-        ),
-        (
-            &[
-                ("balls: 2", "balls: 8"),
-                mass("ball_mass_kg: 4.1e-3"),
-                diameter("ball_diameter_m: 0.01"),
-            ],
-            &["balls_do_not_fit"],
-            "model.parameters.ball_diameter_m",
-            15,
-            "at most 6 such balls",
-        ),
-        (
-            &[("coefficient: 2.75e-3", "coefficient: 3")],
-            &["friction_coefficient", "balls_held_everywhere"],
-            "model.parameters.friction_coefficient",
-            16,
-            "0, or a value from 1e-6 to 2; about 1e-4 to 1e-2 for a hard ball that rolls",
-        ),
-        (
-            &[("coefficient: 2.75e-3", "coefficient: 1e-7")],
-            &["friction_coefficient"],
-            "model.parameters.friction_coefficient",
-            16,
-            "0, or a value",
-        ),
-        (&[("coefficient: 2.75e-3", "coefficient: 0")], &[], "", 0, ""),
-        (
-            &[("speed_rad_s: -216.4", "speed_rad_s: 2.0e5")],
-            &["speed", "balls_held_everywhere"],
-            "model.parameters.speed_rad_s",
-            17,
-            "at most 1e5 rad/s",
-        ),
-        (
-            &[("speed_rad_s: -216.4", "speed_rad_s: -100")],
-            &["subcritical_speed"],
-            "model.parameters.speed_rad_s",
-            17,
-            "a speed above the natural frequency, or a softer suspension; 1 rpm is 0.10472 rad/s",
-        ),
-        (
-            &[("coefficient: 2.75e-3", "coefficient: 0.05")],
-            &["balls_held_everywhere"],
-            "model.parameters.friction_coefficient",
-            16,
-            "friction_coefficient below 0.0",
-        ),
-        (
-            &[("ball_diameter_m: 0.003", "ball_diameter: 60 mm")],
-            &["ball_beyond_ring", "ball_density"],
-            "model.parameters.ball_diameter",
-            15,
-            "ball_diameter below twice ring_radius_m",
-        ),
-        (
-            &[("imbalance_mass_kg: 5.6e-5", "imbalance_mass_kg: 5.6e-4")],
-            &["balancing_capacity"],
-            "model.parameters.ball_mass_kg",
-            14,
-            "more or heavier balls",
-        ),
-        (
-            &[("balls: 2", "balls: [{mass_kg: 1.0e-4}]")],
-            &["balancing_capacity", "balls_held_everywhere"],
-            "model.parameters.ball_mass_kg",
-            14,
-            "",
-        ),
-        (
-            &[("balls: 2", "balls: 8"), mass("ball_mass_kg: 1.1e-4")],
-            &["overlapping_rests"],
-            "model.parameters.ball_diameter_m",
-            15,
-            "fewer or smaller balls",
-        ),
-        (
-            &[("balls: 2", "balls: [{}, {mass_kg: 0.2}, {mass_kg: 0.2}]")],
-            &["ball_density"],
-            "model.parameters.balls[1].mass_kg",
-            13,
-            "a steel ball",
-        ),
-        (
-            &[("speed_rad_s: -216.4", "speed_rad_s: -216.4\n  contact: {restitution: 1}")],
-            &["elastic_contact"],
-            "model.contact.restitution",
-            18,
-            "a restitution below 1",
-        ),
-        (
-            &[("speed_rad_s: -216.4", "speed_rad_s: -216.4\n  contact: {restitution: 0.99}")],
-            &[],
-            "",
-            0,
-            "",
-        ),
-        (
-            &[("ring_radius_m: 0.0115", "ring_radius_m: 35")],
-            &["length", "balls_held_everywhere"],
-            "model.parameters.ring_radius_m",
-            10,
-            "at most 2 m; lengths are in m, not in mm",
-        ),
-        (
-            &[("imbalance_radius_m: 0.037", "imbalance_radius_m: 37")],
-            &["length", "balancing_capacity"],
-            "model.parameters.imbalance_radius_m",
-            12,
-            "at most 2 m",
-        ),
-        (
-            &[("stiffness_n_m: 10700", "stiffness_n_m: 60")],
-            &["soft_suspension", "balls_held_everywhere"],
-            "model.parameters.stiffness_n_m",
-            8,
-            "not in N/mm, and masses are in kg, not in g",
-        ),
-        (
-            &[("table_mass_kg: 0.324", "table_mass_kg: 3200")],
-            &["soft_suspension", "balls_held_everywhere"],
-            "model.parameters.stiffness_n_m",
-            8,
-            "twice the radius of the ring",
-        ),
-        (
-            &[("damping_n_s_m: 1.28", "damping_n_s_m: 40000")],
-            &["overdamped_suspension", "balls_held_everywhere"],
-            "model.parameters.damping_n_s_m",
-            9,
-            "twice the critical damping",
-        ),
-        (
-            &[diameter("ball_diameter_m: 0.005")],
-            &["ball_density"],
-            "model.parameters.ball_mass_kg",
-            14,
-            "the mass of a ball of this diameter, with the mass in kg and the diameter in m; a steel ball of this \
-             diameter has 0.0005112 kg",
-        ),
-        // The ball of the template `machine` with another diameter.
-        (
-            &[mass("ball_mass_kg: 0.88e-3"), diameter("ball_diameter_m: 0.0085")],
-            &["ball_density"],
-            "model.parameters.ball_mass_kg",
-            14,
-            "the mass of a ball of this diameter",
-        ),
-        (&[mass("ball_mass_kg: 0.88e-3"), diameter("ball_diameter_m: 0.006")], &[], "", 0, ""),
-    ];
-    let scratch = Scratch::new();
-    for (changes, expected, key, line, remedy) in of_machine {
-        scratch.write("a.yaml", study(&changed(changes), ""));
+        });
+        scratch.write("a.yaml", study(&model, ""));
         let report = report(&scratch, "a.yaml");
-        assert_eq!(&kinds(&report), expected, "{changes:?}");
+        assert_eq!(kinds(&report).join(" "), expected, "{changes:?}");
         let first = &report["warnings"][0];
         if !expected.is_empty() {
-            assert_eq!((&first["key"], &first["line"]), (&json!(key), &json!(line)), "{changes:?}");
-            assert_has(first["remedy"].as_str().unwrap(), &[remedy]);
+            let found = format!("{} {}", first["key"], first["line"]);
+            assert_eq!(found, format!("{key:?} {line}"), "{changes:?}");
+            assert_has(first["remedy"].as_str().expect("a remedy"), &[remedy]);
         }
     }
-    for (model, rest, expected, key) in [
-        (
-            MACHINE,
-            "uncertain: {imbalance_mass_kg: {normal: {mean: 5.6e-5, std_dev: 1.0e-3}}}\n",
-            "invalid_draws",
-            "uncertain.imbalance_mass_kg",
-        ),
-        (
-            MACHINE,
-            "sweep: [{grid: {speed: [1000 rpm, 1500 rpm]}}]\n",
-            "subcritical_speed overridden_value",
-            "sweep[0].grid.speed",
-        ),
-        (
-            MACHINE,
-            "design: {stiffness_n_m: {from: 30000, to: 60000}}\nresponses: {half: median_time_to_rest}\n",
-            "subcritical_speed",
-            "model.parameters.speed_rad_s",
-        ),
-        (
-            MACHINE,
-            "sweep: [{grid: {speed_rad_s: [-200, -216.4, -200]}}]\n",
-            "repeated_point",
-            "sweep[0]",
-        ),
-        (
-            MACHINE,
-            "sweep:\n  - grid: {speed_rad_s: [-200, -216]}\n  - zip: {ball_mass_kg: [0.14]}\n",
-            "ball_density",
-            "sweep[1].zip.ball_mass_kg",
-        ),
-        (
-            MACHINE,
-            "uncertain: {friction_coefficient: {uniform: {min: 1, max: 9}}}\n",
-            "friction_coefficient balls_held_everywhere overridden_value",
-            "uncertain.friction_coefficient",
-        ),
-        (
-            MACHINE,
-            "design: {balls: {from: 1, to: 8}, ball_diameter_m: {from: 0.002, to: 0.012}}\n\
-             responses: {half: median_time_to_rest}\n",
-            "ball_density overlapping_rests designs_without_room",
-            "design.ball_diameter_m",
-        ),
-        (
-            MACHINE,
-            "sweep: [{grid: {ball_diameter_m: [0.003, 0.005]}}]\n",
-            "ball_density",
-            "sweep[0].grid.ball_diameter_m",
-        ),
-        (
-            "model: {kind: ball_balancer, parameters: {table_mass_kg: 3, speed_rad_s: 628}}\n",
-            "",
-            "balls_held_everywhere mostly_defaults",
-            "model.parameters.friction_coefficient",
-        ),
-        (
-            MACHINE,
-            "sweep: [{grid: {speed_rad_s: [-200, -210]}}]\n",
-            "overridden_value",
-            "model.parameters.speed_rad_s",
-        ),
-        (
-            MACHINE,
-            "sweep: [{zip: {balls: [3, 4]}}]\n",
-            "overridden_value",
-            "model.parameters.balls",
-        ),
-        (
-            "model: {kind: ball_balancer, normal_force: newton}\n",
-            "sweep: [{grid: {normal_force: [lagrange]}}]\n",
-            "overridden_value",
-            "model.normal_force",
-        ),
-        (
-            "model: {kind: ball_balancer, protocol: startup}\n",
-            "",
-            "profile_beyond_end",
-            "simulation.end_time_s",
-        ),
-        (
-            "model: {kind: block_on_belt, parameters: {friction_coefficient: 5}}\n",
-            "",
-            "friction_coefficient",
-            "model.parameters.friction_coefficient",
-        ),
-        (
-            "model: {kind: block_on_belt, parameters: {belt_speed_m_s: 5000}}\n",
-            "",
-            "speed",
-            "model.parameters.belt_speed_m_s",
-        ),
-    ] {
-        scratch.write("a.yaml", study(model, rest));
+    for [model, rest, expected, key] in cases(SLIPS_OF_STUDIES) {
+        scratch.write("a.yaml", study(if model.is_empty() { MACHINE } else { &model }, &rest));
         let report = report(&scratch, "a.yaml");
         assert_eq!(kinds(&report).join(" "), expected, "{rest}");
         assert_eq!(report["warnings"][0]["key"], json!(key), "{rest}");

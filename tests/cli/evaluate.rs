@@ -6,6 +6,7 @@ use std::process::{Child, Command, Stdio};
 use serde_json::{Value, json};
 
 use super::support::{Ended, Scratch, numbers, table};
+use crate::support::{cases, rows};
 
 /// A block on a spring that starts at rest at 45 mm, with closed-form stops.
 pub const BLOCK: &str = "
@@ -198,51 +199,20 @@ fn points_with_a_common_queue_are_separate() {
 #[test]
 fn requests_that_make_no_sense_are_answered() {
     let scratch = scratch();
-    let lines = [
-        (r#"{"id": 1, "balls": 2, "material": "steel"}"#, "speed_rad_s", "missing"),
-        (
-            r#"{"id": 1, "speed_rad_s": "x", "balls": 2, "material": "steel"}"#,
-            "speed_rad_s",
-            "not a number",
-        ),
-        (
-            r#"{"id": 1, "speed_rad_s": null, "balls": 2, "material": "steel"}"#,
-            "speed_rad_s",
-            "neither a number nor text",
-        ),
-        (
-            r#"{"id": 1, "speed_rad_s": -300, "balls": 2, "material": "steel"}"#,
-            "speed_rad_s",
-            "out of range",
-        ),
-        (
-            r#"{"id": 1, "speed_rad_s": -200, "balls": 2.5, "material": "steel"}"#,
-            "balls",
-            "not a whole number",
-        ),
-        (
-            r#"{"id": 1, "speed_rad_s": -200, "balls": 9, "material": "steel"}"#,
-            "balls",
-            "out of range",
-        ),
-        (
-            r#"{"id": 1, "speed_rad_s": -200, "balls": 2, "material": "wood"}"#,
-            "material",
-            "not a choice",
-        ),
-        (
-            r#"{"id": 1, "speed_rad_s": -200, "balls": 2, "material": 3}"#,
-            "material",
-            "not a choice",
-        ),
-        (
-            r#"{"id": 1, "speed_rad_s": -200, "balls": 2, "material": "steel", "mass": 3}"#,
-            "mass",
-            "not a variable",
-        ),
-        (r#"{"id": 1, "balls": 2, "balls": 3}"#, "balls", "given twice"),
-    ];
-    let mut requests: Vec<&str> = lines.iter().map(|(line, ..)| *line).collect();
+    let lines: Vec<[String; 3]> = cases(
+        r#"{"id": 1, "balls": 2, "material": "steel"} ¦ speed_rad_s ¦ missing
+{"id": 1, "speed_rad_s": "x", "balls": 2, "material": "steel"} ¦ speed_rad_s ¦ not a number
+{"id": 1, "speed_rad_s": null, "balls": 2, "material": "steel"} ¦ speed_rad_s ¦ neither a number nor text
+{"id": 1, "speed_rad_s": -300, "balls": 2, "material": "steel"} ¦ speed_rad_s ¦ out of range
+{"id": 1, "speed_rad_s": -200, "balls": 2.5, "material": "steel"} ¦ balls ¦ not a whole number
+{"id": 1, "speed_rad_s": -200, "balls": 9, "material": "steel"} ¦ balls ¦ out of range
+{"id": 1, "speed_rad_s": -200, "balls": 2, "material": "wood"} ¦ material ¦ not a choice
+{"id": 1, "speed_rad_s": -200, "balls": 2, "material": 3} ¦ material ¦ not a choice
+{"id": 1, "speed_rad_s": -200, "balls": 2, "material": "steel", "mass": 3} ¦ mass ¦ not a variable
+{"id": 1, "balls": 2, "balls": 3} ¦ balls ¦ given twice"#,
+    )
+    .collect();
+    let mut requests: Vec<&str> = lines.iter().map(|[line, ..]| line.as_str()).collect();
     requests.extend([
         "",
         "[1, 2]",
@@ -251,7 +221,7 @@ fn requests_that_make_no_sense_are_answered() {
     ]);
     let answers = ask(&scratch, "evaluate balls.yaml --designs -", &requests);
     assert_eq!(answers.len(), requests.len());
-    for (answer, (line, variable, problem)) in answers.iter().zip(lines) {
+    for (answer, [line, variable, problem]) in answers.iter().zip(&lines) {
         assert_eq!(answer["id"], 1, "{line}");
         let error = &answer["error"];
         assert_eq!(
@@ -275,42 +245,18 @@ fn requests_that_make_no_sense_are_answered() {
 fn tables_and_studies_that_make_no_sense_are_refused() {
     let scratch = scratch();
     let to = "--out r.parquet --quiet";
-    for (name, text, parts) in [
-        (
-            "a.csv",
-            "speed_rad_s,balls\n-200,2\n",
-            ["no column material", "speed_rad_s, balls, material", ""],
-        ),
-        (
-            "b.csv",
-            "speed_rad_s,balls,material,x\n-200,2,steel,1\n",
-            ["column x", "unknown column", ""],
-        ),
-        (
-            "c.csv",
-            "speed_rad_s,balls,material\n-200,2,steel\n-20,2,steel\n",
-            ["c.csv:3", "row 2, column speed_rad_s", "from -260 to -140"],
-        ),
-        (
-            "e.csv",
-            "speed_rad_s,balls,material\n-200,2.5,steel\n",
-            ["row 1, column balls", "not a whole number", "2.5"],
-        ),
-        (
-            "f.csv",
-            "speed_rad_s,balls,material\n-200,2,stel\n",
-            ["row 1, column material", "steel (did you mean this?)", ""],
-        ),
-        (
-            "g.csv",
-            "speed_rad_s,balls,material\n-200,,steel\n",
-            ["row 1, column balls", "an empty value", ""],
-        ),
-        ("h.csv", "speed_rad_s,balls,material\n", ["a table without rows", "", ""]),
-        ("i.txt", "speed_rad_s,balls,material\n", ["ends in neither .csv nor .parquet", "", ""]),
-    ] {
-        scratch.write(name, text);
-        scratch.refused(&format!("evaluate balls.yaml --designs {name} {to}"), &parts);
+    for row in rows(
+        r"a.csv ¦ speed_rad_s,balls\n-200,2\n ¦ no column material ¦ speed_rad_s, balls, material
+b.csv ¦ speed_rad_s,balls,material,x\n-200,2,steel,1\n ¦ column x ¦ unknown column
+c.csv ¦ speed_rad_s,balls,material\n-200,2,steel\n-20,2,steel\n ¦ c.csv:3 ¦ row 2, column speed_rad_s ¦ from -260 to -140
+e.csv ¦ speed_rad_s,balls,material\n-200,2.5,steel\n ¦ row 1, column balls ¦ not a whole number ¦ 2.5
+f.csv ¦ speed_rad_s,balls,material\n-200,2,stel\n ¦ row 1, column material ¦ steel (did you mean this?)
+g.csv ¦ speed_rad_s,balls,material\n-200,,steel\n ¦ row 1, column balls ¦ an empty value
+h.csv ¦ speed_rad_s,balls,material\n ¦ a table without rows ¦ 
+i.txt ¦ speed_rad_s,balls,material\n ¦ ends in neither .csv nor .parquet ¦ ",
+    ) {
+        scratch.write(&row[0], &row[1]);
+        scratch.refused(&format!("evaluate balls.yaml --designs {} {to}", row[0]), &row[2..]);
     }
     scratch.refused("evaluate balls.yaml --designs none.csv --out r.parquet", &["none.csv"]);
     scratch.refused("evaluate balls.yaml --designs d.csv --out d.csv", &["exists already"]);
@@ -319,60 +265,24 @@ fn tables_and_studies_that_make_no_sense_are_refused() {
         scratch.refused(&arguments, &[name, "as Parquet or CSV only", "r.parquet"]);
     }
     scratch.refused("evaluate balls.yaml --designs - --out r.parquet", &["standard output"]);
-    for (from, to, parts) in [
-        ("from: -260", "from: -100", ["design.speed_rad_s", "reversed range"]),
-        ("balls: {from: 1, to: 3}", "balls: {from: 1, to: 9}", ["design.balls.to", "1 to 8"]),
-        (
-            "  speed_rad_s: {from",
-            "  sped_rad_s: {from",
-            ["design.sped_rad_s", "speed_rad_s (did you mean this?)"],
-        ),
-        (
-            "ceramic: {ball_mass_kg: 5.8e-5, friction",
-            "ceramic: {friction",
-            ["design.material.choices.ceramic", "set different parameters"],
-        ),
-        (
-            "ball_mass_kg: 5.8e-5",
-            "ball_mass_kg: -1",
-            ["ceramic.ball_mass_kg", "no physical meaning"],
-        ),
-        (
-            "fraction: 0.9",
-            "fraction: 1.5",
-            ["responses.most.amplitude_quantile.fraction", "above 0 and below 1"],
-        ),
-        (
-            "at_rest_by_s: 1.2",
-            "at_rest_by_s: 99",
-            ["responses.rest.at_rest_by_s", "at most the end time"],
-        ),
-        (
-            "  half: median",
-            "  mean_low: median",
-            ["responses.mean_low", "another column has this name"],
-        ),
-        ("  half: median", "  runs: median", ["responses.runs", "another column has this name"]),
-        (
-            "speed_rad_s: {from: -260, to: -140}",
-            "imbalance_mass_kg: {from: 1e-5, to: 2e-5}",
-            ["design.imbalance_mass_kg", "varied twice"],
-        ),
-        (
-            "  balls: {from: 1",
-            "  ball_mass_2_kg: {from: 1e-4, to: 2e-4}\n  balls: {from: 1",
-            ["design.ball_mass_2_kg", "a ball that every design has"],
-        ),
-        (
-            "simulation:",
-            "precision: {equilibrium_fraction: 0.1, max_runs: 100}\nsimulation:",
-            ["precision", "have the same runs"],
-        ),
-        ("responses:", "expect:", ["expect", ""]),
-    ] {
-        assert!(BALLS.contains(from), "{from}");
-        scratch.write("wrong.yaml", BALLS.replacen(from, to, 1));
-        scratch.refused("evaluate wrong.yaml --designs d.csv --out r.parquet", &parts);
+    for row in rows(
+        r"from: -260 ¦ from: -100 ¦ design.speed_rad_s ¦ reversed range
+balls: {from: 1, to: 3} ¦ balls: {from: 1, to: 9} ¦ design.balls.to ¦ 1 to 8
+  speed_rad_s: {from ¦   sped_rad_s: {from ¦ design.sped_rad_s ¦ speed_rad_s (did you mean this?)
+ceramic: {ball_mass_kg: 5.8e-5, friction ¦ ceramic: {friction ¦ design.material.choices.ceramic ¦ set different parameters
+ball_mass_kg: 5.8e-5 ¦ ball_mass_kg: -1 ¦ ceramic.ball_mass_kg ¦ no physical meaning
+fraction: 0.9 ¦ fraction: 1.5 ¦ responses.most.amplitude_quantile.fraction ¦ above 0 and below 1
+at_rest_by_s: 1.2 ¦ at_rest_by_s: 99 ¦ responses.rest.at_rest_by_s ¦ at most the end time
+  half: median ¦   mean_low: median ¦ responses.mean_low ¦ another column has this name
+  half: median ¦   runs: median ¦ responses.runs ¦ another column has this name
+speed_rad_s: {from: -260, to: -140} ¦ imbalance_mass_kg: {from: 1e-5, to: 2e-5} ¦ design.imbalance_mass_kg ¦ varied twice
+  balls: {from: 1 ¦   ball_mass_2_kg: {from: 1e-4, to: 2e-4}\n  balls: {from: 1 ¦ design.ball_mass_2_kg ¦ a ball that every design has
+simulation: ¦ precision: {equilibrium_fraction: 0.1, max_runs: 100}\nsimulation: ¦ precision ¦ have the same runs
+responses: ¦ expect: ¦ expect",
+    ) {
+        assert!(BALLS.contains(&row[0]), "{row:?}");
+        scratch.write("wrong.yaml", BALLS.replacen(&row[0], &row[1], 1));
+        scratch.refused("evaluate wrong.yaml --designs d.csv --out r.parquet", &row[2..]);
     }
     // A swept parameter's column is an error, too.
     let swept = "sweep: [{grid: {damping_n_s_m: [1, 2]}}]\nresponses:\n  damping_n_s_m: median_time_to_rest\n";

@@ -80,11 +80,11 @@ impl Scratch {
     /// Runs the program, which must refuse with exit code 2, print no data, change no file, and
     /// mention all of `parts`.
     #[track_caller]
-    pub fn refused(&self, arguments: &str, parts: &[&str]) {
+    pub fn refused(&self, arguments: &str, parts: &[impl AsRef<str>]) {
         let before = self.files();
         let ended = self.stickslip(arguments);
         assert_eq!((ended.code, ended.out.as_str()), (Some(2), ""), "{arguments}\n{}", ended.err);
-        for part in parts {
+        for part in parts.iter().map(AsRef::as_ref) {
             assert!(ended.err.contains(part), "{arguments}: no {part:?} in\n{}", ended.err);
         }
         assert_eq!(self.files(), before, "{arguments} has changed files");
