@@ -7,6 +7,8 @@ use arrow::array::{AsArray, RecordBatch};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::support::{AT_ONCE, Scratch, assert_has, column, counts, numbers, study_text, words};
+use crate::support::rows;
+use crate::table::contract::listed;
 
 const SWEEP: &str = "sweep:\n\
                      \x20 - grid: {speed_rad_s: [-160.0, -216.3772], normal_force: [lagrange]}\n\
@@ -55,36 +57,20 @@ fn tables_agree_with_one_another() {
     assert_eq!(files(&scratch, "out"), expected.into_iter().collect());
 
     let set = scratch.table("out", "equilibrium_positions");
-    let key = ["point_id", "speed_rad_s", "normal_force", "friction_coefficient"];
-    let position = [
-        "beta_1_rad",
-        "beta_2_rad",
-        "amplitude_m",
-        "required_friction_coefficient",
-        "friction_margin",
-        "in_set",
-    ];
+    let key = listed("point_id, speed_rad_s, normal_force, friction_coefficient");
+    let position = listed(
+        "beta_1_rad, beta_2_rad, amplitude_m, required_friction_coefficient, friction_margin, \
+         in_set",
+    );
     assert_eq!(names(&set), [key.as_slice(), &position].concat());
     let sets = scratch.table("out", "equilibrium_set_summary");
-    let summary = [
-        "grid_positions",
-        "fraction",
-        "fraction_low",
-        "fraction_high",
-        "touching_fraction",
-        "components",
-        "components_modulo_exchange",
-        "unresolved_equilibria",
-        "amplitude_min_m",
-        "amplitude_max_m",
-        "amplitude_without_balls_m",
-        "min_amplitude_beta_1_rad",
-        "min_amplitude_beta_2_rad",
-        "balance",
-        "balance_beta_1_rad",
-        "balance_beta_2_rad",
-    ];
-    assert_eq!(names(&sets), [key.as_slice(), &summary].concat());
+    let summary = listed(
+        "grid_positions, fraction, fraction_low, fraction_high, touching_fraction, components, \
+         components_modulo_exchange, unresolved_equilibria, amplitude_min_m, amplitude_max_m, \
+         amplitude_without_balls_m, min_amplitude_beta_1_rad, min_amplitude_beta_2_rad, balance, \
+         balance_beta_1_rad, balance_beta_2_rad",
+    );
+    assert_eq!(names(&sets), [key, summary].concat());
     assert_eq!(counts(&sets, "grid_positions"), [128 * 128; 3]);
     assert_eq!(counts(&sets, "components"), [1, 1, 6]);
     assert_eq!(counts(&sets, "components_modulo_exchange"), [1, 1, 4]);
@@ -120,22 +106,10 @@ fn frictionless_equilibria_at_points_and_at_speeds_of_their_own() {
     let scratch = scratch();
     scratch.well("equilibria a.yaml --grid 8 --out out");
     let table = scratch.table("out", "frictionless_equilibria");
-    let mut expected: Vec<String> = [
-        "point_id",
-        "speed_rad_s",
-        "normal_force",
-        "friction_coefficient",
-        "kind",
-        "beta_1_rad",
-        "beta_2_rad",
-        "x_m",
-        "y_m",
-        "amplitude_m",
-        "family_dimension",
-        "stability",
-    ]
-    .map(String::from)
-    .to_vec();
+    let mut expected = listed(
+        "point_id, speed_rad_s, normal_force, friction_coefficient, kind, beta_1_rad, beta_2_rad, \
+         x_m, y_m, amplitude_m, family_dimension, stability",
+    );
     for index in 1..=8 {
         expected.push(format!("eigenvalue_{index}_real_per_s"));
         expected.push(format!("eigenvalue_{index}_imag_rad_s"));
@@ -254,43 +228,36 @@ fn wrong_arguments_are_refused_before_anything_is_computed() {
     let grid = format!("speed_rad_s: [{}], stiffness_n_m: [{}]", values(100), values(9000));
     let sweep = format!("sweep: [{{grid: {{{grid}}}}}]\n");
     scratch.write("many.yaml", study(&sweep));
-    let ends = "two or more speeds with different FROM and TO";
-    for (arguments, parts) in [
-        (
-            "a.yaml --grid 1000000",
-            ["1000000 points per axis: 1000000000000 in all", "at most 8192"],
-        ),
-        ("a.yaml --grid 99999999999", ["--grid is too fine", "67108864 in all"]),
-        ("one.yaml --grid 100000000", ["100000000 in all for 1 ball\n", "67108864"]),
-        ("a.yaml --grid 8193", ["--grid is too fine", "at most 8192"]),
-        ("a.yaml --grid 0", ["found \"0\"", "a whole number from 8"]),
-        ("a.yaml --grid -5", ["found \"-5\"", "a whole number from 8"]),
-        ("a.yaml --grid fine", ["found \"fine\"", "a whole number from 8"]),
-        ("a.yaml --samples 1024", ["--samples serves three balls or more", "--grid G"]),
-        ("three.yaml --grid 64", ["--grid serves one ball or two", "a study with 3 balls"]),
-        ("three.yaml --samples 1000", ["found \"1000\"", "a power of two from 1024 to 1048576"]),
-        ("three.yaml --samples 2097152", ["found \"2097152\"", "1048576"]),
-        ("many.yaml", ["262144 positions at each of 160000 points", "use --no-set"]),
-        ("a.yaml --speeds 1:2", ["found \"1:2\"", "FROM:TO:COUNT"]),
-        ("a.yaml --speeds 1:2:3:4", ["found \"1:2:3:4\"", "FROM:TO:COUNT"]),
-        (
-            "a.yaml --speeds 1:2:0",
-            ["the number of speeds \"0\"", "a whole number from 1 to 100000"],
-        ),
-        ("a.yaml --speeds 1:2:-3", ["the number of speeds \"-3\"", "a whole number from 1"]),
-        ("a.yaml --speeds 1:2:1000000", ["the number of speeds \"1000000\"", "to 100000"]),
-        ("a.yaml --speeds 2:2:5", ["5 speeds from 2 to 2", ends]),
-        ("a.yaml --speeds 1:2:1", ["1 speeds from 1 to 2", ends]),
-        ("a.yaml --speeds slow:2:5", ["the speeds \"slow\" and \"2\"", "numbers up to"]),
-        ("a.yaml --speeds nan:2:5", ["the speeds \"nan\" and \"2\"", "numbers up to"]),
-        ("a.yaml --speeds 1:inf:5", ["the speeds \"1\" and \"inf\"", "numbers up to"]),
-        ("a.yaml --ball-damping 0", ["found \"0\"", "a number above 0, up to 100000"]),
-        ("a.yaml --ball-damping -1", ["found \"-1\"", "a number above 0"]),
-        ("a.yaml --ball-damping nan", ["found \"nan\"", "a number above 0"]),
-        ("a.yaml --threads 0", ["found \"0\"", "a whole number from 1"]),
-        ("missing.yaml", ["missing.yaml", ""]),
-    ] {
-        scratch.refused(&format!("equilibria {arguments}"), &parts);
+    for row in rows(
+        r#"a.yaml --grid 1000000 ¦ 1000000 points per axis: 1000000000000 in all ¦ at most 8192
+a.yaml --grid 99999999999 ¦ --grid is too fine ¦ 67108864 in all
+one.yaml --grid 100000000 ¦ 100000000 in all for 1 ball\n ¦ 67108864
+a.yaml --grid 8193 ¦ --grid is too fine ¦ at most 8192
+a.yaml --grid 0 ¦ found "0" ¦ a whole number from 8
+a.yaml --grid -5 ¦ found "-5" ¦ a whole number from 8
+a.yaml --grid fine ¦ found "fine" ¦ a whole number from 8
+a.yaml --samples 1024 ¦ --samples serves three balls or more ¦ --grid G
+three.yaml --grid 64 ¦ --grid serves one ball or two ¦ a study with 3 balls
+three.yaml --samples 1000 ¦ found "1000" ¦ a power of two from 1024 to 1048576
+three.yaml --samples 2097152 ¦ found "2097152" ¦ 1048576
+many.yaml ¦ 262144 positions at each of 160000 points ¦ use --no-set
+a.yaml --speeds 1:2 ¦ found "1:2" ¦ FROM:TO:COUNT
+a.yaml --speeds 1:2:3:4 ¦ found "1:2:3:4" ¦ FROM:TO:COUNT
+a.yaml --speeds 1:2:0 ¦ the number of speeds "0" ¦ a whole number from 1 to 100000
+a.yaml --speeds 1:2:-3 ¦ the number of speeds "-3" ¦ a whole number from 1
+a.yaml --speeds 1:2:1000000 ¦ the number of speeds "1000000" ¦ to 100000
+a.yaml --speeds 2:2:5 ¦ 5 speeds from 2 to 2 ¦ two or more speeds with different FROM and TO
+a.yaml --speeds 1:2:1 ¦ 1 speeds from 1 to 2 ¦ two or more speeds with different FROM and TO
+a.yaml --speeds slow:2:5 ¦ the speeds "slow" and "2" ¦ numbers up to
+a.yaml --speeds nan:2:5 ¦ the speeds "nan" and "2" ¦ numbers up to
+a.yaml --speeds 1:inf:5 ¦ the speeds "1" and "inf" ¦ numbers up to
+a.yaml --ball-damping 0 ¦ found "0" ¦ a number above 0, up to 100000
+a.yaml --ball-damping -1 ¦ found "-1" ¦ a number above 0
+a.yaml --ball-damping nan ¦ found "nan" ¦ a number above 0
+a.yaml --threads 0 ¦ found "0" ¦ a whole number from 1
+missing.yaml ¦ missing.yaml"#,
+    ) {
+        scratch.refused(&format!("equilibria {}", row[0]), &row[1..]);
     }
 }
 

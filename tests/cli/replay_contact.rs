@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::support::{Scratch, assert_has, column, counts, numbers, study_text, words};
 use crate::docs::named::columns_are_on_pages;
-use crate::table::contract::columns;
+use crate::table::contract::{columns, listed};
 
 const MODEL: &str =
     "model: {kind: ball_balancer, parameters: {speed_rad_s: -173.1803}, contact: {}}\n";
@@ -81,18 +81,11 @@ fn the_columns_of_gaps_and_touches() {
     let gaps = ["gap_1_2_rad n rad", "touching_1_2 b -", "gap_2_1_rad n rad", "touching_2_1 b -"];
     let first = trajectory.iter().position(|name| name == gaps[0]).expect("gaps");
     assert_eq!(trajectory[first..first + 4], gaps);
-    let expected = [
-        "time_s n s",
-        "ball_behind c -",
-        "ball_ahead c -",
-        "from w -",
-        "to w -",
-        "beta_behind_rad n rad",
-        "beta_ahead_rad n rad",
-        "opening_speed_before_rad_s n rad/s",
-        "opening_speed_after_rad_s n rad/s",
-        "time n 1 (non-dimensional)",
-    ];
+    let expected = listed(
+        "time_s n s, ball_behind c -, ball_ahead c -, from w -, to w -, beta_behind_rad n rad, \
+         beta_ahead_rad n rad, opening_speed_before_rad_s n rad/s, \
+         opening_speed_after_rad_s n rad/s, time n 1 (non-dimensional)",
+    );
     assert_eq!(columns(&scratch.table("a-replay-0", "touches")), expected);
 
     // Without contact there are neither.

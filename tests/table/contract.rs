@@ -48,61 +48,36 @@ pub fn columns(table: &RecordBatch) -> Vec<String> {
     schema.fields().iter().map(describe).collect()
 }
 
+/// Returns names that `, ` separates.
+pub fn listed(names: &str) -> Vec<String> {
+    names.split(", ").map(str::to_owned).collect()
+}
+
 const NON_DIMENSIONAL: &str = "n 1 (non-dimensional)";
 
 #[test]
 fn runs() {
     let scratch = results(&study());
     let start = |name: &str| format!("{name} {NON_DIMENSIONAL}");
-    let mut expected: Vec<String> = [
-        "run_id c -",
-        "point_id c -",
-        "cell c -",
-        "replicate c -",
-        "speed_rad_s n rad/s",
-        "normal_force w -",
-        "ball_mass_2_kg n kg",
-    ]
-    .map(String::from)
-    .to_vec();
-    expected.extend([start("initial_x"), start("initial_y")]);
-    expected.extend(["initial_beta_1 n rad", "initial_beta_2 n rad"].map(String::from));
+    let mut expected = listed(
+        "run_id c -, point_id c -, cell c -, replicate c -, speed_rad_s n rad/s, normal_force w -, \
+         ball_mass_2_kg n kg",
+    );
+    expected.extend(["initial_x", "initial_y"].map(start));
+    expected.extend(listed("initial_beta_1 n rad, initial_beta_2 n rad"));
     expected.extend(
         ["initial_x_dot", "initial_y_dot", "initial_beta_dot_1", "initial_beta_dot_2"].map(start),
     );
-    expected.extend(
-        [
-            "label w -",
-            "evidence w -",
-            "balls_running s -",
-            "time_to_rest_s n s",
-            "end_time_s n s",
-            "extended b -",
-            "beta_1_rad n rad",
-            "beta_2_rad n rad",
-            "amplitude_m n m",
-            "relative_amplitude n 1",
-            "friction_margin n 1",
-            "period_s n s",
-            "cycle_class t -",
-            "largest_multiplier n 1",
-            "neutral_directions s -",
-            "ball_speed_1_rad_s n rad/s",
-            "ball_speed_2_rad_s n rad/s",
-            "lyapunov_exponent_per_s n 1/s",
-            "lyapunov_exponent_low_per_s n 1/s",
-            "lyapunov_exponent_high_per_s n 1/s",
-            "lyapunov_window_s n s",
-            "lyapunov_blocks c -",
-            "steps c -",
-            "rejected_steps c -",
-            "switches c -",
-            "error t -",
-            "audit_label w -",
-            "audit_evidence w -",
-        ]
-        .map(String::from),
-    );
+    expected.extend(listed(
+        "label w -, evidence w -, balls_running s -, time_to_rest_s n s, end_time_s n s, \
+         extended b -, beta_1_rad n rad, beta_2_rad n rad, amplitude_m n m, \
+         relative_amplitude n 1, friction_margin n 1, period_s n s, cycle_class t -, \
+         largest_multiplier n 1, neutral_directions s -, ball_speed_1_rad_s n rad/s, \
+         ball_speed_2_rad_s n rad/s, lyapunov_exponent_per_s n 1/s, \
+         lyapunov_exponent_low_per_s n 1/s, lyapunov_exponent_high_per_s n 1/s, \
+         lyapunov_window_s n s, lyapunov_blocks c -, steps c -, rejected_steps c -, switches c -, \
+         error t -, audit_label w -, audit_evidence w -",
+    ));
     assert_eq!(columns(&scratch.table("out", "runs")), expected);
 }
 
@@ -152,77 +127,29 @@ fn a_parameter_that_is_swept_and_drawn() {
 #[test]
 fn points() {
     let scratch = results(&study());
-    let expected = [
-        "point_id c -",
-        "speed_rad_s n rad/s",
-        "normal_force w -",
-        "runs c -",
-        "equilibrium_runs c -",
-        "limit_cycle_runs c -",
-        "creep_runs c -",
-        "quasi_periodic_runs c -",
-        "irregular_runs c -",
-        "undecided_runs c -",
-        "failed_runs c -",
-        "equilibrium_fraction n 1",
-        "ci_low n 1",
-        "ci_high n 1",
-        "ci_method w -",
-        "equilibrium_low n 1",
-        "equilibrium_high n 1",
-        "limit_cycle_low n 1",
-        "limit_cycle_high n 1",
-        "creep_low n 1",
-        "creep_high n 1",
-        "quasi_periodic_low n 1",
-        "quasi_periodic_high n 1",
-        "irregular_low n 1",
-        "irregular_high n 1",
-        "undecided_low n 1",
-        "undecided_high n 1",
-        "failed_low n 1",
-        "failed_high n 1",
-        "time_to_rest_p25_s n s",
-        "time_to_rest_p50_s n s",
-        "time_to_rest_p75_s n s",
-        "time_to_rest_p95_s n s",
-        "time_to_rest_p50_low_s n s",
-        "time_to_rest_p50_high_s n s",
-        "escape_rate_per_s n 1/s",
-        "escape_rate_low_per_s n 1/s",
-        "escape_rate_high_per_s n 1/s",
-        "escape_from_s n s",
-        "amplitude_p05_m n m",
-        "amplitude_p50_m n m",
-        "amplitude_p95_m n m",
-        "amplitude_p05_low_m n m",
-        "amplitude_p05_high_m n m",
-        "amplitude_p50_low_m n m",
-        "amplitude_p50_high_m n m",
-        "amplitude_p95_low_m n m",
-        "amplitude_p95_high_m n m",
-        "basin_entropy n 1",
-        "precision_reached b -",
-        "audited_runs c -",
-        "audit_flips c -",
-        "audit_rest_flips c -",
-        "audit_flip_rate n 1",
-        "audit_flip_low n 1",
-        "audit_flip_high n 1",
-        "amplitude_without_balls_m n m",
-        "set_fraction n 1",
-        "uniqueness w -",
-        "min_principal_minor n 1",
-        "worse_than_without_balls_fraction n 1",
-        "worse_than_without_balls_low n 1",
-        "worse_than_without_balls_high n 1",
-        "relative_amplitude_p05 n 1",
-        "relative_amplitude_p50 n 1",
-        "relative_amplitude_p95 n 1",
-        "balance_quality_grade_p50_mm_s n mm/s",
-        "balance_quality_grade_p95_mm_s n mm/s",
-        "overlapping_rest_fraction n 1",
-    ];
+    let expected = listed(
+        "point_id c -, speed_rad_s n rad/s, normal_force w -, runs c -, equilibrium_runs c -, \
+         limit_cycle_runs c -, creep_runs c -, quasi_periodic_runs c -, irregular_runs c -, \
+         undecided_runs c -, failed_runs c -, equilibrium_fraction n 1, ci_low n 1, ci_high n 1, \
+         ci_method w -, equilibrium_low n 1, equilibrium_high n 1, limit_cycle_low n 1, \
+         limit_cycle_high n 1, creep_low n 1, creep_high n 1, quasi_periodic_low n 1, \
+         quasi_periodic_high n 1, irregular_low n 1, irregular_high n 1, undecided_low n 1, \
+         undecided_high n 1, failed_low n 1, failed_high n 1, time_to_rest_p25_s n s, \
+         time_to_rest_p50_s n s, time_to_rest_p75_s n s, time_to_rest_p95_s n s, \
+         time_to_rest_p50_low_s n s, time_to_rest_p50_high_s n s, escape_rate_per_s n 1/s, \
+         escape_rate_low_per_s n 1/s, escape_rate_high_per_s n 1/s, escape_from_s n s, \
+         amplitude_p05_m n m, amplitude_p50_m n m, amplitude_p95_m n m, amplitude_p05_low_m n m, \
+         amplitude_p05_high_m n m, amplitude_p50_low_m n m, amplitude_p50_high_m n m, \
+         amplitude_p95_low_m n m, amplitude_p95_high_m n m, basin_entropy n 1, \
+         precision_reached b -, audited_runs c -, audit_flips c -, audit_rest_flips c -, \
+         audit_flip_rate n 1, audit_flip_low n 1, audit_flip_high n 1, \
+         amplitude_without_balls_m n m, set_fraction n 1, uniqueness w -, min_principal_minor n 1, \
+         worse_than_without_balls_fraction n 1, worse_than_without_balls_low n 1, \
+         worse_than_without_balls_high n 1, relative_amplitude_p05 n 1, \
+         relative_amplitude_p50 n 1, relative_amplitude_p95 n 1, \
+         balance_quality_grade_p50_mm_s n mm/s, balance_quality_grade_p95_mm_s n mm/s, \
+         overlapping_rest_fraction n 1",
+    );
     let points = scratch.table("out", "points");
     assert_eq!(columns(&points), expected);
     assert_eq!(counts(&points, "point_id"), [0, 1]);
@@ -237,17 +164,10 @@ fn rest() {
     let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -216.0]}}]\n";
     let scratch = results(&study_text("a", "{monte_carlo: {samples: 40}}", 5.0, rest));
     let rest = scratch.table("out", "time_to_rest");
-    let expected = [
-        "point_id c -",
-        "speed_rad_s n rad/s",
-        "time_s n s",
-        "at_risk c -",
-        "came_to_rest c -",
-        "censored c -",
-        "probability_at_rest n 1",
-        "ci_low n 1",
-        "ci_high n 1",
-    ];
+    let expected = listed(
+        "point_id c -, speed_rad_s n rad/s, time_s n s, at_risk c -, came_to_rest c -, \
+         censored c -, probability_at_rest n 1, ci_low n 1, ci_high n 1",
+    );
     assert_eq!(columns(&rest), expected);
     let [point, at_risk, rests, censored] =
         ["point_id", "at_risk", "came_to_rest", "censored"].map(|name| counts(&rest, name));
@@ -288,20 +208,11 @@ fn rest() {
 fn equilibria_of_identical_balls_are_sorted() {
     let scratch = results(&study_text("a", "{monte_carlo: {samples: 40}}", 5.0, ""));
     let (runs, equilibria) = (scratch.table("out", "runs"), scratch.table("out", "equilibria"));
-    let expected = [
-        "run_id c -",
-        "point_id c -",
-        "beta_1_rad n rad",
-        "beta_2_rad n rad",
-        "amplitude_m n m",
-        "friction_margin n 1",
-        "time_to_rest_s n s",
-        "evidence w -",
-        "bin_1 c -",
-        "bin_2 c -",
-        "balance_quality_grade_mm_s n mm/s",
-        "overlapping b -",
-    ];
+    let expected = listed(
+        "run_id c -, point_id c -, beta_1_rad n rad, beta_2_rad n rad, amplitude_m n m, \
+         friction_margin n 1, time_to_rest_s n s, evidence w -, bin_1 c -, bin_2 c -, \
+         balance_quality_grade_mm_s n mm/s, overlapping b -",
+    );
     assert_eq!(columns(&equilibria), expected);
     let angles = |table: &RecordBatch| -> Vec<(f64, f64)> {
         let [first, second] = ["beta_1_rad", "beta_2_rad"].map(|name| numbers(table, name));

@@ -15,57 +15,36 @@ use stickslip::model::{Case, FrictionLaw};
 use stickslip::study::Study;
 use stickslip::table::{Circumstances, PointRow, Results, ResultsError, RunRecord};
 
-use super::contract::{columns, results};
+use super::contract::{columns, listed, results};
 use crate::cli::support::{
     AT_ONCE, Scratch, column, counts, numbers, parse, study_text, table, words,
 };
 use crate::model::closed_forms::ClosedForms;
 
-const OF_EVERY_MODEL: [&str; 7] = [
-    "runs c -",
-    "fraction n 1",
-    "ci_low n 1",
-    "ci_high n 1",
-    "period_s n s",
-    "period_low_s n s",
-    "period_high_s n s",
-];
+const OF_EVERY_MODEL: &str = "runs c -, fraction n 1, ci_low n 1, ci_high n 1, period_s n s, \
+                              period_low_s n s, period_high_s n s";
 
-const OF_EVERY_CYCLE: [&str; 3] =
-    ["largest_multiplier n 1", "multipliers l 1", "neutral_directions s -"];
+const OF_EVERY_CYCLE: &str = "largest_multiplier n 1, multipliers l 1, neutral_directions s -";
 
 #[test]
 fn columns_of_a_balancer() {
     let sweep = "sweep: [{grid: {speed_rad_s: [-160.0]}}]\n";
     let scratch = results(&study_text("a", "{monte_carlo: {samples: 2}}", AT_ONCE, sweep));
     let ball = |i: usize| {
-        [
-            format!("turns_{i} i -"),
-            format!("mean_speed_{i}_rad_s n rad/s"),
-            format!("min_speed_{i}_rad_s n rad/s"),
-            format!("max_speed_{i}_rad_s n rad/s"),
-            format!("rest_from_{i}_rad n rad"),
-            format!("rest_to_{i}_rad n rad"),
-        ]
+        format!(
+            "turns_{i} i -, mean_speed_{i}_rad_s n rad/s, min_speed_{i}_rad_s n rad/s, \
+             max_speed_{i}_rad_s n rad/s, rest_from_{i}_rad n rad, rest_to_{i}_rad n rad"
+        )
     };
-    let mut expected =
-        ["point_id c -", "speed_rad_s n rad/s", "class t -", "balls_running s -"].to_vec();
-    expected.extend(OF_EVERY_MODEL);
-    let (first, second) = (ball(1), ball(2));
-    expected.extend(first.iter().chain(&second).map(String::as_str));
-    expected.extend([
-        "amplitude_rms_m n m",
-        "amplitude_rms_low_m n m",
-        "amplitude_rms_high_m n m",
-        "amplitude_peak_m n m",
-        "min_friction_margin n 1",
-    ]);
-    expected.extend(OF_EVERY_CYCLE);
-    let cycles = scratch.table("out", "cycles");
-    assert_eq!(
-        (columns(&cycles), cycles.num_rows()),
-        (expected.iter().map(|name| (*name).to_owned()).collect(), 0)
+    let expected = format!(
+        "point_id c -, speed_rad_s n rad/s, class t -, balls_running s -, {OF_EVERY_MODEL}, {}, {}, \
+         amplitude_rms_m n m, amplitude_rms_low_m n m, amplitude_rms_high_m n m, \
+         amplitude_peak_m n m, min_friction_margin n 1, {OF_EVERY_CYCLE}",
+        ball(1),
+        ball(2)
     );
+    let cycles = scratch.table("out", "cycles");
+    assert_eq!((columns(&cycles), cycles.num_rows()), (listed(&expected), 0));
 }
 
 /// There is one class at each belt speed with all runs on a limit cycle, and the period of the
@@ -75,17 +54,12 @@ fn a_block_on_a_belt_has_one_cycle() {
     let text = include_str!("../../studies/block-on-belt.yaml");
     let scratch = results(text);
     let cycles = scratch.table("out", "cycles");
-    let mut expected = ["point_id c -", "belt_speed_m_s n m/s", "class t -"].to_vec();
-    expected.extend(OF_EVERY_MODEL);
-    expected.extend([
-        "min_speed_belt_m_s n m/s",
-        "max_speed_belt_m_s n m/s",
-        "amplitude_m n m",
-        "amplitude_low_m n m",
-        "amplitude_high_m n m",
-    ]);
-    expected.extend(OF_EVERY_CYCLE);
-    assert_eq!(columns(&cycles), expected);
+    let expected = format!(
+        "point_id c -, belt_speed_m_s n m/s, class t -, {OF_EVERY_MODEL}, \
+         min_speed_belt_m_s n m/s, max_speed_belt_m_s n m/s, amplitude_m n m, \
+         amplitude_low_m n m, amplitude_high_m n m, {OF_EVERY_CYCLE}"
+    );
+    assert_eq!(columns(&cycles), listed(&expected));
     assert_eq!(counts(&cycles, "point_id"), [0, 1, 2, 3]);
     assert_eq!(words(&cycles, "class"), vec![Some("0:SB".to_owned()); 4]);
     let points = scratch.table("out", "points");

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use arrow::array::RecordBatch;
 use stickslip::analysis::{bin_edges, wilson};
 
-use super::contract::columns;
+use super::contract::{columns, listed};
 use crate::cli::support::{AT_ONCE, Scratch, counts, numbers, study_text};
 
 fn results(model: &str, speeds: &str, samples: u32, end_time_s: f64) -> Scratch {
@@ -27,20 +27,11 @@ fn bins_count_the_equilibria() {
     let scratch = results("", "-160.0, -216.0", 100, 8.0);
     let [equilibria, histogram] =
         ["equilibria", "equilibrium_histogram"].map(|name| scratch.table("out", name));
-    let expected = [
-        "point_id c -",
-        "speed_rad_s n rad/s",
-        "bin_1 c -",
-        "beta_1_from_rad n rad",
-        "beta_1_to_rad n rad",
-        "bin_2 c -",
-        "beta_2_from_rad n rad",
-        "beta_2_to_rad n rad",
-        "runs c -",
-        "fraction n 1",
-        "ci_low n 1",
-        "ci_high n 1",
-    ];
+    let expected = listed(
+        "point_id c -, speed_rad_s n rad/s, bin_1 c -, beta_1_from_rad n rad, beta_1_to_rad n rad, \
+         bin_2 c -, beta_2_from_rad n rad, beta_2_to_rad n rad, runs c -, fraction n 1, \
+         ci_low n 1, ci_high n 1",
+    );
     assert_eq!(columns(&histogram), expected);
     let key = |table: &RecordBatch| -> Vec<[u64; 3]> {
         let [points, first, second] =
@@ -81,18 +72,10 @@ fn other_numbers_of_balls_have_their_histograms() {
     let scratch = results(model, "-160.0", 30, 8.0);
     let [equilibria, histogram] =
         ["equilibria", "equilibrium_histogram"].map(|name| scratch.table("out", name));
-    let expected = [
-        "point_id c -",
-        "speed_rad_s n rad/s",
-        "ball c -",
-        "bin_1 c -",
-        "beta_1_from_rad n rad",
-        "beta_1_to_rad n rad",
-        "runs c -",
-        "fraction n 1",
-        "ci_low n 1",
-        "ci_high n 1",
-    ];
+    let expected = listed(
+        "point_id c -, speed_rad_s n rad/s, ball c -, bin_1 c -, beta_1_from_rad n rad, \
+         beta_1_to_rad n rad, runs c -, fraction n 1, ci_low n 1, ci_high n 1",
+    );
     assert_eq!(columns(&histogram), expected);
     let bins = [1, 2, 3].map(|ball| counts(&equilibria, &format!("bin_{ball}")));
     let (ball, bin, runs) =
