@@ -45,6 +45,21 @@ impl Scratch {
         Scratch(TempDir::new().unwrap())
     }
 
+    /// Returns a directory with the study `a.yaml`.
+    pub fn with(study: impl AsRef<[u8]>) -> Self {
+        let scratch = Scratch::new();
+        scratch.write("a.yaml", study);
+        scratch
+    }
+
+    /// Returns a directory with the study `a.yaml` and its results in `out`.
+    #[track_caller]
+    pub fn ran(study: impl AsRef<[u8]>) -> Self {
+        let scratch = Scratch::with(study);
+        scratch.well("run a.yaml --out out");
+        scratch
+    }
+
     pub fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
@@ -72,9 +87,21 @@ impl Scratch {
     /// Runs the program, which must succeed, and returns its standard output.
     #[track_caller]
     pub fn well(&self, arguments: &str) -> String {
+        self.ended(arguments, 0).out
+    }
+
+    /// Runs the program, which must succeed and print JSON.
+    #[track_caller]
+    pub fn json(&self, arguments: &str) -> serde_json::Value {
+        serde_json::from_str(&self.well(arguments)).expect("JSON")
+    }
+
+    /// Runs the program, which must end with this exit code.
+    #[track_caller]
+    pub fn ended(&self, arguments: &str, code: i32) -> Ended {
         let ended = self.stickslip(arguments);
-        assert_eq!(ended.code, Some(0), "{arguments}\n{}{}", ended.out, ended.err);
-        ended.out
+        assert_eq!(ended.code, Some(code), "{arguments}\n{}{}", ended.out, ended.err);
+        ended
     }
 
     /// Runs the program, which must refuse with exit code 2, print no data, change no file, and

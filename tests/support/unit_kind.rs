@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use stickslip::classification::{Outcome, simulate};
 use stickslip::model::{
-    Case, Components, ContactNames, ContactUnits, Coordinate, ModelKind, OutputUnits, OwnKind,
-    OwnModel, Simulation, Start, System, Units,
+    Capabilities, Case, Components, ContactNames, ContactUnits, Coordinate, DefaultModel,
+    ModelKind, OutputUnits, OwnKind, OwnModel, ParameterDescriptor, Simulation, SlidingSpeed,
+    Start, System, Units,
 };
 
 /// A kind whose start states follow a phase that is 0.
@@ -16,6 +17,23 @@ pub struct UnitKind {
     pub phases: usize,
     pub contacts: usize,
     pub system: fn(&OwnModel) -> Arc<dyn System>,
+}
+
+/// Returns a kind of model with this name.
+pub const fn unit_kind(
+    name: &'static str,
+    parameters: &'static [ParameterDescriptor],
+    kind: &'static dyn OwnKind,
+) -> ModelKind {
+    ModelKind {
+        name,
+        meaning: "A kind of a test.",
+        parameters,
+        body: "body",
+        sliding_speed: SlidingSpeed::MS,
+        offers: Capabilities::MOTION,
+        default: DefaultModel::Own(kind),
+    }
 }
 
 impl OwnKind for UnitKind {
