@@ -76,6 +76,22 @@ impl Sample {
     }
 }
 
+/// Returns a cycle that attracts, with other values of 0.
+pub fn cycle(turns: Vec<i32>, configurations: Vec<Vec<CyclePhase>>) -> Cycle {
+    let balls = turns.len();
+    Cycle {
+        turns,
+        configurations,
+        touching: Vec::new(),
+        speed_extremes: vec![[0.0; 2]; balls],
+        position_extremes: vec![None; balls],
+        stick_fraction: vec![0.0; balls],
+        peak_amplitude_m: 0.0,
+        multipliers: Vec::new(),
+        neutral_directions: 0,
+    }
+}
+
 fn cycle_phase() -> impl Strategy<Value = CyclePhase> {
     prop::sample::select(vec![CyclePhase::Stick, CyclePhase::Forward, CyclePhase::Backward])
 }
@@ -114,16 +130,14 @@ pub fn sample(most_balls: usize, most_letters: usize) -> impl Strategy<Value = S
                 ..Machine::default()
             },
             cycle: Cycle {
-                turns: parts.iter().map(|part| part.turns).collect(),
-                configurations: (0..letters).map(configuration).collect(),
-                touching: Vec::new(),
                 // A unique value per ball, by which the test identifies it.
                 speed_extremes: parts.iter().map(|part| [-part.angle, part.angle]).collect(),
-                position_extremes: vec![None; parts.len()],
-                stick_fraction: vec![0.0; parts.len()],
                 peak_amplitude_m: 1e-4,
                 multipliers: vec![0.5],
-                neutral_directions: 0,
+                ..cycle(
+                    parts.iter().map(|part| part.turns).collect(),
+                    (0..letters).map(configuration).collect(),
+                )
             },
             angles: parts.iter().map(|part| part.angle).collect(),
         }
@@ -304,17 +318,7 @@ fn named(speed_rad_s: f64, alike: bool, balls: &[(i32, &[CyclePhase])]) -> Cycle
                 .collect(),
             ..Machine::default()
         },
-        cycle: Cycle {
-            turns: balls.iter().map(|&(turns, _)| turns).collect(),
-            configurations: (0..steps).map(at).collect(),
-            touching: Vec::new(),
-            speed_extremes: vec![[0.0; 2]; balls.len()],
-            position_extremes: vec![None; balls.len()],
-            stick_fraction: vec![0.0; balls.len()],
-            peak_amplitude_m: 0.0,
-            multipliers: Vec::new(),
-            neutral_directions: 0,
-        },
+        cycle: cycle(balls.iter().map(|&(turns, _)| turns).collect(), (0..steps).map(at).collect()),
         angles: (0..balls.len()).map(|ball| 3.0 - ball as f64).collect(),
     }
     .class()
@@ -337,15 +341,9 @@ fn classes_say_which_balls_touch() {
                 ..Machine::default()
             },
             cycle: Cycle {
-                turns: turns.to_vec(),
-                configurations: vec![turns.iter().map(phase).collect()],
                 touching: touching.iter().map(pair).collect(),
                 speed_extremes: angles.iter().map(|angle| [-angle, *angle]).collect(),
-                position_extremes: vec![None; turns.len()],
-                stick_fraction: vec![0.0; turns.len()],
-                peak_amplitude_m: 0.0,
-                multipliers: Vec::new(),
-                neutral_directions: 0,
+                ..cycle(turns.to_vec(), vec![turns.iter().map(phase).collect()])
             },
             angles: angles.to_vec(),
         };
@@ -452,16 +450,11 @@ fn unknown_and_none() {
     let unknown = CycleClass::of(&model, &bare(Evidence::ClosedOrbit)).expect("a claim");
     assert_eq!((unknown.name.as_str(), unknown.roles.len()), (CycleClass::UNKNOWN, 0));
     let block = Block::on_belt();
+    let phases = [CyclePhase::Backward, CyclePhase::Stick].map(|phase| vec![phase]);
     let cycle = Cycle {
-        turns: vec![0],
-        configurations: vec![vec![CyclePhase::Backward], vec![CyclePhase::Stick]],
-        touching: Vec::new(),
         speed_extremes: vec![[-1.0, 0.0]],
-        position_extremes: vec![None],
-        stick_fraction: vec![0.0],
-        peak_amplitude_m: 0.0,
         multipliers: vec![0.0],
-        neutral_directions: 0,
+        ..cycle(vec![0], phases.to_vec())
     };
     let outcome = Outcome {
         position: Some(vec![0.0]),

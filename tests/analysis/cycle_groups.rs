@@ -7,7 +7,7 @@ use stickslip::analysis::{CycleGroup, Observed, PointAccumulator, Z_95, wilson_w
 use stickslip::classification::{Cycle, CyclePhase, Evidence, Outcome};
 use stickslip::model::{Case, Machine, Simulation, Start};
 
-use super::cycle_classes::sample;
+use super::cycle_classes::{cycle, sample};
 
 fn case(machine: Machine) -> Case {
     let start = Start::of_balancer([0.0; 2], &[0.0; 2], [0.0; 2], &[0.0; 2]);
@@ -29,23 +29,15 @@ pub fn falls_back(turns: i32, period_s: f64, rests_at: f64, second_rests: bool) 
         if second_rests { vec![runs, rests] } else { vec![rests, runs] }
     }
     let cycle = Cycle {
-        turns: if second_rests { vec![turns, 0] } else { vec![0, turns] },
-        configurations: vec![if second_rests {
-            vec![CyclePhase::Forward, CyclePhase::Stick]
-        } else {
-            vec![CyclePhase::Stick, CyclePhase::Forward]
-        }],
-        touching: Vec::new(),
-        speed_extremes: if second_rests {
-            vec![[60.0 + period_s, 80.0 + period_s], [0.0; 2]]
-        } else {
-            vec![[0.0; 2], [60.0 + period_s, 80.0 + period_s]]
-        },
-        stick_fraction: vec![0.0; 2],
+        speed_extremes: in_order(second_rests, [60.0 + period_s, 80.0 + period_s], [0.0; 2]),
         position_extremes: in_order(second_rests, None, Some([rests_at; 2])),
         peak_amplitude_m: 2.0 * period_s,
         multipliers: vec![period_s, 0.5 * period_s],
         neutral_directions: 1,
+        ..cycle(
+            in_order(second_rests, turns, 0),
+            vec![in_order(second_rests, CyclePhase::Forward, CyclePhase::Stick)],
+        )
     };
     let outcome = Outcome {
         position: Some(in_order(second_rests, 1.0, rests_at)),

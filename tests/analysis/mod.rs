@@ -5,7 +5,7 @@ mod audit;
 mod balance_quality;
 mod balanced_rotor;
 mod basin_entropy;
-mod cycle_classes;
+pub mod cycle_classes;
 mod cycle_groups;
 mod equilibrium_histogram;
 mod escape;

@@ -10,6 +10,8 @@ use stickslip::analysis::{
 use stickslip::classification::{Evidence, Outcome};
 use stickslip::model::{Case, Machine, Model, Simulation, Start};
 
+use super::reference_amplitude::at_resonance;
+
 fn add(
     point: &mut PointAccumulator,
     model: impl Into<Model>,
@@ -57,16 +59,8 @@ fn each_run_is_compared_with_its_own_machine() {
 /// No run is worse than an undamped machine at its resonance.
 #[test]
 fn an_unbounded_amplitude_is_not_exceeded() {
-    let resonance = Machine {
-        table_mass_kg: 0.75,
-        imbalance_mass_kg: 0.25,
-        stiffness_n_m: 1e4,
-        damping_n_s_m: 0.0,
-        speed_rad_s: -100.0,
-        ..Machine::default()
-    };
     let mut point = PointAccumulator::default();
-    add(&mut point, resonance, Evidence::EndTime, Some(1e6), &[0.0; 2]);
+    add(&mut point, at_resonance(), Evidence::EndTime, Some(1e6), &[0.0; 2]);
     assert_eq!(
         point.summary().residual.worse_than_without_balls.map(|[worse, ..]| worse),
         Some(0.0)

@@ -12,8 +12,7 @@ fn results(design: &str) -> Scratch {
                 sweep: [{grid: {belt_speed_m_s: [0.2, 0.35]}}]\n\
                 uncertain: {mass_kg: {normal: {mean: 1, std_dev: 0.6}}}\n";
     let design = format!("{design}, box: {{position_m: [-0.03, 0.05], velocity_m_s: [-0.4, 0.4]}}");
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", &design, 20.0, rest));
+    let scratch = Scratch::with(study_text("a", &design, 20.0, rest));
     assert_eq!(scratch.stickslip("run a.yaml --out out").code, Some(3));
     scratch
 }

@@ -15,7 +15,7 @@ use stickslip::model::{Case, FrictionLaw};
 use stickslip::study::Study;
 use stickslip::table::{Circumstances, PointRow, Results, ResultsError, RunRecord};
 
-use super::contract::{columns, listed, results};
+use super::contract::{columns, listed};
 use crate::cli::support::{
     AT_ONCE, Scratch, column, counts, numbers, parse, study_text, table, words,
 };
@@ -29,7 +29,7 @@ const OF_EVERY_CYCLE: &str = "largest_multiplier n 1, multipliers l 1, neutral_d
 #[test]
 fn columns_of_a_balancer() {
     let sweep = "sweep: [{grid: {speed_rad_s: [-160.0]}}]\n";
-    let scratch = results(&study_text("a", "{monte_carlo: {samples: 2}}", AT_ONCE, sweep));
+    let scratch = Scratch::ran(&study_text("a", "{monte_carlo: {samples: 2}}", AT_ONCE, sweep));
     let ball = |i: usize| {
         format!(
             "turns_{i} i -, mean_speed_{i}_rad_s n rad/s, min_speed_{i}_rad_s n rad/s, \
@@ -52,7 +52,7 @@ fn columns_of_a_balancer() {
 #[test]
 fn a_block_on_a_belt_has_one_cycle() {
     let text = include_str!("../../studies/block-on-belt.yaml");
-    let scratch = results(text);
+    let scratch = Scratch::ran(text);
     let cycles = scratch.table("out", "cycles");
     let expected = format!(
         "point_id c -, belt_speed_m_s n m/s, class t -, {OF_EVERY_MODEL}, \
@@ -127,14 +127,11 @@ fn constructed(case: &Case) -> Outcome {
                 .iter()
                 .map(|&turns| (turns == 0).then_some([own; 2]))
                 .collect(),
-            stick_fraction: vec![0.0; turns.len()],
-            turns,
-            configurations,
-            touching: Vec::new(),
             speed_extremes: vec![[-own, own]; 2],
             peak_amplitude_m: own,
             multipliers: vec![0.1 * own, 0.01 * own],
             neutral_directions: 1,
+            ..crate::analysis::cycle_classes::cycle(turns, configurations)
         })
     });
     Outcome {

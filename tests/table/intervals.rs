@@ -8,8 +8,7 @@ use crate::cli::support::{Scratch, counts, numbers, study_text, words};
 
 /// Returns the only point of a study with this design: method, ends, equilibria and runs.
 fn point(design: &str, more: &str) -> (String, (f64, f64), u64, u64) {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", design, 5.0, ""));
+    let scratch = Scratch::with(study_text("a", design, 5.0, ""));
     let printed = scratch.well(&format!("run a.yaml --out out --json {more}"));
     let json: Value = serde_json::from_str(&printed).unwrap();
     let points = scratch.table("out", "points");

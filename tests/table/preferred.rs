@@ -87,8 +87,6 @@ fn other_numbers_of_balls_have_their_histograms() {
         assert_eq!((0..equilibria.num_rows()).filter(holds).count() as u64, runs[row]);
     }
     let block = "model: {kind: block_on_spring}\n";
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, block));
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, block));
     assert_eq!(scratch.table("out", "equilibrium_histogram").num_rows(), 0);
 }

@@ -7,21 +7,16 @@ use std::path::Path;
 use stickslip::table::{EARLIER, MANIFEST, close_earlier, put_aside};
 use tempfile::{TempDir, tempdir};
 
+use crate::cli::support::DATA_FILES;
+
 /// The files of an output directory, in the order in which they are moved.
-const FILES: [&str; 8] = [
-    "runs.parquet",
-    "points.parquet",
-    "time_to_rest.parquet",
-    "cycles.parquet",
-    "equilibria.parquet",
-    "equilibrium_histogram.parquet",
-    "study.yaml",
-    MANIFEST,
-];
+fn files() -> Vec<&'static str> {
+    [&DATA_FILES[..], &[MANIFEST]].concat()
+}
 
 /// Writes results whose files all have this content.
 fn write(directory: &Path, content: &str) {
-    for name in FILES {
+    for name in files() {
         fs::write(directory.join(name), format!("{name} of {content}")).unwrap();
     }
 }
@@ -44,10 +39,10 @@ fn killed(moves: usize) -> TempDir {
     write(scratch.path(), "the first");
     let partial = scratch.path().join("earlier/1.partial");
     fs::create_dir_all(&partial).unwrap();
-    for name in FILES.iter().take(moves) {
+    for name in files().into_iter().take(moves) {
         fs::rename(scratch.path().join(name), partial.join(name)).unwrap();
     }
-    if moves > FILES.len() {
+    if moves > files().len() {
         fs::rename(&partial, scratch.path().join("earlier/1")).unwrap();
     }
     scratch
@@ -56,11 +51,11 @@ fn killed(moves: usize) -> TempDir {
 /// The next two programs never lose a file of the first or the second results.
 #[test]
 fn no_kill_loses_earlier_results() {
-    for moves in 0..=FILES.len() + 1 {
+    for moves in 0..=files().len() + 1 {
         let scratch = killed(moves);
         let directory = scratch.path();
         let first = contents(directory);
-        assert_eq!(first.len(), FILES.len());
+        assert_eq!(first.len(), files().len());
         // If all files have been moved, a study runs as in any other directory, even if the
         // folder has not got its name yet. Otherwise the rest is put aside first.
         if directory.join(MANIFEST).exists() {
@@ -85,13 +80,13 @@ fn no_kill_loses_earlier_results() {
 /// another folder.
 #[test]
 fn a_folder_is_not_filled_up_with_other_results() {
-    for moves in 1..=FILES.len() {
+    for moves in 1..=files().len() {
         let scratch = killed(moves);
         let first = contents(scratch.path());
         write(scratch.path(), "the second");
         let second = put_aside(scratch.path()).unwrap();
         assert_eq!(second, scratch.path().join("earlier/2"));
-        assert_eq!(contents(&second).len(), FILES.len());
+        assert_eq!(contents(&second).len(), files().len());
         let moved = contents(&scratch.path().join("earlier/1"));
         assert_eq!(moved.len(), moves);
         assert!(moved.is_subset(&first));

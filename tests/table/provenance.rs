@@ -27,9 +27,7 @@ fn provenance(scratch: &Scratch, file: &str) -> Value {
 
 #[test]
 fn every_table_says_where_it_comes_from() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", text());
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(text());
     scratch.well("expand a.yaml --out cases.parquet");
     let study = parse(&text());
     for (file, table) in [
@@ -66,8 +64,7 @@ fn every_table_says_where_it_comes_from() {
 
 #[test]
 fn time_and_host_are_in_the_manifest_only() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", text());
+    let scratch = Scratch::with(text());
     let now = || SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_secs_f64();
     let before = now();
     scratch.well("run a.yaml --out out --threads 3");

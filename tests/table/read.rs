@@ -62,9 +62,7 @@ fn provenance(format: u32, table: &str, hash: &str) -> String {
 
 /// Returns the manifest of a small study, with these files instead of its own.
 fn manifest(files: impl IntoIterator<Item = (String, FileEntry)>) -> Manifest {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 1}}", AT_ONCE, ""));
-    scratch.well("run a.yaml --out out -q");
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 1}}", AT_ONCE, ""));
     let read = manifest_of(&scratch.path("out")).unwrap().unwrap();
     Manifest {
         files: files.into_iter().collect::<BTreeMap<_, _>>(),

@@ -18,8 +18,7 @@ fn results() -> Scratch {
     let rest = "sweep: [{grid: {speed_rad_s: [-160.8103, -216.3772]}}]\n\
                 uncertain: {imbalance_mass_kg: {uniform: {min: 2.0e-5, max: 9.0e-5}}, \
                 ball_mass_kg: {normal: {mean: 1.4e-4, std_dev: 1.0e-4}}}\n";
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 40}}", 5.0, rest));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 40}}", 5.0, rest));
     assert_eq!(scratch.stickslip("run a.yaml --out out").code, Some(3));
     scratch
 }
