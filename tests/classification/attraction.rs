@@ -1,20 +1,17 @@
 //! Claimed limit cycles attract the run: both methods claim the same cycles, and the further motion
 //! passes ever more exactly one period later.
 
-use std::path::Path;
-
 use rayon::prelude::*;
 use stickslip::classification::{Evidence, Outcome};
 use stickslip::model::{Case, Method, Simulation};
 use stickslip::motion::{Motion, Settings};
-use stickslip::study::Study;
 
 use super::simulate_all::simulate_all;
+use crate::support::shipped_study;
 
 /// The runs with a tenth of the friction in the thesis's study.
 fn cases() -> Vec<Case> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/preferred-equilibria.yaml");
-    let study = Study::load(&path).expect("a study");
+    let study = shipped_study("preferred-equilibria.yaml");
     let all = (0..study.run_count()).filter_map(|run| study.planned_run(run).case.ok());
     let slippery = |case: &Case| {
         let machine = case.model.ball_balancer().expect("a balancer");

@@ -1,11 +1,10 @@
 //! Blocks on springs: place and time of rest, cycles, and motions without a claim.
 
+use super::{METHODS, near, position};
 use crate::model::closed_forms::ClosedForms;
 use crate::support::{Block, Ground};
 use stickslip::classification::{CyclePhase, Evidence, Label, Outcome, simulate};
 use stickslip::model::{Case, FrictionLaw, Method, Simulation, Start};
-
-const METHODS: [Method; 2] = [Method::Event, Method::Switch];
 
 fn run(block: &Block, start: [f64; 2], method: Method, end_time_s: f64) -> Outcome {
     let simulation = Simulation {
@@ -20,16 +19,6 @@ fn run(block: &Block, start: [f64; 2], method: Method, end_time_s: f64) -> Outco
 
 fn drop_at_once(static_friction_coefficient: f64) -> FrictionLaw {
     FrictionLaw::stribeck(static_friction_coefficient, 0.0)
-}
-
-#[track_caller]
-fn near(found: Option<f64>, exact: f64, tolerance: f64) {
-    let found = found.expect("known");
-    assert!((found - exact).abs() <= tolerance, "{found}, exact {exact}");
-}
-
-fn position(outcome: &Outcome) -> Option<f64> {
-    outcome.position.as_ref().map(|position| position[0])
 }
 
 /// A block stops at the place and time of the closed form (thesis figure 4.2), with one switch for

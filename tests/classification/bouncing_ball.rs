@@ -12,11 +12,11 @@ use std::sync::Arc;
 
 use stickslip::classification::{Evidence, Outcome};
 use stickslip::model::{
-    Capabilities, DefaultModel, EventEquations, Expression, ForcingLayout, Layout, Method,
-    ModelKind, Number, ParameterDescriptor, Recorder, Simulation, SlidingSpeed, SystemEquations,
+    EventEquations, Expression, ForcingLayout, Layout, Method, ModelKind, Number,
+    ParameterDescriptor, Recorder, Simulation, SystemEquations,
 };
 
-use crate::support::{OwnSystem, UnitKind, simulate_kind};
+use crate::support::{OwnSystem, UnitKind, simulate_kind, unit_kind};
 
 const RESTITUTION: f64 = 0.5;
 
@@ -41,18 +41,14 @@ fn bouncing(recorder: &Recorder) -> SystemEquations<'_> {
     }
 }
 
-static KIND: ModelKind = ModelKind {
-    name: "bouncing_ball",
-    meaning: "A ball on a plate that vibrates.",
-    parameters: &[
+static KIND: ModelKind = unit_kind(
+    "bouncing_ball",
+    &[
         ParameterDescriptor::positive("shaking", "1", "acceleration of the plate over g", 1.2),
         ParameterDescriptor::positive("friction_coefficient", "1", "without effect", 0.1),
     ],
-    body: "ball",
-    sliding_speed: SlidingSpeed::MS,
-    offers: Capabilities::MOTION,
-    default: DefaultModel::Own(&BOUNCING),
-};
+    &BOUNCING,
+);
 
 static BOUNCING: UnitKind = UnitKind {
     coordinates: 1,

@@ -5,13 +5,12 @@ use std::sync::Arc;
 
 use stickslip::classification::{Evidence, Label, Outcome};
 use stickslip::model::{
-    Capabilities, DefaultModel, Expression, Friction, ImpactLaw, Mechanism, MechanismContact,
-    MechanismNormal, Method, ModelKind, Number, ParameterDescriptor, Recorder, Simulation,
-    SlidingSpeed, System,
+    Expression, Friction, ImpactLaw, Mechanism, MechanismContact, MechanismNormal, Method,
+    ModelKind, Number, ParameterDescriptor, Recorder, Simulation, System,
 };
 use stickslip::motion::{Motion, Settings, Tolerance, all_stick};
 
-use crate::support::{OwnMechanism, TestRng, UnitKind, simulate_kind};
+use crate::support::{OwnMechanism, TestRng, UnitKind, simulate_kind, unit_kind};
 
 /// The block has mass 1 and the pendulum mass 0.5 and length 1; gravity is 1.
 fn block_with_pendulum<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanism<'r> {
@@ -49,18 +48,14 @@ fn system(friction: f64, damping: f64) -> Arc<dyn System> {
     Arc::new(OwnMechanism::new(block_with_pendulum, vec![damping], contacts))
 }
 
-static KIND: ModelKind = ModelKind {
-    name: "block_with_pendulum",
-    meaning: "A block on the ground that carries a pendulum.",
-    parameters: &[
+static KIND: ModelKind = unit_kind(
+    "block_with_pendulum",
+    &[
         ParameterDescriptor::positive("friction_coefficient", "1", "friction", 0.2),
         ParameterDescriptor::not_negative("damping", "1", "damping of the pendulum", 0.1),
     ],
-    body: "block",
-    sliding_speed: SlidingSpeed::MS,
-    offers: Capabilities::MOTION,
-    default: DefaultModel::Own(&BLOCK),
-};
+    &BLOCK,
+);
 
 static BLOCK: UnitKind = UnitKind {
     coordinates: 3,

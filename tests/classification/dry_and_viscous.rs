@@ -1,13 +1,12 @@
 //! Coulomb friction and viscous drag together: closed forms of blocks, and the two laws as limits.
 
+use super::{METHODS, near, position};
 use crate::cli::support::parse;
 use crate::model::closed_forms::ClosedForms;
 use crate::support::{Block, Ground};
 use stickslip::classification::{Evidence, Outcome, simulate, simulate_by_recorded_equations};
 use stickslip::engine::compute;
 use stickslip::model::{BallContact, Case, FrictionLaw, Machine, Method, Model, Simulation, Start};
-
-const METHODS: [Method; 2] = [Method::Event, Method::Switch];
 
 fn case(model: impl Into<Model>, start: Start, method: Method, end_time_s: f64) -> Case {
     let simulation = Simulation {
@@ -26,16 +25,6 @@ fn run(block: &Block, start: [f64; 2], method: Method, end_time_s: f64) -> Outco
 
 fn block(drag: f64) -> Block {
     Block { friction: FrictionLaw::coulomb_viscous(drag), ..Block::on_spring() }
-}
-
-#[track_caller]
-fn near(found: Option<f64>, exact: f64, tolerance: f64) {
-    let found = found.expect("known");
-    assert!((found - exact).abs() <= tolerance, "{found}, exact {exact}");
-}
-
-fn position(outcome: &Outcome) -> Option<f64> {
-    outcome.position.as_ref().map(|position| position[0])
 }
 
 /// A block stops at the place and time of the closed form, a damped oscillation in each half swing, up to a third

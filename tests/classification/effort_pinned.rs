@@ -10,93 +10,44 @@ use std::path::Path;
 use stickslip::classification::{Outcome, simulate, simulate_by_recorded_equations};
 use stickslip::model::{Ball, Case, FrictionLaw, Machine, Method, Simulation, Start};
 
-const VISCOUS: FrictionLaw = FrictionLaw::viscous(2e-4);
+use crate::support::cases;
 
-/// A run of the thesis's machine, with angles and speeds of the balls at the start.
-struct Pinned {
-    name: &'static str,
-    method: Method,
-    friction: FrictionLaw,
-    friction_coefficient: f64,
-    speed_rad_s: f64,
-    relative_tolerance: f64,
-    beta: &'static [f64],
-    beta_dot: &'static [f64],
-}
+/// Runs of the thesis's machine: the name, the method, the drag (none: dry friction), the friction coefficient, the speed of the
+/// disc, the tolerance, and angles and speeds of the balls at the start.
+const RUNS: &str = "subcritical, switch ¦ switch ¦  ¦ 2.75e-3 ¦ -160.8103 ¦ 1e-8 ¦ 1 4 ¦ 0.5 -0.3
+subcritical, event ¦ event ¦  ¦ 2.75e-3 ¦ -160.8103 ¦ 1e-8 ¦ 1 4 ¦ 0.5 -0.3
+W1's, switch ¦ switch ¦  ¦ 2.75e-3 ¦ -216.3772 ¦ 1e-6 ¦ 1 4 ¦ 0.5 -0.3
+W1's, event ¦ event ¦  ¦ 2.75e-3 ¦ -216.3772 ¦ 1e-6 ¦ 1 4 ¦ 0.5 -0.3
+little friction ¦ switch ¦  ¦ 2.75e-4 ¦ -216.3772 ¦ 1e-8 ¦ 1 4 ¦ 0.5 -0.3
+one ball ¦ event ¦  ¦ 2.75e-3 ¦ -191.6372 ¦ 1e-8 ¦ 1 ¦ 0.5
+three balls ¦ switch ¦  ¦ 2.75e-3 ¦ -173.1803 ¦ 1e-8 ¦ 1 2.5 4 ¦ 0.5 0 -0.3
+viscous ¦ switch ¦ 2e-4 ¦ 2.75e-3 ¦ -309.15 ¦ 1e-8 ¦ 1 4 ¦ 0.5 -0.3
+viscous, three balls ¦ event ¦ 2e-4 ¦ 2.75e-3 ¦ -216.3772 ¦ 1e-8 ¦ 1 2.5 4 ¦ 0.5 0 -0.3";
 
-impl Pinned {
-    const USUAL: Pinned = Pinned {
-        name: "",
-        method: Method::Switch,
-        friction: FrictionLaw::COULOMB,
-        friction_coefficient: 2.75e-3,
-        speed_rad_s: -216.3772,
-        relative_tolerance: 1e-8,
-        beta: &[1.0, 4.0],
-        beta_dot: &[0.5, -0.3],
+fn case([_, method, drag, coefficient, speed, tolerance, beta, beta_dot]: &[String; 8]) -> Case {
+    let numbers = |text: &str| -> Vec<f64> {
+        text.split_whitespace().map(|number| number.parse().expect("a number")).collect()
     };
-
-    fn case(&self) -> Case {
-        let ball = Ball { friction_coefficient: self.friction_coefficient, ..Ball::default() };
-        let machine = Machine {
-            speed_rad_s: self.speed_rad_s,
-            friction: self.friction,
-            balls: vec![ball; self.beta.len()],
-            ..Machine::default()
-        };
-        let simulation = Simulation {
-            method: self.method,
-            relative_tolerance: self.relative_tolerance,
-            absolute_tolerance: self.relative_tolerance / 100.0,
-            ..Simulation::default()
-        };
-        let start = Start::of_balancer([0.01, -0.02], self.beta, [0.0, 0.02], self.beta_dot);
-        Case { model: machine.into(), start, simulation }
-    }
+    let [friction_coefficient, speed_rad_s, relative_tolerance] =
+        [coefficient, speed, tolerance].map(|text| numbers(text)[0]);
+    let beta = numbers(beta);
+    let machine = Machine {
+        speed_rad_s,
+        friction: numbers(drag)
+            .first()
+            .map_or(FrictionLaw::COULOMB, |drag| FrictionLaw::viscous(*drag)),
+        balls: vec![Ball { friction_coefficient, ..Ball::default() }; beta.len()],
+        ..Machine::default()
+    };
+    let simulation = Simulation {
+        method: if method == "event" { Method::Event } else { Method::Switch },
+        relative_tolerance,
+        absolute_tolerance: relative_tolerance / 100.0,
+        ..Simulation::default()
+    };
+    let start = Start::of_balancer([0.01, -0.02], &beta, [0.0, 0.02], &numbers(beta_dot));
+    Case { model: machine.into(), start, simulation }
 }
-
-const RUNS: [Pinned; 9] = [
-    Pinned { name: "subcritical, switch", speed_rad_s: -160.8103, ..Pinned::USUAL },
-    Pinned {
-        name: "subcritical, event",
-        method: Method::Event,
-        speed_rad_s: -160.8103,
-        ..Pinned::USUAL
-    },
-    Pinned { name: "W1's, switch", relative_tolerance: 1e-6, ..Pinned::USUAL },
-    Pinned {
-        name: "W1's, event",
-        method: Method::Event,
-        relative_tolerance: 1e-6,
-        ..Pinned::USUAL
-    },
-    Pinned { name: "little friction", friction_coefficient: 2.75e-4, ..Pinned::USUAL },
-    Pinned {
-        name: "one ball",
-        method: Method::Event,
-        speed_rad_s: -191.6372,
-        beta: &[1.0],
-        beta_dot: &[0.5],
-        ..Pinned::USUAL
-    },
-    Pinned {
-        name: "three balls",
-        speed_rad_s: -173.1803,
-        beta: &[1.0, 2.5, 4.0],
-        beta_dot: &[0.5, 0.0, -0.3],
-        ..Pinned::USUAL
-    },
-    Pinned { name: "viscous", friction: VISCOUS, speed_rad_s: -309.15, ..Pinned::USUAL },
-    Pinned {
-        name: "viscous, three balls",
-        method: Method::Event,
-        friction: VISCOUS,
-        speed_rad_s: -216.3772,
-        beta: &[1.0, 2.5, 4.0],
-        beta_dot: &[0.5, 0.0, -0.3],
-        ..Pinned::USUAL
-    },
-];
 
 fn row(name: &str, kernel: &str, outcome: &Outcome) -> String {
     let effort = outcome.effort;
@@ -119,11 +70,10 @@ fn efforts_are_those_pinned() {
         "run", "kernel", "steps", "not taken", "switches", "label"
     )
     .unwrap();
-    for pinned in &RUNS {
-        let case = pinned.case();
-        let general = simulate_by_recorded_equations(&case);
-        found += &row(pinned.name, "tuned", &simulate(&case));
-        found += &row(pinned.name, "general", &general);
+    for run in cases(RUNS) {
+        let case = case(&run);
+        found += &row(&run[0], "tuned", &simulate(&case));
+        found += &row(&run[0], "general", &simulate_by_recorded_equations(&case));
     }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/effort.txt");
     if std::env::var_os("STICKSLIP_PIN_EFFORT").is_some() {

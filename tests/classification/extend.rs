@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
+use super::METHODS;
 use crate::support::{Block, Ground};
 use stickslip::classification::{Evidence, Label, Outcome, simulate};
-use stickslip::model::{Case, Extend, FrictionLaw, Machine, Method, Simulation, Start};
+use stickslip::model::{Case, Extend, FrictionLaw, Machine, Simulation, Start};
 use stickslip::motion::Failure;
 use stickslip::study::Study;
 
-const METHODS: [Method; 2] = [Method::Event, Method::Switch];
 /// With the first factor, the last tenth begins before the end time.
 const FACTORS: [f64; 3] = [1.05, 2.0, 4.0];
 

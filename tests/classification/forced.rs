@@ -5,15 +5,13 @@ use std::sync::Arc;
 
 use stickslip::classification::{CyclePhase, Evidence, Outcome};
 use stickslip::model::{
-    Capabilities, ContactEquations, ContactLayout, DefaultModel, Expression, ForcingLayout,
-    Friction, Layout, Method, ModelKind, Number, ParameterDescriptor, Recorder, Simulation,
-    SlidingSpeed, System, SystemEquations,
+    ContactEquations, ContactLayout, Expression, ForcingLayout, Friction, Layout, Method,
+    ModelKind, Number, ParameterDescriptor, Recorder, Simulation, System, SystemEquations,
 };
 use stickslip::motion::{Direction, Motion, Phase, Settings, Tolerance};
 
-use crate::support::{OwnSystem, UnitKind, simulate_kind};
-
-const METHODS: [Method; 2] = [Method::Event, Method::Switch];
+use super::{METHODS, near};
+use crate::support::{OwnSystem, UnitKind, simulate_kind, unit_kind};
 
 /// A block of mass 1 with Coulomb friction, which the force `A cos φ - s` and maybe a spring of stiffness 1 pull. State:
 /// phase `φ` of the force, position, speed.
@@ -44,21 +42,17 @@ fn shaken(recorder: &Recorder, with_spring: bool) -> SystemEquations<'_> {
     }
 }
 
-static KIND: ModelKind = ModelKind {
-    name: "shaken_block",
-    meaning: "A block that a periodic force shakes.",
-    parameters: &[
+static KIND: ModelKind = unit_kind(
+    "shaken_block",
+    &[
         ParameterDescriptor::positive("frequency", "1", "frequency of the force", 0.8),
         ParameterDescriptor::positive("amplitude", "1", "amplitude of the force", 1.0),
         ParameterDescriptor::not_negative("slope", "1", "constant force", 0.0),
         ParameterDescriptor::count("springs", "number of springs, 1, or none: 2", 1, 2),
         ParameterDescriptor::positive("friction_coefficient", "1", "friction", 0.3),
     ],
-    body: "block",
-    sliding_speed: SlidingSpeed::MS,
-    offers: Capabilities::MOTION,
-    default: DefaultModel::Own(&SHAKEN),
-};
+    &SHAKEN,
+);
 
 static SHAKEN: UnitKind = UnitKind {
     coordinates: 1,
@@ -93,12 +87,6 @@ fn run(parameters: [f64; 5], start: [f64; 2], method: Method) -> Outcome {
         ..Simulation::default()
     };
     simulate_kind(&KIND, &parameters, &start, simulation)
-}
-
-#[track_caller]
-fn near(found: Option<f64>, exact: f64, tolerance: f64) {
-    let found = found.expect("known");
-    assert!((found - exact).abs() <= tolerance, "{found}, exact {exact}");
 }
 
 /// The amplitude of the motion without stops, over the static deflection (J. P. Den Hartog, *Forced vibrations with combined

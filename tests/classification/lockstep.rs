@@ -1,18 +1,15 @@
 //! Runs in lockstep: equal bits in any lane, beside any neighbours and with any vectors, and the
 //! endings of both kernels.
 
-use std::path::Path;
-
 use stickslip::classification::{Label, simulate, simulate_by_recorded_equations};
 use stickslip::model::{Case, Method};
 use stickslip::motion::SimdLevel;
-use stickslip::study::Study;
 
 use super::simulate_all::{
     cases_of, in_lockstep, simulate_all, simulate_all_by_recorded_equations,
 };
 use crate::cli::support::parse;
-use crate::support::angular_distance;
+use crate::support::{angular_distance, shipped_study};
 
 fn cases(samples: u32, simulation: &str, balls: u32, rest: &str) -> Vec<Case> {
     let study = parse(&format!(
@@ -98,8 +95,7 @@ fn endings_are_those_of_the_general_kernel() {
 /// The thesis's study below the natural frequency gets the same labels from the recorded equations.
 #[test]
 fn labels_of_all_subcritical_runs_are_those_of_the_general_kernel() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/studies/preferred-equilibria.yaml");
-    let study = Study::load(Path::new(path)).expect("a valid study");
+    let study = shipped_study("preferred-equilibria.yaml");
     let mut cases = cases_of(&study);
     cases.retain(|case| {
         let machine = case.model.ball_balancer().expect("a balancer");

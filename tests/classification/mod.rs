@@ -36,3 +36,19 @@ mod step_limit;
 mod torus;
 mod woodpecker;
 mod written;
+
+use stickslip::classification::Outcome;
+use stickslip::model::Method;
+
+const METHODS: [Method; 2] = [Method::Event, Method::Switch];
+
+#[track_caller]
+fn near(found: Option<f64>, exact: f64, tolerance: f64) {
+    let found = found.expect("known");
+    assert!((found - exact).abs() <= tolerance, "{found}, exact {exact}");
+}
+
+/// Returns the final position of the first coordinate.
+fn position(outcome: &Outcome) -> Option<f64> {
+    outcome.position.as_ref().map(|position| position[0])
+}

@@ -18,18 +18,20 @@ use crate::cli::support::parse;
 
 /// Studies that together cover every model, friction law, method and ending.
 fn studies() -> Vec<(&'static str, Study)> {
-    let balancer = |name: &str, model: &str, rest: &str| {
-        parse(&format!(
-            "schema: 1\nname: {name}\nseed: 9\nmodel: {{kind: ball_balancer{model}}}\n\
+    let balancer = |name, model: &str, rest: &str| {
+        let text = format!(
+            "schema: 1\nname: a\nseed: 9\nmodel: {{kind: ball_balancer{model}}}\n\
              initial_conditions: {{design: {{monte_carlo: {{samples: 12}}}}}}\n{rest}"
-        ))
+        );
+        (name, parse(&text))
     };
-    let block = |name: &str, model: &str| {
-        parse(&format!(
-            "schema: 1\nname: {name}\nseed: 9\nmodel: {{kind: {model}}}\n\
+    let block = |name, model: &str| {
+        let text = format!(
+            "schema: 1\nname: a\nseed: 9\nmodel: {{kind: {model}}}\n\
              initial_conditions: {{box: {{position_m: [-0.1, 0.1], velocity_m_s: [-1, 1]}}, design: {{monte_carlo: \
              {{samples: 12}}}}}}\nsimulation: {{end_time_s: 30}}\n"
-        ))
+        );
+        (name, parse(&text))
     };
     let speeds =
         "sweep: [{grid: {speed_rad_s: [-160.8103, -179.2671, -191.6372, -216.3772, -247.3]}}]\n";
@@ -37,48 +39,26 @@ fn studies() -> Vec<(&'static str, Study)> {
         "{speeds}simulation: {{method: event, tolerance: {{relative: 1.0e-6, absolute: 1.0e-8}}}}\n"
     );
     let balls = "sweep: [{grid: {speed_rad_s: [-170.0, -230.0]}}]\nsimulation: {end_time_s: 8}\n";
+    let stribeck =
+        ", friction: {stribeck: {static_friction_coefficient: 4.0e-3, stribeck_speed_rad_s: 1.0}}";
+    let viscous = ", friction: {viscous: {viscous_coefficient_n_s_m: 2.0e-4}}";
+    let contact = ", contact: {restitution: 0.36, friction_coefficient: 0.1}";
+    let start =
+        ", contact: {restitution: 0.36}, protocol: {startup_and_hammer: {over_s: 1, wait_s: 2}}";
     vec![
-        ("switch", balancer("switch", "", speeds)),
-        ("event", balancer("event", "", &event)),
-        ("one ball", balancer("one", ", parameters: {balls: 1}", balls)),
-        ("three balls", balancer("three", ", parameters: {balls: 3}", balls)),
-        ("newton", balancer("newton", ", normal_force: newton", balls)),
-        (
-            "stribeck",
-            balancer(
-                "stribeck",
-                ", friction: {stribeck: {static_friction_coefficient: 4.0e-3, stribeck_speed_rad_s: 1.0}}",
-                balls,
-            ),
-        ),
-        ("smooth", balancer("smooth", ", friction: {smooth: {smoothing_speed_rad_s: 1.0}}", balls)),
-        (
-            "viscous",
-            balancer(
-                "viscous",
-                ", friction: {viscous: {viscous_coefficient_n_s_m: 2.0e-4}}",
-                balls,
-            ),
-        ),
-        (
-            "contact",
-            balancer(
-                "contact",
-                ", contact: {restitution: 0.36, friction_coefficient: 0.1}",
-                speeds,
-            ),
-        ),
-        ("runout", balancer("runout", ", parameters: {ring_runout_m: 1.0e-5}", balls)),
-        (
-            "start",
-            balancer(
-                "start",
-                ", contact: {restitution: 0.36}, protocol: {startup_and_hammer: {over_s: 1, wait_s: 2}}",
-                "",
-            ),
-        ),
-        ("block on a spring", block("spring", "block_on_spring")),
-        ("block on a belt", block("belt", "block_on_belt")),
+        balancer("switch", "", speeds),
+        balancer("event", "", &event),
+        balancer("one ball", ", parameters: {balls: 1}", balls),
+        balancer("three balls", ", parameters: {balls: 3}", balls),
+        balancer("newton", ", normal_force: newton", balls),
+        balancer("stribeck", stribeck, balls),
+        balancer("smooth", ", friction: {smooth: {smoothing_speed_rad_s: 1.0}}", balls),
+        balancer("viscous", viscous, balls),
+        balancer("contact", contact, speeds),
+        balancer("runout", ", parameters: {ring_runout_m: 1.0e-5}", balls),
+        balancer("start", start, ""),
+        block("block on a spring", "block_on_spring"),
+        block("block on a belt", "block_on_belt"),
     ]
 }
 

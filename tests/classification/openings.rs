@@ -5,15 +5,14 @@ use std::sync::Arc;
 
 use stickslip::classification::{CyclePhase, Evidence, Label, Outcome, simulate};
 use stickslip::model::{
-    Capabilities, DefaultModel, Expression, Friction, FrictionLaw, ImpactLaw, Mechanism,
-    MechanismContact, MechanismNormal, Method, ModelKind, Number, OutputValue, OwnModel,
-    ParameterDescriptor, Recorder, Simulation, SlidingSpeed, System,
+    Expression, Friction, FrictionLaw, ImpactLaw, Mechanism, MechanismContact, MechanismNormal,
+    Method, ModelKind, Number, OutputValue, OwnModel, ParameterDescriptor, Recorder, Simulation,
+    System,
 };
 
+use super::METHODS;
 use super::outputs::cases;
-use crate::support::{OwnMechanism, UnitKind, simulate_kind};
-
-const METHODS: [Method; 2] = [Method::Event, Method::Switch];
+use crate::support::{OwnMechanism, UnitKind, simulate_kind, unit_kind};
 
 /// A block of weight 1 above a plate that vibrates; a force pushes it along the plate.
 fn block<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanism<'r> {
@@ -36,10 +35,9 @@ fn block<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanism<'r> {
     }
 }
 
-static KIND: ModelKind = ModelKind {
-    name: "block_on_plate",
-    meaning: "A block on a plate that vibrates.",
-    parameters: &[
+static KIND: ModelKind = unit_kind(
+    "block_on_plate",
+    &[
         ParameterDescriptor::not_negative("shaking", "1", "acceleration of the plate over g", 0.0),
         ParameterDescriptor::not_negative(
             "push",
@@ -50,11 +48,8 @@ static KIND: ModelKind = ModelKind {
         ParameterDescriptor::not_negative("restitution", "1", "restitution", 0.4),
         ParameterDescriptor::positive("friction_coefficient", "1", "friction", 0.3),
     ],
-    body: "block",
-    sliding_speed: SlidingSpeed::MS,
-    offers: Capabilities::MOTION,
-    default: DefaultModel::Own(&BLOCK),
-};
+    &BLOCK,
+);
 
 static BLOCK: UnitKind = UnitKind { coordinates: 2, phases: 1, contacts: 1, system };
 

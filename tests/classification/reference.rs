@@ -1,6 +1,7 @@
 //! Run by run against an independent integration: another language, another form of the equations,
 //! another integrator, the exact motion instead of the switch model (`scripts/reference`).
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use stickslip::classification::{Label, Outcome};
@@ -16,34 +17,40 @@ pub struct Reference {
     pub end_beta: [f64; 2],
 }
 
+/// A row of a table of the independent program.
+pub struct Row(BTreeMap<String, String>);
+
+impl Row {
+    pub fn text(&self, name: &str) -> &str {
+        &self.0[name]
+    }
+
+    pub fn numbers<const N: usize>(&self, names: [&str; N]) -> [f64; N] {
+        names.map(|name| self.text(name).parse().expect("a number"))
+    }
+}
+
+/// Returns the rows of a table of the independent program, with their columns.
+pub fn rows(name: &str) -> impl Iterator<Item = Row> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/data/{name}.csv"));
+    let reader = csv::Reader::from_path(path).expect("the reference data are there");
+    reader.into_deserialize().map(|row| Row(row.expect("a row")))
+}
+
 /// Returns the runs of the independent program at a speed (its absolute value, as in the file's
 /// name).
 pub fn references(speed: &str) -> Vec<Reference> {
-    let path =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/data/reference_{speed}.csv"));
-    let mut reader = csv::Reader::from_path(path).expect("the reference data are there");
-    let header = reader.headers().expect("a header").clone();
-    reader
-        .records()
-        .map(|record| {
-            let record = record.expect("a row");
-            let text = |name: &str| {
-                let column = header.iter().position(|column| column == name).expect("the column");
-                record[column].to_owned()
-            };
-            let number = |name: &str| text(name).parse::<f64>().expect("a number");
-            Reference {
-                start: Start::of_balancer(
-                    ["x", "y"].map(number),
-                    &["beta_1", "beta_2"].map(number),
-                    ["x_dot", "y_dot"].map(number),
-                    &["beta_dot_1", "beta_dot_2"].map(number),
-                ),
-                label: text("label"),
-                end_beta: [number("end_beta_1"), number("end_beta_2")],
-            }
-        })
-        .collect()
+    let of = |row: Row| Reference {
+        start: Start::of_balancer(
+            row.numbers(["x", "y"]),
+            &row.numbers(["beta_1", "beta_2"]),
+            row.numbers(["x_dot", "y_dot"]),
+            &row.numbers(["beta_dot_1", "beta_dot_2"]),
+        ),
+        label: row.text("label").to_owned(),
+        end_beta: row.numbers(["end_beta_1", "end_beta_2"]),
+    };
+    rows(&format!("reference_{speed}")).map(of).collect()
 }
 
 const METHODS: [Method; 2] = [Method::Switch, Method::Event];

@@ -2,13 +2,12 @@
 //! (`scripts/reference`, Moreau and Jean).
 
 use std::f64::consts::TAU;
-use std::path::Path;
 
 use stickslip::analysis::{Z_95, wilson};
 use stickslip::classification::{Evidence, Label, Outcome};
 use stickslip::model::{BallContact, Case, Machine, Simulation, Start};
 
-use super::reference::references;
+use super::reference::{Row, references, rows};
 use super::simulate_all::simulate_all;
 use crate::support::angular_distance;
 
@@ -20,24 +19,12 @@ struct Recorded {
 }
 
 fn recorded(speed: &str, law: &str) -> Vec<Recorded> {
-    let path = format!("{}/tests/data/contact_{speed}_{law}.csv", env!("CARGO_MANIFEST_DIR"));
-    let mut reader =
-        csv::Reader::from_path(Path::new(&path)).expect("the reference data are there");
-    let header = reader.headers().expect("a header").clone();
-    let rows = reader.records().map(|record| {
-        let record = record.expect("a row");
-        let text = |name: &str| {
-            let column = header.iter().position(|column| column == name).expect("the column");
-            record[column].to_owned()
-        };
-        let angle = |name: &str| text(name).parse::<f64>().expect("a number");
-        Recorded {
-            rests: text("label") == "equilibrium",
-            touching: !text("touching").is_empty(),
-            end_beta: [angle("beta_1_rad"), angle("beta_2_rad")],
-        }
-    });
-    rows.collect()
+    let of = |row: Row| Recorded {
+        rests: row.text("label") == "equilibrium",
+        touching: !row.text("touching").is_empty(),
+        end_beta: row.numbers(["beta_1_rad", "beta_2_rad"]),
+    };
+    rows(&format!("contact_{speed}_{law}")).map(of).collect()
 }
 
 /// Returns the start state with the second ball's distance ahead of the first scaled to the room that both leave.

@@ -6,6 +6,7 @@ use stickslip::model::{
     Case, Machine, Method, ProfilePart, Ramp, RampShape, Simulation, SpeedProfile, Start,
 };
 
+use super::reference::{Row, rows};
 use super::simulate_all::simulate_all;
 use crate::support::angular_distance;
 
@@ -22,27 +23,16 @@ struct Recorded {
 }
 
 fn recorded(speed: &str) -> Vec<Recorded> {
-    let path = format!("{}/tests/data/reference_run_up_{speed}.csv", env!("CARGO_MANIFEST_DIR"));
-    let mut reader = csv::Reader::from_path(path).expect("the reference data are there");
-    let header = reader.headers().expect("a header").clone();
-    let rows = reader.records().map(|record| {
-        let record = record.expect("a row");
-        let text = |name: &str| {
-            let column = header.iter().position(|column| column == name).expect("the column");
-            record[column].to_owned()
-        };
-        let number = |name: &str| text(name).parse::<f64>().expect("a number");
-        Recorded {
-            start_beta: ["beta_1_rad", "beta_2_rad"].map(number),
-            reached_beta: ["reached_beta_1_rad", "reached_beta_2_rad"].map(number),
-            reached_speed_rad_s: ["reached_ball_speed_1_rad_s", "reached_ball_speed_2_rad_s"]
-                .map(number),
-            end_beta: ["end_beta_1_rad", "end_beta_2_rad"].map(number),
-            rests: text("label") == "equilibrium",
-            time_to_rest_s: text("time_to_rest_s").parse().ok(),
-        }
-    });
-    rows.collect()
+    let of = |row: Row| Recorded {
+        start_beta: row.numbers(["beta_1_rad", "beta_2_rad"]),
+        reached_beta: row.numbers(["reached_beta_1_rad", "reached_beta_2_rad"]),
+        reached_speed_rad_s: row
+            .numbers(["reached_ball_speed_1_rad_s", "reached_ball_speed_2_rad_s"]),
+        end_beta: row.numbers(["end_beta_1_rad", "end_beta_2_rad"]),
+        rests: row.text("label") == "equilibrium",
+        time_to_rest_s: row.text("time_to_rest_s").parse().ok(),
+    };
+    rows(&format!("reference_run_up_{speed}")).map(of).collect()
 }
 
 fn ramp(to_rad_s: Option<f64>, over_s: f64) -> ProfilePart {

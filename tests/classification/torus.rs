@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use stickslip::classification::{Evidence, Label, Outcome};
 use stickslip::model::{
-    Capabilities, DefaultModel, Expression, Friction, Mechanism, Method, ModelKind, Number,
-    ParameterDescriptor, Recorder, Simulation, SlidingSpeed,
+    Expression, Friction, Mechanism, Method, ModelKind, Number, ParameterDescriptor, Recorder,
+    Simulation,
 };
 
-use crate::support::{OwnMechanism, UnitKind, simulate_kind};
+use crate::support::{OwnMechanism, UnitKind, simulate_kind, unit_kind};
 
 /// `x'' - ε (1 - x²) x' + x = A cos φ`: for `ε = 0` a linear oscillator, else that of van der Pol.
 fn oscillator<'r>(recorder: &'r Recorder, _: &[Friction]) -> Mechanism<'r> {
@@ -29,20 +29,16 @@ fn oscillator<'r>(recorder: &'r Recorder, _: &[Friction]) -> Mechanism<'r> {
     }
 }
 
-static KIND: ModelKind = ModelKind {
-    name: "driven_oscillator",
-    meaning: "An oscillator that a force drives.",
-    parameters: &[
+static KIND: ModelKind = unit_kind(
+    "driven_oscillator",
+    &[
         ParameterDescriptor::positive("frequency", "1", "frequency of the force", 1.7),
         ParameterDescriptor::positive("amplitude", "1", "amplitude of the force", 0.3),
         ParameterDescriptor::not_negative("excitation", "1", "negative damping", 0.0),
         ParameterDescriptor::positive("friction_coefficient", "1", "without effect", 0.1),
     ],
-    body: "body",
-    sliding_speed: SlidingSpeed::MS,
-    offers: Capabilities::MOTION,
-    default: DefaultModel::Own(&OSCILLATOR),
-};
+    &OSCILLATOR,
+);
 
 static OSCILLATOR: UnitKind = UnitKind {
     coordinates: 1,

@@ -7,13 +7,12 @@ use std::sync::Arc;
 
 use stickslip::classification::Evidence;
 use stickslip::model::{
-    Capabilities, DefaultModel, Expression, Friction, ImpactLaw, Mechanism, MechanismContact,
-    MechanismNormal, Method, ModelKind, Number, ParameterDescriptor, Recorder, Simulation,
-    SlidingSpeed, System,
+    Expression, Friction, ImpactLaw, Mechanism, MechanismContact, MechanismNormal, Method,
+    ModelKind, Number, ParameterDescriptor, Recorder, Simulation, System,
 };
 use stickslip::motion::{Motion, Phase, Settings, Tolerance};
 
-use crate::support::{OwnMechanism, UnitKind, simulate_kind};
+use crate::support::{OwnMechanism, UnitKind, simulate_kind, unit_kind};
 
 /// Units: the mass of the bird, 1 cm, and the acceleration of gravity.
 const MASS_KG: f64 = 0.0045;
@@ -122,15 +121,11 @@ fn the_motion_is_that_of_time_stepping() {
     }
 }
 
-static KIND: ModelKind = ModelKind {
-    name: "woodpecker",
-    meaning: "A bird on a sleeve with play on a pole.",
-    parameters: &[ParameterDescriptor::positive("friction_coefficient", "1", "friction", 0.3)],
-    body: "body",
-    sliding_speed: SlidingSpeed::MS,
-    offers: Capabilities::MOTION,
-    default: DefaultModel::Own(&WOODPECKER),
-};
+static KIND: ModelKind = unit_kind(
+    "woodpecker",
+    &[ParameterDescriptor::positive("friction_coefficient", "1", "friction", 0.3)],
+    &WOODPECKER,
+);
 
 static WOODPECKER: UnitKind =
     UnitKind { coordinates: 3, phases: 0, contacts: 3, system: |_| system() };

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::support::{Block, numbered_contacts};
+use crate::support::{Block, numbered_contacts, unit_kind};
 use stickslip::model::{
     BallContact, Bound, Capabilities, Components, ContactNames, ContactUnits, Coordinate,
     DefaultModel, FRICTION_LAWS, Field, FrictionLaw, Kick, Law, MAX_LAW_PARAMETERS, Machine, Model,
@@ -68,22 +68,9 @@ fn parameters_have_fields_of_their_own() {
 /// Names are unique, and end with their units.
 #[test]
 fn names_are_unique_and_have_units() {
-    let endings = [
-        ("kg", "_kg"),
-        ("kg/m3", "_kg_m3"),
-        ("kg m", "_kg_m"),
-        ("m", "_m"),
-        ("s", "_s"),
-        ("rad", "_rad"),
-        ("N/m", "_n_m"),
-        ("N s/m", "_n_s_m"),
-        ("N", "_n"),
-        ("rad/s", "_rad_s"),
-        ("m/s", "_m_s"),
-        ("1/s", "_1_s"),
-        ("m/s2", "_m_s2"),
-        ("kg m2", "_kg_m2"),
-    ];
+    let endings = "kg=_kg, kg/m3=_kg_m3, kg m=_kg_m, m=_m, s=_s, rad=_rad, N/m=_n_m, N s/m=_n_s_m, \
+                   N=_n, rad/s=_rad_s, m/s=_m_s, 1/s=_1_s, m/s2=_m_s2, kg m2=_kg_m2";
+    let endings: Vec<_> = endings.split(", ").filter_map(|one| one.split_once('=')).collect();
     for kind in model_kinds().iter().copied() {
         for law in FRICTION_LAWS {
             let own = kind.parameters.iter().map(|one| (one.name, one.unit));
@@ -193,25 +180,17 @@ impl OwnKind for TwoForces {
     }
 }
 
-static TWO_FORCES: ModelKind = ModelKind {
-    name: "two_forces",
-    meaning: "A kind.",
-    parameters: &[ParameterDescriptor::positive("friction_coefficient", "1", "friction", 0.1)],
-    body: "block",
-    sliding_speed: SlidingSpeed::MS,
-    offers: Capabilities::MOTION,
-    default: DefaultModel::Own(&TwoForces),
-};
+static TWO_FORCES: ModelKind = unit_kind(
+    "two_forces",
+    &[ParameterDescriptor::positive("friction_coefficient", "1", "friction", 0.1)],
+    &TwoForces,
+);
 
-static INVALID: ModelKind = ModelKind {
-    name: "invalid",
-    meaning: "A kind.",
-    parameters: &[ParameterDescriptor::positive("friction_coefficient", "1", "friction", 0.0)],
-    body: "block",
-    sliding_speed: SlidingSpeed::MS,
-    offers: Capabilities::MOTION,
-    default: DefaultModel::Own(&TwoForces),
-};
+static INVALID: ModelKind = unit_kind(
+    "invalid",
+    &[ParameterDescriptor::positive("friction_coefficient", "1", "friction", 0.0)],
+    &TwoForces,
+);
 
 /// A registry with a kind that contradicts itself or another one is refused, with its name and the reason.
 #[test]

@@ -1,16 +1,14 @@
 //! The exact motion: the difficult cases of event-located integration, each by construction.
 
 use std::f64::consts::TAU;
-use std::path::Path;
 
 use stickslip::classification::{Evidence, simulate};
 use stickslip::model::{Balancer, Case, Contact, Machine, Method, Simulation, State};
 use stickslip::motion::{Direction, Phase, Settings};
-use stickslip::study::Study;
 
 use super::samples::{Sampler, difference, go_on, moved, settings};
 use crate::support::reference::stick_reserve;
-use crate::support::{for_each_kernel, rest_margin, started, state_of};
+use crate::support::{for_each_kernel, rest_margin, shipped_study, started, state_of};
 
 fn two_balls(speed_rad_s: f64) -> Balancer<2> {
     let machine = Machine { speed_rad_s, ..Machine::default() };
@@ -118,8 +116,7 @@ fn creep_does_not_chatter() {
 /// The shipped study's creeping runs are labelled as such, after a bounded number of events.
 #[test]
 fn creeping_runs_of_the_shipped_study_are_labelled() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/preferred-equilibria.yaml");
-    let study = Study::load(&path).expect("a valid study");
+    let study = shipped_study("preferred-equilibria.yaml");
     for run in [2121, 2244, 2250] {
         let case = study.planned_run(run).case.expect("a valid case");
         let simulation = Simulation { method: Method::Event, ..case.simulation };

@@ -14,6 +14,10 @@ fn tight() -> stickslip::motion::Settings {
     settings(Method::Event, 1e-13)
 }
 
+fn two_balls(speed_rad_s: f64) -> Balancer<2> {
+    Balancer::new(&Machine { speed_rad_s, ..Machine::default() }).expect("two balls")
+}
+
 /// The break-away of the first ball from rest is located at the time of the closed form of the
 /// table's motion.
 #[test]
@@ -66,8 +70,7 @@ fn stops_are_located_to_1e_12() {
     let mut located = 0;
     for seed in 0..200 {
         let mut sampler = Sampler::new(seed);
-        let machine = Machine { speed_rad_s: -216.3772, ..Machine::default() };
-        let balancer = Balancer::<2>::new(&machine).expect("two balls");
+        let balancer = two_balls(-216.3772);
         let mut state = sampler.state(&balancer);
         state.beta_dot = [sampler.between(0.01, 0.1), -sampler.between(0.01, 0.1)];
         let phases = [Phase::Slip(Direction::Forward), Phase::Slip(Direction::Backward)];
@@ -113,8 +116,7 @@ fn steps_may_end_on_an_event() {
     let (mut events, mut stops, mut grazed) = (0, 0, 0);
     for seed in 0..60 {
         let mut sampler = Sampler::new(seed);
-        let machine = Machine { speed_rad_s: -216.3772, ..Machine::default() };
-        let balancer = Balancer::<2>::new(&machine).expect("two balls");
+        let balancer = two_balls(-216.3772);
         let state = sampler.state(&balancer);
         for system in for_each_kernel(balancer) {
             let straight = moved(&system, tight(), state, 6.0);
@@ -156,8 +158,7 @@ fn two_events_in_one_step_may_come_in_either_order() {
     let mut switches = 0;
     for seed in 0..160 {
         let mut sampler = Sampler::new(seed);
-        let machine = Machine { speed_rad_s: -191.6372, ..Machine::default() };
-        let balancer = Balancer::<2>::new(&machine).expect("two balls");
+        let balancer = two_balls(-191.6372);
         let mut state = sampler.state(&balancer);
         let speed = sampler.one_of(&[0.0, 0.01, 0.1]);
         (state.beta, state.beta_dot) = ([state.beta[0]; 2], [speed; 2]);
@@ -202,8 +203,7 @@ fn a_speed_may_touch_zero() {
     let mut touched = 0;
     for seed in 0..300 {
         let mut sampler = Sampler::new(seed);
-        let machine = Machine { speed_rad_s: -216.3772, ..Machine::default() };
-        let balancer = Balancer::<2>::new(&machine).expect("two balls");
+        let balancer = two_balls(-216.3772);
         let state = sampler.state(&balancer);
         for system in for_each_kernel(balancer) {
             let end = |speed: f64| {

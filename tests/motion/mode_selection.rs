@@ -1,8 +1,6 @@
 //! The joint decision between stick, slip and transition for all balls in the band, and its
 //! difficult cases.
 
-use std::path::Path;
-
 use proptest::prelude::*;
 use stickslip::classification::{Evidence, simulate};
 use stickslip::model::{
@@ -12,10 +10,11 @@ use stickslip::model::{
 use stickslip::motion::{
     Direction, Evaluator, Failure, Motion, Phase, Phases, SLACK, Settings, Tolerance, decide,
 };
-use stickslip::study::Study;
 
 use crate::support::reference::{self, stick_reserve};
-use crate::support::{OwnSystem, for_each_kernel, rest_margin, shared, started, state_of};
+use crate::support::{
+    OwnSystem, for_each_kernel, rest_margin, shared, shipped_study, started, state_of,
+};
 
 fn balancer<const N: usize>(friction: f64, heavier: f64) -> Balancer<N> {
     let mut machine = Machine::default();
@@ -341,8 +340,7 @@ fn break_away_is_not_ambiguous() {
 /// friction.
 #[test]
 fn the_example_without_a_unique_solution() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/no-unique-solution.yaml");
-    let study = Study::load(&path).expect("a valid study");
+    let study = shipped_study("no-unique-solution.yaml");
     let (mut none, mut several) = (0, 0);
     for run in 0..study.run_count() {
         let planned = study.planned_run(run);

@@ -1,12 +1,11 @@
 //! The thesis's counts, computed from the study files. Prints the table that it checks.
 
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use crate::support::shipped_study;
 use stickslip::analysis::PointDetail;
 use stickslip::classification::{Label, simulate};
 use stickslip::engine::{EngineOptions, Progress, Sink, run_study_with};
-use stickslip::study::Study;
 use stickslip::table::{PointRow, RunRecord};
 
 /// A sink for the points only.
@@ -27,8 +26,7 @@ impl Sink for Points {
 }
 
 fn points(study: &str) -> Vec<PointRow> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies").join(study);
-    let study = Study::load(&path).expect("a valid study");
+    let study = shipped_study(study);
     let options = EngineOptions { threads: 2, chunk: 512, ..EngineOptions::default() };
     let progress = Progress::new(study.run_count(), true);
     let mut points = Points::default();

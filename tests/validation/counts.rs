@@ -2,17 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::Path;
-
 use stickslip::analysis::{Interval, Observed, PointAccumulator, PointSummary, Z_95, wilson};
 use stickslip::classification::{Label, Outcome};
 use stickslip::model::{Case, Machine, Method, NormalForce, Simulation};
-use stickslip::study::Study;
 
 use crate::classification::reference::{label_agrees, references, run_all};
 use crate::classification::simulate_all::simulate_all;
 use crate::docs::generated::compare_or_write_part;
-use crate::support::angular_distance;
+use crate::support::{angular_distance, shipped_study};
 
 /// The thesis's counts (figures 5.7 to 5.9 and section 5.3), in the order of the study's points.
 const THESIS: [u64; 6] = [768, 768, 768, 70, 435, 61];
@@ -52,8 +49,7 @@ pub struct ThesisRuns {
 
 impl ThesisRuns {
     pub fn compute() -> Self {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/preferred-equilibria.yaml");
-        let study = Study::load(&path).expect("a valid study");
+        let study = shipped_study("preferred-equilibria.yaml");
         let points: Vec<_> = (0..study.point_count()).map(|id| study.point(id)).collect();
         let machine = |id: usize| points[id].model().ball_balancer().expect("a balancer");
         let cases = |id: usize| {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use crate::support::Block;
+use crate::support::{Block, shipped_study};
 use stickslip::analysis::CycleClass;
 use stickslip::classification::{Evidence, Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Simulation, Start};
@@ -215,8 +215,7 @@ last row, where the ball with more friction rests: the orbits of these runs form
 
 /// Returns the cycles of the block on a belt: one class, with the period of the closed form.
 pub fn block_on_belt() -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/block-on-belt.yaml");
-    let study = Study::load(&path).expect("a valid study");
+    let study = shipped_study("block-on-belt.yaml");
     let mut text = "\
 ## A block on a belt
 
