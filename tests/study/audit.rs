@@ -2,7 +2,8 @@
 
 use stickslip::study::{Study, json_schema};
 
-use super::{parse, study, text_with_design};
+use super::{study, text_with_design};
+use crate::support::cases;
 
 fn audited(fraction: f64, samples: u64, sweep: &str) -> Study {
     let design = format!("{{monte_carlo: {{samples: {samples}}}}}");
@@ -119,20 +120,17 @@ fn the_audit_is_part_of_the_resolved_study_and_of_its_hash() {
 #[test]
 fn invalid_fractions_are_refused() {
     let text = text_with_design("{sobol: {samples: 4}}");
-    for (written, found) in [("0", "0"), ("-0.1", "-0.1"), ("1.01", "1.01")] {
-        let error = parse(&format!("{text}audit: {{fraction: {written}}}\n")).unwrap_err();
-        assert_eq!((error.line(), error.key()), (Some(7), "audit.fraction"), "{error}");
-        assert!(error.found().unwrap().contains(found), "{error}");
-        assert!(error.allowed().unwrap().contains("at most 1, such as 0.05"), "{error}");
+    for [rest, key, found, allowed] in cases(
+        r"audit: {fraction: 0} ¦ audit.fraction ¦ 0 ¦ at most 1, such as 0.05
+audit: {fraction: -0.1} ¦ audit.fraction ¦ -0.1 ¦ at most 1, such as 0.05
+audit: {fraction: 1.01} ¦ audit.fraction ¦ 1.01 ¦ at most 1, such as 0.05
+audit: {} ¦ audit.fraction ¦  ¦
+expect: [{audit_flip_rate: [0, 0.1]}] ¦ expect[0].audit_flip_rate ¦  ¦ audit: {fraction: 0.05}
+expect: [{audit_flip_rate: [0.2, 0.1]}]\naudit: {fraction: 0.5} ¦ expect[0].audit_flip_rate ¦  ¦",
+    ) {
+        super::refused(&format!("{text}{rest}\n"), 7, &key, &found, &allowed);
     }
-    let error = parse(&format!("{text}audit: {{}}\n")).unwrap_err();
-    assert_eq!(error.key(), "audit.fraction", "{error}");
-    let error = parse(&format!("{text}expect: [{{audit_flip_rate: [0, 0.1]}}]\n")).unwrap_err();
-    assert_eq!((error.line(), error.key()), (Some(7), "expect[0].audit_flip_rate"), "{error}");
-    assert!(error.allowed().unwrap().contains("audit: {fraction: 0.05}"), "{error}");
-    let wrong = "audit: {fraction: 0.5}\nexpect: [{audit_flip_rate: [0.2, 0.1]}]\n";
-    let error = parse(&format!("{text}{wrong}")).unwrap_err();
-    assert_eq!(error.key(), "expect[0].audit_flip_rate", "{error}");
-    let right = study(&format!("{text}{}", wrong.replace("[0.2, 0.1]", "[0, 0.1]")));
+    let right = "audit: {fraction: 0.5}\nexpect: [{audit_flip_rate: [0, 0.1]}]\n";
+    let right = study(&format!("{text}{right}"));
     assert_eq!(right.expectations()[0].audit_flip_rate, Some([0.0, 0.1]));
 }

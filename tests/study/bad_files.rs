@@ -1,9 +1,6 @@
 //! Invalid study files: each gives one message with its place, and nothing panics.
 
 use std::fmt::Write;
-use std::fs;
-
-use stickslip::study::Study;
 
 use super::{parse, text_with_design};
 
@@ -85,22 +82,6 @@ fn a_small_alias_is_fine() {
     let text = good().replace("seed: 5", "seed: &five 5");
     let text = format!("{text}sweep: [{{grid: {{speed_rad_s: [*five]}}}}]\n");
     assert!(parse(&text).is_ok());
-}
-
-#[test]
-fn directories_missing_files_and_other_encodings_are_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let error = Study::load(folder.path()).unwrap_err();
-    assert!(error.to_string().contains("a directory"), "{error}");
-
-    let error = Study::load(&folder.path().join("nothing.yaml")).unwrap_err();
-    assert!(error.to_string().contains("nothing.yaml: No such file"), "{error}");
-
-    let latin1 = folder.path().join("latin1.yaml");
-    fs::write(&latin1, b"schema: 1\nname: caf\xe9\n").unwrap();
-    let error = Study::load(&latin1).unwrap_err();
-    assert!(error.to_string().contains("not UTF-8"), "{error}");
-    assert!(error.to_string().contains("position 19"), "{error}");
 }
 
 #[test]

@@ -1,17 +1,9 @@
 //! Invalid tables: file, row and column of each error.
 
-use std::fs;
-
 use stickslip::study::{Study, StudyError};
 
-use super::text_with_design;
-
 fn load(rest: &str, design: &str, table: &[u8]) -> Result<Study, StudyError> {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("table.csv"), table).unwrap();
-    let study = folder.path().join("study.yaml");
-    fs::write(&study, format!("{}{rest}", text_with_design(design))).unwrap();
-    Study::load(&study)
+    super::load_with("table.csv", table, rest, design)
 }
 
 fn sweep(table: &str) -> Result<Study, StudyError> {

@@ -63,29 +63,17 @@ fn latin_hypercube_orders_of_two_axes_are_unrelated() {
 }
 
 #[test]
-fn monte_carlo_is_uniform_on_every_axis() {
-    let samples = 10_000;
-    let study = with_design(&format!("{{monte_carlo: {{samples: {samples}}}}}"), "");
-    let all: Vec<Vec<f64>> = (0..samples).map(|run| fractions(&study, run)).collect();
-    for axis in 0..8 {
-        assert_follows(
-            all.iter().map(|sample| sample[axis]).collect(),
-            |fraction| fraction,
-            1.0e-3,
-        );
-    }
-}
-
-#[test]
-fn stratified_is_uniform_within_cells() {
-    let study = with_design("{stratified: {parts_per_axis: 1, samples_per_cell: 5000}}", "");
-    let all: Vec<Vec<f64>> = (0..5000).map(|run| fractions(&study, run)).collect();
-    for axis in 0..8 {
-        assert_follows(
-            all.iter().map(|sample| sample[axis]).collect(),
-            |fraction| fraction,
-            1.0e-3,
-        );
+fn monte_carlo_and_cells_are_uniform_on_every_axis() {
+    for (design, samples) in [
+        ("{monte_carlo: {samples: 10000}}", 10_000),
+        ("{stratified: {parts_per_axis: 1, samples_per_cell: 5000}}", 5000),
+    ] {
+        let study = with_design(design, "");
+        let all: Vec<Vec<f64>> = (0..samples).map(|run| fractions(&study, run)).collect();
+        for axis in 0..8 {
+            let of_axis = all.iter().map(|sample| sample[axis]).collect();
+            assert_follows(of_axis, |fraction| fraction, 1.0e-3);
+        }
     }
 }
 

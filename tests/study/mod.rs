@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use stickslip::model::Machine;
-use stickslip::study::{Study, StudyError};
+use stickslip::study::{ParameterValue, Study, StudyError};
 
 mod audit;
 mod bad_files;
@@ -58,6 +58,15 @@ fn refused(text: &str, line: usize, key: &str, found: &str, allowed: &str) {
     assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
 }
 
+/// Loads a study with this design and further lines from a folder with a table.
+fn load_with(name: &str, table: &[u8], rest: &str, design: &str) -> Result<Study, StudyError> {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join(name), table).expect("a table");
+    let study = folder.path().join("study.yaml");
+    std::fs::write(&study, format!("{}{rest}", text_with_design(design))).expect("a study");
+    Study::load(&study)
+}
+
 /// Returns a study with this design, model defaults, and further lines.
 fn with_design(design: &str, rest: &str) -> Study {
     study(&format!("{}{rest}", text_with_design(design)))
@@ -105,4 +114,13 @@ fn assert_follows(mut samples: Vec<f64>, cdf: impl Fn(f64) -> f64, alpha: f64) {
     }
     let critical = (-0.5 * (alpha / 2.0).ln()).sqrt() / count.sqrt();
     assert!(largest < critical, "distance {largest} is above {critical}");
+}
+
+/// Returns the swept values of a point, which must be numbers.
+fn swept_numbers(study: &Study, point: u64) -> Vec<f64> {
+    let number = |value: &ParameterValue| match value {
+        ParameterValue::Number(number) => *number,
+        ParameterValue::Text(text) => panic!("{text}"),
+    };
+    study.point(point).swept.iter().map(number).collect()
 }

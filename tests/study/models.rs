@@ -1,7 +1,7 @@
 //! Blocks and laws of friction in study files: the parameters of each model, defaults, round trips,
 //! and errors.
 
-use crate::support::{Block, Ground};
+use crate::support::{Block, Ground, cases};
 use stickslip::model::Model;
 use stickslip::study::{ParameterValue, Study};
 
@@ -82,25 +82,13 @@ fn every_parameter_of_a_block_can_be_varied() {
 /// The parameters of the laws can be varied for a ball balancer, with speeds in rad/s.
 #[test]
 fn laws_of_friction_of_balls_can_be_varied() {
-    for (law, name, unit) in [
-        (
-            "stribeck: {static_friction_coefficient: 0.01, stribeck_speed_rad_s: 1}",
-            "static_friction_coefficient",
-            "1",
-        ),
-        (
-            "stribeck: {static_friction_coefficient: 0.01, stribeck_speed_rad_s: 1}",
-            "stribeck_speed_rad_s",
-            "rad/s",
-        ),
-        ("smooth: {smoothing_speed_rad_s: 0.1}", "smoothing_speed_rad_s", "rad/s"),
-        ("viscous: {viscous_coefficient_n_s_m: 1e-4}", "viscous_coefficient_n_s_m", "N s/m"),
-        (
-            "coulomb_viscous: {viscous_coefficient_n_s_m: 1e-4}",
-            "viscous_coefficient_n_s_m",
-            "N s/m",
-        ),
-    ] {
+    for [law, name, unit] in cases(
+        "stribeck: {static_friction_coefficient: 0.01, stribeck_speed_rad_s: 1} ¦ static_friction_coefficient ¦ 1
+stribeck: {static_friction_coefficient: 0.01, stribeck_speed_rad_s: 1} ¦ stribeck_speed_rad_s ¦ rad/s
+smooth: {smoothing_speed_rad_s: 0.1} ¦ smoothing_speed_rad_s ¦ rad/s
+viscous: {viscous_coefficient_n_s_m: 1e-4} ¦ viscous_coefficient_n_s_m ¦ N s/m
+coulomb_viscous: {viscous_coefficient_n_s_m: 1e-4} ¦ viscous_coefficient_n_s_m ¦ N s/m",
+    ) {
         let model = format!("  kind: ball_balancer\n  friction: {{{law}}}\n");
         let swept = study(&text(&model, &format!("sweep: [{{zip: {{{name}: [0.2, 0.4]}}}}]\n")));
         assert_eq!(swept.swept()[0].unit, unit);

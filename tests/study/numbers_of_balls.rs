@@ -1,9 +1,9 @@
 //! A sweep over the number of balls: each point has the runs of a study with its number of balls.
 
 use stickslip::model::Model;
-use stickslip::study::{ParameterValue, PlannedRun, Study};
+use stickslip::study::PlannedRun;
 
-use super::{parse, study, text_with_design};
+use super::{parse, study, swept_numbers, text_with_design};
 
 /// A study of this design with a number of balls in the study file, and further lines.
 fn text(design: &str, balls: &str, rest: &str) -> String {
@@ -128,14 +128,6 @@ fn given_start_states_have_the_coordinates_of_their_balls() {
     let swept = study(&text(three, "2", &blocks));
     let runs: Vec<usize> = (0..3).map(|run| swept.planned_run(run).start.0.len()).collect();
     assert_eq!(runs, [6, 10, 10]);
-}
-
-fn swept_numbers(study: &Study, point: u64) -> Vec<f64> {
-    let number = |value: &ParameterValue| match value {
-        ParameterValue::Number(number) => *number,
-        ParameterValue::Text(text) => panic!("{text}"),
-    };
-    study.point(point).swept.iter().map(number).collect()
 }
 
 /// Grids in any order of their keys, zips and tables; a block that does not sweep the number has that of the file.

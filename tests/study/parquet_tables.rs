@@ -17,8 +17,6 @@ use parquet::file::properties::{WriterProperties, WriterVersion};
 use stickslip::model::NormalForce;
 use stickslip::study::{DesignValue, Study, StudyError};
 
-use super::text_with_design;
-
 /// Returns a Parquet file with these columns.
 fn file(properties: WriterProperties, columns: Vec<(&str, ArrayRef)>) -> Vec<u8> {
     let batch = RecordBatch::try_from_iter(columns).unwrap();
@@ -43,11 +41,7 @@ fn sweep(table: &[u8]) -> Result<Study, StudyError> {
 }
 
 fn load(rest: &str, design: &str, table: &[u8]) -> Result<Study, StudyError> {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("designs.parquet"), table).unwrap();
-    let study = folder.path().join("study.yaml");
-    fs::write(&study, format!("{}{rest}", text_with_design(design))).unwrap();
-    Study::load(&study)
+    super::load_with("designs.parquet", table, rest, design)
 }
 
 #[track_caller]

@@ -5,15 +5,7 @@ use std::time::Instant;
 use stickslip::model::NormalForce;
 use stickslip::study::{ParameterValue, Study};
 
-use super::{machine_at, study, text_with_design, with_design};
-
-fn swept_numbers(study: &Study, point: u64) -> Vec<f64> {
-    let number = |value: &ParameterValue| match value {
-        ParameterValue::Number(number) => *number,
-        ParameterValue::Text(text) => panic!("{text}"),
-    };
-    study.point(point).swept.iter().map(number).collect()
-}
+use super::{machine_at, study, swept_numbers, text_with_design, with_design};
 
 const SMALL: &str = "{monte_carlo: {samples: 4}}";
 

@@ -1,11 +1,12 @@
 //! The JSON Schema and the program accept and refuse the same studies: shipped ones, and many damaged ones.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 use jsonschema::Validator;
 use serde_json::{Value, json};
 use stickslip::study::{Study, json_schema};
+
+use crate::support::{shipped, study_files};
 
 /// Problems that the program finds and the schema cannot express, each with the reason. A problem that ends with a blank
 /// is the beginning of a problem.
@@ -92,16 +93,12 @@ const CONTENT_AT: [(&str, &str, &str); 18] = [
 
 /// Shipped studies, and studies that use every key.
 fn studies() -> Vec<(String, Value)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut all = Vec::new();
-    for entry in std::fs::read_dir(root.join("studies")).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_some_and(|extension| extension == "yaml") {
-            let text = std::fs::read_to_string(&path).unwrap();
-            all.push((path.file_name().unwrap().to_string_lossy().into_owned(), read(&text)));
-            let resolved = Study::load(&path).unwrap().resolved_yaml();
-            all.push((format!("{} resolved", path.display()), read(&resolved)));
-        }
+    for path in study_files("studies") {
+        let name = path.display().to_string();
+        let resolved = Study::load(&path).expect("a study").resolved_yaml();
+        all.push((name.clone(), read(&std::fs::read_to_string(&path).expect("a study"))));
+        all.push((format!("{name} resolved"), read(&resolved)));
     }
     all.push(("units".to_owned(), read(UNITS)));
     all.push(("block".to_owned(), read(BLOCK)));
@@ -172,23 +169,15 @@ fn damaged(study: &Value) -> Vec<(String, Value)> {
     let mut paths = Vec::new();
     collect(study, &mut String::new(), &mut paths);
     let mut all = Vec::new();
-    let values = [
-        json!(null),
-        json!("text"),
-        json!(true),
-        json!(-1),
-        json!(0),
-        json!([]),
-        json!({}),
-        json!([[1]]),
-    ];
+    let values = json!([null, "text", true, -1, 0, [], {}, [[1]]]);
+    let values = values.as_array().expect("a list");
     for path in &paths {
         let mut with = |what: &str, change: &dyn Fn(&mut Value)| {
             let mut study = study.clone();
             change(study.pointer_mut(path).expect("a path of this study"));
             all.push((format!("{path}: {what}"), study));
         };
-        for value in &values {
+        for value in values {
             with(&format!("= {value}"), &|place| *place = value.clone());
         }
         let keys: Vec<String> = match study.pointer(path) {
@@ -210,15 +199,8 @@ fn damaged(study: &Value) -> Vec<(String, Value)> {
             });
         }
     }
-    for key in [
-        "mass_kg",
-        "mass",
-        "balls",
-        "belt_speed_m_s",
-        "ring_radius",
-        "normal_force",
-        "normal_force_n",
-    ] {
+    let others = "mass_kg mass balls belt_speed_m_s ring_radius normal_force normal_force_n";
+    for key in others.split(' ') {
         let mut study = study.clone();
         study["model"]["parameters"][key] = json!(1);
         all.push((format!("/model/parameters + {key}"), study));
@@ -250,8 +232,7 @@ fn collect(value: &Value, path: &mut String, paths: &mut Vec<String>) {
 }
 
 fn program(value: &Value) -> Result<(), String> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/a.yaml");
-    match Study::parse(&file, value.to_string()) {
+    match Study::parse(&shipped("a.yaml"), value.to_string()) {
         Ok(_) => Ok(()),
         Err(error) => Err(error.problem().to_owned()),
     }

@@ -1,37 +1,26 @@
 //! The study files of the project.
 
-use std::path::{Path, PathBuf};
-
 use stickslip::study::{ParameterValue, Study};
 
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("studies")
-}
-
-fn load(name: &str) -> Study {
-    Study::load(&folder().join(name)).unwrap_or_else(|error| panic!("{error}"))
-}
+use crate::support::{shipped_study, study_files};
 
 #[test]
 fn every_shipped_study_loads_and_resolves_to_itself() {
     let mut count = 0;
-    for entry in std::fs::read_dir(folder()).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_some_and(|extension| extension == "yaml") {
-            let study = Study::load(&path).unwrap_or_else(|error| panic!("{error}"));
-            assert_eq!(path.file_stem().unwrap().to_str(), Some(study.name()));
-            let again = super::study(&study.resolved_yaml());
-            assert_eq!(again.hash(), study.hash());
-            assert!(study.planned_run(study.run_count() - 1).case.is_ok());
-            count += 1;
-        }
+    for path in study_files("studies") {
+        let study = Study::load(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(path.file_stem().and_then(|name| name.to_str()), Some(study.name()));
+        let again = super::study(&study.resolved_yaml());
+        assert_eq!(again.hash(), study.hash());
+        assert!(study.planned_run(study.run_count() - 1).case.is_ok());
+        count += 1;
     }
     assert!(count >= 5);
 }
 
 #[test]
 fn the_thesis_study_has_4096_runs_at_six_points() {
-    let study = load("preferred-equilibria.yaml");
+    let study = shipped_study("preferred-equilibria.yaml");
     assert_eq!((study.point_count(), study.run_count(), study.seed()), (6, 4096, 2003));
     let runs: Vec<u64> = (0..6).map(|point| study.point(point).sampling.most).collect();
     assert_eq!(runs, [768, 768, 768, 768, 768, 256]);

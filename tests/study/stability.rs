@@ -1,82 +1,26 @@
 //! The same seed gives the same values: in later versions, in larger samples, in richer studies.
 
-use std::f64::consts::FRAC_PI_2;
-
 use stickslip::study::Study;
 
 use super::{coordinates, with_design};
+use crate::support::cases;
 
-/// Checks a run's coordinates against pinned ones. A change here breaks reproducibility and must be
-/// announced in the changelog.
-#[track_caller]
-fn pinned(design: &str, run: u64, expected: [f64; 8]) {
-    let found = coordinates(&with_design(design, ""), run);
-    assert_eq!(found, expected, "{design}");
-}
+/// Designs, numbers of runs, and their pinned coordinates. A change here breaks reproducibility and must be announced in the
+/// changelog.
+const PINNED: &str = "{stratified: {parts_per_axis: 2, samples_per_cell: 3}} ¦ 300 ¦ -0.023437353024183757 -0.005594625841120408 3.723860209823801 0.19640650847825614 0.03786673594356636 0.02377393221230939 -0.10768799342498092 -0.5793419616514685
+{latin_hypercube: {samples: 100}} ¦ 17 ¦ 0.04974087837163817 -0.03944200699676374 0.21248509202453572 0.07091218139188665 -0.03774809112801435 0.00021184898677464176 0.9486865547068921 -0.9619992374467865
+{sobol: {samples: 128}} ¦ 17 ¦ -0.012923943996429446 -0.014149856567382817 4.639611029576629 3.965959771309178 0.03245353698730469 0.007651281356811521 -0.17464089393615723 0.37586402893066406
+{monte_carlo: {samples: 100}} ¦ 17 ¦ -0.01650467788562226 -0.04562425575811796 1.1627523891053448 0.6476870604383116 -0.013762218174986386 0.04284939405152598 -0.7964153693058467 -0.17621781914632328
+{grid: {points_per_axis: 2}} ¦ 17 ¦ -0.025 -0.025 1.5707963267948966 4.71238898038469 -0.025 -0.025 -0.5 0.5";
 
 #[test]
 fn designs_keep_their_values() {
-    pinned(
-        "{stratified: {parts_per_axis: 2, samples_per_cell: 3}}",
-        300,
-        [
-            -0.023437353024183757,
-            -0.005594625841120408,
-            3.723860209823801,
-            0.19640650847825614,
-            0.03786673594356636,
-            0.02377393221230939,
-            -0.10768799342498092,
-            -0.5793419616514685,
-        ],
-    );
-    pinned(
-        "{latin_hypercube: {samples: 100}}",
-        17,
-        [
-            0.04974087837163817,
-            -0.03944200699676374,
-            0.21248509202453572,
-            0.07091218139188665,
-            -0.03774809112801435,
-            0.00021184898677464176,
-            0.9486865547068921,
-            -0.9619992374467865,
-        ],
-    );
-    pinned(
-        "{sobol: {samples: 128}}",
-        17,
-        [
-            -0.012923943996429446,
-            -0.014149856567382817,
-            4.639611029576629,
-            3.965959771309178,
-            0.03245353698730469,
-            0.007651281356811521,
-            -0.17464089393615723,
-            0.37586402893066406,
-        ],
-    );
-    pinned(
-        "{monte_carlo: {samples: 100}}",
-        17,
-        [
-            -0.01650467788562226,
-            -0.04562425575811796,
-            1.1627523891053448,
-            0.6476870604383116,
-            -0.013762218174986386,
-            0.04284939405152598,
-            -0.7964153693058467,
-            -0.17621781914632328,
-        ],
-    );
-    pinned(
-        "{grid: {points_per_axis: 2}}",
-        17,
-        [-0.025, -0.025, FRAC_PI_2, 3.0 * FRAC_PI_2, -0.025, -0.025, -0.5, 0.5],
-    );
+    for [design, run, pinned] in cases(PINNED) {
+        let found = coordinates(&with_design(&design, ""), run.parse().expect("a run"));
+        let pinned: Vec<f64> =
+            pinned.split(' ').map(|number| number.parse().expect("a number")).collect();
+        assert_eq!(found, pinned, "{design}");
+    }
 }
 
 const UNCERTAIN: &str = "uncertain:
@@ -93,15 +37,8 @@ fn distributions_keep_their_values() {
     let study = with_design("{monte_carlo: {samples: 100}}", UNCERTAIN);
     let names: Vec<&str> = study.uncertain().iter().map(|column| column.name.as_str()).collect();
     assert_eq!(
-        names,
-        [
-            "stiffness_n_m",
-            "ring_radius_m",
-            "ball_mass_1_kg",
-            "ball_mass_2_kg",
-            "ball_diameter_m",
-            "speed_rad_s"
-        ]
+        names.join(" "),
+        "stiffness_n_m ring_radius_m ball_mass_1_kg ball_mass_2_kg ball_diameter_m speed_rad_s"
     );
     let found = study.planned_run(17).uncertain;
     let expected = [

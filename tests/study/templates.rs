@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::support::{Block, Ground};
+use crate::support::{Block, Ground, shipped_study};
 use serde_json::Value;
 use stickslip::model::Machine;
 use stickslip::study::{Study, Template, json_schema};
@@ -61,8 +61,7 @@ fn comments_are_complete_and_change_nothing() {
 
 #[test]
 fn the_thesis_template_is_the_study_of_the_thesis() {
-    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/preferred-equilibria.yaml");
-    let shipped = Study::load(&shipped).expect("a study");
+    let shipped = shipped_study("preferred-equilibria.yaml");
     let (_, study) = named("thesis");
     // The hash covers model, sweep, sampling, seed and simulation.
     assert_eq!(study.hash(), shipped.hash());

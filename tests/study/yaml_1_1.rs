@@ -1,10 +1,9 @@
 //! Readers of YAML 1.1, such as PyYAML, read shipped and resolved studies as readers of YAML 1.2 do.
 
-use std::path::Path;
-
 use stickslip::study::Study;
 
 use super::{study, text_with_design};
+use crate::support::study_files;
 
 /// The words that YAML 1.1 reads as truth values or as nothing.
 const WORDS: [&str; 9] = ["y", "n", "yes", "no", "on", "off", "null", "true", "false"];
@@ -73,19 +72,13 @@ fn words_that_the_versions_read_differently_are_found() {
 
 #[test]
 fn shipped_and_resolved_studies_are_read_alike() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut seen = 0;
-    for folder in ["studies", "benches"] {
-        for entry in std::fs::read_dir(root.join(folder)).unwrap() {
-            let path = entry.unwrap().path();
-            if path.extension().is_some_and(|extension| extension == "yaml") {
-                let text = std::fs::read_to_string(&path).unwrap();
-                assert_eq!(differently_read(&text), None, "{}", path.display());
-                let resolved = Study::load(&path).unwrap().resolved_yaml();
-                assert_eq!(differently_read(&resolved), None, "{resolved}");
-                seen += 1;
-            }
-        }
+    for path in ["studies", "benches"].into_iter().flat_map(study_files) {
+        let text = std::fs::read_to_string(&path).expect("a study");
+        assert_eq!(differently_read(&text), None, "{}", path.display());
+        let resolved = Study::load(&path).expect("a study").resolved_yaml();
+        assert_eq!(differently_read(&resolved), None, "{resolved}");
+        seen += 1;
     }
     assert!(seen > 20, "{seen} studies");
 }
