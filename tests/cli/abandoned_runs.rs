@@ -35,8 +35,7 @@ fn studies() -> [(&'static str, String); 3] {
 fn runs_that_hardly_move_on_are_given_up_by_themselves() {
     let scratch = Scratch::new();
     scratch.write("large.yaml", balancer("large", 40, "parameters: {ball_diameter_m: 1.0e9}"));
-    let ended = scratch.stickslip("run large.yaml --threads 1 --out out");
-    assert_eq!(ended.code, Some(3), "{}", ended.err);
+    scratch.ended("run large.yaml --threads 1 --out out", 3);
     let runs = scratch.table("out", "runs");
     let evidence = words(&runs, "evidence").into_iter().flatten();
     assert!(evidence.filter(|evidence| evidence == "step_limit").count() > 0);
@@ -84,8 +83,7 @@ fn what_was_given_up_is_computed_again_to_the_same_bytes() {
          model: {kind: ball_balancer, parameters: {speed_rad_s: -216.0}}\n",
     );
     scratch.write("mixed.yaml", text);
-    let stopped = scratch.stickslip("run mixed.yaml --out out --threads 1 --max-seconds 0.5");
-    assert_eq!(stopped.code, Some(130), "{}", stopped.err);
+    let stopped = scratch.ended("run mixed.yaml --out out --threads 1 --max-seconds 0.5", 130);
     assert_has(&stopped.err, &[" of 4 runs; ", " in progress w"]);
     let finished = counts(&scratch.table("out", "runs"), "run_id").len();
     assert!((1..4).contains(&finished), "{finished}");

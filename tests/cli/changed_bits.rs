@@ -114,8 +114,7 @@ fn of_a_search() {
     assert_eq!(fs::read(scratch.path("search/optimum.json")).unwrap(), best);
     // Files that are not reused are made again, with a message.
     scratch.write("search/optimum.json", "{}");
-    let ended = scratch.stickslip("optimize block.yaml --out search -q");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let ended = scratch.ended("optimize block.yaml --out search -q", 0);
     assert_has(&ended.err, &["optimum.json has been changed since it was written"]);
     assert_eq!(fs::read(scratch.path("search/optimum.json")).unwrap(), best);
 }

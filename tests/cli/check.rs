@@ -1,11 +1,9 @@
 //! `check`: warnings, the machine, closed forms and the cost of a search.
 
-use std::path::Path;
-
 use serde_json::{Value, json};
 
 use super::support::{AT_ONCE, Scratch, assert_has, numbers, study_text};
-use crate::support::cases;
+use crate::support::{cases, shipped, study_files};
 
 /// The thesis's machine; `ball_mass_kg` is on line 14 of a study.
 const MACHINE: &str = "\
@@ -34,18 +32,12 @@ fn study(model: &str, rest: &str) -> String {
 }
 
 fn report(scratch: &Scratch, path: &str) -> Value {
-    serde_json::from_str(&scratch.well(&format!("check {path} --json"))).unwrap()
+    scratch.json(&format!("check {path} --json"))
 }
 
 fn kinds(report: &Value) -> Vec<String> {
     let warnings = report["warnings"].as_array().unwrap();
     warnings.iter().map(|one| one["kind"].as_str().unwrap().to_owned()).collect()
-}
-
-/// Returns the path of a shipped study.
-fn shipped(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies").join(name);
-    path.display().to_string()
 }
 
 /// Changes of the machine, the kinds of all warnings, and key, line and remedy of the first one.
@@ -340,8 +332,7 @@ fn warnings_change_the_exit_code_only_with_strict() {
         ("check bad.yaml --strict", 2),
         ("check bad.yaml --strict --json", 2),
     ] {
-        let ended = scratch.stickslip(arguments);
-        assert_eq!(ended.code, Some(code), "{}", ended.err);
+        let ended = scratch.ended(arguments, code);
         assert_has(
             &ended.err,
             &[warning, "\n  found:  a ball of 0.14 kg", "\n  remedy: 500 to 25000"],
@@ -362,11 +353,7 @@ fn warnings_change_the_exit_code_only_with_strict() {
 fn shipped_studies_have_no_false_warnings() {
     let scratch = Scratch::new();
     let mut studies = 0;
-    for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("studies")).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_none_or(|extension| extension != "yaml") {
-            continue;
-        }
+    for path in study_files("studies") {
         studies += 1;
         let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
         let expected: &[&str] = match name.as_str() {
@@ -454,8 +441,7 @@ fn the_base_value_of_a_swept_parameter_counts_where_a_block_uses_it() {
 /// The closed forms are those of the machine that is drawn, not of the default of an uncertain parameter.
 #[test]
 fn closed_forms_are_those_of_the_machine_that_is_drawn() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study("model: {kind: ball_balancer}\n", ""));
+    let scratch = Scratch::with(study("model: {kind: ball_balancer}\n", ""));
     scratch.write(
         "b.yaml",
         study(
@@ -559,7 +545,7 @@ fn the_machine_is_that_of_the_runs() {
 #[test]
 fn designs_and_searches_have_a_price() {
     let scratch = Scratch::new();
-    let path = shipped("cd-rom.yaml");
+    let path = shipped("cd-rom.yaml").display().to_string();
     let search = report(&scratch, &path);
     let [one, all] = ["design_cost", "optimize"].map(|key| &search[key]);
     assert_eq!(one["runs"], json!(384));
@@ -593,17 +579,17 @@ fn designs_and_searches_have_a_price() {
             "one design    384 runs; about ",
         ],
     );
-    let path = shipped("cd-rom.yaml");
+    let path = shipped("cd-rom.yaml").display().to_string();
     assert_has(
         &scratch.well(&format!("check {path}")),
         &["the design is optimize.compare_with (balls 2, ball "],
     );
-    let design = report(&scratch, &shipped("design.yaml"));
+    let design = report(&scratch, &shipped("design.yaml").display().to_string());
     assert_eq!(design["design_cost"]["runs"], json!(64));
     assert!(design.get("optimize").is_none());
     scratch.write("a.yaml", study_text("a", "{sobol: {samples: 1}}", AT_ONCE, ""));
     assert!(report(&scratch, "a.yaml").get("design_cost").is_none());
-    let path = shipped("identify-contact.yaml");
+    let path = shipped("identify-contact.yaml").display().to_string();
     let own = report(&scratch, &path);
     let ratio = seconds(&own["identify"], "core_seconds") / seconds(&own, "core_seconds");
     assert!((ratio - 1000.0).abs() < 1e-6, "{ratio}");

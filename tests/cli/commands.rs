@@ -1,11 +1,11 @@
 //! `check`, `verify`, `schema`, `completions` and the help texts.
 
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
 use super::support::{AT_ONCE, Scratch, assert_has, study_text};
+use crate::support::shipped;
 
 #[test]
 fn every_command_shows_examples() {
@@ -38,7 +38,7 @@ fn check_counts_and_computes_nothing() {
             "runs          14, each",
         ],
     );
-    let report: Value = serde_json::from_str(&scratch.well("check a.yaml --json")).unwrap();
+    let report = scratch.json("check a.yaml --json");
     let whole = ["study", "seed", "points", "runs", "balls", "swept", "uncertain", "expectations"];
     let expected = json!(["a", 5, 2, 14, 2, ["speed_rad_s"], ["ball_mass_kg"], 0]);
     assert_eq!(Value::from(whole.map(|key| report[key].clone()).to_vec()), expected);
@@ -76,7 +76,7 @@ fn check_says_how_uncertain_parameters_are_sampled_together() {
         scratch.write("a.yaml", study_text("a", "{sobol: {samples: 7}}", AT_ONCE, &rest));
         let text = scratch.well("check a.yaml");
         assert_has(&text, &[&format!("uncertain     stiffness_n_m, ball_mass_kg{words}\n")]);
-        let report: Value = serde_json::from_str(&scratch.well("check a.yaml --json")).unwrap();
+        let report = scratch.json("check a.yaml --json");
         assert_eq!(report["uncertain_sampling"], facts);
     }
 }
@@ -90,8 +90,7 @@ fn check_says_where_only_rest_is_looked_for() {
         scratch.write(name, plain.replace("simulation: {", &simulation));
         let text = scratch.well(&format!("check {name}"));
         assert_eq!(text.contains("method switch, detects rest only\n"), only, "{text}");
-        let report: Value =
-            serde_json::from_str(&scratch.well(&format!("check {name} --json"))).unwrap();
+        let report = scratch.json(&format!("check {name} --json"));
         assert_eq!(report["endings"], json!(written));
     }
 }
@@ -103,7 +102,7 @@ fn check_lists_variables_and_responses() {
     let plain = study_text("a", "{sobol: {samples: 7}}", AT_ONCE, "");
     scratch.write("a.yaml", &plain);
     assert!(!scratch.well("check a.yaml").contains("design "));
-    let report: Value = serde_json::from_str(&scratch.well("check a.yaml --json")).unwrap();
+    let report = scratch.json("check a.yaml --json");
     assert_eq!((&report["design"], &report["responses"]), (&json!([]), &json!([])));
     let more = "design:
   speed_rad_s: {from: -260, to: -140}
@@ -114,7 +113,7 @@ responses: {half: median_time_to_rest, mean: {amplitude_mean: {relative: true}}}
     scratch.write("b.yaml", plain + more);
     let expected = "design        speed_rad_s, balls, material\nresponses     half, mean\n";
     assert_has(&scratch.well("check b.yaml"), &[expected]);
-    let report: Value = serde_json::from_str(&scratch.well("check b.yaml --json")).unwrap();
+    let report = scratch.json("check b.yaml --json");
     let variables = json!([
         {"name": "speed_rad_s", "unit": "rad/s", "from": -260.0, "to": -140.0, "integer": false},
         {"name": "balls", "unit": "1", "from": 1.0, "to": 3.0, "integer": true},
@@ -141,7 +140,7 @@ fn check_of_a_thousand_million_runs_is_instant() {
 #[test]
 fn the_schema_is_json_and_knows_every_key_of_a_resolved_study() {
     let scratch = Scratch::new();
-    let schema: Value = serde_json::from_str(&scratch.well("schema")).unwrap();
+    let schema = scratch.json("schema");
     assert_has(schema["$schema"].as_str().unwrap(), &["json-schema.org"]);
     scratch.write("a.yaml", study_text("a", "{sobol: {samples: 1}}", AT_ONCE, ""));
     scratch.well("run a.yaml --out out");
@@ -206,8 +205,7 @@ fn verify_says_what_is_met() {
 
 #[test]
 fn verify_needs_expectations_and_all_runs() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{sobol: {samples: 1}}", AT_ONCE, ""));
+    let scratch = Scratch::with(study_text("a", "{sobol: {samples: 1}}", AT_ONCE, ""));
     let missing = ["a.yaml: `expect`: missing key", "found: ", "allowed: a list such as expect"];
     scratch.refused("verify a.yaml --out out", &missing);
     scratch.write("b.yaml", with_expectation("[0, 1]"));
@@ -218,7 +216,7 @@ fn verify_needs_expectations_and_all_runs() {
 #[test]
 fn the_smoke_study_holds() {
     let scratch = Scratch::new();
-    let smoke = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/smoke.yaml");
+    let smoke = shipped("smoke.yaml");
     let text = scratch.well(&format!("verify {} --threads 2", smoke.display()));
     assert_eq!(text.matches("\nmet    ").count(), 6, "{text}");
 }
@@ -230,7 +228,7 @@ fn small_shipped_studies_hold() {
     let names =
         ["block-on-spring", "block-on-belt", "stribeck", "smooth-friction", "viscous", "precision"];
     for name in names {
-        let study = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.yaml"));
+        let study = shipped(&format!("{name}.yaml"));
         let text = scratch.well(&format!("verify {} --threads 2", study.display()));
         assert!(text.contains("\nmet    ") && !text.contains("NOT MET"), "{text}");
     }

@@ -16,7 +16,7 @@ fn study(name: &str, seed: u64, parameters: &str, speeds: &str) -> String {
 }
 
 fn json(scratch: &Scratch, arguments: &str) -> Value {
-    serde_json::from_str(&scratch.well(arguments)).unwrap()
+    scratch.json(arguments)
 }
 
 fn quantity<'a>(point: &'a Value, name: &str) -> &'a Value {
@@ -28,8 +28,7 @@ fn quantity<'a>(point: &'a Value, name: &str) -> &'a Value {
 /// it is that of independent samples, and wider.
 #[test]
 fn common_start_states_make_differences_precise() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study("a", 3, "", "-160, -216"));
+    let scratch = Scratch::with(study("a", 3, "", "-160, -216"));
     scratch.write("b.yaml", study("b", 3, "stiffness_n_m: 1.0701e4", "-216, -300"));
     scratch.write("c.yaml", study("c", 4, "stiffness_n_m: 1.0701e4", "-216"));
     for name in ["a", "b", "c"] {
@@ -76,8 +75,7 @@ fn common_start_states_make_differences_precise() {
 
 #[test]
 fn differences_are_said_in_words() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study("a", 3, "friction_coefficient: 2.75e-3", "-216"));
+    let scratch = Scratch::with(study("a", 3, "friction_coefficient: 2.75e-3", "-216"));
     scratch.write("b.yaml", study("b", 3, "friction_coefficient: 2.75e-2", "-216"));
     for name in ["a", "b"] {
         scratch.well(&format!("run {name}.yaml --out {name} --quiet"));

@@ -66,8 +66,7 @@ fn two_expansions() {
 /// Files of the user beside a table are unchanged, whatever their names.
 #[test]
 fn files_of_the_user_are_left_alone() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, ""));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, ""));
     scratch.write("r.parquet.partial", "years of work");
     fs::create_dir_all(scratch.path("s.parquet.partial/table")).unwrap();
     scratch.write("s.parquet.partial/table/mine", "years of work");
@@ -80,29 +79,15 @@ fn files_of_the_user_are_left_alone() {
     assert_eq!(after, before);
 }
 
-/// A table that could not be written leaves no file.
-#[test]
-fn nothing_is_left_of_a_table_that_failed() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, ""));
-    let before = scratch.files();
-    let ended = scratch.stickslip("expand a.yaml --out nowhere/r.parquet");
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    assert_eq!(scratch.files(), before);
-}
-
 /// A directory that a process is filling is refused to another one, so that their files are not
 /// mixed.
 #[test]
 fn a_replay_has_exclusive_use_of_its_directory() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 3}}", 0.02, ""));
-    scratch.well("run a.yaml --out out -q");
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 3}}", 0.02, ""));
     fs::create_dir(scratch.path("motion")).unwrap();
     let unfinished = fs::File::create(scratch.path("motion/unfinished")).unwrap();
     unfinished.lock().unwrap();
-    let ended = scratch.stickslip("replay out 1 --out motion");
-    assert_eq!(ended.code, Some(1), "{}", ended.err);
+    let ended = scratch.ended("replay out 1 --out motion", 1);
     assert!(ended.err.contains("another process is writing into this directory"), "{}", ended.err);
     unfinished.unlock().unwrap();
     scratch.well("replay out 1 --out motion");
@@ -115,8 +100,7 @@ fn a_replay_has_exclusive_use_of_its_directory() {
 /// process.
 #[test]
 fn leftovers_in_results_do_not_accumulate() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, ""));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, ""));
     fs::create_dir_all(scratch.path("out/runs.parquet.abc123.stickslip-partial/table")).unwrap();
     scratch.write("out/study.yaml.XYZ987.stickslip-partial", "half");
     scratch.well("run a.yaml --out out -q");

@@ -1,8 +1,7 @@
 //! The cost that `check` predicts, against the steps that runs take.
 
-use serde_json::Value;
-
 use super::support::{Scratch, assert_has, counts, study_text};
+use crate::support::cases;
 
 /// Returns the steps of all runs of a study without and with switches, and the estimate and the
 /// limit that `check` prints.
@@ -10,7 +9,7 @@ fn steps(rest: &str, end_time_s: f64, samples: u64) -> [f64; 4] {
     let scratch = Scratch::new();
     let design = format!("{{monte_carlo: {{samples: {samples}}}}}");
     scratch.write("a.yaml", study_text("a", &design, end_time_s, rest));
-    let report: Value = serde_json::from_str(&scratch.well("check a.yaml --json")).unwrap();
+    let report = scratch.json("check a.yaml --json");
     let said = |key: &str| report[key].as_f64().unwrap();
     scratch.stickslip("run a.yaml --out out");
     let runs = scratch.table("out", "runs");
@@ -26,14 +25,8 @@ fn steps(rest: &str, end_time_s: f64, samples: u64) -> [f64; 4] {
 #[test]
 fn weakly_damped_runs_take_the_predicted_steps() {
     for balls in [1, 2, 4, 8] {
-        for (law, samples) in [
-            ("coulomb", 8),
-            (
-                "{stribeck: {static_friction_coefficient: 3e-3, \
-                                             stribeck_speed_rad_s: 1}}",
-                2,
-            ),
-        ] {
+        let stribeck = "{stribeck: {static_friction_coefficient: 3e-3, stribeck_speed_rad_s: 1}}";
+        for (law, samples) in [("coulomb", 8), (stribeck, 2)] {
             let model = format!(
                 "model: {{kind: ball_balancer, friction: {law}, \
                  parameters: {{balls: {balls}, speed_rad_s: 628, damping_n_s_m: 0.01}}}}\n"
@@ -61,24 +54,16 @@ fn tables_of_speeds_take_the_predicted_steps() {
 
 #[test]
 fn no_run_exceeds_the_predicted_limit() {
-    for (model, end_time_s) in [
-        ("model: {kind: ball_balancer, parameters: {ball_diameter_m: 1.0e9}}\n", 1.0),
-        (
-            "model: {kind: ball_balancer, parameters: {speed_rad_s: -216, friction_coefficient: 2.75e-4}}\n",
-            5.0,
-        ),
-        ("model: {kind: ball_balancer, friction: {smooth: {smoothing_speed_rad_s: 0.01}}}\n", 0.5),
-        ("model: {kind: block_on_belt, parameters: {belt_speed_m_s: 0.1}}\n", 100.0),
-        (
-            "model: {kind: block_on_spring, friction: {viscous: {viscous_coefficient_n_s_m: 0}}}\n",
-            1e10,
-        ),
-        (
-            "model: {kind: ball_balancer, parameters: {speed_rad_s: -1.8e6, friction_coefficient: 1e-5}}\n",
-            2e-3,
-        ),
-    ] {
-        let [taken, with_switches, about, most] = steps(model, end_time_s, 4);
+    for [model, end_time] in cases(
+        r"model: {kind: ball_balancer, parameters: {ball_diameter_m: 1.0e9}}\n ¦ 1.0
+model: {kind: ball_balancer, parameters: {speed_rad_s: -216, friction_coefficient: 2.75e-4}}\n ¦ 5.0
+model: {kind: ball_balancer, friction: {smooth: {smoothing_speed_rad_s: 0.01}}}\n ¦ 0.5
+model: {kind: block_on_belt, parameters: {belt_speed_m_s: 0.1}}\n ¦ 100.0
+model: {kind: block_on_spring, friction: {viscous: {viscous_coefficient_n_s_m: 0}}}\n ¦ 1e10
+model: {kind: ball_balancer, parameters: {speed_rad_s: -1.8e6, friction_coefficient: 1e-5}}\n ¦ 2e-3",
+    ) {
+        let [taken, with_switches, about, most] =
+            steps(&model, end_time.parse().expect("a time"), 4);
         assert!(with_switches <= most, "{model}{with_switches} of {most}");
         // Only runs that are given up exceed the estimate.
         assert!(taken <= 1.25 * about || model.contains("1.0e9"), "{model}{taken}, about {about}");

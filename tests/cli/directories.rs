@@ -13,10 +13,8 @@ fn small(seed_and_more: &str) -> String {
 
 #[test]
 fn a_study_fills_its_directory_once() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", small("seed: 5\n"));
-    let ended = scratch.stickslip("run a.yaml --out deep/down");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let scratch = Scratch::with(small("seed: 5\n"));
+    let ended = scratch.ended("run a.yaml --out deep/down", 0);
     let header = "point  speed_rad_s       [µm]";
     assert_has(&ended.out, &[header, "    0         -160  ", "    1         -200  ", "  0/4  "]);
     // Two lines of header, two points, a sentence about their vibration, a remedy, and the undecided runs.
@@ -45,16 +43,14 @@ fn a_study_fills_its_directory_once() {
 
 #[test]
 fn without_out_the_tables_go_into_results() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", small("seed: 5\n"));
+    let scratch = Scratch::with(small("seed: 5\n"));
     scratch.well("run a.yaml");
     assert!(scratch.path("results/small/manifest.json").exists());
 }
 
 #[test]
 fn an_empty_directory_is_used() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", small("seed: 5\n"));
+    let scratch = Scratch::with(small("seed: 5\n"));
     fs::create_dir(scratch.path("out")).unwrap();
     scratch.well("run a.yaml --out out");
     assert_eq!(scratch.table("out", "runs").num_rows(), 8);
@@ -62,8 +58,7 @@ fn an_empty_directory_is_used() {
 
 #[test]
 fn another_study_is_refused() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", small("seed: 5\n"));
+    let scratch = Scratch::with(small("seed: 5\n"));
     scratch.write("other.yaml", small("seed: 6\n").replace("small", "other"));
     scratch.well("run a.yaml --out out");
     let refused = [
@@ -78,8 +73,7 @@ fn another_study_is_refused() {
 
 #[test]
 fn foreign_files_are_left_alone() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", small("seed: 5\n"));
+    let scratch = Scratch::with(small("seed: 5\n"));
     fs::create_dir(scratch.path("home")).unwrap();
     scratch.write("home/thesis.tex", "years of work");
     let foreign = ["home: this directory is not empty", "found:   files without a manifest.json"];
@@ -136,8 +130,7 @@ fn files_under_our_names_are_left_alone() {
 /// an empty list of finished runs) do not prevent the study from continuing.
 #[test]
 fn a_study_continues_after_a_kill_at_its_start() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", small("seed: 5\n"));
+    let scratch = Scratch::with(small("seed: 5\n"));
     scratch.well("run a.yaml --out whole");
     let study = fs::read(scratch.path("whole/study.yaml")).unwrap();
     for (number, (name, content)) in [
@@ -183,16 +176,13 @@ fn unfinished_results_continue_and_nothing_else_is_replaced() {
     ];
     for command in ["resume out", "run a.yaml --out out"] {
         for (name, change) in changes {
-            let scratch = Scratch::new();
-            scratch.write("a.yaml", small("seed: 5\n"));
+            let scratch = Scratch::with(small("seed: 5\n"));
             scratch.well("run a.yaml --out whole");
-            let stopped = scratch.stickslip("run a.yaml --out out --max-seconds 0");
-            assert_eq!(stopped.code, Some(130), "{}", stopped.err);
+            scratch.ended("run a.yaml --out out --max-seconds 0", 130);
             let path = scratch.path("out").join(name);
             let changed = change(fs::read(&path).unwrap_or_default());
             fs::write(&path, &changed).unwrap();
-            let ended = scratch.stickslip(command);
-            assert_eq!(ended.code, Some(0), "{}", ended.err);
+            let ended = scratch.ended(command, 0);
             let told = [
                 "another file has the name of a result",
                 name,
@@ -208,8 +198,7 @@ fn unfinished_results_continue_and_nothing_else_is_replaced() {
 /// An empty path is not the current directory.
 #[test]
 fn an_empty_path_is_no_directory() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", small("seed: 5\n"));
+    let scratch = Scratch::with(small("seed: 5\n"));
     scratch.well("run a.yaml --out part");
     for command in
         ["run a.yaml", "verify a.yaml", "merge part", "equilibria a.yaml", "replay part 0"]
@@ -232,8 +221,7 @@ fn an_empty_path_is_no_directory() {
 /// stops.
 #[test]
 fn directories_that_cannot_be_made() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", small("seed: 5\n"));
+    let scratch = Scratch::with(small("seed: 5\n"));
     for out in ["a.yaml", "a.yaml/out", "a.yaml/further/down"] {
         let message = [out, ": cannot be used as output directory\n  found: ", "allowed: "];
         scratch.refused(&format!("run a.yaml --out {out}"), &message);
@@ -243,9 +231,7 @@ fn directories_that_cannot_be_made() {
 /// Commands that read results name the command that has written another directory, and what reads it.
 #[test]
 fn directories_of_other_commands_are_named() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", small("seed: 5\n"));
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(small("seed: 5\n"));
     scratch.well("replay out 0 --out motion");
     scratch.well("equilibria a.yaml --no-set --grid 8 --out sets");
     fs::create_dir(scratch.path("search")).unwrap();

@@ -15,13 +15,10 @@ fn study(speeds: &str, change: impl Fn(String) -> String) -> String {
 /// Runs a study of 512 runs into `out`, then the edited one, which must reuse `used` of its runs
 /// and equal an independent computation.
 fn edited(text: String, used: u64, all: u64) {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study("[-160.0, -216.0]", |text| text));
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(study("[-160.0, -216.0]", |text| text));
     let before = scratch.data("out");
     scratch.write("a.yaml", text);
-    let ended = scratch.stickslip("run a.yaml --out out");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let ended = scratch.ended("run a.yaml --out out", 0);
     let runs = format!("{all} runs: {used} finished earlier, {} computed", all - used);
     assert_has(&ended.err, &["earlier results moved to out/earlier/1", &runs]);
     scratch.well("run a.yaml --out alone");
@@ -66,13 +63,10 @@ fn another_friction_costs_its_points() {
 /// audit.
 #[test]
 fn an_audit_costs_what_it_chooses() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study("[-160.0]", |text| text));
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(study("[-160.0]", |text| text));
     let audited = study("[-160.0]", |text| text + "audit: {fraction: 0.25}\n");
     scratch.write("a.yaml", audited);
-    let ended = scratch.stickslip("run a.yaml --out out");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    scratch.ended("run a.yaml --out out", 0);
     scratch.well("run a.yaml --out alone");
     assert_eq!(scratch.data("out"), scratch.data("alone"));
     let kept = scratch.manifest("out")["runs_kept"].as_u64().unwrap();
@@ -82,9 +76,7 @@ fn an_audit_costs_what_it_chooses() {
 /// If no run can be reused, nothing is computed without a request, and the differences are listed.
 #[test]
 fn what_cannot_be_used_again_is_refused_with_the_difference() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study("[-160.0]", |text| text));
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(study("[-160.0]", |text| text));
     let before = scratch.data("out");
     let other = |text: String| text.replace("seed: 5", "seed: 6").replace("2e-2", "3e-2");
     scratch.write("b.yaml", study("[-160.0]", other));
@@ -104,12 +96,9 @@ fn what_cannot_be_used_again_is_refused_with_the_difference() {
 /// An interrupted run of an edited study continues like any other.
 #[test]
 fn an_interrupted_edit_goes_on() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study("[-160.0]", |text| text));
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(study("[-160.0]", |text| text));
     scratch.write("a.yaml", study("[-160.0, -216.0]", |text| text));
-    let stopped = scratch.stickslip("run a.yaml --out out --max-seconds 0");
-    assert_eq!(stopped.code, Some(130), "{}", stopped.err);
+    scratch.ended("run a.yaml --out out --max-seconds 0", 130);
     let ended = scratch.stickslip("resume out");
     assert_has(&ended.err, &["512 runs: 256 finished earlier, 256 computed"]);
     scratch.well("run a.yaml --out alone");

@@ -19,8 +19,7 @@ fn study(rest: &str) -> String {
 }
 
 fn scratch() -> Scratch {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study(SWEEP));
+    let scratch = Scratch::with(study(SWEEP));
     for (name, balls) in [("one", 1), ("three", 3)] {
         let model = format!("model: {{kind: ball_balancer, parameters: {{balls: {balls}}}}}\n");
         scratch.write(&format!("{name}.yaml"), study(&model));
@@ -264,8 +263,8 @@ missing.yaml ¦ missing.yaml"#,
 /// With contact, positions at which balls overlap are outside the set, and the touching positions are counted on their own.
 #[test]
 fn a_study_with_contact_has_its_own_sets() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study("model: {kind: ball_balancer, contact: {restitution: 0.5}}\n"));
+    let scratch =
+        Scratch::with(study("model: {kind: ball_balancer, contact: {restitution: 0.5}}\n"));
     let text = scratch.well("equilibria a.yaml --grid 128 --out out");
     assert_has(&text, &["fraction  touching  components"]);
     let sets = scratch.table("out", "equilibrium_set_summary");

@@ -252,7 +252,7 @@ c.csv ¦ speed_rad_s,balls,material\n-200,2,steel\n-20,2,steel\n ¦ c.csv:3 ¦ r
 e.csv ¦ speed_rad_s,balls,material\n-200,2.5,steel\n ¦ row 1, column balls ¦ not a whole number ¦ 2.5
 f.csv ¦ speed_rad_s,balls,material\n-200,2,stel\n ¦ row 1, column material ¦ steel (did you mean this?)
 g.csv ¦ speed_rad_s,balls,material\n-200,,steel\n ¦ row 1, column balls ¦ an empty value
-h.csv ¦ speed_rad_s,balls,material\n ¦ a table without rows ¦ 
+h.csv ¦ speed_rad_s,balls,material\n ¦ a table without rows
 i.txt ¦ speed_rad_s,balls,material\n ¦ ends in neither .csv nor .parquet ¦ ",
     ) {
         scratch.write(&row[0], &row[1]);

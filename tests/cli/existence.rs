@@ -1,21 +1,16 @@
 //! `check --existence`.
 
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
 use super::support::{AT_ONCE, Scratch, assert_has, study_text};
-
-fn shipped(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies").join(name);
-    path.display().to_string()
-}
+use crate::support::shipped;
 
 #[test]
 fn the_thesis_study_is_certain_at_all_points() {
     let scratch = Scratch::new();
-    let path = shipped("preferred-equilibria.yaml");
+    let path = shipped("preferred-equilibria.yaml").display().to_string();
     let text = scratch.well(&format!("check {path} --existence"));
     assert_has(&text, &["existence     at all 6 points stick and slip have exactly one solution"]);
     assert_has(&text, &["smallest principal minor 0.9999999"]);
@@ -25,7 +20,7 @@ fn the_thesis_study_is_certain_at_all_points() {
 #[test]
 fn failing_points_are_named_with_position_and_remedy() {
     let scratch = Scratch::new();
-    let path = shipped("no-unique-solution.yaml");
+    let path = shipped("no-unique-solution.yaml").display().to_string();
     let text = scratch.well(&format!("check {path} --existence"));
     assert_has(
         &text,
@@ -74,9 +69,7 @@ fn huge_sweeps_stay_quick() {
 /// A block has one contact with a given normal force, so that the decision is always unique.
 #[test]
 fn a_block_is_decided_in_one_way() {
-    let scratch = Scratch::new();
-    scratch.write(
-        "a.yaml",
+    let scratch = Scratch::with(
         "schema: 1\nname: a\nseed: 1\nmodel: {kind: block_on_belt}\n\
          sweep: [{grid: {belt_speed_m_s: [1, 2]}}]\n\
          initial_conditions: {design: {sobol: {samples: 1}}}\n",

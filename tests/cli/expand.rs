@@ -1,6 +1,7 @@
 //! `expand` writes exactly the cases that `run` computes.
 
 use super::support::{AT_ONCE, Scratch, counts, numbers, parse, row, study_text, words};
+use crate::table::contract::listed;
 
 /// Blocks with different columns, text values, and samples that include physically invalid ones.
 fn study() -> String {
@@ -11,40 +12,27 @@ fn study() -> String {
     study_text("a", "{monte_carlo: {samples: 300}}", AT_ONCE, rest)
 }
 
-const COLUMNS: [&str; 17] = [
-    "run_id",
-    "point_id",
-    "cell",
-    "replicate",
-    "speed_rad_s",
-    "normal_force",
-    "friction_coefficient",
-    "ball_mass_2_kg",
-    "initial_x",
-    "initial_y",
-    "initial_beta_1",
-    "initial_beta_2",
-    "initial_x_dot",
-    "initial_y_dot",
-    "initial_beta_dot_1",
-    "initial_beta_dot_2",
-    "error",
-];
+fn columns() -> Vec<String> {
+    listed(
+        "run_id, point_id, cell, replicate, speed_rad_s, normal_force, friction_coefficient, \
+         ball_mass_2_kg, initial_x, initial_y, initial_beta_1, initial_beta_2, initial_x_dot, \
+         initial_y_dot, initial_beta_dot_1, initial_beta_dot_2, error",
+    )
+}
 
 #[test]
 fn csv_parquet_plan_and_run_agree() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study());
+    let scratch = Scratch::with(study());
     let text = scratch.well("expand a.yaml");
     scratch.well("expand a.yaml --out cases.parquet");
     assert_eq!(scratch.stickslip("run a.yaml --out out").code, Some(3));
     let (cases, runs) = (scratch.table(".", "cases"), scratch.table("out", "runs"));
     let names: Vec<String> =
         cases.schema().fields().iter().map(|field| field.name().clone()).collect();
-    assert_eq!(names, COLUMNS);
+    assert_eq!(names, columns());
 
     let mut reader = csv::Reader::from_reader(text.as_bytes());
-    assert_eq!(reader.headers().unwrap(), &COLUMNS[..]);
+    assert_eq!(reader.headers().expect("a header"), columns());
     let lines: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
     let study = parse(&study());
     assert_eq!(study.run_count(), 1500);
@@ -55,7 +43,7 @@ fn csv_parquet_plan_and_run_agree() {
         .fields()
         .iter()
         .map(|field| field.name().clone())
-        .filter(|name| !COLUMNS.contains(&name.as_str()) || name == "error")
+        .filter(|name| !names.contains(name) || name == "error")
         .collect();
     let others: Vec<&str> = others.iter().map(String::as_str).collect();
     let (errors, run_errors) = (words(&cases, "error"), words(&runs, "error"));
@@ -81,15 +69,14 @@ fn csv_parquet_plan_and_run_agree() {
         }
     }
     assert!(invalid > 100, "{invalid}");
-    for name in &COLUMNS[7..16] {
+    for name in &names[7..16] {
         assert_eq!(numbers(&cases, name), numbers(&runs, name));
     }
 }
 
 #[test]
 fn a_shard_has_one_case_of_each_n() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study());
+    let scratch = Scratch::with(study());
     scratch.well("expand a.yaml --shard 2/7 --out part.parquet");
     let ids = counts(&scratch.table(".", "part"), "run_id");
     assert!(ids.iter().map(|id| id / 7).eq(0..ids.len() as u64), "{ids:?}");
@@ -104,8 +91,7 @@ fn a_shard_has_one_case_of_each_n() {
 
 #[test]
 fn a_file_is_never_overwritten() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study());
+    let scratch = Scratch::with(study());
     scratch.write("cases.parquet", "mine");
     let exists = ["cases.parquet: exists already", "allowed: the name of a new file"];
     scratch.refused("expand a.yaml --out cases.parquet", &exists);
@@ -117,8 +103,7 @@ fn a_file_is_never_overwritten() {
 
 #[test]
 fn the_ending_of_the_name_chooses_the_format() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study());
+    let scratch = Scratch::with(study());
     let parts =
         ["cases.xlsx: stickslip writes tables as Parquet or CSV only", "such as cases.parquet"];
     scratch.refused("expand a.yaml --out cases.xlsx", &parts);

@@ -45,8 +45,7 @@ fn evil() -> String {
 
 #[test]
 fn texts_of_a_manifest() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, ""));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, ""));
     scratch.write("b.yaml", study_text("b", "{monte_carlo: {samples: 4}}", AT_ONCE, "seed: 9\n"));
     scratch.well("run a.yaml --out out -q");
     let right = scratch.manifest("out");
@@ -148,8 +147,7 @@ fn names_of_columns_and_texts_in_tables() {
     let long = format!("{EVIL}{}", "x".repeat(10_000));
     rewrite(&scratch, "runs", |batch| with(&batch, "error", texts(batch.num_rows(), &long)));
     for format in ["table", "markdown", "csv", "json"] {
-        let ended = scratch.stickslip(&format!("summary out --format {format}"));
-        assert_eq!(ended.code, Some(0), "{}", ended.err);
+        let ended = scratch.ended(&format!("summary out --format {format}"), 0);
         assert!(!ended.out.chars().any(is_acted_on), "{format}: {:?}", ended.out);
         assert_harmless(&ended.err, format);
         if format == "json" {
@@ -158,8 +156,7 @@ fn names_of_columns_and_texts_in_tables() {
             assert_eq!(document["points"][0]["ci_method"], EVIL);
         }
     }
-    let replayed = scratch.stickslip("replay out 0");
-    assert_eq!(replayed.code, Some(1), "{}", replayed.err);
+    let replayed = scratch.ended("replay out 0", 1);
     assert_has(&replayed.err, &["NOT equal to its row"]);
     assert_harmless(&replayed.err, "replay");
     assert!(replayed.err.len() < 4000, "{} bytes", replayed.err.len());
@@ -172,8 +169,7 @@ fn names_of_columns_and_texts_in_tables() {
 #[cfg(unix)]
 #[test]
 fn names_of_files() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, ""));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, ""));
     let search = "optimize: {minimize: stop, designs: 12}\n";
     scratch.write("block.yaml", format!("{BLOCK}{search}"));
     scratch.well("run a.yaml --out out -q");

@@ -167,8 +167,7 @@ fn progress_and_text_are_short() {
     let row = |row: i32| format!("{speed},{},-0.3,0.1\n", 0.2 * f64::from(row));
     let rows: String = (0..6).map(row).collect();
     scratch.write("rests.csv", format!("speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n{rows}"));
-    let ended = scratch.stickslip("identify small.yaml --measured rests.csv --out out");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let ended = scratch.ended("identify small.yaml --measured rests.csv --out out", 0);
     let numbers: Vec<String> =
         (1..=20).map(|number| format!("parameter set {number} of 20")).collect();
     let told: Vec<&str> =

@@ -120,8 +120,7 @@ fn stopped_by(signal: &str, number: u32) {
     }
 
     // The same command continues: finished runs are available first.
-    let again = scratch.stickslip("run long.yaml --out out --threads 2 --max-seconds 0");
-    assert_eq!(again.code, Some(130), "{}", again.err);
+    let again = scratch.ended("run long.yaml --out out --threads 2 --max-seconds 0", 130);
     let going_on = format!("out: continuing this study; up to {finished} of its runs are finished");
     assert_has(
         &again.err,

@@ -11,26 +11,21 @@ fn failing() -> String {
 
 #[test]
 fn no_time_means_no_run() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", failing());
-    let stopped = scratch.stickslip("run a.yaml --out out --max-seconds 0");
-    assert_eq!(stopped.code, Some(130), "{}", stopped.err);
+    let scratch = Scratch::with(failing());
+    let stopped = scratch.ended("run a.yaml --out out --max-seconds 0", 130);
     let said = ["out of time (--max-seconds) after 0 of 60 runs", "the same command continues"];
     assert_has(&stopped.err, &said);
     assert_eq!(scratch.table("out", "runs").num_rows(), 0);
     let json = scratch.stickslip("run a.yaml --out out --max-seconds 0 --json");
     let report: serde_json::Value = serde_json::from_str(&json.out).unwrap();
     assert_eq!((&report["interrupted"], &report["runs_finished"]), (&true.into(), &0.into()));
-    let ended = scratch.stickslip("run a.yaml --out out --max-seconds 3600");
-    assert_eq!(ended.code, Some(3), "{}", ended.err);
+    scratch.ended("run a.yaml --out out --max-seconds 3600", 3);
 }
 
 #[test]
 fn failures_stop_a_study_that_says_so() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", failing());
-    let whole = scratch.stickslip("run a.yaml --out whole");
-    assert_eq!(whole.code, Some(3), "{}", whole.err);
+    let scratch = Scratch::with(failing());
+    scratch.ended("run a.yaml --out whole", 3);
     let labels = words(&scratch.table("whole", "runs"), "label");
     let failed = labels.iter().flatten().filter(|label| *label == "failed").count();
     assert!(failed > 8, "{failed}");
@@ -38,8 +33,7 @@ fn failures_stop_a_study_that_says_so() {
         [("--on-failure stop", 0), ("--on-failure limit=3", 3), ("--max-failed 3", 3)]
     {
         let out = format!("out{most}{}", option.len());
-        let ended = scratch.stickslip(&format!("run a.yaml --out {out} --threads 1 {option}"));
-        assert_eq!(ended.code, Some(1), "{}", ended.err);
+        let ended = scratch.ended(&format!("run a.yaml --out {out} --threads 1 {option}"), 1);
         let said = [
             " runs have failed, more than --on-failure allows, after ",
             "--on-failure continue computes the others",
@@ -50,8 +44,7 @@ fn failures_stop_a_study_that_says_so() {
         let stopped = labels.iter().flatten().filter(|label| *label == "failed").count();
         assert!((most + 1..=most + 20).contains(&stopped), "{option}: {stopped}");
         assert_eq!(scratch.manifest(&out)["complete"], labels.len() == 60);
-        let resumed = scratch.stickslip(&format!("resume {out}"));
-        assert_eq!(resumed.code, Some(3), "{}", resumed.err);
+        scratch.ended(&format!("resume {out}"), 3);
         assert_eq!(scratch.data(&out), scratch.data("whole"));
     }
     for (wrong, found) in [
@@ -70,13 +63,11 @@ fn failures_stop_a_study_that_says_so() {
 /// A retry computes the same cases again; without changes it gives the same rows.
 #[test]
 fn a_retry_never_draws_anew() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", failing());
+    let scratch = Scratch::with(failing());
     scratch.stickslip("run a.yaml --out out");
     let before = scratch.data("out");
     let failed = counts(&scratch.table("out", "points"), "failed_runs")[0];
-    let again = scratch.stickslip("run a.yaml --out out --retry-failed");
-    assert_eq!(again.code, Some(3), "{}", again.err);
+    let again = scratch.ended("run a.yaml --out out --retry-failed", 3);
     assert_has(&again.err, &[format!("{} finished earlier, {failed} computed", 60 - failed)]);
     assert_eq!(scratch.data("out"), before);
 }

@@ -10,8 +10,7 @@ use super::support::{AT_ONCE, Scratch, study_text};
 
 /// Returns the peak memory of the program, in KiB, over a study of this many runs.
 fn peak_kib(text: &str, runs: u64) -> u64 {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", text);
+    let scratch = Scratch::with(text);
     let mut child = scratch.command("run a.yaml --quiet --out out --threads 2").spawn().unwrap();
     let mut peak = 0;
     // The mark only rises; polling it occasionally is enough.

@@ -23,13 +23,11 @@ fn shards(scratch: &Scratch, number: usize) -> Vec<String> {
 #[test]
 fn merged_shards_are_the_single_run() {
     for (rest, number) in [("", 1), ("", 2), ("", 7), ("", 120), (PRECISE, 2), (PRECISE, 5)] {
-        let scratch = Scratch::new();
-        scratch.write("a.yaml", study(rest));
+        let scratch = Scratch::with(study(rest));
         scratch.well("run a.yaml --out whole --chunk 10");
         let mut parts = shards(&scratch, number);
         parts.reverse();
-        let ended = scratch.stickslip(&format!("merge {} --out merged", parts.join(" ")));
-        assert_eq!(ended.code, Some(0), "{}", ended.err);
+        let ended = scratch.ended(&format!("merge {} --out merged", parts.join(" ")), 0);
         assert_has(&ended.err, &[" 0 computed"]);
         assert_eq!(scratch.data("merged"), scratch.data("whole"), "{number} shards, {rest}");
         // A merged directory is like any other.
@@ -40,8 +38,7 @@ fn merged_shards_are_the_single_run() {
 
 #[test]
 fn incompatible_shards_are_named() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study(""));
+    let scratch = Scratch::with(study(""));
     shards(&scratch, 3);
     let missing = ["shards are missing: 2 of 3", "found:   no directory of 2/3", "allowed: "];
     scratch.refused("merge 1 3 --out merged", &missing);
@@ -54,8 +51,7 @@ fn incompatible_shards_are_named() {
     let other =
         ["other: a different study than in 1; it differs in\n    seed: 5 -> 6", "allowed: "];
     scratch.refused("merge 1 other 3 --out merged", &other);
-    let stopped = scratch.stickslip("run a.yaml --shard 2/3 --out stopped --max-seconds 0");
-    assert_eq!(stopped.code, Some(130), "{}", stopped.err);
+    scratch.ended("run a.yaml --shard 2/3 --out stopped --max-seconds 0", 130);
     let unfinished = ["stopped: shard 2/3 is not finished", "`stickslip resume stopped`"];
     scratch.refused("merge 1 stopped 3 --out merged", &unfinished);
     scratch.refused("merge 1 nowhere 3 --out merged", &["nowhere: this directory does not exist"]);
@@ -69,15 +65,13 @@ fn incompatible_shards_are_named() {
 
 #[test]
 fn a_damaged_chunk_of_a_shard_is_computed_again() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study(""));
+    let scratch = Scratch::with(study(""));
     scratch.well("run a.yaml --out whole");
     shards(&scratch, 2);
     let folder = fs::read_dir(scratch.path("2/chunks")).unwrap().map(|entry| entry.unwrap().path());
     let folder = folder.into_iter().find(|path| path.is_dir()).unwrap();
     fs::write(folder.join("000000.chunk"), "nothing").unwrap();
-    let ended = scratch.stickslip("merge 1 2 --out merged");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let ended = scratch.ended("merge 1 2 --out merged", 0);
     let said = ["000000.chunk: 7 bytes", "48 finished earlier, 48 computed"];
     assert_has(&ended.err, &said);
     assert_eq!(scratch.data("merged"), scratch.data("whole"));

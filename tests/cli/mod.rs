@@ -25,7 +25,7 @@ mod memory;
 mod merged;
 mod network;
 mod new;
-mod optimize;
+pub mod optimize;
 mod progress;
 mod remedies;
 mod replay;

@@ -35,8 +35,7 @@ fn to_standard_output() {
 
 #[test]
 fn files_that_cannot_be_written_are_refused() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", "mine");
+    let scratch = Scratch::with("mine");
     let new = "allowed: the name of a new file";
     scratch.refused("new a.yaml", &["a.yaml: exists already", new]);
     scratch.refused("new none/b.yaml", &["none/b.yaml: ", new, "in a directory"]);

@@ -9,7 +9,7 @@ use super::support::{Scratch, assert_has, numbers, table, words};
 /// A block on a spring that starts at rest at 45 mm: after `n` half swings of `π √(m / k)` it stops
 /// within `1 N / k`. The time jumps up with every further half swing; from 30 to 200 N/m its
 /// minimum is 0.3847 s, just below 66.67 N/m, where one half swing suffices.
-const BLOCK: &str = "
+pub const BLOCK: &str = "
 schema: 1
 name: block
 seed: 1
@@ -194,8 +194,7 @@ fn limits_that_no_design_meets() {
     let scratch = scratch();
     let block = "optimize: {minimize: stop, subject_to: {stop: {at_most: 0.1}}, designs: 10}\n";
     scratch.write("never.yaml", format!("{BLOCK}{block}"));
-    let ended = scratch.stickslip("optimize never.yaml --out never --quiet");
-    assert_eq!(ended.code, Some(4), "{}", ended.err);
+    let ended = scratch.ended("optimize never.yaml --out never --quiet", 4);
     let stop = optimum(&scratch, "never")["best"]["responses"]["stop"]["value"].as_f64().unwrap();
     let unmet = format!("stop is {stop:.4} s (");
     assert_has(&ended.err, &["no design meets all limits; the nearest one: ", &unmet]);
@@ -280,8 +279,7 @@ fn a_search_continues_in_its_directory() {
     scratch.write("longer.yaml", text.replace("designs: 24", "designs: 26"));
     let lock = fs::File::open(scratch.path("here/lock")).unwrap();
     lock.lock().unwrap();
-    let ended = scratch.stickslip("optimize longer.yaml --out here --quiet");
-    assert_eq!(ended.code, Some(1), "{}", ended.err);
+    let ended = scratch.ended("optimize longer.yaml --out here --quiet", 1);
     assert!(ended.err.contains("another process"), "{}", ended.err);
     lock.unlock().unwrap();
     scratch.well("optimize longer.yaml --out here --quiet");

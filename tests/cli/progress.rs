@@ -24,8 +24,7 @@ fn events(text: &str) -> Vec<Value> {
 #[test]
 fn events_are_json_line_by_line() {
     let scratch = scratch(50);
-    let ended = scratch.stickslip("run a.yaml --out out --quiet --json --progress json");
-    assert_eq!(ended.code, Some(3), "{}", ended.err);
+    let ended = scratch.ended("run a.yaml --out out --quiet --json --progress json", 3);
     let report: Value = serde_json::from_str(&ended.out).unwrap();
     let events = events(&ended.err);
     let names: Vec<&str> = events.iter().map(|event| event["event"].as_str().unwrap()).collect();
@@ -69,8 +68,7 @@ fn planned_runs_have_one_meaning() {
     let scratch = Scratch::new();
     let precision = "precision: {equilibrium_fraction: 0.1, max_runs: 50}\n";
     scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 15}}", AT_ONCE, precision));
-    let ended = scratch.stickslip("run a.yaml --out out --quiet --progress json");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let ended = scratch.ended("run a.yaml --out out --quiet --progress json", 0);
     let events = events(&ended.err);
     let (begun, last) = (&events[0], &events[events.len() - 1]);
     assert_eq!((&begun["runs_are_at_most"], &last["runs_left_at_most"]), (&true.into(), &0.into()));
@@ -116,8 +114,7 @@ fn each_of_a_few_points_has_a_line() {
 #[test]
 fn many_points_share_lines() {
     let scratch = scratch(60);
-    let ended = scratch.stickslip("run a.yaml --out out");
-    assert_eq!(ended.code, Some(3), "{}", ended.err);
+    let ended = scratch.ended("run a.yaml --out out", 3);
     let mut told = 0;
     let mut lines = 0;
     for line in ended.err.lines() {

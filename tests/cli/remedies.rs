@@ -1,7 +1,5 @@
 //! What the table of points says below its rows: remedies, caveats of columns, and short numbers.
 
-use serde_json::Value;
-
 use super::support::{AT_ONCE, Scratch, assert_has};
 
 /// Returns a study whose balls start near the imbalance.
@@ -96,18 +94,17 @@ fn draws_of_the_machine_without_balls_are_explained() {
 /// Speeds from rpm have few digits on the terminal and in figures in rad/s, too, and all digits in JSON.
 #[test]
 fn swept_values_have_few_digits() {
-    let scratch = Scratch::new();
-    scratch.write(
-        "a.yaml",
-        study(AT_ONCE, "sweep: [{grid: {speed: [2000 rpm, 3000 rpm]}}]\nunits: {speed: rad/s}\n"),
-    );
+    let scratch = Scratch::with(study(
+        AT_ONCE,
+        "sweep: [{grid: {speed: [2000 rpm, 3000 rpm]}}]\nunits: {speed: rad/s}\n",
+    ));
     let ran = scratch.stickslip("run a.yaml --out out");
     for text in [scratch.well("check a.yaml"), ran.out, scratch.well("summary out")] {
         assert_has(&text, &["209.44", "314.159"]);
         assert!(!text.contains("314.1592"), "{text}");
     }
     assert!(!ran.err.contains("314.1592"), "{}", ran.err);
-    let json: Value = serde_json::from_str(&scratch.well("summary out --format json")).unwrap();
+    let json = scratch.json("summary out --format json");
     assert_has(&json["points"][1]["speed_rad_s"].to_string(), &["314.159265358979"]);
     scratch.well("report out");
     let page = std::fs::read_to_string(scratch.path("out-report.html")).unwrap();

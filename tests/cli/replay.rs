@@ -8,6 +8,7 @@ use parquet::arrow::ArrowWriter;
 
 use super::summary::kill;
 use super::support::{Scratch, assert_has, column, counts, numbers, study_text, words};
+use crate::support::{cases, rows};
 
 /// Balls with contact on a table that is kicked twice, with balls that rest at the first kick.
 const KICKED: &str = "model: {kind: ball_balancer, contact: {}, \
@@ -17,57 +18,30 @@ const KICKED: &str = "model: {kind: ball_balancer, contact: {}, \
 /// Studies of all kinds, with the runs to replay: both methods, one ball and three, a law without
 /// stick, audited and continued runs, failures, physically invalid samples, blocks, a disc that starts, a table that is
 /// kicked.
-const STUDIES: [(&str, &str, f64, u64); 10] = [
-    (
-        "two",
-        "sweep: [{grid: {speed_rad_s: [-179.2671, -216.3772]}}]\naudit: {fraction: 0.5}\n",
-        3.0,
-        8,
-    ),
-    ("one", "model: {kind: ball_balancer, parameters: {balls: 1}}\n", 1.0, 3),
-    ("three", "model: {kind: ball_balancer, parameters: {balls: 3}}\n", 1.0, 3),
-    (
-        "smooth",
-        "model: {kind: ball_balancer, friction: {smooth: {smoothing_speed_rad_s: 2}}}\n",
-        0.2,
-        3,
-    ),
-    (
-        "failing",
-        "model: {kind: ball_balancer, parameters: {table_mass_kg: 2.0e-2, ball_mass_kg: 1.5e-1, \
-         speed_rad_s: -60, friction_coefficient: 3}}\n",
-        1.0,
-        4,
-    ),
-    ("drawn", "uncertain: {ball_mass_2_kg: {normal: {mean: 1.0e-4, std_dev: 2.0e-4}}}\n", 0.1, 4),
-    (
-        "starts",
-        "model: {kind: ball_balancer, speed_profile: [{ramp: {from_rad_s: -100, to_rad_s: -150, over_s: 0.3}}, \
-         {hold_s: 0.2}, {smooth_ramp: {over_s: 0.5}}]}\naudit: {fraction: 0.5}\n",
-        2.0,
-        4,
-    ),
-    ("kicked", KICKED, 2.0, 4),
-    ("spring", "model: {kind: block_on_spring}\n", 5.0, 4),
-    (
-        "belt",
-        "model: {kind: block_on_belt, friction: {stribeck: {static_friction_coefficient: 0.2, \
-         stribeck_speed_m_s: 0}}}\n",
-        5.0,
-        4,
-    ),
-];
+const STUDIES: &str = r"two ¦ sweep: [{grid: {speed_rad_s: [-179.2671, -216.3772]}}]\naudit: {fraction: 0.5}\n ¦ 3.0 ¦ 8
+one ¦ model: {kind: ball_balancer, parameters: {balls: 1}}\n ¦ 1.0 ¦ 3
+three ¦ model: {kind: ball_balancer, parameters: {balls: 3}}\n ¦ 1.0 ¦ 3
+smooth ¦ model: {kind: ball_balancer, friction: {smooth: {smoothing_speed_rad_s: 2}}}\n ¦ 0.2 ¦ 3
+failing ¦ model: {kind: ball_balancer, parameters: {table_mass_kg: 2.0e-2, ball_mass_kg: 1.5e-1, speed_rad_s: -60, friction_coefficient: 3}}\n ¦ 1.0 ¦ 4
+drawn ¦ uncertain: {ball_mass_2_kg: {normal: {mean: 1.0e-4, std_dev: 2.0e-4}}}\n ¦ 0.1 ¦ 4
+starts ¦ model: {kind: ball_balancer, speed_profile: [{ramp: {from_rad_s: -100, to_rad_s: -150, over_s: 0.3}}, {hold_s: 0.2}, {smooth_ramp: {over_s: 0.5}}]}\naudit: {fraction: 0.5}\n ¦ 2.0 ¦ 4
+kicked ¦ KICKED ¦ 2.0 ¦ 4
+spring ¦ model: {kind: block_on_spring}\n ¦ 5.0 ¦ 4
+belt ¦ model: {kind: block_on_belt, friction: {stribeck: {static_friction_coefficient: 0.2, stribeck_speed_m_s: 0}}}\n ¦ 5.0 ¦ 4";
 
 #[test]
 fn runs_of_all_kinds_are_their_rows() {
     let scratch = Scratch::new();
     let mut labels = std::collections::BTreeSet::new();
-    for (name, rest, end_time_s, runs) in STUDIES {
+    for [name, rest, end_time, runs] in cases(STUDIES) {
+        let rest = rest.replace("KICKED", KICKED);
+        let (end_time_s, runs): (_, u64) =
+            (end_time.parse().expect("a time"), runs.parse().expect("a number"));
         let file = format!("{name}.yaml");
-        scratch.write(&file, study_text(name, "{monte_carlo: {samples: 4}}", end_time_s, rest));
+        scratch.write(&file, study_text(&name, "{monte_carlo: {samples: 4}}", end_time_s, &rest));
         let ended = scratch.stickslip(&format!("run {file} --out {name}"));
         assert!([Some(0), Some(3)].contains(&ended.code), "{}", ended.err);
-        let rows = scratch.table(name, "runs");
+        let rows = scratch.table(&name, "runs");
         for run in 0..runs {
             let ended = scratch.stickslip(&format!("replay {name} {run} --json"));
             assert_eq!(ended.code, Some(0), "{name} {run}\n{}", ended.err);
@@ -237,14 +211,12 @@ fn rewrite(scratch: &Scratch, name: &str, values: Option<ArrayRef>) {
 
 #[test]
 fn a_row_that_is_not_the_run_is_shown() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 2}}", 0.05, ""));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 2}}", 0.05, ""));
     scratch.well("run a.yaml --out a");
     let steps = counts(&scratch.table("a", "runs"), "steps");
     let more: UInt64Array = steps.iter().map(|steps| steps + 1).collect();
     rewrite(&scratch, "steps", Some(Arc::new(more)));
-    let ended = scratch.stickslip("replay a 1 --json");
-    assert_eq!(ended.code, Some(1), "{}", ended.err);
+    let ended = scratch.ended("replay a 1 --json", 1);
     let line = format!("steps: {} stored, {} computed", steps[1] + 1, steps[1]);
     assert_has(&ended.err, &["NOT equal to its row in 1 of ", &line]);
     let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
@@ -270,8 +242,7 @@ fn a_row_that_is_not_the_run_is_shown() {
 /// A short footer that announces 2^31 - 1 columns and a truncated footer are refused without allocating memory.
 #[test]
 fn a_hostile_table_of_runs_is_refused() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 2}}", 0.05, ""));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 2}}", 0.05, ""));
     scratch.well("run a.yaml --out a");
     let path = scratch.path("a/runs.parquet");
     let right = fs::read(&path).unwrap();
@@ -288,8 +259,7 @@ fn a_hostile_table_of_runs_is_refused() {
 
 #[test]
 fn what_cannot_be_replayed() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 9}}", 0.02, ""));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 9}}", 0.02, ""));
     scratch.well("run a.yaml --out a");
     scratch.well("run a.yaml --out part --shard 1/3");
     let of_part = counts(&scratch.table("part", "runs"), "run_id");
@@ -298,32 +268,22 @@ fn what_cannot_be_replayed() {
     fs::create_dir(&occupied).unwrap();
     scratch.write("full/mine", "mine");
     fs::create_dir(scratch.path("empty")).unwrap();
-    let example = "as in 0:5:2001 (FROM:TO:N in s)";
-    for (arguments, parts) in [
-        ("replay nowhere 0".to_owned(), ["nowhere: this directory does not exist", "allowed: "]),
-        (
-            "replay empty 0".to_owned(),
-            ["empty: this directory holds no results", "no manifest.json"],
-        ),
-        ("replay a 9".to_owned(), ["run 9 of a study with 9 runs", "run numbers from 0 to 8"]),
-        (
-            "replay a x".to_owned(),
-            ["RUN_ID", "found \"x\", allowed: a whole number from 0, as in 17"],
-        ),
-        ("replay a -- -1".to_owned(), ["RUN_ID", "found \"-1\", allowed: a whole number from 0"]),
-        (format!("replay part {other}"), ["which is not among the 3 runs", "shard 1/3"]),
-        ("replay a 0 --out full".to_owned(), ["full: this directory is not empty", "--out DIR"]),
-        ("replay a 0 --times 1:0:5".to_owned(), ["5 times from 1 to 0 s", example]),
-        ("replay a 0 --times 0:1".to_owned(), ["found \"0:1\"", example]),
-        ("replay a 0 --times=-1:1:3".to_owned(), ["the times \"-1\"", example]),
-        ("replay a 0 --times 0:1:0".to_owned(), ["number of times \"0\"", example]),
-        ("replay a 0 --times 0:nan:2".to_owned(), ["the times", example]),
-        (
-            "replay a 0 --times 0:1:3 --every-step".to_owned(),
-            ["cannot be used with", "--every-step"],
-        ),
-    ] {
-        scratch.refused(&arguments, &parts);
+    for row in rows(
+        r#"replay nowhere 0 ¦ nowhere: this directory does not exist ¦ allowed:
+replay empty 0 ¦ empty: this directory holds no results ¦ no manifest.json
+replay a 9 ¦ run 9 of a study with 9 runs ¦ run numbers from 0 to 8
+replay a x ¦ RUN_ID ¦ found "x", allowed: a whole number from 0, as in 17
+replay a -- -1 ¦ RUN_ID ¦ found "-1", allowed: a whole number from 0
+replay part OTHER ¦ which is not among the 3 runs ¦ shard 1/3
+replay a 0 --out full ¦ full: this directory is not empty ¦ --out DIR
+replay a 0 --times 1:0:5 ¦ 5 times from 1 to 0 s ¦ as in 0:5:2001 (FROM:TO:N in s)
+replay a 0 --times 0:1 ¦ found "0:1" ¦ as in 0:5:2001 (FROM:TO:N in s)
+replay a 0 --times=-1:1:3 ¦ the times "-1" ¦ as in 0:5:2001 (FROM:TO:N in s)
+replay a 0 --times 0:1:0 ¦ number of times "0" ¦ as in 0:5:2001 (FROM:TO:N in s)
+replay a 0 --times 0:nan:2 ¦ the times ¦ as in 0:5:2001 (FROM:TO:N in s)
+replay a 0 --times 0:1:3 --every-step ¦ cannot be used with ¦ --every-step"#,
+    ) {
+        scratch.refused(&row[0].replace("OTHER", &other.to_string()), &row[1..]);
     }
     let manifest = fs::read_to_string(scratch.path("a/manifest.json")).unwrap();
     let other = manifest.replace("\"model_version\": ", "\"model_version\": 9");
@@ -335,11 +295,9 @@ fn what_cannot_be_replayed() {
 /// In the results of an interrupted study, a missing run can be replayed, without a comparison.
 #[test]
 fn a_run_that_is_not_there_yet() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 9}}", 0.02, ""));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 9}}", 0.02, ""));
     assert_eq!(scratch.stickslip("run a.yaml --out a --max-seconds 0").code, Some(130));
-    let ended = scratch.stickslip("replay a 3 --json");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let ended = scratch.ended("replay a 3 --json", 0);
     let said = ["not compared, because a has not finished this run yet (the study has 9 runs)"];
     assert_has(&ended.err, &said);
     let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
@@ -350,12 +308,9 @@ fn a_run_that_is_not_there_yet() {
 /// A killed study has no tables, but its finished runs are in `chunks/`.
 #[test]
 fn a_run_of_a_killed_study() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 9}}", 0.02, ""));
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 9}}", 0.02, ""));
     kill(&scratch);
-    let ended = scratch.stickslip("replay out 3 --json");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let ended = scratch.ended("replay out 3 --json", 0);
     assert_has(&ended.err, &["equal to its row in all "]);
     let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
     assert_eq!(report["same_as_row"], true);

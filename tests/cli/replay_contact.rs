@@ -14,8 +14,7 @@ const MODEL: &str =
 
 /// Returns a folder with the results `a` of four runs of two balls with contact.
 fn results() -> Scratch {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 4}}", 3.0, MODEL));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 4}}", 3.0, MODEL));
     scratch.well("run a.yaml --out a");
     scratch
 }

@@ -192,8 +192,7 @@ fn figures_say_what_they_leave_out() {
 
 #[test]
 fn results_that_are_not_complete_say_how_much_is_missing() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study(20, 0.5, REST));
+    let scratch = Scratch::with(study(20, 0.5, REST));
     assert_eq!(scratch.stickslip("run a.yaml --out out --max-seconds 0").code, Some(130));
     scratch.well("report out");
     let said = ["<strong>Not complete.</strong> 60 of 60 runs are missing (100.0 %)"];

@@ -28,9 +28,7 @@ const NAMES: [&str; 5] = ["vibration", "ratio", "above", "rest", "half"];
 /// Each estimate in `points.parquet` is that of `evaluate` for a design with the values of the study.
 #[test]
 fn a_point_has_the_responses_of_the_same_design() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", STUDY);
-    scratch.well("run a.yaml --out out --quiet");
+    let scratch = Scratch::ran(STUDY);
     let points = scratch.table("out", "points");
     let design = format!("{STUDY}design: {{stiffness_n_m: {{from: 1.0e4, to: 1.2e4}}}}\n");
     scratch.write("b.yaml", design);
@@ -80,8 +78,7 @@ fn a_point_has_the_responses_of_the_same_design() {
 /// `run`, `summary` and the JSON of both show the responses; people read them in the units that the study writes.
 #[test]
 fn responses_are_printed_in_the_units_of_the_study() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", STUDY);
+    let scratch = Scratch::with(STUDY);
     let printed = scratch.well("run a.yaml --out out");
     let points = scratch.table("out", "points");
     let parts = [
@@ -116,8 +113,7 @@ fn responses_are_printed_in_the_units_of_the_study() {
     assert!((speed + 2000.0 * std::f64::consts::TAU / 60.0).abs() < 1e-9);
     // A chosen unit prevails; other units leave the runs as they are.
     scratch.write("a.yaml", format!("{STUDY}units: {{speed: rev/s, vibration: mm}}\n"));
-    let ended = scratch.stickslip("run a.yaml --out out");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let ended = scratch.ended("run a.yaml --out out", 0);
     assert_has(&ended.err, &["writing them anew from the finished runs"]);
     assert_has(&ended.out, &["speed [rev/s]", "vibration", "[mm]", "-33.3333", "above 0.06 mm"]);
     assert_eq!(numbers(&scratch.table("out", "points"), "response_vibration")[0], Some(vibration));
@@ -143,8 +139,7 @@ fn a_new_response_needs_no_run() {
     assert!(!before.contains("vibration: "), "{before}");
     let runs = std::fs::read(scratch.path("out/runs.parquet")).unwrap();
     scratch.write("a.yaml", format!("{study}{responses}"));
-    let ended = scratch.stickslip("run a.yaml --out out");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let ended = scratch.ended("run a.yaml --out out", 0);
     assert_has(&ended.err, &["48 runs: 48 finished earlier, 0 computed"]);
     assert_has(&ended.out, &["vibration: mean residual amplitude\n"]);
     scratch.write("c.yaml", format!("{study}{responses}"));

@@ -26,8 +26,7 @@ fn chunks(scratch: &Scratch, directory: &str) -> PathBuf {
 
 /// A study that was interrupted before its last chunk, and the whole of it in `whole`.
 fn stopped() -> Scratch {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study("seed: 5\n"));
+    let scratch = Scratch::with(study("seed: 5\n"));
     scratch.well("run a.yaml --out whole --chunk 50");
     // As after a kill: finished chunks, their list, the initial manifest.
     scratch.well("run a.yaml --out out --chunk 50 --threads 1");
@@ -58,8 +57,7 @@ fn finished_runs_are_not_computed_again() {
         "run a.yaml --out out",
     ] {
         let scratch = stopped();
-        let ended = scratch.stickslip(command);
-        assert_eq!(ended.code, Some(0), "{}", ended.err);
+        let ended = scratch.ended(command, 0);
         let said = ["continuing this study", "400 finished earlier, 200 computed"];
         assert_has(&ended.err, &said);
         assert_eq!(scratch.data("out"), scratch.data("whole"), "{command}");
@@ -131,8 +129,7 @@ fn what_is_damaged_is_named_and_computed_again() {
         let scratch = stopped();
         let folder = chunks(&scratch, "out");
         change(&folder);
-        let ended = scratch.stickslip("resume out --threads 2");
-        assert_eq!(ended.code, Some(0), "{}", ended.err);
+        let ended = scratch.ended("resume out --threads 2", 0);
         assert_has(&ended.err, &[said, "computed again"]);
         assert_eq!(scratch.data("out"), scratch.data("whole"), "{said}");
         let kept = scratch.manifest("out")["runs_kept"].as_u64().unwrap();
@@ -178,8 +175,7 @@ fn a_run_of_another_case_is_not_taken() {
     entry["sha256"] = digest.iter().map(|byte| format!("{byte:02x}")).collect::<String>().into();
     lines[0] = entry.to_string();
     fs::write(ours.join("manifest.jsonl"), lines.join("\n") + "\n").unwrap();
-    let ended = scratch.stickslip("resume out");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let ended = scratch.ended("resume out", 0);
     assert_has(&ended.err, &["350 finished earlier, 250 computed"]);
     assert_eq!(scratch.data("out"), scratch.data("whole"));
 }
@@ -216,13 +212,10 @@ fn what_cannot_be_resumed_is_refused() {
 /// aside.
 #[test]
 fn changed_tables_are_made_again() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study("seed: 5\n"));
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(study("seed: 5\n"));
     let before = scratch.data("out");
     scratch.write("out/runs.parquet", &before[0][..100]);
-    let ended = scratch.stickslip("run a.yaml --out out");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let ended = scratch.ended("run a.yaml --out out", 0);
     assert_has(
         &ended.err,
         &["changed since", "runs.parquet of 100 bytes", "earlier/1", " 0 computed"],
@@ -243,8 +236,7 @@ fn runs_of_another_version_are_not_used() {
     let versions = format!("version of the model: 0 -> {MODEL_VERSION}");
     let version = ["none of its runs can be reused", &versions, "--recompute"];
     scratch.refused("run a.yaml --out out", &version);
-    let ended = scratch.stickslip("run a.yaml --out out --recompute --chunk 50");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let ended = scratch.ended("run a.yaml --out out --recompute --chunk 50", 0);
     assert!(
         !ended.err.contains("damaged") && ended.err.contains("\n600 runs in "),
         "{}",

@@ -15,14 +15,12 @@ fn study(simulation: &str) -> String {
 /// Threads, chunks, interruptions and shards change no byte.
 #[test]
 fn tables_do_not_depend_on_how_runs_are_computed() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study(""));
+    let scratch = Scratch::with(study(""));
     scratch.well("run a.yaml --out whole --threads 1");
     let whole = scratch.data("whole");
     scratch.well("run a.yaml --out chunks --threads 2 --chunk 3");
     assert_eq!(scratch.data("chunks"), whole);
-    let stopped = scratch.stickslip("run a.yaml --out stopped --chunk 2 --max-seconds 0");
-    assert_eq!(stopped.code, Some(130), "{}", stopped.err);
+    scratch.ended("run a.yaml --out stopped --chunk 2 --max-seconds 0", 130);
     scratch.well("resume stopped --threads 2");
     assert_eq!(scratch.data("stopped"), whole);
     for part in [1, 2, 3] {

@@ -45,7 +45,7 @@ fn json_is_one_document_on_standard_output() {
         (&true.into(), &100.into())
     );
 
-    let verified: Value = serde_json::from_str(&scratch.well("verify b.yaml --json")).unwrap();
+    let verified = scratch.json("verify b.yaml --json");
     assert_eq!(verified["expectations"][0]["met"], true);
     assert_eq!(verified["expectations"][0]["label"], "undecided");
 }
@@ -67,8 +67,7 @@ fn quiet_is_silent() {
         );
     }
     // Requested data are printed; an error is not suppressed.
-    let asked: Value =
-        serde_json::from_str(&scratch.well("run b.yaml --quiet --json --out other")).unwrap();
+    let asked = scratch.json("run b.yaml --quiet --json --out other");
     assert_eq!(asked["runs_finished"], 5);
     scratch.refused("run missing.yaml --quiet", &["missing.yaml"]);
 }

@@ -28,10 +28,8 @@ pub fn study(samples: u32, end_time_s: f64, rest: &str) -> String {
 
 /// Returns a finished study in `out`, and the output of `run`.
 pub fn finished() -> (Scratch, String) {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study(20, 0.5, REST));
-    let ended = scratch.stickslip("run a.yaml --out out");
-    assert_eq!(ended.code, Some(3), "{}", ended.err);
+    let scratch = Scratch::with(study(20, 0.5, REST));
+    let ended = scratch.ended("run a.yaml --out out", 3);
     (scratch, ended.out)
 }
 
@@ -133,8 +131,7 @@ fn other_models_and_a_precision() {
     let text = study(16, 10.0, rest)
         .replace("initial_conditions: {", "initial_conditions: {box: {position_m: [-0.1, 0.1]}, ");
     scratch.write("a.yaml", text);
-    let ended = scratch.stickslip("run a.yaml --out out");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let ended = scratch.ended("run a.yaml --out out", 0);
     let again = scratch.stickslip("run a.yaml --out out");
     assert_eq!(again.out, ended.out);
     let line = |text: &str| {
@@ -237,14 +234,13 @@ fn as_many_points_as_are_asked_for() {
 
 #[test]
 fn interrupted_results_say_what_is_missing() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study(20, 0.5, REST));
+    let scratch = Scratch::with(study(20, 0.5, REST));
     assert_eq!(scratch.stickslip("run a.yaml --out out --max-seconds 0").code, Some(130));
     let text = scratch.well("summary out");
     let said = "0 of 60 runs finished, 60 are missing (`stickslip resume out` continues), 0 failed";
     assert_has(&text, &[said]);
     assert_eq!(text.lines().count(), 4, "no point has a run: {text}");
-    let document: Value = serde_json::from_str(&scratch.well("summary out --format json")).unwrap();
+    let document = scratch.json("summary out --format json");
     assert_eq!((&document["complete"], &document["points"]), (&json!(false), &json!([])));
     // A part of a study is labelled as such.
     scratch.stickslip("run a.yaml --out part --shard 2/3 -q");
@@ -340,7 +336,7 @@ fn a_running_study_is_summarised() {
     assert_eq!((ended.code, ended.err.as_str()), (Some(0), ""));
     let said = ["1024 of 2100 runs finished, 1076 are missing", "points 1 and 2 are incomplete"];
     assert_has(&ended.out, &said);
-    let json: Value = serde_json::from_str(&scratch.well("summary out --format json")).unwrap();
+    let json = scratch.json("summary out --format json");
     assert_eq!((&json["runs_finished"], &json["points_incomplete"]), (&1024.into(), &2.into()));
     let of_points: Vec<&Value> =
         json["points"].as_array().unwrap().iter().map(|point| &point["runs"]).collect();

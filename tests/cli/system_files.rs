@@ -41,8 +41,7 @@ fn runs_of_systems_in_files_are_reproducible() {
         assert_eq!(scratch.data(&format!("{name}-2")), data, "{name}");
 
         let stopped = format!("{name}-stopped");
-        let ended = scratch.stickslip(&format!("run {name}.yaml --out {stopped} --max-seconds 0"));
-        assert_eq!(ended.code, Some(130), "{}", ended.err);
+        scratch.ended(&format!("run {name}.yaml --out {stopped} --max-seconds 0"), 130);
         // The results contain the system: its file is not needed any more.
         std::fs::rename(scratch.path("systems"), scratch.path("away")).expect("it moves");
         scratch.well(&format!("resume {stopped}"));
@@ -186,7 +185,7 @@ fn the_template_and_the_schema_know_systems() {
     scratch.well("new mine.yaml --template system");
     let printed = scratch.well("check mine.yaml");
     assert_has(&printed, &["two_blocks with 2 contacts, stribeck friction"]);
-    let schema: Value = serde_json::from_str(&scratch.well("schema")).expect("JSON");
+    let schema = scratch.json("schema");
     let validator = jsonschema::validator_for(&schema).expect("a schema");
     for file in ["mine.yaml", "woodpecker.yaml", "block-chain.yaml"] {
         let text = std::fs::read_to_string(scratch.path(file)).expect("a study");

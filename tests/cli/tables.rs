@@ -84,8 +84,7 @@ fn special_files_in_place_of_a_manifest_are_not_read() {
     fs::create_dir(scratch.path("out")).unwrap();
     let run = "run studies/a.yaml --tables tables --out out";
     std::os::unix::fs::symlink("/dev/zero", scratch.path("out/manifest.json")).unwrap();
-    let ended = scratch.stickslip(run);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    let ended = scratch.ended(run, 2);
     assert!(ended.err.contains("not a regular file"), "{}", ended.err);
     fs::remove_file(scratch.path("out/manifest.json")).unwrap();
     let made = std::process::Command::new("mkfifo").arg(scratch.path("out/manifest.json")).status();

@@ -6,8 +6,7 @@ use std::process::Command;
 use super::support::{AT_ONCE, Scratch, study_text};
 
 fn scratch() -> Scratch {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 4}}", AT_ONCE, ""));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 4}}", AT_ONCE, ""));
     scratch
 }
 
@@ -48,9 +47,9 @@ fn studies_that_cannot_be_read() {
     scratch.write("misspelt.yaml", study_text("a", "{monte_carlo: {smaples: 4}}", AT_ONCE, ""));
     for command in ["run", "check", "expand", "verify"] {
         for (study, parts) in [
-            ("missing.yaml", ["missing.yaml", "", ""]),
-            ("folder.yaml", ["folder.yaml", "directory", ""]),
-            ("latin-1.yaml", ["latin-1.yaml", "UTF-8", "an invalid byte at position 19"]),
+            ("missing.yaml", ["missing.yaml: No such file", "", ""]),
+            ("folder.yaml", ["folder.yaml", "a directory", ""]),
+            ("latin-1.yaml", ["latin-1.yaml", "not UTF-8", "an invalid byte at position 19"]),
             ("empty.yaml", ["empty.yaml", "empty", ""]),
             ("misspelt.yaml", ["misspelt.yaml:5:", "smaples", "samples (did you mean this?)"]),
         ] {

@@ -148,14 +148,12 @@ fn the_terminal_and_the_json_show_flips_where_there_is_an_audit() {
     let table = scratch.well("verify audit.yaml");
     assert_has(&table, &["cided    flips\n", "0 of 10\n"]);
     assert_has(&table, &["met      point 0: audit flip rate 0.0000, expected 0 to 0\n"]);
-    let report: Value =
-        serde_json::from_str(&scratch.well("run audit.yaml --out b --json")).unwrap();
+    let report = scratch.json("run audit.yaml --out b --json");
     let point = &report["points"][0];
     assert_eq!((&point["audited_runs"], &point["audit_flips"]), (&10.into(), &0.into()));
     assert_eq!(point["audit_flip_high"].as_f64(), Some(wilson(0, 10, Z_95).1));
     // An audit without runs does not meet an expectation.
-    let ended = scratch.stickslip("verify rare.yaml");
-    assert_eq!(ended.code, Some(4), "{}", ended.err);
+    let ended = scratch.ended("verify rare.yaml", 4);
     assert_has(&ended.out, &["NOT MET  point 0: audit flip rate of no run, expected 0 to 0\n"]);
     let check = scratch.well("check audit.yaml");
     assert_has(

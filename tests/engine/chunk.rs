@@ -12,9 +12,7 @@ const RUN_HEAD: usize = 8 + 16 + 4;
 
 /// Returns a chunk with three runs, as the program writes it.
 fn three_runs() -> Vec<u8> {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, ""));
-    scratch.well("run a.yaml --out out --quiet");
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, ""));
     let chunks =
         fs::read_dir(scratch.path("out/chunks")).unwrap().map(|entry| entry.unwrap().path());
     let folder = chunks.into_iter().find(|path| path.is_dir()).unwrap();

@@ -97,9 +97,7 @@ fn balls_that_differ_change_places_in_the_machine_too() {
 fn a_run_alone_is_the_run_in_its_study() {
     let text = study_text("a", "{monte_carlo: {samples: 8}}", 5.0, SPEEDS);
     let study = parse(&text);
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", &text);
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(&text);
     let table = scratch.table("out", "runs");
     for run_id in [23_u64, 0, 11] {
         let outcome = compute(&study, run_id, simulate).outcome;

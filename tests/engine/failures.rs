@@ -95,8 +95,7 @@ fn drawn_parameters_without_sense_are_rows() {
     let scratch = Scratch::new();
     let rest = "uncertain: {ball_mass_kg: {normal: {mean: 1.4e-4, std_dev: 1.4e-4}}}\n";
     scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 100}}", 5.0, rest));
-    let ended = scratch.stickslip("run a.yaml --out out");
-    assert_eq!(ended.code, Some(3), "{}", ended.err);
+    let ended = scratch.ended("run a.yaml --out out", 3);
     let runs = scratch.table("out", "runs");
     let masses = numbers(&runs, "ball_mass_kg");
     let columns = ["label", "evidence", "error"].map(|name| words(&runs, name));

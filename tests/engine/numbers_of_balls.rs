@@ -72,9 +72,7 @@ fn without_ball(rows: Vec<Vec<(String, String)>>) -> Vec<Vec<(String, String)>> 
 
 #[test]
 fn columns_of_balls_that_a_point_lacks_are_null() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study("{monte_carlo: {samples: 3}}", ""));
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(study("{monte_carlo: {samples: 3}}", ""));
     let runs = scratch.table("out", "runs");
     let balls = numbers(&runs, "balls");
     for (name, ball) in [
@@ -132,12 +130,10 @@ fn runs_of_one_number_of_balls_are_reused() {
 
 #[test]
 fn commands_serve_a_sweep_over_the_number_of_balls() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study("{monte_carlo: {samples: 4}}", ""));
+    let scratch = Scratch::with(study("{monte_carlo: {samples: 4}}", ""));
     let text = scratch.well("check a.yaml");
     assert_has(&text, &["ball_balancer with 1 to 3 balls", "swept, 3 values"]);
-    let check: serde_json::Value =
-        serde_json::from_str(&scratch.well("check a.yaml --json --existence")).unwrap();
+    let check = scratch.json("check a.yaml --json --existence");
     assert_eq!((&check["balls"], &check["runs"]), (&3.into(), &24.into()));
     scratch.well("run a.yaml --out out");
     scratch.well("report out --out report.html");
@@ -164,8 +160,7 @@ fn a_sweep_costs_as_much_as_separate_studies() {
     let design = "{stratified: {parts_per_axis: 2, samples_per_cell: 1}}";
     let cost = |text: &str| {
         scratch.write("a.yaml", text);
-        let check: serde_json::Value =
-            serde_json::from_str(&scratch.well("check a.yaml --json")).unwrap();
+        let check = scratch.json("check a.yaml --json");
         ["runs", "steps", "core_seconds", "most_steps", "most_core_seconds"]
             .map(|key| check[key].as_f64().unwrap())
     };

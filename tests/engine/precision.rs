@@ -159,8 +159,7 @@ fn former_runs_are_kept() {
 /// The shards of a study are its points, and together they are the whole.
 #[test]
 fn shards_together_are_the_whole() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", text(0.09, 200, 3.0));
+    let scratch = Scratch::with(text(0.09, 200, 3.0));
     let whole_text = scratch.well("run a.yaml --out whole");
     let is_row = |line: &&str| ["0 ", "1 ", "2 "].iter().any(|id| line.trim().starts_with(id));
     assert_eq!(whole_text.lines().filter(is_row).count(), 3, "{whole_text}");
@@ -230,11 +229,9 @@ fn an_interruption_keeps_what_is_finished() {
 /// Finished tables are complete, even though there could have been more runs.
 #[test]
 fn the_tables_and_the_terminal_say_what_was_reached() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", text(0.1, 50, AT_ONCE));
+    let scratch = Scratch::with(text(0.1, 50, AT_ONCE));
     // No run rests so early: 15 runs give a half width of 0.102, 12 runs one of 0.121.
-    let ended = scratch.stickslip("run a.yaml --out out");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let ended = scratch.ended("run a.yaml --out out", 0);
     assert_has(
         &ended.err,
         &["the half width of the 95 % interval is at most 0.1 at 3 of 3 points\n"],
@@ -257,8 +254,7 @@ fn the_tables_and_the_terminal_say_what_was_reached() {
     // A failed run could have been an equilibrium or not: the interval stays wide.
     let negative = "uncertain: {ball_mass_1_kg: {normal: {mean: 1.4e-4, std_dev: 1.4e-4}}}\n";
     scratch.write("b.yaml", text(0.09, 50, AT_ONCE) + negative);
-    let ended = scratch.stickslip("run b.yaml --out failed --json");
-    assert_eq!(ended.code, Some(3), "{}", ended.err);
+    let ended = scratch.ended("run b.yaml --out failed --json", 3);
     assert_has(
         &ended.err,
         &[
@@ -285,8 +281,7 @@ fn the_tables_and_the_terminal_say_what_was_reached() {
 
 #[test]
 fn check_and_expand_say_how_many_there_may_be() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", text(0.1, 50, AT_ONCE));
+    let scratch = Scratch::with(text(0.1, 50, AT_ONCE));
     let check = scratch.well("check a.yaml");
     assert_has(
         &check,
@@ -294,7 +289,7 @@ fn check_and_expand_say_how_many_there_may_be() {
             "runs          42 to 138 (until the half width of the 95 % interval is at most 0.1), each to",
         ],
     );
-    let report: Value = serde_json::from_str(&scratch.well("check a.yaml --json")).expect("JSON");
+    let report = scratch.json("check a.yaml --json");
     assert_eq!((&report["runs"], &report["least_runs"]), (&138.into(), &42.into()));
     scratch.well("expand a.yaml --out all.parquet");
     let all = scratch.table(".", "all");

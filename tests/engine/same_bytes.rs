@@ -4,13 +4,11 @@ use crate::cli::support::{AT_ONCE, DATA_FILES, Scratch, study_text};
 
 /// Runs a study in these ways and compares all data files with those of the first.
 fn same_bytes(text: &str, code: i32, ways: &[&str]) {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", text);
+    let scratch = Scratch::with(text);
     let mut first: Option<Vec<Vec<u8>>> = None;
     for (index, way) in ways.iter().enumerate() {
         let out = format!("out-{index}");
-        let ended = scratch.stickslip(&format!("run a.yaml --out {out} {way}"));
-        assert_eq!(ended.code, Some(code), "{}", ended.err);
+        scratch.ended(&format!("run a.yaml --out {out} {way}"), code);
         let found = scratch.data(&out);
         let expected = first.get_or_insert_with(|| found.clone());
         for ((name, found), expected) in DATA_FILES.iter().zip(&found).zip(&*expected) {

@@ -7,9 +7,7 @@ use arrow::array::RecordBatch;
 use crate::cli::support::{Scratch, rows_by_key, study_text};
 
 fn run(text: &str) -> RecordBatch {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", text);
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(text);
     scratch.table("out", "runs")
 }
 

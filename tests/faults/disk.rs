@@ -18,8 +18,7 @@ fn with_mounts(scratch: &Scratch, script: &str) -> Output {
 /// one the study continues.
 #[test]
 fn a_full_disk_loses_nothing() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study());
+    let scratch = Scratch::with(study());
     scratch.well("run a.yaml --out whole");
     fs::create_dir(scratch.path("small")).unwrap();
     let output = with_mounts(
@@ -33,8 +32,7 @@ fn a_full_disk_loses_nothing() {
     assert!(ended.err.contains("No space left on device"), "{}", ended.err);
     let kept = finished(&scratch.path("out"));
     assert!((2..90).contains(&kept.len()), "{}", kept.len());
-    let resumed = scratch.stickslip("resume out");
-    assert_eq!(resumed.code, Some(0), "{}", resumed.err);
+    scratch.ended("resume out", 0);
     assert_eq!(finished(&scratch.path("out"))[..kept.len() - 1], kept[..kept.len() - 1]);
     assert_eq!(scratch.data("out"), scratch.data("whole"));
     let runs_kept = scratch.manifest("out")["runs_kept"].as_u64().unwrap();
@@ -67,8 +65,7 @@ fn a_read_only_directory_is_refused() {
 /// silently.
 #[test]
 fn a_limit_of_the_size_of_files_is_told_with_the_file() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study());
+    let scratch = Scratch::with(study());
     scratch.well("run a.yaml --out whole");
     // At most one block of 512 or 1024 bytes in a file.
     let limited = |arguments: &str| {
@@ -84,7 +81,6 @@ fn a_limit_of_the_size_of_files_is_told_with_the_file() {
         let file = if arguments.starts_with("run") { "out" } else { "page.html" };
         assert!(ended.err.contains(file), "{arguments}: {}", ended.err);
     }
-    let resumed = scratch.stickslip("run a.yaml --out out");
-    assert_eq!(resumed.code, Some(0), "{}", resumed.err);
+    scratch.ended("run a.yaml --out out", 0);
     assert_eq!(scratch.data("out"), scratch.data("whole"));
 }

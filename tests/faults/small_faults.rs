@@ -9,8 +9,7 @@ use crate::cli::support::{Ended, Scratch};
 /// About eighteen open files suffice, also to merge more shards than that.
 #[test]
 fn few_file_handles_are_enough() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study().replace("samples: 3200", "samples: 200"));
+    let scratch = Scratch::with(study().replace("samples: 3200", "samples: 200"));
     scratch.well("run a.yaml --out whole");
     let script = format!(
         "set -e; ulimit -n 24; s={}; parts=; for k in $(seq 1 40); do $s run a.yaml --quiet --shard $k/40 \

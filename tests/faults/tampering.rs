@@ -9,9 +9,7 @@ use crate::cli::support::{Scratch, assert_has};
 
 /// A complete study of a few runs, in `out`.
 fn complete() -> Scratch {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study().replace("samples: 3200", "samples: 40"));
-    scratch.well("run a.yaml --out out --quiet");
+    let scratch = Scratch::ran(study().replace("samples: 3200", "samples: 40"));
     scratch
 }
 
@@ -93,8 +91,7 @@ fn links_are_not_read_through() {
         fs::rename(&path, scratch.path("elsewhere")).unwrap();
         symlink(scratch.path("elsewhere"), &path).unwrap();
     }
-    let ended = scratch.stickslip("resume out");
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let ended = scratch.ended("resume out", 0);
     let told =
         ["runs.parquet: not a regular file", "000000.chunk: not a regular file", "\n80 runs in "];
     assert_has(&ended.err, &told);
@@ -147,8 +144,7 @@ fn pipes_do_not_hang() {
 /// may have written.
 #[test]
 fn a_lost_lock_is_noticed() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study());
+    let scratch = Scratch::with(study());
     scratch.well("run a.yaml --out whole");
     let child = scratch.command("run a.yaml --out out --chunk 64").spawn().unwrap();
     while finished(&scratch.path("out")).len() < 2 {

@@ -27,6 +27,5 @@ fn the_second_process_is_refused() {
     first.kill().unwrap();
     first.wait().unwrap();
     // The lock is released with the process, however it ended.
-    let again = scratch.stickslip("resume out --max-seconds 0");
-    assert_eq!(again.code, Some(130), "{}", again.err);
+    scratch.ended("resume out --max-seconds 0", 130);
 }

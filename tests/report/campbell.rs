@@ -10,9 +10,7 @@ use crate::cli::support::Scratch;
 /// diagram is that of the fastest one, in the unit of the study.
 #[test]
 fn a_shaft_has_its_critical_speed_in_the_diagram() {
-    let scratch = Scratch::new();
-    scratch.write(
-        "a.yaml",
+    let scratch = Scratch::with(
         "
 schema: 1
 name: a

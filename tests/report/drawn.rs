@@ -103,9 +103,7 @@ const FACTOR: &str = "{uniform: {min: 0.9, max: 1.1}}";
 
 #[test]
 fn without_uncertain_parameters_there_are_no_such_figures() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 8}}", AT_ONCE, ""));
-    scratch.well("run a.yaml --out out --quiet");
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 8}}", AT_ONCE, ""));
     scratch.well("report out");
     let page = std::fs::read_to_string(scratch.path("out-report.html")).unwrap();
     assert!(!page.contains("rank-correlations") && !page.contains("drawn-parameters"));

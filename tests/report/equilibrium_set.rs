@@ -15,8 +15,7 @@ const CELLS: usize = 192;
 
 /// Computes a study of short runs; returns it with the panels of its preferred equilibria, one per point.
 fn panels(rest: &str) -> (Study, Vec<Panel>) {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 1}}", AT_ONCE, rest));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 1}}", AT_ONCE, rest));
     let (study, figures) = reported(&scratch, "a.yaml", Budget::SCREEN, of_results);
     let figure = figures.into_iter().find(|figure| figure.id == "preferred-equilibria");
     let panels = figure.map_or(Vec::new(), |figure| figure.panels);

@@ -6,22 +6,16 @@ use serde_json::json;
 use stickslip::report::chart::{AxisKind, Figure, Layer, Mark};
 use stickslip::report::{OptimumData, notes, of_search};
 
+use crate::cli::optimize::BLOCK;
 use crate::cli::support::{Scratch, numbers};
 
-/// A block on a spring that starts at rest at 45 mm, with the time to rest as objective and space-filling designs only.
-const BLOCK: &str = "
-schema: 1
-name: block
-seed: 1
-model: {kind: block_on_spring}
-initial_conditions:
-  box: {position_m: [0.045, 0.045]}
-  design: {monte_carlo: {samples: 1}}
-simulation: {method: event}
-design: {stiffness_n_m: {from: 30, to: 200}}
-responses: {stop: median_time_to_rest, soon: {at_rest_by_s: 5}}
-optimize: {minimize: stop, designs: 8, start_designs: 8, finalists: 2, compare_with: {stiffness_n_m: 30}}
-";
+/// The search for the stiffness of a block, with space-filling designs only.
+fn block() -> String {
+    format!(
+        "{BLOCK}optimize: {{minimize: stop, designs: 8, start_designs: 8, finalists: 2, \
+         compare_with: {{stiffness_n_m: 30}}}}\n"
+    )
+}
 
 /// Two balls that hardly have an influence: the amplitude relative to that without balls is the objective.
 const BALLS: &str = "
@@ -39,8 +33,7 @@ optimize: {minimize: [relative, mean], designs: 6, start_designs: 6, finalists: 
 ";
 
 fn searched(text: &str) -> Scratch {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", text);
+    let scratch = Scratch::with(text);
     scratch.well("optimize a.yaml --out out --quiet");
     scratch
 }
@@ -51,7 +44,7 @@ fn figure<'a>(figures: &'a [Figure], id: &str) -> &'a Figure {
 
 #[test]
 fn convergence_is_the_least_value_so_far() {
-    let scratch = searched(BLOCK);
+    let scratch = searched(&block());
     let before = scratch.files();
     assert_eq!(scratch.well("report out"), "out-report.html\n");
     let page = fs::read_to_string(scratch.path("out-report.html")).unwrap();
@@ -170,7 +163,7 @@ optimize: {minimize: mean, designs: 4, start_designs: 4, finalists: 1}
 
 #[test]
 fn a_search_that_has_not_ended_has_a_page() {
-    let scratch = searched(BLOCK);
+    let scratch = searched(&block());
     for name in ["finalists.parquet", "sensitivities.parquet", "optimum.json", "surrogates.json"] {
         fs::remove_file(scratch.path("out").join(name)).unwrap();
         let path = scratch.path("out/files.json");
@@ -191,7 +184,7 @@ fn a_search_that_has_not_ended_has_a_page() {
 
 #[test]
 fn a_changed_table_is_refused() {
-    let scratch = searched(BLOCK);
+    let scratch = searched(&block());
     for name in ["finalists.parquet", "optimum.json", "evaluations.parquet"] {
         let path = format!("out/{name}");
         let content = fs::read(scratch.path(&path)).unwrap();

@@ -42,8 +42,7 @@ fn lines(panel: &Panel) -> Vec<(&Layer, &[[f64; 2]])> {
 
 #[test]
 fn a_few_runs_are_computed_again() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", STUDY);
+    let scratch = Scratch::with(STUDY);
     let (_, figures) = reported(&scratch, "a.yaml", Budget::SCREEN, of_results);
     let figure = figure_of(&figures, "run-up");
     let runs = scratch.table("out", "runs");
@@ -112,8 +111,7 @@ fn a_few_runs_are_computed_again() {
 /// Times to rest count from the begin of the last stage; runs of different points end at different times.
 #[test]
 fn times_are_those_of_the_stages() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", STUDY);
+    let scratch = Scratch::with(STUDY);
     let (_, figures) = reported(&scratch, "a.yaml", Budget::SCREEN, of_results);
     let caption = |id: &str| &figure_of(&figures, id).caption;
     assert!(
@@ -135,8 +133,7 @@ fn times_are_those_of_the_stages() {
 
 #[test]
 fn a_disc_at_constant_speed_has_no_run_up() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 2}}", 0.1, ""));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 2}}", 0.1, ""));
     let (_, figures) = reported(&scratch, "a.yaml", Budget::SCREEN, of_results);
     assert!(figures.iter().all(|figure| figure.id != "run-up"));
 }

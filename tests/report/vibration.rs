@@ -1,6 +1,5 @@
 //! The first figure: residual vibration over the sweep, and without balls.
 
-use serde_json::Value;
 use stickslip::analysis::{Z_95, wilson};
 use stickslip::report::chart::{Figure, Layer, Mark, Panel};
 use stickslip::report::{Budget, of_results};
@@ -36,7 +35,7 @@ fn figures_compare_each_run_with_its_own_machine() {
     let [points, runs] = ["points", "runs"].map(|name| scratch.table("out", name));
     let number = |name: &str| numbers(&points, name)[0].unwrap();
 
-    let checked: Value = serde_json::from_str(&scratch.well("check a.yaml --json")).unwrap();
+    let checked = scratch.json("check a.yaml --json");
     let checked = &checked["closed_form"]["points"][0]["amplitude_without_balls_m"];
     let without = number("amplitude_without_balls_m");
     assert!((without / checked.as_f64().unwrap() - 1.0).abs() < 0.05, "{without} and {checked}");
