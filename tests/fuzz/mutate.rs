@@ -7,67 +7,15 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 /// Length of the longest input, bytes.
 const LONGEST: usize = 1 << 18;
 
-/// Pieces of text to insert: extreme numbers, and syntax of YAML, CSV and JSON.
-const PIECES: [&str; 58] = [
-    "0",
-    "-1",
-    "1",
-    "9",
-    "1e308",
-    "-1e308",
-    "1e-320",
-    "1e15",
-    "1e16",
-    "0.1",
-    "-0.0",
-    "1e999",
-    "18446744073709551615",
-    "9223372036854775808",
-    "-9223372036854775808",
-    "4294967296",
-    "1000001",
-    "1000000000000000",
-    "NaN",
-    "inf",
-    ".nan",
-    ".inf",
-    "~",
-    "null",
-    "true",
-    "[]",
-    "{}",
-    "[",
-    "]",
-    "{",
-    "}",
-    ":",
-    ": ",
-    "- ",
-    "\n",
-    "\n  ",
-    "&a ",
-    "*a",
-    "!!int ",
-    "\"",
-    "'",
-    "#",
-    "|",
-    ">",
-    "é",
-    "\t",
-    "? ",
-    "<<: ",
-    ",",
-    ";",
-    "\r",
-    "\0",
-    "\u{feff}",
-    "../",
-    "/dev/zero",
-    "table.csv",
-    "---\n",
-    "\\u0000",
-];
+/// Pieces of text to insert, between `¦`: extreme numbers, and syntax of YAML, CSV and JSON.
+const PIECES: &str = "0¦-1¦1¦9¦1e308¦-1e308¦1e-320¦1e15¦1e16¦0.1¦-0.0¦1e999¦18446744073709551615¦\
+     9223372036854775808¦-9223372036854775808¦4294967296¦1000001¦1000000000000000¦NaN¦inf¦.nan¦\
+     .inf¦~¦null¦true¦[]¦{}¦[¦]¦{¦}¦:¦: ¦- ¦\n¦\n  ¦&a ¦*a¦!!int ¦\"¦'¦#¦|¦>¦é¦\t¦? ¦<<: ¦,¦;¦\r¦\
+     \0¦\u{feff}¦../¦/dev/zero¦table.csv¦---\n¦\\u0000";
+
+fn pieces() -> Vec<&'static str> {
+    PIECES.split('¦').collect()
+}
 
 /// Numbers to insert into binary files.
 const NUMBERS: [u64; 16] = [
@@ -181,7 +129,7 @@ impl Dice {
             }
             // Replace some characters with a piece of text.
             _ => {
-                let piece = self.of(&PIECES).bytes();
+                let piece = self.of(&pieces()).bytes();
                 drop(bytes.splice(range, piece));
             }
         }
@@ -196,7 +144,7 @@ impl Dice {
             0..4 => {
                 let Some(range) = self.run(bytes, number) else { return };
                 let piece = match self.below(3) {
-                    0 => self.of(&PIECES[..20]).to_string(),
+                    0 => self.of(&pieces()[..20]).to_string(),
                     1 => self.below(1000).to_string(),
                     _ => format!("{}e{}", self.below(20), self.below(8)),
                 };
