@@ -6,8 +6,7 @@ use std::process::Command;
 use super::support::{AT_ONCE, Scratch, study_text};
 
 fn scratch() -> Scratch {
-    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 4}}", AT_ONCE, ""));
-    scratch
+    Scratch::with(study_text("a", "{monte_carlo: {samples: 4}}", AT_ONCE, ""))
 }
 
 #[test]

@@ -9,8 +9,7 @@ use crate::cli::support::{Scratch, assert_has};
 
 /// A complete study of a few runs, in `out`.
 fn complete() -> Scratch {
-    let scratch = Scratch::ran(study().replace("samples: 3200", "samples: 40"));
-    scratch
+    Scratch::ran(study().replace("samples: 3200", "samples: 40"))
 }
 
 /// No file outside of the directory is written through a link.

@@ -2,6 +2,7 @@
 //! meaning in every notation.
 
 use super::parse;
+use crate::support::cases;
 
 /// A study with a valid system, one key per line.
 const GOOD: &str = "\
@@ -202,11 +203,8 @@ period: 2 * pi / omega ¦ turning: {q: omega} ¦ 23 ¦ the time beside a part th
 
 #[test]
 fn keys_of_a_system_are_checked() {
-    for case in WRONG_KEYS.lines() {
-        let case = case.replace("\\n", "\n");
-        let parts: Vec<&str> = case.split(" ¦ ").collect();
-        let [old, new, line, problem, found, allowed] = parts[..] else { panic!("{case}") };
-        refused(old, new, line.parse().expect("a line"), problem, found, allowed);
+    for [old, new, line, problem, found, allowed] in cases(WRONG_KEYS) {
+        refused(&old, &new, line.parse().expect("a line"), &problem, &found, &allowed);
     }
 }
 

@@ -50,7 +50,7 @@ const NON_DIMENSIONAL: &str = "n 1 (non-dimensional)";
 
 #[test]
 fn runs() {
-    let scratch = Scratch::ran(&study());
+    let scratch = Scratch::ran(study());
     let start = |name: &str| format!("{name} {NON_DIMENSIONAL}");
     let mut expected = listed(
         "run_id c -, point_id c -, cell c -, replicate c -, speed_rad_s n rad/s, normal_force w -, \
@@ -81,7 +81,7 @@ fn runs() {
 fn a_parameter_that_is_swept_and_drawn() {
     let rest = "sweep: [{grid: {friction_coefficient: [2.0e-3, 4.0e-3]}}]\n\
                 uncertain: {friction_coefficient: {times: {uniform: {min: 0.5, max: 1.5}}}}\n";
-    let scratch = Scratch::ran(&study_text("a", "{monte_carlo: {samples: 20}}", 5.0, rest));
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 20}}", 5.0, rest));
     let [runs, points, equilibria] =
         ["runs", "points", "equilibria"].map(|name| scratch.table("out", name));
     let named = |table: &RecordBatch| -> Vec<String> {
@@ -119,7 +119,7 @@ fn a_parameter_that_is_swept_and_drawn() {
 
 #[test]
 fn points() {
-    let scratch = Scratch::ran(&study());
+    let scratch = Scratch::ran(study());
     let expected = listed(
         "point_id c -, speed_rad_s n rad/s, normal_force w -, runs c -, equilibrium_runs c -, \
          limit_cycle_runs c -, creep_runs c -, quasi_periodic_runs c -, irregular_runs c -, \
@@ -155,7 +155,7 @@ fn points() {
 #[test]
 fn rest() {
     let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -216.0]}}]\n";
-    let scratch = Scratch::ran(&study_text("a", "{monte_carlo: {samples: 40}}", 5.0, rest));
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 40}}", 5.0, rest));
     let rest = scratch.table("out", "time_to_rest");
     let expected = listed(
         "point_id c -, speed_rad_s n rad/s, time_s n s, at_risk c -, came_to_rest c -, \
@@ -199,7 +199,7 @@ fn rest() {
 /// Identical balls are interchangeable: their angles are sorted in equilibria.
 #[test]
 fn equilibria_of_identical_balls_are_sorted() {
-    let scratch = Scratch::ran(&study_text("a", "{monte_carlo: {samples: 40}}", 5.0, ""));
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 40}}", 5.0, ""));
     let (runs, equilibria) = (scratch.table("out", "runs"), scratch.table("out", "equilibria"));
     let expected = listed(
         "run_id c -, point_id c -, beta_1_rad n rad, beta_2_rad n rad, amplitude_m n m, \
@@ -231,7 +231,7 @@ fn equilibria_of_identical_balls_are_sorted() {
 fn equilibria_of_balls_that_differ_keep_their_places() {
     let model = "model: {kind: ball_balancer, parameters: {speed_rad_s: -160.0, \
                  balls: [{mass_kg: 1.3e-4}, {mass_kg: 1.5e-4}]}}\n";
-    let scratch = Scratch::ran(&study_text("a", "{monte_carlo: {samples: 20}}", 8.0, model));
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 20}}", 8.0, model));
     let (runs, equilibria) = (scratch.table("out", "runs"), scratch.table("out", "equilibria"));
     let ids = counts(&equilibria, "run_id");
     assert!(ids.len() > 5);
@@ -246,7 +246,7 @@ fn equilibria_of_balls_that_differ_keep_their_places() {
 #[test]
 fn columns_of_three_balls() {
     let model = "model: {kind: ball_balancer, parameters: {balls: 3}}\n";
-    let scratch = Scratch::ran(&study_text("a", "{monte_carlo: {samples: 2}}", AT_ONCE, model));
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 2}}", AT_ONCE, model));
     let runs = columns(&scratch.table("out", "runs"));
     let runs: BTreeSet<&str> = runs.iter().filter_map(|column| column.split(' ').next()).collect();
     for name in ["initial_beta_3", "initial_beta_dot_3", "beta_3_rad", "ball_speed_3_rad_s"] {

@@ -29,7 +29,7 @@ const OF_EVERY_CYCLE: &str = "largest_multiplier n 1, multipliers l 1, neutral_d
 #[test]
 fn columns_of_a_balancer() {
     let sweep = "sweep: [{grid: {speed_rad_s: [-160.0]}}]\n";
-    let scratch = Scratch::ran(&study_text("a", "{monte_carlo: {samples: 2}}", AT_ONCE, sweep));
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 2}}", AT_ONCE, sweep));
     let ball = |i: usize| {
         format!(
             "turns_{i} i -, mean_speed_{i}_rad_s n rad/s, min_speed_{i}_rad_s n rad/s, \
