@@ -1,11 +1,13 @@
-//! Contacts at rest that touch no other, with all other phases assumed.
+//! This file decides contacts at rest that touch no other, where all other phases are assumed.
 //!
-//! The friction `T` that each of these contacts needs and its normal force `N` are then affine in their accelerations `a`:
-//! `T = T₀ - K a` and `N = N₀ + G a`. Friction holds a contact with `a = 0` if `|T| ≤ μ N`, and otherwise `T = ±μ N` acts
-//! against the acceleration. If `K_ii > Σ_{j≠i} |K_ij| + μ_i Σ_j |G_ij|` for each contact, only one motion with normal forces
-//! that press is possible: let the accelerations of two motions differ most, by `δ`, at the contact `i`, where that of the
-//! first is larger. Its friction is then smaller in the first motion by at most `μ_i |N_i - N_i'| ≤ μ_i Σ_j |G_ij| δ`, but
-//! the equations make it smaller by at least `(K_ii - Σ_{j≠i} |K_ij|) δ`.
+//! Let `a` be the accelerations of these contacts, `T` the friction forces with which they have these accelerations, and `N`
+//! their normal forces. `T = T₀ - K a` and `N = N₀ + G a` are affine. At rest `|T| ≤ μ N`, and a contact that accelerates has
+//! the friction `±μ N` against its acceleration. At most one motion with normal forces that press is possible if
+//! `K_ii > Σ_{j≠i} |K_ij| + μ_i Σ_j |G_ij|` for each contact `i`, for the following reason. Let the accelerations of two motions
+//! differ most at contact `i`, by `δ`, and let the acceleration of this contact be larger in the first motion. The friction of
+//! a contact does not fall with its acceleration, except as its normal force changes: the friction of contact `i` is smaller
+//! in the first motion by at most `μ_i Σ_j |G_ij| δ`. The equations, however, make it smaller by at least
+//! `(K_ii - Σ_{j≠i} |K_ij|) δ`.
 
 use smallvec::SmallVec;
 
@@ -13,8 +15,10 @@ use super::evaluator::{Entries, Forces, Unknowns, solved};
 use super::in_one_state::TOGETHER;
 use super::{Direction, InOneState, Phase, Phases};
 
-/// The ratio of the friction of a contact that sets off to its static friction differs from 1 by at most this.
-const FULL: f64 = 1e-9;
+/// A contact that sets off has its static friction if its friction differs from that by at most this fraction.
+const SAME_FRICTION: f64 = 1e-9;
+/// The diagonal exceeds the sum of the other entries at least by this factor, so that rounding errors do not grow.
+const SURPLUS: f64 = 1.01;
 
 /// Contacts at rest that touch no other.
 pub(super) struct Alone {
@@ -27,8 +31,9 @@ pub(super) struct Alone {
 }
 
 impl Alone {
-    /// Returns the phases of these contacts in the only motion in which all others have the assumed phases, which need not
-    /// hold; `None` if several motions may be possible. The assumed phases are preferred.
+    /// Returns all phases of the only motion in which the other contacts and the gaps have the assumed phases; `None` if
+    /// several motions may be possible. Whether the assumed phases meet their own conditions remains to be examined. The
+    /// assumed phases of these contacts are preferred.
     pub(super) fn decide(&self, equations: &mut InOneState, assumed: &Phases) -> Option<Phases> {
         let count = self.contacts.len();
         if count == 0 {
@@ -39,7 +44,7 @@ impl Alone {
         let (at_rest, _) = equations.forces_and_gaps(&held);
         let setting_off = |contact: &usize| {
             let mut phases = held.clone();
-            // Against the friction that holds the contact, so that its acceleration is not small.
+            // The contact accelerates in the direction of the friction that held it, which reverses: the acceleration is large.
             phases[*contact] = (self.sets_off)(Direction::of(-at_rest[*contact].friction));
             phases
         };
@@ -49,7 +54,7 @@ impl Alone {
             .flat_map(|some| equations.forces_of_several(some))
             .map(|(forces, _)| forces)
             .collect();
-        // Friction and normal force of each contact by a unit of the acceleration of each.
+        // A unit of the acceleration of each contact lowers the friction and raises the normal force of each by these numbers.
         let by = |row: usize, column: usize| {
             let (contact, forces) = (self.contacts[row], &moved[column]);
             let acceleration = forces[self.contacts[column]].acceleration;
@@ -65,9 +70,10 @@ impl Alone {
             let sum: f64 =
                 of_row.iter().map(|[friction, normal]| friction.abs() + limit * normal.abs()).sum();
             let forces = &moved[row][self.contacts[row]];
-            let share = forces.friction.abs() / (limit * forces.normal);
+            let full = limit * forces.normal;
             // The sum contains the entry on the diagonal.
-            2.0 * of_row[row][0] > sum && (share - 1.0).abs() <= FULL
+            of_row[row][0] > SURPLUS * (sum - of_row[row][0])
+                && (forces.friction.abs() - full).abs() <= SAME_FRICTION * full
         };
         if !(0..count).all(is_dominant) {
             return None;
@@ -75,7 +81,7 @@ impl Alone {
         self.exchanged(assumed, &at_rest, &all)
     }
 
-    /// Exchanges the phases of all contacts that fail until none does, with forces that are affine in the accelerations.
+    /// Exchanges the phases of all contacts whose conditions fail, until all conditions hold.
     fn exchanged(&self, assumed: &Phases, at_rest: &Forces, by: &[[f64; 2]]) -> Option<Phases> {
         let count = self.contacts.len();
         let mut phases = assumed.clone();
@@ -141,8 +147,8 @@ mod tests {
     use crate::motion::event_driven::tie;
     use crate::motion::{Direction, Evaluator, Phase, Phases};
 
-    /// In random states with two balls in touch, two others have exactly the phases that alone meet all conditions, for each
-    /// motion of those in touch; for balls that are heavy enough, several combinations may.
+    /// In random states with two balls in touch, and for each motion of these, the two other balls get the only phases that
+    /// meet all conditions. Several combinations may meet them if the balls are heavy; no phases are then returned.
     #[test]
     fn contacts_alone_have_the_only_phases_that_hold() {
         let contact = BallContact { restitution: 0.4, friction_coefficient: 0.1 };

@@ -52,7 +52,7 @@ pub(crate) struct Hit {
 }
 
 /// Changes the state by an impact at the places `touching`, whose bodies are at each other, with the phases of all contacts
-/// and gaps before it. A state of dual numbers has its changes along a direction, too.
+/// and gaps before it. The slopes of dual numbers change, too.
 pub(super) fn impact<T: Solved>(
     evaluator: &Evaluator,
     state: &mut [T],

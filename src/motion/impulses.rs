@@ -188,11 +188,11 @@ impl<T: Number> Meeting<T> {
 
 /// The equations of all gaps, whose impulses are eliminated one gap after the other.
 struct Elimination<T> {
-    /// For each gap, the equations of this gap and those after it without the impulses of the gaps before it, row by row:
-    /// those of the contact and of the friction, with the coefficients of the impulses and the right side. The law of impact
-    /// gives both speeds, as for bodies that stick.
+    /// For each gap, the equations of [`Way::Sticks`] of this gap and the gaps after it, without the impulses of the gaps before
+    /// it. Each gap has two rows, that of the contact and that of the friction; a row consists of the coefficients of the
+    /// impulses and the right side.
     remaining: SmallVec<[Vec<T>; 8]>,
-    /// For each gap, its equations in its way, with ones on the diagonal.
+    /// For each gap, its two equations in its way, divided by their diagonal entries, which are not replaced by ones.
     solved: SmallVec<[[SmallVec<[T; 17]>; 2]; 8]>,
 }
 

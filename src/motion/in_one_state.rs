@@ -8,7 +8,7 @@ use smallvec::SmallVec;
 
 use super::evaluator::{Forces, GapForces, SMALL_PIVOT, Solution, Solved, Unknowns, forces};
 use super::{Evaluator, Phase, Phases, SimdLevel};
-use crate::model::{Elementary, Function, NodeId, Number};
+use crate::model::{Elementary, Function, Node, NodeId, Number};
 
 /// The number of assumptions that are computed together.
 pub(super) const TOGETHER: usize = 8;
@@ -47,7 +47,8 @@ impl Evaluator {
     /// Finds the nodes that depend on inputs that vary, and remembers them for other states.
     fn affected_by(&self, varying: Vec<bool>) -> Arc<Affected> {
         let graph = self.graph();
-        let nodes = graph.depending_on(&varying);
+        let varies = |node: &Node| matches!(node, Node::Input(index) if varying[*index as usize]);
+        let nodes = graph.depending_on(varies);
         let mut is_affected = vec![false; graph.nodes.len()];
         nodes.iter().for_each(|node| is_affected[*node as usize] = true);
         let operands =

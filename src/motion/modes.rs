@@ -49,7 +49,7 @@ pub(super) fn first_phases<'f>(
     contacts.map(first).collect()
 }
 
-/// Decides the phases of contacts at rest, or in the band; the contacts `fixed` stay at rest.
+/// Decides the phases of contacts at rest, or in the band. In the exact motion, the contacts `fixed` stay at rest.
 pub(super) fn decide_at_rest(
     method: Method,
     system: &dyn InState,

@@ -123,7 +123,7 @@ impl Evaluator {
     }
 
     /// Returns the change of all rates with unknowns, in which the rates are linear, from the values of all nodes; `changed`
-    /// returns the change of an unknown. `changes` has room for the change of each node; those that do not change are 0.
+    /// returns the change of an unknown. `changes` has a place for the change of each node. The caller provides zeros.
     fn response<T: Solved>(
         &self,
         values: &[T],
@@ -160,11 +160,13 @@ impl Evaluator {
     }
 }
 
-/// A unit of an impulse: the changes of accelerations by it, first without the coupling of the accelerations.
+/// A unit of an impulse.
 struct Push<T> {
-    /// The linear system of the accelerations, and the row of the force there with the change of the force.
+    /// The linear system of the accelerations.
     solve: u32,
+    /// The row of the force in this system, and the change of the force.
     force: (usize, f64),
+    /// The right side of the equations of all accelerations, and then their solution.
     rates: Unknowns<T>,
 }
 

@@ -94,8 +94,8 @@ impl<'a> InTouch<'a> {
         Ok(impact)
     }
 
-    /// Resolves the impact of the contacts that are at each other. Their phases are those before a decision. If a direction of
-    /// a neighbouring motion is given, it becomes that after the impact.
+    /// Resolves the impact of the contacts that are at each other. The phases that it returns are not decided yet. If a direction
+    /// of a neighbouring motion is given, it becomes that after the impact.
     pub(super) fn collide(
         &self,
         state: &mut Components,

@@ -43,6 +43,7 @@ fn kinds(report: &Value) -> Vec<String> {
 /// Changes of the machine, the kinds of all warnings, and key, line and remedy of the first one.
 const SLIPS: &str = r" ¦  ¦  ¦ 0 ¦
 ball_mass_kg: 1.4e-4 => ball_mass_kg: 0.14 ¦ ball_density ¦ model.parameters.ball_mass_kg ¦ 14 ¦ a steel ball of this diameter has 0.0001104 kg
+ball_mass_kg: 1.4e-4 => ball_mass_kg: 1.0e-6 ¦ ball_density balancing_capacity balls_held_everywhere ¦ model.parameters.ball_mass_kg ¦ 14 ¦ a steel ball of this diameter has 0.0001104 kg
 ball_diameter_m: 0.003 => ball_diameter_m: 3 ¦ ball_beyond_ring ball_density ¦ model.parameters.ball_diameter_m ¦ 15 ¦ lengths are in m, not in mm
 balls: 2 => balls: 8 ; ball_mass_kg: 1.4e-4 => ball_mass_kg: 4.1e-3 ; ball_diameter_m: 0.003 => ball_diameter_m: 0.01 ¦ balls_do_not_fit ¦ model.parameters.ball_diameter_m ¦ 15 ¦ at most 6 such balls
 coefficient: 2.75e-3 => coefficient: 3 ¦ friction_coefficient balls_held_everywhere ¦ model.parameters.friction_coefficient ¦ 16 ¦ 0, or a value from 1e-6 to 2; about 1e-4 to 1e-2 for a hard ball that rolls

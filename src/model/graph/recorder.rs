@@ -161,38 +161,34 @@ pub struct Graph {
 
 impl Graph {
     fn with_rates_with_unknowns(mut self) -> Self {
-        let mut depends = vec![false; self.nodes.len()];
-        for (place, node) in self.nodes.iter().enumerate() {
-            let operands = node.operands(&self.solves);
-            let is_unknown = matches!(node, Node::Solution { .. });
-            depends[place] = is_unknown || operands.iter().any(|one| depends[*one as usize]);
-        }
-        let mut is_needed = vec![false; self.nodes.len()];
         let of_opening = |one: &Opening| [one.acceleration, self.contacts[one.contact][1]];
         let rates = self.derivative.iter().copied();
-        for node in rates.chain(self.openings.iter().flat_map(of_opening)) {
-            is_needed[node as usize] = true;
-        }
-        for (place, node) in self.nodes.iter().enumerate().rev() {
-            is_needed[place] &= depends[place];
-            if is_needed[place] && !matches!(node, Node::Solution { .. }) {
-                let operands = node.operands(&self.solves);
-                operands.iter().for_each(|operand| is_needed[*operand as usize] = true);
-            }
-        }
-        let needed = (0..).zip(is_needed).filter(|(_, needed)| *needed);
-        self.rates_with_unknowns = needed.map(|(node, _)| node).collect();
+        let is_needed = self.needed_by(rates.chain(self.openings.iter().flat_map(of_opening)));
+        let mut nodes = self.depending_on(|node| matches!(node, Node::Solution { .. }));
+        nodes.retain(|node| is_needed[*node as usize]);
+        self.rates_with_unknowns = nodes;
         self
     }
 
-    /// Returns the nodes that depend on inputs that vary, operands first; `varying` has a value for each input.
-    pub fn depending_on(&self, varying: &[bool]) -> Vec<NodeId> {
+    /// Returns whether each node is needed for one of these nodes.
+    fn needed_by(&self, results: impl Iterator<Item = NodeId>) -> Vec<bool> {
+        let mut is_needed = vec![false; self.nodes.len()];
+        results.for_each(|node| is_needed[node as usize] = true);
+        for place in (0..self.nodes.len()).rev() {
+            if is_needed[place] {
+                let operands = self.nodes[place].operands(&self.solves);
+                operands.into_iter().for_each(|one| is_needed[one as usize] = true);
+            }
+        }
+        is_needed
+    }
+
+    /// Returns the nodes that vary by themselves or depend on such nodes, operands first.
+    pub fn depending_on(&self, varies: impl Fn(&Node) -> bool) -> Vec<NodeId> {
         let mut depends = vec![false; self.nodes.len()];
         for (place, node) in self.nodes.iter().enumerate() {
-            depends[place] = match node {
-                Node::Input(index) => varying[*index as usize],
-                _ => node.operands(&self.solves).iter().any(|one| depends[*one as usize]),
-            };
+            depends[place] = varies(node)
+                || node.operands(&self.solves).iter().any(|one| depends[*one as usize]);
         }
         (0..).zip(depends).filter(|(_, depends)| *depends).map(|(node, _)| node).collect()
     }
@@ -209,14 +205,7 @@ impl Graph {
             .chain(self.openings.iter().map(|opening| &opening.gap))
             .chain(self.events.iter().map(|event| &event.guard))
             .chain(resets);
-        let mut is_read = vec![false; self.nodes.len()];
-        results.for_each(|node| is_read[*node as usize] = true);
-        for place in (0..self.nodes.len()).rev() {
-            if is_read[place] {
-                let operands = self.nodes[place].operands(&self.solves);
-                operands.into_iter().for_each(|one| is_read[one as usize] = true);
-            }
-        }
+        let is_read = self.needed_by(results.copied());
         let is_position =
             |node: &Node| matches!(node, Node::State(one) if *one as usize == contact.position);
         !self.nodes.iter().zip(is_read).any(|(node, read)| read && is_position(node))

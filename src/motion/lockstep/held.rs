@@ -138,8 +138,9 @@ impl HeldCondition {
         let [normal, friction] = &forces[self.contact];
         let mut held: Powers =
             std::array::from_fn(|k| self.limit * normal[k] - self.sign * friction[k]);
-        // Taylor's shift, by Horner's scheme.
-        for first in 0..if start == 0.0 { 0 } else { held.len() } {
+        // Taylor's shift, by Horner's scheme. A shift by 0 changes nothing.
+        let shifted = if start == 0.0 { 0 } else { held.len() };
+        for first in 0..shifted {
             for k in (first..held.len() - 1).rev() {
                 held[k] = held[k + 1].mul_add(start, held[k]);
             }

@@ -93,7 +93,7 @@ impl SimdLevel {
         }
     }
 
-    /// Does work with these instructions: the compiler vectorises what it inlines there.
+    /// Calls a function, which the compiler inlines and compiles for these instructions.
     #[inline(always)]
     pub(crate) fn run<R>(self, work: impl FnOnce() -> R) -> R {
         match self.0 {
