@@ -113,16 +113,18 @@ impl InTouch<'_> {
         Ok((is_consistent, all))
     }
 
-    /// Returns the contacts at rest, except for those that are `fixed`, that touch no other and do not open.
+    /// Returns the contacts at rest, except for those that are `fixed`, that touch no other. There are none in a system with
+    /// contacts that open: which bodies these keep together is not known.
     fn alone(&self, given: &Phases, fixed: &[usize]) -> Alone {
         let (of_contacts, of_gaps) = given.split_at(self.contacts());
         let touches = |contact: usize| {
             let gaps = self.gaps.iter().zip(of_gaps);
             let mut closed = gaps.filter(|(_, phase)| **phase == Phase::Closed);
-            closed.any(|(gap, _)| gap.contacts.contains(&contact)) || self.apart(contact).is_some()
+            closed.any(|(gap, _)| gap.contacts.contains(&contact))
         };
         let is_alone = |(contact, phase): &(usize, &Phase)| {
-            matches!(phase, Phase::Stick | Phase::Transition(_))
+            self.openings.is_empty()
+                && matches!(phase, Phase::Stick | Phase::Transition(_))
                 && !fixed.contains(contact)
                 && !touches(*contact)
         };
