@@ -164,7 +164,7 @@ fn wrong_values_are_refused() {
 
 #[test]
 fn the_good_study_is_good() {
-    assert_eq!(parse(GOOD).unwrap().run_count(), 4 * 768);
+    assert_eq!(parse(GOOD).expect("a valid study").run_count(), 4 * 768);
 }
 
 #[test]
