@@ -13,7 +13,7 @@ use std::time::Instant;
 use stickslip::classification::{
     Label, Outcome, Runs, simulate_by_recorded_equations_in_lockstep, simulate_in_lockstep,
 };
-use stickslip::model::{Case, Method, Simulation};
+use stickslip::model::{Case, Method, Simulation, Tolerance};
 use stickslip::motion::SimdLevel;
 use stickslip::study::Study;
 
@@ -39,8 +39,10 @@ fn main() {
         let with = |method, relative_tolerance: f64| -> Vec<Case> {
             let settings = |case: &Case| Simulation {
                 method,
-                relative_tolerance,
-                absolute_tolerance: relative_tolerance / 100.0,
+                tolerance: Tolerance {
+                    relative: relative_tolerance,
+                    absolute: relative_tolerance / 100.0,
+                },
                 ..case.simulation
             };
             cases.iter().map(|case| Case { simulation: settings(case), ..case.clone() }).collect()

@@ -13,8 +13,8 @@ use crate::model::{Extend, Simulation};
 /// Returns whether a run with a label is continued.
 pub(super) fn continues(extend: Extend, label: Label) -> bool {
     match label {
-        Label::Undecided => extend.undecided,
-        Label::Irregular => extend.irregular,
+        Label::Undecided => extend.labels.undecided,
+        Label::Irregular => extend.labels.irregular,
         Label::Equilibrium
         | Label::LimitCycle
         | Label::Creep

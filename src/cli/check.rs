@@ -298,7 +298,7 @@ fn response(response: &Response) -> Value {
 
 /// Returns the names of the labels whose runs are continued.
 fn labels(extend: Extend) -> &'static str {
-    match (extend.undecided, extend.irregular) {
+    match (extend.labels.undecided, extend.labels.irregular) {
         (true, true) => "undecided and irregular",
         (true, false) => "undecided",
         (false, true) => "irregular",

@@ -141,7 +141,7 @@ impl Cost {
 fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
     let natural = model.natural_frequency_rad_s();
     let [_, latest_end_time_s] = simulation.end_times_s();
-    let strictness = 1e-8 / simulation.relative_tolerance;
+    let strictness = 1e-8 / simulation.tolerance.relative;
     let tuned = match model.ball_balancer() {
         Some(machine) => {
             let speed = machine.speed_rad_s.abs() / natural;

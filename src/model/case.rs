@@ -44,16 +44,68 @@ pub enum Method {
     Event,
 }
 
-/// Which undecided or irregular runs are continued past the end time, and how far. Equilibria and
-/// limit cycles are final, and failed runs cannot be continued.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+/// Continuation of runs past the end time; the outcome is identical to that of a study with the
+/// later end time.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "ExtendFile")]
 pub struct Extend {
-    /// The later end time, as a multiple of the end time.
+    /// The later end time as a multiple of `end_time_s`: above 1, at most 1000.
+    #[schemars(extend("exclusiveMinimum" = 1, "maximum" = 1000))]
     pub factor: f64,
+    /// Labels at the end time of the runs that are continued; the default is `[undecided,
+    /// irregular]`.
+    #[serde(default)]
+    #[schemars(with = "Vec<ExtendedLabel>", extend("minItems" = 1, "uniqueItems" = true))]
+    pub labels: ExtendedLabels,
+}
+
+/// The labels of runs that are continued. Equilibria and limit cycles are final, and failed runs cannot be continued.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(try_from = "Vec<ExtendedLabel>", into = "Vec<ExtendedLabel>")]
+pub struct ExtendedLabels {
     /// Whether undecided runs are continued.
     pub undecided: bool,
     /// Whether irregular runs are continued.
     pub irregular: bool,
+}
+
+/// The label of a run that can be continued.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub enum ExtendedLabel {
+    /// Nothing could be shown until the end time.
+    Undecided,
+    /// Neighbouring motions separate exponentially.
+    Irregular,
+}
+
+impl Default for ExtendedLabels {
+    fn default() -> Self {
+        ExtendedLabels { undecided: true, irregular: true }
+    }
+}
+
+impl TryFrom<Vec<ExtendedLabel>> for ExtendedLabels {
+    type Error = &'static str;
+
+    fn try_from(labels: Vec<ExtendedLabel>) -> Result<Self, Self::Error> {
+        let [undecided, irregular] = [ExtendedLabel::Undecided, ExtendedLabel::Irregular]
+            .map(|label| labels.iter().filter(|other| **other == label).count());
+        match undecided.max(irregular) {
+            0 => Err("`labels` is an empty list; without this key, runs of both labels are continued"),
+            1 => Ok(ExtendedLabels { undecided: undecided == 1, irregular: irregular == 1 }),
+            _ => Err("`labels` contains a label twice"),
+        }
+    }
+}
+
+impl From<ExtendedLabels> for Vec<ExtendedLabel> {
+    fn from(labels: ExtendedLabels) -> Self {
+        let undecided = labels.undecided.then_some(ExtendedLabel::Undecided);
+        undecided.into_iter().chain(labels.irregular.then_some(ExtendedLabel::Irregular)).collect()
+    }
 }
 
 /// Endings that the classification detects.
@@ -69,28 +121,52 @@ pub enum Endings {
     Rest,
 }
 
-/// How a case is integrated and for how long.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+/// Integration method, end time, tolerances and the endings to detect.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(rename = "SimulationFile")]
 pub struct Simulation {
-    /// Switch model or its limit.
+    /// How stick and slip are computed; the default is `switch`.
     pub method: Method,
-    /// Half width `η` of the band around zero sliding speed, non-dimensional (for a ball, over
-    /// `ω_n`).
+    /// Half width of the band around zero sliding speed in the switch model, in units of the
+    /// natural frequency (block: natural frequency times `normal_force_n` / `stiffness_n_m`); above
+    /// 0, at most 0.01; default 1e-8.
+    // In a wider band, moving balls count as sticking, and may switch between stick and transition indefinitely.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 0.01))]
     pub band: f64,
-    /// End time of a run without another ending, s.
+    /// Time at which an undecided run stops, s; above 0; default 16.5.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub end_time_s: f64,
-    /// Which runs are continued to a later end time.
+    /// Continuation of undecided and irregular runs past the end time; by default, none.
     pub extend: Option<Extend>,
-    /// Which endings are detected.
+    /// Endings that the classification detects; the default is `all`.
     pub endings: Endings,
-    /// Relative error allowed per step.
-    pub relative_tolerance: f64,
-    /// Absolute error allowed per step, non-dimensional.
-    pub absolute_tolerance: f64,
+    /// Tolerated error per integration step.
+    pub tolerance: Tolerance,
+}
+
+/// Tolerated error per integration step.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(rename = "ToleranceFile")]
+pub struct Tolerance {
+    /// Relative error, dimensionless; above 0; default 1e-8.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub relative: f64,
+    /// Absolute error, non-dimensional; above 0; default 1e-10.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub absolute: f64,
+}
+
+/// The tolerances at which the fractions of the thesis no longer change.
+impl Default for Tolerance {
+    fn default() -> Self {
+        Tolerance { relative: 1.0e-8, absolute: 1.0e-10 }
+    }
 }
 
 impl Default for Simulation {
-    /// The thesis's end time, and tolerances at which fractions no longer change.
+    /// The thesis's end time.
     ///
     /// The scan of the thesis does not show its band, except for "a power of ten, smaller values
     /// change nothing". The distance of the final ball angles from the exact motion is proportional
@@ -104,8 +180,7 @@ impl Default for Simulation {
             end_time_s: 16.5,
             extend: None,
             endings: Endings::All,
-            relative_tolerance: 1.0e-8,
-            absolute_tolerance: 1.0e-10,
+            tolerance: Tolerance::default(),
         }
     }
 }
@@ -125,7 +200,7 @@ impl Simulation {
     /// use stickslip::model::{Method, Simulation};
     ///
     /// let second = Simulation::default().counter_check();
-    /// assert_eq!((second.method, second.relative_tolerance), (Method::Event, 1.0e-9));
+    /// assert_eq!((second.method, second.tolerance.relative), (Method::Event, 1.0e-9));
     /// ```
     pub fn counter_check(&self) -> Simulation {
         Simulation {
@@ -133,8 +208,10 @@ impl Simulation {
                 Method::Switch => Method::Event,
                 Method::Event => Method::Switch,
             },
-            relative_tolerance: self.relative_tolerance / 10.0,
-            absolute_tolerance: self.absolute_tolerance / 10.0,
+            tolerance: Tolerance {
+                relative: self.tolerance.relative / 10.0,
+                absolute: self.tolerance.absolute / 10.0,
+            },
             ..*self
         }
     }

@@ -51,7 +51,7 @@ use ball_balancer::PROFILE_PARAMETERS;
 pub(crate) use ball_contact::pushes;
 pub use ball_contact::{BallContact, Gap, rolling_restitution};
 pub use balls_in_contact::{BallsInContact, LASTING_APPROACH};
-pub use case::{Case, Endings, Extend, Method, Simulation, Start};
+pub use case::{Case, Endings, Extend, ExtendedLabels, Method, Simulation, Start, Tolerance};
 pub use certificate::{certified, certified_by_closed_form};
 pub use contact::Contact;
 pub use coordinate::{Coordinate, unit_ending};

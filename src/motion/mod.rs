@@ -35,7 +35,9 @@ pub(crate) use phase::any_closed;
 pub use phase::{Direction, PerContact, Phase, Phases, all_stick};
 pub use response::{Meets, Response};
 pub use root::fall_through_zero;
-pub use settings::{Effort, Settings, Tolerance, Touches, most_steps_by};
+pub use settings::{Effort, Settings, Touches, most_steps_by};
+
+pub use crate::model::Tolerance;
 pub use single::Motion;
 pub use switch_model::SLACK;
 

@@ -2,16 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::{Method, Simulation};
-
-/// Errors allowed per step: `absolute + relative · |component|`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tolerance {
-    /// Relative part.
-    pub relative: f64,
-    /// Absolute part, non-dimensional.
-    pub absolute: f64,
-}
+use crate::model::{Method, Simulation, Tolerance};
 
 /// Settings of the computation of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +11,7 @@ pub struct Settings {
     pub method: Method,
     /// Half width `η` of the switch model's band, over `ω_n`.
     pub band: f64,
-    /// Errors allowed per step.
+    /// Errors allowed per step: `absolute + relative · |component|`.
     pub tolerance: Tolerance,
     /// Maximum total number of steps, accepted and rejected, and switches; fewer early in a motion
     /// (see [`most_steps_by`]).
@@ -33,10 +24,7 @@ impl Settings {
         Settings {
             method: simulation.method,
             band: simulation.band,
-            tolerance: Tolerance {
-                relative: simulation.relative_tolerance,
-                absolute: simulation.absolute_tolerance,
-            },
+            tolerance: simulation.tolerance,
             effort_limit,
         }
     }

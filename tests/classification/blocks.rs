@@ -4,14 +4,13 @@ use super::{METHODS, near, position};
 use crate::model::closed_forms::ClosedForms;
 use crate::support::{Block, Ground};
 use stickslip::classification::{CyclePhase, Evidence, Label, Outcome, simulate};
-use stickslip::model::{Case, FrictionLaw, Method, Simulation, Start};
+use stickslip::model::{Case, FrictionLaw, Method, Simulation, Start, Tolerance};
 
 fn run(block: &Block, start: [f64; 2], method: Method, end_time_s: f64) -> Outcome {
     let simulation = Simulation {
         method,
         end_time_s,
-        relative_tolerance: 1e-11,
-        absolute_tolerance: 1e-13,
+        tolerance: Tolerance { relative: 1e-11, absolute: 1e-13 },
         ..Simulation::default()
     };
     simulate(&Case { model: block.clone().into(), start: Start(start.to_vec()), simulation })

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use stickslip::classification::{Evidence, Outcome};
 use stickslip::model::{
     EventEquations, Expression, ForcingLayout, Layout, Method, ModelKind, Number,
-    ParameterDescriptor, Recorder, Simulation, SystemEquations,
+    ParameterDescriptor, Recorder, Simulation, SystemEquations, Tolerance,
 };
 
 use crate::support::{OwnSystem, UnitKind, simulate_kind, unit_kind};
@@ -82,8 +82,7 @@ fn run(shaking: f64) -> Outcome {
     let simulation = Simulation {
         method: Method::Event,
         end_time_s: 3000.0,
-        relative_tolerance: 1e-11,
-        absolute_tolerance: 1e-13,
+        tolerance: Tolerance { relative: 1e-11, absolute: 1e-13 },
         ..Simulation::default()
     };
     simulate_kind(&KIND, &[shaking], &[height + 1e-3, speed], simulation)

@@ -11,7 +11,7 @@
 use crate::model::closed_forms::ClosedForms;
 use crate::support::Block;
 use stickslip::classification::{Evidence, simulate};
-use stickslip::model::{Case, FrictionLaw, Method, Simulation, Start};
+use stickslip::model::{Case, FrictionLaw, Method, Simulation, Start, Tolerance};
 
 /// The relative errors of one computation.
 #[derive(Clone, Copy, Debug)]
@@ -32,8 +32,7 @@ pub fn errors(method: Method, tolerance: f64, band: f64) -> Errors {
         method,
         band,
         end_time_s: 100.0,
-        relative_tolerance: tolerance,
-        absolute_tolerance: 1e-2 * tolerance,
+        tolerance: Tolerance { relative: tolerance, absolute: 1e-2 * tolerance },
         ..Simulation::default()
     };
     let run = |block: &Block, start: [f64; 2]| {

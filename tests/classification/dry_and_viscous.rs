@@ -6,14 +6,15 @@ use crate::model::closed_forms::ClosedForms;
 use crate::support::{Block, Ground};
 use stickslip::classification::{Evidence, Outcome, simulate, simulate_by_recorded_equations};
 use stickslip::engine::compute;
-use stickslip::model::{BallContact, Case, FrictionLaw, Machine, Method, Model, Simulation, Start};
+use stickslip::model::{
+    BallContact, Case, FrictionLaw, Machine, Method, Model, Simulation, Start, Tolerance,
+};
 
 fn case(model: impl Into<Model>, start: Start, method: Method, end_time_s: f64) -> Case {
     let simulation = Simulation {
         method,
         end_time_s,
-        relative_tolerance: 1e-12,
-        absolute_tolerance: 1e-14,
+        tolerance: Tolerance { relative: 1e-12, absolute: 1e-14 },
         ..Simulation::default()
     };
     Case { model: model.into(), start, simulation }

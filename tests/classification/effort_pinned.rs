@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use stickslip::classification::{Outcome, simulate, simulate_by_recorded_equations};
-use stickslip::model::{Ball, Case, FrictionLaw, Machine, Method, Simulation, Start};
+use stickslip::model::{Ball, Case, FrictionLaw, Machine, Method, Simulation, Start, Tolerance};
 
 use crate::support::cases;
 
@@ -41,8 +41,7 @@ fn case([_, method, drag, coefficient, speed, tolerance, beta, beta_dot]: &[Stri
     };
     let simulation = Simulation {
         method: if method == "event" { Method::Event } else { Method::Switch },
-        relative_tolerance,
-        absolute_tolerance: relative_tolerance / 100.0,
+        tolerance: Tolerance { relative: relative_tolerance, absolute: relative_tolerance / 100.0 },
         ..Simulation::default()
     };
     let start = Start::of_balancer([0.01, -0.02], &beta, [0.0, 0.02], &numbers(beta_dot));

@@ -6,7 +6,7 @@ use stickslip::classification::{
     Evidence, Label, Outcome, simulate, simulate_by_recorded_equations,
 };
 use stickslip::model::{
-    Case, Endings, Extend, FrictionLaw, Machine, Method, Model, Simulation, Start,
+    Case, Endings, Extend, ExtendedLabels, FrictionLaw, Machine, Method, Model, Simulation, Start,
 };
 
 fn starts(balls: usize) -> impl Iterator<Item = Start> {
@@ -51,7 +51,7 @@ fn compare([all, rest]: [Outcome; 2]) -> Label {
 #[test]
 fn balls_come_to_rest_as_with_all_endings() {
     let mut seen = [0; Label::ALL.len()];
-    let extend = Some(Extend { factor: 1.5, undecided: true, irregular: true });
+    let extend = Some(Extend { factor: 1.5, labels: ExtendedLabels::default() });
     for (speed_rad_s, balls, friction_coefficient, extend) in [
         (-160.8, 2, 2.75e-3, None),
         (-191.6372, 2, 2.75e-3, extend),

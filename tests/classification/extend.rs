@@ -5,7 +5,7 @@ use std::path::Path;
 use super::METHODS;
 use crate::support::{Block, Ground};
 use stickslip::classification::{Evidence, Label, Outcome, simulate};
-use stickslip::model::{Case, Extend, FrictionLaw, Machine, Simulation, Start};
+use stickslip::model::{Case, Extend, ExtendedLabels, FrictionLaw, Machine, Simulation, Start};
 use stickslip::motion::Failure;
 use stickslip::study::Study;
 
@@ -55,7 +55,7 @@ fn same(found: &Outcome, expected: &Outcome) {
 }
 
 fn still_moving(factor: f64) -> Extend {
-    Extend { factor, undecided: true, irregular: true }
+    Extend { factor, labels: ExtendedLabels::default() }
 }
 
 fn cases(model: &str, samples: u32, simulation: Simulation) -> Vec<Case> {
@@ -186,7 +186,8 @@ fn other_labels_are_not_continued() {
     let simulation = Simulation { end_time_s: 2.0, ..Simulation::default() };
     let mut undecided = 0;
     for case in cases(model, 20, simulation) {
-        let none = Extend { factor: 2.0, undecided: false, irregular: true };
+        let none =
+            Extend { factor: 2.0, labels: ExtendedLabels { undecided: false, irregular: true } };
         let ways = Ways::of(&case, none);
         same(&ways.extended, &ways.short);
         assert!(!ways.extended.extended);

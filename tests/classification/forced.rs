@@ -82,8 +82,7 @@ fn run(parameters: [f64; 5], start: [f64; 2], method: Method) -> Outcome {
         method,
         band: 1e-10,
         end_time_s: 400.0,
-        relative_tolerance: 1e-11,
-        absolute_tolerance: 1e-13,
+        tolerance: Tolerance { relative: 1e-11, absolute: 1e-13 },
         ..Simulation::default()
     };
     simulate_kind(&KIND, &parameters, &start, simulation)

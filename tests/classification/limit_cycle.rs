@@ -151,7 +151,7 @@ simulation: {end_time_s: 66}
     for (method, relative_tolerance) in ways {
         for case in &mut cases {
             case.simulation.method = method;
-            case.simulation.relative_tolerance = relative_tolerance;
+            case.simulation.tolerance.relative = relative_tolerance;
         }
         let mut claimed = simulate_all(&cases);
         claimed.retain(|outcome| outcome.label() == Label::LimitCycle);

@@ -7,7 +7,7 @@ use stickslip::classification::{CyclePhase, Evidence, Label, Outcome, simulate};
 use stickslip::model::{
     Expression, Friction, FrictionLaw, ImpactLaw, Mechanism, MechanismContact, MechanismNormal,
     Method, ModelKind, Number, OutputValue, OwnModel, ParameterDescriptor, Recorder, Simulation,
-    System,
+    System, Tolerance,
 };
 
 use super::METHODS;
@@ -71,8 +71,7 @@ fn run(parameters: [f64; 4], start: [f64; 4], method: Method) -> Outcome {
         method,
         band: 1e-8,
         end_time_s: 400.0,
-        relative_tolerance: 1e-11,
-        absolute_tolerance: 1e-13,
+        tolerance: Tolerance { relative: 1e-11, absolute: 1e-13 },
         ..Simulation::default()
     };
     simulate_kind(&KIND, &parameters, &start, simulation)

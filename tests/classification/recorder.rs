@@ -6,7 +6,7 @@ use crate::support::Block;
 use stickslip::classification::{
     Evidence, Instants, Label, Outcome, Recorder, Recording, simulate, simulate_recorded,
 };
-use stickslip::model::{Balancer, Case, Model, Simulation, Start, State};
+use stickslip::model::{Balancer, Case, Model, Simulation, Start, State, Tolerance};
 use stickslip::motion::{Phase, SLACK, Settings};
 use stickslip::study::Study;
 
@@ -165,8 +165,10 @@ fn times_agree_with_motions_at_tighter_tolerances() {
         let balancer = Balancer::<2>::new(machine).unwrap();
         let times: Vec<f64> = (0..=400).map(|k| 0.25 * natural * f64::from(k) / 400.0).collect();
         let (_, recording) = recorded(&case, Instants::At(times.clone()));
-        let tight =
-            Simulation { relative_tolerance: 1e-11, absolute_tolerance: 1e-13, ..case.simulation };
+        let tight = Simulation {
+            tolerance: Tolerance { relative: 1e-11, absolute: 1e-13 },
+            ..case.simulation
+        };
         let settings = Settings::new(&tight, 1_000_000);
         let start: State<2> = start_of(&case.start);
         assert_eq!(recording.samples.len(), times.len());
@@ -212,8 +214,7 @@ fn a_block_swings_as_the_closed_form_says() {
     let contact = units.contacts[0];
     let simulation = Simulation {
         end_time_s: 5.0,
-        relative_tolerance: 1e-11,
-        absolute_tolerance: 1e-13,
+        tolerance: Tolerance { relative: 1e-11, absolute: 1e-13 },
         ..Simulation::default()
     };
     let from = 0.083;

@@ -9,6 +9,7 @@ use stickslip::analysis::{FrictionlessEquilibrium, Stability, frictionless_equil
 use stickslip::classification::{Evidence, Outcome, simulate};
 use stickslip::model::{
     Balancer, Ball, BallContact, Case, FrictionLaw, Machine, Model, Simulation, Start, State,
+    Tolerance,
 };
 use stickslip::motion::Settings;
 
@@ -23,8 +24,7 @@ fn run(model: impl Into<Model>, start: &Start, end_time_s: f64) -> Outcome {
 fn run_finely(model: impl Into<Model>, start: &Start, end_time_s: f64) -> Outcome {
     let simulation = Simulation {
         end_time_s,
-        relative_tolerance: 1e-12,
-        absolute_tolerance: 1e-20,
+        tolerance: Tolerance { relative: 1e-12, absolute: 1e-20 },
         ..Simulation::default()
     };
     simulate(&Case { model: model.into(), start: start.clone(), simulation })

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use stickslip::classification::{Evidence, Label, Outcome};
 use stickslip::model::{
     Expression, Friction, Mechanism, Method, ModelKind, Number, ParameterDescriptor, Recorder,
-    Simulation,
+    Simulation, Tolerance,
 };
 
 use crate::support::{OwnMechanism, UnitKind, simulate_kind, unit_kind};
@@ -54,8 +54,7 @@ fn run(parameters: [f64; 3], method: Method) -> Outcome {
     let simulation = Simulation {
         method,
         end_time_s: 12_000.0,
-        relative_tolerance: 1e-10,
-        absolute_tolerance: 1e-12,
+        tolerance: Tolerance { relative: 1e-10, absolute: 1e-12 },
         ..Simulation::default()
     };
     simulate_kind(&KIND, &parameters, &[0.7, 0.1], simulation)

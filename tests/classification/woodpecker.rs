@@ -159,8 +159,7 @@ fn the_bird_comes_down_on_a_limit_cycle() {
                 method,
                 band,
                 end_time_s: 1000.0,
-                relative_tolerance: 1e-10,
-                absolute_tolerance: 1e-12,
+                tolerance: Tolerance { relative: 1e-10, absolute: 1e-12 },
                 ..Simulation::default()
             };
             let mut start = published_start();

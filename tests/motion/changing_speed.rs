@@ -159,8 +159,7 @@ fn the_motors_work_accounts_for_the_energy_through_a_ramp() {
 fn recorded(machine: &Machine, start: &Start, end_time_s: f64, times: Vec<f64>) -> Recording {
     let simulation = Simulation {
         end_time_s,
-        relative_tolerance: 1e-11,
-        absolute_tolerance: 1e-13,
+        tolerance: Tolerance { relative: 1e-11, absolute: 1e-13 },
         ..Simulation::default()
     };
     let case = Case { model: machine.clone().into(), start: start.clone(), simulation };

@@ -121,9 +121,9 @@ fn the_audit_is_part_of_the_resolved_study_and_of_its_hash() {
 fn invalid_fractions_are_refused() {
     let text = text_with_design("{sobol: {samples: 4}}");
     for [rest, key, found, allowed] in cases(
-        r"audit: {fraction: 0} ¦ audit.fraction ¦ 0 ¦ at most 1, such as 0.05
-audit: {fraction: -0.1} ¦ audit.fraction ¦ -0.1 ¦ at most 1, such as 0.05
-audit: {fraction: 1.01} ¦ audit.fraction ¦ 1.01 ¦ at most 1, such as 0.05
+        r"audit: {fraction: 0} ¦ audit.fraction ¦ 0 ¦ a number above 0 and at most 1
+audit: {fraction: -0.1} ¦ audit.fraction ¦ -0.1 ¦ a number above 0 and at most 1
+audit: {fraction: 1.01} ¦ audit.fraction ¦ 1.01 ¦ a number above 0 and at most 1
 audit: {} ¦ audit.fraction ¦  ¦
 expect: [{audit_flip_rate: [0, 0.1]}] ¦ expect[0].audit_flip_rate ¦  ¦ audit: {fraction: 0.05}
 expect: [{audit_flip_rate: [0.2, 0.1]}]\naudit: {fraction: 0.5} ¦ expect[0].audit_flip_rate ¦  ¦",

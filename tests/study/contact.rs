@@ -79,10 +79,10 @@ fn both_numbers_are_swept_and_drawn() {
 #[test]
 fn wrong_contacts_are_refused_with_their_key() {
     for row in rows(
-        "{restitution: 1.2} ¦ a.yaml:7 ¦ model.contact.restitution ¦ 1.2 ¦ between 0 and 1
+        "{restitution: 1.2} ¦ a.yaml:7 ¦ model.contact.restitution ¦ 1.2 ¦ a number from 0 to 1
 {material_restitution: -1} ¦ model.contact.material_restitution ¦ -1
 {restitution: 0.3, material_restitution: 0.9} ¦ model.contact.material_restitution ¦ one of both
-{friction_coefficient: -0.1} ¦ model.contact.friction_coefficient ¦ zero or more
+{friction_coefficient: -0.1} ¦ model.contact.friction_coefficient ¦ at least 0
 steel ¦ model.contact ¦ none
 {restitutoin: 0.3} ¦ restitutoin ¦ restitution",
     ) {

@@ -252,15 +252,15 @@ fn laws_of_friction_are_checked() {
     refused(&balls(law), 7, &key, "stribeck_speed_m_s", "stribeck_speed_rad_s");
     // Invalid values.
     let law = "stribeck: {static_friction_coefficient: 0.3, stribeck_speed_m_s: -1}";
-    refused(&block(law), 7, &key, "-1", "zero or more");
+    refused(&block(law), 7, &key, "-1", "at least 0");
     let key = format!("{path}.smooth.smoothing_speed_m_s");
-    refused(&block("smooth: {smoothing_speed_m_s: 0}"), 7, &key, "0", "a positive");
+    refused(&block("smooth: {smoothing_speed_m_s: 0}"), 7, &key, "0", "a number above 0");
     let key = format!("{path}.viscous.viscous_coefficient_n_s_m");
-    refused(&block("viscous: {viscous_coefficient_n_s_m: -2}"), 7, &key, "-2", "zero or more");
+    refused(&block("viscous: {viscous_coefficient_n_s_m: -2}"), 7, &key, "-2", "at least 0");
     let key = format!("{path}.coulomb_viscous.viscous_coefficient_n_s_m");
     for model in [&block, &balls] as [&dyn Fn(&str) -> String; 2] {
         let with = |keys: &str| model(&format!("coulomb_viscous: {keys}"));
-        refused(&with("{viscous_coefficient_n_s_m: -2}"), 7, &key, "-2", "zero or more");
+        refused(&with("{viscous_coefficient_n_s_m: -2}"), 7, &key, "-2", "at least 0");
         refused(&with("{}"), 7, &key, "no such key", "viscous_coefficient_n_s_m");
     }
     let law = "stribeck: {static_friction_coefficient: 0.05, stribeck_speed_m_s: 1}";

@@ -183,17 +183,20 @@ fn an_extension_names_its_labels() {
     let lines = "  extend:\n    factor: 4.0\n    labels: [undecided, irregular]\n";
     assert!(both.resolved_yaml().contains(lines), "{}", both.resolved_yaml());
     let extend = both.simulation().extend.expect("extends");
-    assert_eq!((extend.factor, extend.undecided, extend.irregular), (4.0, true, true));
+    assert_eq!(
+        (extend.factor, extend.labels.undecided, extend.labels.irregular),
+        (4.0, true, true)
+    );
     assert_eq!(both.simulation().end_times_s(), [16.5, 66.0]);
     assert_eq!(both.hash(), with("labels: [irregular, undecided], factor: 4.0").hash());
     let one = with("factor: 4, labels: [irregular]");
     let extend = one.simulation().extend.expect("extends");
-    assert_eq!((extend.undecided, extend.irregular), (false, true));
+    assert_eq!((extend.labels.undecided, extend.labels.irregular), (false, true));
     assert_ne!(one.hash(), both.hash());
     let found = &json_schema()["$defs"]["ExtendFile"];
     assert_eq!(found["required"], serde_json::json!(["factor"]));
     assert_eq!(
-        found["properties"]["labels"]["items"]["enum"],
+        found["properties"]["labels"]["default"],
         serde_json::json!(["undecided", "irregular"])
     );
 }

@@ -14,7 +14,7 @@ const CONTENT: [(&str, &str); 48] = [
     ("a peak amplitude has no counterpart without balls", "two keys of a response"),
     ("no peak amplitude at constant speed without disturbances", "a response and the model"),
     ("no physical meaning: hold_1_s", "a profile with a last part that lasts"),
-    ("no physical meaning: ramp_to_1_rad_s", "the sign of all speeds of a profile"),
+    ("the speed changes its sign", "the sign of all speeds of a profile"),
     ("no physical meaning: speed_rad_s", "the sign of all speeds of a profile"),
     ("only for a ball balancer", "the kind of the model"),
     ("no physical meaning: start_speed_rad_s", "the sign of all speeds of a profile"),

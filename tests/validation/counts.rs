@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use stickslip::analysis::{Interval, Observed, PointAccumulator, PointSummary, Z_95, wilson};
 use stickslip::classification::{Label, Outcome};
-use stickslip::model::{Case, Machine, Method, NormalForce, Simulation};
+use stickslip::model::{Case, Machine, Method, NormalForce, Simulation, Tolerance};
 
 use crate::classification::reference::{label_agrees, references, run_all};
 use crate::classification::simulate_all::simulate_all;
@@ -24,8 +24,7 @@ fn ways() -> [Way; 6] {
     let base = Simulation::default();
     let event = Simulation { method: Method::Event, ..base };
     let to = |simulation: Simulation, relative_tolerance: f64| Simulation {
-        relative_tolerance,
-        absolute_tolerance: 1e-2 * relative_tolerance,
+        tolerance: Tolerance { relative: relative_tolerance, absolute: 1e-2 * relative_tolerance },
         ..simulation
     };
     [

@@ -18,15 +18,18 @@ use crate::model::WRITTEN;
 use crate::study::error::{Fault, Location, StudyError, list_keys, list_names, shorten};
 use crate::study::file::friction_file::example_of_friction;
 use crate::study::file::key_path::{KeyPath, Segment};
+use crate::study::file::schema_place::SchemaPlace;
 use crate::study::file::unit_keys::{Keys, Names, UnitKey, WITHOUT_UNIT};
 use crate::study::file::yaml_tree::{Content, Node, Source};
 
-/// Deserialises a value of type `T` from the whole source.
+/// Deserialises a value of type `T` from the whole source, with the bounds of numbers that `place` declares.
 pub(in crate::study) fn decode<T: DeserializeOwned>(
     source: &Source,
     names: &Names,
+    place: Option<SchemaPlace<'static>>,
 ) -> Result<T, StudyError> {
-    let (key, error) = match read(&source.root, source, names) {
+    let read = |root: &Node| read(root, source, names, place);
+    let (key, error) = match read(&source.root) {
         Ok(value) => return Ok(value),
         Err((None, error)) => return Err(error),
         Err((Some(key), error)) => (key, error),
@@ -37,7 +40,7 @@ pub(in crate::study) fn decode<T: DeserializeOwned>(
         if let Some(path) = missing.last() {
             root.insert(path, Node { place: root.place, content: Content::Placeholder });
         }
-        match read::<T>(&root, source, names) {
+        match read(&root) {
             Err((Some(key), _)) if !missing.contains(&key) => missing.push(key),
             // A wrong value is said before what is missing.
             Err((None, error)) => return Err(error),
@@ -92,8 +95,9 @@ fn read<T: DeserializeOwned>(
     root: &Node,
     source: &Source,
     names: &Names,
+    place: Option<SchemaPlace<'static>>,
 ) -> Result<T, (Option<KeyPath>, StudyError)> {
-    T::deserialize(At { node: root, names, keys: None, unit: None }).map_err(|error| {
+    T::deserialize(At { node: root, names, keys: None, unit: None, place }).map_err(|error| {
         let node = error.node.unwrap_or(root);
         let found = root.find(&|other| ptr::eq(other, node));
         let mut path = found.map_or_else(KeyPath::default, |(path, _)| path);
@@ -201,6 +205,8 @@ struct At<'de> {
     keys: Option<Keys>,
     /// The key around it that has a unit.
     unit: Option<UnitKey<'de>>,
+    /// What its type declares, unless the model decides which values are possible.
+    place: Option<SchemaPlace<'static>>,
 }
 
 impl<'de> At<'de> {
@@ -209,15 +215,26 @@ impl<'de> At<'de> {
         At { node, keys: None, ..self }
     }
 
+    /// Checks that a number is within the bounds that its type declares.
+    fn check_bounds(self, number: f64) -> Result<(), DecodeError<'de>> {
+        let allowed = self.place.and_then(|place| place.allowed_instead_of(number));
+        let fault = |allowed| Fault::new("out of range", self.node.describe(), allowed);
+        allowed.map_or(Ok(()), |allowed| Err(DecodeError::new(fault(allowed)).at(self.node)))
+    }
+
     /// Returns the SI name of a key of this map, and its value.
     fn entry(self, keys: Keys, key: &'de Node, node: &'de Node) -> (&'de str, At<'de>) {
         let (si, own) = self.names.find(keys, key.name());
         let around = self.unit.filter(|_| !WITHOUT_UNIT.contains(&si));
+        let place = match keys {
+            Keys::Of(_) => self.place.and_then(|place| Some(place.key(si)?.place)),
+            _ => None,
+        };
         let keys = match keys {
             Keys::ParametersOfEach => Some(Keys::Parameters),
             _ => Keys::below(si),
         };
-        (si, At { node, keys, unit: own.or(around), ..self })
+        (si, At { node, keys, unit: own.or(around), place, ..self })
     }
 
     /// Returns the number of a value with a unit.
@@ -262,6 +279,7 @@ impl<'de> Deserializer<'de> for At<'de> {
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Self::Error> {
         if let Some(number) = self.number()? {
+            self.check_bounds(number)?;
             return visitor
                 .visit_f64(number)
                 .map_err(|error: DecodeError<'de>| error.at(self.node));
@@ -270,11 +288,18 @@ impl<'de> Deserializer<'de> for At<'de> {
             Content::Nothing => visitor.visit_unit(),
             Content::Placeholder => visitor.visit_u64(1),
             Content::Truth(truth) => visitor.visit_bool(*truth),
-            Content::Natural(number) => visitor.visit_u64(*number),
-            Content::Number(number) => visitor.visit_f64(*number),
+            Content::Natural(number) => {
+                self.check_bounds(*number as f64)?;
+                visitor.visit_u64(*number)
+            }
+            Content::Number(number) => {
+                self.check_bounds(*number)?;
+                visitor.visit_f64(*number)
+            }
             Content::Text(text) => visitor.visit_borrowed_str(text),
             Content::List(items) => {
-                let items = items.iter().map(|item| self.item(item));
+                let place = self.place.and_then(|place| place.item());
+                let items = items.iter().map(|item| At { place, ..self.item(item) });
                 visitor.visit_seq(SeqDeserializer::new(items))
             }
             Content::Map(entries) => self.map(self.keys, entries, visitor),
@@ -406,12 +431,16 @@ impl<'de> Choice<'de> {
             return read(value);
         }
         let name = self.name;
-        read(At { node: &NOTHING, names: self.names, keys: None, unit: None }).map_err(|error| {
-            let needed = error.fault.allowed.unwrap_or_default();
-            let example = example_of_friction(name).map(|example| format!("; such as {example}"));
-            let allowed = format!("{{{name}: ...}} with {needed}{}", example.unwrap_or_default());
-            DecodeError::new(Fault::new("settings are missing", name, allowed))
-        })
+        read(At { node: &NOTHING, names: self.names, keys: None, unit: None, place: None }).map_err(
+            |error| {
+                let needed = error.fault.allowed.unwrap_or_default();
+                let example =
+                    example_of_friction(name).map(|example| format!("; such as {example}"));
+                let allowed =
+                    format!("{{{name}: ...}} with {needed}{}", example.unwrap_or_default());
+                DecodeError::new(Fault::new("settings are missing", name, allowed))
+            },
+        )
     }
 }
 

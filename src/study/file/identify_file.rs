@@ -16,11 +16,14 @@ pub struct IdentifyFile {
     pub parameters: IndexMap<String, PriorFile>,
     /// Number of parameter sets in the initial space-filling sample, 8 to 4000; the default is 128 for one parameter, 1000
     /// for two, 2000 for more.
+    #[schemars(extend("minimum" = 8, "maximum" = 4000))]
     pub start_designs: Option<Count>,
     /// Number of parameter sets in total, 8 to 4000; those after the initial sample lie where the posterior is; the
     /// default is 1.25 times `start_designs`.
+    #[schemars(extend("minimum" = 8, "maximum" = 4000))]
     pub designs: Option<Count>,
     /// Number of samples of the posterior, 100 to 100,000; the default is 4000.
+    #[schemars(extend("minimum" = 100, "maximum" = 100_000))]
     pub posterior_samples: Option<Count>,
 }
 

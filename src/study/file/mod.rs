@@ -18,6 +18,7 @@ pub(in crate::study) mod read_file;
 pub(in crate::study) mod resolved_yaml;
 pub mod response_file;
 pub(in crate::study) mod schema_parts;
+pub(in crate::study) mod schema_place;
 pub(in crate::study) mod schema_rules;
 pub(in crate::study) mod schema_units;
 pub(in crate::study) mod source_path;

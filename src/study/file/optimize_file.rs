@@ -23,15 +23,19 @@ pub struct OptimizeFile {
     pub over_points: Option<OverPoints>,
     /// Number of designs in total, 2 to 300; the default is four times `start_designs`, at most
     /// 300.
+    #[schemars(extend("minimum" = 2, "maximum" = 300))]
     pub designs: Option<Count>,
     /// Number of designs in the initial space-filling sample, 2 to 300; the default is 5 per
     /// variable, at least 10.
+    #[schemars(extend("minimum" = 2, "maximum" = 300))]
     pub start_designs: Option<Count>,
     /// Number of designs that are recomputed with other random numbers, 1 to 10,000; with two
     /// objectives, the largest size of the Pareto front; the default is 5.
+    #[schemars(extend("minimum" = 1, "maximum" = 10_000))]
     pub finalists: Option<Count>,
     /// Number of runs of a finalist, as a multiple of the runs in the search, 1 to 10,000; the
     /// default is 16.
+    #[schemars(extend("minimum" = 1, "maximum" = 10_000))]
     pub final_samples: Option<Count>,
     /// Settings of the Sobol' indices of the variables.
     pub sensitivity: Option<SensitivityFile>,
@@ -69,6 +73,7 @@ pub struct SensitivityFile {
     pub from: Option<SensitivityFrom>,
     /// Number of base samples, 8 to 65,536; with `from: runs`, each base sample takes one design
     /// per variable and two more; the default is 1024 for surrogates and 64 for runs.
+    #[schemars(extend("minimum" = 8, "maximum" = 65_536))]
     pub samples: Option<Count>,
 }
 

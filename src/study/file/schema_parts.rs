@@ -23,9 +23,6 @@ use crate::study::plan::parameter::{MOST_MEMBERS, Parameter};
 use crate::study::plan::units::QUANTITIES;
 use crate::study::sampling::initial_box::{axes_in_words, axis_names, general_axes};
 
-/// The labels of runs that can be continued.
-pub(crate) const EXTENDED_LABELS: [&str; 2] = ["undecided", "irregular"];
-
 /// Returns the schema of lists or ranges of values by parameter.
 pub(in crate::study) fn swept(generator: &mut SchemaGenerator) -> Schema {
     let definitions = generator.definitions_mut();
@@ -256,13 +253,6 @@ pub(in crate::study) fn start_box(generator: &mut SchemaGenerator) -> Schema {
         axes.map(|(name, meaning)| (name, described(range.clone().to_value(), meaning))).collect();
     // A system file has names of its own; the rules of each kind of model exclude other names.
     json_schema!({ "type": "object", "properties": properties })
-}
-
-/// Returns the schema of the labels of runs that can be continued.
-pub(in crate::study) fn extended_labels(_: &mut SchemaGenerator) -> Schema {
-    json_schema!({
-        "type": "array", "items": { "enum": EXTENDED_LABELS }, "minItems": 1, "uniqueItems": true
-    })
 }
 
 /// A kick of a model that has all parameters.

@@ -13,13 +13,13 @@ pub(super) const QUANTITY: &str =
 /// The ending of the name of a definition with values with units.
 const WITH_UNITS: &str = "WithUnits";
 
-/// Removes `null` everywhere: a key in a study file has a value.
-pub(in crate::study) fn remove_nulls(schema: &mut Value) {
+/// Removes `null` everywhere, because a key in a study file has a value, and defaults of maps, because their keys have them.
+pub(super) fn remove_nulls(schema: &mut Value) {
     let is_null = |value: &Value| *value == json!("null") || *value == json!({ "type": "null" });
     match schema {
         Value::Array(items) => items.iter_mut().for_each(remove_nulls),
         Value::Object(fields) => {
-            fields.retain(|key, value| key != "default" || !value.is_null());
+            fields.retain(|key, value| key != "default" || !(value.is_null() || value.is_object()));
             if let Some(Value::Array(types)) = fields.get_mut("type") {
                 types.retain(|one| !is_null(one));
                 if let [one] = &types[..] {

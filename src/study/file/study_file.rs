@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::model::{Endings, Method, NormalForce};
+use crate::model::{NormalForce, Simulation};
 use crate::study::file::contact_file::ContactFile;
 use crate::study::file::distribution_file::DistributionFile;
 use crate::study::file::friction_file::FrictionFile;
@@ -52,7 +52,7 @@ pub struct StudyFile {
     /// Start states and how they are sampled.
     pub initial_conditions: InitialConditionsFile,
     /// Integration method, end time, tolerances and the endings to detect.
-    pub simulation: Option<SimulationFile>,
+    pub simulation: Option<Simulation>,
     /// Sequential sampling: adds runs at each point until the 95 % confidence intervals of the
     /// fraction of equilibria or of amplitudes are narrow enough; by default, each point has the runs of its design.
     pub precision: Option<Precision>,
@@ -183,55 +183,6 @@ pub enum DesignFile {
     /// Given start states, with one column per coordinate: `x`, `y`, `beta_1` ..., `x_dot`,
     /// `y_dot`, `beta_dot_1` ... of a ball balancer; `position_m`, `velocity_m_s` of a block.
     Table(TableSource),
-}
-
-/// Integration method, end time, tolerances and the endings to detect.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct SimulationFile {
-    /// How stick and slip are computed; the default is `switch`.
-    pub method: Option<Method>,
-    /// Half width of the band around zero sliding speed in the switch model, in units of the
-    /// natural frequency (block: natural frequency times `normal_force_n` / `stiffness_n_m`); above
-    /// 0, at most 0.01; default 1e-8.
-    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 0.01))]
-    pub band: Option<f64>,
-    /// Time at which an undecided run stops, s; above 0; default 16.5.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub end_time_s: Option<f64>,
-    /// Continuation of undecided and irregular runs past the end time; by default, none.
-    pub extend: Option<ExtendFile>,
-    /// Endings that the classification detects; the default is `all`.
-    pub endings: Option<Endings>,
-    /// Tolerated error per integration step.
-    pub tolerance: Option<ToleranceFile>,
-}
-
-/// Continuation of runs past the end time; the outcome is identical to that of a study with the
-/// later end time.
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct ExtendFile {
-    /// The later end time as a multiple of `end_time_s`: above 1, at most 1000.
-    #[schemars(extend("exclusiveMinimum" = 1, "maximum" = 1000))]
-    pub factor: f64,
-    /// Labels at the end time of the runs that are continued; the default is `[undecided,
-    /// irregular]`.
-    #[serde(default)]
-    #[schemars(schema_with = "schema::extended_labels")]
-    pub labels: Option<Vec<String>>,
-}
-
-/// Tolerated error per integration step.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct ToleranceFile {
-    /// Relative error, dimensionless; above 0; default 1e-8.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub relative: Option<f64>,
-    /// Absolute error, non-dimensional; above 0; default 1e-10.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub absolute: Option<f64>,
 }
 
 /// Expected fractions of runs per label at some points; at least one fraction is required.

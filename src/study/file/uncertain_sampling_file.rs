@@ -46,7 +46,8 @@ pub struct CorrelationFile {
     /// The names of two different uncertain parameters.
     #[schemars(extend("minItems" = 2, "maxItems" = 2, "uniqueItems" = true))]
     pub parameters: Vec<String>,
-    /// Spearman's rank correlation of their draws, above -1 and below 1; with `times`, that of the factors.
+    /// Spearman's rank correlation of their draws, above -1 and below 1; with `times`, that of the factors. Parameters
+    /// that follow from one another need a common parameter in place of a correlation of 1.
     #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 1))]
     pub rank_correlation: f64,
 }

@@ -21,6 +21,13 @@ pub(crate) const MAX_COUNT: u64 = 1_000_000_000_000_000;
 #[schemars(inline)]
 pub struct Count(#[schemars(range(min = 1, max = MAX_COUNT))] pub u64);
 
+impl Count {
+    /// Returns a number that is given, or the default.
+    pub fn or(given: Option<Count>, default: u64) -> u64 {
+        given.map_or(default, |Count(number)| number)
+    }
+}
+
 impl fmt::Display for Count {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.fmt(out)

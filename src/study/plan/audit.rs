@@ -3,8 +3,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::study::error::{Fault, StudyError};
-use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::sampling::draw::DrawKey;
 use crate::study::sampling::sampling_design::SampleId;
@@ -24,17 +22,6 @@ pub struct Audit {
 }
 
 impl Audit {
-    /// Checks the audit of a study file.
-    pub(in crate::study) fn check(self, source: &Source) -> Result<(), StudyError> {
-        let Audit { fraction } = self;
-        if 0.0 < fraction && fraction <= 1.0 {
-            return Ok(());
-        }
-        let allowed = "a fraction above 0 and at most 1, such as 0.05, or no `audit`";
-        let fault = Fault::new("not a fraction of the runs", describe_number(fraction), allowed);
-        Err(source.path("audit.fraction").refuse_value(fault))
-    }
-
     /// Returns whether the audit selects a sample at the point with these swept values.
     pub(in crate::study) fn chooses(
         self,

@@ -20,25 +20,11 @@ pub(in crate::study) fn resolve_contact(
             "one of both",
         ));
     }
-    for (key, value) in
-        [("restitution", law.restitution), ("material_restitution", law.material_restitution)]
-    {
-        if let Some(value) = value.filter(|value| !(0.0..=1.0).contains(value)) {
-            let fault =
-                Fault::new("no physical meaning", describe_number(value), "between 0 and 1");
-            return Err(path.key(key).refuse_value(fault));
-        }
-    }
     let rolling = law.material_restitution.map(rolling_restitution);
-    let contact = BallContact {
+    Ok(Some(BallContact {
         restitution: law.restitution.or(rolling).unwrap_or(default.restitution),
         friction_coefficient: law.friction_coefficient.unwrap_or(default.friction_coefficient),
-    };
-    contact.validate().map_err(|invalid| {
-        let fault = Fault::new("no physical meaning", invalid.found, invalid.allowed);
-        path.key("friction_coefficient").refuse_value(fault)
-    })?;
-    Ok(Some(contact))
+    }))
 }
 
 /// Checks that balls without dry friction on the ring have none between each other.

@@ -5,16 +5,14 @@ use indexmap::IndexMap;
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::identify_file::{IdentifyFile, PriorFile, SpacingFile};
 use crate::study::file::response_file::VariableFile;
+use crate::study::file::values::Count;
 use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::identification::Identification;
 use crate::study::plan::planned_study::Study;
-use crate::study::resolve::counts::count_within;
 use crate::study::resolve::variables::resolve_variables;
 
-/// The range of the numbers of parameter sets; the densities of more take too much memory.
-const DESIGNS: std::ops::RangeInclusive<u64> = 8..=4000;
-/// The range of the number of samples of the posterior.
-const POSTERIOR_SAMPLES: std::ops::RangeInclusive<u64> = 100..=100_000;
+/// The largest number of parameter sets; the densities of more take too much memory.
+const MOST_DESIGNS: u64 = 4000;
 /// The default number of samples of the posterior.
 const USUAL_SAMPLES: u64 = 4000;
 /// The default number of initial parameter sets for one parameter, two, and more.
@@ -67,24 +65,20 @@ pub(crate) fn resolve_identification(
         ranges.insert(name.clone(), range);
     }
     let parameters = resolve_variables(&own, study, Some(&ranges))?;
-    let counts = [("start_designs", file.start_designs), ("designs", file.designs)];
-    let [start, designs] = counts.map(|(key, written)| count_within(&path, key, written, DESIGNS));
-    let (start, designs) = (start?, designs?);
     let usual = USUAL_START[parameters.len().clamp(1, USUAL_START.len()) - 1];
-    let start = start.unwrap_or_else(|| designs.map_or(usual, |all| usual.min(all)));
-    let designs = designs.unwrap_or_else(|| (start + start / 4).min(*DESIGNS.end()));
+    let usual = usual.min(Count::or(file.designs, MOST_DESIGNS));
+    let start = Count::or(file.start_designs, usual);
+    let designs = Count::or(file.designs, (start + start / 4).min(MOST_DESIGNS));
     if start > designs {
         let found = format!("{start} of {designs} parameter sets");
         let problem = "more parameter sets at the start than in all";
         return Err(path.key("start_designs").wrong_value(problem, found, "at most `designs`"));
     }
-    let samples =
-        count_within(&path, "posterior_samples", file.posterior_samples, POSTERIOR_SAMPLES)?;
     Ok(Some(Identification {
         parameters,
         spacings,
         start_designs: start,
         designs,
-        posterior_samples: samples.unwrap_or(USUAL_SAMPLES),
+        posterior_samples: Count::or(file.posterior_samples, USUAL_SAMPLES),
     }))
 }

@@ -1,10 +1,8 @@
 //! From the study file to the study: every key validated, every default filled in.
 
 pub(in crate::study) mod contact;
-pub(in crate::study) mod counts;
 pub(in crate::study) mod determined;
 pub(in crate::study) mod expectations;
-pub(in crate::study) mod extend;
 pub(in crate::study) mod friction;
 pub(in crate::study) mod further_errors;
 pub(in crate::study) mod identification;

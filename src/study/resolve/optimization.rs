@@ -7,33 +7,24 @@ use crate::study::file::optimize_file::{
     LimitFile, Names, OptimizeFile, SensitivityFile, SensitivityFrom,
 };
 use crate::study::file::source_path::SourcePath;
-use crate::study::file::values::Entry;
+use crate::study::file::values::{Count, Entry};
 use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::optimization::{Limit, Objective, Optimization};
 use crate::study::plan::planned_study::Study;
 use crate::study::plan::response::Measure;
 use crate::study::plan::variable::DesignValue;
-use crate::study::resolve::counts::count_within;
 
 /// The largest number of designs in a search; surrogates of more designs take too long.
 const MAX_DESIGNS: u64 = 300;
-/// The largest number of finalists, and the largest value of `final_samples`.
-const MAX_FINAL: u64 = 10_000;
-/// The largest number of base samples of the Sobol' indices.
-const MAX_SAMPLES: u64 = 1 << 16;
 /// The largest number of variables. There are 256 Sobol' dimensions, and the Sobol' indices need
 /// two per variable.
 const MAX_VARIABLES: usize = 100;
-/// The smallest number of base samples of the Sobol' indices; fewer samples give no confidence
-/// interval.
-const MIN_SAMPLES: u64 = 8;
 
 /// Validates the key `optimize`.
 ///
 /// # Errors
 /// Returns an error if a response or variable is unknown, if the number of objectives is not one or
-/// two, if no value meets a limit, if a number of designs is out of range, or if the reference
-/// design is invalid.
+/// two, if no value meets a limit, or if the reference design is invalid.
 pub(crate) fn resolve_optimization(
     source: &Source,
     study: &Study,
@@ -61,13 +52,9 @@ pub(crate) fn resolve_optimization(
     let objectives = setting.objectives(file)?;
     let limits = setting.limits(file.subject_to.as_ref())?;
     let variables = study.variables.len() as u64;
-    let start_designs =
-        count_within(&setting.path, "start_designs", file.start_designs, 2..=MAX_DESIGNS)?;
-    let designs = count_within(&setting.path, "designs", file.designs, 2..=MAX_DESIGNS)?;
-    let usual = (5 * variables).max(10);
-    let start_designs =
-        start_designs.unwrap_or_else(|| designs.map_or(usual, |all| usual.min(all)));
-    let designs = designs.unwrap_or_else(|| (4 * start_designs).min(MAX_DESIGNS));
+    let usual = (5 * variables).max(10).min(Count::or(file.designs, MAX_DESIGNS));
+    let start_designs = Count::or(file.start_designs, usual);
+    let designs = Count::or(file.designs, (4 * start_designs).min(MAX_DESIGNS));
     if start_designs > designs {
         let found = format!("{start_designs} of {designs} designs");
         let fault = Fault::new("more designs at the start than in all", found, "at most `designs`");
@@ -75,8 +62,6 @@ pub(crate) fn resolve_optimization(
     }
     let sensitivity = file.sensitivity.unwrap_or(SensitivityFile { from: None, samples: None });
     let from = sensitivity.from.unwrap_or_default();
-    let own = setting.path.key("sensitivity");
-    let samples = count_within(&own, "samples", sensitivity.samples, MIN_SAMPLES..=MAX_SAMPLES)?;
     let default = if from == SensitivityFrom::Runs { 64 } else { 1024 };
     Ok(Some(Optimization {
         objectives,
@@ -84,17 +69,10 @@ pub(crate) fn resolve_optimization(
         over_points: file.over_points.unwrap_or_default(),
         start_designs,
         designs,
-        finalists: count_within(&setting.path, "finalists", file.finalists, 1..=MAX_FINAL)?
-            .unwrap_or(5),
-        final_samples: count_within(
-            &setting.path,
-            "final_samples",
-            file.final_samples,
-            1..=MAX_FINAL,
-        )?
-        .unwrap_or(16),
+        finalists: Count::or(file.finalists, 5),
+        final_samples: Count::or(file.final_samples, 16),
         sensitivity_from: from,
-        sensitivity_samples: samples.unwrap_or(default),
+        sensitivity_samples: Count::or(sensitivity.samples, default),
         compare_with: file
             .compare_with
             .as_ref()

@@ -4,13 +4,11 @@ use crate::study::error::{Fault, StudyError};
 use crate::study::file::protocol_file::{
     HammerFile, ProtocolFile, ProtocolKeys, ProtocolName, StartupFile,
 };
-use crate::study::file::source_path::SourcePath;
 use crate::study::file::stages_file::{
     DirectionFile, DisturbanceFile, KickFile, ProfilePartFile, RampFile,
 };
 use crate::study::file::study_file::ModelFile;
 use crate::study::file::yaml_tree::{Source, describe_number};
-use crate::study::plan::parameter::MOST_MEMBERS;
 
 /// The slowest speed of the thesis's motor, rad/s.
 const SLOWEST_RAD_S: f64 = 31.0;
@@ -62,10 +60,10 @@ pub(in crate::study) fn stages_of(
         }
     };
     let path = path.key(if hammer.is_some() { "startup_and_hammer" } else { "startup" });
-    let over_s = above_zero(&path, "over_s", start.over_s, OVER_S)?;
+    let over_s = start.over_s.unwrap_or(OVER_S);
     let slowest = SLOWEST_RAD_S.copysign(speed_rad_s);
     let from_rad_s = start.from_rad_s.unwrap_or(slowest);
-    if !(from_rad_s.is_finite() && from_rad_s * speed_rad_s > 0.0) {
+    if from_rad_s * speed_rad_s <= 0.0 {
         let allowed = format!("a speed with the sign of {}", describe_number(speed_rad_s));
         let fault = Fault::new("not a first speed", describe_number(from_rad_s), allowed);
         return Err(path.key("from_rad_s").refuse_value(fault));
@@ -75,18 +73,9 @@ pub(in crate::study) fn stages_of(
     let Some(hammer) = hammer else {
         return Ok(StagesFile { speed_profile: Some(profile), disturbances: None });
     };
-    let wait_s = above_zero(&path, "wait_s", hammer.wait_s, WAIT_S)?;
+    let wait_s = hammer.wait_s.unwrap_or(WAIT_S);
     let hits = hammer.hits.unwrap_or(1);
-    if !(1..=MOST_MEMBERS as u64).contains(&hits) {
-        let allowed = format!("1 to {MOST_MEMBERS}");
-        let fault = Fault::new("not a number of hits", hits.to_string(), allowed);
-        return Err(path.key("hits").refuse_value(fault));
-    }
     let speed_m_s = hammer.speed_m_s.unwrap_or(HIT_M_S);
-    if !(speed_m_s.is_finite() && speed_m_s >= 0.0) {
-        let fault = Fault::new("not a hit", describe_number(speed_m_s), "0 or more");
-        return Err(path.key("speed_m_s").refuse_value(fault));
-    }
     profile.push(ProfilePartFile::HoldS((hits + 1) as f64 * wait_s));
     let hit = |number: u64| {
         let at_s = over_s + number as f64 * wait_s;
@@ -95,17 +84,4 @@ pub(in crate::study) fn stages_of(
     };
     let disturbances = Some((1..=hits).map(hit).collect());
     Ok(StagesFile { speed_profile: Some(profile), disturbances })
-}
-
-fn above_zero(
-    path: &SourcePath<'_>,
-    key: &str,
-    given: Option<f64>,
-    default: f64,
-) -> Result<f64, StudyError> {
-    let value = given.unwrap_or(default);
-    if value.is_finite() && value > 0.0 {
-        return Ok(value);
-    }
-    Err(path.key(key).wrong_value("not a duration", describe_number(value), "above 0"))
 }

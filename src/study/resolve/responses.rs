@@ -80,10 +80,6 @@ fn quantity(
         Err(path.wrong_value(problem, found, allowed))
     };
     match measure {
-        Measure::Quantile(fraction) if !(fraction > 0.0 && fraction < 1.0) => {
-            let (found, allowed) = (describe_number(fraction), "above 0 and below 1");
-            return refuse(&own.key("fraction"), "not a fraction", found, allowed);
-        }
         Measure::Above(limit) => {
             let path = own.key("limit");
             let text = path.node().filter(|node| matches!(node.content, Content::Text(_)));
@@ -99,7 +95,7 @@ fn quantity(
         }
         Measure::AtRestBy(time) => {
             let [_, end] = study.simulation().end_times_s();
-            if !(time > 0.0 && time <= end) {
+            if time > end {
                 let allowed = format!("above 0, at most the end time, {}", describe_number(end));
                 return refuse(&own, "a time that no run reaches", describe_number(time), &allowed);
             }

@@ -12,7 +12,7 @@ use crate::study::file::values::TableSource;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::sampling::apart::first_overlap;
 use crate::study::sampling::initial_box::{BoxAxis, axis_names};
-use crate::study::sampling::sampling_design::{Layout, MAX_SOBOL_SAMPLES, SOBOL_DIMENSIONS};
+use crate::study::sampling::sampling_design::{Layout, SOBOL_DIMENSIONS};
 
 /// A validated layout, and the design in the form of a self-contained study file.
 #[derive(Clone)]
@@ -61,11 +61,6 @@ pub(crate) fn resolve_design<'a>(
         }
         DesignFile::LatinHypercube { samples } => Layout::LatinHypercube { samples: samples.0 },
         DesignFile::Sobol { samples } => {
-            if samples.0 > MAX_SOBOL_SAMPLES {
-                let allowed = format!("at most {MAX_SOBOL_SAMPLES}, or another design");
-                let fault = Fault::new("too many samples", samples.0.to_string(), allowed);
-                return Err(path.key("sobol").key("samples").refuse_value(fault));
-            }
             check_dimensions(model.coordinates().len())
                 .map_err(|fault| path.key("sobol").refuse_key(fault))?;
             Layout::Sobol { samples: samples.0 }

@@ -56,6 +56,11 @@ pub(in crate::study) fn resolve_profile(
                     return Err(path.refuse_value(fault));
                 }
             };
+            if from * to <= 0.0 {
+                let allowed = "speeds of one sign, other than 0";
+                let found = format!("from {} to {}", describe_number(from), describe_number(to));
+                return Err(path.wrong_value("the speed changes its sign", found, allowed));
+            }
             speed = Some(to);
             let to_rad_s = (!is_last).then_some(to);
             Ok(ProfilePart::Ramp(Ramp { shape, to_rad_s, over_s: ramp.over_s }))
@@ -170,10 +175,11 @@ pub(in crate::study) fn resolve_kicks(
     written.iter().enumerate().map(kick).collect()
 }
 
-/// Checks the numbers of the speed profile and of the kicks.
+/// Checks the speed profile, or the speed of a model without one.
 pub(in crate::study) fn check_stages(source: &Source, model: &Model) -> Result<(), StudyError> {
     let Err(invalid) = model.validate_stages() else { return Ok(()) };
-    let path = place_of(&invalid.name, source, model);
+    let has_profile = model.speed_profile().is_some();
+    let path = source.path(if has_profile { "model.speed_profile" } else { "model" });
     let problem = format!("no physical meaning: {}", invalid.name);
     Err(path.wrong_value(problem, invalid.found, invalid.allowed))
 }
@@ -190,28 +196,6 @@ pub(in crate::study) fn check_kicks(
     let path = source.path("model.disturbances").item(late.map_or(0, |(place, _)| place));
     let fault = Fault::new("a kick after the end of the run", invalid.found, invalid.allowed);
     Err(path.key("kick").key("at_s").refuse_value(fault))
-}
-
-/// Returns the key of a number of the speed profile or of a kick.
-fn place_of<'a>(name: &str, source: &'a Source, model: &Model) -> SourcePath<'a> {
-    let number = name.split('_').find_map(|part| part.parse::<usize>().ok()).unwrap_or(1);
-    if name.starts_with("kick_") {
-        return source.path("model.disturbances").item(number.saturating_sub(1));
-    }
-    if model.speed_profile().is_none() {
-        return source.path("model");
-    }
-    let path = source.path("model.speed_profile");
-    let parts = model.speed_profile().into_iter().flat_map(|profile| &profile.parts).enumerate();
-    let is_ramp = |part: &ProfilePart| matches!(part, ProfilePart::Ramp(_));
-    let is_hold = |part: &ProfilePart| matches!(part, ProfilePart::Hold(_));
-    let is_meant: fn(&ProfilePart) -> bool = match name {
-        name if name.starts_with("ramp_") => is_ramp,
-        name if name.starts_with("hold_") => is_hold,
-        _ => return path,
-    };
-    let place = parts.filter(|(_, part)| is_meant(part)).nth(number.saturating_sub(1));
-    place.map_or(path.clone(), |(place, _)| path.item(place))
 }
 
 /// Returns the profile in the form of a study file.

@@ -94,7 +94,7 @@ pub(in crate::study) fn built_in_system(file: &str, text: &str) -> &'static Mode
 
 /// Reads and checks the keys of a system.
 fn definition(source: &Source) -> Result<Definition, StudyError> {
-    let file: SystemFile = decode(source, &Names::default()).map_err(|error| {
+    let file: SystemFile = decode(source, &Names::default(), None).map_err(|error| {
         let is_cut = error.found().is_some_and(|found| found.contains([')', ']', '}']));
         with_hint(error, is_cut)
     })?;

@@ -155,13 +155,6 @@ fn pairs(
             let found = format!("{one} and {other} here and in item {first} of the list");
             return Err(own.wrong_value("a pair given twice", found, "each pair once"));
         }
-        if !(-1.0 < *rank_correlation && *rank_correlation < 1.0) {
-            let allowed = "above -1 and below 1; for a parameter that follows from another one, \
-                           see `times` or one common parameter";
-            let found = describe_number(*rank_correlation);
-            let fault = Fault::new("not a rank correlation", found, allowed);
-            return Err(path.key("rank_correlation").refuse_value(fault));
-        }
         pairs.push(RankCorrelation { places, value: *rank_correlation });
     }
     Ok(pairs)

@@ -15,6 +15,7 @@ use crate::study::file::key_path::KeyPath;
 use crate::study::file::ranges::expand_ranges;
 use crate::study::file::read_file::read_text;
 use crate::study::file::resolved_yaml::{ResolvedFile, block_text};
+use crate::study::file::schema_place::SchemaPlace;
 use crate::study::file::study_file::{BlockFile, DesignFile, InitialConditionsFile, StudyFile};
 use crate::study::file::table_folders::MAX_VALUES;
 use crate::study::file::table_folders::TableFolders;
@@ -38,7 +39,7 @@ use crate::study::resolve::points::check_points;
 use crate::study::resolve::responses::resolve_responses;
 use crate::study::resolve::runs::{Setting, number_runs};
 use crate::study::resolve::sampling::{ResolvedDesign, resolve_design};
-use crate::study::resolve::simulation::{resolve_simulation, simulation_to_file};
+use crate::study::resolve::simulation::resolve_simulation;
 use crate::study::resolve::stages::check_kicks;
 use crate::study::resolve::sweep::{ResolvedBlock, resolve_block};
 use crate::study::resolve::system::read_system;
@@ -119,7 +120,8 @@ fn read(
     add_restitution(&mut source.root);
     let names = Names::of(&source.root);
     check_parameters(&source, &names).map_err(in_key)?;
-    let written: StudyFile = decode(&source, &names).map_err(in_key)?;
+    let written: StudyFile =
+        decode(&source, &names, Some(SchemaPlace::declared())).map_err(in_key)?;
     source.units = names.into_units();
     let between = |error| (Found::BetweenKeys, error);
     resolve(&source, &Arc::new(source.outline()), &written, &folders).map_err(between)
@@ -148,9 +150,8 @@ fn resolve(
     check_study_name(&written.name).map_err(|fault| source.path("name").refuse_value(fault))?;
     let base = Base::resolve(source, folders, &written.model)?;
     let ends_s = base.model.end_time_s();
-    let simulation = resolve_simulation(source, written.simulation.as_ref(), ends_s)?;
+    let simulation = resolve_simulation(source, written.simulation, ends_s)?;
     check_kicks(source, &base.model, &simulation)?;
-    written.audit.map_or(Ok(()), |audit| audit.check(source))?;
     written.precision.map_or(Ok(()), |precision| precision.check(source))?;
     let mut blocks = resolve_blocks(source, written, folders, &base)?;
     let base = base_of_all_points(source, &blocks, base)?;
@@ -207,7 +208,7 @@ fn resolve(
             start_box: Some(box_to_file(&start_box, written)),
             design: common.map(|design| design.file),
         },
-        simulation: Some(simulation_to_file(&simulation)),
+        simulation: Some(simulation),
         units: units_to_file(&units),
         ..written.clone()
     };

@@ -7,8 +7,8 @@ use std::collections::HashSet;
 
 use serde_json::Value;
 
-use super::schema_place::{SchemaKey, SchemaPlace};
 use crate::study::file::resolved_yaml::write_flow;
+use crate::study::file::schema_place::{SchemaKey, SchemaPlace};
 use crate::study::file::yaml_tree::{Content, Node, Source};
 
 /// The width of the text.
@@ -107,7 +107,7 @@ impl Annotator<'_> {
                     }
                 }
                 _ => {
-                    let inner = below(value, known.place.clone());
+                    let inner = below(value, known.place);
                     inner.iter().for_each(|inner| self.map(value, inner));
                 }
             }

@@ -4,7 +4,6 @@
 //! key, and are generated from the JSON Schema and from the program's defaults.
 
 mod annotate;
-mod schema_place;
 
 use std::path::Path;
 
