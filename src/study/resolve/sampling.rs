@@ -47,7 +47,7 @@ impl ResolvedDesign<'_> {
 /// Validates a sampling design for points with at most as many balls as this model.
 ///
 /// # Errors
-/// Returns an error if a Sobol' sequence has too many samples, or if a table of start states is
+/// Returns an error if a Sobol' sequence has too many dimensions, or if a table of start states is
 /// invalid.
 pub(crate) fn resolve_design<'a>(
     folders: &TableFolders,
