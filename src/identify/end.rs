@@ -1,7 +1,7 @@
 //! How a simulated run ends, as a measurement would show it.
 
 use crate::classification::Label;
-use crate::model::{Machine, wrap_to_pi};
+use crate::model::{Machine, Model, wrap_to_pi};
 use crate::table::RunRecord;
 
 /// Balls whose gap is at most this wide rest in touch, rad: far below any measured distance.
@@ -51,10 +51,12 @@ impl SimulatedEnd {
     /// Returns the ends of the stages of a run.
     pub fn of(record: &RunRecord) -> Vec<SimulatedEnd> {
         let RunRecord { planned, outcome, .. } = record;
-        let machine = planned.case.as_ref().ok().and_then(|case| case.model.ball_balancer());
-        let rest = |angles: &Vec<f64>| End::Rest {
-            groups: groups(machine, angles),
-            angles: angles.clone(),
+        let model = planned.case.as_ref().ok().map(|case| &case.model);
+        let machine = model.and_then(|model| model.ball_balancer());
+        let contacts = model.map_or_else(Vec::new, Model::angle_contacts);
+        let rest = |positions: &Vec<f64>| {
+            let angles: Vec<f64> = contacts.iter().map(|contact| positions[*contact]).collect();
+            End::Rest { groups: groups(machine, &angles), angles }
         };
         let last = match (outcome.label(), &outcome.position) {
             (Label::Equilibrium, Some(angles)) => rest(angles),

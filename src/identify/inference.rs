@@ -82,9 +82,9 @@ pub(super) fn infer(
     mut evaluated: impl FnMut(u64),
 ) -> Result<InferenceEnd, CommandError> {
     let Inference { study, identification, workers, .. } = *inference;
-    if study.model().balls() > MOST_BALLS {
-        let problem =
-            format!("{} balls; at most {MOST_BALLS} are supported", study.model().balls());
+    let balls = study.model().angle_contacts().len();
+    if balls > MOST_BALLS {
+        let problem = format!("{balls} balls; at most {MOST_BALLS} are supported");
         return Ok(InferenceEnd::Impossible(problem));
     }
     let mut all = Evaluated::new(inference);
@@ -225,7 +225,10 @@ impl<'a> Evaluated<'a> {
                 .map(|site| References::known(site.rests.len(), None))
                 .collect(),
             sites: sites.to_vec(),
-            uniform: vec![Rests::new(study.model().balls(), []).uniform(); sites.len()],
+            uniform: vec![
+                Rests::new(study.model().angle_contacts().len(), []).uniform();
+                sites.len()
+            ],
             smoother: Smoother::new(Vec::new(), widths.clone()),
             widths,
             runs: [0; 2],
@@ -238,7 +241,7 @@ impl<'a> Evaluated<'a> {
 
     fn add(&mut self, set: ParameterSet) {
         let Inference { study, sites, identification, .. } = *self.inference;
-        let balls = study.model().balls();
+        let balls = study.model().angle_contacts().len();
         let mut ends: BTreeMap<(u64, u64), Vec<&End>> = BTreeMap::new();
         for one in &set.ends {
             ends.entry((one.point_id, one.stage)).or_default().push(&one.end);

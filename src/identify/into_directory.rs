@@ -61,9 +61,10 @@ impl Identify<'_> {
                 "{file}: parameter sets would have different numbers of runs\n  found:   `precision`\n  allowed: {allowed}"
             )));
         }
-        if study.model().ball_balancer().is_none() {
+        if study.model().angle_contacts().is_empty() {
             return Err(CommandError::Usage(format!(
-                "{file}: `identify` needs positions of balls\n  found:   kind: {}\n  allowed: kind: ball_balancer",
+                "{file}: `identify` needs angles at which like bodies rest\n  found:   kind: {}\n  allowed: a machine with balls, \
+                 such as ball_balancer and rotor_balancer",
                 study.model().kind().name
             )));
         }

@@ -48,7 +48,7 @@ pub fn set_columns(study: &Study) -> Vec<Column<SimulatedEnd>> {
     list.count("stage", |row| row.stage).meaning("number of the stage in the run, from 1");
     list.word("end", |row| row.end.name())
         .meaning("rest, moving, or unknown if the run failed or the speed changes");
-    for ball in 0..study.model().balls() {
+    for ball in 0..study.model().angle_contacts().len() {
         let angle = move |row: &SimulatedEnd| match &row.end {
             End::Rest { angles, .. } => angles.get(ball).copied(),
             End::Moving | End::Unknown => None,
@@ -56,7 +56,7 @@ pub fn set_columns(study: &Study) -> Vec<Column<SimulatedEnd>> {
         list.number(format!("beta_{}_rad", ball + 1), "rad", angle)
             .meaning("angle of the ball from the imbalance at rest");
     }
-    for ball in 0..study.model().balls() {
+    for ball in 0..study.model().angle_contacts().len() {
         let group = move |row: &SimulatedEnd| match &row.end {
             End::Rest { groups, .. } => groups.get(ball).map(|group| u64::from(*group)),
             End::Moving | End::Unknown => None,
@@ -93,7 +93,7 @@ pub fn read_parameter_set(
     if about["study_hash"] != study.hash() || about["options"] != set_facts(study, values) {
         return Err(other());
     }
-    let balls = study.model().balls();
+    let balls = study.model().angle_contacts().len();
     let ends = table.read_rows(|row| read_end(row, balls))?;
     let ends = ends.map(|end| end?.ok_or_else(other)).collect::<Result<_, _>>()?;
     Ok(Some(ParameterSet { values: values.to_vec(), ends }))

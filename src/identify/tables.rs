@@ -97,7 +97,7 @@ pub fn position_columns(study: &Study) -> Vec<Column<PositionRow>> {
     add_point(&mut list, study, |row: &PositionRow| &row.point);
     list.count("stage", |row| row.stage).meaning("number of the stage, from 1");
     list.boolean("at_rest", |row| row.seen.is_some()).meaning("whether the balls rest");
-    for ball in 0..study.model().balls() {
+    for ball in 0..study.model().angle_contacts().len() {
         let angle = move |row: &PositionRow| row.seen.as_ref()?.get(ball).copied();
         list.number(format!("beta_{}_rad", ball + 1), "rad", angle)
             .meaning("angle of a ball from the imbalance; balls are not told apart");

@@ -94,7 +94,9 @@ impl TryFrom<Vec<ExtendedLabel>> for ExtendedLabels {
         let [undecided, irregular] = [ExtendedLabel::Undecided, ExtendedLabel::Irregular]
             .map(|label| labels.iter().filter(|other| **other == label).count());
         match undecided.max(irregular) {
-            0 => Err("`labels` is an empty list; without this key, runs of both labels are continued"),
+            0 => Err(
+                "`labels` is an empty list; without this key, runs of both labels are continued",
+            ),
             1 => Ok(ExtendedLabels { undecided: undecided == 1, irregular: irregular == 1 }),
             _ => Err("`labels` contains a label twice"),
         }

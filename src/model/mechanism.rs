@@ -59,6 +59,9 @@ pub struct MechanismContact<'r> {
     pub normal: MechanismNormal<'r>,
     /// Its law of friction.
     pub friction: Friction,
+    /// The unit of its forces over that of the mechanism: 1, or the size of the inertia that slides if this is far below 1.
+    /// Conditions on forces have a tolerance that is small against 1. A contact that opens has the unit 1.
+    pub force_unit: f64,
 }
 
 /// The normal force of a contact of a mechanism.
@@ -70,6 +73,20 @@ pub enum MechanismNormal<'r> {
     Reaction(Expression<'r>, Vec<Expression<'r>>),
     /// It keeps this gap from becoming negative.
     Gap(Expression<'r>),
+}
+
+impl<'r> MechanismContact<'r> {
+    /// Returns the normal force in the unit of the contact's forces.
+    fn normal(&self) -> MechanismNormal<'r> {
+        let in_unit = |force: &Expression<'r>| Expression::constant(1.0 / self.force_unit) * *force;
+        match &self.normal {
+            MechanismNormal::Given(force) => MechanismNormal::Given(in_unit(force)),
+            MechanismNormal::Reaction(rest, factors) => {
+                MechanismNormal::Reaction(in_unit(rest), factors.iter().map(in_unit).collect())
+            }
+            MechanismNormal::Gap(gap) => MechanismNormal::Gap(*gap),
+        }
+    }
 }
 
 /// How the bodies of a contact separate after an impact.
@@ -125,6 +142,7 @@ impl<'r> Mechanism<'r> {
         let [zero, one, two] = [0.0, 1.0, 2.0].map(Expression::constant);
         let rows: Vec<Rows<'r>> =
             self.contacts.iter().map(|contact| self.rows(recorder, contact)).collect();
+        let normal_forces: Vec<_> = self.contacts.iter().map(MechanismContact::normal).collect();
         let n = self.coordinates.len();
         // Accelerations, normal forces of gaps, friction forces.
         let normals: Vec<Option<usize>> = rows
@@ -149,8 +167,9 @@ impl<'r> Mechanism<'r> {
             let place = first_friction + k;
             let Contact { free, signed_friction, drag } = row.contact;
             let stuck = shared.holds(k);
+            let force_unit = Expression::constant(self.contacts[k].force_unit);
             for (i, share) in along.iter().enumerate() {
-                matrix[i][place] = *share;
+                matrix[i][place] = force_unit * *share;
                 matrix[place][i] = stuck * *share;
             }
             matrix[place][place] = if shared.is_first(k) { free } else { one - stuck };
@@ -164,7 +183,7 @@ impl<'r> Mechanism<'r> {
                 matrix[place][place] = one;
                 right[place] = zero;
             }
-            match (&row.normal, normals[k], &self.contacts[k].normal) {
+            match (&row.normal, normals[k], &normal_forces[k]) {
                 (Some((across, drift)), Some(normal), _) => {
                     let [gap, speed] = row.gap;
                     for (i, share) in across.iter().enumerate() {
@@ -197,7 +216,7 @@ impl<'r> Mechanism<'r> {
             ..SystemEquations::default()
         };
         for (k, (row, own)) in rows.iter().zip(&self.contacts).enumerate() {
-            let normal = match (&own.normal, normals[k]) {
+            let normal = match (&normal_forces[k], normals[k]) {
                 (&MechanismNormal::Gap(gap), Some(place)) => {
                     let (across, drift) =
                         row.normal.as_ref().expect("a gap has a normal direction");

@@ -41,6 +41,21 @@ impl Model {
         }
     }
 
+    /// Returns the contacts, counted from 0, whose positions are the angles of like bodies, such as the balls of a balancer;
+    /// none if a contact of another body has an angle.
+    pub fn angle_contacts(&self) -> Vec<usize> {
+        let Model::Own(_) = self else { return (0..self.balls()).collect() };
+        let positions: Vec<_> =
+            (0..self.contacts()).map(|contact| self.contact_names(contact).position).collect();
+        let is_first = |contact: &usize| !positions[..*contact].contains(&positions[*contact]);
+        let angles = (0..positions.len()).filter(|contact| positions[*contact].1 == "rad");
+        let angles: Vec<usize> = angles.filter(is_first).collect();
+        let body =
+            |contact: &usize| positions[*contact].0.replace(|one: char| one.is_ascii_digit(), "");
+        let are_alike = angles.windows(2).all(|two| body(&two[0]) == body(&two[1]));
+        if are_alike { angles } else { Vec::new() }
+    }
+
     /// Returns the name and the unit of the column with the position of a contact, counted from 0.
     pub fn position_column(&self, contact: usize) -> (String, &'static str) {
         let (name, unit) = self.contact_names(contact).position;

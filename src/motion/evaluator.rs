@@ -7,8 +7,7 @@ use smallvec::SmallVec;
 use super::in_one_state::Affected;
 use super::{Phase, Phases};
 use crate::model::{
-    Bounded, Components, Dual, Elementary, Function, Graph, Node, NodeId, Number, Opening, Solve,
-    System,
+    Bounded, Components, Dual, Elementary, Graph, Node, NodeId, Number, Opening, Solve, System,
 };
 
 /// Speed, acceleration and forces of one contact.
@@ -179,9 +178,9 @@ impl Evaluator {
         let mut solution = Solution::new();
         for node in &self.graph.nodes {
             let input = |index: usize| T::constant(inputs[index]);
-            values.push(match node {
-                Node::Solution { .. } if !solves => T::constant(0.0),
-                _ => self.value(node, &values, input, &state, &mut solution),
+            values.push(match solves {
+                true => self.value(node, &values, input, &state, &mut solution),
+                false => node.value(|node| values[node as usize], input, &state),
             });
         }
         values
@@ -203,29 +202,13 @@ impl Evaluator {
         solution: &mut Solution<T>,
     ) -> T {
         let at = |node: NodeId| -> T { values[node as usize] };
-        match *node {
-            Node::Constant(value) => T::constant(value),
-            Node::Input(index) => input(index as usize),
-            Node::State(component) | Node::Discrete(component) => state(component as usize),
-            Node::Sum(one, other) => at(one) + at(other),
-            Node::Difference(one, other) => at(one) - at(other),
-            Node::Negation(one) => -at(one),
-            Node::Product(one, other) => at(one) * at(other),
-            Node::Quotient(one, other) => at(one) * at(other).reciprocal(),
-            Node::Sine(angle) => at(angle).sin_cos().0,
-            Node::Cosine(angle) => at(angle).sin_cos().1,
-            Node::SquareRoot(one) => at(one).sqrt(),
-            Node::Exponential(one) => at(one).function(Function::Exponential),
-            Node::Function(function, one, _) => at(one).function(function),
-            Node::Solution { solve, row } => {
-                if solution.solve != Some(solve) {
-                    let Solve { matrix, right, .. } = &self.graph.solves[solve as usize];
-                    solution.solve = Some(solve);
-                    T::solve(matrix, right, at, &mut solution.unknowns);
-                }
-                solution.unknowns[row as usize]
-            }
+        let Node::Solution { solve, row } = *node else { return node.value(at, input, state) };
+        if solution.solve != Some(solve) {
+            let Solve { matrix, right, .. } = &self.graph.solves[solve as usize];
+            solution.solve = Some(solve);
+            T::solve(matrix, right, at, &mut solution.unknowns);
         }
+        solution.unknowns[row as usize]
     }
 }
 

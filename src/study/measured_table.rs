@@ -56,8 +56,9 @@ impl Study {
         table: impl Into<TableSource<'a>>,
     ) -> Result<Vec<MeasuredRun>, StudyError> {
         let (path, read) = table.into().open("a name that ends in .csv or .parquet")?;
-        let angles: Vec<String> =
-            (1..=self.model().balls()).map(|ball| format!("beta_{ball}_rad")).collect();
+        let angles: Vec<String> = (1..=self.model().angle_contacts().len())
+            .map(|ball| format!("beta_{ball}_rad"))
+            .collect();
         let mut names: Vec<String> = self.swept().iter().map(|one| one.name.clone()).collect();
         if self.has_stages() {
             names.push(STAGE.to_owned());

@@ -38,6 +38,7 @@ fn block_with_pendulum<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mec
             sliding_speed: x_speed,
             normal: MechanismNormal::Gap(y),
             friction: friction[0],
+            force_unit: 1.0,
         }],
         forcing: None,
     }

@@ -30,6 +30,7 @@ fn block<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanism<'r> {
             sliding_speed: speed,
             normal: MechanismNormal::Gap(height),
             friction: friction[0],
+            force_unit: 1.0,
         }],
         forcing: Some((phase, TAU)),
     }

@@ -49,6 +49,7 @@ fn woodpecker<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanism<'r
         sliding_speed,
         normal: MechanismNormal::Gap(gap),
         friction: friction[which],
+        force_unit: 1.0,
     };
     let beak_gap = number(SLEEVE[2] + BIRD - beak_out - POLE) - number(beak_up) * bird;
     let beak_speed = y_speed + arm * sleeve_speed + number(BIRD - beak_out) * bird_speed;

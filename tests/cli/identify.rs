@@ -195,7 +195,7 @@ fn wrong_usage() {
             "schema: 1\nname: b\nseed: 1\nmodel: {kind: block_on_spring}\ninitial_conditions: {design: {monte_carlo: {samples: 1}}}\n\
              identify: {parameters: {stiffness_n_m: {from: 1, to: 2}}}\n"
                 .to_owned(),
-            ["needs positions of balls", "kind: ball_balancer"],
+            ["needs angles at which like bodies rest", "ball_balancer and rotor_balancer"],
         ),
     ] {
         scratch.write(name, text);

@@ -40,6 +40,7 @@ fn ball_on_plate<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanism
             sliding_speed: Expression::constant(0.0),
             normal: MechanismNormal::Gap(height),
             friction: friction[0],
+            force_unit: 1.0,
         }],
         forcing: None,
     }
@@ -127,6 +128,7 @@ fn falling_sphere<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanis
             sliding_speed: x_speed + spin,
             normal: MechanismNormal::Gap(y),
             friction: friction[0],
+            force_unit: 1.0,
         }],
         forcing: None,
     }

@@ -2,7 +2,7 @@
 
 use smallvec::{SmallVec, smallvec};
 
-use crate::model::Function;
+use crate::model::{Elementary, Function};
 
 /// The place of a node in its graph.
 pub type NodeId = u32;
@@ -49,6 +49,33 @@ pub enum Node {
 }
 
 impl Node {
+    /// Returns the value of the node from those of its operands, the inputs and the components of the state; 0 for an unknown of
+    /// a linear system.
+    #[inline(always)]
+    pub fn value<T: Elementary>(
+        &self,
+        at: impl Fn(NodeId) -> T,
+        input: impl Fn(usize) -> T,
+        state: impl Fn(usize) -> T,
+    ) -> T {
+        match *self {
+            Node::Constant(value) => T::constant(value),
+            Node::Input(index) => input(index as usize),
+            Node::State(component) | Node::Discrete(component) => state(component as usize),
+            Node::Sum(one, other) => at(one) + at(other),
+            Node::Difference(one, other) => at(one) - at(other),
+            Node::Negation(one) => -at(one),
+            Node::Product(one, other) => at(one) * at(other),
+            Node::Quotient(one, other) => at(one) * at(other).reciprocal(),
+            Node::Sine(angle) => at(angle).sin_cos().0,
+            Node::Cosine(angle) => at(angle).sin_cos().1,
+            Node::SquareRoot(one) => at(one).sqrt(),
+            Node::Exponential(one) => at(one).function(Function::Exponential),
+            Node::Function(function, one, _) => at(one).function(function),
+            Node::Solution { .. } => T::constant(0.0),
+        }
+    }
+
     /// Returns the operands of the node; `solves` are the linear systems of its graph.
     pub fn operands(&self, solves: &[Solve]) -> SmallVec<[NodeId; 2]> {
         match *self {

@@ -1,7 +1,7 @@
 //! What the values of the parameters say about a system of a file: whether it is sound, its friction, and its start states.
 
 use std::f64::consts::TAU;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::definition::{COEFFICIENT, Definition, WrittenDerived};
 use super::evaluate::Bodies;
@@ -11,7 +11,7 @@ use super::numeric::Numeric;
 use super::scales::Scales;
 use super::sizes::Sizes;
 use super::system::WrittenSystem;
-use super::velocities::SpeedOf;
+use super::velocities::{Rates, SpeedOf};
 use crate::model::invalid_parameter::{invalid, not_negative};
 use crate::model::{FRICTION_COEFFICIENT, FrictionLaw, ImpactLaw, InvalidParameter, SlidingSpeed};
 
@@ -26,6 +26,15 @@ pub(super) struct Examined {
     pub outputs: Vec<Dimension>,
     /// The first value without physical meaning.
     pub sound: Result<(), InvalidParameter>,
+}
+
+/// The inertia, without dimensions, below which a contact has a unit of force of its own.
+const SMALL_INERTIA: f64 = 1.0 / 16.0;
+
+/// Returns the unit of the forces of a contact from the inertia that slides: a power of two, so that conversion is exact.
+fn unit_of_force(inertia: f64) -> f64 {
+    let is_small = inertia > 0.0 && inertia < SMALL_INERTIA;
+    if is_small { libm::ldexp(1.0, libm::round(libm::log2(inertia)) as i32) } else { 1.0 }
 }
 
 impl Examined {
@@ -62,6 +71,8 @@ impl Examined {
         let outputs = outputs.collect::<Result<Vec<_>, _>>()?;
         let second = scales.unit([0, 0, WHOLE]);
         let (mut friction, mut impacts, mut sound) = (Vec::new(), Vec::new(), Ok(()));
+        let (largest_force, force_units) =
+            instance.sizes_of_forces(&scaled, scales, &middle, (&moving, &speed_of))?;
         for (number, &speed) in speeds.iter().enumerate() {
             let (law, coefficient) = instance.law(number, values, of_study)?;
             let impact = instance.impact_law(number, values)?;
@@ -75,7 +86,8 @@ impl Examined {
                     ..invalid
                 });
             sound = sound.and(own);
-            let drag = scales.unit([WHOLE, 2 * WHOLE, -3 * WHOLE]) / (speed * speed);
+            let power = scales.unit([WHOLE, 2 * WHOLE, -3 * WHOLE]);
+            let drag = force_units[number] * power / (speed * speed);
             friction.push(law.contact(coefficient, speed, drag));
             impacts.push(impact);
         }
@@ -141,11 +153,11 @@ impl Examined {
                 sound = Err(invalid(&quantity.name, &found, allowed));
             }
         }
-        let largest_force = instance.largest_force(&scaled, scales, &middle)?;
         let integrals = instance.choose_positions(&speed_of, numeric)?;
         let coordinates = [instance.rates(&integrals, numeric)?.without_constants(), moving];
         let mut system = WrittenSystem {
             has_one_solution: false,
+            measured: OnceLock::new(),
             number,
             friction,
             impacts,
@@ -156,6 +168,7 @@ impl Examined {
             coordinates,
             rates: rates.map(|rate| rate * second),
             largest_force,
+            force_units,
             values: scaled,
             scales,
             instance,
@@ -246,20 +259,39 @@ impl Instance<'_> {
         })
     }
 
-    /// Returns the largest force in the middle of the start ranges, without dimensions.
-    fn largest_force(&self, scaled: &[f64], scales: Scales, middle: &[[f64; 2]]) -> Valued<f64> {
+    /// Returns the largest force in the middle of the start ranges, without dimensions, and the unit of the forces of each
+    /// contact. A contact of a small body has a unit of its own, because its forces are small against those on large bodies.
+    fn sizes_of_forces(
+        &self,
+        scaled: &[f64],
+        scales: Scales,
+        middle: &[[f64; 2]],
+        (moving, speeds): (&Rates<f64>, &[SpeedOf]),
+    ) -> Valued<(f64, Vec<f64>)> {
         let (parameters, middle) = (self.parameters(scaled, 0.0), self.scaled(scales, middle));
         let coordinates = self.named(|number| middle[number]);
         let mut numeric =
             Numeric { scales, parameters: &parameters, coordinates: &coordinates, time: 0.0 };
-        let (_, mut forces) = self.mass_and_forces(&mut numeric)?;
-        for number in 0..self.contacts.len() {
+        let (mass, mut forces) = self.mass_and_forces(&mut numeric)?;
+        let inertia = moving.between(&mass);
+        let mut units = Vec::with_capacity(speeds.len());
+        for (number, speed) in speeds.iter().enumerate() {
             let (contact, mut bodies) = self.contact(number);
-            if let ("normal", force) = contact.normal.entry() {
-                forces.push(bodies.evaluate(force, &mut numeric)?);
-            }
+            let ("normal", force) = contact.normal.entry() else {
+                units.push(1.0);
+                continue;
+            };
+            let unit = match speed {
+                SpeedOf::Velocity(place) | SpeedOf::Same(place) | SpeedOf::Multiple(place) => {
+                    unit_of_force(inertia[*place][*place])
+                }
+                SpeedOf::Formula => 1.0,
+            };
+            forces.push(bodies.evaluate(force, &mut numeric)? / unit);
+            units.push(unit);
         }
-        Ok(forces.into_iter().map(f64::abs).filter(|one| one.is_finite()).fold(0.0, f64::max))
+        let sizes = forces.into_iter().map(f64::abs).filter(|one| one.is_finite());
+        Ok((sizes.fold(0.0, f64::max), units))
     }
 
     /// Returns whether the equations at some states and times are the same after a time, or after a turn of a coordinate.

@@ -1,4 +1,4 @@
-//! The formulas of a system in one state: its mass matrix, and what its file measures.
+//! The formulas of a system in one state, such as its mass matrix.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +6,6 @@ use super::formula::Valued;
 use super::numeric::Numeric;
 use super::system::WrittenSystem;
 use super::velocities::Rates;
-use crate::model::Components;
 
 impl WrittenSystem {
     /// Computes with the values of all names in a state, and with the rates of change as functions of the velocities; `None` if the
@@ -30,27 +29,6 @@ impl WrittenSystem {
         let (shapes, moving) = (shapes.at(positions), rates.at(velocities));
         let coordinates = instance.named(|number| [shapes[number], moving[number]]);
         compute(Numeric { coordinates: &coordinates, ..base }, rates).map(Some)
-    }
-
-    /// Returns the coordinates, their rates of change and the outputs of the file in a state.
-    pub(super) fn outputs_in(&self, state: &[f64]) -> Valued<Components> {
-        let (instance, n) = (&self.instance, self.instance.coordinates.len());
-        let mut outputs = Components::new();
-        let Some((positions, rest)) = state.split_at_checked(n) else { return Ok(outputs) };
-        for (of, values) in self.coordinates.iter().zip([positions, rest]) {
-            outputs.extend((0..n).map(|row| of.row_at(row, values)));
-        }
-        if instance.outputs.is_empty() {
-            return Ok(outputs);
-        }
-        self.in_state(state, |mut values, _| {
-            for number in 0..instance.outputs.len() {
-                let (output, mut bodies) = instance.output(number);
-                outputs.push(bodies.evaluate(&output.formula, &mut values)?);
-            }
-            Ok(())
-        })?;
-        Ok(outputs)
     }
 
     /// Returns the smallest pivot of the mass matrix over the entry on its diagonal.

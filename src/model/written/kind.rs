@@ -303,7 +303,7 @@ impl OwnKind for WrittenKind {
                     _ => sliding_speed * unit([0, 0, WHOLE]),
                 },
                 sliding_speed,
-                force_n: power / sliding_speed,
+                force_n: system.force_units[number] * power / sliding_speed,
             }
         };
         let of_coordinate = |which: usize| {

@@ -18,6 +18,7 @@ mod in_state;
 mod instance;
 mod kind;
 mod linear;
+mod measured;
 mod names;
 mod numeric;
 mod parser;

@@ -2,10 +2,12 @@
 
 use std::any::{Any, TypeId};
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::sync::{Arc, OnceLock};
 
 use super::definition::WrittenNormal;
 use super::formula::{Valued, WHOLE};
 use super::instance::{Instance, Member};
+use super::measured::Measured;
 use super::numeric::{Numeric, Quantity};
 use super::scales::Scales;
 use super::velocities::{Rates, SpeedOf};
@@ -40,8 +42,12 @@ pub(super) struct WrittenSystem {
     /// The highest frequency, and the largest rate of damping, of motions without friction.
     pub rates: [f64; 2],
     pub largest_force: f64,
+    /// The unit of the forces of each contact, a power of two: the inertia that slides if it is far below 1, otherwise 1.
+    pub force_units: Vec<f64>,
     /// Whether stick and slip are surely decided in one way in all states.
     pub has_one_solution: bool,
+    /// What the file measures, once it is recorded; nothing if a formula has a fault.
+    pub measured: OnceLock<Option<Arc<Measured>>>,
 }
 
 /// The values of names of an instance.
@@ -105,16 +111,41 @@ impl Instance<'_> {
     }
 }
 
+/// A state that is being recorded, with the values of all names as functions of it.
+pub(super) struct RecordedState<'a, 'r> {
+    positions: Vec<Expression<'r>>,
+    speeds: Vec<Expression<'r>>,
+    /// The time or the phase of a periodic force, and its rate of change.
+    clock: Option<[Expression<'r>; 2]>,
+    /// The coordinates, and their rates of change.
+    pub coordinates: [Vec<Expression<'r>>; 2],
+    rates: Rates<Expression<'r>>,
+    /// The values of names without those of the coordinates.
+    base: Numeric<'a, Expression<'r>>,
+    /// The values of all names.
+    pub values: Numeric<'a, Expression<'r>>,
+}
+
 impl WrittenSystem {
-    fn mechanism<'r>(&self, recorder: &'r Recorder) -> Valued<Mechanism<'r>> {
+    /// Records a state, and computes with it.
+    pub(super) fn in_recorded_state<'r, R>(
+        &self,
+        recorder: &'r Recorder,
+        compute: impl FnOnce(RecordedState<'_, 'r>) -> Valued<R>,
+    ) -> Valued<R> {
         let (instance, n) = (&self.instance, self.instance.coordinates.len());
         let positions: Vec<_> = (0..n).map(|_| recorder.state()).collect();
         let speeds: Vec<_> = (0..n).map(|_| recorder.state()).collect();
         let uses_time = instance.definition.uses_time;
         let clock = uses_time.then(|| recorder.state());
         let (zero, one) = (Expression::constant(0.0), Expression::constant(1.0));
-        let names = instance.definition.parameters.iter().map(|one| one.name.as_str());
-        let values: Vec<_> = names.map(|name| recorder.parameter(name)).collect();
+        // A parameter that is 0 often removes whole terms.
+        let parameters = instance.definition.parameters.iter().zip(&self.values);
+        let values = parameters.map(|(one, value)| {
+            let input = recorder.parameter(&one.name);
+            if *value == 0.0 { zero } else { input }
+        });
+        let values: Vec<_> = values.collect();
         let [time, rate] = match (clock, self.period) {
             (Some(phase), Some(_)) => {
                 let [unit, rate] = ["per_radian", "frequency"].map(|name| recorder.parameter(name));
@@ -131,8 +162,22 @@ impl WrittenSystem {
         let rates = instance.rates(&self.speeds, base)?;
         let moving = rates.at(&speeds);
         let shapes = instance.rates(&self.integrals, base)?.without_constants().at(&positions);
-        let coordinates = instance.named(|number| [shapes[number], moving[number]]);
-        let mut advancing = moving.clone();
+        let named = instance.named(|number| [shapes[number], moving[number]]);
+        let values = Numeric { coordinates: &named, ..base };
+        let (clock, coordinates) = (clock.map(|clock| [clock, rate]), [shapes, moving]);
+        compute(RecordedState { positions, speeds, clock, coordinates, rates, base, values })
+    }
+
+    fn mechanism<'r>(
+        &self,
+        recorder: &'r Recorder,
+        state: RecordedState<'_, 'r>,
+    ) -> Valued<Mechanism<'r>> {
+        let RecordedState { positions, speeds, clock, coordinates, rates, base, mut values } =
+            state;
+        let instance = &self.instance;
+        let (zero, one) = (Expression::constant(0.0), Expression::constant(1.0));
+        let [_, mut advancing] = coordinates;
         for (number, integral) in self.integrals.iter().enumerate() {
             if let SpeedOf::Velocity(place) = integral
                 && let Some(speed) = instance.linear(number, base)?
@@ -141,15 +186,15 @@ impl WrittenSystem {
             }
         }
         // The factors of accelerations in normal forces are derivatives by these inputs, which are 0.
-        let accelerations: Vec<_> = (0..n)
+        let accelerations: Vec<_> = positions
+            .iter()
             .filter(|_| instance.definition.uses_accelerations)
             .map(|_| recorder.parameter("acceleration"))
             .collect();
-        let mut accelerated = coordinates.clone();
+        let mut accelerated = values.coordinates.to_vec();
         for ((.., values), acceleration) in accelerated.iter_mut().zip(&accelerations) {
             values[2] = *acceleration;
         }
-        let mut values = Numeric { coordinates: &coordinates, ..base };
         let (mass, forces) = instance.mass_and_forces(&mut values)?;
         let mut contacts = Vec::new();
         for (number, friction) in self.friction.iter().enumerate() {
@@ -186,6 +231,7 @@ impl WrittenSystem {
                     WrittenNormal::Gap(_) => MechanismNormal::Gap(normal),
                 },
                 friction: *friction,
+                force_unit: self.force_units[number],
             });
         }
         Ok(Mechanism {
@@ -195,11 +241,11 @@ impl WrittenSystem {
                 .map(|(one, other)| [one, other])
                 .collect(),
             rates: advancing,
-            others: clock.into_iter().map(|clock| [clock, rate]).collect(),
+            others: clock.into_iter().collect(),
             mass: rates.between(&mass),
             forces: rates.across(&forces),
             contacts,
-            forcing: clock.filter(|_| self.period.is_some()).map(|phase| (phase, TAU)),
+            forcing: clock.filter(|_| self.period.is_some()).map(|[phase, _]| (phase, TAU)),
         })
     }
 }
@@ -252,6 +298,7 @@ impl WrittenSystem {
             rates,
             period: period.filter(|_| is_constant),
             has_one_solution: false,
+            measured: OnceLock::new(),
             ..self.clone()
         };
         system.has_one_solution = system.always_decides_in_one_way();
@@ -280,7 +327,8 @@ impl System for WrittenSystem {
     /// # Panics
     /// Panics if the formulas have a fault: the kind refuses such a model before.
     fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
-        self.mechanism(recorder).expect("the model has been checked").record(recorder)
+        let mechanism = self.in_recorded_state(recorder, |state| self.mechanism(recorder, state));
+        mechanism.expect("the model has been checked").record(recorder)
     }
 
     fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
@@ -303,6 +351,8 @@ impl System for WrittenSystem {
         let counts = self.instance.bodies.counts.iter().map(|(_, count)| *count as usize);
         let units = self.scales.0.map(|exponent| exponent.cast_unsigned() as usize);
         let form = [self.stage.len(), usize::from(self.period.is_some())];
+        let force_units = self.force_units.iter().map(|unit| unit.to_bits() as usize);
+        let zeros = self.values.iter().map(|value| usize::from(*value == 0.0));
         let speeds = self.speeds.iter().map(|speed| match speed {
             SpeedOf::Velocity(place) => 3 * place + 1,
             SpeedOf::Same(place) => 3 * place + 2,
@@ -312,7 +362,14 @@ impl System for WrittenSystem {
         Some((
             TypeId::of::<Self>(),
             laws,
-            numbers.chain(counts).chain(units).chain(speeds).chain(form).collect(),
+            numbers
+                .chain(counts)
+                .chain(units)
+                .chain(speeds)
+                .chain(form)
+                .chain(force_units)
+                .chain(zeros)
+                .collect(),
         ))
     }
 
@@ -352,7 +409,8 @@ impl System for WrittenSystem {
     }
 
     fn outputs(&self, state: &[f64]) -> Components {
-        self.outputs_in(state).unwrap_or_default()
+        let measured = self.measured.get_or_init(|| Measured::of(self).map(Arc::new).ok());
+        measured.as_ref().map_or_else(Components::new, |own| own.values(&self.inputs(&[]), state))
     }
 
     fn smallest_inertia(&self, state: &[f64]) -> f64 {
