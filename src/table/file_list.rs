@@ -11,10 +11,13 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::atomic_files::{write_atomically, write_once};
+use super::column::Column;
 use super::file_entry::{FileEntry, read_regular};
 use super::provenance::FORMAT;
 use super::table_error::TableError;
+use super::table_files::WriteError;
 use super::verified_files::{ListedFiles, is_file_name};
+use super::writer::TableWriter;
 use crate::sanitize::shorten;
 use crate::tabular::Fault;
 
@@ -118,6 +121,26 @@ impl FileList {
     pub fn write_once(&mut self, directory: &Path, name: &str, content: &[u8]) -> io::Result<()> {
         self.announce(directory, &[(name.to_owned(), FileEntry::of_content(content))])?;
         write_once(&directory.join(name), content)
+    }
+
+    /// Writes a table with this provenance and adds its files to the list. Unless an existing table is `replaced`, it must
+    /// have the same bytes.
+    ///
+    /// # Errors
+    /// Returns an error if a file or the list cannot be written, or if the name is taken.
+    pub fn write_table<R>(
+        &mut self,
+        directory: &Path,
+        name: &str,
+        provenance: &str,
+        columns: Vec<Column<R>>,
+        rows: impl IntoIterator<Item = R>,
+        replaced: bool,
+    ) -> Result<(), WriteError> {
+        let path = directory.join(format!("{name}.parquet"));
+        let mut table = TableWriter::create(&path, columns, provenance)?;
+        table.extend(rows)?;
+        table.finish_after(replaced, |files| self.announce(directory, files))
     }
 
     /// Returns the content of a file if the list names it.

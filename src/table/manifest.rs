@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::atomic_files::write_atomically;
 use super::file_entry::{FileEntry, read_regular};
 use super::provenance::{COMMIT, FORMAT, VERSION};
+use super::shard::Shard;
 use super::table_error::TableError;
 use super::verified_files::{ListedFiles, is_file_name};
 use crate::analysis::{FailureCounts, LabelCounts};
@@ -195,11 +196,7 @@ impl Manifest {
         if let Some(text) = texts.chain(names).find(shown) {
             return Err(format!("{MANIFEST} has a text that cannot be shown: {}", shorten(text)));
         }
-        let numbers = self.shard.split_once('/').map(|(part, of)| (part.parse(), of.parse()));
-        let is_part = |(part, parts): (u64, u64)| {
-            (1..=parts).contains(&part) && self.shard == format!("{part}/{parts}")
-        };
-        if !matches!(numbers, Some((Ok(part), Ok(parts))) if is_part((part, parts))) {
+        if !self.shard.parse::<Shard>().is_ok_and(|shard| shard.to_string() == self.shard) {
             let found = shorten(&self.shard);
             return Err(format!("`shard` in {MANIFEST} is {found:?}; allowed: K/N, such as 2/8"));
         }

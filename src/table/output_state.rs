@@ -9,7 +9,8 @@ use super::atomic_files::final_name;
 use super::file_entry::{FileEntry, read_regular, short_hash};
 use super::manifest::{MANIFEST, Manifest};
 use super::provenance::{FORMAT, VERSION};
-use super::results::{DATA_FILES, ResultsError, STUDY};
+use super::results::ResultsError;
+use super::study_tables::{DATA_FILES, STUDY};
 use crate::classification::MODEL_VERSION;
 use crate::sanitize::one_line;
 use crate::study::Study;
@@ -67,7 +68,7 @@ pub fn inspect(
     ours: &[&str],
 ) -> Result<OutputState, ResultsError> {
     check_path(directory)?;
-    let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
+    let unusable = ResultsError::unusable(directory);
     let Some(manifest) = manifest_of(directory)? else {
         return without_manifest(directory, study, ours);
     };
@@ -92,20 +93,31 @@ pub fn inspect(
         let found = format!("tables of stickslip {} (this is {VERSION})", manifest.version);
         return Ok(OutputState::Changed(manifest, found));
     }
-    let changed = match manifest.complete {
-        true => missing_or_changed(directory, &manifest),
-        false => unnamed_or_changed(directory, &manifest, study),
+    // The tables of incomplete results would be replaced.
+    let names = match manifest.complete {
+        true => manifest.files.keys().cloned().collect(),
+        false => written_tables(directory).map_err(&unusable)?,
     };
-    if let Some(found) = changed.map_err(unusable)? {
+    for name in names {
+        let changed = match manifest.files.get(&name) {
+            None => Some(format!("{name}, which {MANIFEST} does not name")),
+            Some(entry) => difference(directory, &name, entry).map_err(&unusable)?,
+        };
+        if let Some(found) = changed {
+            return Ok(OutputState::Changed(manifest, found));
+        }
+    }
+    let study_file = directory.join(STUDY);
+    let has_study = manifest.complete || fs::symlink_metadata(&study_file).is_ok();
+    if has_study && !is_own_study(&study_file, study).map_err(unusable)? {
+        let found =
+            format!("{STUDY}, by another name of the study, other expectations or other responses");
         return Ok(OutputState::Changed(manifest, found));
     }
-    if !manifest.complete {
-        return Ok(OutputState::Incomplete(manifest));
-    }
-    if !is_own_study(&directory.join(STUDY), study).map_err(unusable)? {
-        return Ok(OutputState::Changed(manifest, another_study()));
-    }
-    Ok(OutputState::Complete(manifest))
+    Ok(match manifest.complete {
+        true => OutputState::Complete(manifest),
+        false => OutputState::Incomplete(manifest),
+    })
 }
 
 /// Refuses an empty path, which operating systems interpret inconsistently.
@@ -134,18 +146,18 @@ fn without_manifest(
     study: &Study,
     ours: &[&str],
 ) -> Result<OutputState, ResultsError> {
-    let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
+    let unusable = ResultsError::unusable(directory);
     let refused = |found: String| {
         let reason = "this directory is not empty and holds no finished study";
         Err(occupied(directory, reason, &found))
     };
     let entries = match fs::read_dir(directory) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(OutputState::Unused),
-        entries => entries.map_err(unusable)?,
+        entries => entries.map_err(&unusable)?,
     };
     let (mut tables, mut of_results, mut other) = (false, false, None);
     for entry in entries {
-        let entry = entry.map_err(unusable)?;
+        let entry = entry.map_err(&unusable)?;
         let name = entry.file_name().to_string_lossy().into_owned();
         let unfinished = final_name(&name);
         if ours.contains(&&*name) {
@@ -153,7 +165,7 @@ fn without_manifest(
         } else if DATA_FILES.contains(&&*name) && name != STUDY {
             tables = true;
         } else if name == STUDY {
-            if !is_own_study(&entry.path(), study).map_err(unusable)? {
+            if !is_own_study(&entry.path(), study).map_err(&unusable)? {
                 other = Some(name);
             }
         } else if !unfinished.is_some_and(|of| DATA_FILES.contains(&of) || of == MANIFEST) {
@@ -184,48 +196,20 @@ fn content(path: &Path, most: usize) -> io::Result<Option<Vec<u8>>> {
     }
 }
 
-/// Describes the first file of complete results that differs from the manifest, if there is one.
-fn missing_or_changed(directory: &Path, manifest: &Manifest) -> io::Result<Option<String>> {
-    for (name, entry) in &manifest.files {
-        let difference = difference(directory, name, entry)?;
-        if difference.is_some() {
-            return Ok(difference);
+/// Returns the names of the tables in a directory, with the name of each part of a table.
+fn written_tables(directory: &Path) -> io::Result<Vec<String>> {
+    let mut names = Vec::new();
+    for &table in DATA_FILES.iter().filter(|name| **name != STUDY) {
+        let Ok(found) = fs::symlink_metadata(directory.join(table)) else { continue };
+        if !found.is_dir() {
+            names.push(table.to_owned());
+            continue;
+        }
+        for part in fs::read_dir(directory.join(table))? {
+            names.push(format!("{table}/{}", part?.file_name().to_string_lossy()));
         }
     }
-    Ok(None)
-}
-
-/// Describes the first file of incomplete results that would be replaced and differs from the
-/// manifest, if there is one.
-fn unnamed_or_changed(
-    directory: &Path,
-    manifest: &Manifest,
-    study: &Study,
-) -> io::Result<Option<String>> {
-    let there = |name: &str| fs::symlink_metadata(directory.join(name)).ok();
-    for table in DATA_FILES.into_iter().filter(|name| *name != STUDY) {
-        let Some(found) = there(table) else { continue };
-        let mut names = vec![table.to_owned()];
-        if found.is_dir() {
-            let parts = fs::read_dir(directory.join(table))?;
-            let name =
-                |part: fs::DirEntry| format!("{table}/{}", part.file_name().to_string_lossy());
-            names = parts.map(|part| part.map(name)).collect::<io::Result<_>>()?;
-        }
-        for name in names {
-            let difference = match manifest.files.get(&name) {
-                None => Some(format!("{name}, which {MANIFEST} does not name")),
-                Some(entry) => difference(directory, &name, entry)?,
-            };
-            if difference.is_some() {
-                return Ok(difference);
-            }
-        }
-    }
-    if there(STUDY).is_some() && !is_own_study(&directory.join(STUDY), study)? {
-        return Ok(Some(another_study()));
-    }
-    Ok(None)
+    Ok(names)
 }
 
 /// Describes how a file differs from its entry in the manifest, or returns `None` if it does not.
@@ -241,10 +225,6 @@ fn difference(directory: &Path, name: &str, entry: &FileEntry) -> io::Result<Opt
         }
         Ok(_) => None,
     })
-}
-
-fn another_study() -> String {
-    format!("{STUDY}, by another name of the study, other expectations or other responses")
 }
 
 /// Returns the size of a regular file below a directory, without following links.

@@ -112,20 +112,16 @@ impl Store {
     /// Returns [`StoreError::Busy`] if another process holds the lock, or [`StoreError::Unusable`].
     pub fn open(directory: &Path, study: &Study) -> Result<Self, StoreError> {
         let chunks = directory.join(CHUNKS);
-        let unusable = |path: &Path| {
-            let path = path.to_owned();
-            move |cause| ResultsError::Unusable { path, cause }
-        };
-        make_directory(directory).map_err(unusable(directory))?;
-        make_inside(&chunks).map_err(unusable(&chunks))?;
+        make_directory(directory).map_err(ResultsError::unusable(directory))?;
+        make_inside(&chunks).map_err(ResultsError::unusable(&chunks))?;
         let lock = Lock::take(chunks.join(LOCK), directory)?;
         // A process that created a folder here may have been killed before it synced the directory.
-        sync_directory(&chunks).map_err(unusable(&chunks))?;
+        sync_directory(&chunks).map_err(ResultsError::unusable(&chunks))?;
         let study_hash = study.hash();
         let own = chunks.join(&study_hash[..DIGITS]);
         let mut others = Vec::new();
-        for entry in fs::read_dir(&chunks).map_err(unusable(&chunks))? {
-            let path = entry.map_err(unusable(&chunks))?.path();
+        for entry in fs::read_dir(&chunks).map_err(ResultsError::unusable(&chunks))? {
+            let path = entry.map_err(ResultsError::unusable(&chunks))?.path();
             // Includes links to directories, which `Folder::open` refuses.
             if path != own && path.is_dir() {
                 others.push(path);
