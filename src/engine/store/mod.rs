@@ -24,7 +24,7 @@ pub use folder::Listed;
 pub(super) use record::{CaseKey, StoredOutcome};
 pub(super) use result_cache::ResultCache;
 
-use self::chunk::ChunkWriter;
+use self::chunk::chunk_bytes;
 use self::folder::Folder;
 pub use self::lock::Lock;
 use crate::study::Study;
@@ -214,9 +214,7 @@ impl ChunkAppender {
     /// # Errors
     /// Returns [`StoreError::Unwritten`] if the chunk cannot be written.
     pub fn append(&mut self, runs: &[NewResult]) -> Result<(), StoreError> {
-        let mut chunk = ChunkWriter::new(&self.study_hash);
-        runs.iter().for_each(|run| chunk.push(run.run_id, run.key, &run.content));
         let run_ids: Vec<u64> = runs.iter().map(|run| run.run_id).collect();
-        self.folder.add(&chunk.bytes, &run_ids)
+        self.folder.add(&chunk_bytes(&self.study_hash, runs), &run_ids)
     }
 }
