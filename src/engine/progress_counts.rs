@@ -45,8 +45,7 @@ impl Counts {
     pub fn snapshot(&self) -> Snapshot {
         let read = |count: &AtomicU64| count.load(Ordering::Relaxed);
         // Parts are read before the total, so that no part exceeds it.
-        let [equilibria, failed, reused] =
-            [&self.equilibria, &self.failed, &self.reused].map(read);
+        let [equilibria, failed, reused] = [&self.equilibria, &self.failed, &self.reused].map(read);
         Snapshot {
             elapsed_s: self.started.elapsed().as_secs_f64(),
             most_runs: read(&self.most_runs),

@@ -27,9 +27,6 @@ pub const FILES: &str = "files.json";
 /// The largest size of a list, bytes.
 const MAX_BYTES: u64 = 4 * 1024 * 1024;
 
-/// The remedy for a changed file, for messages.
-const REMEDY: &str = "to write it again, repeat its command with another directory";
-
 /// The listed files of a directory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileList {
@@ -168,11 +165,10 @@ impl FileList {
         let mut changed = Vec::new();
         for (name, entry) in std::mem::take(&mut self.files) {
             let path = directory.join(&name);
-            let Ok(found) = fs::symlink_metadata(&path) else { continue };
-            // Only regular files are opened, because opening a named pipe would wait for a writer.
-            let found = found.is_file().then(|| FileEntry::of(&path, None).ok()).flatten();
-            let is_there =
-                |entry: &FileEntry| found.as_ref().is_some_and(|found| found.has_content_of(entry));
+            if fs::symlink_metadata(&path).is_err() {
+                continue;
+            }
+            let is_there = |entry: &FileEntry| entry.is_at(&path).unwrap_or(false);
             let entry = match self.replaced.remove(&name) {
                 Some(before) if is_there(&before) => before,
                 _ => entry,
@@ -188,6 +184,7 @@ impl FileList {
 
     /// Returns the listed files with their directory.
     pub(super) fn in_directory<'a>(&'a self, directory: &'a Path) -> ListedFiles<'a> {
-        ListedFiles { directory, list: FILES, files: &self.files, remedy: REMEDY }
+        let remedy = "to write it again, repeat its command with another directory".to_owned();
+        ListedFiles { directory, list: FILES, files: &self.files, remedy }
     }
 }

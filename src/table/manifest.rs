@@ -156,22 +156,19 @@ impl Manifest {
     /// Returns an error if the manifest cannot be read, with the kind `InvalidData` if it is not a
     /// manifest.
     pub fn read(directory: &Path) -> io::Result<Option<Self>> {
-        match read_regular(&directory.join(MANIFEST), MAX_BYTES) {
-            Ok(bytes) => {
-                let invalid = |error| io::Error::new(io::ErrorKind::InvalidData, error);
-                let manifest: Self = serde_json::from_slice(&bytes).map_err(invalid)?;
-                if manifest.format != FORMAT {
-                    let format = manifest.format;
-                    let problem = format!("{MANIFEST} has layout {format}; allowed: {FORMAT}");
-                    return Err(io::Error::new(io::ErrorKind::InvalidData, problem));
-                }
-                let checked = manifest.check_names().and_then(|()| manifest.check_values());
-                let damaged = |problem| io::Error::new(io::ErrorKind::InvalidData, problem);
-                checked.map(|()| Some(manifest)).map_err(damaged)
-            }
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-            Err(error) => Err(error),
+        let bytes = match read_regular(&directory.join(MANIFEST), MAX_BYTES) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            read => read?,
+        };
+        let invalid = |problem: String| io::Error::new(io::ErrorKind::InvalidData, problem);
+        let manifest: Self =
+            serde_json::from_slice(&bytes).map_err(|error| invalid(error.to_string()))?;
+        if manifest.format != FORMAT {
+            let format = manifest.format;
+            return Err(invalid(format!("{MANIFEST} has layout {format}; allowed: {FORMAT}")));
         }
+        manifest.check_names().and_then(|()| manifest.check_values()).map_err(invalid)?;
+        Ok(Some(manifest))
     }
 
     /// Checks that every file is in the directory itself.
@@ -219,24 +216,16 @@ impl Manifest {
     /// # Errors
     /// Returns an error if the file differs from the manifest.
     pub fn check_file(&self, directory: &Path, name: &str) -> Result<(), TableError> {
-        let remedy = self.remedy(directory);
         let entry = self.files.get(name);
-        let listed = self.in_directory(directory, &remedy);
-        entry.map_or(Ok(()), |entry| listed.check(name, entry).map(drop))
+        entry.map_or(Ok(()), |entry| self.in_directory(directory).check(name, entry).map(drop))
     }
 
-    /// Returns the files of the manifest in their directory, with [`Self::remedy`].
-    pub(super) fn in_directory<'a>(
-        &'a self,
-        directory: &'a Path,
-        remedy: &'a str,
-    ) -> ListedFiles<'a> {
+    /// Returns the files of the manifest in their directory.
+    pub(super) fn in_directory<'a>(&'a self, directory: &'a Path) -> ListedFiles<'a> {
+        let directory_word = shell_word(directory);
+        let remedy =
+            format!("`stickslip resume {directory_word}` recreates it from the finished runs");
         ListedFiles { directory, list: MANIFEST, files: &self.files, remedy }
-    }
-
-    /// Returns what to do about a file that differs from the manifest.
-    pub(super) fn remedy(&self, directory: &Path) -> String {
-        format!("`stickslip resume {}` recreates it from the finished runs", shell_word(directory))
     }
 
     /// Writes the manifest into a directory atomically.

@@ -3,10 +3,10 @@
 
 use std::fs;
 use std::io;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use super::atomic_files::final_name;
-use super::file_entry::{FileEntry, read_regular, short_hash};
+use super::file_entry::{FileEntry, has_content, short_hash};
 use super::manifest::{MANIFEST, Manifest};
 use super::provenance::{FORMAT, VERSION};
 use super::results::ResultsError;
@@ -183,17 +183,7 @@ fn without_manifest(
 
 /// Returns whether a file is the resolved study file of the study.
 fn is_own_study(path: &Path, study: &Study) -> io::Result<bool> {
-    let text = study.resolved_yaml();
-    Ok(content(path, text.len())?.is_some_and(|found| found == text.as_bytes()))
-}
-
-/// Returns the content of a regular file of at most `most` bytes, or `None` for anything else.
-fn content(path: &Path, most: usize) -> io::Result<Option<Vec<u8>>> {
-    let found = fs::symlink_metadata(path)?;
-    match found.is_file() && found.len() <= most as u64 {
-        true => read_regular(path, most as u64).map(Some),
-        false => Ok(None),
-    }
+    has_content(path, study.resolved_yaml().as_bytes())
 }
 
 /// Returns the names of the tables in a directory, with the name of each part of a table.
@@ -229,19 +219,13 @@ fn difference(directory: &Path, name: &str, entry: &FileEntry) -> io::Result<Opt
 
 /// Returns the size of a regular file below a directory, without following links.
 fn regular_file(directory: &Path, name: &str) -> io::Result<u64> {
-    let mut path = directory.to_owned();
-    let mut parts = Path::new(name).components().peekable();
-    while let Some(part) = parts.next() {
-        if let Component::Normal(part) = part {
-            path.push(part);
-        }
-        let found = fs::symlink_metadata(&path)?;
-        if parts.peek().is_none() && found.is_file() {
-            return Ok(found.len());
-        }
-        if !found.is_dir() {
-            break;
+    let path = directory.join(name);
+    let refused = || io::Error::other("not a regular file");
+    for parent in path.ancestors().skip(1).take_while(|parent| *parent != directory) {
+        if !fs::symlink_metadata(parent)?.is_dir() {
+            return Err(refused());
         }
     }
-    Err(io::Error::other("not a regular file"))
+    let found = fs::symlink_metadata(&path)?;
+    if found.is_file() { Ok(found.len()) } else { Err(refused()) }
 }

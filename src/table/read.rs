@@ -38,8 +38,7 @@ impl Table {
     /// if the first file has another layout or belongs to another study.
     pub fn open(directory: &Path, manifest: &Manifest, name: &str) -> Result<Self, TableError> {
         let file = format!("{name}.parquet");
-        let remedy = manifest.remedy(directory);
-        let parts = manifest.in_directory(directory, &remedy).check_table(name)?;
+        let parts = manifest.in_directory(directory).check_table(name)?;
         let mut table = Table {
             name: name.to_owned(),
             study_hash: manifest.study_hash.clone(),

@@ -214,18 +214,14 @@ fn end(writer: ArrowWriter<File>, path: &Path, rows: u64) -> io::Result<FileEntr
 
 /// Returns whether a table on disk consists of exactly these parts, byte for byte.
 fn is_table_of(path: &Path, parts: &[(String, FileEntry)]) -> io::Result<bool> {
-    let is_part = |path: &Path, part: &FileEntry| -> io::Result<bool> {
-        let found = fs::symlink_metadata(path)?;
-        Ok(found.is_file() && found.len() == part.bytes && FileEntry::of(path, part.rows)? == *part)
-    };
     if let [(_, part)] = parts {
-        return is_part(path, part);
+        return part.is_at(path);
     }
     if !fs::symlink_metadata(path)?.is_dir() || fs::read_dir(path)?.count() != parts.len() {
         return Ok(false);
     }
     for (number, (_, part)) in parts.iter().enumerate() {
-        match is_part(&path.join(part_name(number)), part) {
+        match part.is_at(&path.join(part_name(number))) {
             Ok(true) => {}
             Ok(false) => return Ok(false),
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
