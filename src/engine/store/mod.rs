@@ -102,7 +102,8 @@ pub struct Store {
     pub(super) appender: ChunkAppender,
     pub(super) chunk_index: ChunkIndex,
     pub(super) result_cache: ResultCache,
-    lock: Lock,
+    /// `None` of a store for reading.
+    lock: Option<Lock>,
 }
 
 impl Store {
@@ -138,7 +139,7 @@ impl Store {
             chunk_index: ChunkIndex::new(own.clone()),
             appender: ChunkAppender { folder: own, study_hash },
             result_cache: ResultCache::of(others?),
-            lock,
+            lock: Some(lock),
         })
     }
 
@@ -154,7 +155,7 @@ impl Store {
             chunk_index: ChunkIndex::new(folder.clone()),
             appender: ChunkAppender { folder, study_hash },
             result_cache: ResultCache::of(Vec::new()),
-            lock: Lock::none(directory.join(CHUNKS).join(LOCK), directory),
+            lock: None,
         })
     }
 
@@ -174,7 +175,7 @@ impl Store {
     /// # Errors
     /// Returns [`StoreError::Lost`] if it does not.
     pub fn check(&self) -> Result<(), StoreError> {
-        self.lock.check()
+        self.lock.as_ref().map_or(Ok(()), Lock::check)
     }
 
     /// Returns the number of finished runs of this study on all lists, here and in its shards.
