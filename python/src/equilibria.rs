@@ -12,7 +12,7 @@ use stickslip::analysis::{
 use stickslip::engine::WorkerPool;
 use stickslip::study::Study;
 use stickslip::table::{
-    FrictionlessRow, MemoryTable, MemoryWriter, PointKey, SetRow, SetSummaryRow,
+    FrictionlessRow, MemoryTable, PointKey, SetRow, SetSummaryRow, TableWriter,
     frictionless_columns, in_memory, provenance_with, set_columns, set_summary_columns,
 };
 
@@ -195,7 +195,7 @@ fn compute(
     let amplitude_without_balls_m = reference_amplitude(machine);
     let row = SetSummaryRow { point: Arc::clone(&key), set, amplitude_without_balls_m };
     let table = || -> Result<MemoryTable, Trouble> {
-        let mut table = MemoryWriter::new(set_columns(study), about("equilibrium_positions"));
+        let mut table = TableWriter::in_memory(set_columns(study), &about("equilibrium_positions"));
         let form = RestForm::new(machine).ok_or_else(unknown)?;
         resolution.visit(&form, |beta, rest| table.push(SetRow::new(&key, beta, rest)))?;
         Ok(table.finish()?)
@@ -208,11 +208,11 @@ fn compute(
         equilibrium,
     });
     Ok(EquilibriumSet {
-        summary: in_memory(set_summary_columns(study), about("equilibrium_set_summary"), [row])?,
+        summary: in_memory(set_summary_columns(study), &about("equilibrium_set_summary"), [row])?,
         positions: positions.then(table).transpose()?,
         frictionless: in_memory(
             frictionless_columns(study, false),
-            about("frictionless_equilibria"),
+            &about("frictionless_equilibria"),
             frictionless,
         )?,
         fraction,

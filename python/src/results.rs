@@ -12,7 +12,7 @@ use stickslip::cli::{MOST_LINES, PointsTable};
 use stickslip::engine::{Readable, readable_results, results_study};
 use stickslip::report::{Replay, write_report};
 use stickslip::study::Study;
-use stickslip::table::{self, MemoryTable, STAGES_TABLE, TABLES};
+use stickslip::table::{self, MemoryTable, table_names};
 
 use crate::directory::{check_named, check_page};
 use crate::error::{Trouble, refused};
@@ -64,11 +64,10 @@ pub struct Results {
     /// Whether all planned runs are finished.
     complete: bool,
     place: Option<Place>,
-    tables: [OnceLock<MemoryTable>; 6],
+    /// The tables by name.
+    tables: Vec<(&'static str, OnceLock<MemoryTable>)>,
     /// The points in Markdown.
     summary: OnceLock<String>,
-    /// Of a study whose runs have stages.
-    stages: Option<OnceLock<MemoryTable>>,
 }
 
 /// Where results are on disk.
@@ -85,45 +84,45 @@ impl Results {
     /// position.
     #[getter]
     fn runs(&self, py: Python<'_>) -> PyResult<Table> {
-        self.table(py, 0)
+        self.table(py, "runs")
     }
 
     /// One row per point of the sweep: counts, fractions with confidence intervals, times to rest,
     /// amplitudes.
     #[getter]
     fn points(&self, py: Python<'_>) -> PyResult<Table> {
-        self.table(py, 1)
+        self.table(py, "points")
     }
 
     /// The probability of being at rest over time with confidence intervals, per point.
     #[getter]
     fn time_to_rest(&self, py: Python<'_>) -> PyResult<Table> {
-        self.table(py, 2)
+        self.table(py, "time_to_rest")
     }
 
     /// The limit cycles by class, per point.
     #[getter]
     fn cycles(&self, py: Python<'_>) -> PyResult<Table> {
-        self.table(py, 3)
+        self.table(py, "cycles")
     }
 
     /// The equilibria of the runs that came to rest.
     #[getter]
     fn equilibria(&self, py: Python<'_>) -> PyResult<Table> {
-        self.table(py, 4)
+        self.table(py, "equilibria")
     }
 
     /// The number of equilibria in each part of the ring.
     #[getter]
     fn equilibrium_histogram(&self, py: Python<'_>) -> PyResult<Table> {
-        self.table(py, 5)
+        self.table(py, "equilibrium_histogram")
     }
 
     /// One row per run and stage of a disc that starts or a table that is kicked: the speeds of disc and balls, and the
     /// largest displacement of the table. None for a study without stages.
     #[getter]
     fn stages(&self, py: Python<'_>) -> PyResult<Option<Table>> {
-        self.stages.as_ref().map(|slot| self.in_slot(py, slot, STAGES_TABLE)).transpose()
+        self.study.has_stages().then(|| self.table(py, "stages")).transpose()
     }
 
     /// The points in Markdown, as ``stickslip summary --markdown`` prints them: the most important columns in the units of
@@ -253,11 +252,8 @@ impl Results {
     /// The tables from which figures are drawn, by name.
     fn _source<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let tables = PyDict::new(py);
-        for (index, name) in TABLES.iter().enumerate() {
-            tables.set_item(name, self.table(py, index)?)?;
-        }
-        if let Some(stages) = self.stages(py)? {
-            tables.set_item(STAGES_TABLE, stages)?;
+        for name in table_names(&self.study) {
+            tables.set_item(name, self.table(py, name)?)?;
         }
         Ok(tables)
     }
@@ -313,19 +309,18 @@ impl Results {
     pub fn in_memory(
         (study, file): (Arc<Study>, PathBuf),
         runs_of: impl Fn(Label) -> u64,
-        tables: [MemoryTable; 6],
-        stages: Option<MemoryTable>,
+        tables: Vec<MemoryTable>,
         summary: String,
     ) -> Self {
+        let tables = tables.into_iter().map(OnceLock::from);
         Results {
+            tables: table_names(&study).zip(tables).collect(),
             study,
             file,
             labels: Label::ALL.map(|label| (label.name().to_owned(), runs_of(label))).to_vec(),
             complete: true,
             place: None,
-            tables: tables.map(OnceLock::from),
             summary: OnceLock::from(summary),
-            stages: stages.map(OnceLock::from),
         }
     }
 
@@ -339,31 +334,22 @@ impl Results {
             file: directory.join("study.yaml"),
             labels,
             complete: manifest.complete,
-            tables: Default::default(),
+            tables: table_names(&study).map(|name| (name, OnceLock::new())).collect(),
             summary: OnceLock::new(),
-            stages: study.has_stages().then(OnceLock::new),
             study,
             place: Some(Place { directory, readable: Arc::new(readable) }),
         }
     }
 
-    fn table(&self, py: Python<'_>, index: usize) -> PyResult<Table> {
-        self.in_slot(py, &self.tables[index], TABLES[index])
-    }
-
-    /// Returns the table in a slot, which is read on the first access.
-    fn in_slot(
-        &self,
-        py: Python<'_>,
-        slot: &OnceLock<MemoryTable>,
-        name: &'static str,
-    ) -> PyResult<Table> {
+    /// Returns a table, which is read on the first access.
+    fn table(&self, py: Python<'_>, name: &'static str) -> PyResult<Table> {
+        let defect = || Trouble::Defect("a defect of stickslip: no table".to_owned());
+        let slot = self.tables.iter().find(|(other, _)| *other == name);
+        let (_, slot) = slot.ok_or_else(defect)?;
         if let Some(table) = slot.get() {
             return Ok(Table(table.clone()));
         }
-        let Some(Place { readable, .. }) = self.place.clone() else {
-            return Err(Trouble::Defect("a defect of stickslip: no table".to_owned()).into());
-        };
+        let Place { readable, .. } = self.place.clone().ok_or_else(defect)?;
         let read = move |_: &AtomicBool| {
             let Readable { tables, manifest, .. } = &*readable;
             Ok::<_, Trouble>(table::Table::open(tables, manifest, name)?.in_memory()?)

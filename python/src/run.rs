@@ -11,9 +11,7 @@ use stickslip::engine::{
     EngineOptions, OutputDir, Parts, Planned, Progress, Readable, Ready, Show, Sink, run_study,
 };
 use stickslip::study::Study;
-use stickslip::table::{
-    self, Circumstances, MemoryResults, MemoryTables, PointRow, ResultsError, RunRecord,
-};
+use stickslip::table::{Circumstances, MemoryRows, PointRow, RunRecord, StudyTables};
 
 use crate::error::Trouble;
 use crate::results::Results;
@@ -36,7 +34,7 @@ impl Run {
     /// # Errors
     /// Returns an error if the threads cannot be started.
     pub fn in_memory(self, study: &Arc<Study>, stop: &AtomicBool) -> Result<Results, Trouble> {
-        let mut tables = MemoryResults::new(study);
+        let mut tables = StudyTables::in_memory(study);
         let mut summary = PointsTable::new(study, MOST_LINES);
         summary.is_saved = false;
         let progress = Progress::begin(self.planned(study), self.show.clone());
@@ -44,10 +42,10 @@ impl Run {
         let ended = run_study(study, self.options(), stop, &progress, None, &mut sink);
         progress.close();
         let totals = ended?;
-        let MemoryTables { tables, stages } = tables.finish()?;
+        let tables = tables.finish()?;
         let study = (Arc::clone(study), self.file);
         let runs_of = |label| totals.counts.of(label);
-        Ok(Results::in_memory(study, runs_of, tables, stages, summary.markdown()))
+        Ok(Results::in_memory(study, runs_of, tables, summary.markdown()))
     }
 
     /// Runs a study into a directory, like the command line.
@@ -75,9 +73,8 @@ impl Run {
                 let begun =
                     Circumstances::begin(options.shard.to_string(), options.shard.most_runs(study));
                 let progress = Progress::begin(self.planned(study), self.show.clone());
-                let mut sink = InFiles(&mut results);
                 let ended =
-                    run_study(study, options, stop, &progress, Some(&mut *store), &mut sink);
+                    run_study(study, options, stop, &progress, Some(&mut *store), &mut *results);
                 let wall_s = progress.close().as_secs_f64();
                 let totals = ended?;
                 store.check()?;
@@ -108,32 +105,17 @@ impl Run {
 }
 
 /// Collects runs and points in memory, and the points as people read them.
-struct InMemory<'a>(&'a Study, &'a mut MemoryResults, &'a mut PointsTable);
+struct InMemory<'a>(&'a Study, &'a mut StudyTables<MemoryRows>, &'a mut PointsTable);
 
 impl Sink for InMemory<'_> {
     type Error = ArrowError;
 
     fn run(&mut self, record: RunRecord) -> Result<(), ArrowError> {
-        self.1.push_run(record)
+        self.1.run(record)
     }
 
     fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ArrowError> {
         self.2.push(self.0, &point);
-        self.1.push_point(point, detail)
-    }
-}
-
-/// Writes runs and points to files.
-struct InFiles<'a>(&'a mut table::Results);
-
-impl Sink for InFiles<'_> {
-    type Error = ResultsError;
-
-    fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
-        self.0.push_run(record)
-    }
-
-    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
-        self.0.push_point(point, detail)
+        self.1.point(point, detail)
     }
 }

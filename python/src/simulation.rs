@@ -154,11 +154,11 @@ impl Simulation {
         let about = |table| provenance_with(study, table, &options);
         let trajectory = in_memory(
             trajectory_columns(model, gaps.as_deref().unwrap_or_default()),
-            about("trajectory"),
+            &about("trajectory"),
             recording.samples,
         )?;
-        let switches = in_memory(switch_columns(model), about("switches"), recording.switches)?;
-        let in_table = |touches| in_memory(touch_columns(model), about("touches"), touches);
+        let switches = in_memory(switch_columns(model), &about("switches"), recording.switches)?;
+        let in_table = |touches| in_memory(touch_columns(model), &about("touches"), touches);
         let touches = touches.map(in_table).transpose()?;
         Ok(Simulation {
             label: record.outcome.label().name(),
@@ -169,7 +169,7 @@ impl Simulation {
             trajectory,
             switches,
             touches,
-            run: in_memory(run_columns(study), provenance(study, "runs"), [record])?,
+            run: in_memory(run_columns(study), &provenance(study, "runs"), [record])?,
         })
     }
 }

@@ -329,7 +329,7 @@ impl PyStudy {
             // After an interruption there are no answers, and the empty table is discarded.
             let answers = answers.map_err(Trouble::Usage)?.unwrap_or_default();
             let about = provenance(&study, "responses");
-            Ok::<_, Trouble>(in_memory(response_columns(&study), about, answers)?)
+            Ok::<_, Trouble>(in_memory(response_columns(&study), &about, answers)?)
         })??;
         Ok(Table(table))
     }

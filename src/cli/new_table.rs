@@ -128,6 +128,6 @@ impl<R> CsvTable<R> {
     }
 }
 
-fn unwritten(path: &Path, error: io::Error) -> WriteError {
-    WriteError { path: path.to_owned(), cause: error.into() }
+fn unwritten(path: &Path, cause: io::Error) -> WriteError {
+    WriteError { path: path.to_owned(), cause }
 }

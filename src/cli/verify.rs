@@ -112,7 +112,7 @@ impl Sink for Findings<'_> {
     type Error = ResultsError;
 
     fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
-        self.results.as_mut().map_or(Ok(()), |results| results.push_run(record))
+        self.results.as_mut().map_or(Ok(()), |results| results.run(record))
     }
 
     fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
@@ -134,7 +134,7 @@ impl Sink for Findings<'_> {
                 self.add(&point, "audit flip rate", rate, range, &keys);
             }
         }
-        self.results.as_mut().map_or(Ok(()), |results| results.push_point(point, detail))
+        self.results.as_mut().map_or(Ok(()), |results| results.point(point, detail))
     }
 }
 

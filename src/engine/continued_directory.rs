@@ -10,9 +10,7 @@ use super::Lock;
 use super::exclusive_directory::check_entries;
 use crate::command_error::CommandError;
 use crate::table::column::Column;
-use crate::table::{
-    FILES, FileList, ResultsError, TableWriter, WriteError, clear_temporaries, make_directory,
-};
+use crate::table::{FILES, FileList, ResultsError, WriteError, clear_temporaries, make_directory};
 
 /// The file that is locked.
 const LOCK: &str = "lock";
@@ -39,12 +37,12 @@ impl<'a> ContinuedDirectory<'a> {
         reason: &str,
         own: impl Fn(&str) -> bool,
     ) -> Result<Self, CommandError> {
-        let unusable = |cause| ResultsError::Unusable { path: path.to_owned(), cause };
+        let unusable = ResultsError::unusable(path);
         let own = |name: &str| own(name) || name == FILES || name == LOCK;
         check_entries(path, reason, |name| crate::table::is_own(name, own))?;
-        make_directory(path).map_err(unusable)?;
+        make_directory(path).map_err(&unusable)?;
         let lock = Lock::take(path.join(LOCK), path)?;
-        clear_temporaries(path, own).map_err(unusable)?;
+        clear_temporaries(path, own).map_err(&unusable)?;
         let found = FileList::read(path)?;
         let mut list = found.clone().unwrap_or_default();
         let changed = list.reconcile(path);
@@ -74,14 +72,7 @@ impl<'a> ContinuedDirectory<'a> {
         columns: Vec<Column<R>>,
         rows: impl IntoIterator<Item = R>,
     ) -> Result<(), WriteError> {
-        let mut table =
-            TableWriter::create(&self.path.join(format!("{name}.parquet")), columns, about)?;
-        for row in rows {
-            table.push(row)?;
-        }
-        let ContinuedDirectory { list, path, .. } = self;
-        table.finish_after(|files| list.announce(path, files))?;
-        Ok(())
+        self.list.write_table(self.path, name, about, columns, rows, true)
     }
 
     /// Writes a file of JSON.
@@ -96,6 +87,6 @@ impl<'a> ContinuedDirectory<'a> {
         let text = format!("{value:#}\n");
         let written = self.list.write(self.path, name, text.as_bytes());
         let path = self.path.join(name);
-        written.map_err(|cause| WriteError { path, cause: cause.into() }.into())
+        written.map_err(|cause| WriteError { path, cause }.into())
     }
 }

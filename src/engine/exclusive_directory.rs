@@ -53,13 +53,13 @@ impl ExclusiveDirectory {
     pub fn open(directory: &Path, files: &[&str]) -> Result<Self, CommandError> {
         Self::inspect(directory, files)?;
         let begun = directory.join(UNFINISHED).exists();
-        let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
-        make_directory(directory).map_err(unusable)?;
+        let unusable = ResultsError::unusable(directory);
+        make_directory(directory).map_err(&unusable)?;
         let lock = Lock::take(directory.join(UNFINISHED), directory)?;
         // Another process may have filled it before this one got the lock.
         lock.check()?;
         Self::inspect(directory, if begun { files } else { &[] })?;
-        sync_directory(directory).map_err(unusable)?;
+        sync_directory(directory).map_err(&unusable)?;
         clear_temporaries(directory, |name| is_listed(name, files)).map_err(unusable)?;
         // An unfinished list is written anew; an invalid one belongs to someone else.
         FileList::read(directory)?;
@@ -75,7 +75,7 @@ impl ExclusiveDirectory {
         lock.check()?;
         fs::remove_file(directory.join(UNFINISHED))
             .and_then(|()| sync_directory(&directory))
-            .map_err(|cause| ResultsError::Unusable { path: directory, cause })?;
+            .map_err(ResultsError::unusable(&directory))?;
         Ok(())
     }
 }
@@ -93,7 +93,7 @@ pub fn check_entries(
     reason: &str,
     own: impl Fn(&str) -> bool,
 ) -> Result<(), ResultsError> {
-    let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
+    let unusable = ResultsError::unusable(directory);
     let entries = match fs::read_dir(directory) {
         Ok(entries) => entries.collect::<io::Result<Vec<_>>>().map_err(unusable)?,
         Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),

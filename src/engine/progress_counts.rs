@@ -45,21 +45,17 @@ impl Counts {
     pub fn snapshot(&self) -> Snapshot {
         let read = |count: &AtomicU64| count.load(Ordering::Relaxed);
         // Parts are read before the total, so that no part exceeds it.
-        let (equilibria, failed) = (read(&self.equilibria), read(&self.failed));
-        let (reused, runs) = (read(&self.reused), read(&self.runs));
-        let elapsed_s = self.started.elapsed().as_secs_f64();
-        let (most_runs, at_most) = (read(&self.most_runs), self.at_most);
-        let (parts, parts_finished) = (self.parts, read(&self.parts_finished));
+        let [equilibria, failed, reused] = [&self.equilibria, &self.failed, &self.reused].map(read);
         Snapshot {
-            elapsed_s,
-            most_runs,
-            at_most,
-            runs,
+            elapsed_s: self.started.elapsed().as_secs_f64(),
+            most_runs: read(&self.most_runs),
+            at_most: self.at_most,
+            runs: read(&self.runs),
             reused,
             equilibria,
             failed,
-            parts,
-            parts_finished,
+            parts: self.parts,
+            parts_finished: read(&self.parts_finished),
         }
     }
 }

@@ -50,8 +50,8 @@ pub fn readable_results(directory: &Path) -> Result<Readable, CommandError> {
     if has_tables && (manifest.complete || is_current()?) {
         return Ok(finished);
     }
-    let unusable = |cause| ResultsError::Unusable { path: std::env::temp_dir(), cause };
-    let temporary = tempfile::Builder::new().prefix("stickslip-").tempdir().map_err(unusable)?;
+    let temporary = tempfile::Builder::new().prefix("stickslip-").tempdir();
+    let temporary = temporary.map_err(ResultsError::unusable(&std::env::temp_dir()))?;
     let tables = temporary.path().join("results");
     let shard = manifest.shard.parse::<Shard>().map_err(|error| {
         CommandError::Usage(format!("{}: `shard` of manifest.json: {error}", directory.display()))

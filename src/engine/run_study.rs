@@ -19,38 +19,12 @@ use super::stop::{StopCondition, StopReason};
 use super::store::{ChunkIndex, NewResult, ResultCache, Store, StoreError};
 use super::worker::{RunQueue, Storage};
 use super::{EngineOptions, Progress, WorkerPool};
-use crate::analysis::{LabelCounts, PointAccumulator, PointDetail};
+use crate::analysis::{LabelCounts, PointAccumulator};
 use crate::classification::Outcome;
 use crate::model::{Case, Model, Simulation};
 use crate::motion::{Cancellation, SimdLevel};
 use crate::study::Study;
-use crate::table::{PointRow, ResponseSamples, Results, ResultsError, RunRecord};
-
-/// Receives runs and points in the order of the study.
-pub trait Sink: Send {
-    /// The error of the sink.
-    type Error: Send;
-
-    /// Receives a finished run. Runs arrive in ascending order of their numbers.
-    fn run(&mut self, record: RunRecord) -> Result<(), Self::Error>;
-
-    /// Receives a point whose runs have finished, all of them or those before an interruption; `detail` holds the
-    /// rows of other tables.
-    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), Self::Error>;
-}
-
-/// Writes runs and points to the tables of an output directory.
-impl Sink for Results {
-    type Error = ResultsError;
-
-    fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
-        self.push_run(record)
-    }
-
-    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
-        self.push_point(point, detail)
-    }
-}
+use crate::table::{PointRow, ResponseSamples, RunRecord, Sink};
 
 /// The reason why a study could not be computed.
 #[derive(Debug, Error)]

@@ -80,12 +80,9 @@ impl<'a> Worker<'a> {
         let content =
             found.map(|found| found.content.clone()).or_else(|| disk.result_cache.find(key));
         let finished = content.and_then(|content| StoredOutcome::decode(&content, &planned));
-        let usable = finished.filter(|finished| {
-            let retry = disk.retry_failed && finished.outcome.label() == Label::Failed;
-            !retry && (!planned.audited || finished.audit.is_some())
-        });
+        let usable =
+            finished.filter(|found| !disk.retry_failed || found.outcome.label() != Label::Failed);
         let Some(StoredOutcome { outcome, audit }) = usable else { return Some(planned) };
-        let audit = audit.filter(|_| planned.audited);
         disk.reused_count.fetch_add(1, Ordering::Relaxed);
         (disk.reused)(outcome.label());
         let record = RunRecord { planned, outcome, audit };

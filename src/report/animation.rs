@@ -61,8 +61,8 @@ pub fn animate(
     let mut recorder = Recorder::new(Instants::At((0..frames).map(time).collect()), MOST_INSTANTS);
     simulate_recorded(case, &mut recorder);
     let page = animation(machine, &recorder.finish(), &title);
-    let unusable = |cause| ResultsError::Unusable { path: out.join(ANIMATION), cause };
-    list.write_once(out, ANIMATION, page.as_bytes()).map_err(unusable)?;
+    list.write_once(out, ANIMATION, page.as_bytes())
+        .map_err(ResultsError::unusable(&out.join(ANIMATION)))?;
     Ok(true)
 }
 

@@ -72,8 +72,7 @@ pub fn beside(directory: &Path, added: &str) -> Result<PathBuf, CommandError> {
     // `.` and `..` have names only after resolution.
     let named = match directory.file_name() {
         Some(_) => directory.to_owned(),
-        None => fs::canonicalize(directory)
-            .map_err(|cause| ResultsError::Unusable { path: directory.to_owned(), cause })?,
+        None => fs::canonicalize(directory).map_err(ResultsError::unusable(directory))?,
     };
     let Some(name) = named.file_name() else {
         let found = directory.display();
@@ -91,7 +90,7 @@ pub fn beside(directory: &Path, added: &str) -> Result<PathBuf, CommandError> {
 /// # Errors
 /// Returns an error if anything else has this path.
 pub fn replaceable(file: &Path, own: impl Fn(&[u8]) -> bool) -> Result<(), CommandError> {
-    let unusable = |cause| ResultsError::Unusable { path: file.to_owned(), cause };
+    let unusable = ResultsError::unusable(file);
     let found = match fs::symlink_metadata(file) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
         Err(cause) => return Err(unusable(cause).into()),

@@ -10,10 +10,9 @@ use crate::classification::Recording;
 use crate::command_error::CommandError;
 use crate::engine::{ExclusiveDirectory, record};
 use crate::study::Study;
-use crate::table::column::Column;
 use crate::table::{
-    Difference, FILES, FileList, Manifest, RunRecord, StoredRun, TableWriter, provenance_with,
-    switch_columns, touch_columns, trajectory_columns,
+    Difference, FILES, FileList, Manifest, RunRecord, StoredRun, provenance_with, switch_columns,
+    touch_columns, trajectory_columns,
 };
 
 /// The largest number of instants, of switches and of impacts of a motion.
@@ -131,34 +130,20 @@ impl Replay {
     ) -> Result<Vec<&'static str>, CommandError> {
         let Replay { record, recording, .. } = self;
         let options = self.options();
+        let about = |name| provenance_with(study, name, &options);
         // Invalid parameters have no units; the table is then empty.
         let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
         let gaps = model.gaps(&record.planned.start);
         let columns = trajectory_columns(model, gaps.as_deref().unwrap_or_default());
-        table(out, list, study, "trajectory", &options, columns, &recording.samples)?;
-        table(out, list, study, "switches", &options, switch_columns(model), &recording.switches)?;
+        let samples = recording.samples.iter().cloned();
+        list.write_table(out, "trajectory", &about("trajectory"), columns, samples, false)?;
+        let (columns, switches) = (switch_columns(model), recording.switches.iter().cloned());
+        list.write_table(out, "switches", &about("switches"), columns, switches, false)?;
         if gaps.is_none() {
             return Ok(vec![TRAJECTORY, SWITCHES]);
         }
-        table(out, list, study, "touches", &options, touch_columns(model), &recording.touches)?;
+        let (columns, touches) = (touch_columns(model), recording.touches.iter().cloned());
+        list.write_table(out, "touches", &about("touches"), columns, touches, false)?;
         Ok(vec![TRAJECTORY, SWITCHES, TOUCHES])
     }
-}
-
-fn table<R: Clone>(
-    out: &Path,
-    list: &mut FileList,
-    study: &Study,
-    name: &str,
-    options: &Value,
-    columns: Vec<Column<R>>,
-    rows: &[R],
-) -> Result<(), CommandError> {
-    let path = out.join(format!("{name}.parquet"));
-    let mut table = TableWriter::create(&path, columns, &provenance_with(study, name, options))?;
-    for row in rows {
-        table.push(row.clone())?;
-    }
-    table.finish_once(|files| list.announce(out, files))?;
-    Ok(())
 }

@@ -10,7 +10,7 @@ use std::io;
 use std::path::Path;
 
 use super::durable_directories::sync_directory;
-use super::file_entry::read_regular;
+use super::file_entry::has_content;
 use tempfile::{Builder, NamedTempFile, TempDir};
 
 /// The extension of all temporary names.
@@ -80,15 +80,11 @@ pub fn write_atomically(path: &Path, content: &[u8]) -> io::Result<()> {
 /// Returns an error of the kind `AlreadyExists` if the name is taken, or another error if the file
 /// cannot be written.
 pub fn write_once(path: &Path, content: &[u8]) -> io::Result<()> {
-    match fs::symlink_metadata(path) {
+    match has_content(path, content) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => write_atomically(path, content),
         Err(error) => Err(error),
-        Ok(found) => {
-            let same = found.is_file()
-                && found.len() == content.len() as u64
-                && read_regular(path, found.len())? == content;
-            if same { Ok(()) } else { Err(taken()) }
-        }
+        Ok(true) => Ok(()),
+        Ok(false) => Err(taken()),
     }
 }
 

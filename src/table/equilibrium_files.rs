@@ -9,7 +9,8 @@ use super::equilibrium_set::{SetRow, SetSummaryRow, set_columns, set_summary_col
 use super::file_list::FileList;
 use super::frictionless_equilibria::{FrictionlessRow, frictionless_columns};
 use super::provenance::provenance_with;
-use super::writer::{TableWriter, WriteError};
+use super::table_files::WriteError;
+use super::writer::TableWriter;
 use crate::study::Study;
 
 /// The content of the directory.
@@ -83,9 +84,9 @@ impl EquilibriumTables {
     pub fn finish(self, list: &mut FileList) -> Result<(), WriteError> {
         let directory = self.directory.as_path();
         if let Some(positions) = self.positions {
-            positions.finish_once(|files| list.announce(directory, files))?;
+            positions.finish_after(false, |files| list.announce(directory, files))?;
         }
-        self.sets.finish_once(|files| list.announce(directory, files))?;
-        self.frictionless.finish_once(|files| list.announce(directory, files))
+        self.sets.finish_after(false, |files| list.announce(directory, files))?;
+        self.frictionless.finish_after(false, |files| list.announce(directory, files))
     }
 }

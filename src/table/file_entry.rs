@@ -34,9 +34,12 @@ impl FileEntry {
         FileEntry { rows: None, bytes: content.len() as u64, sha256: sha256(content) }
     }
 
-    /// Returns whether two files have the same content.
-    pub(super) fn has_content_of(&self, other: &Self) -> bool {
-        (self.bytes, &self.sha256) == (other.bytes, &other.sha256)
+    /// Returns whether there is a regular file with this content.
+    pub(super) fn is_at(&self, path: &Path) -> io::Result<bool> {
+        // Checked before opening: opening a named pipe would wait for a writer.
+        let found = fs::symlink_metadata(path)?;
+        let may_be = found.is_file() && found.len() == self.bytes;
+        Ok(may_be && FileEntry::of(path, None)?.sha256 == self.sha256)
     }
 }
 
@@ -69,6 +72,13 @@ impl io::Write for HashWriter {
     fn flush(&mut self) -> io::Result<()> {
         Ok(())
     }
+}
+
+/// Returns whether there is a regular file with this content.
+pub(super) fn has_content(path: &Path, content: &[u8]) -> io::Result<bool> {
+    let found = fs::symlink_metadata(path)?;
+    let may_be = found.is_file() && found.len() == content.len() as u64;
+    Ok(may_be && read_regular(path, found.len())? == content)
 }
 
 /// Reads a regular file of at most `most` bytes.

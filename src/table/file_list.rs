@@ -11,10 +11,13 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::atomic_files::{write_atomically, write_once};
+use super::column::Column;
 use super::file_entry::{FileEntry, read_regular};
 use super::provenance::FORMAT;
 use super::table_error::TableError;
+use super::table_files::WriteError;
 use super::verified_files::{ListedFiles, is_file_name};
+use super::writer::TableWriter;
 use crate::sanitize::shorten;
 use crate::tabular::Fault;
 
@@ -23,9 +26,6 @@ pub const FILES: &str = "files.json";
 
 /// The largest size of a list, bytes.
 const MAX_BYTES: u64 = 4 * 1024 * 1024;
-
-/// The remedy for a changed file, for messages.
-const REMEDY: &str = "to write it again, repeat its command with another directory";
 
 /// The listed files of a directory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -120,6 +120,26 @@ impl FileList {
         write_once(&directory.join(name), content)
     }
 
+    /// Writes a table with this provenance and adds its files to the list. Unless an existing table is `replaced`, it must
+    /// have the same bytes.
+    ///
+    /// # Errors
+    /// Returns an error if a file or the list cannot be written, or if the name is taken.
+    pub fn write_table<R>(
+        &mut self,
+        directory: &Path,
+        name: &str,
+        provenance: &str,
+        columns: Vec<Column<R>>,
+        rows: impl IntoIterator<Item = R>,
+        replaced: bool,
+    ) -> Result<(), WriteError> {
+        let path = directory.join(format!("{name}.parquet"));
+        let mut table = TableWriter::create(&path, columns, provenance)?;
+        table.extend(rows)?;
+        table.finish_after(replaced, |files| self.announce(directory, files))
+    }
+
     /// Returns the content of a file if the list names it.
     ///
     /// # Errors
@@ -145,11 +165,10 @@ impl FileList {
         let mut changed = Vec::new();
         for (name, entry) in std::mem::take(&mut self.files) {
             let path = directory.join(&name);
-            let Ok(found) = fs::symlink_metadata(&path) else { continue };
-            // Only regular files are opened, because opening a named pipe would wait for a writer.
-            let found = found.is_file().then(|| FileEntry::of(&path, None).ok()).flatten();
-            let is_there =
-                |entry: &FileEntry| found.as_ref().is_some_and(|found| found.has_content_of(entry));
+            if fs::symlink_metadata(&path).is_err() {
+                continue;
+            }
+            let is_there = |entry: &FileEntry| entry.is_at(&path).unwrap_or(false);
             let entry = match self.replaced.remove(&name) {
                 Some(before) if is_there(&before) => before,
                 _ => entry,
@@ -165,6 +184,7 @@ impl FileList {
 
     /// Returns the listed files with their directory.
     pub(super) fn in_directory<'a>(&'a self, directory: &'a Path) -> ListedFiles<'a> {
-        ListedFiles { directory, list: FILES, files: &self.files, remedy: REMEDY }
+        let remedy = "to write it again, repeat its command with another directory".to_owned();
+        ListedFiles { directory, list: FILES, files: &self.files, remedy }
     }
 }

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::atomic_files::write_atomically;
 use super::file_entry::{FileEntry, read_regular};
 use super::provenance::{COMMIT, FORMAT, VERSION};
+use super::shard::Shard;
 use super::table_error::TableError;
 use super::verified_files::{ListedFiles, is_file_name};
 use crate::analysis::{FailureCounts, LabelCounts};
@@ -155,22 +156,19 @@ impl Manifest {
     /// Returns an error if the manifest cannot be read, with the kind `InvalidData` if it is not a
     /// manifest.
     pub fn read(directory: &Path) -> io::Result<Option<Self>> {
-        match read_regular(&directory.join(MANIFEST), MAX_BYTES) {
-            Ok(bytes) => {
-                let invalid = |error| io::Error::new(io::ErrorKind::InvalidData, error);
-                let manifest: Self = serde_json::from_slice(&bytes).map_err(invalid)?;
-                if manifest.format != FORMAT {
-                    let format = manifest.format;
-                    let problem = format!("{MANIFEST} has layout {format}; allowed: {FORMAT}");
-                    return Err(io::Error::new(io::ErrorKind::InvalidData, problem));
-                }
-                let checked = manifest.check_names().and_then(|()| manifest.check_values());
-                let damaged = |problem| io::Error::new(io::ErrorKind::InvalidData, problem);
-                checked.map(|()| Some(manifest)).map_err(damaged)
-            }
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-            Err(error) => Err(error),
+        let bytes = match read_regular(&directory.join(MANIFEST), MAX_BYTES) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            read => read?,
+        };
+        let invalid = |problem: String| io::Error::new(io::ErrorKind::InvalidData, problem);
+        let manifest: Self =
+            serde_json::from_slice(&bytes).map_err(|error| invalid(error.to_string()))?;
+        if manifest.format != FORMAT {
+            let format = manifest.format;
+            return Err(invalid(format!("{MANIFEST} has layout {format}; allowed: {FORMAT}")));
         }
+        manifest.check_names().and_then(|()| manifest.check_values()).map_err(invalid)?;
+        Ok(Some(manifest))
     }
 
     /// Checks that every file is in the directory itself.
@@ -195,11 +193,7 @@ impl Manifest {
         if let Some(text) = texts.chain(names).find(shown) {
             return Err(format!("{MANIFEST} has a text that cannot be shown: {}", shorten(text)));
         }
-        let numbers = self.shard.split_once('/').map(|(part, of)| (part.parse(), of.parse()));
-        let is_part = |(part, parts): (u64, u64)| {
-            (1..=parts).contains(&part) && self.shard == format!("{part}/{parts}")
-        };
-        if !matches!(numbers, Some((Ok(part), Ok(parts))) if is_part((part, parts))) {
+        if !self.shard.parse::<Shard>().is_ok_and(|shard| shard.to_string() == self.shard) {
             let found = shorten(&self.shard);
             return Err(format!("`shard` in {MANIFEST} is {found:?}; allowed: K/N, such as 2/8"));
         }
@@ -222,24 +216,16 @@ impl Manifest {
     /// # Errors
     /// Returns an error if the file differs from the manifest.
     pub fn check_file(&self, directory: &Path, name: &str) -> Result<(), TableError> {
-        let remedy = self.remedy(directory);
         let entry = self.files.get(name);
-        let listed = self.in_directory(directory, &remedy);
-        entry.map_or(Ok(()), |entry| listed.check(name, entry).map(drop))
+        entry.map_or(Ok(()), |entry| self.in_directory(directory).check(name, entry).map(drop))
     }
 
-    /// Returns the files of the manifest in their directory, with [`Self::remedy`].
-    pub(super) fn in_directory<'a>(
-        &'a self,
-        directory: &'a Path,
-        remedy: &'a str,
-    ) -> ListedFiles<'a> {
+    /// Returns the files of the manifest in their directory.
+    pub(super) fn in_directory<'a>(&'a self, directory: &'a Path) -> ListedFiles<'a> {
+        let directory_word = shell_word(directory);
+        let remedy =
+            format!("`stickslip resume {directory_word}` recreates it from the finished runs");
         ListedFiles { directory, list: MANIFEST, files: &self.files, remedy }
-    }
-
-    /// Returns what to do about a file that differs from the manifest.
-    pub(super) fn remedy(&self, directory: &Path) -> String {
-        format!("`stickslip resume {}` recreates it from the finished runs", shell_word(directory))
     }
 
     /// Writes the manifest into a directory atomically.

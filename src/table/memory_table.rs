@@ -11,16 +11,14 @@ use arrow_array::{RecordBatch, StringArray, TypedDictionaryArray};
 use arrow_schema::{ArrowError, Schema, SchemaRef};
 use arrow_select::concat::concat_batches;
 
-use super::column::{Column, batch, schema};
+use super::column::{Column, schema};
 use super::read::Table;
 use super::table_error::TableError;
+use super::writer::{Destination, TableWriter};
 use crate::tabular::Fault;
 
 /// Number of rows in a batch.
 const BATCH: usize = 65_536;
-/// Number of rows that are buffered before they become columns, because rows take more memory than
-/// columns.
-const WAITING: usize = 4096;
 
 /// A table in memory.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,14 +35,52 @@ impl MemoryTable {
     pub fn rows(&self) -> usize {
         self.batches.iter().map(RecordBatch::num_rows).sum()
     }
+}
 
-    /// Creates a table from batches. Each column of words has one dictionary for all batches,
-    /// without repeated words: some readers use the dictionary of the first batch for all batches,
-    /// or treat each entry as a different word.
-    pub(super) fn new(
-        schema: SchemaRef,
-        mut batches: Vec<RecordBatch>,
-    ) -> Result<Self, ArrowError> {
+/// The rows of a table in memory.
+pub struct MemoryRows {
+    schema: SchemaRef,
+    /// Batches of few rows, until they are enough for a full batch.
+    pieces: Vec<RecordBatch>,
+    batches: Vec<RecordBatch>,
+}
+
+impl Destination for MemoryRows {
+    type Error = ArrowError;
+
+    fn write(&mut self, rows: Result<RecordBatch, ArrowError>) -> Result<(), ArrowError> {
+        self.pieces.push(rows?.with_schema(Arc::clone(&self.schema))?);
+        let rows: usize = self.pieces.iter().map(RecordBatch::num_rows).sum();
+        if rows < BATCH { Ok(()) } else { self.join() }
+    }
+}
+
+impl MemoryRows {
+    /// Starts a table with `provenance` as the value of the metadata key `stickslip`.
+    pub(super) fn new(schema: &Schema, provenance: &str) -> Self {
+        let metadata = HashMap::from([("stickslip".to_owned(), provenance.to_owned())]);
+        Self::of_schema(Arc::new(schema.clone().with_metadata(metadata)))
+    }
+
+    fn of_schema(schema: SchemaRef) -> Self {
+        MemoryRows { schema, pieces: Vec::new(), batches: Vec::new() }
+    }
+
+    /// Joins the pieces into one batch.
+    fn join(&mut self) -> Result<(), ArrowError> {
+        let pieces = std::mem::take(&mut self.pieces);
+        if !pieces.is_empty() {
+            self.batches.push(concat_batches(&self.schema, &pieces)?);
+        }
+        Ok(())
+    }
+
+    /// Returns the table. Each column of words has one dictionary for all batches, without repeated
+    /// words: some readers use the dictionary of the first batch for all batches, or treat each
+    /// entry as a different word.
+    pub(super) fn finish(mut self) -> Result<MemoryTable, ArrowError> {
+        self.join()?;
+        let MemoryRows { schema, mut batches, .. } = self;
         for index in 0..schema.fields().len() {
             let parts: Option<Vec<_>> = batches
                 .iter()
@@ -68,117 +104,60 @@ impl MemoryTable {
     }
 }
 
-/// Builds a table in memory row by row.
-pub struct MemoryWriter<R> {
-    columns: Vec<Column<R>>,
-    schema: SchemaRef,
-    rows: Vec<R>,
-    /// Batches of few rows, until they are enough for a full batch.
-    pieces: Vec<RecordBatch>,
-    batches: Vec<RecordBatch>,
-}
-
-impl<R> MemoryWriter<R> {
-    /// Creates an empty table with `provenance` as the value of the metadata key `stickslip`.
-    pub fn new(columns: Vec<Column<R>>, provenance: String) -> Self {
-        let schema = schema(&columns).as_ref().clone();
-        let metadata = HashMap::from([("stickslip".to_owned(), provenance)]);
-        let schema = Arc::new(schema.with_metadata(metadata));
-        let (rows, pieces, batches) = (Vec::new(), Vec::new(), Vec::new());
-        MemoryWriter { columns, schema, rows, pieces, batches }
-    }
-
-    /// Adds a row.
-    ///
-    /// # Errors
-    /// Returns an error if the values of a column do not fit its type, which is a bug.
-    pub fn push(&mut self, row: R) -> Result<(), ArrowError> {
-        self.rows.push(row);
-        if self.rows.len() < WAITING { Ok(()) } else { self.flush() }
-    }
-
-    fn flush(&mut self) -> Result<(), ArrowError> {
-        if self.rows.is_empty() {
-            return Ok(());
-        }
-        let piece = batch(&self.columns, &self.rows)?.with_schema(Arc::clone(&self.schema))?;
-        self.rows.clear();
-        self.pieces.push(piece);
-        if self.pieces.len() * WAITING >= BATCH { self.join() } else { Ok(()) }
-    }
-
-    /// Joins the pieces into one batch.
-    fn join(&mut self) -> Result<(), ArrowError> {
-        let pieces = std::mem::take(&mut self.pieces);
-        if !pieces.is_empty() {
-            self.batches.push(concat_batches(&self.schema, &pieces)?);
-        }
-        Ok(())
+impl<R> TableWriter<R, MemoryRows> {
+    /// Starts a table in memory with `provenance` as the value of the metadata key `stickslip`.
+    pub fn in_memory(columns: Vec<Column<R>>, provenance: &str) -> Self {
+        let rows = MemoryRows::new(&schema(&columns), provenance);
+        TableWriter::new(columns, rows)
     }
 
     /// Returns the table.
     ///
     /// # Errors
-    /// Returns an error in the cases of [`MemoryWriter::push`].
-    pub fn finish(mut self) -> Result<MemoryTable, ArrowError> {
-        self.flush()?;
-        self.join()?;
-        MemoryTable::new(self.schema, self.batches)
+    /// Returns an error if values do not fit their column, which is a bug.
+    pub fn finish(self) -> Result<MemoryTable, ArrowError> {
+        self.close()?.finish()
     }
 }
 
 /// Creates a table from rows.
 ///
 /// # Errors
-/// Returns an error in the cases of [`MemoryWriter::push`].
+/// Returns an error if values do not fit their column, which is a bug.
 pub fn in_memory<R>(
     columns: Vec<Column<R>>,
-    provenance: String,
+    provenance: &str,
     rows: impl IntoIterator<Item = R>,
 ) -> Result<MemoryTable, ArrowError> {
-    let mut table = MemoryWriter::new(columns, provenance);
-    for row in rows {
-        table.push(row)?;
-    }
+    let mut table = TableWriter::in_memory(columns, provenance);
+    table.extend(rows)?;
     table.finish()
 }
 
 impl Table {
     /// The table in memory, in full, as it was when it was written.
     pub fn in_memory(&self) -> Result<MemoryTable, TableError> {
-        let mut schema = None;
-        let mut batches = Vec::new();
+        let mut table = None;
         for (path, rows) in &self.parts {
             let refuse = |fault| TableError::new(path, None, fault);
             let part = self.open_part(path, *rows)?;
             let own = part.written_schema().map_err(refuse)?;
             let all: Vec<usize> = (0..own.fields().len()).collect();
-            // Adds the metadata of the columns of the file.
-            let joined = |read: &[RecordBatch]| {
-                let joined = concat_batches(&own, read);
-                joined.map_err(|error| refuse(Fault::damaged(&error.to_string())))
-            };
-            let mut read = Vec::new();
-            for batch in part.batches(&all, &own).map_err(refuse)? {
-                read.push(batch.map_err(refuse)?);
-                let rows: usize = read.iter().map(RecordBatch::num_rows).sum();
-                if rows >= BATCH {
-                    batches.push(joined(&read)?);
-                    read.clear();
-                }
+            let batches = part.batches(&all, &own).map_err(refuse)?;
+            let table = table.get_or_insert_with(|| MemoryRows::of_schema(own));
+            for batch in batches {
+                table.write(Ok(batch.map_err(refuse)?)).map_err(|error| differing(path, &error))?;
             }
-            if !read.is_empty() {
-                batches.push(joined(&read)?);
-            }
-            schema.get_or_insert(own);
         }
         // An open table has at least one part.
-        let schema = schema.unwrap_or_else(|| Arc::new(Schema::empty()));
-        MemoryTable::new(schema, batches).map_err(|error| {
-            let problem = "the parts of this table have different columns";
-            let file = self.parts.first().map_or(Path::new(""), |(path, _)| path);
-            let allowed = "the files that were written";
-            TableError::new(file, None, Fault::new(problem, error.to_string(), allowed))
-        })
+        let table = table.unwrap_or_else(|| MemoryRows::of_schema(Arc::new(Schema::empty())));
+        let first = self.parts.first().map_or(Path::new(""), |(path, _)| path);
+        table.finish().map_err(|error| differing(first, &error))
     }
+}
+
+fn differing(file: &Path, error: &ArrowError) -> TableError {
+    let problem = "the parts of this table have different columns";
+    let allowed = "the files that were written";
+    TableError::new(file, None, Fault::new(problem, error.to_string(), allowed))
 }

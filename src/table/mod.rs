@@ -3,14 +3,14 @@
 //! Only this module writes Parquet files; `tabular` reads them for both studies and results.
 //!
 //! - Columns: each table declares its columns in a file of its name, with the methods of `column`.
-//! - Writing: `writer` writes a table into an `unfinished_table`, which gets its name last.
-//!   `results` and `equilibrium_files` hold the tables of a command; `manifest` and `file_list`
-//!   list their files.
+//! - Writing: `writer` turns rows into columns, for `memory_table` or for `table_files`, which writes
+//!   into an `unfinished_table` that gets its name last. `study_tables` declares the tables of a
+//!   study, `results` and `equilibrium_files` hold the tables of a command; `manifest` and
+//!   `file_list` list their files.
 //! - Output directories: `output_state` inspects a directory before a run, `previous_results` moves
 //!   earlier results aside, and `atomic_files` and `durable_directories` survive kills and power
 //!   loss.
 //! - Reading: `read` and `stored_run` read tables after `verified_files` has checked their hashes.
-//! - In memory: `memory_results` makes the same tables without files.
 
 mod atomic_files;
 pub mod cell;
@@ -26,7 +26,6 @@ mod file_entry;
 mod file_list;
 mod frictionless_equilibria;
 mod manifest;
-mod memory_results;
 mod memory_table;
 mod output_state;
 mod point_key;
@@ -40,9 +39,12 @@ mod results;
 mod row;
 mod run_record;
 mod runs;
+mod shard;
 mod stages;
 mod stored_run;
+mod study_tables;
 mod table_error;
+mod table_files;
 mod time_to_rest;
 mod touches;
 mod unfinished_table;
@@ -64,8 +66,7 @@ pub(crate) use file_entry::{hexadecimal, read_regular, sha256};
 pub use file_list::{FILES, FileList};
 pub use frictionless_equilibria::{FrictionlessRow, frictionless_columns};
 pub use manifest::{Circumstances, MANIFEST, Manifest};
-pub use memory_results::{MemoryResults, MemoryTables, STAGES_TABLE, TABLES};
-pub use memory_table::{MemoryTable, MemoryWriter, in_memory};
+pub use memory_table::{MemoryRows, MemoryTable, in_memory};
 pub use output_state::{OutputState, check_path, inspect, manifest_of};
 pub(crate) use point_key::add_point;
 pub use point_key::{OfPoint, PointKey};
@@ -80,9 +81,12 @@ pub use row::{Batch, Row};
 pub use run_record::RunRecord;
 pub(crate) use runs::add_swept;
 pub use runs::{planned_columns, run_columns};
+pub use shard::{Shard, ShardError};
 pub use stages::{StageRow, stage_columns};
 pub use stored_run::{Difference, StoredRun};
+pub use study_tables::{Sink, StudyTables, table_names};
 pub use table_error::TableError;
+pub use table_files::{TableFiles, WriteError};
 pub use time_to_rest::{RestRow, rest_columns};
 pub use touches::touch_columns;
-pub use writer::{TableWriter, WriteCause, WriteError};
+pub use writer::{Destination, TableWriter};

@@ -3,13 +3,14 @@
 
 use std::fs;
 use std::io;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use super::atomic_files::final_name;
-use super::file_entry::{FileEntry, read_regular, short_hash};
+use super::file_entry::{FileEntry, has_content, short_hash};
 use super::manifest::{MANIFEST, Manifest};
 use super::provenance::{FORMAT, VERSION};
-use super::results::{DATA_FILES, ResultsError, STUDY};
+use super::results::ResultsError;
+use super::study_tables::{DATA_FILES, STUDY};
 use crate::classification::MODEL_VERSION;
 use crate::sanitize::one_line;
 use crate::study::Study;
@@ -67,7 +68,7 @@ pub fn inspect(
     ours: &[&str],
 ) -> Result<OutputState, ResultsError> {
     check_path(directory)?;
-    let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
+    let unusable = ResultsError::unusable(directory);
     let Some(manifest) = manifest_of(directory)? else {
         return without_manifest(directory, study, ours);
     };
@@ -92,20 +93,31 @@ pub fn inspect(
         let found = format!("tables of stickslip {} (this is {VERSION})", manifest.version);
         return Ok(OutputState::Changed(manifest, found));
     }
-    let changed = match manifest.complete {
-        true => missing_or_changed(directory, &manifest),
-        false => unnamed_or_changed(directory, &manifest, study),
+    // The tables of incomplete results would be replaced.
+    let names = match manifest.complete {
+        true => manifest.files.keys().cloned().collect(),
+        false => written_tables(directory).map_err(&unusable)?,
     };
-    if let Some(found) = changed.map_err(unusable)? {
+    for name in names {
+        let changed = match manifest.files.get(&name) {
+            None => Some(format!("{name}, which {MANIFEST} does not name")),
+            Some(entry) => difference(directory, &name, entry).map_err(&unusable)?,
+        };
+        if let Some(found) = changed {
+            return Ok(OutputState::Changed(manifest, found));
+        }
+    }
+    let study_file = directory.join(STUDY);
+    let has_study = manifest.complete || fs::symlink_metadata(&study_file).is_ok();
+    if has_study && !is_own_study(&study_file, study).map_err(unusable)? {
+        let found =
+            format!("{STUDY}, by another name of the study, other expectations or other responses");
         return Ok(OutputState::Changed(manifest, found));
     }
-    if !manifest.complete {
-        return Ok(OutputState::Incomplete(manifest));
-    }
-    if !is_own_study(&directory.join(STUDY), study).map_err(unusable)? {
-        return Ok(OutputState::Changed(manifest, another_study()));
-    }
-    Ok(OutputState::Complete(manifest))
+    Ok(match manifest.complete {
+        true => OutputState::Complete(manifest),
+        false => OutputState::Incomplete(manifest),
+    })
 }
 
 /// Refuses an empty path, which operating systems interpret inconsistently.
@@ -134,18 +146,18 @@ fn without_manifest(
     study: &Study,
     ours: &[&str],
 ) -> Result<OutputState, ResultsError> {
-    let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
+    let unusable = ResultsError::unusable(directory);
     let refused = |found: String| {
         let reason = "this directory is not empty and holds no finished study";
         Err(occupied(directory, reason, &found))
     };
     let entries = match fs::read_dir(directory) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(OutputState::Unused),
-        entries => entries.map_err(unusable)?,
+        entries => entries.map_err(&unusable)?,
     };
     let (mut tables, mut of_results, mut other) = (false, false, None);
     for entry in entries {
-        let entry = entry.map_err(unusable)?;
+        let entry = entry.map_err(&unusable)?;
         let name = entry.file_name().to_string_lossy().into_owned();
         let unfinished = final_name(&name);
         if ours.contains(&&*name) {
@@ -153,7 +165,7 @@ fn without_manifest(
         } else if DATA_FILES.contains(&&*name) && name != STUDY {
             tables = true;
         } else if name == STUDY {
-            if !is_own_study(&entry.path(), study).map_err(unusable)? {
+            if !is_own_study(&entry.path(), study).map_err(&unusable)? {
                 other = Some(name);
             }
         } else if !unfinished.is_some_and(|of| DATA_FILES.contains(&of) || of == MANIFEST) {
@@ -171,61 +183,23 @@ fn without_manifest(
 
 /// Returns whether a file is the resolved study file of the study.
 fn is_own_study(path: &Path, study: &Study) -> io::Result<bool> {
-    let text = study.resolved_yaml();
-    Ok(content(path, text.len())?.is_some_and(|found| found == text.as_bytes()))
+    has_content(path, study.resolved_yaml().as_bytes())
 }
 
-/// Returns the content of a regular file of at most `most` bytes, or `None` for anything else.
-fn content(path: &Path, most: usize) -> io::Result<Option<Vec<u8>>> {
-    let found = fs::symlink_metadata(path)?;
-    match found.is_file() && found.len() <= most as u64 {
-        true => read_regular(path, most as u64).map(Some),
-        false => Ok(None),
-    }
-}
-
-/// Describes the first file of complete results that differs from the manifest, if there is one.
-fn missing_or_changed(directory: &Path, manifest: &Manifest) -> io::Result<Option<String>> {
-    for (name, entry) in &manifest.files {
-        let difference = difference(directory, name, entry)?;
-        if difference.is_some() {
-            return Ok(difference);
+/// Returns the names of the tables in a directory, with the name of each part of a table.
+fn written_tables(directory: &Path) -> io::Result<Vec<String>> {
+    let mut names = Vec::new();
+    for &table in DATA_FILES.iter().filter(|name| **name != STUDY) {
+        let Ok(found) = fs::symlink_metadata(directory.join(table)) else { continue };
+        if !found.is_dir() {
+            names.push(table.to_owned());
+            continue;
+        }
+        for part in fs::read_dir(directory.join(table))? {
+            names.push(format!("{table}/{}", part?.file_name().to_string_lossy()));
         }
     }
-    Ok(None)
-}
-
-/// Describes the first file of incomplete results that would be replaced and differs from the
-/// manifest, if there is one.
-fn unnamed_or_changed(
-    directory: &Path,
-    manifest: &Manifest,
-    study: &Study,
-) -> io::Result<Option<String>> {
-    let there = |name: &str| fs::symlink_metadata(directory.join(name)).ok();
-    for table in DATA_FILES.into_iter().filter(|name| *name != STUDY) {
-        let Some(found) = there(table) else { continue };
-        let mut names = vec![table.to_owned()];
-        if found.is_dir() {
-            let parts = fs::read_dir(directory.join(table))?;
-            let name =
-                |part: fs::DirEntry| format!("{table}/{}", part.file_name().to_string_lossy());
-            names = parts.map(|part| part.map(name)).collect::<io::Result<_>>()?;
-        }
-        for name in names {
-            let difference = match manifest.files.get(&name) {
-                None => Some(format!("{name}, which {MANIFEST} does not name")),
-                Some(entry) => difference(directory, &name, entry)?,
-            };
-            if difference.is_some() {
-                return Ok(difference);
-            }
-        }
-    }
-    if there(STUDY).is_some() && !is_own_study(&directory.join(STUDY), study)? {
-        return Ok(Some(another_study()));
-    }
-    Ok(None)
+    Ok(names)
 }
 
 /// Describes how a file differs from its entry in the manifest, or returns `None` if it does not.
@@ -243,25 +217,15 @@ fn difference(directory: &Path, name: &str, entry: &FileEntry) -> io::Result<Opt
     })
 }
 
-fn another_study() -> String {
-    format!("{STUDY}, by another name of the study, other expectations or other responses")
-}
-
 /// Returns the size of a regular file below a directory, without following links.
 fn regular_file(directory: &Path, name: &str) -> io::Result<u64> {
-    let mut path = directory.to_owned();
-    let mut parts = Path::new(name).components().peekable();
-    while let Some(part) = parts.next() {
-        if let Component::Normal(part) = part {
-            path.push(part);
-        }
-        let found = fs::symlink_metadata(&path)?;
-        if parts.peek().is_none() && found.is_file() {
-            return Ok(found.len());
-        }
-        if !found.is_dir() {
-            break;
+    let path = directory.join(name);
+    let refused = || io::Error::other("not a regular file");
+    for parent in path.ancestors().skip(1).take_while(|parent| *parent != directory) {
+        if !fs::symlink_metadata(parent)?.is_dir() {
+            return Err(refused());
         }
     }
-    Err(io::Error::other("not a regular file"))
+    let found = fs::symlink_metadata(&path)?;
+    if found.is_file() { Ok(found.len()) } else { Err(refused()) }
 }

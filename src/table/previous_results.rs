@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 
 use super::durable_directories::{is_inside, make_inside, sync_directory};
 use super::manifest::MANIFEST;
-use super::results::{DATA_FILES, ResultsError};
+use super::results::ResultsError;
+use super::study_tables::DATA_FILES;
 
 /// Name of the folder of earlier results in an output directory.
 pub const EARLIER: &str = "earlier";
@@ -22,8 +23,8 @@ pub const EARLIER: &str = "earlier";
 /// # Errors
 /// Returns an error if a file cannot be moved; the next call moves the remaining files.
 pub fn put_aside(directory: &Path) -> Result<PathBuf, ResultsError> {
-    let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
-    put_aside_by(directory, |from, to| fs::rename(from, to)).map_err(unusable)
+    put_aside_by(directory, |from, to| fs::rename(from, to))
+        .map_err(ResultsError::unusable(directory))
 }
 
 /// Gives their final names to the folders that a killed program left incomplete. Call this before
@@ -41,7 +42,7 @@ pub fn close_earlier(directory: &Path) -> Result<(), ResultsError> {
         }
         Ok(())
     };
-    close_all().map_err(|cause| ResultsError::Unusable { path: directory.to_owned(), cause })
+    close_all().map_err(ResultsError::unusable(directory))
 }
 
 fn put_aside_by(
@@ -52,7 +53,8 @@ fn put_aside_by(
     make_inside(&earlier)?;
     let exists = |name: &&str| fs::symlink_metadata(directory.join(name)).is_ok();
     // The manifest comes last, because it identifies the remaining files.
-    let names: Vec<&str> = DATA_FILES.into_iter().chain([MANIFEST]).filter(exists).collect();
+    let all = DATA_FILES.iter().copied().chain([MANIFEST]);
+    let names: Vec<&str> = all.filter(exists).collect();
     let mut reusable = None;
     for folder in unfinished_folders(&earlier)? {
         let taken = names.iter().any(|name| fs::symlink_metadata(folder.join(name)).is_ok());
@@ -124,7 +126,7 @@ mod tests {
     #[test]
     fn the_manifest_is_moved_last_and_the_folder_is_named_after_it() {
         let scratch = tempdir().unwrap();
-        let expected: Vec<&str> = DATA_FILES.into_iter().chain([MANIFEST, "1.partial"]).collect();
+        let expected = [DATA_FILES, &[MANIFEST, "1.partial"]].concat();
         for name in &expected[..expected.len() - 1] {
             fs::write(scratch.path().join(name), "").unwrap();
         }

@@ -6,6 +6,7 @@
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::slice::Iter;
 
 use serde_json::Value;
 
@@ -38,8 +39,7 @@ impl Table {
     /// if the first file has another layout or belongs to another study.
     pub fn open(directory: &Path, manifest: &Manifest, name: &str) -> Result<Self, TableError> {
         let file = format!("{name}.parquet");
-        let remedy = manifest.remedy(directory);
-        let parts = manifest.in_directory(directory, &remedy).check_table(name)?;
+        let parts = manifest.in_directory(directory).check_table(name)?;
         let mut table = Table {
             name: name.to_owned(),
             study_hash: manifest.study_hash.clone(),
@@ -114,7 +114,7 @@ impl Table {
             wanted.iter().map(|(name, kind)| ((*name).to_owned(), *kind)).collect();
         let path = self.parts.first().map_or(Path::new(""), |(path, _)| path);
         find(path, &self.columns, &wanted)?;
-        Ok(Batches { table: self, wanted, next_part: 0, part: None, next_row: 0 })
+        Ok(Batches { table: self, wanted, parts: self.parts.iter(), part: None, next_row: 0 })
     }
 
     /// Opens a file of the table and checks its number of rows and its metadata.
@@ -210,7 +210,7 @@ fn find(
 pub struct Batches<'a> {
     table: &'a Table,
     wanted: Vec<(String, Kind)>,
-    next_part: usize,
+    parts: Iter<'a, (PathBuf, u64)>,
     part: Option<(&'a Path, tabular::Batches)>,
     next_row: u64,
 }
@@ -234,10 +234,7 @@ impl Batches<'_> {
                 }
                 self.part = None;
             }
-            let Some((path, rows)) = self.table.parts.get(self.next_part) else {
-                return Ok(None);
-            };
-            self.next_part += 1;
+            let Some((path, rows)) = self.parts.next() else { return Ok(None) };
             let part = self.table.open_part(path, *rows)?;
             let places = find(path, &columns(&part), &self.wanted)?;
             let batches = part.batches(&places, part.schema());
@@ -254,7 +251,7 @@ impl Iterator for Batches<'_> {
         if batch.is_err() {
             // The iteration ends after an error.
             self.part = None;
-            self.next_part = self.table.parts.len();
+            self.parts = [].iter();
         }
         batch.transpose()
     }

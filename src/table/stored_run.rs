@@ -55,8 +55,7 @@ impl StoredRun {
         manifest: &Manifest,
         run_id: u64,
     ) -> Result<Option<Self>, TableError> {
-        let remedy = manifest.remedy(directory);
-        let listed = manifest.in_directory(directory, &remedy);
+        let listed = manifest.in_directory(directory);
         for (name, entry) in listed.of_table("runs") {
             let path = listed.check(name, entry)?;
             let found = row(&path, run_id).map_err(|error| {

@@ -18,7 +18,7 @@ pub(super) fn is_file_name(name: &str) -> bool {
 }
 
 /// The files of a directory, as listed in it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct ListedFiles<'a> {
     /// The directory.
     pub directory: &'a Path,
@@ -27,12 +27,12 @@ pub(super) struct ListedFiles<'a> {
     /// Its entries.
     pub files: &'a BTreeMap<String, FileEntry>,
     /// The remedy for a changed file, for messages.
-    pub remedy: &'a str,
+    pub remedy: String,
 }
 
 impl<'a> ListedFiles<'a> {
     /// Returns the entries of a table by its name without `.parquet`: its file, or its parts in order.
-    pub fn of_table(self, name: &str) -> impl Iterator<Item = (&'a str, &'a FileEntry)> {
+    pub fn of_table(&self, name: &str) -> impl Iterator<Item = (&'a str, &'a FileEntry)> {
         let file = format!("{name}.parquet");
         let of_table = move |entry: &str| {
             entry.strip_prefix(&file).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
@@ -45,7 +45,7 @@ impl<'a> ListedFiles<'a> {
     ///
     /// # Errors
     /// Returns an error if the file is missing, cannot be read, or differs from the one that was written.
-    pub fn check(self, name: &str, expected: &FileEntry) -> Result<PathBuf, TableError> {
+    pub fn check(&self, name: &str, expected: &FileEntry) -> Result<PathBuf, TableError> {
         let path = self.directory.join(name);
         let changed = |found: String| {
             let FileEntry { bytes, sha256, .. } = expected;
@@ -81,7 +81,7 @@ impl<'a> ListedFiles<'a> {
     ///
     /// # Errors
     /// Returns an error for the reasons given at [`Self::check`].
-    pub fn check_table(self, name: &str) -> Result<Vec<(PathBuf, u64)>, TableError> {
+    pub fn check_table(&self, name: &str) -> Result<Vec<(PathBuf, u64)>, TableError> {
         let checked = self.of_table(name).map(|(name, entry)| {
             self.check(name, entry).map(|path| (path, entry.rows.unwrap_or(0)))
         });

@@ -11,36 +11,51 @@ use arrow_schema::DataType;
 use arrow_select::take::take;
 use serde_json::{Value, json};
 
-/// The kind of a column's values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// Numbers.
-    Number,
-    /// Whole numbers from 0, such as counts.
-    Count,
-    /// Signed whole numbers.
-    Integer,
-    /// Boolean values.
-    Boolean,
-    /// Text, such as labels.
-    Text,
-    /// Lists of numbers.
-    Numbers,
+/// Declares the kinds of values: the name, the type and the meaning, and the name in messages.
+macro_rules! kinds {
+    ($($name:ident($value:ty): $meaning:literal, $words:literal;)*) => {
+        /// The kind of a column's values.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Kind {
+            $(#[doc = $meaning] $name,)*
+        }
+
+        /// The values of a column; a missing value is `None`.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Values {
+            $(#[doc = $meaning] $name(Vec<Option<$value>>),)*
+        }
+
+        impl Kind {
+            /// Returns the name of the kind for messages.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Kind::$name => $words,)*
+                }
+            }
+        }
+
+        impl Values {
+            /// Returns the value in a row as JSON; null if it is missing.
+            pub(crate) fn json(&self, row: usize) -> Value {
+                match self {
+                    $(Values::$name(values) => json!(values.get(row)),)*
+                }
+            }
+        }
+    };
+}
+
+kinds! {
+    Number(f64): "Numbers.", "numbers";
+    Count(u64): "Whole numbers from 0, such as counts.", "whole numbers from 0";
+    Integer(i64): "Signed whole numbers.", "whole numbers with a sign";
+    Boolean(bool): "Boolean values.", "Boolean values";
+    Text(String): "Text, such as labels.", "text";
+    Numbers(Vec<f64>): "Lists of numbers.", "lists of numbers";
 }
 
 impl Kind {
-    /// Returns the name of the kind for messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Kind::Number => "numbers",
-            Kind::Count => "whole numbers from 0",
-            Kind::Integer => "whole numbers with a sign",
-            Kind::Boolean => "Boolean values",
-            Kind::Text => "text",
-            Kind::Numbers => "lists of numbers",
-        }
-    }
-
     /// Returns the kind of a column of this Arrow type, or `None` if the type is not supported.
     pub(crate) fn of(kind: &DataType) -> Option<Kind> {
         Some(match kind {
@@ -56,36 +71,7 @@ impl Kind {
     }
 }
 
-/// The values of a column; a missing value is `None`.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Values {
-    /// Numbers.
-    Number(Vec<Option<f64>>),
-    /// Whole numbers from 0, such as counts.
-    Count(Vec<Option<u64>>),
-    /// Signed whole numbers.
-    Integer(Vec<Option<i64>>),
-    /// Boolean values.
-    Boolean(Vec<Option<bool>>),
-    /// Text, such as labels.
-    Text(Vec<Option<String>>),
-    /// Lists of numbers.
-    Numbers(Vec<Option<Vec<f64>>>),
-}
-
 impl Values {
-    /// Returns the value in a row as JSON; null if it is missing.
-    pub(crate) fn json(&self, row: usize) -> Value {
-        match self {
-            Values::Number(values) => json!(values.get(row)),
-            Values::Count(values) => json!(values.get(row)),
-            Values::Integer(values) => json!(values.get(row)),
-            Values::Boolean(values) => json!(values.get(row)),
-            Values::Text(values) => json!(values.get(row)),
-            Values::Numbers(values) => json!(values.get(row)),
-        }
-    }
-
     /// Returns the values of a column, or `None` if its type is not supported.
     pub(crate) fn of(column: &ArrayRef) -> Option<Values> {
         fn all<T: ArrowPrimitiveType, V>(

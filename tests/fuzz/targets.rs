@@ -323,10 +323,10 @@ impl Sink for Tables {
 
     fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
         self.runs += 1;
-        self.results.push_run(record)
+        self.results.run(record)
     }
 
     fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
-        self.results.push_point(point, detail)
+        self.results.point(point, detail)
     }
 }

@@ -8,12 +8,11 @@ use std::sync::atomic::AtomicBool;
 use crate::support::{Block, Ground};
 use arrow::array::{AsArray, RecordBatch};
 use arrow::datatypes::{Float64Type, Int32Type};
-use stickslip::analysis::PointDetail;
 use stickslip::classification::{Cycle, CyclePhase, Evidence, Outcome};
-use stickslip::engine::{EngineOptions, Progress, Sink, run_study_with};
+use stickslip::engine::{EngineOptions, Progress, run_study_with};
 use stickslip::model::{Case, FrictionLaw};
 use stickslip::study::Study;
-use stickslip::table::{Circumstances, PointRow, Results, ResultsError, RunRecord};
+use stickslip::table::{Circumstances, Results};
 
 use super::contract::{columns, listed};
 use crate::cli::support::{
@@ -87,21 +86,6 @@ fn a_block_on_a_belt_has_one_cycle() {
     }
 }
 
-/// Tables in a directory, as the program writes them.
-struct Tables(Results);
-
-impl Sink for Tables {
-    type Error = ResultsError;
-
-    fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
-        self.0.push_run(record)
-    }
-
-    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
-        self.0.push_point(point, detail)
-    }
-}
-
 /// Returns a constructed cycle for each case: depending on its start, one of the balls runs or the
 /// other, with individual period and resting angles; sometimes both run, and sometimes the class is
 /// unknown.
@@ -147,7 +131,7 @@ fn constructed(case: &Case) -> Outcome {
 
 fn written(study: &Study, folder: &Path, threads: usize, chunk: usize) -> Vec<u8> {
     let options = EngineOptions { threads, chunk, ..EngineOptions::default() };
-    let mut tables = Tables(Results::create(folder, study).unwrap());
+    let mut tables = Results::create(folder, study).unwrap();
     let progress = Progress::new(study.run_count(), true);
     run_study_with(
         study,
@@ -169,7 +153,7 @@ fn written(study: &Study, folder: &Path, threads: usize, chunk: usize) -> Vec<u8
         threads,
         merging: Vec::new(),
     };
-    let manifest = tables.0.finish(study, circumstances).unwrap();
+    let manifest = tables.finish(study, circumstances).unwrap();
     assert_eq!(manifest.files["cycles.parquet"].rows, Some(6));
     fs::read(folder.join("cycles.parquet")).unwrap()
 }

@@ -6,31 +6,12 @@ use std::sync::atomic::AtomicBool;
 
 use arrow::array::{AsArray, StringArray};
 use arrow::datatypes::{Int32Type, UInt64Type};
-use arrow::error::ArrowError;
-use stickslip::analysis::PointDetail;
-use stickslip::engine::{EngineOptions, Progress, Sink, run_study};
+use stickslip::engine::{EngineOptions, Progress, run_study};
 use stickslip::study::Study;
 use stickslip::table::column::Columns;
-use stickslip::table::{
-    MemoryResults, MemoryTable, MemoryTables, PointRow, RunRecord, STAGES_TABLE, TABLES, Table,
-    in_memory, manifest_of,
-};
+use stickslip::table::{MemoryTable, StudyTables, Table, in_memory, manifest_of, table_names};
 
 use crate::cli::support::{Scratch, study_text};
-
-struct InMemory(MemoryResults);
-
-impl Sink for InMemory {
-    type Error = ArrowError;
-
-    fn run(&mut self, record: RunRecord) -> Result<(), ArrowError> {
-        self.0.push_run(record)
-    }
-
-    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ArrowError> {
-        self.0.push_point(point, detail)
-    }
-}
 
 /// Asserts equal names, types, units and descriptions of the columns, and equal values.
 fn assert_same(mine: &MemoryTable, other: &MemoryTable) {
@@ -55,15 +36,15 @@ fn what_is_computed_is_what_is_written() {
     let read = |name| Table::open(&scratch.path("out"), &manifest, name).unwrap().in_memory();
 
     let study = Study::load(&path).expect("a valid study");
-    let mut sink = InMemory(MemoryResults::new(&study));
+    let mut sink = StudyTables::in_memory(&study);
     let progress = Progress::new(study.run_count(), true);
     let options = EngineOptions { threads: 2, chunk: 7, ..EngineOptions::default() };
     let go_on = AtomicBool::new(false);
     run_study(&study, options, &go_on, &progress, None, &mut sink).expect("a finished study");
-    let MemoryTables { tables, stages } = sink.0.finish().expect("tables in memory");
-    assert!(stages.is_none());
+    let tables = sink.finish().expect("tables in memory");
+    assert_eq!(tables.len(), 6, "no stages");
     assert_eq!(tables[0].rows() as u64, study.run_count());
-    for (name, table) in TABLES.into_iter().zip(&tables) {
+    for (name, table) in table_names(&study).zip(&tables) {
         assert_same(table, &read(name).unwrap());
         let about = &table.schema.metadata()["stickslip"];
         assert!(about.contains(&format!("\"table\":\"{name}\"")), "{about}");
@@ -100,16 +81,17 @@ fn stages_are_those_that_are_written() {
     scratch.well("run a.yaml --out out --quiet");
     let manifest = manifest_of(&scratch.path("out")).expect("readable").expect("a manifest");
     let written =
-        Table::open(&scratch.path("out"), &manifest, STAGES_TABLE).expect("the table of stages");
+        Table::open(&scratch.path("out"), &manifest, "stages").expect("the table of stages");
     let study = Study::load(&path).expect("a valid study");
-    let mut sink = InMemory(MemoryResults::new(&study));
+    let mut sink = StudyTables::in_memory(&study);
     let progress = Progress::new(study.run_count(), true);
     let go_on = AtomicBool::new(false);
     run_study(&study, EngineOptions::default(), &go_on, &progress, None, &mut sink)
         .expect("a finished study");
-    let stages = sink.0.finish().expect("tables in memory").stages.expect("stages");
+    let tables = sink.finish().expect("tables in memory");
+    let stages = tables.last().expect("stages");
     assert_eq!(stages.rows() as u64, 2 * study.run_count());
-    assert_same(&stages, &written.in_memory().expect("a table in memory"));
+    assert_same(stages, &written.in_memory().expect("a table in memory"));
 }
 
 /// Rows per batch.
@@ -123,7 +105,7 @@ fn rows_keep_their_order_over_batches() {
         let mut list = Columns::<u64>::new();
         list.count("row", |row| *row).meaning("number of the row");
         list.word("when", word).meaning("early or late");
-        let table = in_memory(list.finish(), "here".to_owned(), 0..rows).unwrap();
+        let table = in_memory(list.finish(), "here", 0..rows).unwrap();
         assert_eq!(table.rows() as u64, rows);
         assert_eq!(table.batches.len() as u64, rows.div_ceil(BATCH));
         assert_eq!(table.schema.metadata()["stickslip"], "here");

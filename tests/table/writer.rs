@@ -170,7 +170,9 @@ fn nothing_is_left_of_an_unfinished_table() {
     let path = scratch.path().join("t.parquet");
     drop(begin(&path, 10, 0..15));
     begin(&path, 10, 0..15).abandon().unwrap();
-    begin(&path, 10, 0..15).finish_after(|_| Err(std::io::Error::other("stopped"))).unwrap_err();
+    begin(&path, 10, 0..15)
+        .finish_after(true, |_| Err(std::io::Error::other("stopped")))
+        .unwrap_err();
     assert_eq!(entries(scratch.path()), 0);
 }
 
@@ -193,7 +195,7 @@ fn a_directory_that_is_no_table_is_left_alone() {
 /// Writing identical bytes again changes nothing, and a file with other content is not replaced.
 #[test]
 fn a_table_that_is_written_once_replaces_nothing() {
-    let again = |path: &Path, rows: u64| begin(path, 10, 0..rows).finish_once(|_| Ok(()));
+    let again = |path: &Path, rows: u64| begin(path, 10, 0..rows).finish_after(false, |_| Ok(()));
     let content = |path: &Path| files(path).into_iter().map(|file| fs::read(file).unwrap());
     for rows in [7, 35] {
         let scratch = tempdir().unwrap();

@@ -7,6 +7,7 @@
 
 use thiserror::Error;
 
+use super::NewResult;
 use super::record::CaseKey;
 use crate::classification::MODEL_VERSION;
 
@@ -148,28 +149,18 @@ impl Rest<'_> {
     }
 }
 
-/// Builds a chunk.
-#[derive(Debug)]
-pub(super) struct ChunkWriter {
-    pub bytes: Vec<u8>,
-}
-
-impl ChunkWriter {
-    /// Creates a chunk without runs.
-    pub fn new(study_hash: &str) -> Self {
-        let mut bytes = MAGIC.to_vec();
-        bytes.extend(FORMAT.to_le_bytes());
-        bytes.extend(MODEL_VERSION.to_le_bytes());
-        bytes.extend(study_hash.bytes().chain(std::iter::repeat(b' ')).take(HASH_DIGITS));
-        ChunkWriter { bytes }
+/// Returns the bytes of a chunk with these runs, which must be in ascending order. Omits a run above four gigabytes.
+pub(super) fn chunk_bytes(study_hash: &str, runs: &[NewResult]) -> Vec<u8> {
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend(FORMAT.to_le_bytes());
+    bytes.extend(MODEL_VERSION.to_le_bytes());
+    bytes.extend(study_hash.bytes().chain(std::iter::repeat(b' ')).take(HASH_DIGITS));
+    for NewResult { run_id, key, content } in runs {
+        let Ok(length) = u32::try_from(content.len()) else { continue };
+        bytes.extend(run_id.to_le_bytes());
+        bytes.extend(key.0);
+        bytes.extend(length.to_le_bytes());
+        bytes.extend(content);
     }
-
-    /// Adds a run; runs must arrive in ascending order. Omits a run above four gigabytes.
-    pub fn push(&mut self, run_id: u64, key: CaseKey, content: &[u8]) {
-        let Ok(length) = u32::try_from(content.len()) else { return };
-        self.bytes.extend(run_id.to_le_bytes());
-        self.bytes.extend(key.0);
-        self.bytes.extend(length.to_le_bytes());
-        self.bytes.extend(content);
-    }
+    bytes
 }

@@ -26,12 +26,9 @@ pub(in crate::engine) struct StoredResult {
 impl StoredResult {
     /// Returns the row of a run if this is the complete result of its case.
     pub fn of_run(&self, planned: PlannedRun) -> Option<RunRecord> {
-        let finished = StoredOutcome::decode(&self.content, &planned)?;
-        let StoredOutcome { outcome, audit } = finished;
-        let is_complete =
-            self.key == CaseKey::of(&planned) && (!planned.audited || audit.is_some());
-        let audit = audit.filter(|_| planned.audited);
-        is_complete.then_some(RunRecord { planned, outcome, audit })
+        let StoredOutcome { outcome, audit } = StoredOutcome::decode(&self.content, &planned)?;
+        let is_own = self.key == CaseKey::of(&planned);
+        is_own.then_some(RunRecord { planned, outcome, audit })
     }
 }
 

@@ -88,16 +88,14 @@ impl Folder {
         shared: bool,
     ) -> Result<Self, StoreError> {
         for folder in path.parent().into_iter().chain([path.as_path()]) {
-            is_inside(folder)
-                .map_err(|cause| ResultsError::Unusable { path: folder.to_owned(), cause })?;
+            is_inside(folder).map_err(ResultsError::unusable(folder))?;
         }
         let list = path.join(LIST);
-        let unusable = |cause| ResultsError::Unusable { path: list.clone(), cause };
         let content = match read_regular(&list, LONGEST_LIST) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
             other => other,
         };
-        let mut content = content.map_err(unusable)?;
+        let mut content = content.map_err(ResultsError::unusable(&list))?;
         if shared {
             let finished =
                 content.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);

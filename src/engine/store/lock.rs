@@ -49,11 +49,6 @@ impl Lock {
         Ok(Lock { file, path, directory: directory.to_owned() })
     }
 
-    /// Returns a value that holds no lock, for reading.
-    pub(super) fn none(path: PathBuf, directory: &Path) -> Self {
-        Lock { file: None, path, directory: directory.to_owned() }
-    }
-
     /// Checks that the lock file still exists and is this process's.
     ///
     /// # Errors

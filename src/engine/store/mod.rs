@@ -24,7 +24,7 @@ pub use folder::Listed;
 pub(super) use record::{CaseKey, StoredOutcome};
 pub(super) use result_cache::ResultCache;
 
-use self::chunk::ChunkWriter;
+use self::chunk::chunk_bytes;
 use self::folder::Folder;
 pub use self::lock::Lock;
 use crate::study::Study;
@@ -102,7 +102,8 @@ pub struct Store {
     pub(super) appender: ChunkAppender,
     pub(super) chunk_index: ChunkIndex,
     pub(super) result_cache: ResultCache,
-    lock: Lock,
+    /// `None` of a store for reading.
+    lock: Option<Lock>,
 }
 
 impl Store {
@@ -112,20 +113,16 @@ impl Store {
     /// Returns [`StoreError::Busy`] if another process holds the lock, or [`StoreError::Unusable`].
     pub fn open(directory: &Path, study: &Study) -> Result<Self, StoreError> {
         let chunks = directory.join(CHUNKS);
-        let unusable = |path: &Path| {
-            let path = path.to_owned();
-            move |cause| ResultsError::Unusable { path, cause }
-        };
-        make_directory(directory).map_err(unusable(directory))?;
-        make_inside(&chunks).map_err(unusable(&chunks))?;
+        make_directory(directory).map_err(ResultsError::unusable(directory))?;
+        make_inside(&chunks).map_err(ResultsError::unusable(&chunks))?;
         let lock = Lock::take(chunks.join(LOCK), directory)?;
         // A process that created a folder here may have been killed before it synced the directory.
-        sync_directory(&chunks).map_err(unusable(&chunks))?;
+        sync_directory(&chunks).map_err(ResultsError::unusable(&chunks))?;
         let study_hash = study.hash();
         let own = chunks.join(&study_hash[..DIGITS]);
         let mut others = Vec::new();
-        for entry in fs::read_dir(&chunks).map_err(unusable(&chunks))? {
-            let path = entry.map_err(unusable(&chunks))?.path();
+        for entry in fs::read_dir(&chunks).map_err(ResultsError::unusable(&chunks))? {
+            let path = entry.map_err(ResultsError::unusable(&chunks))?.path();
             // Includes links to directories, which `Folder::open` refuses.
             if path != own && path.is_dir() {
                 others.push(path);
@@ -142,7 +139,7 @@ impl Store {
             chunk_index: ChunkIndex::new(own.clone()),
             appender: ChunkAppender { folder: own, study_hash },
             result_cache: ResultCache::of(others?),
-            lock,
+            lock: Some(lock),
         })
     }
 
@@ -158,7 +155,7 @@ impl Store {
             chunk_index: ChunkIndex::new(folder.clone()),
             appender: ChunkAppender { folder, study_hash },
             result_cache: ResultCache::of(Vec::new()),
-            lock: Lock::none(directory.join(CHUNKS).join(LOCK), directory),
+            lock: None,
         })
     }
 
@@ -178,7 +175,7 @@ impl Store {
     /// # Errors
     /// Returns [`StoreError::Lost`] if it does not.
     pub fn check(&self) -> Result<(), StoreError> {
-        self.lock.check()
+        self.lock.as_ref().map_or(Ok(()), Lock::check)
     }
 
     /// Returns the number of finished runs of this study on all lists, here and in its shards.
@@ -218,9 +215,7 @@ impl ChunkAppender {
     /// # Errors
     /// Returns [`StoreError::Unwritten`] if the chunk cannot be written.
     pub fn append(&mut self, runs: &[NewResult]) -> Result<(), StoreError> {
-        let mut chunk = ChunkWriter::new(&self.study_hash);
-        runs.iter().for_each(|run| chunk.push(run.run_id, run.key, &run.content));
         let run_ids: Vec<u64> = runs.iter().map(|run| run.run_id).collect();
-        self.folder.add(&chunk.bytes, &run_ids)
+        self.folder.add(&chunk_bytes(&self.study_hash, runs), &run_ids)
     }
 }

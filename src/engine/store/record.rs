@@ -44,12 +44,16 @@ impl StoredOutcome {
         postcard::to_stdvec(&(outcome, audit)).unwrap_or_default()
     }
 
-    /// Deserializes the output of [`StoredOutcome::encode`]. Returns `None` if the bytes are anything else, or of a
-    /// system with another number of contacts than that of the planned run.
+    /// Deserializes the output of [`StoredOutcome::encode`]. Returns `None` if the bytes are anything else, of a system with
+    /// another number of contacts than that of the planned run, or without the audit that is planned.
     pub fn decode(bytes: &[u8], planned: &PlannedRun) -> Option<Self> {
         // A run without a case has no values of contacts.
         let contacts = planned.case.as_ref().map_or(0, |case| case.model.contacts());
         let (finished, rest): (StoredOutcome, _) = postcard::take_from_bytes(bytes).ok()?;
-        (rest.is_empty() && finished.outcome.is_of(contacts)).then_some(finished)
+        let StoredOutcome { outcome, audit } = finished;
+        let is_complete = !planned.audited || audit.is_some();
+        let audit = audit.filter(|_| planned.audited);
+        let is_usable = rest.is_empty() && outcome.is_of(contacts) && is_complete;
+        is_usable.then_some(StoredOutcome { outcome, audit })
     }
 }
