@@ -47,21 +47,18 @@ pub fn serve(study: &Study, workers: &WorkerPool, stop: &AtomicBool) -> Result<E
             }
         };
         let answer = match &request.design {
-            Err(refusal) => json!({"id": request.id, "error": refusal.to_json()}),
+            Err(refusal) => json!({"id": request.id, "error": refusal}),
             Ok((values, set)) => {
                 let studies = vec![Cow::Borrowed(set.as_ref())];
                 let design = Design { number, values, studies };
-                match respond(workers, study.responses(), design, stop, &|_| {}) {
-                    None => return Ok(End::Interrupted),
-                    Some(mut answers) => {
-                        let counts = answers.iter().map(|answer| answer.counts).collect();
-                        let flags = neighbours.compare(study.scaled(values), counts);
-                        for (answer, flag) in answers.iter_mut().zip(flags) {
-                            answer.discontinuous = flag;
-                        }
-                        to_json(study, &request.id, &answers)
-                    }
+                let answers = respond(workers, study.responses(), design, stop, &|_| {});
+                let Some(mut answers) = answers else { return Ok(End::Interrupted) };
+                let counts = answers.iter().map(|answer| answer.counts).collect();
+                let flags = neighbours.compare(study.scaled(values), counts);
+                for (answer, flag) in answers.iter_mut().zip(flags) {
+                    answer.discontinuous = flag;
                 }
+                to_json(study, &request.id, &answers)
             }
         };
         number += 1;
