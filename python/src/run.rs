@@ -40,7 +40,7 @@ impl Run {
         let mut summary = PointsTable::new(study, MOST_LINES);
         summary.is_saved = false;
         let progress = Progress::begin(self.planned(study), self.show.clone());
-        let mut sink = InMemory(study, &mut tables, &mut summary);
+        let mut sink = InMemory(&mut tables, &mut summary);
         let ended = run_study(study, self.options(), stop, &progress, None, &mut sink);
         progress.close();
         let totals = ended?;
@@ -108,18 +108,18 @@ impl Run {
 }
 
 /// Collects runs and points in memory, and the points as people read them.
-struct InMemory<'a>(&'a Study, &'a mut MemoryResults, &'a mut PointsTable);
+struct InMemory<'a, 's>(&'a mut MemoryResults, &'a mut PointsTable<'s>);
 
-impl Sink for InMemory<'_> {
+impl Sink for InMemory<'_, '_> {
     type Error = ArrowError;
 
     fn run(&mut self, record: RunRecord) -> Result<(), ArrowError> {
-        self.1.push_run(record)
+        self.0.push_run(record)
     }
 
     fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ArrowError> {
-        self.2.push(self.0, &point);
-        self.1.push_point(point, detail)
+        self.1.push(&point);
+        self.0.push_point(point, detail)
     }
 }
 
