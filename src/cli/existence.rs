@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::point_words::point_words;
-use crate::check::spread;
+use crate::check::points_to_examine;
 use crate::model::{ExistenceVerdict, Machine, SAFE_FRICTION};
 use crate::responses::point_keys;
 use crate::study::{Point, Study};
@@ -68,8 +68,8 @@ impl Existence {
             uncertain_at_medians: !study.uncertain().is_empty(),
             not_unique: Vec::new(),
         };
-        for index in 0..examined {
-            found.add(study, &study.point(spread(index, examined, points)));
+        for point_id in points_to_examine(points, examined) {
+            found.add(study, &study.point(point_id));
         }
         found
     }

@@ -33,14 +33,15 @@ impl RequestError {
         let allowed = "one JSON object per line, with a value for each variable";
         RequestError { variable: None, fault: Fault::new(problem, found, allowed) }
     }
-
-    /// Creates the error for a line that is longer than `most` bytes.
-    pub fn too_long(most: usize) -> RequestError {
-        RequestError::of_line("line too long", format!("more than {most} bytes"))
-    }
 }
 
 impl Request {
+    /// Returns the invalid request of a line that is longer than `most` bytes.
+    pub fn too_long(most: usize) -> Request {
+        let error = RequestError::of_line("line too long", format!("more than {most} bytes"));
+        Request { id: Value::Null, design: Err(error) }
+    }
+
     /// Parses a line.
     pub fn read(study: &Study, line: &[u8]) -> Request {
         match serde_json::from_slice::<Entries>(line) {
