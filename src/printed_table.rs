@@ -146,11 +146,12 @@ pub fn as_markdown(columns: &[PrintedColumn]) -> String {
 
 /// Returns rows of cells as lines of text. Each column is as wide as its widest cell. Cells are aligned to the right,
 /// except in the columns `left`.
-pub(crate) fn text_table(rows: &[Vec<String>], left: &[usize]) -> String {
-    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+pub(crate) fn text_table(rows: &[impl AsRef<[String]>], left: &[usize]) -> String {
+    let rows: Vec<&[String]> = rows.iter().map(AsRef::as_ref).collect();
+    let columns = rows.iter().map(|row| row.len()).max().unwrap_or(0);
     let width = |column: usize| rows.iter().filter_map(|row| Some(row.get(column)?.width())).max();
     let widths: Vec<usize> = (0..columns).map(|column| width(column).unwrap_or(0)).collect();
-    let line = |row: &Vec<String>| {
+    let line = |row: &&[String]| {
         let cells = row.iter().zip(&widths).enumerate().map(|(column, (cell, width))| {
             let space = " ".repeat(width - cell.width());
             if left.contains(&column) { format!("{cell}{space}") } else { format!("{space}{cell}") }
@@ -161,16 +162,22 @@ pub(crate) fn text_table(rows: &[Vec<String>], left: &[usize]) -> String {
     rows.iter().map(line).collect()
 }
 
+/// Returns facts as lines of text, each with its name and its value in words.
+pub(crate) fn fact_table<'a>(facts: impl IntoIterator<Item = (&'a str, String)>) -> String {
+    let rows: Vec<_> = facts.into_iter().map(|(name, words)| [name.to_owned(), words]).collect();
+    text_table(&rows, &[0, 1])
+}
+
 #[cfg(test)]
 mod tests {
     use super::{in_two_lines, text_table};
 
     #[test]
     fn columns_are_as_wide_as_terminals_show_them() {
-        let rows = [["angle", "β̇"], ["日本", "1.5"]].map(|row| row.map(String::from).to_vec());
+        let rows = [["angle", "β̇"], ["日本", "1.5"]].map(|row| row.map(String::from));
         assert_eq!(text_table(&rows, &[]), "angle    β̇\n 日本  1.5\n");
         assert_eq!(text_table(&rows, &[0, 1]), "angle  β̇\n日本   1.5\n");
-        assert_eq!(text_table(&[], &[]), "");
+        assert_eq!(text_table(&[[]; 0], &[]), "");
     }
     #[test]
     fn long_names_have_two_lines() {

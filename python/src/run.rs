@@ -38,7 +38,7 @@ impl Run {
         let mut summary = PointsTable::new(study, MOST_LINES);
         summary.is_saved = false;
         let progress = Progress::begin(self.planned(study), self.show.clone());
-        let mut sink = InMemory(study, &mut tables, &mut summary);
+        let mut sink = InMemory(&mut tables, &mut summary);
         let ended = run_study(study, self.options(), stop, &progress, None, &mut sink);
         progress.close();
         let totals = ended?;
@@ -105,17 +105,17 @@ impl Run {
 }
 
 /// Collects runs and points in memory, and the points as people read them.
-struct InMemory<'a>(&'a Study, &'a mut StudyTables<MemoryRows>, &'a mut PointsTable);
+struct InMemory<'a, 's>(&'a mut StudyTables<MemoryRows>, &'a mut PointsTable<'s>);
 
-impl Sink for InMemory<'_> {
+impl Sink for InMemory<'_, '_> {
     type Error = ArrowError;
 
     fn run(&mut self, record: RunRecord) -> Result<(), ArrowError> {
-        self.1.run(record)
+        self.0.run(record)
     }
 
     fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ArrowError> {
-        self.2.push(self.0, &point);
-        self.1.point(point, detail)
+        self.1.push(&point);
+        self.0.point(point, detail)
     }
 }

@@ -16,13 +16,15 @@
 //! balls do no work.
 
 use nalgebra::{Complex, DMatrix, Schur};
+use serde::Serialize;
 
 use super::balance::balances;
 use super::rest_form::{RestForm, direction};
 use crate::named::named;
 
 /// Stability of an equilibrium against small disturbances.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Stability {
     /// All disturbances decay, except those along a family of equilibria, which persist.
     Stable,

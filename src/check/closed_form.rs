@@ -1,6 +1,6 @@
 //! Closed forms of a machine: natural frequency, balancing capacity, equilibrium set, balancing position.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::analysis::{
     Balance, EquilibriumSet, HIGH_DRAG, Resolution, RestForm, SmallMotions, Stability,
@@ -10,28 +10,43 @@ use crate::check::BallPositions;
 use crate::model::Machine;
 
 /// What the closed forms say about a ball balancer.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BalancerFacts {
     /// Natural frequency `sqrt(k / M)` of the whole vibrating mass, rad/s.
     pub natural_frequency_rad_s: f64,
     /// Absolute speed of the disc over the natural frequency.
+    #[serde(rename = "speed_over_natural_frequency")]
     pub speed_ratio: f64,
     /// The largest imbalance that the balls can balance, `Σ m L`, kg m.
+    #[serde(rename = "capacity_g_mm", serialize_with = "in_g_mm")]
     pub capacity_kg_m: f64,
     /// The imbalance, `m_I e`, kg m.
+    #[serde(rename = "imbalance_g_mm", serialize_with = "in_g_mm")]
     pub imbalance_kg_m: f64,
+    /// The balancing capacity over the imbalance.
+    #[serde(rename = "capacity_over_imbalance")]
+    pub capacity_ratio: f64,
     /// Gravity over the friction `μ ω² R` that holds a ball on a table at rest, with the largest coefficient of all balls;
     /// `None` if friction holds no ball. The axis is vertical; on a horizontal one, no ball stays at rest above 1.
     pub gravity_over_friction: Option<f64>,
     /// Amplitude of the machine without balls, m; `None` at the resonance of an undamped suspension.
     pub amplitude_without_balls_m: Option<f64>,
     /// Where the balls can balance the imbalance.
+    #[serde(serialize_with = "by_name")]
     pub balance: Balance,
     /// Stability of the balancing position without dry friction; `None` if there is no such position. Of a family of
     /// positions, the stability of one of them.
     pub balance_stability: Option<Stability>,
     /// The positions of rest; `None` for a friction law that cannot hold a ball.
     pub rest: Option<RestFacts>,
+}
+
+fn in_g_mm<S: Serializer>(kg_m: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_f64(kg_m * 1e6)
+}
+
+fn by_name<S: Serializer>(balance: &Balance, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(balance.name())
 }
 
 /// The positions at which dry friction holds all balls.
@@ -59,11 +74,14 @@ impl BalancerFacts {
             Some(_) if form.speed == 0.0 => Some(Stability::Marginal),
             position => position.map(stability),
         };
+        let capacity_kg_m = capacity_kg_m(machine);
+        let imbalance_kg_m = machine.imbalance_mass_kg * machine.imbalance_radius_m;
         Some(BalancerFacts {
             natural_frequency_rad_s: machine.natural_frequency_rad_s(),
             speed_ratio: form.speed.abs(),
-            capacity_kg_m: capacity_kg_m(machine),
-            imbalance_kg_m: machine.imbalance_mass_kg * machine.imbalance_radius_m,
+            capacity_kg_m,
+            imbalance_kg_m,
+            capacity_ratio: capacity_kg_m / imbalance_kg_m,
             gravity_over_friction: gravity_over_friction(machine),
             amplitude_without_balls_m: reference_amplitude(machine),
             balance,
@@ -75,11 +93,6 @@ impl BalancerFacts {
     /// Returns the absolute speed of the disc, rad/s.
     pub fn speed_rad_s(&self) -> f64 {
         self.speed_ratio * self.natural_frequency_rad_s
-    }
-
-    /// Returns the balancing capacity over the imbalance.
-    pub fn capacity_ratio(&self) -> f64 {
-        self.capacity_kg_m / self.imbalance_kg_m
     }
 }
 

@@ -41,8 +41,7 @@ fn fastest(study: &Study) -> Option<f64> {
     let models = models(study);
     let ratios: Option<Vec<f64>> =
         models.iter().map(|(_, model)| model.ball_balancer().map(speed_ratio)).collect();
-    let ratios = ratios.filter(|ratios| !ratios.is_empty())?;
-    Some(ratios.into_iter().fold(0.0, f64::max))
+    ratios?.into_iter().reduce(f64::max)
 }
 
 /// Warns of a disc that is slower than the natural frequency at all points: of the study, or of some of its designs.

@@ -23,7 +23,7 @@ pub use conditions::is_held_everywhere;
 pub use designs::ExaminedDesign;
 pub use obstacle::Obstacle;
 pub use own_facts::OwnFacts;
-pub use points::{points_to_examine, spread};
+pub use points::points_to_examine;
 pub use steady::{SteadySliding, SteadyStates};
 pub use warning::Warning;
 pub use warnings::warnings;

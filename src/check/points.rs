@@ -3,7 +3,7 @@
 /// Returns the point to examine as number `index` out of `looked_at`. The sweep is divided into `looked_at` equal
 /// parts with one point each, whose place within the part follows the golden ratio and so avoids the sweep's
 /// own periods. If `looked_at` equals `points`, every point is examined.
-pub fn spread(index: u64, looked_at: u64, points: u64) -> u64 {
+fn spread(index: u64, looked_at: u64, points: u64) -> u64 {
     let mark = |k: u64| (u128::from(k) * u128::from(points) / u128::from(looked_at)) as u64;
     let (from, to) = (mark(index), mark(index + 1));
     let place = (index as f64 * 0.618_033_988_749_894_9).fract();

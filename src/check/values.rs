@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use super::ball_fit::{BallPositions, density_kg_m3, occupied_angle};
 use super::closed_form::capacity_kg_m;
-use super::slips::{HEAVY_BALLS, LIMITS, Limit, has_mass_of_template};
+use super::slips::{HEAVY_BALLS, Limit, has_mass_of_template, limits};
 use super::warning::Finding;
 use crate::analysis::{Balance, RestForm, reference_amplitude};
 use crate::model::{
@@ -55,8 +55,9 @@ pub(super) fn findings(
     all.extend(at.speed(machine));
     all.extend(at.profile(model));
     // A density of no material explains heavy balls.
-    let limits = LIMITS.iter().filter(|limit| !(is_dense && limit.kind == HEAVY_BALLS));
-    all.extend(limits.filter_map(|limit| at.limit(machine, limit)));
+    let limits = limits(machine, |name, value| at.said(name, value)).into_iter();
+    let limits = limits.filter(|limit| !(is_dense && limit.kind == HEAVY_BALLS));
+    all.extend(limits.filter_map(|limit| at.limit(limit)));
     all.extend(at.balance(machine));
     all.extend(at.runout(machine));
     all.extend(at.elastic_contact(machine));
@@ -280,16 +281,16 @@ impl At<'_> {
         })
     }
 
-    fn limit(&self, machine: &Machine, limit: &Limit) -> Option<Finding> {
+    fn limit(&self, limit: Limit) -> Option<Finding> {
         let listed = self.study.parameters();
         let is_given =
             |name: &&&str| listed.iter().any(|one| one.name == **name && !one.is_default);
         let own = limit.parameters.iter().find(is_given).or(limit.parameters.first())?;
         let key = self.key(own, None);
-        (limit.is_exceeded)(machine).then(|| Finding {
+        limit.is_exceeded.then(|| Finding {
             kind: limit.kind,
             problem: limit.problem.to_owned(),
-            found: (limit.found)(machine, &|name, value| self.said(name, value)),
+            found: limit.found,
             remedy: format!("{}{}", limit.remedy, self.remark(&key, limit.remark)),
             key,
         })

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use crate::sanitize::shown_path;
 use crate::study::Study;
@@ -17,16 +17,19 @@ use crate::study::Study;
 ///   found:  0.14 kg and a diameter of 0.003 m, which is 9.9e6 kg/m³
 ///   remedy: a density from 500 to 25000 kg/m³; a steel ball of this diameter has 1.1e-4 kg
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Warning {
-    /// Name of the kind of warning, in JSON.
+    /// Name of the kind of warning.
     pub kind: &'static str,
     /// The key as the study file writes it, such as `model.parameters.ball_mass_kg`.
     pub key: String,
     /// The study file.
+    #[serde(skip)]
     pub file: PathBuf,
-    /// Line and column of the key, from 1, if the file contains it or a key around it.
-    pub place: Option<[usize; 2]>,
+    /// Line of the key, from 1, if the file contains it or a key around it.
+    pub line: Option<usize>,
+    /// Column of the key, from 1, if its line is known.
+    pub column: Option<usize>,
     /// What is probably wrong, in a few words.
     pub problem: String,
     /// The value found.
@@ -49,31 +52,17 @@ impl Finding {
     /// Returns the warning with its place in the study file.
     pub fn in_file(self, study: &Study) -> Warning {
         let Finding { kind, key, problem, found, remedy } = self;
-        let place = study.place_of(&key);
+        let (file, place) = (study.file().to_path_buf(), study.place_of(&key));
+        let (line, column) = place.map(|[line, column]| (line, column)).unzip();
         let key = study.key_with_unit(&key).unwrap_or(key);
-        Warning { kind, file: study.file().to_path_buf(), place, key, problem, found, remedy }
-    }
-}
-
-impl Warning {
-    /// Returns the warning as JSON.
-    pub fn json(&self) -> Value {
-        json!({
-            "kind": self.kind,
-            "key": self.key,
-            "line": self.place.map(|[line, _]| line),
-            "column": self.place.map(|[_, column]| column),
-            "problem": self.problem,
-            "found": self.found,
-            "remedy": self.remedy,
-        })
+        Warning { kind, file, line, column, key, problem, found, remedy }
     }
 }
 
 impl fmt::Display for Warning {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "{}", shown_path(&self.file))?;
-        if let Some([line, column]) = self.place {
+        if let (Some(line), Some(column)) = (self.line, self.column) {
             write!(out, ":{line}:{column}")?;
         }
         write!(out, ": `{}`: {}", self.key, self.problem)?;

@@ -1,5 +1,7 @@
 //! All warnings about a study.
 
+use indexmap::IndexMap;
+
 use super::ball_fit::BallPositions;
 use super::conditions::{held_everywhere, models, subcritical};
 use super::designs::{ExaminedDesign, described};
@@ -47,16 +49,11 @@ fn of_points(study: &Study, design: Option<&ExaminedDesign>) -> Vec<Finding> {
         0 | 1 => None,
         _ => Some(BallPositions::new(study.numbers_of_balls())),
     };
-    let mut all: Vec<(Finding, usize)> = Vec::new();
+    let mut all: IndexMap<(&str, String), (Finding, usize)> = IndexMap::new();
     for (point_id, model) in &models {
         for finding in findings(study, *point_id, model, positions.as_ref()) {
-            let known = |(other, _): &&mut (Finding, usize)| {
-                (other.kind, &other.key) == (finding.kind, &finding.key)
-            };
-            match all.iter_mut().find(known) {
-                Some((_, count)) => *count += 1,
-                None => all.push((finding, 1)),
-            }
+            let known = (finding.kind, finding.key.clone());
+            all.entry(known).or_insert((finding, 0)).1 += 1;
         }
     }
     let with_count = |(finding, count): (Finding, usize)| {
@@ -69,7 +66,7 @@ fn of_points(study: &Study, design: Option<&ExaminedDesign>) -> Vec<Finding> {
         }
         Finding { found, ..finding }
     };
-    all.into_iter().map(with_count).collect()
+    all.into_values().map(with_count).collect()
 }
 
 /// Warns of designs whose balls have no room in the ring.

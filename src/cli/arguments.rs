@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::{Duration, Instant};
 
@@ -42,18 +42,6 @@ impl StudyArgument {
         }
         Ok(study)
     }
-}
-
-/// The argument `--shard`.
-#[derive(Clone, Debug, Args)]
-pub struct ShardArgument {
-    /// Compute only part K of N
-    ///
-    /// A part has one run out of every N consecutive runs, so that all parts cost about the same. In a study
-    /// with `precision`, it has one point out of every N consecutive points, with all runs of the point, because
-    /// the number of runs of a point depends on all its runs.
-    #[arg(long, value_name = "K/N", default_value = "1/1")]
-    pub shard: Shard,
 }
 
 /// The argument `--threads`.
@@ -166,6 +154,12 @@ impl EngineArguments {
             retry_failed: self.retry_failed,
         }
     }
+}
+
+/// Returns the directory for results: `out`, or one in `results` with the name of the study and this suffix.
+pub fn results_directory(out: Option<&PathBuf>, study: &Study, suffix: &str) -> PathBuf {
+    let usual = || Path::new("results").join(format!("{}{suffix}", study.name()));
+    out.cloned().unwrap_or_else(usual)
 }
 
 /// Parses a value for which `is_allowed` holds; `allowed` describes the allowed values.

@@ -7,19 +7,19 @@ use serde_json::{Value, json};
 use super::arguments::StudyArgument;
 use super::check_machine::{machine_json, machine_text};
 use super::check_points::ClosedForms;
-use super::check_run_up::{run_up_json, run_up_rows};
+use super::check_run_up::run_ups_of;
 use super::check_system::system_text;
 use super::cost::Cost;
-use super::design_cost::{DesignCost, identify_json, identify_row};
+use super::design_cost::{design_cost, identify_cost};
 use super::existence::Existence;
 use super::exit::{CliError, End};
-use super::output::{print, print_json};
-use crate::check::{ExaminedDesign, Warning, points_to_examine, warnings};
+use super::output::print_result;
+use crate::check::{ExaminedDesign, points_to_examine, warnings};
 use crate::counted::counted;
 use crate::engine::say;
 use crate::model::{Endings, Extend, Method};
-use crate::printed_table::text_table;
-use crate::responses::merged;
+use crate::printed_table::fact_table;
+use crate::responses::{add_known, merged};
 use crate::study::{Response, Study, Variable, VariedParameter, describe_number};
 
 const EXAMPLES: &str = "\
@@ -36,7 +36,7 @@ probably slips are warnings on standard error.";
 /// Check a study file and print its size, cost, machine and closed forms; computes no run
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct CheckArguments {
+pub struct Arguments {
     #[command(flatten)]
     study: StudyArgument,
 
@@ -53,45 +53,44 @@ pub struct CheckArguments {
     json: bool,
 }
 
+/// Facts of a study for people, each with a name and words, and the same facts as JSON.
+pub(super) struct Facts {
+    pub(super) words: Vec<(&'static str, String)>,
+    pub(super) json: Value,
+}
+
 /// Checks the study and prints its plan.
-pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
+pub fn check(arguments: &Arguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
+    let existence = arguments.existence;
+    print_result(arguments.json, || check_json(&study, existence), || text(&study, existence))?;
     let warnings = warnings(&study);
-    let end = if arguments.strict && !warnings.is_empty() { End::Warned } else { End::Well };
-    if arguments.json {
-        print_json(&format!("{:#}\n", check_json(&study, arguments.existence)))?;
-        say_all(&warnings, arguments.strict);
-        return Ok(end);
+    warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
+    if !arguments.strict || warnings.is_empty() {
+        return Ok(End::Well);
     }
-    let cost = Cost::of(&study);
-    let has_variables = !study.variables().is_empty();
-    let designs = has_variables.then(|| DesignCost::of(&study)).flatten();
-    let existence = arguments.existence.then(|| Existence::of(&study));
-    let design = ExaminedDesign::of(&study);
-    let described = design.as_ref().map_or(&study, |design| &design.study);
-    let mut rows = rows(&study, described, &cost, designs.as_ref());
-    rows.extend(existence.iter().flat_map(Existence::rows));
-    let rows: Vec<Vec<String>> =
-        rows.into_iter().map(|(key, text)| vec![key.to_owned(), text]).collect();
-    print(&text_table(&rows, &[0, 1]))?;
-    if let Some(existence) = existence {
-        print(&existence.details())?;
-    }
-    print(&format!("\n{}", machine_text(&study)))?;
-    print(&system_text(&study))?;
-    let closed_forms = ClosedForms::of(&study, design.as_ref(), most_printed(&study));
-    print(&format!("\n{}", closed_forms.text()))?;
-    say_all(&warnings, arguments.strict);
-    Ok(end)
+    let warnings = counted(warnings.len() as u64, "warning");
+    say(&format!("error: {warnings}, which --strict does not allow"));
+    Ok(End::Warned)
+}
+
+/// Returns the result of the command as text, with the answer to `--existence` if it is wanted.
+fn text(study: &Study, existence: bool) -> String {
+    let design = ExaminedDesign::of(study);
+    let described = design.as_ref().map_or(study, |design| &design.study);
+    let existence = existence.then(|| Existence::of(study));
+    let facts = facts(study, described).into_iter();
+    let mut text = fact_table(facts.chain(existence.iter().flat_map(Existence::facts)));
+    text += &existence.map_or_else(String::new, |existence| existence.details());
+    text += &format!("\n{}{}", machine_text(study), system_text(study));
+    let closed_forms = ClosedForms::of(described, design.as_ref(), most_printed(study));
+    text + &format!("\n{}", closed_forms.text())
 }
 
 /// Returns the result of the command as JSON, with the answer to `--existence` if it is wanted.
 pub fn check_json(study: &Study, existence: bool) -> Value {
-    let names = |columns: &[VariedParameter]| -> Vec<String> {
-        columns.iter().map(|column| column.name.clone()).collect()
-    };
-    let (swept, uncertain) = (names(study.swept()), names(study.uncertain()));
     let design = ExaminedDesign::of(study);
+    let described = design.as_ref().map_or(study, |design| &design.study);
     let mut report = json!({
         "study": study.name(),
         "hash": study.hash(),
@@ -99,22 +98,20 @@ pub fn check_json(study: &Study, existence: bool) -> Value {
         "points": study.point_count(),
         "runs": study.run_count(),
         "model": study.model().kind().name,
-        "method": method_name(study.simulation().method),
+        "method": study.simulation().method,
         "endings": study.simulation().endings,
         "balls": study.model().balls(),
-        "swept": swept,
-        "uncertain": uncertain,
+        "swept": names(study.swept()),
+        "uncertain": names(study.uncertain()),
         "design": study.variables().iter().map(variable).collect::<Vec<Value>>(),
         "responses": study.responses().iter().map(response).collect::<Vec<Value>>(),
         "expectations": study.expectations().len(),
     });
-    report = merged(report, json!(Cost::of(study)));
-    if let Some((design, correlations)) = study.uncertain_sampling() {
-        report["uncertain_sampling"] = json!({"design": design, "correlations": correlations});
-    }
-    if let Some(audit) = study.audit() {
-        report["audit_fraction"] = json!(audit.fraction);
-    }
+    report = merged(report, Cost::of(study));
+    let sampling = study.uncertain_sampling();
+    let sampling = sampling.map(|(design, count)| json!({"design": design, "correlations": count}));
+    add_known(&mut report, "uncertain_sampling", sampling);
+    add_known(&mut report, "audit_fraction", study.audit().map(|audit| audit.fraction));
     if let Some(precision) = study.precision() {
         report["least_runs"] = study.least_run_count().into();
         for (name, half_width, _) in precision.half_widths() {
@@ -122,24 +119,16 @@ pub fn check_json(study: &Study, existence: bool) -> Value {
                 "equilibrium_fraction" => "precision".to_owned(),
                 amplitude => format!("precision_{amplitude}"),
             };
-            report[key] = json!(half_width);
+            report[key] = half_width.into();
         }
     }
     report["machine"] = machine_json(study);
-    if study.has_stages() {
-        report["run_up"] = run_up_json(design.as_ref().map_or(study, |one| &one.study));
-    }
-    report["closed_form"] = ClosedForms::of(study, design.as_ref(), most_points(study)).json();
-    report["warnings"] = warnings(study).iter().map(Warning::json).collect();
-    if let Some(designs) = DesignCost::of(study) {
-        report = merged(report, designs.json());
-    }
-    if let Some(cost) = identify_json(study) {
-        report["identify"] = cost;
-    }
-    if existence {
-        report["existence"] = Existence::of(study).json();
-    }
+    add_known(&mut report, "run_up", study.has_stages().then(|| run_ups_of(described).json));
+    report["closed_form"] = json!(ClosedForms::of(described, design.as_ref(), most_points(study)));
+    report["warnings"] = json!(warnings(study));
+    report = merged(report, design_cost(study).map(|designs| designs.json));
+    add_known(&mut report, "identify", identify_cost(study).map(|cost| cost.json));
+    add_known(&mut report, "existence", existence.then(|| Existence::of(study)));
     report
 }
 
@@ -154,28 +143,10 @@ fn most_points(study: &Study) -> u64 {
     (1000 / (balls * balls)).max(most_printed(study))
 }
 
-fn say_all(warnings: &[Warning], strict: bool) {
-    warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
-    if strict && !warnings.is_empty() {
-        let count = warnings.len();
-        let warnings = if count == 1 { "warning" } else { "warnings" };
-        say(&format!("error: {count} {warnings}, which --strict does not allow"));
-    }
-}
-
-/// Returns the rows of the plan: a key and its text. `described` is the study of the examined design.
-fn rows(
-    study: &Study,
-    described: &Study,
-    cost: &Cost,
-    designs: Option<&DesignCost>,
-) -> Vec<(&'static str, String)> {
-    let listed = |names: Vec<&str>| {
-        if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
-    };
-    let names = |columns: &'_ [VariedParameter]| {
-        listed(columns.iter().map(|column| column.name.as_str()).collect())
-    };
+/// Returns the facts of the plan: a name and its value in words. `described` is the study of the examined design.
+fn facts(study: &Study, described: &Study) -> Vec<(&'static str, String)> {
+    let known = |names: Vec<&str>| (!names.is_empty()).then(|| names.join(", "));
+    let listed = |names| known(names).unwrap_or_else(|| "nothing".to_owned());
     let model = described.model();
     let kind = model.kind();
     let what = match model.contacts() {
@@ -183,8 +154,7 @@ fn rows(
             let fewest = described.numbers_of_balls().start().to_owned();
             format!("{} with {fewest} to {most} {}s", kind.name, kind.body)
         }
-        1 => format!("{} with 1 {}", kind.name, kind.body),
-        contacts => format!("{} with {contacts} {}s", kind.name, kind.body),
+        contacts => format!("{} with {}", kind.name, counted(contacts as u64, kind.body)),
     };
     let friction = match model.friction_in_words() {
         name if name.is_empty() => "no friction".to_owned(),
@@ -192,38 +162,39 @@ fn rows(
     };
     let natural = natural_frequency(described);
     let (hash, seed) = (&study.hash()[..12], study.seed());
-    let mut rows = vec![
+    let mut facts = vec![
         ("study", format!("{} (hash {hash}, seed {seed})", study.name())),
         ("model", format!("{what}, {friction}{natural}")),
-        ("swept", names(study.swept())),
-        ("uncertain", names(study.uncertain()) + &sampled_together(study)),
+        ("swept", listed(names(study.swept()))),
+        ("uncertain", listed(names(study.uncertain())) + &sampled_together(study)),
     ];
-    if !study.variables().is_empty() {
-        rows.push(("design", listed(study.variables().iter().map(Variable::name).collect())));
-    }
-    if !study.responses().is_empty() {
-        let responses = study.responses().iter().map(|one| one.name.as_str());
-        rows.push(("responses", listed(responses.collect())));
-    }
-    rows.push(("points", study.point_count().to_string()));
-    rows.push(("runs", runs(study)));
-    if let Some(audit) = study.audit() {
+    let variables = known(study.variables().iter().map(Variable::name).collect());
+    let responses = known(study.responses().iter().map(|one| one.name.as_str()).collect());
+    let has_variables = variables.is_some();
+    facts.extend(variables.map(|names| ("design", names)));
+    facts.extend(responses.map(|names| ("responses", names)));
+    facts.push(("points", study.point_count().to_string()));
+    facts.push(("runs", runs(study)));
+    facts.extend(study.audit().map(|audit| {
         let method = method_name(study.simulation().counter_check().method);
         let fraction = audit.fraction;
-        let text = format!(
+        let words = format!(
             "a fraction {fraction} of the runs again, with method {method} and a tenth of the \
                  tolerances"
         );
-        rows.push(("audit", text));
-    }
-    rows.extend(run_up_rows(described));
-    rows.push(("expectations", study.expectations().len().to_string()));
-    rows.push(("cost", cost.in_words()));
-    if let Some(designs) = designs {
-        rows.extend(designs.rows());
-    }
-    rows.extend(identify_row(study));
-    rows
+        ("audit", words)
+    }));
+    facts.extend(run_ups_of(described).words);
+    facts.push(("expectations", study.expectations().len().to_string()));
+    facts.push(("cost", Cost::of(study).in_words()));
+    let designs = has_variables.then(|| design_cost(study)).flatten();
+    let more = designs.into_iter().chain(identify_cost(study));
+    facts.extend(more.flat_map(|facts| facts.words));
+    facts
+}
+
+fn names(columns: &[VariedParameter]) -> Vec<&str> {
+    columns.iter().map(|column| column.name.as_str()).collect()
 }
 
 /// Returns the least and the largest natural frequency at the points, with uncertain parameters at their medians, after a comma.
@@ -278,17 +249,12 @@ fn runs(study: &Study) -> String {
 /// Returns what an optimiser needs to know of a variable.
 fn variable(variable: &Variable) -> Value {
     let mut about = json!({"name": variable.name()});
-    if let Some(unit) = variable.unit() {
-        about["unit"] = json!(unit);
-    }
-    if let Some([from, to]) = variable.range() {
-        about["from"] = json!(from);
-        about["to"] = json!(to);
-        about["integer"] = json!(variable.is_whole());
-    }
-    if let Some(choices) = variable.choices() {
-        about["choices"] = choices.collect();
-    }
+    add_known(&mut about, "unit", variable.unit());
+    let range = variable.range();
+    add_known(&mut about, "from", range.map(|[from, _]| from));
+    add_known(&mut about, "to", range.map(|[_, to]| to));
+    add_known(&mut about, "integer", range.map(|_| variable.is_whole()));
+    add_known(&mut about, "choices", variable.choices().map(Iterator::collect::<Vec<_>>));
     about
 }
 

@@ -25,26 +25,23 @@ pub(super) fn legend(balancers: &[(u64, &BalancerFacts)], speed: &Unit) -> Strin
             short(ratio)
         );
     }
-    let below = balancers.iter().filter(|(_, facts)| facts.speed_ratio < 1.0).count();
-    if below > 0 {
-        let points = balancers.len();
-        text += &format!(
-            "at {below} of {points} points the disc is slower than the natural frequency, where the balancing position \
-             is not stable\n"
-        );
-    }
-    let is_held = |(_, facts): &&(u64, &BalancerFacts)| {
-        facts.speed_ratio > 0.0
-            && facts.rest.is_some_and(|rest| is_held_everywhere(rest.set_fraction))
+    let mut at_some = |is_so: &dyn Fn(&BalancerFacts) -> bool, words: &str| {
+        let count = balancers.iter().filter(|(_, facts)| is_so(facts)).count();
+        if count > 0 {
+            text += &format!("at {count} of {} points {words}\n", balancers.len());
+        }
     };
-    let held = balancers.iter().filter(is_held).count();
-    if held > 0 {
-        let points = balancers.len();
-        text += &format!(
-            "at {held} of {points} points friction holds the balls in every position, so that no force moves them to \
-             the balancing position\n"
-        );
-    }
+    at_some(
+        &|facts| facts.speed_ratio < 1.0,
+        "the disc is slower than the natural frequency, where the balancing position is not stable",
+    );
+    at_some(
+        &|facts| {
+            let is_held = facts.rest.is_some_and(|rest| is_held_everywhere(rest.set_fraction));
+            facts.speed_ratio > 0.0 && is_held
+        },
+        "friction holds the balls in every position, so that no force moves them to the balancing position",
+    );
     text + &on_a_horizontal_axis(balancers, speed)
 }
 

@@ -2,21 +2,20 @@
 
 use serde_json::{Value, json};
 
+use crate::counted::counted;
 use crate::numbers::short;
 use crate::printed_table::text_table;
+use crate::responses::add_known;
 use crate::study::{ListedParameter, ParameterValue, Study, Unit, short_name};
 
 /// Returns the parameters as lines of text.
 pub(super) fn machine_text(study: &Study) -> String {
     let row = |one: ListedParameter| {
         let unit = study.units().of_parameter(&one.name);
-        let name = match unit {
-            Some(_) => short_name(&one.name, one.unit),
-            None => one.name.clone(),
-        };
-        vec![String::new(), name, value(&one, unit), origin(&one, unit)]
+        let name = unit.map_or_else(|| one.name.clone(), |_| short_name(&one.name, one.unit));
+        [String::new(), name, value(&one, unit), origin(&one, unit)]
     };
-    let rows: Vec<Vec<String>> = study.parameters().into_iter().map(row).collect();
+    let rows: Vec<_> = study.parameters().into_iter().map(row).collect();
     format!("machine ({})\n{}", study.model().kind().name, text_table(&rows, &[0, 1, 2, 3]))
 }
 
@@ -49,8 +48,7 @@ fn origin(parameter: &ListedParameter, shown: Option<&Unit>) -> String {
         words.push("(default)".to_owned());
     }
     if let Some(swept) = &parameter.swept {
-        let values = if swept.count == 1 { "value" } else { "values" };
-        words.push(format!("swept, {} {values}", swept.count));
+        words.push(format!("swept, {}", counted(swept.count as u64, "value")));
     }
     if parameter.design.is_some() {
         words.push("design".to_owned());
@@ -77,19 +75,17 @@ fn parameter_json(parameter: &ListedParameter) -> Value {
         "unit": unit,
         "default": parameter.is_default && !parameter.is_varied(),
     });
-    if let Some(swept) = &parameter.swept {
-        object["swept"] = json!({
-            "values": swept.count,
-            "from": swept.range.map(|[low, _]| low),
-            "to": swept.range.map(|[_, high]| high),
-        });
-    }
-    if let Some(uncertain) = parameter.uncertain {
+    let swept = parameter.swept.as_ref().map(|swept| {
+        let [from, to] = [0, 1].map(|end| swept.range.map(|range| range[end]));
+        json!({"values": swept.count, "from": from, "to": to})
+    });
+    let uncertain = parameter.uncertain.map(|uncertain| {
         let [low, high] = uncertain.range;
-        object["uncertain"] = json!({"low": low, "high": high, "factor": uncertain.factor});
-    }
-    if let Some([from, to]) = parameter.design {
-        object["design"] = json!({"from": from, "to": to});
+        json!({"low": low, "high": high, "factor": uncertain.factor})
+    });
+    let design = parameter.design.map(|[from, to]| json!({"from": from, "to": to}));
+    for (key, value) in [("swept", swept), ("uncertain", uncertain), ("design", design)] {
+        add_known(&mut object, key, value);
     }
     object
 }

@@ -1,7 +1,8 @@
 //! The run-up of the disc for `check`: which accelerations the balls follow.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
+use super::check::Facts;
 use crate::analysis::{RunUp, run_ups};
 use crate::check::points_to_examine;
 use crate::numbers::short;
@@ -22,25 +23,24 @@ fn longest_slipping(study: &Study) -> (Option<u64>, Vec<RunUp>) {
         let each = all.iter().map(|one| one.slipping_fraction * (one.time_s[1] - one.time_s[0]));
         each.sum::<f64>()
     };
-    let mut all = points_to_examine(study.point_count(), MOST_POINTS).into_iter().map(of_point);
-    let Some((mut point_id, mut longest)) = all.next() else { return (None, Vec::new()) };
-    let mut differ = false;
-    for (other_id, other) in all {
-        differ |= other != longest;
-        if slips(&other) > slips(&longest) {
-            (point_id, longest) = (other_id, other);
-        }
-    }
-    (differ.then_some(point_id), longest)
+    let points = points_to_examine(study.point_count(), MOST_POINTS).into_iter();
+    let all: Vec<(u64, Vec<RunUp>)> = points.map(of_point).collect();
+    let differ = all.windows(2).any(|pair| pair[0].1 != pair[1].1);
+    let longest = all
+        .into_iter()
+        .reduce(|longest, other| if slips(&other.1) > slips(&longest.1) { other } else { longest });
+    longest.map_or_else(Default::default, |(point_id, all)| (differ.then_some(point_id), all))
 }
 
-/// Returns one row for each change of speed.
-pub(super) fn run_up_rows(study: &Study) -> Vec<(&'static str, String)> {
+/// Returns a fact for each change of speed.
+pub(super) fn run_ups_of(study: &Study) -> Facts {
     let (point_id, all) = longest_slipping(study);
     let at = point_id.map(|id| format!(" (point {id}, where they slip longest)"));
     let at = at.unwrap_or_default();
     let unit = study.units().speed();
-    all.iter().map(|one| ("run-up", format!("{}{at}", words(one, &unit)))).collect()
+    let row = |one| ("run-up", format!("{}{at}", words(one, &unit)));
+    let json = |one: &RunUp| merged(json!(one), json!({"point_id": point_id}));
+    Facts { words: all.iter().map(row).collect(), json: all.iter().map(json).collect() }
 }
 
 fn words(run_up: &RunUp, unit: &Unit) -> String {
@@ -61,10 +61,4 @@ fn words(run_up: &RunUp, unit: &Unit) -> String {
         fraction => format!("they slip in {} % of its time or more", short(100.0 * fraction)),
     };
     format!("{change}; {followed}: {slips}")
-}
-
-/// Returns the changes of speed as JSON.
-pub(super) fn run_up_json(study: &Study) -> Value {
-    let (point_id, all) = longest_slipping(study);
-    all.iter().map(|one| merged(json!(one), json!({"point_id": point_id}))).collect()
 }

@@ -9,13 +9,14 @@ use crate::study::Study;
 /// Returns the equations as lines of text; nothing for a kind of model that no file defines.
 pub(super) fn system_text(study: &Study) -> String {
     let Some(source) = study.model().kind().source() else { return String::new() };
+    let row = |name: String, text: String| [String::new(), name, text];
     let named = |key: &str, word: &'static str| {
-        entries(&source[key]).map(move |(name, one)| [format!("{word} {name}"), in_words(one)])
+        entries(&source[key]).map(move |(name, one)| row(format!("{word} {name}"), in_words(one)))
     };
-    let mut rows: Vec<[String; 2]> = named("coordinates", "coordinate").collect();
-    for (row, columns) in entries(&source["mass"]) {
+    let mut rows: Vec<[String; 3]> = named("coordinates", "coordinate").collect();
+    for (line, columns) in entries(&source["mass"]) {
         for (column, formula) in entries(columns) {
-            rows.push([format!("mass {row}, {column}"), in_words(formula)]);
+            rows.push(row(format!("mass {line}, {column}"), in_words(formula)));
         }
     }
     for (key, word) in
@@ -24,11 +25,9 @@ pub(super) fn system_text(study: &Study) -> String {
         rows.extend(named(key, word));
     }
     for key in ["turning", "period"] {
-        rows.extend(source.get(key).map(|value| [key.to_owned(), in_words(value)]));
+        rows.extend(source.get(key).map(|value| row(key.to_owned(), in_words(value))));
     }
-    rows.push(["rest".to_owned(), rest_in_words(study.model())]);
-    let rows: Vec<Vec<String>> =
-        rows.into_iter().map(|[name, text]| vec![String::new(), name, text]).collect();
+    rows.push(row("rest".to_owned(), rest_in_words(study.model())));
     format!("\nsystem ({})\n{}", study.model().kind().name, text_table(&rows, &[0, 1, 2]))
 }
 

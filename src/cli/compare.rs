@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::exit::{CliError, End};
-use super::output::{print, print_json};
+use super::output::print_result;
 use super::points_table::MOST_LINES;
 use crate::analysis::Estimate;
 use crate::counted::counted;
@@ -16,6 +16,7 @@ use crate::report::{
     ComparedPoint, ComparedQuantity, ComparedResults, Comparison, NamedPoints,
     compare as compare_results, percent, three_digits,
 };
+use crate::responses::merged;
 use crate::sanitize::shown_path;
 use crate::table::Table;
 
@@ -33,7 +34,7 @@ computes no run and changes nothing.";
 /// Say how the results of two studies differ, with intervals of the differences
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct CompareArguments {
+pub struct Arguments {
     /// Directory with the first results
     #[arg(value_name = "DIR1")]
     first: PathBuf,
@@ -48,7 +49,7 @@ pub struct CompareArguments {
 }
 
 /// Compares two directories of results.
-pub fn compare(arguments: &CompareArguments) -> Result<End, CliError> {
+pub fn compare(arguments: &Arguments) -> Result<End, CliError> {
     let directories = [&arguments.first, &arguments.second];
     let [first, second] = directories.map(|directory| readable_results(directory));
     let (first, second) = (first?, second?);
@@ -60,22 +61,20 @@ pub fn compare(arguments: &CompareArguments) -> Result<End, CliError> {
     let one = ComparedResults { study: &first.study, points: &points_1, runs: &runs_1 };
     let other = ComparedResults { study: &second.study, points: &points_2, runs: &runs_2 };
     let comparison = compare_results([&one, &other])?;
-    if arguments.json {
+    let json = || {
         let directories = directories.map(|directory| directory.display().to_string());
-        let mut result = json!({"directories": directories});
-        if let (Some(keys), Value::Object(found)) = (result.as_object_mut(), json!(comparison)) {
-            keys.extend(found);
-        }
-        print_json(&format!("{result:#}\n"))?;
-        return Ok(End::Well);
-    }
+        merged(json!({"directories": directories}), &comparison)
+    };
     let title = |name: &str, directory: &PathBuf, results: &Readable| {
         let runs = counted(results.manifest.runs_finished, "run");
         format!("{name}  {} ({}, {runs})\n", shown_path(directory), results.study.name())
     };
-    let titles =
-        title("first ", directories[0], &first) + &title("second", directories[1], &second);
-    print(&(titles + &in_words(&comparison)))?;
+    let text = || {
+        title("first ", directories[0], &first)
+            + &title("second", directories[1], &second)
+            + &in_words(&comparison)
+    };
+    print_result(arguments.json, json, text)?;
     Ok(End::Well)
 }
 

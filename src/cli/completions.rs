@@ -15,14 +15,14 @@ Examples:
 /// Print a completion script for a shell
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct CompletionsArguments {
+pub struct Arguments {
     /// The shell
     #[arg(value_enum)]
     shell: Shell,
 }
 
 /// Prints the completions.
-pub fn completions(arguments: &CompletionsArguments) -> Result<End, CliError> {
+pub fn completions(arguments: &Arguments) -> Result<End, CliError> {
     let mut script = Vec::new();
     generate(arguments.shell, &mut super::definition(), "stickslip", &mut script);
     print(&String::from_utf8_lossy(&script))?;

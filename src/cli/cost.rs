@@ -24,28 +24,18 @@ pub(super) struct Cost {
     pub(super) most_core_seconds: f64,
 }
 
-/// Which runs a cost counts.
-#[derive(Clone, Copy, Debug)]
-struct Counted {
-    /// Whether audited runs count twice.
-    audit: bool,
-    /// Whether the runs are those of a design, whose parameters differ from those of the study.
-    designs: bool,
-}
-
 impl Cost {
     /// Estimates the cost of a study.
     pub(super) fn of(study: &Study) -> Cost {
-        Cost::with(study, Counted { audit: true, designs: false })
+        Cost::with(study, false)
     }
 
     /// Estimates the cost of one design, as `evaluate` and `optimize` compute it: the first sample at each point,
     /// without an audit. The estimate is the mean over the possible numbers of balls, and the bound is the largest of
     /// their bounds.
     pub(super) fn of_a_design(study: &Study) -> Cost {
-        let counted = Counted { audit: false, designs: true };
         let own = study.by_number_of_balls();
-        let all: Vec<Cost> = own.iter().map(|study| Cost::with(study, counted)).collect();
+        let all: Vec<Cost> = own.iter().map(|study| Cost::with(study, true)).collect();
         let count = all.len() as f64;
         let total = all.into_iter().fold(Cost::default(), |sum, one| Cost {
             steps: sum.steps + one.steps / count,
@@ -69,27 +59,34 @@ impl Cost {
 
     /// Returns the estimate and the upper bound in words.
     pub(super) fn in_words(&self) -> String {
-        let (estimate, bound) = (about(self.core_seconds), at_most(self.most_core_seconds));
+        let estimate = match duration(self.core_seconds) {
+            Some(duration) => format!("about {duration}"),
+            None => "more than 100 years".to_owned(),
+        };
+        let bound = match duration(self.most_core_seconds) {
+            Some(duration) => format!("at most {duration}, if every run reaches its step limit"),
+            None => "no bound below 100 years".to_owned(),
+        };
         format!(
             "{estimate} on one core, if every run lasts to its end (usually much less); {bound}"
         )
     }
 
-    fn with(study: &Study, counted: Counted) -> Cost {
+    /// `of_a_design` says that the runs are those of a design, without an audit and with other parameters than the study.
+    fn with(study: &Study, of_a_design: bool) -> Cost {
         let points = study.point_count();
         let stride = points.div_ceil(MOST_POINTS).max(1);
         // Uncertain parameters and points outside the sample are unknown.
-        let all_known = study.uncertain().is_empty() && stride == 1 && !counted.designs;
+        let all_known = study.uncertain().is_empty() && stride == 1 && !of_a_design;
         let (mut cost, mut runs) = (Cost::default(), 0.0);
         for number in (0..points).step_by(usize::try_from(stride).unwrap_or(usize::MAX)) {
             let point = study.point(number);
-            let of_point = if counted.designs { point.sampling.first } else { point.sampling.most };
+            let of_point = if of_a_design { point.sampling.first } else { point.sampling.most };
             runs += of_point as f64;
-            let audit_fraction =
-                study.audit().filter(|_| counted.audit).map(|audit| audit.fraction);
-            cost.add(study.simulation(), audit_fraction, point.model(), of_point, all_known);
+            let audit = study.audit().filter(|_| !of_a_design).map(|audit| audit.fraction);
+            cost.add(study.simulation(), audit, point.model(), of_point, all_known);
         }
-        let of_study = if counted.designs { study.least_run_count() } else { study.run_count() };
+        let of_study = if of_a_design { study.least_run_count() } else { study.run_count() };
         let all = of_study as f64 / f64::max(runs, 1.0);
         cost.times(all)
     }
@@ -180,17 +177,6 @@ fn usual_seconds_per_step(model: &Model) -> f64 {
 const STABLE: f64 = 6.0;
 
 const HUNDRED_YEARS_S: f64 = 100.0 * 365.25 * 86_400.0;
-
-fn about(seconds: f64) -> String {
-    let duration = duration(seconds);
-    duration
-        .map_or_else(|| "more than 100 years".to_owned(), |duration| format!("about {duration}"))
-}
-
-fn at_most(seconds: f64) -> String {
-    let words = |duration| format!("at most {duration}, if every run reaches its step limit");
-    duration(seconds).map_or_else(|| "no bound below 100 years".to_owned(), words)
-}
 
 /// Returns a duration in words; `None` above a hundred years.
 fn duration(seconds: f64) -> Option<String> {

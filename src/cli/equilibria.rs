@@ -1,6 +1,6 @@
 //! `stickslip equilibria`: computes equilibrium sets in closed form, without simulation.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -8,10 +8,10 @@ use clap::Args;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::arguments::{StudyArgument, ThreadsArgument, parsed};
+use super::arguments::{StudyArgument, ThreadsArgument, parsed, results_directory};
 use super::equilibria_report::Report;
 use super::exit::{CliError, End};
-use super::output::{print, print_json};
+use super::output::print_result;
 use super::range::{Range, speeds};
 use crate::analysis::{
     EquilibriumSet, FEWEST_GRID_POINTS, FrictionlessEquilibrium, MOST_BALL_DAMPING, REPLICATES,
@@ -46,7 +46,7 @@ speed of 0 no force acts, and every position is an equilibrium. Read the tables 
 /// Compute equilibrium sets, and equilibria without friction, in closed form
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct EquilibriaArguments {
+pub struct Arguments {
     #[command(flatten)]
     study: StudyArgument,
 
@@ -116,14 +116,11 @@ fn ball_damping(text: &str) -> Result<f64, String> {
 /// # Errors
 /// Returns an error if the study, the options or the output directory cannot be used, or if a table cannot be
 /// written.
-pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
+pub fn equilibria(arguments: &Arguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
     check_model(&study)?;
     let resolutions = resolutions(arguments, &study)?;
-    let directory = arguments
-        .out
-        .clone()
-        .unwrap_or_else(|| Path::new("results").join(format!("{}-equilibria", study.name())));
+    let directory = results_directory(arguments.out.as_ref(), &study, "-equilibria");
     let files = EquilibriumFiles {
         positions: !arguments.no_set,
         own_speeds: arguments.speeds.is_some(),
@@ -136,10 +133,9 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
     let report = pool.install(|| compute(arguments, &study, resolutions, &mut tables))?;
     tables.finish(&mut place.list)?;
     place.finish()?;
-    if arguments.json {
-        print_json(&format!("{:#}\n", report.json(&files.options, &directory)))?;
-    } else if !arguments.quiet {
-        print(&report.text())?;
+    if arguments.json || !arguments.quiet {
+        let json = || report.json(&files.options, &directory);
+        print_result(arguments.json, json, || report.text())?;
     }
     if !arguments.quiet {
         let (points, seconds) = (study.point_count(), started.elapsed().as_secs_f64());
@@ -170,7 +166,7 @@ fn check_model(study: &Study) -> Result<(), CliError> {
 }
 
 /// Returns the resolutions of the sets, or an error if they do not fit the study.
-fn resolutions(arguments: &EquilibriaArguments, study: &Study) -> Result<Resolutions, CliError> {
+fn resolutions(arguments: &Arguments, study: &Study) -> Result<Resolutions, CliError> {
     let resolutions =
         Resolutions::choose(study.numbers_of_balls(), arguments.grid, arguments.samples)
             .map_err(CliError::Usage)?;
@@ -195,7 +191,7 @@ fn resolutions(arguments: &EquilibriaArguments, study: &Study) -> Result<Resolut
 }
 
 /// Returns the options that determine the tables besides the study.
-fn options(arguments: &EquilibriaArguments, resolutions: Resolutions) -> serde_json::Value {
+fn options(arguments: &Arguments, resolutions: Resolutions) -> serde_json::Value {
     let both = [resolutions.few, resolutions.more];
     let grid = both.iter().find_map(|one| match one {
         Resolution::Grid(points) => Some(*points),
@@ -218,12 +214,12 @@ fn options(arguments: &EquilibriaArguments, resolutions: Resolutions) -> serde_j
     })
 }
 
-fn compute(
-    arguments: &EquilibriaArguments,
-    study: &Study,
+fn compute<'a>(
+    arguments: &Arguments,
+    study: &'a Study,
     resolutions: Resolutions,
     tables: &mut EquilibriumTables,
-) -> Result<Report, CliError> {
+) -> Result<Report<'a>, CliError> {
     let unknown = || CliError::Usage(format!("no model for {} balls", study.model().balls()));
     let damping = arguments.ball_damping;
     let mut report = Report::new(study, arguments.json, arguments.speeds.is_some());
@@ -240,7 +236,7 @@ fn compute(
         } else {
             frictionless_equilibria(machine, damping).ok_or_else(unknown)?
         };
-        report.push_point(study, &row, &frictionless);
+        report.push_point(&row, &frictionless);
         tables.sets.push(row)?;
         push_frictionless(&key, machine, frictionless, &mut report, tables)?;
         if let Some(positions) = &mut tables.positions {

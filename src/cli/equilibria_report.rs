@@ -2,82 +2,78 @@
 
 use std::path::Path;
 
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::points_table::MOST_LINES;
 use crate::analysis::{FrictionlessEquilibrium, FrictionlessKind, Stability};
 use crate::printed_table::{PrintedTable, as_text};
 use crate::responses::{merged, point_keys};
-use crate::study::{Study, VariedParameter};
+use crate::study::Study;
 use crate::table::SetSummaryRow;
 
 /// The part of the result that is printed.
-pub struct Report {
-    study: String,
-    swept: Vec<VariedParameter>,
+pub struct Report<'a> {
+    study: &'a Study,
     points: Vec<(SetSummaryRow, Vec<&'static str>)>,
-    /// The values of the swept parameters of each of these points.
-    shown: Vec<Vec<String>>,
     more: u64,
     keep_all: bool,
     own_speeds: bool,
-    kinds: [KindCount; FrictionlessKind::ALL.len()],
+    kinds: Vec<KindCount>,
     /// The number of points at which the grid does not resolve all components of the set.
     pub too_coarse: u64,
 }
 
 /// Counts of the equilibria of one kind.
-#[derive(Clone, Copy, Default)]
+#[derive(Default, Serialize)]
 struct KindCount {
+    kind: &'static str,
     found: u64,
     stable: u64,
     /// The smallest and the largest speed at which an equilibrium of this kind is stable, rad/s.
-    stable_rad_s: Option<(f64, f64)>,
+    stable_from_rad_s: Option<f64>,
+    stable_to_rad_s: Option<f64>,
 }
 
-impl Report {
+impl<'a> Report<'a> {
     /// Creates an empty report; with `keep_all` it stores every point, not only the printed ones.
-    pub fn new(study: &Study, keep_all: bool, own_speeds: bool) -> Self {
+    pub fn new(study: &'a Study, keep_all: bool, own_speeds: bool) -> Self {
+        let kinds = FrictionlessKind::ALL.iter();
         Report {
-            study: study.name().to_owned(),
-            swept: study.swept().to_vec(),
+            study,
             points: Vec::new(),
-            shown: Vec::new(),
             more: 0,
             keep_all,
             own_speeds,
-            kinds: Default::default(),
+            kinds: kinds
+                .map(|kind| KindCount { kind: kind.name(), ..Default::default() })
+                .collect(),
             too_coarse: 0,
         }
     }
 
     /// Adds a point of the sweep with its frictionless equilibria, if they are computed at the points.
-    pub fn push_point(
-        &mut self,
-        study: &Study,
-        row: &SetSummaryRow,
-        frictionless: &[FrictionlessEquilibrium],
-    ) {
+    pub fn push_point(&mut self, row: &SetSummaryRow, frictionless: &[FrictionlessEquilibrium]) {
         self.too_coarse += u64::from(row.set.unseen > Some(0));
         if !self.keep_all && self.points.len() >= MOST_LINES {
             self.more += 1;
             return;
         }
         let stable = frictionless.iter().filter(|one| one.stability == Stability::Stable);
-        self.shown.push(study.shown(&row.point.swept));
         self.points.push((row.clone(), stable.map(|one| one.kind.name()).collect()));
     }
 
     /// Counts a frictionless equilibrium.
     pub fn push_frictionless(&mut self, speed_rad_s: f64, found: &FrictionlessEquilibrium) {
-        let kinds = FrictionlessKind::ALL.iter().zip(&mut self.kinds);
-        for (_, kind) in kinds.filter(|(kind, _)| **kind == found.kind) {
-            kind.found += 1;
-            if found.stability == Stability::Stable {
-                kind.stable += 1;
-                let (low, high) = kind.stable_rad_s.unwrap_or((speed_rad_s, speed_rad_s));
-                kind.stable_rad_s = Some((low.min(speed_rad_s), high.max(speed_rad_s)));
-            }
+        let Some(kind) = self.kinds.iter_mut().find(|one| one.kind == found.kind.name()) else {
+            return;
+        };
+        kind.found += 1;
+        if found.stability == Stability::Stable {
+            kind.stable += 1;
+            let (from, to) = (&mut kind.stable_from_rad_s, &mut kind.stable_to_rad_s);
+            *from = Some(from.map_or(speed_rad_s, |from| from.min(speed_rad_s)));
+            *to = Some(to.map_or(speed_rad_s, |to| to.max(speed_rad_s)));
         }
     }
 
@@ -85,7 +81,9 @@ impl Report {
     pub fn text(&self) -> String {
         let rows = &self.points[..self.points.len().min(MOST_LINES)];
         let mut table = PrintedTable::new(rows, "");
-        table.add_point(|(row, _)| row.point.point_id, &self.swept, &self.shown);
+        let shown: Vec<_> =
+            rows.iter().map(|(row, _)| self.study.shown(&row.point.swept)).collect();
+        table.add_point(|(row, _)| row.point.point_id, self.study.swept(), &shown);
         let fraction = |one: f64| format!("{one:.4}");
         table.add("fraction", |(row, _)| fraction(row.set.fraction));
         table.add_if_any("touching", |(row, _)| row.set.touching_fraction.map(fraction));
@@ -121,23 +119,26 @@ impl Report {
     }
 
     fn kinds_text(&self) -> String {
-        let found = FrictionlessKind::ALL.iter().zip(&self.kinds);
-        let found: Vec<_> = found.filter(|(_, counts)| counts.found > 0).collect();
+        let found = self.kinds_found();
         let mut table = PrintedTable::new(&found, "nowhere");
-        table.add("without friction", |(kind, _)| kind.name().to_owned());
-        table.add("found", |(_, counts)| counts.found.to_string());
-        table.add("stable", |(_, counts)| counts.stable.to_string());
-        table.add_known("stable at [rad/s]", |(_, counts)| {
-            counts.stable_rad_s.map(|(low, high)| format!("{low:.3} .. {high:.3}"))
+        table.add("without friction", |one| one.kind.to_owned());
+        table.add("found", |one| one.found.to_string());
+        table.add("stable", |one| one.stable.to_string());
+        table.add_known("stable at [rad/s]", |one| {
+            Some(format!("{:.3} .. {:.3}", one.stable_from_rad_s?, one.stable_to_rad_s?))
         });
         as_text(&table.columns)
+    }
+
+    fn kinds_found(&self) -> Vec<&KindCount> {
+        self.kinds.iter().filter(|one| one.found > 0).collect()
     }
 
     /// Returns the report as JSON.
     pub fn json(&self, options: &Value, directory: &Path) -> Value {
         let point = |(row, stable): &(SetSummaryRow, Vec<&str>)| {
             let SetSummaryRow { point, set, .. } = row;
-            let keys = point_keys(point.point_id, &self.swept, &point.swept);
+            let keys = point_keys(point.point_id, self.study.swept(), &point.swept);
             let facts = json!({
                 "grid_positions": set.positions,
                 "fraction": set.fraction,
@@ -156,22 +157,12 @@ impl Report {
             });
             merged(keys, facts)
         };
-        let kinds = FrictionlessKind::ALL.iter().zip(&self.kinds);
-        let kinds = kinds.filter(|(_, counts)| counts.found > 0).map(|(kind, counts)| {
-            json!({
-                "kind": kind.name(),
-                "found": counts.found,
-                "stable": counts.stable,
-                "stable_from_rad_s": counts.stable_rad_s.map(|(low, _)| low),
-                "stable_to_rad_s": counts.stable_rad_s.map(|(_, high)| high),
-            })
-        });
         json!({
-            "study": self.study,
+            "study": self.study.name(),
             "out": directory.display().to_string(),
             "options": options,
             "points": self.points.iter().map(point).collect::<Vec<_>>(),
-            "frictionless": kinds.collect::<Vec<_>>(),
+            "frictionless": self.kinds_found(),
         })
     }
 }

@@ -42,7 +42,7 @@ until its input ends or its output is closed. The answer to an invalid request i
 /// Compute responses of designs for optimisers, from a table or from requests on standard input
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct EvaluateArguments {
+pub struct Arguments {
     #[command(flatten)]
     study: StudyArgument,
 
@@ -63,20 +63,21 @@ pub struct EvaluateArguments {
 }
 
 /// Evaluates designs.
-pub fn evaluate(arguments: &EvaluateArguments) -> Result<End, CliError> {
+pub fn evaluate(arguments: &Arguments) -> Result<End, CliError> {
     let study = arguments.study.load_and_warn(arguments.quiet)?;
-    check(arguments, &study)?;
-    if is_server(arguments) {
+    check_answerable(&study, &arguments.study.study).map_err(CliError::Usage)?;
+    if arguments.designs.as_os_str() == "-" {
+        if arguments.out.is_some() {
+            let refused = "--out: answers to requests go to standard output\n  allowed: --out with a table of designs";
+            return Err(CliError::Usage(refused.to_owned()));
+        }
         return serve(&study, &arguments.threads.start()?, &stop_on_signals());
     }
     let designs = study.designs(&arguments.designs)?;
-    let columns = response_columns(&study);
-    let mut table = match &arguments.out {
-        Some(out) => {
-            Some(NewTable::create(out, response_columns(&study), &provenance(&study, "responses"))?)
-        }
-        None => None,
+    let create = |out: &PathBuf| {
+        NewTable::create(out, response_columns(&study), &provenance(&study, "responses"))
     };
+    let table = arguments.out.as_ref().map(create).transpose()?;
     let show = if arguments.quiet { Show::Nothing } else { Show::auto() };
     let (workers, stop) = (arguments.threads.start()?, stop_on_signals());
     let Some(answers) = compute(&study, &designs, &workers, &stop, show)? else {
@@ -85,12 +86,13 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<End, CliError> {
         return Ok(End::Interrupted);
     };
     let failed: u64 = answers.iter().map(|answer| answer.counts.of(Label::Failed)).sum();
-    if let Some(mut table) = table.take() {
+    if let Some(mut table) = table {
         answers.into_iter().try_for_each(|answer| table.push(answer))?;
         table.finish()?;
     } else if io::stdout().is_terminal() {
         print(&printed(&study, &answers))?;
     } else {
+        let columns = response_columns(&study);
         print(&(csv_header(&columns)? + &csv_rows(&columns, &answers)?))?;
     }
     if !arguments.quiet {
@@ -103,11 +105,6 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<End, CliError> {
         }
     }
     Ok(if failed > 0 { End::RunsFailed } else { End::Well })
-}
-
-/// Returns whether the command answers requests.
-fn is_server(arguments: &EvaluateArguments) -> bool {
-    arguments.designs.as_os_str() == "-"
 }
 
 /// Returns the answers as aligned columns: variables, point of the sweep, responses with their intervals, and failed runs.
@@ -127,18 +124,6 @@ fn printed(study: &Study, answers: &[Answer]) -> String {
     table.columns.extend(estimate_columns(study.responses(), &estimates, study.units()));
     table.add("failed", |answer| answer.counts.of(Label::Failed).to_string());
     as_text(&table.columns)
-}
-
-/// Checks the combination of study and arguments.
-fn check(arguments: &EvaluateArguments, study: &Study) -> Result<(), CliError> {
-    check_answerable(study, &arguments.study.study).map_err(CliError::Usage)?;
-    match &arguments.out {
-        Some(_) if is_server(arguments) => Err(CliError::Usage(
-            "--out: answers to requests go to standard output\n  allowed: --out with a table of designs"
-                .to_owned(),
-        )),
-        _ => Ok(()),
-    }
 }
 
 /// Returns the answers for all designs, in order; `None` if `stop` became true.

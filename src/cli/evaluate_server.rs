@@ -12,7 +12,7 @@ use serde_json::json;
 use super::exit::{CliError, End};
 use super::output::{Reader, print_json};
 use crate::engine::WorkerPool;
-use crate::responses::{Design, Neighbours, Request, RequestError, respond, to_json};
+use crate::responses::{Design, Neighbours, Request, respond, to_json};
 use crate::study::Study;
 
 /// The longest request line, in bytes.
@@ -40,28 +40,21 @@ pub fn serve(study: &Study, workers: &WorkerPool, stop: &AtomicBool) -> Result<E
             Err(RecvTimeoutError::Timeout) => continue,
             Err(RecvTimeoutError::Disconnected) => return Ok(End::Well),
         };
-        let request = match line {
-            Some(line) => Request::read(study, &line),
-            None => {
-                Request { id: json!(null), design: Err(RequestError::too_long(MAX_LINE_BYTES)) }
-            }
-        };
+        let too_long = || Request::too_long(MAX_LINE_BYTES);
+        let request = line.map_or_else(too_long, |line| Request::read(study, &line));
         let answer = match &request.design {
-            Err(refusal) => json!({"id": request.id, "error": refusal.to_json()}),
+            Err(refusal) => json!({"id": request.id, "error": refusal}),
             Ok((values, set)) => {
                 let studies = vec![Cow::Borrowed(set.as_ref())];
                 let design = Design { number, values, studies };
-                match respond(workers, study.responses(), design, stop, &|_| {}) {
-                    None => return Ok(End::Interrupted),
-                    Some(mut answers) => {
-                        let counts = answers.iter().map(|answer| answer.counts).collect();
-                        let flags = neighbours.compare(study.scaled(values), counts);
-                        for (answer, flag) in answers.iter_mut().zip(flags) {
-                            answer.discontinuous = flag;
-                        }
-                        to_json(study, &request.id, &answers)
-                    }
+                let answers = respond(workers, study.responses(), design, stop, &|_| {});
+                let Some(mut answers) = answers else { return Ok(End::Interrupted) };
+                let counts = answers.iter().map(|answer| answer.counts).collect();
+                let flags = neighbours.compare(study.scaled(values), counts);
+                for (answer, flag) in answers.iter_mut().zip(flags) {
+                    answer.discontinuous = flag;
                 }
+                to_json(study, &request.id, &answers)
             }
         };
         number += 1;

@@ -25,7 +25,7 @@ Examples:
 /// computes the runs.
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct ExpandArguments {
+pub struct Arguments {
     #[command(flatten)]
     study: StudyArgument,
 
@@ -43,7 +43,7 @@ pub struct ExpandArguments {
 const PIECE: usize = 1024;
 
 /// Writes the cases.
-pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
+pub fn expand(arguments: &Arguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
     let mut list = Columns::<PlannedRun>::new();
     list.extend(planned_columns::<PlannedRun>(&study, |planned| planned));
@@ -51,25 +51,19 @@ pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
         .meaning("why the case cannot be computed");
     let columns = list.finish();
     let mut cases = arguments.shard.run_ids(&study).map(|run_id| study.planned_run(run_id));
-    match &arguments.out {
-        Some(path) => {
-            let mut table = NewTable::create(path, columns, &provenance(&study, "cases"))?;
-            for case in cases {
-                table.push(case)?;
-            }
-            table.finish()?;
-            Ok(End::Well)
-        }
-        None => {
-            let mut reader = print(&csv_header(&columns)?)?;
-            while reader != Reader::Gone {
-                let rows: Vec<PlannedRun> = cases.by_ref().take(PIECE).collect();
-                if rows.is_empty() {
-                    break;
-                }
-                reader = print(&csv_rows(&columns, &rows)?)?;
-            }
-            Ok(End::Well)
-        }
+    if let Some(path) = &arguments.out {
+        let mut table = NewTable::create(path, columns, &provenance(&study, "cases"))?;
+        cases.try_for_each(|case| table.push(case))?;
+        table.finish()?;
+        return Ok(End::Well);
     }
+    let mut reader = print(&csv_header(&columns)?)?;
+    while reader != Reader::Gone {
+        let rows: Vec<PlannedRun> = cases.by_ref().take(PIECE).collect();
+        if rows.is_empty() {
+            break;
+        }
+        reader = print(&csv_rows(&columns, &rows)?)?;
+    }
+    Ok(End::Well)
 }

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::classification::Evidence;
+use crate::classification::{Evidence, Label};
+use crate::table::Manifest;
 
 /// Returns the number of failed runs of each kind, the most frequent first, as
 /// `2 step_limit, 1 contact_lost`; empty if no kind is known.
@@ -14,6 +15,11 @@ pub fn kinds_of_failure(failures: &BTreeMap<String, u64>) -> String {
     kinds.sort_by_key(|(_, runs)| std::cmp::Reverse(**runs));
     let kinds: Vec<String> = kinds.iter().map(|(kind, runs)| format!("{runs} {kind}")).collect();
     kinds.join(", ")
+}
+
+/// Returns the number of failed runs of a directory of results.
+pub fn failed_runs(manifest: &Manifest) -> u64 {
+    manifest.labels.get(Label::Failed.name()).copied().unwrap_or(0)
 }
 
 /// Returns a line on the failed runs of a study, or `None` if no run failed.

@@ -1,12 +1,12 @@
 //! `stickslip identify`: infers parameters from measured positions of rest.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{StudyArgument, ThreadsArgument};
+use super::arguments::{StudyArgument, ThreadsArgument, results_directory};
 use super::exit::{CliError, End};
-use super::output::{print, print_json};
+use super::output::print_result;
 use crate::counted::counted;
 use crate::engine::{Show, say, stop_on_signals};
 use crate::identify::Identify;
@@ -33,7 +33,7 @@ study, measurements and seed give the same bytes on any number of threads.";
 /// Infer parameters from measured positions of rest
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct IdentifyArguments {
+pub struct Arguments {
     #[command(flatten)]
     study: StudyArgument,
 
@@ -66,10 +66,9 @@ pub struct IdentifyArguments {
 /// # Errors
 /// Returns an error if the study or the measurements cannot be used, if a directory holds other files, or if a table cannot
 /// be written.
-pub fn identify(arguments: &IdentifyArguments) -> Result<End, CliError> {
+pub fn identify(arguments: &Arguments) -> Result<End, CliError> {
     let study = arguments.study.load_and_warn(arguments.quiet)?;
-    let usual = || Path::new("results").join(format!("{}-identified", study.name()));
-    let out = arguments.out.clone().unwrap_or_else(usual);
+    let out = results_directory(arguments.out.as_ref(), &study, "-identified");
     let (workers, stop) = (arguments.threads.start()?, stop_on_signals());
     let identify = Identify {
         study: &study,
@@ -99,11 +98,7 @@ pub fn identify(arguments: &IdentifyArguments) -> Result<End, CliError> {
             say(&format!("warning: {}: {one}", shown_path(&arguments.study.study)))
         });
     }
-    if arguments.json {
-        print_json(&format!("{:#}\n", identified.summary))?;
-    } else {
-        print(&identified.in_words)?;
-    }
+    print_result(arguments.json, || identified.summary, || identified.in_words)?;
     if !arguments.quiet {
         say(&format!("results in {}", out.display()));
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::arguments::EngineArguments;
+use super::arguments::{EngineArguments, results_directory};
 use super::exit::{CliError, End};
 use super::run::carry_out;
 use crate::engine::{OutputDir, Shard, results_study};
@@ -31,7 +31,7 @@ const AT_A_TIME: usize = 1024;
 /// Merge the results of all shards of a study
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct MergeArguments {
+pub struct Arguments {
     /// Directories of all shards, in any order
     #[arg(value_name = "PART", required = true)]
     parts: Vec<PathBuf>,
@@ -49,10 +49,9 @@ pub struct MergeArguments {
 /// # Errors
 /// Returns an error if a shard is missing, given twice, unfinished or of another study, or if a directory cannot
 /// be used.
-pub fn merge(arguments: &MergeArguments) -> Result<End, CliError> {
+pub fn merge(arguments: &Arguments) -> Result<End, CliError> {
     let study = whole(&arguments.parts)?;
-    let directory =
-        arguments.out.clone().unwrap_or_else(|| Path::new("results").join(study.name()));
+    let directory = results_directory(arguments.out.as_ref(), &study, "");
     let mut options = arguments.engine.options(Shard::WHOLE);
     options.chunk = AT_A_TIME.saturating_mul(arguments.parts.len()).min(MOST_AT_A_TIME);
     let output_dir = OutputDir {

@@ -80,25 +80,28 @@ struct Cli {
     command: Command,
 }
 
-#[derive(Debug, Subcommand)]
-enum Command {
-    New(new::NewArguments),
-    Run(run::RunArguments),
-    Resume(resume::ResumeArguments),
-    Merge(merge::MergeArguments),
-    Replay(replay::ReplayArguments),
-    Summary(summary::SummaryArguments),
-    Compare(compare::CompareArguments),
-    Report(report::ReportArguments),
-    Check(check::CheckArguments),
-    Expand(expand::ExpandArguments),
-    Verify(verify::VerifyArguments),
-    Equilibria(equilibria::EquilibriaArguments),
-    Evaluate(evaluate::EvaluateArguments),
-    Optimize(optimize::OptimizeArguments),
-    Identify(identify::IdentifyArguments),
-    Schema(schema::SchemaArguments),
-    Completions(completions::CompletionsArguments),
+/// Defines the commands in the order of the help, and how each is carried out: by the function of its module.
+macro_rules! commands {
+    ($($name:ident: $module:ident,)+) => {
+        #[derive(Debug, Subcommand)]
+        enum Command {
+            $($name($module::Arguments),)+
+        }
+
+        impl Command {
+            fn carry_out(&self) -> Result<End, CliError> {
+                match self {
+                    $(Command::$name(arguments) => $module::$module(arguments),)+
+                }
+            }
+        }
+    };
+}
+
+commands! {
+    New: new, Run: run, Resume: resume, Merge: merge, Replay: replay, Summary: summary, Compare: compare,
+    Report: report, Check: check, Expand: expand, Verify: verify, Equilibria: equilibria, Evaluate: evaluate,
+    Optimize: optimize, Identify: identify, Schema: schema, Completions: completions,
 }
 
 /// Runs the program with the built-in kinds of models, and returns the exit code.
@@ -131,26 +134,7 @@ pub fn run_with(registry: Registry, arguments: impl IntoIterator<Item = OsString
             return u8::try_from(help_or_error.exit_code()).unwrap_or(2);
         }
     };
-    let result = match command {
-        Command::New(arguments) => new::new(&arguments),
-        Command::Run(arguments) => run::run(&arguments),
-        Command::Resume(arguments) => resume::resume(&arguments),
-        Command::Merge(arguments) => merge::merge(&arguments),
-        Command::Replay(arguments) => replay::replay(&arguments),
-        Command::Summary(arguments) => summary::summary(&arguments),
-        Command::Compare(arguments) => compare::compare(&arguments),
-        Command::Report(arguments) => report::report(&arguments),
-        Command::Check(arguments) => check::check(&arguments),
-        Command::Expand(arguments) => expand::expand(&arguments),
-        Command::Verify(arguments) => verify::verify(&arguments),
-        Command::Equilibria(arguments) => equilibria::equilibria(&arguments),
-        Command::Evaluate(arguments) => evaluate::evaluate(&arguments),
-        Command::Optimize(arguments) => optimize::optimize(&arguments),
-        Command::Identify(arguments) => identify::identify(&arguments),
-        Command::Schema(arguments) => schema::schema(&arguments),
-        Command::Completions(arguments) => completions::completions(&arguments),
-    };
-    match result {
+    match command.carry_out() {
         Ok(end) => end.code(),
         Err(error) => {
             say(&format!("error: {error}"));

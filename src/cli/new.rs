@@ -1,6 +1,6 @@
 //! `stickslip new`: writes a commented study to start from.
 
-use std::fs::OpenOptions;
+use std::fs::File;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,7 @@ name of the file without its ending.";
 /// Write a commented study to start from
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct NewArguments {
+pub struct Arguments {
     /// Study file to write, which must not exist; - for standard output
     #[arg(value_name = "FILE", required_unless_present = "list")]
     file: Option<PathBuf>,
@@ -49,7 +49,7 @@ fn template() -> impl TypedValueParser<Value = Template> {
 }
 
 /// Writes a study.
-pub fn new(arguments: &NewArguments) -> Result<End, CliError> {
+pub fn new(arguments: &Arguments) -> Result<End, CliError> {
     let Some(file) = arguments.file.as_deref().filter(|_| !arguments.list) else {
         let line = |template: Template| format!("{:<12} {}\n", template.name, template.summary);
         print(&Template::ALL.map(line).concat())?;
@@ -75,18 +75,13 @@ fn write_new(file: &Path, text: &str) -> Result<(), CliError> {
     let refused = |problem: String, allowed: &str| {
         CliError::Usage(format!("{}: {problem}\n  allowed: {allowed}", file.display()))
     };
-    let mut new =
-        OpenOptions::new().write(true).create_new(true).open(file).map_err(|error| match error
-            .kind()
-        {
-            ErrorKind::AlreadyExists => {
-                refused("exists already".to_owned(), "the name of a new file")
-            }
-            _ => {
-                let allowed = "the name of a new file in a directory that can be written to";
-                refused(error.to_string(), allowed)
-            }
-        })?;
+    let mut new = File::create_new(file).map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => refused("exists already".to_owned(), "the name of a new file"),
+        _ => {
+            let allowed = "the name of a new file in a directory that can be written to";
+            refused(error.to_string(), allowed)
+        }
+    })?;
     new.write_all(text.as_bytes()).map_err(|error| {
         // An incomplete study would prevent another attempt.
         let _ = std::fs::remove_file(file);

@@ -1,12 +1,12 @@
 //! `stickslip optimize`: searches for the best design.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{StudyArgument, ThreadsArgument};
+use super::arguments::{StudyArgument, ThreadsArgument, results_directory};
 use super::exit::{CliError, End};
-use super::output::{print, print_json};
+use super::output::print_result;
 use crate::counted::counted;
 use crate::engine::{Show, say, stop_on_signals};
 use crate::optimize::{Optimize, Optimized};
@@ -32,7 +32,7 @@ evaluations.parquet has been changed. `stickslip evaluate` computes further desi
 /// Search for the best design with surrogate models
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct OptimizeArguments {
+pub struct Arguments {
     #[command(flatten)]
     study: StudyArgument,
 
@@ -57,10 +57,9 @@ pub struct OptimizeArguments {
 /// # Errors
 /// Returns an error if the study cannot be used or has no `optimize`, if the directory holds other files, if a
 /// table cannot be written, or if an objective does not depend on the design.
-pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
+pub fn optimize(arguments: &Arguments) -> Result<End, CliError> {
     let study = arguments.study.load_and_warn(arguments.quiet)?;
-    let usual = || Path::new("results").join(format!("{}-optimum", study.name()));
-    let directory = arguments.out.clone().unwrap_or_else(usual);
+    let directory = results_directory(arguments.out.as_ref(), &study, "-optimum");
     let (workers, stop) = (arguments.threads.start()?, stop_on_signals());
     let optimize = Optimize {
         study: &study,
@@ -76,11 +75,8 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
         say(&format!("interrupted; run the same command with --out {out} to continue"));
         return Ok(End::Interrupted);
     };
-    if arguments.json {
-        print_json(&format!("{:#}\n", optimized.summary))?;
-    } else {
-        print(&optimized.in_words)?;
-    }
+    let Optimized { summary, in_words, .. } = &optimized;
+    print_result(arguments.json, || summary.clone(), || in_words.clone())?;
     if !arguments.quiet {
         say(&format!("results in {}", directory.display()));
     }

@@ -2,6 +2,8 @@
 
 use std::io::{self, Write};
 
+use serde_json::Value;
+
 use crate::sanitize::{harmless, harmless_json};
 use crate::table::cell::cell_text;
 use crate::table::column::{Column, batch};
@@ -23,6 +25,15 @@ pub fn print(text: &str) -> io::Result<Reader> {
 /// Writes JSON to standard output, with terminal control characters escaped.
 pub fn print_json(json: &str) -> io::Result<Reader> {
     write(&harmless_json(json))
+}
+
+/// Prints the result of a command: as indented JSON if that is asked for, and otherwise as text.
+pub fn print_result(
+    as_json: bool,
+    json: impl FnOnce() -> Value,
+    text: impl FnOnce() -> String,
+) -> io::Result<Reader> {
+    if as_json { print_json(&format!("{:#}\n", json())) } else { print(&text()) }
 }
 
 /// Writes a message to standard error, without terminal control characters. Ignores write errors, such as from a

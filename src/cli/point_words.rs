@@ -2,12 +2,12 @@
 
 use crate::classification::Label;
 use crate::report::{Fraction, PointFacts, percent, three_digits};
-use crate::study::{Study, VariedParameter};
+use crate::study::{ParameterValue, Study};
 
 /// Returns a point as one line of text. With `own_machines` the amplitude without balls is a median over the runs.
 pub fn point_line(study: &Study, point: &PointFacts, own_machines: bool) -> String {
-    let swept = swept_text(study.swept(), &study.shown(&point.swept));
-    let mut line = format!("point {}{swept}: {} runs", point.point_id, point.runs);
+    let words = point_words(study, point.point_id, &point.swept);
+    let mut line = format!("{words}: {} runs", point.runs);
     let unit = study.units().vibration();
     let (vibration, unit) = (|metres: f64| three_digits(unit.of(metres)), &unit.symbol);
     if let Some([worse, ..]) = point.residual.worse_than_without_balls {
@@ -30,13 +30,13 @@ pub fn point_line(study: &Study, point: &PointFacts, own_machines: bool) -> Stri
     }
 }
 
-/// Returns the values of the swept parameters for a message, each after a blank, as ` speed_rad_s=-160` or, with a unit
-/// that the study chooses, ` speed=-1528 rpm`. The values are those of [`Study::shown`].
-pub fn swept_text(columns: &[VariedParameter], shown: &[String]) -> String {
-    let each = columns.iter().zip(shown);
-    each.map(|(column, value)| match &column.shown {
+/// Returns a point and the values of its swept parameters for a message, as `point 3 speed_rad_s=-160` or, with a unit that
+/// the study chooses, `point 3 speed=-1528 rpm`.
+pub fn point_words(study: &Study, point_id: u64, swept: &[ParameterValue]) -> String {
+    let shown = study.shown(swept);
+    let each = study.swept().iter().zip(shown).map(|(column, value)| match &column.shown {
         Some(unit) => format!(" {}={value} {}", column.short_name(), unit.symbol),
         None => format!(" {}={value}", column.name),
-    })
-    .collect()
+    });
+    format!("point {point_id}{}", each.collect::<String>())
 }

@@ -11,8 +11,8 @@ use crate::classification::Label;
 use crate::counted::counted;
 use crate::printed_table::{PrintedColumn, as_markdown, as_text};
 use crate::report::{Conclusion, PointFacts, printed_columns, response_columns};
-use crate::responses::merged;
-use crate::study::{Precision, Response, Study, Units, VariedParameter};
+use crate::responses::{add_known, merged};
+use crate::study::{Response, Study};
 use crate::table::column::Column;
 use crate::table::{Batch, PointRow, Row, Table, TableError, point_columns};
 
@@ -20,8 +20,8 @@ use crate::table::{Batch, PointRow, Row, Table, TableError, point_columns};
 pub const MOST_LINES: usize = 40;
 
 /// The points of a result: the first `most` of them in full, and the number of the others.
-pub struct PointsTable {
-    swept: Vec<VariedParameter>,
+pub struct PointsTable<'a> {
+    study: &'a Study,
     columns: Vec<Column<PointRow>>,
     rows: Vec<PointFacts>,
     /// These points as JSON.
@@ -29,80 +29,70 @@ pub struct PointsTable {
     /// The values of the swept parameters of each of these points.
     shown: Vec<Vec<String>>,
     most: usize,
-    balls: bool,
-    audit: bool,
     flips: AuditCounts,
-    precision: Option<Precision>,
     points: u64,
     /// The number of points at which the requested precision was not reached.
-    pub not_precise: u64,
-    units: Units,
+    not_precise: u64,
     conclusion: Conclusion,
-    responses: Vec<Response>,
     /// Whether the directory of the results has a `points.parquet` with these points.
     pub is_saved: bool,
 }
 
-impl PointsTable {
+impl<'a> PointsTable<'a> {
     /// Creates an empty table that stores at most `most` points.
-    pub fn new(study: &Study, most: usize) -> Self {
+    pub fn new(study: &'a Study, most: usize) -> Self {
         PointsTable {
-            swept: study.swept().to_vec(),
-            units: study.units().clone(),
+            study,
             columns: point_columns(study),
             rows: Vec::new(),
             json: Vec::new(),
             shown: Vec::new(),
             most,
-            balls: study.model().kind().offers.vibration,
-            audit: study.audit().is_some(),
             flips: AuditCounts::default(),
-            precision: study.precision(),
             points: 0,
             not_precise: 0,
             conclusion: Conclusion::new(study),
-            responses: study.responses().to_vec(),
             is_saved: true,
         }
     }
 
     /// Reads the table of a study's `points.parquet`.
-    pub fn read(study: &Study, table: &Table, most: usize) -> Result<Self, TableError> {
+    pub fn read(study: &'a Study, table: &Table, most: usize) -> Result<Self, TableError> {
         let mut points = Self::new(study, most);
         table.for_each(|row| {
             let json = points.has_room().then(|| point_json(study, row));
             if let Some(point) = PointFacts::in_row(study, row) {
-                points.add(study, point, json);
+                points.add(point, json);
             }
         })?;
         Ok(points)
     }
 
     /// Returns a point as one line of text.
-    pub fn sentence(&self, study: &Study, point: &PointFacts) -> String {
-        point_line(study, point, self.conclusion.own_machines)
+    pub fn sentence(&self, point: &PointFacts) -> String {
+        point_line(self.study, point, self.conclusion.own_machines)
     }
 
     /// Adds a point of the study whose runs have finished.
-    pub fn push(&mut self, study: &Study, row: &PointRow) {
-        let json = self.has_room().then(|| self.point_json(study, row));
-        self.add(study, PointFacts::of(study, row), json);
+    pub fn push(&mut self, row: &PointRow) {
+        let json = self.has_room().then(|| self.point_json(row));
+        self.add(PointFacts::of(self.study, row), json);
     }
 
     fn has_room(&self) -> bool {
         self.rows.len() < self.most
     }
 
-    fn add(&mut self, study: &Study, point: PointFacts, json: Option<Value>) {
+    fn add(&mut self, point: PointFacts, json: Option<Value>) {
         self.points += 1;
-        self.conclusion.add(study, &point);
+        self.conclusion.add(self.study, &point);
         self.not_precise += u64::from(point.precise == Some(false));
         let AuditCounts { runs, flips, rest_flips } = point.audit;
         self.flips.runs = self.flips.runs.saturating_add(runs);
         self.flips.flips = self.flips.flips.saturating_add(flips);
         self.flips.rest_flips = self.flips.rest_flips.saturating_add(rest_flips);
         if let Some(json) = json {
-            self.shown.push(study.shown(&point.swept));
+            self.shown.push(self.study.shown(&point.swept));
             self.rows.push(point);
             self.json.push(json);
         }
@@ -110,12 +100,17 @@ impl PointsTable {
 
     /// Returns the audit counts of all points, in a study with an audit.
     pub fn flips(&self) -> Option<AuditCounts> {
-        self.audit.then_some(self.flips)
+        self.study.audit().map(|_| self.flips)
+    }
+
+    /// Returns the number of points at which the precision is not reached that the study asks for.
+    pub fn not_precise(&self) -> Option<u64> {
+        self.study.precision().map(|_| self.not_precise)
     }
 
     /// Returns a line on the precision that the study asks for; `None` if it asks for none.
     pub fn precision_line(&self) -> Option<String> {
-        let precision = self.precision?;
+        let precision = self.study.precision()?;
         let (precise, max_runs) = (precision.in_words(), precision.max_runs);
         let (points, not) = (self.points, self.not_precise);
         Some(format!(
@@ -149,21 +144,17 @@ impl PointsTable {
     }
 
     fn response_columns(&self) -> Option<Vec<PrintedColumn>> {
-        let has_responses = !self.responses.is_empty();
-        has_responses.then(|| {
-            response_columns((&self.rows, &self.swept, &self.shown), &self.responses, &self.units)
-        })
+        let (study, responses) = (self.study, self.study.responses());
+        let rows = (&self.rows[..], study.swept(), &self.shown[..]);
+        (!responses.is_empty()).then(|| response_columns(rows, responses, study.units()))
     }
 
     /// Returns what each response means, and why values are missing.
     fn about_responses(&self, end: &str) -> String {
         let mut text = String::new();
-        for (index, response) in self.responses.iter().enumerate() {
-            text += &format!(
-                "{}: {}{end}",
-                response.name,
-                response.meaning_in(&self.units.vibration())
-            );
+        for (index, response) in self.study.responses().iter().enumerate() {
+            let meaning = response.meaning_in(&self.study.units().vibration());
+            text += &format!("{}: {meaning}{end}", response.name);
             let estimates = self.rows.iter().filter_map(|row| row.responses.get(index));
             let missing = estimates.filter(|estimate| estimate.value.is_none());
             let reasons: BTreeSet<&str> = missing.filter_map(|one| one.reason.as_deref()).collect();
@@ -190,37 +181,37 @@ impl PointsTable {
     }
 
     fn columns(&self) -> Vec<PrintedColumn> {
-        let vibration = self.balls.then(|| self.units.vibration());
-        printed_columns((&self.rows, &self.swept, &self.shown), vibration.as_ref(), self.audit)
+        let study = self.study;
+        let vibrates = study.model().kind().offers.vibration;
+        let vibration = vibrates.then(|| study.units().vibration());
+        let rows = (&self.rows[..], study.swept(), &self.shown[..]);
+        printed_columns(rows, vibration.as_ref(), study.audit().is_some())
     }
 
     /// Returns the result of a command as JSON: `facts` of the command, and the points.
     pub fn result_json(
         &self,
-        study: &Study,
         out: Option<&Path>,
         [planned, finished]: [u64; 2],
         facts: Value,
     ) -> Value {
         let keys = json!({
-            "study": study.name(),
+            "study": self.study.name(),
             "out": out.map(|out| out.display().to_string()),
             "runs_planned": planned,
             "runs_finished": finished,
         });
         let mut report = merged(keys, facts);
         report["points"] = self.json.clone().into();
-        if self.precision.is_some() {
-            report["points_not_precise"] = self.not_precise.into();
-        }
+        add_known(&mut report, "points_not_precise", self.not_precise());
         report
     }
 
     /// Returns a point whose runs have finished as JSON.
-    pub fn point_json(&self, study: &Study, row: &PointRow) -> Value {
+    pub fn point_json(&self, row: &PointRow) -> Value {
         let batch = Batch::of(&self.columns, std::slice::from_ref(row));
         // The values fit the columns, or the table could not be written either.
-        batch.map_or(Value::Null, |batch| point_json(study, &batch.row(0)))
+        batch.map_or(Value::Null, |batch| point_json(self.study, &batch.row(0)))
     }
 }
 
@@ -264,9 +255,8 @@ fn point_json(study: &Study, row: &Row<'_>) -> Value {
         columns.map(|name| (name.to_owned(), row.json(name))).collect();
     let response = |one: &Response| {
         let mut estimate = json!(row.estimate(&one.column()));
-        if one.has_value_without_balls() {
-            estimate["without_balls"] = row.json(&one.column_without_balls());
-        }
+        let without = || row.json(&one.column_without_balls());
+        add_known(&mut estimate, "without_balls", one.has_value_without_balls().then(without));
         (one.name.clone(), estimate)
     };
     if !study.responses().is_empty() {

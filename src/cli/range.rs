@@ -101,26 +101,23 @@ pub fn times(text: &str) -> Result<Range, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{speeds, times};
+    use super::{Range, speeds, times};
 
-    #[test]
-    fn the_ends_are_exact_in_either_order() {
-        let values = |text: &str| speeds(text).expect("a range").values().collect::<Vec<f64>>();
-        assert_eq!(values("-150:-300:4"), [-150.0, -200.0, -250.0, -300.0]);
-        assert_eq!(values("-300:-150:2"), [-300.0, -150.0]);
-        assert_eq!(values("0.1:0.1:1"), [0.1]);
-        assert_eq!(values("-1:1:3"), [-1.0, 0.0, 1.0]);
-        let third = values("0.1:0.7:11");
-        assert_eq!((third[0], third[10]), (0.1, 0.7));
+    fn values(range: Result<Range, String>) -> Vec<f64> {
+        range.expect("a range").values().collect()
     }
 
     #[test]
-    fn times_ascend() {
-        let values = |text: &str| times(text).expect("a range").values().collect::<Vec<f64>>();
-        assert_eq!(values("0:2:5"), [0.0, 0.5, 1.0, 1.5, 2.0]);
-        assert_eq!(values("0.1:0.1:1"), [0.1]);
-        let times = values("0.1:0.7:12345");
-        assert_eq!((times[0], times[12344], times.len()), (0.1, 0.7, 12345));
-        assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
+    fn the_ends_are_exact() {
+        assert_eq!(values(speeds("-150:-300:4")), [-150.0, -200.0, -250.0, -300.0]);
+        assert_eq!(values(speeds("-300:-150:2")), [-300.0, -150.0]);
+        assert_eq!(values(times("0:2:5")), [0.0, 0.5, 1.0, 1.5, 2.0]);
+        for only in [speeds("0.1:0.1:1"), times("0.1:0.1:1")] {
+            assert_eq!(values(only), [0.1]);
+        }
+        for many in [speeds("0.1:0.7:12345"), times("0.1:0.7:12345")].map(values) {
+            assert_eq!((many[0], many[12344], many.len()), (0.1, 0.7, 12345));
+            assert!(many.windows(2).all(|pair| pair[0] < pair[1]));
+        }
     }
 }

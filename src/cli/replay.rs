@@ -8,11 +8,13 @@ use serde_json::{Value, json};
 
 use super::arguments::parsed;
 use super::exit::{CliError, End};
-use super::output::{print, print_json};
+use super::output::print_result;
 use super::range::{Range, times};
-use super::replay_text::{switch_log, terminal_text};
+use super::replay_text::{ending, switch_log, terminal_text};
 use crate::engine::{results_study, say};
+use crate::model::Model;
 use crate::report::{ANIMATION, Replay, SWITCHES, beside};
+use crate::responses::merged;
 use crate::sanitize::{one_line, shorten};
 use crate::study::Study;
 use crate::table::{Difference, Manifest};
@@ -38,7 +40,7 @@ const LONGEST_ERROR: usize = 400;
 /// Compute one run of a study again and write its motion
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct ReplayArguments {
+pub struct Arguments {
     /// Directory with the results of a study, finished or not
     #[arg(value_name = "DIR")]
     directory: PathBuf,
@@ -74,8 +76,8 @@ fn run_number(text: &str) -> Result<u64, String> {
 }
 
 /// Computes the run again and writes its motion.
-pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
-    let ReplayArguments { directory, run_id, .. } = arguments;
+pub fn replay(arguments: &Arguments) -> Result<End, CliError> {
+    let Arguments { directory, run_id, .. } = arguments;
     let (study, manifest) = results_study(directory)?;
     let usual = || beside(directory, &format!("-replay-{run_id}"));
     let out = arguments.out.clone().map_or_else(usual, Ok)?;
@@ -83,12 +85,10 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
     let times_s = arguments.times.map(|times| times.values().collect());
     let replay = Replay::of_directory(directory, (&study, &manifest), *run_id, times_s)?;
     let files = replay.write(&study, &out)?;
-    let report = Report { directory, out: &out, study: &study, replay: &replay, files };
+    let model = replay.record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
+    let report = Report { directory, out: &out, study: &study, replay: &replay, model, files };
     report.say(&manifest);
-    match arguments.json {
-        true => print_json(&format!("{:#}\n", report.json()))?,
-        false => print(&report.text())?,
-    };
+    print_result(arguments.json, || report.json(), || report.text())?;
     let same = replay.differences.as_ref().is_none_or(Vec::is_empty);
     Ok(if same { End::Well } else { End::NotReproduced })
 }
@@ -99,6 +99,8 @@ struct Report<'a> {
     out: &'a Path,
     study: &'a Study,
     replay: &'a Replay,
+    /// The model of the run, or of the study if the values of the run are impossible.
+    model: &'a Model,
     /// The written files.
     files: Vec<&'static str>,
 }
@@ -106,42 +108,32 @@ struct Report<'a> {
 impl Report<'_> {
     /// Prints the messages to standard error.
     fn say(&self, manifest: &Manifest) {
-        let Report { directory, out, replay, files, .. } = self;
+        let Report { directory, out, replay, model, files, .. } = self;
         let Replay { record, recording, differences, columns, times_s } = replay;
-        let run_id = record.planned.run_id;
-        let (label, evidence) = (record.outcome.label().name(), record.outcome.evidence.name());
-        let end = record.outcome.end_time_s.map(|end| format!(" at {end:.4} s"));
-        let end = end.unwrap_or_default();
-        say(&format!("run {run_id}: {label} ({evidence}){end}"));
+        say(&format!("run {}: {}", record.planned.run_id, ending(&record.outcome)));
         if let Some(error) = &record.outcome.error {
             say(&format!("  {}", one_line(error, LONGEST_ERROR)));
-        }
-        if differences.is_none() {
-            let runs_planned = manifest.runs_planned;
-            say(&format!(
-                "warning: not compared, because {} has not finished this run yet (the study has {runs_planned} runs)",
-                directory.display()
-            ));
         }
         match differences.as_deref() {
             Some([]) => say(&format!("equal to its row in all {columns} columns, to the last bit")),
             Some(differences) => {
-                say(&format!(
-                    "NOT equal to its row in {} of {columns} columns:",
-                    differences.len()
-                ));
+                let count = differences.len();
+                say(&format!("NOT equal to its row in {count} of {columns} columns:"));
                 for Difference { column, stored, replayed } in differences {
                     let [stored, replayed] = [stored, replayed].map(|value| shorten(value));
                     say(&format!("  {column}: {stored} stored, {replayed} computed"));
                 }
             }
-            None => {}
+            None => say(&format!(
+                "warning: not compared, because {} has not finished this run yet (the study has {} runs)",
+                directory.display(),
+                manifest.runs_planned
+            )),
         }
         if let (Some(times), false) = (times_s, replay.times_after_end_s().is_empty()) {
             let (rows, asked) = (recording.samples.len(), times.len());
             say(&format!("{rows} of {asked} times; the other times are after the end of the run"));
         }
-        let model = record.planned.case.as_ref().map_or(self.study.model(), |case| &case.model);
         if model.kind().offers.animation && !files.contains(&ANIMATION) {
             say("no animation: nothing moves in this interval");
         }
@@ -150,58 +142,55 @@ impl Report<'_> {
 
     /// Returns all switches and impacts, or a summary if a terminal shows it.
     fn text(&self) -> String {
-        let Report { out, study, replay: Replay { record, recording, .. }, .. } = self;
-        let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
-        match io::stdout().is_terminal() {
-            true => terminal_text(
-                (model, study.units()),
-                &record.outcome,
-                recording,
-                &out.join(SWITCHES),
-            ),
-            false => switch_log(model, recording, usize::MAX),
+        let Report { out, study, replay: Replay { record, recording, .. }, model, .. } = self;
+        if !io::stdout().is_terminal() {
+            return switch_log(model, recording, usize::MAX);
         }
+        let file = out.join(SWITCHES);
+        terminal_text((model, study.units()), &record.outcome, recording, &file)
     }
 
     fn json(&self) -> Value {
-        let Report { directory, out, study, replay, files } = self;
+        let Report { directory, out, study, replay, files, .. } = self;
         let Replay { record, recording, differences, .. } = replay;
+        let outcome = &record.outcome;
+        let difference = |one: &Difference| json!({"column": one.column, "row": one.stored, "replay": one.replayed});
         let differences = differences.as_ref();
-        let mut json = json!({
+        let json = json!({
             "study": study.name(),
             "directory": directory.display().to_string(),
             "run_id": record.planned.run_id,
             "point_id": record.planned.point_id,
-            "label": record.outcome.label().name(),
-            "evidence": record.outcome.evidence.name(),
-            "time_to_rest_s": record.outcome.time_to_rest_s,
-            "end_time_s": record.outcome.end_time_s,
-            "error": record.outcome.error,
+            "label": outcome.label().name(),
+            "evidence": outcome.evidence.name(),
+            "time_to_rest_s": outcome.time_to_rest_s,
+            "end_time_s": outcome.end_time_s,
+            "error": outcome.error,
             "same_as_row": differences.map(Vec::is_empty),
-            "differences": differences.map(|differences| differences.iter().map(|one| json!({
-                "column": one.column,
-                "row": one.stored,
-                "replay": one.replayed,
-            })).collect::<Vec<Value>>()),
+            "differences": differences.map(|all| all.iter().map(difference).collect::<Vec<_>>()),
             "rows": recording.samples.len(),
             "switches": recording.switches.len(),
             "out": out.display().to_string(),
             "files": files,
         });
-        if let Some(stage) = record.outcome.stages.last() {
-            json["stages"] = record.outcome.stages.len().into();
-            json["stage_begins_s"] = stage.time_s[0].into();
-            json["rest_since_s"] = record.outcome.rest_since_s.into();
-            json["peak_amplitude_m"] = record.outcome.peak.map(|peak| peak.amplitude_m).into();
-            json["peak_time_s"] = record.outcome.peak.map(|peak| peak.time_s).into();
-        }
-        if let Some(touching) = &record.outcome.touching {
-            json["impacts"] = touching.impacts.into();
-            json["touching_time_s"] = touching.time_s.into();
-            json["touching_at_end"] = touching.at_end.into();
-            json["contact_force_n"] = touching.force_n.into();
-            json["lifted_off"] = touching.lifted_off.into();
-        }
-        json
+        let of_stages = outcome.stages.last().map(|stage| {
+            json!({
+                "stages": outcome.stages.len(),
+                "stage_begins_s": stage.time_s[0],
+                "rest_since_s": outcome.rest_since_s,
+                "peak_amplitude_m": outcome.peak.map(|peak| peak.amplitude_m),
+                "peak_time_s": outcome.peak.map(|peak| peak.time_s),
+            })
+        });
+        let of_touching = outcome.touching.map(|touching| {
+            json!({
+                "impacts": touching.impacts,
+                "touching_time_s": touching.time_s,
+                "touching_at_end": touching.at_end,
+                "contact_force_n": touching.force_n,
+                "lifted_off": touching.lifted_off,
+            })
+        });
+        merged(merged(json, of_stages), of_touching)
     }
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::classification::{Outcome, Recording, StageOutcome, Switch, Touch, TouchingOutcome};
 use crate::counted::counted;
 use crate::model::{DiscMotion, Model, SlidingSpeed};
-use crate::printed_table::text_table;
+use crate::printed_table::{fact_table, text_table};
 use crate::report::{three_digits, time_text};
 use crate::study::Units;
 use crate::table::phase_name;
@@ -71,6 +71,13 @@ pub fn switch_log(model: &Model, recording: &Recording, most: usize) -> String {
     text_table(&rows, &[2, 3])
 }
 
+/// Returns the label of a run, its evidence and its end time in words.
+pub fn ending(outcome: &Outcome) -> String {
+    let (label, evidence) = (outcome.label().name(), outcome.evidence.name());
+    let end = outcome.end_time_s.map(|end| format!(" at {end:.4} s")).unwrap_or_default();
+    format!("{label} ({evidence}){end}")
+}
+
 /// Returns the summary for a terminal: the ending, the final positions, the vibration, how balls touched, and the first
 /// switches and touches; `file` is the table of all switches.
 pub fn terminal_text(
@@ -79,9 +86,7 @@ pub fn terminal_text(
     recording: &Recording,
     file: &Path,
 ) -> String {
-    let (label, evidence) = (outcome.label().name(), outcome.evidence.name());
-    let end = outcome.end_time_s.map(|end| format!(" at {end:.4} s")).unwrap_or_default();
-    let mut rows = vec![("ending", format!("{label} ({evidence}){end}"))];
+    let mut rows = vec![("ending", ending(outcome))];
     if let (Some(speed), Some(last)) = (model.disc_motion(), outcome.stages.last()) {
         rows.extend(stage_rows(&speed, units, outcome, last));
     }
@@ -104,9 +109,7 @@ pub fn terminal_text(
     rows.push(("switches", counted(all as u64, "change") + " between stick and slip"));
     rows.extend(outcome.touching.map(|touching| ("contact", touching_words(model, touching))));
     let all = all + recording.touches.len();
-    let rows: Vec<Vec<String>> =
-        rows.into_iter().map(|(name, value)| vec![name.to_owned(), value]).collect();
-    let mut text = text_table(&rows, &[0, 1]);
+    let mut text = fact_table(rows);
     if all > 0 {
         text += "\n";
         text += &switch_log(model, recording, MOST_ON_TERMINAL);
@@ -179,91 +182,84 @@ mod tests {
     use std::path::Path;
 
     use super::{switch_log, terminal_text, touching_words};
-    use crate::classification::{Recording, TouchingOutcome};
+    use crate::classification::{Outcome, Recording, TouchingOutcome};
     use crate::engine::record;
     use crate::study::Study;
 
+    /// Returns the study of two balls with these keys of the model, its first run and the motion of that.
+    fn first_run(model: &str) -> (Study, Outcome, Recording) {
+        let text = format!(
+            "schema: 1\nname: a\nseed: 5\nmodel: {{kind: ball_balancer{model}}}\n\
+             initial_conditions: {{design: {{monte_carlo: {{samples: 2}}}}}}\nsimulation: {{end_time_s: 4.5}}\n"
+        );
+        let study = Study::parse(Path::new("a.yaml"), text).expect("a valid study");
+        let (record, recording) = record(&study, 0, None, 1_000_000);
+        (study, record.outcome, recording)
+    }
+
+    fn shown(study: &Study, outcome: &Outcome, recording: &Recording) -> String {
+        let file = Path::new("b/switches.parquet");
+        terminal_text((study.model(), study.units()), outcome, recording, file)
+    }
+
     #[test]
     fn a_terminal_shows_the_first_switches() {
-        let text = "schema: 1\nname: a\nseed: 5\nmodel: {kind: ball_balancer}\n\
-            initial_conditions: {design: {monte_carlo: {samples: 2}}}\nsimulation: {end_time_s: 2}\n";
-        let study = Study::parse(Path::new("a.yaml"), text.to_owned()).expect("a valid study");
-        let (record, mut recording) = record(&study, 1, None, 1_000_000);
+        let (study, outcome, mut recording) = first_run("");
         let one = recording.switches[0].clone();
         recording.switches.resize(25, one);
-        let text = |recording: &Recording| {
-            terminal_text(
-                (study.model(), study.units()),
-                &record.outcome,
-                recording,
-                Path::new("b/switches.parquet"),
-            )
-        };
-        let shown = text(&recording);
-        let ending = format!("ending        {}", record.outcome.label().name());
+        let text = shown(&study, &outcome, &recording);
+        let ending = format!("ending        {}", outcome.label().name());
         for part in [&*ending, "\nfinal angles  ", "\nvibration     ", " µm\n", "25 changes"] {
-            assert!(shown.contains(part), "{part}: {shown}");
+            assert!(text.contains(part), "{part}: {text}");
         }
         let more = "\n... and 5 more; pipe the output or see b/switches.parquet\n";
-        assert!(shown.ends_with(more), "{shown}");
+        assert!(text.ends_with(more), "{text}");
         let log = switch_log(study.model(), &recording, 20);
-        assert!(log.lines().count() == 21 && shown.contains(&log), "{shown}");
+        assert!(log.lines().count() == 21 && text.contains(&log), "{text}");
         recording.switches.truncate(1);
-        let shown = text(&recording);
-        assert!(shown.contains(" 1 change between") && !shown.contains("more"), "{shown}");
+        let text = shown(&study, &outcome, &recording);
+        assert!(text.contains(" 1 change between") && !text.contains("more"), "{text}");
     }
 
     #[test]
     fn a_terminal_shows_the_stages() {
         // With strong friction the balls never move.
         for (friction, moves) in [("0.005", true), ("0.05", false)] {
-            let text = format!(
-                "schema: 1\nname: a\nseed: 5\nmodel: {{kind: ball_balancer, \
-                 parameters: {{friction_coefficient: {friction}}}, \
-                 speed_profile: [{{ramp: {{from_rad_s: -100, over_s: 0.5}}}}, {{hold_s: 4}}]}}\n\
-                 initial_conditions: {{design: {{monte_carlo: {{samples: 1}}}}}}\n"
-            );
-            let study = Study::parse(Path::new("a.yaml"), text).expect("a valid study");
-            let (record, recording) = record(&study, 0, None, 1_000_000);
-            let file = Path::new("b/switches.parquet");
-            let shown =
-                terminal_text((study.model(), study.units()), &record.outcome, &recording, file);
+            let (study, outcome, recording) = first_run(&format!(
+                ", parameters: {{friction_coefficient: {friction}}}, \
+                 speed_profile: [{{ramp: {{from_rad_s: -100, over_s: 0.5}}}}, {{hold_s: 4}}]"
+            ));
+            let text = shown(&study, &outcome, &recording);
             let stage = "\nlast stage         number 2, from 0.5000 s, at -216.3772 rad/s\n";
-            assert!(shown.contains(stage), "{shown}");
-            let outcome = &record.outcome;
+            assert!(text.contains(stage), "{text}");
             let since = outcome.rest_since_s.expect("a run that comes to rest");
             let rest = match moves {
                 true => format!("{since:.4} s, {:.4} s after the begin of", since - 0.5),
                 false => "0.0000 s, before the last stage begins".to_owned(),
             };
-            assert!(shown.contains(&format!("\nrest since         {rest}")), "{shown}");
+            assert!(text.contains(&format!("\nrest since         {rest}")), "{text}");
             let peak = outcome.peak.expect("a largest amplitude");
             let words = format!(" µm at {:.4} s, at -", peak.time_s);
-            assert!(shown.contains("\nlargest vibration  ") && shown.contains(&words), "{shown}");
+            assert!(text.contains("\nlargest vibration  ") && text.contains(&words), "{text}");
         }
     }
 
     #[test]
     fn a_terminal_shows_contact() {
-        let text = "schema: 1\nname: a\nseed: 5\n\
-            model: {kind: ball_balancer, contact: {}, parameters: {speed_rad_s: -173.1803}}\n\
-            initial_conditions: {design: {monte_carlo: {samples: 1}}}\nsimulation: {end_time_s: 2}\n";
-        let study = Study::parse(Path::new("a.yaml"), text.to_owned()).expect("a valid study");
-        let (record, recording) = record(&study, 0, None, 1_000_000);
-        let touching = record.outcome.touching.expect("contact");
+        let (study, outcome, recording) =
+            first_run(", contact: {}, parameters: {speed_rad_s: -173.1803}");
+        let touching = outcome.touching.expect("contact");
         let rows = recording.switches.len() + recording.touches.len();
-        let file = Path::new("b/switches.parquet");
-        let shown =
-            terminal_text((study.model(), study.units()), &record.outcome, &recording, file);
+        let text = shown(&study, &outcome, &recording);
         let words = format!("\ncontact       {} impacts, balls touch for ", touching.impacts);
-        assert!(touching.impacts > 1 && touching.time_s > 0.0 && shown.contains(&words), "{shown}");
+        assert!(touching.impacts > 1 && touching.time_s > 0.0 && text.contains(&words), "{text}");
         let end = if touching.at_end { "also at the end\n" } else { "no contact at the end\n" };
-        assert!(shown.contains(end), "{shown}");
+        assert!(text.contains(end), "{text}");
         let more = format!(
             "\n... and {} more; pipe the output or see b/switches.parquet and touches.parquet\n",
             rows - 20
         );
-        assert!(shown.ends_with(&more), "{shown}");
+        assert!(text.ends_with(&more), "{text}");
         let once = TouchingOutcome {
             impacts: 1,
             lifted_off: 2,

@@ -27,7 +27,7 @@ package's `stickslip-figures` draws figures for papers from the tables.";
 /// Write an HTML page with figures of a directory of results
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct ReportArguments {
+pub struct Arguments {
     /// Directory with results of `stickslip run` or `stickslip optimize`
     #[arg(value_name = "DIR")]
     directory: PathBuf,
@@ -38,7 +38,7 @@ pub struct ReportArguments {
 }
 
 /// Writes the report and prints its path.
-pub fn report(arguments: &ReportArguments) -> Result<End, CliError> {
+pub fn report(arguments: &Arguments) -> Result<End, CliError> {
     let file = write_report(&arguments.directory, arguments.out.as_deref())?;
     print(&format!("{}\n", file.display()))?;
     Ok(End::Well)

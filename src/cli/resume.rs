@@ -23,7 +23,7 @@ finished runs are reported and set aside, and their runs are computed again. Aft
 /// Continue an interrupted study
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct ResumeArguments {
+pub struct Arguments {
     /// Directory with the interrupted results
     #[arg(value_name = "DIR")]
     directory: PathBuf,
@@ -33,7 +33,7 @@ pub struct ResumeArguments {
 }
 
 /// Continues a study.
-pub fn resume(arguments: &ResumeArguments) -> Result<End, CliError> {
+pub fn resume(arguments: &Arguments) -> Result<End, CliError> {
     let directory = &arguments.directory;
     let (study, manifest) = begun_study(directory)?;
     refuse_merge(directory, &manifest)?;

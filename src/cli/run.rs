@@ -5,15 +5,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 
-use super::arguments::{EngineArguments, ShardArgument, StudyArgument};
+use super::arguments::{EngineArguments, StudyArgument, results_directory};
 use super::exit::{CliError, End};
-use super::failures::failure_line;
-use super::output::{print, print_json};
+use super::failures::{failed_runs, failure_line};
+use super::output::print_result;
 use super::points_table::{MOST_LINES, PointsTable};
 use super::run_on_engine::run_on_engine;
-use crate::classification::Label;
 use crate::counted::counted;
-use crate::engine::{EngineOptions, OutputDir, Ready, say};
+use crate::engine::{EngineOptions, OutputDir, Ready, Shard, say};
 use crate::study::Study;
 use crate::table::{Circumstances, Manifest, Table};
 
@@ -39,7 +38,7 @@ the directory of its results: only new runs are computed, and the old tables mov
 /// Compute a study and write its results as Parquet tables
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct RunArguments {
+pub struct Arguments {
     #[command(flatten)]
     study: StudyArgument,
 
@@ -47,8 +46,13 @@ pub struct RunArguments {
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    #[command(flatten)]
-    shard: ShardArgument,
+    /// Compute only part K of N
+    ///
+    /// A part has one run out of every N consecutive runs, so that all parts cost about the same. In a study
+    /// with `precision`, it has one point out of every N consecutive points, with all runs of the point, because
+    /// the number of runs of a point depends on all its runs.
+    #[arg(long, value_name = "K/N", default_value = "1/1")]
+    shard: Shard,
 
     /// Run into a directory with results of another study even if none of its runs can be used
     ///
@@ -61,11 +65,10 @@ pub struct RunArguments {
 }
 
 /// Computes the study.
-pub fn run(arguments: &RunArguments) -> Result<End, CliError> {
+pub fn run(arguments: &Arguments) -> Result<End, CliError> {
     let study = arguments.study.load_and_warn(arguments.engine.quiet)?;
-    let directory =
-        arguments.out.clone().unwrap_or_else(|| Path::new("results").join(study.name()));
-    let options = arguments.engine.options(arguments.shard.shard);
+    let directory = results_directory(arguments.out.as_ref(), &study, "");
+    let options = arguments.engine.options(arguments.shard);
     let output_dir = OutputDir {
         recompute: arguments.recompute,
         ..OutputDir::new(&directory, &options, arguments.engine.quiet)
@@ -102,27 +105,24 @@ fn complete(
     manifest: &Manifest,
     arguments: &EngineArguments,
 ) -> Result<End, CliError> {
-    let directory = path.display();
-    let failed = manifest.labels.get(Label::Failed.name()).copied().unwrap_or(0);
+    let failed = failed_runs(manifest);
     if !arguments.quiet {
-        let runs = counted(manifest.runs_finished, "run");
+        let (directory, runs) = (path.display(), counted(manifest.runs_finished, "run"));
         say(&format!("{directory} already holds all {runs} of this study: nothing to do"));
     }
     if arguments.json || !arguments.quiet {
         let most = if arguments.json { usize::MAX } else { MOST_LINES };
         let table = PointsTable::read(study, &Table::open(path, manifest, "points")?, most)?;
-        if arguments.json {
+        let json = || {
             let counts = [manifest.runs_planned, manifest.runs_finished];
             let facts = json!({
                 "interrupted": false,
                 "already_complete": true,
                 "failures": manifest.failures,
             });
-            let report = table.result_json(study, Some(path), counts, facts);
-            print_json(&format!("{report:#}\n"))?;
-        } else {
-            print(&table.text())?;
-        }
+            table.result_json(Some(path), counts, facts)
+        };
+        print_result(arguments.json, json, || table.text())?;
         if !arguments.quiet {
             let line = failure_line(&manifest.failures, failed, manifest.runs_finished);
             line.iter().for_each(|line| say(line));

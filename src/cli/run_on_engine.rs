@@ -1,14 +1,13 @@
 //! Computes a study with progress and prints its result.
 
 use std::path::Path;
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
 use super::arguments::EngineArguments;
 use super::exit::{CliError, End};
 use super::failures::failure_line;
-use super::output::{print, print_json};
+use super::output::print_result;
 use super::points_table::{MOST_LINES, PointsTable};
 use crate::analysis::{FailureCounts, PointDetail};
 use crate::classification::Label;
@@ -18,20 +17,21 @@ use crate::engine::{
     stop_on_signals,
 };
 use crate::report::PointFacts;
+use crate::responses::add_known;
 use crate::study::Study;
 use crate::table::{Circumstances, PointRow, ResultsError, RunRecord};
 
 /// A study that has been computed.
-pub struct Ran {
+pub struct Ran<'a> {
     /// The counts of runs, and why the computation stopped.
     pub totals: RunTotals,
     /// The facts for the manifest.
     pub circumstances: Circumstances,
     failures: FailureCounts,
-    table: PointsTable,
+    table: PointsTable<'a>,
 }
 
-impl Ran {
+impl Ran<'_> {
     /// Returns how the command ends.
     pub fn end(&self) -> End {
         match self.totals.stopped {
@@ -51,7 +51,7 @@ impl Ran {
         expectations: Option<Value>,
     ) -> Result<(), CliError> {
         let runs = self.totals.counts.total();
-        if arguments.json {
+        let json = || {
             let facts = json!({
                 "runs_kept": self.totals.reused,
                 "interrupted": self.totals.interrupted(),
@@ -59,14 +59,13 @@ impl Ran {
                 "failures": self.failures.by_name(),
                 "wall_s": self.circumstances.wall_s,
             });
-            let planned = self.circumstances.runs_planned;
-            let mut report = self.table.result_json(study, directory, [planned, runs], facts);
-            if let Some(expectations) = expectations {
-                report["expectations"] = expectations;
-            }
-            print_json(&format!("{report:#}\n"))?;
-        } else if !arguments.quiet {
-            print(&self.table.text())?;
+            let counts = [self.circumstances.runs_planned, runs];
+            let mut report = self.table.result_json(directory, counts, facts);
+            add_known(&mut report, "expectations", expectations);
+            report
+        };
+        if arguments.json || !arguments.quiet {
+            print_result(arguments.json, json, || self.table.text())?;
         }
         if !arguments.quiet {
             say(&self.speed_line());
@@ -125,15 +124,15 @@ impl Ran {
 }
 
 /// Passes runs and points to another sink, reports each point, and collects the points that are printed.
-struct Collector<'a, S> {
-    study: &'a Study,
+struct Collector<'a, 's, S> {
+    study: &'s Study,
     sink: &'a mut S,
     failures: FailureCounts,
-    table: PointsTable,
+    table: PointsTable<'s>,
     progress: &'a Progress,
 }
 
-impl<S: Sink> Sink for Collector<'_, S> {
+impl<S: Sink> Sink for Collector<'_, '_, S> {
     type Error = S::Error;
 
     fn run(&mut self, record: RunRecord) -> Result<(), S::Error> {
@@ -143,28 +142,26 @@ impl<S: Sink> Sink for Collector<'_, S> {
 
     fn point(&mut self, row: PointRow, detail: PointDetail) -> Result<(), S::Error> {
         let point = PointFacts::of(self.study, &row);
-        let (study, table, progress) = (self.study, &self.table, self.progress);
-        progress.point(|| table.sentence(study, &point), || table.point_json(study, &row));
-        self.table.push(self.study, &row);
+        let table = &self.table;
+        self.progress.point(|| table.sentence(&point), || table.point_json(&row));
+        self.table.push(&row);
         self.sink.point(row, detail)
     }
 }
 
 /// Computes a study with progress; `sink` receives each run and each point.
-pub fn run_on_engine(
-    study: &Study,
+pub fn run_on_engine<'a>(
+    study: &'a Study,
     options: EngineOptions,
     arguments: &EngineArguments,
     store: Option<&mut Store>,
     sink: &mut impl Sink<Error = ResultsError>,
-) -> Result<Ran, CliError> {
-    let runs_planned = options.shard.most_runs(study);
+) -> Result<Ran<'a>, CliError> {
+    let begun = Circumstances::begin(options.shard.to_string(), options.shard.most_runs(study));
     let stop = stop_on_signals();
-    // A clock before 1970 is wrong; the manifest then holds 0.
-    let started = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let planned = Planned {
         study: study.name(),
-        runs: runs_planned,
+        runs: begun.runs_planned,
         at_most: study.precision().is_some(),
         parts: Parts::Points(study.point_count()),
     };
@@ -178,17 +175,14 @@ pub fn run_on_engine(
     let totals = ended?;
     progress.ended(totals.interrupted());
     Ok(Ran {
-        totals,
         circumstances: Circumstances {
-            shard: options.shard.to_string(),
-            runs_planned,
             runs_kept: totals.reused,
-            started_unix_s: started.as_secs_f64(),
             wall_s: wall.as_secs_f64(),
             threads: options.threads,
             complete: !totals.interrupted(),
-            merging: Vec::new(),
+            ..begun
         },
+        totals,
         failures: collector.failures,
         table: collector.table,
     })

@@ -17,10 +17,10 @@ checks it:
 /// Print the JSON Schema of study files, for editors
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct SchemaArguments {}
+pub struct Arguments {}
 
 /// Prints the schema.
-pub fn schema(_: &SchemaArguments) -> Result<End, CliError> {
+pub fn schema(_: &Arguments) -> Result<End, CliError> {
     print_json(&format!("{:#}\n", json_schema()))?;
     Ok(End::Well)
 }

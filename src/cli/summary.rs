@@ -5,14 +5,15 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 
+use super::arguments::parsed;
 use super::exit::{CliError, End};
-use super::failures::kinds_of_failure;
+use super::failures::{failed_runs, kinds_of_failure};
 use super::output::{Reader, csv_line, print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
-use crate::classification::Label;
 use crate::counted::counted;
 use crate::engine::{Readable, how_to_continue, readable_results, say};
 use crate::report::IncompletePoints;
+use crate::responses::{add_known, merged};
 use crate::study::{ParameterValue, Study};
 use crate::table::{Manifest, Row, Table};
 
@@ -32,7 +33,7 @@ directory. `stickslip report` draws the same results.";
 /// Print the results of a directory, one line per point
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct SummaryArguments {
+pub struct Arguments {
     /// Directory with results
     #[arg(value_name = "DIR")]
     directory: PathBuf,
@@ -59,13 +60,14 @@ enum Format {
 }
 
 fn points(text: &str) -> Result<usize, String> {
-    let number = if text == "all" { Some(usize::MAX) } else { text.parse().ok() };
-    let number = number.filter(|number| *number > 0);
-    number.ok_or_else(|| format!("found {text:?}, allowed: all, or a whole number from 1"))
+    match text {
+        "all" => Ok(usize::MAX),
+        _ => parsed(text, "all, or a whole number from 1", |number| *number > 0),
+    }
 }
 
 /// Prints the summary of a directory of results.
-pub fn summary(arguments: &SummaryArguments) -> Result<End, CliError> {
+pub fn summary(arguments: &Arguments) -> Result<End, CliError> {
     let directory = &arguments.directory;
     let results = readable_results(directory)?;
     let Readable { study, manifest, tables, .. } = &results;
@@ -122,18 +124,14 @@ fn title(
         }
     });
     parts.push(match kinds_of_failure(&manifest.failures) {
-        kinds if kinds.is_empty() => format!("{} failed", failed(manifest)),
-        kinds => format!("{} failed ({kinds})", failed(manifest)),
+        kinds if kinds.is_empty() => format!("{} failed", failed_runs(manifest)),
+        kinds => format!("{} failed ({kinds})", failed_runs(manifest)),
     });
     parts.extend(incomplete.words());
     if let Some(audit) = points.flips() {
         parts.push(format!("{} of {} audited runs flipped", audit.flips, audit.runs));
     }
     parts.join(", ")
-}
-
-fn failed(manifest: &Manifest) -> u64 {
-    manifest.labels.get(Label::Failed.name()).copied().unwrap_or(0)
 }
 
 /// Returns the facts of the first line as JSON.
@@ -143,7 +141,7 @@ fn facts(
     points: &PointsTable,
     incomplete: &IncompletePoints,
 ) -> Value {
-    let mut facts = json!({
+    let facts = json!({
         "study": study.name(),
         "study_hash": manifest.study_hash,
         "version": manifest.version,
@@ -154,17 +152,14 @@ fn facts(
         "runs_finished": manifest.runs_finished,
         "complete": manifest.complete,
         "points_incomplete": incomplete.count(),
-        "failed_runs": failed(manifest),
+        "failed_runs": failed_runs(manifest),
         "failures": manifest.failures,
     });
-    if let Some(audit) = points.flips() {
-        facts["audited_runs"] = audit.runs.into();
-        facts["audit_flips"] = audit.flips.into();
-        facts["audit_rest_flips"] = audit.rest_flips.into();
-    }
-    if study.precision().is_some() {
-        facts["points_not_precise"] = points.not_precise.into();
-    }
+    let audit = points.flips().map(|audit| {
+        json!({"audited_runs": audit.runs, "audit_flips": audit.flips, "audit_rest_flips": audit.rest_flips})
+    });
+    let mut facts = merged(facts, audit);
+    add_known(&mut facts, "points_not_precise", points.not_precise());
     facts
 }
 

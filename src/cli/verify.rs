@@ -8,12 +8,13 @@ use serde_json::{Value, json};
 use super::arguments::{EngineArguments, StudyArgument};
 use super::exit::{CliError, End};
 use super::output::print;
-use super::point_words::swept_text;
+use super::point_words::point_words;
 use super::run_on_engine::run_on_engine;
 use crate::analysis::PointDetail;
 use crate::classification::Label;
 use crate::counted::counted;
 use crate::engine::{OutputDir, Ready, Shard, Sink, say};
+use crate::responses::merged;
 use crate::study::Study;
 use crate::table::{PointRow, Results, ResultsError, RunRecord};
 
@@ -29,7 +30,7 @@ list `expectations`. The exit code is 4 if an expectation is not met. With --out
 /// Compute a study and check its expectations
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub struct VerifyArguments {
+pub struct Arguments {
     #[command(flatten)]
     study: StudyArgument,
 
@@ -42,7 +43,7 @@ pub struct VerifyArguments {
 }
 
 /// Computes the study and checks its expectations.
-pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
+pub fn verify(arguments: &Arguments) -> Result<End, CliError> {
     let study = arguments.study.load_and_warn(arguments.engine.quiet)?;
     if study.expectations().is_empty() {
         let what = format!("{}: `expect`: missing key", arguments.study.study.display());
@@ -50,27 +51,20 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
         return Err(CliError::refusal(what, "a study without expectations", allowed));
     }
     let options = arguments.engine.options(Shard::WHOLE);
-    let mut ready = match &arguments.out {
-        Some(directory) => {
-            let output_dir = OutputDir::new(directory, &options, arguments.engine.quiet);
-            match output_dir.prepare(&study)? {
-                Ready::Complete(_) => {
-                    let message = format!(
-                        "{}: holds results of this study already\n  allowed: another directory, or \
-                         no --out, to verify without tables",
-                        directory.display()
-                    );
-                    return Err(CliError::Usage(message));
-                }
-                Ready::Open(store, results) => Some((store, results)),
-            }
-        }
-        None => None,
-    };
-    let (store, results) = match &mut ready {
-        Some((store, results)) => (Some(&mut **store), Some(&mut **results)),
-        None => (None, None),
-    };
+    let mut ready = None;
+    if let Some(directory) = &arguments.out {
+        let output_dir = OutputDir::new(directory, &options, arguments.engine.quiet);
+        let Ready::Open(store, results) = output_dir.prepare(&study)? else {
+            return Err(CliError::Usage(format!(
+                "{}: holds results of this study already\n  allowed: another directory, or \
+                 no --out, to verify without tables",
+                directory.display()
+            )));
+        };
+        ready = Some((store, results));
+    }
+    let both = ready.as_mut().map(|(store, results)| (&mut **store, &mut **results));
+    let (store, results) = both.unzip();
     let (lines, json) = (String::new(), Vec::new());
     let mut findings = Findings { study: &study, results, lines, json, not_met: 0 };
     let ran = run_on_engine(&study, options, &arguments.engine, store, &mut findings)?;
@@ -87,16 +81,13 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
     if !arguments.engine.json && !arguments.engine.quiet {
         print(&lines)?;
     }
-    Ok(if not_met > 0 {
-        if !arguments.engine.quiet {
-            say(&format!("{} not met", counted(not_met, "expectation")));
-        }
-        End::ExpectationNotMet
-    } else if ran.totals.counts.of(Label::Failed) > 0 {
-        End::RunsFailed
-    } else {
-        End::Well
-    })
+    if not_met == 0 {
+        return Ok(ran.end());
+    }
+    if !arguments.engine.quiet {
+        say(&format!("{} not met", counted(not_met, "expectation")));
+    }
+    Ok(End::ExpectationNotMet)
 }
 
 /// Checks each point, and passes runs and points to the tables, if any.
@@ -125,13 +116,12 @@ impl Sink for Findings<'_> {
                     continue;
                 };
                 let fraction = point.summary.counts.fraction(label);
-                let keys = [("label", json!(name)), ("fraction", json!(fraction))];
-                self.add(&point, &format!("{name} fraction"), Some(fraction), *range, &keys);
+                let facts = json!({"label": name, "fraction": fraction});
+                self.add(&point, &format!("{name} fraction"), Some(fraction), *range, facts);
             }
             if let Some(range) = expectation.audit_flip_rate {
                 let rate = point.summary.audit.flip_rate();
-                let keys = [("audit_flip_rate", json!(rate))];
-                self.add(&point, "audit flip rate", rate, range, &keys);
+                self.add(&point, "audit flip rate", rate, range, json!({"audit_flip_rate": rate}));
             }
         }
         self.results.as_mut().map_or(Ok(()), |results| results.point(point, detail))
@@ -139,7 +129,7 @@ impl Sink for Findings<'_> {
 }
 
 impl Findings<'_> {
-    /// Adds one fraction and its expected range; `None`, the fraction of no runs, does not meet it. `keys` go into the
+    /// Adds one fraction and its expected range; `None`, the fraction of no runs, does not meet it. `facts` go into the
     /// JSON.
     fn add(
         &mut self,
@@ -147,22 +137,16 @@ impl Findings<'_> {
         what: &str,
         fraction: Option<f64>,
         [low, high]: [f64; 2],
-        keys: &[(&str, Value)],
+        facts: Value,
     ) {
         let met = fraction.is_some_and(|fraction| (low..=high).contains(&fraction));
         self.not_met += u64::from(!met);
-        let mut entry = json!({"point_id": point.point_id});
-        for (key, value) in keys {
-            entry[*key] = value.clone();
-        }
-        entry["expected"] = json!([low, high]);
-        entry["met"] = met.into();
-        self.json.push(entry);
-        let swept = swept_text(self.study.swept(), &self.study.shown(&point.swept));
+        let entry = merged(json!({"point_id": point.point_id}), facts);
+        self.json.push(merged(entry, json!({"expected": [low, high], "met": met})));
         self.lines += &format!(
-            "{}  point {}{swept}: {what} {}, expected {low} to {high}\n",
+            "{}  {}: {what} {}, expected {low} to {high}\n",
             if met { "met    " } else { "NOT MET" },
-            point.point_id,
+            point_words(self.study, point.point_id, &point.swept),
             fraction.map_or_else(|| "of no run".to_owned(), |fraction| format!("{fraction:.4}")),
         );
     }

@@ -1,6 +1,7 @@
 //! Encodes answers as lines of JSON.
 
 use indexmap::IndexMap;
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::respond::Answer;
@@ -28,15 +29,22 @@ pub(crate) fn point_keys(
     swept: &[ParameterValue],
 ) -> Value {
     let swept = columns.iter().zip(swept).map(|(column, value)| (&column.name, value));
-    merged(json!({"point_id": point_id}), json!(swept.collect::<IndexMap<_, _>>()))
+    merged(json!({"point_id": point_id}), swept.collect::<IndexMap<_, _>>())
 }
 
-/// Returns the object `first` with the keys of the object `second` added.
-pub(crate) fn merged(mut first: Value, second: Value) -> Value {
-    if let (Value::Object(first), Value::Object(second)) = (&mut first, second) {
+/// Returns the object `first` with the keys of the object `second` added; `None` has no keys.
+pub(crate) fn merged(mut first: Value, second: impl Serialize) -> Value {
+    if let (Value::Object(first), Value::Object(second)) = (&mut first, json!(second)) {
         first.extend(second);
     }
     first
+}
+
+/// Adds a key to an object, unless its value is `None`.
+pub(crate) fn add_known(object: &mut Value, key: &str, value: Option<impl Serialize>) {
+    if let Some(value) = value {
+        object[key] = json!(value);
+    }
 }
 
 /// Returns the values of a design as a JSON object.

@@ -12,7 +12,7 @@ mod respond;
 mod respond_to_all;
 
 pub use answer_json::to_json;
-pub(crate) use answer_json::{design_json, merged, point_keys};
+pub(crate) use answer_json::{add_known, design_json, merged, point_keys};
 pub use columns::response_columns;
 pub use discontinuity::{MOST_DESIGNS, discontinuous};
 pub use neighbours::Neighbours;

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, Visitor};
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use crate::study::{DesignValue, Study, list_names, shorten};
 use crate::tabular::Fault;
@@ -19,10 +19,12 @@ pub struct Request {
 }
 
 /// The reason why a request is invalid.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RequestError {
     /// The variable with the invalid value, if it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
     variable: Option<String>,
+    #[serde(flatten)]
     fault: Fault,
 }
 
@@ -31,27 +33,15 @@ impl RequestError {
         let allowed = "one JSON object per line, with a value for each variable";
         RequestError { variable: None, fault: Fault::new(problem, found, allowed) }
     }
-
-    /// Creates the error for a line that is longer than `most` bytes.
-    pub fn too_long(most: usize) -> RequestError {
-        RequestError::of_line("line too long", format!("more than {most} bytes"))
-    }
-
-    /// Returns the error as the JSON object in an answer.
-    pub fn to_json(&self) -> Value {
-        let RequestError { variable, fault } = self;
-        let mut error = json!({});
-        if let Some(variable) = variable {
-            error["variable"] = json!(variable);
-        }
-        error["problem"] = json!(fault.problem);
-        error["found"] = json!(fault.found);
-        error["allowed"] = json!(fault.allowed);
-        error
-    }
 }
 
 impl Request {
+    /// Returns the invalid request of a line that is longer than `most` bytes.
+    pub fn too_long(most: usize) -> Request {
+        let error = RequestError::of_line("line too long", format!("more than {most} bytes"));
+        Request { id: Value::Null, design: Err(error) }
+    }
+
     /// Parses a line.
     pub fn read(study: &Study, line: &[u8]) -> Request {
         match serde_json::from_slice::<Entries>(line) {

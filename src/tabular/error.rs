@@ -1,9 +1,11 @@
 //! The error of a table that is refused, with its line, row and column.
 
+use serde::Serialize;
+
 use crate::sanitize::shorten;
 
 /// A fault without its location.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct Fault {
     /// The fault in a few words.
     pub problem: String,
