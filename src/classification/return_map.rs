@@ -11,9 +11,9 @@ use nalgebra::DMatrix;
 use super::period::Period;
 use super::section::Section;
 use super::system_view::SystemView;
-use crate::model::{Components, Method};
+use crate::model::Components;
 use crate::motion::lockstep::LANES;
-use crate::motion::{Motion, PerContact, Phase, Settings};
+use crate::motion::{Motion, PerContact, Settings};
 
 /// Part of the longest time of a return within which a passage through the section is that of the start.
 const AT_ONCE: f64 = 1e-9;
@@ -137,12 +137,6 @@ impl ReturnMap<'_> {
     ) -> Option<R> {
         let mut start = Components::from_slice(start);
         self.section.put_on(&mut start);
-        if self.settings.method == Method::Event {
-            // Rounding leaves small speeds of contacts that stick, with which they would set off.
-            let contacts = self.view.contacts.iter().zip(&self.section.phases);
-            let stuck = contacts.filter(|(_, phase)| **phase == Phase::Stick);
-            stuck.filter_map(|(contact, _)| contact.speed).for_each(|speed| start[speed] = 0.0);
-        }
         let left = self.steps_left.get();
         let cost = cost_of_a_step(directions.len());
         let effort_limit = self.settings.effort_limit.min(left / cost);

@@ -311,8 +311,9 @@ impl<'r> Mechanism<'r> {
                     Some(1.0) => own.sliding_speed,
                     _ => own.sliding_speed / factor,
                 };
+                // A speed that is zero stays exactly zero, although rounding leaves a small acceleration.
                 let rate = &mut derivative[component(recorder, self.coordinates[place][1])];
-                *rate = *rate - (one - row.contact.free) * residual;
+                *rate = row.contact.free * *rate - (one - row.contact.free) * residual;
             }
         }
         for [other, rate] in &self.others {

@@ -45,6 +45,8 @@ fn studies() -> Vec<(&'static str, Study)> {
     let contact = ", contact: {restitution: 0.36, friction_coefficient: 0.1}";
     let start =
         ", contact: {restitution: 0.36}, protocol: {startup_and_hammer: {over_s: 1, wait_s: 2}}";
+    let rotor = "schema: 1\nname: a\nseed: 9\nmodel: {kind: rotor_balancer, parameters: {friction_coefficient: 3.0e-3}}\n\
+                 initial_conditions: {design: {monte_carlo: {samples: 12}}}\nsimulation: {method: event, end_time_s: 3}\n";
     vec![
         balancer("switch", "", speeds),
         balancer("event", "", &event),
@@ -59,6 +61,7 @@ fn studies() -> Vec<(&'static str, Study)> {
         balancer("start", start, ""),
         block("block on a spring", "block_on_spring"),
         block("block on a belt", "block_on_belt"),
+        ("rotor", parse(rotor)),
     ]
 }
 

@@ -16,7 +16,6 @@ pub(in crate::study) mod quantity;
 pub(in crate::study) mod ranges;
 pub(in crate::study) mod read_file;
 pub(in crate::study) mod resolved_yaml;
-pub mod response_file;
 pub(in crate::study) mod schema_parts;
 pub(in crate::study) mod schema_place;
 pub(in crate::study) mod schema_rules;

@@ -9,7 +9,6 @@ use super::balls::Balls;
 use super::distribution_file::DistributionFile;
 use super::identify_file::PriorFile;
 use super::parameters_file::{BALLS, is_before_balls, parameter_keys};
-use super::response_file::VariableFile;
 use super::schema_units::QUANTITY;
 use super::system_file::SystemFile;
 use super::table_folders::MAX_VALUES;
@@ -21,6 +20,7 @@ use crate::model::{
 use crate::study::kinds::model_kinds;
 use crate::study::plan::parameter::{MOST_MEMBERS, Parameter};
 use crate::study::plan::units::QUANTITIES;
+use crate::study::plan::variable::VariableFile;
 use crate::study::sampling::initial_box::{axes_in_words, axis_names, general_axes};
 
 /// Returns the schema of lists or ranges of values by parameter.

@@ -15,13 +15,14 @@ use crate::study::file::identify_file::IdentifyFile;
 use crate::study::file::optimize_file::OptimizeFile;
 use crate::study::file::parameters_file::{KindFile, ParametersFile};
 use crate::study::file::protocol_file::ProtocolFile;
-use crate::study::file::response_file::{ResponseFile, VariableFile};
 use crate::study::file::schema_parts as schema;
 use crate::study::file::stages_file::{DisturbanceFile, ProfilePartFile};
 use crate::study::file::uncertain_sampling_file::UncertainSamplingFile;
 use crate::study::file::values::{Count, Entry, Range, TableSource};
 use crate::study::plan::audit::Audit;
 use crate::study::plan::precision::Precision;
+use crate::study::plan::response::ResponseFile;
+use crate::study::plan::variable::VariableFile;
 
 /// A stickslip study: a model, the points of a sweep, and the sampling of start states.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]

@@ -1,10 +1,111 @@
-//! Responses: the quantities that are estimated for a design.
+//! Responses: the quantities that are estimated for a design, and how a study file writes them.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::classification::Label;
 use crate::model::OutputValue;
+use crate::study::file::schema_parts as schema;
+use crate::study::file::values::NumberOrLength;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::shown_values::six_digits;
 use crate::study::plan::units::{Unit, Units};
+
+/// A response of a design, estimated from the residual amplitudes (`amplitude_m` in `runs.parquet`), the peak amplitudes
+/// (`peak_amplitude_m`) or the times to rest of its runs.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum ResponseFile {
+    /// Mean amplitude, m; with `relative`, dimensionless.
+    AmplitudeMean(Amplitude),
+    /// Standard deviation of the amplitude, m; with `relative`, dimensionless.
+    AmplitudeStdDev(Amplitude),
+    /// Quantile of the amplitude, m; with `relative`, dimensionless.
+    AmplitudeQuantile {
+        /// Fraction of the runs below the quantile, above 0 and below 1.
+        #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+        fraction: f64,
+        /// Whether each amplitude is divided by the amplitude of the same machine without balls;
+        /// the default is `false`.
+        #[serde(default)]
+        relative: bool,
+        /// What is measured of each run; the default is `residual`.
+        #[serde(default)]
+        of: AmplitudeFile,
+    },
+    /// Largest amplitude of all runs, m; with `relative`, dimensionless.
+    AmplitudeWorst(Amplitude),
+    /// Probability of an amplitude above a limit.
+    AmplitudeAbove {
+        /// The limit, at least 0: a number in m, or a value with a unit, such as `20 µm`; with `relative`, a number without
+        /// a unit.
+        #[schemars(schema_with = "schema::length_limit")]
+        limit: NumberOrLength,
+        /// Whether each amplitude is divided by the amplitude of the same machine without balls;
+        /// the default is `false`.
+        #[serde(default)]
+        relative: bool,
+        /// What is measured of each run; the default is `residual`.
+        #[serde(default)]
+        of: AmplitudeFile,
+    },
+    /// Probability of rest by this time, s; above 0 and at most the end time of the simulation.
+    AtRestByS(#[schemars(extend("exclusiveMinimum" = 0))] f64),
+    /// Median time to rest (Kaplan-Meier estimator), s.
+    MedianTimeToRest,
+}
+
+/// The amplitude of a response.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+#[schemars(inline, description = "")]
+pub struct Amplitude {
+    /// Whether each amplitude is divided by the amplitude of the same machine without balls;
+    /// the default is `false`.
+    #[serde(default)]
+    pub relative: bool,
+    /// What is measured of each run; the default is `residual`.
+    #[serde(default)]
+    pub of: AmplitudeFile,
+}
+
+/// What is measured of a run: `residual`, the amplitude at the end (`amplitude_m`); `peak`, the largest amplitude from start to
+/// end (`peak_amplitude_m`), only with a speed profile or disturbances; or, for a system file, an output: its name for half of
+/// the distance between its extremes, or the name of a column such as `max_x_m`.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[schemars(extend("examples" = ["residual", "peak", "x_m", "max_x_m"]))]
+pub struct AmplitudeFile(pub String);
+
+impl Default for AmplitudeFile {
+    fn default() -> Self {
+        AmplitudeFile("residual".to_owned())
+    }
+}
+
+impl ResponseFile {
+    /// Returns the key of a response, its measure, and the amplitude that it measures.
+    pub(in crate::study) fn parts(&self) -> (&'static str, Measure, Amplitude) {
+        match self.clone() {
+            ResponseFile::AmplitudeMean(own) => ("amplitude_mean", Measure::Mean, own),
+            ResponseFile::AmplitudeStdDev(own) => {
+                ("amplitude_std_dev", Measure::StandardDeviation, own)
+            }
+            ResponseFile::AmplitudeQuantile { fraction, relative, of } => {
+                ("amplitude_quantile", Measure::Quantile(fraction), Amplitude { relative, of })
+            }
+            ResponseFile::AmplitudeWorst(own) => ("amplitude_worst", Measure::Worst, own),
+            ResponseFile::AmplitudeAbove { limit: NumberOrLength(limit), relative, of } => {
+                ("amplitude_above", Measure::Above(limit), Amplitude { relative, of })
+            }
+            ResponseFile::AtRestByS(time) => {
+                ("at_rest_by_s", Measure::AtRestBy(time), Amplitude::default())
+            }
+            ResponseFile::MedianTimeToRest => {
+                ("median_time_to_rest", Measure::MedianTimeToRest, Amplitude::default())
+            }
+        }
+    }
+}
 
 /// The estimated quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]

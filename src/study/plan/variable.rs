@@ -1,10 +1,29 @@
 //! Variables of a design, and the study with the values of a design.
 
+use indexmap::IndexMap;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::study::error::{Fault, list_names, shorten};
+use crate::study::file::schema_parts as schema;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::Parameter;
 use crate::study::plan::shown_values::six_digits;
 use crate::study::plan::units::{Unit, short_name};
+
+/// A variable of a design: either `from` and `to`, or `choices`.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct VariableFile {
+    /// Smallest value, in the unit of the parameter.
+    pub from: Option<f64>,
+    /// Largest value, in the unit of the parameter; at least `from`.
+    pub to: Option<f64>,
+    /// Choices by name; each choice sets the same numeric parameters.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::choices")]
+    pub choices: Option<IndexMap<String, IndexMap<String, f64>>>,
+}
 
 /// A variable of a design.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,11 +4,11 @@ use indexmap::IndexMap;
 
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::identify_file::{IdentifyFile, PriorFile, SpacingFile};
-use crate::study::file::response_file::VariableFile;
 use crate::study::file::values::Count;
 use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::identification::Identification;
 use crate::study::plan::planned_study::Study;
+use crate::study::plan::variable::VariableFile;
 use crate::study::resolve::variables::resolve_variables;
 
 /// The largest number of parameter sets; the densities of more take too much memory.

@@ -6,12 +6,12 @@ use indexmap::IndexMap;
 
 use crate::model::{OutputName, OutputValue};
 use crate::study::error::{StudyError, list_names};
-use crate::study::file::response_file::{Amplitude, ResponseFile};
 use crate::study::file::source_path::SourcePath;
-use crate::study::file::values::NumberOrLength;
 use crate::study::file::yaml_tree::{Content, Source, describe_number};
 use crate::study::plan::planned_study::Study;
-use crate::study::plan::response::{AmplitudeKind, Measure, Response, SUFFIXES, is_reserved};
+use crate::study::plan::response::{
+    Amplitude, AmplitudeKind, Measure, Response, ResponseFile, SUFFIXES, is_reserved,
+};
 use crate::study::resolve::names::check_column_name;
 
 /// Validates the responses.
@@ -42,29 +42,6 @@ pub(crate) fn resolve_responses(
     written.into_iter().flatten().map(resolve).collect()
 }
 
-/// Returns the key of a response, its measure, and the amplitude that it measures.
-fn parts(file: &ResponseFile) -> (&'static str, Measure, Amplitude) {
-    match file.clone() {
-        ResponseFile::AmplitudeMean(own) => ("amplitude_mean", Measure::Mean, own),
-        ResponseFile::AmplitudeStdDev(own) => {
-            ("amplitude_std_dev", Measure::StandardDeviation, own)
-        }
-        ResponseFile::AmplitudeQuantile { fraction, relative, of } => {
-            ("amplitude_quantile", Measure::Quantile(fraction), Amplitude { relative, of })
-        }
-        ResponseFile::AmplitudeWorst(own) => ("amplitude_worst", Measure::Worst, own),
-        ResponseFile::AmplitudeAbove { limit: NumberOrLength(limit), relative, of } => {
-            ("amplitude_above", Measure::Above(limit), Amplitude { relative, of })
-        }
-        ResponseFile::AtRestByS(time) => {
-            ("at_rest_by_s", Measure::AtRestBy(time), Amplitude::default())
-        }
-        ResponseFile::MedianTimeToRest => {
-            ("median_time_to_rest", Measure::MedianTimeToRest, Amplitude::default())
-        }
-    }
-}
-
 /// A measure, and the amplitude that is measured, with the name and the unit of an output.
 type Quantity = (Measure, AmplitudeKind, Option<(String, String)>);
 
@@ -74,7 +51,7 @@ fn quantity(
     path: &SourcePath<'_>,
     file: &ResponseFile,
 ) -> Result<Quantity, StudyError> {
-    let (key, measure, Amplitude { relative, of }) = parts(file);
+    let (key, measure, Amplitude { relative, of }) = file.parts();
     let own = path.key(key);
     let refuse = |path: &SourcePath<'_>, problem: &str, found: String, allowed: &str| {
         Err(path.wrong_value(problem, found, allowed))

@@ -4,13 +4,12 @@ use indexmap::IndexMap;
 
 use crate::model::MAX_BALLS;
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::response_file::VariableFile;
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::{Parameter, check_number_of_balls};
 use crate::study::plan::planned_study::Study;
 use crate::study::plan::response::{SUFFIXES, is_reserved};
-use crate::study::plan::variable::{Domain, Variable};
+use crate::study::plan::variable::{Domain, Variable, VariableFile};
 use crate::study::resolve::names::{check_column_name, check_name};
 use crate::study::resolve::sweep::find_parameter;
 
