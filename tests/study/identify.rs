@@ -120,3 +120,23 @@ stage,speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n1,-200,1,2,0.1\n ¦ unknown
     let error = measured(&staged, &table).expect_err("stage 0");
     assert!(error.contains("not a stage") && error.contains("stages.parquet"), "{error}");
 }
+
+/// The balls of a rotor, which may touch, are bodies with angles; the positions of blocks are no angles.
+#[test]
+fn bodies_with_angles() {
+    let of_kind = |model: &str, swept: &str| {
+        format!(
+            "schema: 1\nname: a\nseed: 1\nmodel: {model}\nsweep: [{{grid: {{{swept}}}}}]\n\
+             initial_conditions: {{design: {{monte_carlo: {{samples: 1}}}}}}\n"
+        )
+    };
+    let touching = "{kind: rotor_balancer, parameters: {number_of_balls: 3, number_of_pairs: 3}}";
+    let rotor = of_kind(touching, "speed_rad_s: [400, 500]");
+    let table = "speed_rad_s,beta_1_rad,beta_2_rad,beta_3_rad,std_dev_rad\n500,1,2,3,0.1\n";
+    let rest = Some(vec![1.0, 2.0, 3.0]);
+    let expected = MeasuredRun { point_id: 1, stage: None, rest, std_dev_rad: 0.1 };
+    assert_eq!(measured(&rotor, table).expect("measured runs"), [expected]);
+    assert_eq!(study(&rotor).model().angle_contacts(), [0, 1, 2]);
+    let block = of_kind("{kind: block_on_belt}", "friction_coefficient: [0.1]");
+    assert!(study(&block).model().angle_contacts().is_empty());
+}
