@@ -8,11 +8,12 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
 
+use rayon::prelude::*;
 use stickslip::classification::{Evidence, Label, Outcome, simulate};
-use stickslip::model::{Case, Machine, OutputValue, Start};
+use stickslip::model::{Case, Machine, Method, OutputValue, Simulation, Start, Tolerance};
 use stickslip::study::Study;
 
-use crate::support::angular_distance;
+use crate::support::{angular_distance, shipped_study};
 
 const REFERENCE: &str = include_str!("../data/rotor_reference.csv");
 
@@ -121,17 +122,65 @@ fn cases(text: String) -> Vec<Case> {
 const SIMULATION: &str =
     "simulation: {method: event, tolerance: {relative: 1.0e-13, absolute: 1.0e-15}";
 
-/// A rotor without gravity, on supports that are equally stiff in all directions and at equal distances from the race, is a planar
-/// balancer: the balls rest at the same angles from the same times on, also after a run-up.
+/// A rotor without gravity, on supports that are equally stiff in all directions and at equal distances from the race: a planar
+/// balancer.
+struct PlanarRotor {
+    machine: Machine,
+    case: Case,
+}
+
+impl PlanarRotor {
+    fn new(machine: Machine, profile: &str) -> Self {
+        let rotor_mass = machine.table_mass_kg + machine.imbalance_mass_kg;
+        let ball = machine.balls[0];
+        let text = format!(
+            "schema: 1\nname: rotor\nseed: 1\nmodel:\n  kind: rotor_balancer\n  parameters: {{speed_rad_s: {}, \
+             rotor_mass_kg: {rotor_mass}, eccentricity_m: {}, couple_imbalance_rad: 0, z_1_m: 0.1, z_2_m: -0.1, z_race_m: 0, \
+             stiffness_x_n_m: {k}, stiffness_y_n_m: {k}, damping_x_n_s_m: {c}, damping_y_n_s_m: {c}, race_radius_m: {}, \
+             ball_mass_kg: {}, ball_diameter_m: {}, friction_coefficient: {}, ball_drag_1_s: 0, gravity_m_s2: 0}}\n{profile}\
+             initial_conditions:\n  design: {{monte_carlo: {{samples: 1}}}}\n",
+            machine.speed_rad_s,
+            machine.imbalance_mass_kg * machine.imbalance_radius_m / rotor_mass,
+            machine.ring_radius_m,
+            ball.mass_kg,
+            ball.diameter_m,
+            ball.friction_coefficient,
+            k = 0.5 * machine.stiffness_n_m,
+            c = 0.5 * machine.damping_n_s_m,
+        );
+        PlanarRotor { case: cases(text).remove(0), machine }
+    }
+
+    /// Returns the run from a start state of the planar balancer, whose disc first turns at this speed.
+    fn run(&self, start: &[f64], start_speed_rad_s: f64, simulation: Simulation) -> Outcome {
+        let [x, y, beta_1, beta_2, x_dot, y_dot, beta_dot_1, beta_dot_2] = start[..] else {
+            panic!("two balls: {start:?}")
+        };
+        let (length, natural) =
+            (self.machine.ring_radius_m, self.machine.natural_frequency_rad_s());
+        // The start state in the turning frame, with the unit of length and 1/ω_n.
+        let (turning, speed) = (start_speed_rad_s / natural, length * natural);
+        let positions = [length * x, length * y, 0.0, 0.0, beta_1, beta_2];
+        let rates = [speed * (x_dot - turning * y), speed * (y_dot + turning * x), 0.0, 0.0];
+        let of_balls = [natural * beta_dot_1, natural * beta_dot_2];
+        let start = Start([&positions[..], &rates, &of_balls].concat());
+        simulate(&Case { start, simulation, ..self.case.clone() })
+    }
+}
+
+/// Returns the largest difference between the angles of balls.
+fn difference(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(one, other)| angular_distance(*one, *other)).fold(0.0, f64::max)
+}
+
+/// The balls of a rotor rest at the angles of a planar balancer from the same times on, also after a run-up.
 #[test]
 fn a_rotor_runs_up_as_a_planar_balancer() {
     const PROFILE: &str = "  speed_profile: [{ramp: {from_rad_s: 150, to_rad_s: 250, over_s: 0.5}}, {hold_s: 0.2}, \
                            {smooth_ramp: {to_rad_s: 216.3772, over_s: 0.3}}, {hold_s: 10}]\n";
     let machine = Machine { speed_rad_s: 216.3772, ..Machine::default() };
-    let (length, natural) = (machine.ring_radius_m, machine.natural_frequency_rad_s());
-    let rotor_mass = machine.table_mass_kg + machine.imbalance_mass_kg;
-    let ball = machine.balls[0];
     for (profile, start_speed) in [(PROFILE, 150.0), ("", machine.speed_rad_s)] {
+        let rotor = PlanarRotor::new(machine.clone(), profile);
         let planar = cases(format!(
             "schema: 1\nname: planar\nseed: 3\nmodel:\n  kind: ball_balancer\n  parameters: {{balls: 2, speed_rad_s: {}}}\n\
              {profile}initial_conditions: {{design: {{monte_carlo: {{samples: 24}}}}}}\n{SIMULATION}}}\n",
@@ -140,61 +189,70 @@ fn a_rotor_runs_up_as_a_planar_balancer() {
         let mut rests = 0;
         for case in &planar {
             let planar = simulate(case);
-            let Start(values) = &case.start;
-            let [x, y, beta_1, beta_2, x_dot, y_dot, beta_dot_1, beta_dot_2] = values[..] else {
-                panic!("two balls: {values:?}")
-            };
-            // The start state in the turning frame, with the unit of length and 1/ω_n.
-            let turning = start_speed / natural;
-            let start = [
-                ("shaft_x_m", length * x),
-                ("shaft_y_m", length * y),
-                ("shaft_x_rate_m_s", length * natural * (x_dot - turning * y)),
-                ("shaft_y_rate_m_s", length * natural * (y_dot + turning * x)),
-                ("ball_angle_1_rad", beta_1),
-                ("ball_angle_2_rad", beta_2),
-                ("ball_angle_rate_1_rad_s", natural * beta_dot_1),
-                ("ball_angle_rate_2_rad_s", natural * beta_dot_2),
-            ];
-            let range =
-                |(name, value): (&str, f64)| format!("    {name}: [{value:?}, {value:?}]\n");
-            let rotor = cases(format!(
-                "schema: 1\nname: rotor\nseed: 1\nmodel:\n  kind: rotor_balancer\n  parameters: {{speed_rad_s: {}, \
-                 rotor_mass_kg: {rotor_mass}, eccentricity_m: {}, couple_imbalance_rad: 0, z_1_m: 0.1, z_2_m: -0.1, z_race_m: 0, \
-                 stiffness_x_n_m: {k}, stiffness_y_n_m: {k}, damping_x_n_s_m: {c}, damping_y_n_s_m: {c}, race_radius_m: {length}, ball_mass_kg: {}, \
-                 ball_diameter_m: {}, friction_coefficient: {}, ball_drag_1_s: 0, gravity_m_s2: 0}}\n{profile}\
-                 initial_conditions:\n  design: {{monte_carlo: {{samples: 1}}}}\n  box:\n{}{SIMULATION}, end_time_s: 16.5}}\n",
-                machine.speed_rad_s,
-                machine.imbalance_mass_kg * machine.imbalance_radius_m / rotor_mass,
-                ball.mass_kg,
-                ball.diameter_m,
-                ball.friction_coefficient,
-                start.map(range).concat(),
-                k = 0.5 * machine.stiffness_n_m,
-                c = 0.5 * machine.damping_n_s_m,
-            ).replace(", end_time_s: 16.5", if profile.is_empty() { ", end_time_s: 16.5" } else { "" }));
-            let rotor = simulate(&rotor[0]);
+            let rotor = rotor.run(&case.start.0, start_speed, case.simulation);
             // In the first three seconds, differences do not grow to the tolerance of this test.
             assert_eq!(planar.stages.len(), rotor.stages.len());
             for (one, other) in planar.stages.iter().zip(&rotor.stages) {
-                let mut angles = one.position.iter().zip(&other.position);
-                let is_near = |(one, other): (&f64, &f64)| angular_distance(*one, *other) < 1e-8;
-                assert!(one.time_s[1] > 3.0 || angles.all(is_near), "{planar:?} {rotor:?}");
+                let is_near = difference(&one.position, &other.position) < 1e-8;
+                assert!(one.time_s[1] > 3.0 || is_near, "{planar:?} {rotor:?}");
             }
             if !planar.time_to_rest_s.is_some_and(|time_s| time_s < 3.0) {
                 continue;
             }
             rests += 1;
             assert_eq!(rotor.evidence, Evidence::PeriodicRest, "{planar:?} {rotor:?}");
-            let positions = [&planar, &rotor].map(|one| one.position.clone().expect("at rest"));
-            for (one, other) in positions[0].iter().zip(&positions[1]) {
-                assert!(angular_distance(*one, *other) < 1e-8, "{planar:?} {rotor:?}");
-            }
+            let [one, other] = [&planar, &rotor].map(|one| one.position.as_ref().expect("at rest"));
+            assert!(difference(one, other) < 1e-8, "{planar:?} {rotor:?}");
             let [one, other] = [&planar, &rotor].map(|one| one.rest_since_s.expect("at rest"));
             assert!((one - other).abs() < 1e-6, "{one} {other}");
         }
         assert!(rests >= 4, "{rests} at rest");
     }
+}
+
+/// All runs of the thesis below the natural frequency end on a rotor as on the planar balancer: at the same angles, and at rest
+/// except for three that creep to the edge of the equilibrium set.
+#[test]
+fn runs_of_the_thesis_on_a_rotor() {
+    let study = shipped_study("preferred-equilibria.yaml");
+    let runs = 0..study.point(3).first_run;
+    assert_eq!(runs.end, 2304);
+    // The disc of the thesis turns clockwise; its mirror image turns as the rotor does.
+    let mirrored = |case: &Case| {
+        let machine = case.model.ball_balancer().expect("a balancer");
+        let [signs, balls] = [[1.0, -1.0], [-1.0; 2]];
+        let signs = [signs, balls, signs, balls].concat();
+        let start = case.start.0.iter().zip(signs).map(|(value, sign)| sign * value).collect();
+        let machine = Machine { speed_rad_s: -machine.speed_rad_s, ..machine.clone() };
+        let simulation = Simulation {
+            method: Method::Event,
+            tolerance: Tolerance { relative: 1e-12, absolute: 1e-14 },
+            ..case.simulation
+        };
+        Case { model: machine.into(), start: Start(start), simulation }
+    };
+    let planar_cases: Vec<Case> =
+        runs.map(|run| mirrored(&study.planned_run(run).case.expect("a case"))).collect();
+    let creeping = planar_cases.par_chunks(768).map(|of_speed| {
+        let machine = of_speed[0].model.ball_balancer().expect("a balancer");
+        let rotor = PlanarRotor::new(machine.clone(), "");
+        let creeps = |case: &Case| {
+            let planar = simulate(case);
+            let rotor = rotor.run(&case.start.0, machine.speed_rad_s, case.simulation);
+            let [one, other] =
+                [&planar, &rotor].map(|one| one.position.as_ref().expect("no failure"));
+            assert!(difference(one, other) < 1e-8, "{planar:?} {rotor:?}");
+            let is_at_rest = planar.evidence == Evidence::RestCertified;
+            assert_eq!(
+                is_at_rest,
+                rotor.evidence == Evidence::PeriodicRest,
+                "{planar:?} {rotor:?}"
+            );
+            !is_at_rest
+        };
+        of_speed.par_iter().filter(|case| creeps(case)).count()
+    });
+    assert_eq!(creeping.sum::<usize>(), 3);
 }
 
 /// Vibration of the rotor of the Bristol rig without balls, mm: the mean over both bearings of the largest displacement, in an independent

@@ -131,7 +131,7 @@ fn constructed(case: &Case) -> Outcome {
 
 fn written(study: &Study, folder: &Path, threads: usize, chunk: usize) -> Vec<u8> {
     let options = EngineOptions { threads, chunk, ..EngineOptions::default() };
-    let mut tables = Results::create(folder, study).unwrap();
+    let mut tables = Results::create(folder, study).expect("an empty folder");
     let progress = Progress::new(study.run_count(), true);
     run_study_with(
         study,
@@ -153,7 +153,7 @@ fn written(study: &Study, folder: &Path, threads: usize, chunk: usize) -> Vec<u8
         threads,
         merging: Vec::new(),
     };
-    let manifest = tables.finish(study, circumstances).unwrap();
+    let manifest = tables.finish(study, circumstances).expect("written tables");
     assert_eq!(manifest.files["cycles.parquet"].rows, Some(6));
     fs::read(folder.join("cycles.parquet")).unwrap()
 }

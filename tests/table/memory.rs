@@ -105,7 +105,7 @@ fn rows_keep_their_order_over_batches() {
         let mut list = Columns::<u64>::new();
         list.count("row", |row| *row).meaning("number of the row");
         list.word("when", word).meaning("early or late");
-        let table = in_memory(list.finish(), "here", 0..rows).unwrap();
+        let table = in_memory(list.finish(), "here", 0..rows).expect("values of their types");
         assert_eq!(table.rows() as u64, rows);
         assert_eq!(table.batches.len() as u64, rows.div_ceil(BATCH));
         assert_eq!(table.schema.metadata()["stickslip"], "here");
