@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 static PAGES: Mutex<()> = Mutex::new(());
 
 /// Every computed part of each page.
-const PARTS: [(&str, &str); 8] = [
+const PARTS: [(&str, &str); 7] = [
     ("docs/check.md", "check"),
     ("docs/verification.md", "labels-below labels-above labels-irregular"),
     (
@@ -24,42 +24,10 @@ const PARTS: [(&str, &str); 8] = [
     ),
     ("docs/startup.md", "startup startup-ratio startup-all"),
     ("docs/identify.md", "identify identify-synthetic"),
-    (
-        "docs/open-questions.md",
-        "protocols-coefficient-lagrange protocols-coefficient-newton protocols-first-lagrange \
-         protocols-second-lagrange protocols-first-newton protocols-second-newton protocols \
-         protocols-slow protocols-wait-alone-lagrange protocols-wait-alone-newton \
-         protocols-wait-contact-lagrange protocols-wait-contact-newton crowding-any-0-lagrange \
-         crowding-any-0-newton crowding-start-0-lagrange crowding-start-0-newton \
-         crowding-any-100-lagrange crowding-any-100-newton crowding-start-100-lagrange \
-         crowding-start-100-newton crowding-pi crowding-adjacent crowding-start-rests-192-lagrange \
-         crowding-start-rests-216-lagrange crowding-start-rests-192-newton \
-         crowding-start-rests-216-newton cycles-contact-lagrange cycles-contact-newton \
-         cycles-model-lagrange cycles-relative-lagrange cycles-contact-309-lagrange \
-         cycles-contact-309-newton cycles-tolerance-lagrange cycles cycles-stiffness-lagrange \
-         steps-below-lost-lagrange steps-below-lost-newton steps-above-lost-lagrange \
-         steps-above-lost-newton steps-above-held-lagrange steps-above-held-newton \
-         steps-down-stay-lagrange steps-down-stay-newton steps-down-lost-lagrange \
-         steps-down-lost-newton steps predictability-to-1 predictability-over-2 \
-         predictability-to-2 predictability-over-3 predictability-rest-lagrange \
-         predictability-rest-newton predictability-plain-lagrange predictability-plain-newton \
-         predictability-same-lagrange predictability-same-newton predictability \
-         predictability-amplitude-lagrange predictability-amplitude-newton \
-         predictability-plain-amplitude-lagrange predictability-worst-lagrange \
-         predictability-worst-newton predictability-plain-worst-lagrange predictability-starts \
-         kicks-all-161-lagrange kicks-all-173-lagrange kicks-half-192-lagrange \
-         kicks-half-216-lagrange kicks-half-192-newton kicks-half-216-newton kicks kicks-small \
-         kicks-lifted atlas-smallest-at atlas-smallest-set atlas-below-lagrange atlas-below-newton \
-         atlas-middle-lagrange atlas-middle-newton atlas-above-lagrange atlas-above-newton \
-         atlas-direction-160-lagrange atlas-direction-170-lagrange atlas-direction-175-lagrange \
-         atlas-direction-160-newton atlas-direction-170-newton atlas-direction-175-newton atlas \
-         atlas-classes-lagrange atlas-classes-newton atlas-classes atlas-friction \
-         atlas-failed-newton",
-    ),
 ];
 
 /// Returns the names of the computed parts of a page.
-pub fn parts_of(page: &str) -> Vec<&'static str> {
+fn parts_of(page: &str) -> Vec<&'static str> {
     let own = PARTS.iter().filter(|(own, _)| *own == page);
     own.flat_map(|(_, parts)| parts.split_whitespace()).collect()
 }
