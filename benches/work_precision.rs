@@ -1,5 +1,5 @@
-//! Error and cost of runs by method, tolerance and kernel, as lines of CSV:
-//! `scripts/work-precision` makes a table and a plot of them.
+//! Error and cost of runs by method, tolerance and kernel, as lines of CSV: `cargo bench --bench work-precision -- RUNS`
+//! with the number of runs per speed.
 //!
 //! The reference is the exact motion (`event`) by the general kernel at 1e-11. The error of a run is the
 //! largest distance along the ring between the rest positions of a ball in the two computations, if
@@ -28,7 +28,7 @@ fn main() {
     // `cargo bench` does not take minutes here; cargo adds `--bench`.
     let Some(runs) = std::env::args().skip(1).find_map(|argument| argument.parse::<u32>().ok())
     else {
-        println!("work and precision: see scripts/work-precision");
+        println!("work and precision: cargo bench --bench work-precision -- RUNS");
         return;
     };
     println!(
