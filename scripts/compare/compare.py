@@ -27,8 +27,7 @@ from table import print_table
 ROOT = Path(__file__).resolve().parents[2]
 WORKS = ("w1", "w2", "w3", "w4")
 EXAMPLES = """examples:
-  scripts/compare/run                                  everything, some fifteen minutes
-  scripts/compare/run --only numba,boost,heyoka        without the slow ones: some minutes
+  scripts/compare/run                                  everything, some ten minutes
   scripts/compare/run --runs 32 --repeat 1             a first look
   scripts/compare/run --runs 16 --works w3             balls that touch, as a test
   scripts/compare/run --works w1 --json table.json
@@ -106,9 +105,6 @@ def started(commands, work, folder):
     """Starts the peers and checks their right-hand sides."""
     peers = {}
     for name, command in commands.items():
-        if work.name not in TOOLS[name].works:
-            say(f"{work.name} without {name}: not written for it")
-            continue
         peer = Peer(TOOLS[name], command, work)
         try:
             difference = worst_difference(peer, work, folder)

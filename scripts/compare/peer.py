@@ -6,7 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 HERE = Path(__file__).parent / "peers"
@@ -28,12 +28,9 @@ class Tool:
 
     source: str
     title: str
-    arguments: list = field(default_factory=list)
-    python: list = field(default_factory=list)  # packages of PyPI
+    python: tuple = ()  # packages of PyPI
     header: str = ""  # a C++ header and the Debian package that has it
     package: str = ""
-    libraries: list = field(default_factory=list)
-    works: tuple = ("w1", "w2")  # the works that it is written for
 
     def missing(self):
         """Returns the names of the packages to install."""
@@ -56,36 +53,15 @@ class Tool:
         if not self.header:
             return [sys.executable, HERE / self.source]
         program = folder / Path(self.source).stem
-        libraries = [f"-l{name}" for name in self.libraries]
-        subprocess.run(["g++", *FLAGS, "-o", program, HERE / self.source, *libraries], check=True)
+        subprocess.run(["g++", *FLAGS, "-o", program, HERE / self.source], check=True)
         return [program]
 
 
 TOOLS = {
-    "scipy-lsoda": Tool(
-        "scipy_peer.py", "SciPy LSODA", ["LSODA"], python=["numpy", "scipy", "numba"]
-    ),
-    "scipy-dop853": Tool(
-        "scipy_peer.py", "SciPy DOP853", ["DOP853"], python=["numpy", "scipy", "numba"]
-    ),
-    "numba": Tool("numba_peer.py", "numba DOP853", python=["numpy", "scipy", "numba"]),
     "boost": Tool(
-        "boost.cpp", "Boost.odeint", header="boost/numeric/odeint.hpp", package="libboost-dev",
-        works=("w1", "w2", "w3", "w4"),
+        "boost.cpp", "Boost.odeint", header="boost/numeric/odeint.hpp", package="libboost-dev"
     ),
-    "cvode": Tool(
-        "cvode.cpp",
-        "SUNDIALS CVODE",
-        header="cvode/cvode.h",
-        package="libsundials-dev",
-        libraries=["sundials_cvode", "sundials_nvecserial"],
-    ),
-    "heyoka": Tool(
-        "heyoka_peer.py",
-        "heyoka, 8 lanes",
-        python=["numpy", "numba", "heyoka"],
-        works=("w1", "w2", "w3", "w4"),
-    ),
+    "heyoka": Tool("heyoka_peer.py", "heyoka, 8 lanes", python=("numpy", "numba", "heyoka")),
 }
 
 
@@ -97,7 +73,7 @@ class Peer:
         self.errors = work.cases.with_suffix(f".{Path(tool.source).stem}.log")
         with self.errors.open("w") as errors:
             self.process = subprocess.Popen(
-                [*command, work.cases, *tool.arguments],
+                [*command, work.cases],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=errors,

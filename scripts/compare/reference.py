@@ -11,17 +11,15 @@ FIRST_GUESS = -9.0
 
 
 class Reference:
-    """Computes endings with a tight tolerance by the first available of two peers. With friction, compares them
-        with the program's exact motion at a tight tolerance."""
+    """Computes endings with a tight tolerance by Boost. With friction, compares them with the program's exact motion at a
+    tight tolerance."""
 
     def __init__(self, work, stickslip, folder):
         self.smooth = work.smooth
         relative = 1e-14 if work.smooth else 1e-12
-        suitable = [name for name in ("numba", "boost") if work.name in TOOLS[name].works]
-        names = [name for name in suitable if not TOOLS[name].missing()]
-        if not names:
-            raise SystemExit(f"compare: the reference of {work.name} needs {' or '.join(suitable)}")
-        tool = TOOLS[names[0]]
+        tool = TOOLS["boost"]
+        if tool.missing():
+            raise SystemExit(f"compare: the reference needs {', '.join(tool.missing())}")
         peer = Peer(tool, tool.command(folder), work)
         result = peer.run(relative, 0.01 * relative)
         peer.close()

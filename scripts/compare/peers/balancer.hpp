@@ -1,5 +1,5 @@
-// The balancer's equations for two identical balls, the phases after an event, and the certificate of rest, shared by the
-// C++ peers. Corresponds to equations.py.
+// The balancer's equations for two identical balls, the phases after an event, and the certificate of rest.
+// Corresponds to equations.py.
 #pragma once
 
 #include <algorithm>
@@ -163,10 +163,6 @@ struct Balancer {
 
     // Decides the phases of both balls after an event. `at_once`: the ball stops at the instant of its break-away, and
     // sticks.
-    void after_event(double *y, Phases &s, int ball, bool at_once) const {
-        after_event(y, s, Steady{speed}, ball, at_once);
-    }
-
     template <class Turning>
     void after_event(double *y, Phases &s, const Turning &disc, int ball, bool at_once) const {
         double scratch[8];

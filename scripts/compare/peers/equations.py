@@ -1,4 +1,4 @@
-"""The balancer's equations for two identical balls, compiled by numba and shared by the Python peers.
+"""The balancer's equations for two identical balls, compiled by numba for heyoka.
 
 State `y`: x, y, beta_1, beta_2, x_dot, y_dot, beta_dot_1, beta_dot_2. Phase `s` of a ball: 0 sticks,
 1 or -1 slips in that direction. All values are dimensionless (src/model/equations.rs derives them).
@@ -89,13 +89,6 @@ def equations(changes):
 derivative = equations(changes=False)
 
 
-def values(y, s1, s2, p):
-    """Returns time derivative, normal and friction forces in one list."""
-    out = np.zeros(8)
-    forces = derivative(y, s1, s2, p, out)
-    return [*out, *forces]
-
-
 def decisions(derivative):
     """Compiles the decisions between stick and slip, for some equations of motion."""
 
@@ -135,7 +128,7 @@ decide, after_event = decisions(derivative)
 
 @nb.njit
 def set_in_motion(y, s):
-    """Gives balls that break away a negligible speed, because SciPy and heyoka do not detect a guard that starts at
+    """Gives balls that break away a negligible speed, because heyoka does not detect a guard that starts at
         exactly zero and rises and falls in the same step."""
     for i in range(2):
         if s[i] != 0.0 and y[6 + i] == 0.0:
