@@ -1,11 +1,9 @@
 """Writes the recorded runs with contact between the balls, tests/data/contact_*.csv, and prints what they show.
 
-The runs begin at the start states of tests/data/reference_*.csv, moved apart so that no balls overlap. With `--halve`,
-the runs are repeated with half the step, those with the smaller step are written, and the differences are printed.
+The runs begin at the start states of tests/data/reference_*.csv, moved apart so that no balls overlap.
 """
 
 import argparse
-import math
 import sys
 import time
 from pathlib import Path
@@ -25,23 +23,6 @@ def name(speed, law):
     return f"contact_{speed:.4f}_e{law[0]:g}_mu{law[1]:g}.csv"
 
 
-def angles(results):
-    return np.array([[one["beta_1_rad"], one["beta_2_rad"]] for one in results])
-
-
-def differences(first, second):
-    """Returns a text about the same runs with two steps: labels and contacts that change, and angles of rests."""
-    both = list(zip(first, second))
-    labels = sum(a["label"] != b["label"] for a, b in both)
-    contacts = sum(bool(a["touching"]) != bool(b["touching"]) for a, b in both)
-    sides = sum(a["touching"] != b["touching"] for a, b in both)
-    rests = np.array([a["label"] == b["label"] == "equilibrium" for a, b in both])
-    apart = np.abs((angles(first) - angles(second) + math.pi) % (2.0 * math.pi) - math.pi).max(axis=1)[rests]
-    quantiles = np.quantile(apart, [0.5, 0.9, 1.0])
-    return (f"half the step: {labels} labels change, {contacts} contacts, {sides} contacts or their sides; angles of "
-            f"{rests.sum()} rests: median {quantiles[0]:.1e}, 90 % {quantiles[1]:.1e}, largest {quantiles[2]:.1e} rad")
-
-
 def moving_pairs(results):
     """Returns a text about the mean speeds of the runs that move."""
     speeds = [[one["ball_speed_1_rad_s"], one["ball_speed_2_rad_s"]] for one in results if one["label"] == "moving"]
@@ -55,13 +36,10 @@ def study(speed, law, args):
     """Integrates the runs of one table, writes it and prints what it shows."""
     begun = time.process_time()
     rows = runs.read(DATA / f"reference_{speed:.4f}.csv")[: args.rows]
-    cases = [runs.case(row, {"speed_rad_s": -speed}) for row in rows]
-    options = runs.Options(restitution=law[0], ball_friction=law[1], step=args.step)
+    cases = [runs.case(row, -speed) for row in rows]
+    options = runs.Options(restitution=law[0], ball_friction=law[1])
     results = runs.compute(cases, options, args.threads)
-    print(f"\n{-speed} rad/s, restitution {law[0]:g}, friction between balls {law[1]:g}, step {args.step:g}")
-    if args.halve:
-        coarse, results = results, runs.compute(cases, options._replace(step=0.5 * args.step), args.threads)
-        print(differences(coarse, results))
+    print(f"\n{-speed} rad/s, restitution {law[0]:g}, friction between balls {law[1]:g}")
     print(runs.summary(results))
     times = [one["time_to_rest_s"] for one in results if one["label"] == "equilibrium"]
     depth = min(one["least_gap_rad"] for one in results)
@@ -77,8 +55,6 @@ def main():
     add = parser.add_argument
     add("--out", metavar="DIR", required=True, help="folder of the tables, such as tests/data")
     add("--speeds", type=float, nargs="+", default=SPEEDS, metavar="S", help="magnitudes of the motor speeds in rad/s")
-    add("--step", type=float, default=5e-3, help="step in non-dimensional time (default: 5e-3)")
-    add("--halve", action="store_true", help="repeat the runs with half the step")
     add("--rows", type=int, metavar="N", help="only the first N runs of each table")
     add("--threads", type=int, default=1, help="default: 1")
     args = parser.parse_args()

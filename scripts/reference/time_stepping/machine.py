@@ -51,18 +51,9 @@ def of_ball(name, ball):
     return f"{name}_{ball}"
 
 
-def names(balls):
-    """Returns all names of parameters of a machine with so many balls."""
-    own = [of_ball(name, ball) for name in BALL_DEFAULTS for ball in range(1, balls + 1)]
-    return [*DEFAULTS, *BALL_DEFAULTS, *own]
-
-
 def machine(balls, values=None):
     """Returns the machine with SI values by name. The value of a single ball precedes that of all balls."""
     values = values or {}
-    unknown = set(values) - set(names(balls))
-    if unknown:
-        raise ValueError(f"unknown parameters: {', '.join(sorted(unknown))}")
 
     def one(name):
         return values.get(name, DEFAULTS[name])
@@ -72,8 +63,6 @@ def machine(balls, values=None):
         own = (values.get(of_ball(name, ball), common) for ball in range(1, balls + 1))
         return np.array([float(value) for value in own])
 
-    if one("normal_force") not in ("lagrange", "newton"):
-        raise ValueError(f"normal_force: found {one('normal_force')}; allowed: lagrange, newton")
     masses, length = each("ball_mass_kg"), one("ring_radius_m")
     total = one("table_mass_kg") + one("imbalance_mass_kg") + masses.sum()
     omega_n = math.sqrt(one("stiffness_n_m") / total)

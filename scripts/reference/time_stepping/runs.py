@@ -1,4 +1,4 @@
-"""Runs of a table: the arrays that the scheme needs, the results by name, and tables of cases in CSV or Parquet."""
+"""Runs of a table: the arrays that the scheme needs, the results by name, and tables in CSV."""
 
 import csv
 import math
@@ -14,67 +14,34 @@ import starts
 OVERLAP = 1e-9  # allowed overlap of given start states, in rad
 
 
-def components(balls):
-    """Returns the names of a state's components in the tables of the program."""
-    each = range(1, balls + 1)
-    angles, speeds = [f"beta_{ball}" for ball in each], [f"beta_dot_{ball}" for ball in each]
-    return ["x", "y", *angles, "x_dot", "y_dot", *speeds]
-
-
 def read(path):
-    """Returns the rows of a table of cases as dictionaries. Empty cells are absent."""
-    if str(path).endswith(".parquet"):
-        import pyarrow.parquet
-
-        rows = pyarrow.parquet.read_table(path).to_pylist()
-    else:
-        with open(path, newline="") as file:
-            rows = list(csv.DictReader(file))
-    return [{name: cell for name, cell in row.items() if cell not in (None, "")} for row in rows]
+    """Returns the rows of a table as dictionaries. Empty cells are absent."""
+    with open(path, newline="") as file:
+        return [{name: cell for name, cell in row.items() if cell} for row in csv.DictReader(file)]
 
 
-def number_of_balls(row):
-    """Returns the number of balls of a row."""
-    balls = 0
-    while f"initial_beta_{balls + 1}" in row or f"beta_{balls + 1}" in row:
-        balls += 1
-    if not 1 <= balls <= 8:
-        raise ValueError(f"found {balls} columns initial_beta_K; allowed: 1 to 8 balls")
-    return balls
-
-
-def case(row, constants):
-    """Returns the machine and the start state of a row. A column of the table precedes a constant."""
-    balls = number_of_balls(row)
-    known = machines.names(balls)
-    values = {**constants, **{name: row[name] for name in known if name in row}}
-    values = {name: cell if name == "normal_force" else float(cell) for name, cell in values.items()}
-    cells = {name: row.get(f"initial_{name}", row.get(name)) for name in components(balls)}
-    absent = [name for name, cell in cells.items() if cell is None]
-    if absent:
-        raise ValueError(f"found no column initial_{absent[0]}")
-    return machines.machine(balls, values), np.array([float(cell) for cell in cells.values()])
+def case(row, speed_rad_s):
+    """Returns the machine at a speed, and the start state of a row of `reference_<speed>.csv`."""
+    names = ("x", "y", "beta_1", "beta_2", "x_dot", "y_dot", "beta_dot_1", "beta_dot_2")
+    return machines.machine(2, {"speed_rad_s": speed_rad_s}), np.array([float(row[name]) for name in names])
 
 
 class Options(NamedTuple):
     """How to integrate. `tail` is the last part of the run, as a fraction, for the mean speeds. With `until_rest` a run
-    ends before the end time if it is at rest. Without `contact` the balls pass through each other. `samples` is the
-    number of states to keep on the way."""
+    ends before the end time if it is at rest. Without `contact` the balls pass through each other."""
 
     contact: bool = True
     map_starts: bool = True
     restitution: float = 0.36
     ball_friction: float = 0.0
-    ring_impulse: bool = False
     step: float = 5e-3
     end_time_s: float = 16.5
     tail: float = 0.2
     until_rest: bool = True
-    samples: int = 0
 
 
 class Motion(NamedTuple):
-    """A run: its first and last state with unwrapped angles, neighbours, numbers, mean speeds, and states on the way."""
+    """A run: its first and last state with unwrapped angles, neighbours, numbers and mean speeds."""
 
     start: np.ndarray
     end: np.ndarray
@@ -82,7 +49,6 @@ class Motion(NamedTuple):
     angles: np.ndarray
     results: np.ndarray
     speeds: np.ndarray
-    samples: np.ndarray
 
 
 def motion(machine, state, options):
@@ -101,43 +67,31 @@ def motion(machine, state, options):
     start = state.copy()
     steps = round(options.end_time_s * machine.omega_n / options.step)
     results, speeds = np.zeros(scheme.RESULTS), np.zeros(n)
-    samples = np.zeros((options.samples, len(state)))
-    law = np.array([options.restitution, options.ball_friction, float(options.ring_impulse)])
+    law = np.array([options.restitution, options.ball_friction])
     scheme.run(state, options.step, steps, *machine[:4], pairs, angles, law, options.until_rest,
-               round(options.tail * steps), results, speeds, samples)
-    return Motion(start, state, pairs, angles, results, speeds, samples)
+               round(options.tail * steps), results, speeds)
+    return Motion(start, state, pairs, angles, results, speeds)
 
 
 def compute(cases, options, threads=1):
     """Integrates (machine, state) pairs and returns the results of each run by name."""
 
-    def result(row):
-        machine, state = cases[row]
-        try:
-            return outcome(machine, motion(machine, state, options))
-        except ValueError as error:
-            raise ValueError(f"row {row}: {error}") from error
-
-    if len({len(machine.mass) for machine, _ in cases}) > 1:
-        raise ValueError("all rows need the same number of balls")
     # The compiled function releases Python's lock.
     with ThreadPoolExecutor(threads) as pool:
-        return list(pool.map(result, range(len(cases))))
+        return list(pool.map(lambda one: outcome(one[0], motion(*one, options)), cases))
 
 
 def outcome(machine, motion):
-    """Returns the results of a run by name, in SI units; start states remain non-dimensional."""
+    """Returns the results of a run by name, in SI units."""
     n, omega_n, results = len(machine.mass), machine.omega_n, motion.results
     end_gaps = starts.gaps(motion.end[2 : 2 + n], motion.pairs, motion.angles)
     # A contact persists at a gap of zero, or at the depth that the step of its last impact reached.
     touching = [f"{i + 1}-{j + 1}" for (i, j), gap in zip(motion.pairs, end_gaps) if gap <= 1e-9]
-    row = {f"initial_{name}": float(value) for name, value in zip(components(n), motion.start)}
     at_rest = bool(results[scheme.AT_REST])
-    row["label"] = "equilibrium" if at_rest else "moving"
+    row = {"label": "equilibrium" if at_rest else "moving"}
     row["time_to_rest_s"] = float((results[scheme.END_TIME] - results[scheme.STILL_FOR]) / omega_n) if at_rest else None
     row["touching"] = " ".join(touching)
     row["impacts"] = int(results[scheme.IMPACTS])
-    row["end_time_s"] = float(results[scheme.END_TIME] / omega_n)
     for ball in range(n):
         row[f"beta_{ball + 1}_rad"] = float(motion.end[2 + ball] % starts.TURN)
     for ball in range(n):
@@ -170,13 +124,7 @@ def summary(results):
 
 
 def write(path, rows):
-    """Writes dictionaries as CSV or, by the ending, as Parquet."""
-    if str(path).endswith(".parquet"):
-        import pyarrow
-        import pyarrow.parquet
-
-        pyarrow.parquet.write_table(pyarrow.Table.from_pylist(rows), path)
-        return
+    """Writes dictionaries as CSV."""
     with open(path, "w", newline="") as file:
         table = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
         table.writeheader()

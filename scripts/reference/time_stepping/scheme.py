@@ -62,13 +62,11 @@ def gap(state, contacts, angles, k):
 
 
 @nb.njit(nogil=True, error_model="numpy")
-def run(state, h, steps, scalars, mass, diameter, friction, contacts, angles, law, until_rest, tail, results, speeds_out,
-        samples):
-    """Integrates one run in place. `law` is restitution, friction between the balls, and 1 if impacts include the
-    ring's friction impulse. Fills `results` and the mean speeds over the last `tail` steps; `samples` gets states at
-    equal distances."""
+def run(state, h, steps, scalars, mass, diameter, friction, contacts, angles, law, until_rest, tail, results, speeds_out):
+    """Integrates one run in place. `law` is restitution and friction between the balls. Fills `results` and the mean
+    speeds over the last `tail` steps."""
     n, k_max = len(mass), len(contacts)
-    restitution, ball_friction, ring_impulse = law[0], law[1], law[2] > 0.0
+    restitution, ball_friction = law
     v, new, middle = state[2 + n :].copy(), state[2 + n :].copy(), state[2 + n :].copy()
     last = v.copy()
     position = state[: 2 + n]
@@ -83,16 +81,12 @@ def run(state, h, steps, scalars, mass, diameter, friction, contacts, angles, la
     tangent, kappa = np.tan(0.5 * angles), 1.0 / np.cos(0.5 * angles) + np.tan(0.5 * angles)
     still = 0.0
     angles_at_tail = position[2:].copy()
-    every = max(1, steps // max(1, len(samples)))
     results[:] = 0.0
     results[LEAST_GAP] = math.inf if k_max == 0 else min([gap(position, contacts, angles, k) for k in range(k_max)])
     done = steps
     for step in range(steps):
         if step == steps - tail:
             angles_at_tail[:] = position[2:]
-        if len(samples) > 0 and step % every == 0 and step // every < len(samples):
-            samples[step // every, : 2 + n] = position
-            samples[step // every, 2 + n :] = v
         position += 0.5 * h * v
         for i in range(n):
             sine[i], cosine[i] = math.sin(position[2 + i]), math.cos(position[2 + i])
@@ -130,7 +124,7 @@ def run(state, h, steps, scalars, mass, diameter, friction, contacts, angles, la
                     before = rates[k] + pull * (0.5 * h - late[k])
                     bounce[k] = min(0.0, restitution * before - pull * (0.5 * h + late[k]))
             speeds[:] = free
-            fixed = impacts > 0 and not ring_impulse
+            fixed = impacts > 0
             if fixed:
                 # The normal impulses of the ring without those of the impacts.
                 first_p[:], first_P[:], first_q[:] = p, P, q
