@@ -14,6 +14,7 @@ import math
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 from dataclasses import dataclass
 
@@ -210,6 +211,27 @@ def count(text):
     if not (text.isascii() and text.isdigit() and int(text) > 0):
         raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1")
     return int(text)
+
+
+def parser_of(client, description):
+    """Returns the parser of a client's command line, with the study as its first argument."""
+    parser = argparse.ArgumentParser(
+        prog=client, description=description, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("study", help="the study file, with `design` and `responses`")
+    return parser
+
+
+@contextlib.contextmanager
+def messages_of(client, *errors):
+    """Ends a client with a message if a package is missing, the program refuses, or one of `errors` occurs."""
+    try:
+        yield
+    except ModuleNotFoundError as missing:
+        allowed = "pip install -r scripts/clients/requirements.txt"
+        sys.exit(f"{client}: {missing}\n  allowed: {allowed}")
+    except (StickslipError, *errors) as error:
+        sys.exit(f"{client}: {error}")
 
 
 def print_answer(server, design):
