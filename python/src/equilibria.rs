@@ -18,7 +18,7 @@ use stickslip::table::{
 
 use crate::error::{Trouble, no_threads, refused};
 use crate::machine::Machine;
-use crate::plotting::draw;
+use crate::plotting::draw_tables;
 use crate::table::Table;
 use crate::values::whole;
 use crate::waiting::wait;
@@ -86,7 +86,7 @@ impl EquilibriumSet {
         figure: &str,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        draw(slf.as_any(), figure, &FIGURES, options)
+        draw_tables(slf.as_any(), figure, &FIGURES, options)
     }
 
     /// The tables from which figures are drawn, by name.

@@ -15,7 +15,7 @@ use crate::directory::{Directory, check_named};
 use crate::error::{Trouble, no_threads, warn};
 use crate::given::{Given, Words};
 use crate::json::to_python;
-use crate::plotting::draw;
+use crate::plotting::draw_tables;
 use crate::progress::Bars;
 use crate::table::Table;
 use crate::waiting::wait_with;
@@ -82,7 +82,7 @@ impl Identification {
         slf: &Bound<'py, Self>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        draw(slf.as_any(), "identification", &["identification"], options)
+        draw_tables(slf.as_any(), "identification", &["identification"], options)
     }
 
     /// The directory from which figures read.

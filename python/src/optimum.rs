@@ -4,16 +4,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use serde_json::Value;
 use stickslip::engine::WorkerPool;
 use stickslip::optimize::Optimize;
-use stickslip::report::write_report;
+use stickslip::report::{printed_figures, write_report};
 use stickslip::study::Study;
 use stickslip::table::MemoryTable;
 
 use crate::directory::{Directory, check_page};
 use crate::error::{Trouble, no_threads};
 use crate::json::to_python;
+use crate::plotting::{draw, json_of};
 use crate::progress::Bars;
 use crate::table::Table;
 use crate::waiting::{wait, wait_with};
@@ -100,6 +102,31 @@ impl Optimum {
         let directory = Arc::clone(&self.directory);
         let write = move |_: &_| Ok::<_, Trouble>(write_report(directory.path(), out.as_deref())?);
         Ok(wait(py, write)??)
+    }
+
+    /// Draws a figure of the search and returns it, a figure of matplotlib.
+    ///
+    /// figure: a figure of the page of ``stickslip report``, such as convergence, pareto-front or parallel-coordinates;
+    ///     ``stickslip.figures.names(optimum)`` lists those of this search.
+    /// options: ``width="single"`` or ``"double"``, and ``sheet=2`` of a figure with many panels.
+    ///
+    /// Raises FiguresError, a ValueError, if the search has no such figure, and ModuleNotFoundError without matplotlib,
+    /// numpy and pyarrow.
+    #[pyo3(signature = (figure = "convergence", **options))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        figure: &str,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        draw(slf.as_any(), figure, options)
+    }
+
+    /// The figures of the search as JSON that ``stickslip.figures`` draws; a search has no points to choose.
+    #[pyo3(signature = (points = None))]
+    fn _figures(&self, py: Python<'_>, points: Option<Vec<u64>>) -> PyResult<String> {
+        let directory = Arc::clone(&self.directory);
+        let read = move |_: &_| json_of(&printed_figures(directory.path(), points.as_deref())?);
+        Ok(wait(py, read)??)
     }
 
     fn __repr__(&self) -> String {

@@ -10,30 +10,18 @@ use pyo3::types::PyDict;
 use stickslip::classification::Label;
 use stickslip::cli::{MOST_LINES, PointsTable};
 use stickslip::engine::{Readable, readable_results, results_study};
-use stickslip::report::{Replay, write_report};
+use stickslip::report::{Replay, ResultTables, printed_figures_of, write_report};
 use stickslip::study::Study;
-use stickslip::table::{self, MemoryTable, table_names};
+use stickslip::table::{self, Manifest, MemoryTable, table_names};
 
 use crate::directory::{check_named, check_page};
 use crate::error::{Trouble, refused};
-use crate::plotting::draw;
+use crate::plotting::{draw, json_of};
 use crate::simulation::{Simulation, times};
 use crate::study::PyStudy;
 use crate::table::Table;
 use crate::values::whole;
 use crate::waiting::wait;
-
-/// The figures of `stickslip.figures` that show the tables of a study.
-const FIGURES: [&str; 8] = [
-    "amplitudes",
-    "basins",
-    "diagnostics",
-    "ending_fractions",
-    "label_map",
-    "limit_cycle_branches",
-    "preferred_equilibria",
-    "time_to_rest",
-];
 
 /// Opens a directory of results, finished or not, such as ``stickslip run`` writes.
 ///
@@ -60,9 +48,7 @@ pub fn open(py: Python<'_>, directory: PathBuf) -> PyResult<Results> {
 pub struct Results {
     study: Arc<Study>,
     file: PathBuf,
-    labels: Vec<(String, u64)>,
-    /// Whether all planned runs are finished.
-    complete: bool,
+    manifest: Manifest,
     place: Option<Place>,
     /// The tables by name.
     tables: Vec<(&'static str, OnceLock<MemoryTable>)>,
@@ -149,7 +135,7 @@ impl Results {
     #[getter]
     fn labels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let labels = PyDict::new(py);
-        for (label, runs) in &self.labels {
+        for (label, runs) in self.runs_by_label() {
             labels.set_item(label, runs)?;
         }
         Ok(labels)
@@ -164,7 +150,7 @@ impl Results {
     /// Whether all planned runs are finished.
     #[getter]
     fn complete(&self) -> bool {
-        self.complete
+        self.manifest.complete
     }
 
     /// The study.
@@ -234,28 +220,36 @@ impl Results {
 
     /// Draws a figure of ``stickslip.figures`` and returns it, a figure of matplotlib.
     ///
-    /// figure: amplitudes, basins, diagnostics, ending_fractions, label_map, limit_cycle_branches,
-    ///     preferred_equilibria or time_to_rest.
-    /// options: options of the figure, such as ``width="single"`` and ``points=[0, 3]``.
+    /// figure: a figure of the page of ``stickslip report``, such as time-to-rest, vibration, preferred-equilibria or
+    ///     basins; ``stickslip.figures.names(results)`` lists those that these results have.
+    /// options: ``width="single"`` or ``"double"``, ``points=[0, 3]``, and ``sheet=2`` of a figure with many panels.
     ///
-    /// Raises StudyError if there is no such figure, FiguresError, a ValueError, if the tables have nothing that it
-    /// shows, and ModuleNotFoundError without matplotlib, numpy and pyarrow.
-    #[pyo3(signature = (figure = "time_to_rest", **options))]
+    /// Raises FiguresError, a ValueError, if these results have no such figure, StudyError if they have no such point, and
+    /// ModuleNotFoundError without matplotlib, numpy and pyarrow.
+    #[pyo3(signature = (figure = "time-to-rest", **options))]
     fn plot<'py>(
         slf: &Bound<'py, Self>,
         figure: &str,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        draw(slf.as_any(), figure, &FIGURES, options)
+        draw(slf.as_any(), figure, options)
     }
 
-    /// The tables from which figures are drawn, by name.
-    fn _source<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let tables = PyDict::new(py);
-        for name in table_names(&self.study) {
-            tables.set_item(name, self.table(py, name)?)?;
-        }
-        Ok(tables)
+    /// The figures of these points, or of all points, as JSON that ``stickslip.figures`` draws.
+    #[pyo3(signature = (points = None))]
+    fn _figures(&self, py: Python<'_>, points: Option<Vec<u64>>) -> PyResult<String> {
+        let (study, manifest) = (Arc::clone(&self.study), self.manifest.clone());
+        let held = |name: &str| self.slot(name)?.get().cloned();
+        let tables = match &self.place {
+            Some(Place { readable, .. }) => ResultTables::open(&readable.tables, &manifest),
+            None => ResultTables::in_memory(held),
+        };
+        let tables = tables.map_err(Trouble::from)?;
+        let read = move |_: &AtomicBool| {
+            let figures = printed_figures_of(&tables, (&study, &manifest), points.as_deref())?;
+            json_of(&figures)
+        };
+        Ok(wait(py, read)??)
     }
 
     /// Pickles results as their directory, which the other process opens.
@@ -270,11 +264,11 @@ impl Results {
     }
 
     fn __repr__(&self) -> String {
-        let labels = self.labels.iter().filter(|(_, runs)| *runs > 0);
+        let labels = self.runs_by_label().filter(|(_, runs)| *runs > 0);
         let labels: Vec<String> = labels.map(|(label, runs)| format!("{runs} {label}")).collect();
-        let finished: u64 = self.labels.iter().map(|(_, runs)| runs).sum();
+        let finished: u64 = self.runs_by_label().map(|(_, runs)| runs).sum();
         let (name, points) = (self.study.name(), self.study.point_count());
-        let missing = match self.complete {
+        let missing = match self.manifest.complete {
             true => String::new(),
             false => format!(" of at most {}, not complete", self.study.run_count()),
         };
@@ -308,7 +302,7 @@ impl Results {
     /// Holds tables in memory.
     pub fn in_memory(
         (study, file): (Arc<Study>, PathBuf),
-        runs_of: impl Fn(Label) -> u64,
+        manifest: Manifest,
         tables: Vec<MemoryTable>,
         summary: String,
     ) -> Self {
@@ -317,8 +311,7 @@ impl Results {
             tables: table_names(&study).zip(tables).collect(),
             study,
             file,
-            labels: Label::ALL.map(|label| (label.name().to_owned(), runs_of(label))).to_vec(),
-            complete: true,
+            manifest,
             place: None,
             summary: OnceLock::from(summary),
         }
@@ -326,14 +319,10 @@ impl Results {
 
     /// Refers to the tables of a directory.
     pub fn of_directory(directory: PathBuf, readable: Readable) -> Self {
-        let manifest = &readable.manifest;
-        let of = |label: &Label| manifest.labels.get(label.name()).copied().unwrap_or(0);
-        let labels = Label::ALL.iter().map(|label| (label.name().to_owned(), of(label))).collect();
         let study = Arc::new(readable.study.clone());
         Results {
             file: directory.join("study.yaml"),
-            labels,
-            complete: manifest.complete,
+            manifest: readable.manifest.clone(),
             tables: table_names(&study).map(|name| (name, OnceLock::new())).collect(),
             summary: OnceLock::new(),
             study,
@@ -341,11 +330,20 @@ impl Results {
         }
     }
 
+    fn slot(&self, name: &str) -> Option<&OnceLock<MemoryTable>> {
+        self.tables.iter().find(|(other, _)| *other == name).map(|(_, slot)| slot)
+    }
+
+    /// Returns the number of runs of each label, in the order of the labels.
+    fn runs_by_label(&self) -> impl Iterator<Item = (&'static str, u64)> {
+        let runs = |label: &Label| self.manifest.labels.get(label.name()).copied().unwrap_or(0);
+        Label::ALL.iter().map(move |label| (label.name(), runs(label)))
+    }
+
     /// Returns a table, which is read on the first access.
     fn table(&self, py: Python<'_>, name: &'static str) -> PyResult<Table> {
         let defect = || Trouble::Defect("a defect of stickslip: no table".to_owned());
-        let slot = self.tables.iter().find(|(other, _)| *other == name);
-        let (_, slot) = slot.ok_or_else(defect)?;
+        let slot = self.slot(name).ok_or_else(defect)?;
         if let Some(table) = slot.get() {
             return Ok(Table(table.clone()));
         }

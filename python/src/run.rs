@@ -1,17 +1,18 @@
 //! How a study is run: in memory, or into a directory, like the command line.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use arrow_schema::ArrowError;
-use stickslip::analysis::PointDetail;
+use stickslip::analysis::{FailureCounts, PointDetail};
 use stickslip::cli::{MOST_LINES, PointsTable};
 use stickslip::engine::{
     EngineOptions, OutputDir, Parts, Planned, Progress, Readable, Ready, Show, Sink, run_study,
 };
 use stickslip::study::Study;
-use stickslip::table::{Circumstances, MemoryRows, PointRow, RunRecord, StudyTables};
+use stickslip::table::{Circumstances, Manifest, MemoryRows, PointRow, RunRecord, StudyTables};
 
 use crate::error::Trouble;
 use crate::results::Results;
@@ -35,17 +36,21 @@ impl Run {
     /// Returns an error if the threads cannot be started.
     pub fn in_memory(self, study: &Arc<Study>, stop: &AtomicBool) -> Result<Results, Trouble> {
         let mut tables = StudyTables::in_memory(study);
+        let shard = self.options().shard;
+        let begun = Circumstances::begin(shard.to_string(), shard.most_runs(study));
         let mut summary = PointsTable::new(study, MOST_LINES);
         summary.is_saved = false;
         let progress = Progress::begin(self.planned(study), self.show.clone());
-        let mut sink = InMemory(&mut tables, &mut summary);
+        let mut failures = FailureCounts::default();
+        let mut sink = InMemory(&mut tables, &mut summary, &mut failures);
         let ended = run_study(study, self.options(), stop, &progress, None, &mut sink);
         progress.close();
         let totals = ended?;
         let tables = tables.finish()?;
+        let begun = Circumstances { complete: true, threads: self.threads, ..begun };
+        let manifest = Manifest::new(study, begun, totals.counts, &failures, BTreeMap::new());
         let study = (Arc::clone(study), self.file);
-        let runs_of = |label| totals.counts.of(label);
-        Ok(Results::in_memory(study, runs_of, tables, summary.markdown()))
+        Ok(Results::in_memory(study, manifest, tables, summary.markdown()))
     }
 
     /// Runs a study into a directory, like the command line.
@@ -104,13 +109,18 @@ impl Run {
     }
 }
 
-/// Collects runs and points in memory, and the points as people read them.
-struct InMemory<'a, 's>(&'a mut StudyTables<MemoryRows>, &'a mut PointsTable<'s>);
+/// Collects runs and points in memory, the points as people read them, and the kinds of failures.
+struct InMemory<'a, 's>(
+    &'a mut StudyTables<MemoryRows>,
+    &'a mut PointsTable<'s>,
+    &'a mut FailureCounts,
+);
 
 impl Sink for InMemory<'_, '_> {
     type Error = ArrowError;
 
     fn run(&mut self, record: RunRecord) -> Result<(), ArrowError> {
+        self.2.add(record.outcome.evidence);
         self.0.run(record)
     }
 

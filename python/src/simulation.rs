@@ -12,7 +12,7 @@ use stickslip::table::{
 
 use crate::error::{Trouble, refused, wrong_type};
 use crate::machine::{Machine, to_value};
-use crate::plotting::draw;
+use crate::plotting::draw_tables;
 use crate::table::Table;
 use crate::values::{is_text, items, number, plain};
 use crate::waiting::wait;
@@ -111,7 +111,7 @@ impl Simulation {
         slf: &Bound<'py, Self>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        draw(slf.as_any(), "motion", &["motion"], options)
+        draw_tables(slf.as_any(), "motion", &["motion"], options)
     }
 
     /// The tables from which figures are drawn, by name.

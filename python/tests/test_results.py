@@ -45,9 +45,9 @@ def test_units_of_the_study(tmp_path, program):
     assert summary in program("summary", tmp_path / "out", "--format", "markdown").stdout
     assert "| speed [rpm] |" in summary and "-1500" in summary and "[mm]" in summary
     assert min(in_files.points["speed_rad_s"]) == pytest.approx(-209.4395102)
-    figure = in_files.plot("ending_fractions")
+    figure = in_files.plot("fractions")
     assert figure.axes[0].get_xlabel() == "speed [rpm]"
-    assert figure.axes[0].containers[0][0].get_xydata()[:, 0].tolist() == [-2000.0, -1500.0]
+    assert figure.axes[0].lines[0].get_xdata() == pytest.approx([-2000.0, -1500.0])
     titles = [axes.get_title(loc="left") for axes in in_files.plot("basins").axes]
     assert any("−2000\u00a0rpm" in title for title in titles), titles
 
@@ -152,10 +152,11 @@ def test_a_report_is_that_of_the_program(program, small, small_results, tmp_path
 def test_figures_are_those_of_the_directory(small, small_results, tmp_path):
     """Whether tables are in memory or in files, the figure has the same bytes."""
     in_memory = small.run()
-    for name in ("time_to_rest", "amplitudes", "diagnostics", "preferred_equilibria"):
+    assert figures.names(in_memory) == figures.names(small_results)
+    for name in ("time-to-rest", "exceedance", "diagnostics", "preferred-equilibria"):
         saved = []
         for number, figure in enumerate(
-            [getattr(figures, name)(small_results), in_memory.plot(name), stickslip.open(small_results).plot(name)]
+            [figures.draw(small_results, name), in_memory.plot(name), stickslip.open(small_results).plot(name)]
         ):
             assert isinstance(figure, matplotlib.figure.Figure)
             figure.savefig(tmp_path / f"{number}.svg")
@@ -166,8 +167,10 @@ def test_figures_are_those_of_the_directory(small, small_results, tmp_path):
 def test_options_and_errors_of_figures(small):
     results = small.run()
     assert results.plot(width="single", points=[0]).get_figwidth() == pytest.approx(90 / 25.4)
-    with pytest.raises(stickslip.StudyError, match="allowed: amplitudes, basins"):
+    with pytest.raises(figures.FiguresError, match="no figure 'identification' of these results; they have .*time-to-rest"):
         results.plot("identification")
+    with pytest.raises(stickslip.StudyError, match="points: these results have no such point\n  found:   9\n"):
+        results.plot(points=[9])
     with pytest.raises(figures.FiguresError, match="results in memory"):
         stickslip.equilibrium_set(grid=16, positions=False).plot()
 
@@ -185,8 +188,8 @@ def test_stages_of_opened_results(tmp_path):
     assert_same(results.stages, tmp_path / "out/stages.parquet")
 
 
-def test_tables_that_results_in_memory_lack(small):
-    results = small.run()
+def test_tables_that_results_in_memory_lack():
+    results = stickslip.equilibrium_set(grid=16, positions=False)
     for draw, table, call in [
         (figures.motion, "trajectory", r"`stickslip.simulate\(\)` or `results.replay\(\)`"),
         (figures.equilibrium_set, "equilibrium_positions", r"`stickslip.equilibrium_set\(positions=True\)`"),

@@ -41,7 +41,7 @@ study.evaluate({"speed_rad_s": np.array([-216.0]), "material": ["steel"]})
 results = study.run(threads=2)
 results.replay(results.runs["run_id"][0], times_s=np.linspace(0, 1, 5)).plot()
 results.replay(np.uint64(3))
-stickslip.figures.time_to_rest(results, width="single", points=[0])
+stickslip.figures.draw(results, "time-to-rest", width="single", points=[0])
 stickslip.Study(design)  # type: ignore[arg-type]
 results.plot(figure=3)  # type: ignore[arg-type]
 """

@@ -1,7 +1,7 @@
 //! The contents of a figure before it is drawn: panels with axes, and marks at coordinates.
 //!
-//! Rust code builds figures from tables, and the page's script draws them from their JSON, in which long columns are
-//! packed. Tests check marks and coordinates, not pixels.
+//! Rust code builds figures from tables. The page's script draws them from their JSON, in which long columns are packed, and
+//! the Python package draws the same JSON with matplotlib for print. Tests check marks and coordinates, not pixels.
 
 use serde::{Serialize, Serializer};
 
@@ -22,6 +22,16 @@ pub struct Figure {
     pub alternative: String,
     /// Panels in reading order.
     pub panels: Vec<Panel>,
+}
+
+/// A figure with its caption, which the page shows apart from the figure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PrintedFigure {
+    /// How to read the figure, and what it omits.
+    pub caption: String,
+    /// The figure.
+    #[serde(flatten)]
+    pub figure: Figure,
 }
 
 /// A pair of axes and the layers between them.

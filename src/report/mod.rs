@@ -30,4 +30,4 @@ pub use page::{OWN, optimum_page, page};
 pub use printed_columns::{Estimates, estimate_columns, printed_columns, response_columns};
 pub use replay::{MOST_INSTANTS, Replay, SWITCHES};
 pub use words::NamedPoints;
-pub use write::write_report;
+pub use write::{printed_figures, printed_figures_of, write_report};

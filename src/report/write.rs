@@ -1,9 +1,10 @@
-//! The page of a directory of results, written as one file.
+//! The page of a directory of results or of a search, written as one file, and its figures for print.
 
 use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
+use super::chart::{Figure, PrintedFigure};
 use super::data::{Budget, ReportData, ResultTables};
 use super::figures::of_results;
 use super::optimum::{OptimumData, of_search};
@@ -11,7 +12,8 @@ use super::overwrite::{beside, outside, replace, replaceable, sealed};
 use super::page::{OWN, optimum_page, page};
 use crate::command_error::CommandError;
 use crate::engine::{Readable, readable_results};
-use crate::table::MANIFEST;
+use crate::study::Study;
+use crate::table::{MANIFEST, Manifest};
 
 /// The largest page, in bytes, small enough to mail; pages of larger results show less detail.
 const MOST_BYTES: usize = 4_900_000;
@@ -32,7 +34,10 @@ pub fn write_report(directory: &Path, out: Option<&Path>) -> Result<PathBuf, Com
     replaceable(&file, is_page)?;
     let page = match results {
         Some(results) => page_of_results(directory, &results)?,
-        None => page_of_search(directory)?,
+        None => {
+            let data = read_search(directory)?;
+            optimum_page(directory, &data, &of_search(&data))
+        }
     };
     replace(&file, sealed(&page).as_bytes())?;
     Ok(file)
@@ -44,7 +49,7 @@ fn page_of_results(directory: &Path, results: &Readable) -> Result<String, Comma
     let tables = ResultTables::open(tables, manifest)?;
     let mut budget = Budget::SCREEN;
     loop {
-        let data = ReportData::read(&tables, study, manifest, budget)?;
+        let data = ReportData::read(&tables, study, manifest, budget, None)?;
         let page = page(directory, &data, &of_results(&data));
         if page.len() <= MOST_BYTES || budget == budget.halved() {
             return Ok(page);
@@ -69,19 +74,59 @@ fn is_search(directory: &Path) -> bool {
     is_there("evaluations.parquet") && !is_there(MANIFEST)
 }
 
-/// Returns the page of a search.
-fn page_of_search(directory: &Path) -> Result<String, CommandError> {
+/// Reads the tables of a search, running or finished.
+fn read_search(directory: &Path) -> Result<OptimumData, CommandError> {
     let mut attempt = 1;
-    let data = loop {
+    loop {
         match OptimumData::read(directory) {
             // The search may have replaced a table during the reading.
             Err(_) if attempt < ATTEMPTS => thread::sleep(BETWEEN),
-            Err(error) => return Err(error),
-            Ok(data) => break data,
+            read => return read,
         }
         attempt += 1;
-    };
-    Ok(optimum_page(directory, &data, &of_search(&data)))
+    }
+}
+
+/// Returns the figures of a directory of results or of a search for print, in reading order; of results, those of all points
+/// or of the chosen ones.
+///
+/// # Errors
+/// Returns an error if the directory holds no readable results, or if they do not have a chosen point.
+pub fn printed_figures(
+    directory: &Path,
+    chosen: Option<&[u64]>,
+) -> Result<Vec<PrintedFigure>, CommandError> {
+    if is_search(directory) {
+        return Ok(printed(of_search(&read_search(directory)?)));
+    }
+    let Readable { study, manifest, tables, .. } = &readable_results(directory)?;
+    printed_figures_of(&ResultTables::open(tables, manifest)?, (study, manifest), chosen)
+}
+
+/// Returns the figures of the tables of results for print, like [`printed_figures`].
+///
+/// # Errors
+/// Returns an error if a table cannot be read, or if the results do not have a chosen point.
+pub fn printed_figures_of(
+    tables: &ResultTables,
+    (study, manifest): (&Study, &Manifest),
+    chosen: Option<&[u64]>,
+) -> Result<Vec<PrintedFigure>, CommandError> {
+    let data = ReportData::read(tables, study, manifest, Budget::PRINT, chosen)?;
+    let has = |point: &u64| data.points.iter().any(|known| known.point_id == *point);
+    if let Some(missing) = chosen.and_then(|chosen| chosen.iter().find(|point| !has(point))) {
+        let last = study.point_count().saturating_sub(1);
+        return Err(CommandError::Usage(format!(
+            "points: these results have no such point\n  found:   {missing}\n  allowed: numbers of points from 0 to {last} \
+             with finished runs"
+        )));
+    }
+    Ok(printed(of_results(&data)))
+}
+
+fn printed(figures: Vec<Figure>) -> Vec<PrintedFigure> {
+    let with_caption = |figure: Figure| PrintedFigure { caption: figure.caption.clone(), figure };
+    figures.into_iter().map(with_caption).collect()
 }
 
 fn is_page(content: &[u8]) -> bool {

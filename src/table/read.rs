@@ -8,11 +8,14 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::slice::Iter;
 
+use arrow_array::RecordBatch;
+use arrow_schema::Schema;
 use serde_json::Value;
 
 use super::file_entry::short_hash;
 use super::file_list::{FILES, FileList};
 use super::manifest::{MANIFEST, Manifest};
+use super::memory_table::MemoryTable;
 use super::provenance::FORMAT;
 use super::row::Batch;
 use super::table_error::TableError;
@@ -20,13 +23,15 @@ use crate::sanitize::shorten;
 use crate::study::list_names;
 use crate::tabular::{self, Fault, Kind, ParquetFile, Values};
 
-/// A table of a results directory: one file, or a directory of part files.
+/// A table of a results directory, which is one file or a directory of part files, or a table in memory.
 #[derive(Clone, Debug)]
 pub struct Table {
     name: String,
     study_hash: String,
     /// The files and their numbers of rows.
     pub(super) parts: Vec<(PathBuf, u64)>,
+    /// The rows in memory, which follow those of the files.
+    held: Vec<RecordBatch>,
     /// The names and kinds of the columns in order. The kind is `None` for a type that tables of results do not have.
     pub columns: Vec<(String, Option<Kind>)>,
 }
@@ -44,6 +49,7 @@ impl Table {
             name: name.to_owned(),
             study_hash: manifest.study_hash.clone(),
             parts,
+            held: Vec::new(),
             columns: Vec::new(),
         };
         let Some((path, rows)) = table.parts.first() else {
@@ -59,8 +65,26 @@ impl Table {
             );
             return Err(TableError::new(directory, None, fault));
         };
-        table.columns = columns(&table.open_part(path, *rows)?);
+        table.columns = columns(table.open_part(path, *rows)?.schema());
         Ok(table)
+    }
+
+    /// Returns a table in memory as a table to read.
+    ///
+    /// # Errors
+    /// Returns an error if there is no table.
+    pub fn of_memory(name: &str, table: Option<MemoryTable>) -> Result<Self, TableError> {
+        let Some(MemoryTable { schema, batches }) = table else {
+            let fault = Fault::new("there is no such table", "no table", "the tables of a study");
+            return Err(TableError::new(Path::new(name), None, fault));
+        };
+        Ok(Table {
+            name: name.to_owned(),
+            study_hash: String::new(),
+            parts: Vec::new(),
+            held: batches,
+            columns: columns(&schema),
+        })
     }
 
     /// Opens a table of a directory without a manifest, such as `stickslip equilibria`, `optimize` and `replay` write.
@@ -90,14 +114,16 @@ impl Table {
             return Err(refuse("this table was not written by this program", found, allowed));
         };
         let study_hash = about["study_hash"].as_str().unwrap_or_default().to_owned();
-        let mut table = Table { name: name.to_owned(), study_hash, parts, columns: Vec::new() };
-        table.columns = columns(&table.open_part(&first, rows)?);
+        let (name, held) = (name.to_owned(), Vec::new());
+        let mut table = Table { name, study_hash, parts, held, columns: Vec::new() };
+        table.columns = columns(table.open_part(&first, rows)?.schema());
         Ok((table, about))
     }
 
     /// Returns the number of rows.
     pub fn rows(&self) -> u64 {
-        self.parts.iter().map(|(_, rows)| *rows).fold(0, u64::saturating_add)
+        let held = self.held.iter().map(|batch| batch.num_rows() as u64);
+        self.parts.iter().map(|(_, rows)| *rows).chain(held).fold(0, u64::saturating_add)
     }
 
     /// Returns the kind of a column; `None` if there is no such column.
@@ -114,7 +140,8 @@ impl Table {
             wanted.iter().map(|(name, kind)| ((*name).to_owned(), *kind)).collect();
         let path = self.parts.first().map_or(Path::new(""), |(path, _)| path);
         find(path, &self.columns, &wanted)?;
-        Ok(Batches { table: self, wanted, parts: self.parts.iter(), part: None, next_row: 0 })
+        let (parts, held) = (self.parts.iter(), self.held.iter());
+        Ok(Batches { table: self, wanted, parts, part: None, held, next_row: 0 })
     }
 
     /// Opens a file of the table and checks its number of rows and its metadata.
@@ -157,9 +184,9 @@ impl Table {
     }
 }
 
-/// Returns the names and kinds of the columns of a file.
-fn columns(file: &ParquetFile) -> Vec<(String, Option<Kind>)> {
-    let fields = file.schema().fields().iter();
+/// Returns the names and kinds of the columns.
+fn columns(schema: &Schema) -> Vec<(String, Option<Kind>)> {
+    let fields = schema.fields().iter();
     fields.map(|field| (field.name().clone(), Kind::of(field.data_type()))).collect()
 }
 
@@ -212,6 +239,7 @@ pub struct Batches<'a> {
     wanted: Vec<(String, Kind)>,
     parts: Iter<'a, (PathBuf, u64)>,
     part: Option<(&'a Path, tabular::Batches)>,
+    held: Iter<'a, RecordBatch>,
     next_row: u64,
 }
 
@@ -221,25 +249,32 @@ impl Batches<'_> {
             if let Some((path, batches)) = &mut self.part {
                 let refuse = |fault| TableError::new(path, None, fault);
                 if let Some(batch) = batches.next().transpose().map_err(refuse)? {
-                    let (first_row, rows) = (self.next_row, batch.num_rows());
-                    self.next_row += rows as u64;
-                    let columns = self.wanted.iter().map(|(name, kind)| {
-                        let values = batch.column_by_name(name).and_then(Values::of);
-                        // `find` has compared the kinds of the columns.
-                        let damaged = || refuse(Fault::damaged(kind.name()));
-                        Ok((name.clone(), values.ok_or_else(damaged)?))
-                    });
-                    let columns = columns.collect::<Result<_, TableError>>()?;
-                    return Ok(Some(Batch { first_row, rows, columns }));
+                    return self.wanted_of(&batch).map(Some).map_err(refuse);
                 }
                 self.part = None;
             }
-            let Some((path, rows)) = self.parts.next() else { return Ok(None) };
+            let Some((path, rows)) = self.parts.next() else {
+                let held = self.held.next().map(|batch| self.wanted_of(batch)).transpose();
+                return held.map_err(|fault| TableError::new(Path::new(""), None, fault));
+            };
             let part = self.table.open_part(path, *rows)?;
-            let places = find(path, &columns(&part), &self.wanted)?;
+            let places = find(path, &columns(part.schema()), &self.wanted)?;
             let batches = part.batches(&places, part.schema());
             self.part = Some((path, batches.map_err(|fault| TableError::new(path, None, fault))?));
         }
+    }
+
+    /// Returns the wanted columns of the next rows.
+    fn wanted_of(&mut self, batch: &RecordBatch) -> Result<Batch, Fault> {
+        let (first_row, rows) = (self.next_row, batch.num_rows());
+        self.next_row += rows as u64;
+        let columns = self.wanted.iter().map(|(name, kind)| {
+            let values = batch.column_by_name(name).and_then(Values::of);
+            // `find` has compared the kinds of the columns.
+            Ok((name.clone(), values.ok_or_else(|| Fault::damaged(kind.name()))?))
+        });
+        let columns = columns.collect::<Result<_, Fault>>()?;
+        Ok(Batch { first_row, rows, columns })
     }
 }
 
@@ -251,7 +286,7 @@ impl Iterator for Batches<'_> {
         if batch.is_err() {
             // The iteration ends after an error.
             self.part = None;
-            self.parts = [].iter();
+            (self.parts, self.held) = ([].iter(), [].iter());
         }
         batch.transpose()
     }

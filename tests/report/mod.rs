@@ -37,6 +37,6 @@ fn reported<T>(
     let manifest = Manifest::read(&directory).unwrap().unwrap();
     let study = Study::load(&directory.join("study.yaml")).unwrap();
     let tables = ResultTables::open(&directory, &manifest).unwrap();
-    let made = of(&ReportData::read(&tables, &study, &manifest, budget).unwrap());
+    let made = of(&ReportData::read(&tables, &study, &manifest, budget, None).unwrap());
     (study, made)
 }

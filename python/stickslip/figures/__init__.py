@@ -1,12 +1,14 @@
-"""Draws figures for papers from the Parquet tables of stickslip with matplotlib.
+"""Draws figures for papers with matplotlib.
 
 >>> from stickslip import figures
->>> figure = figures.time_to_rest("results/night", width="single")
+>>> figure = figures.draw("results/night", "time-to-rest", width="single")
 >>> figure.savefig("time-to-rest.pdf")
 
-Each function reads a directory of results and returns a matplotlib figure, 90 mm or 180 mm wide, with 8-point type.
-Its axes and artists can be changed as in any matplotlib figure. `stickslip-figures DIR` draws all figures. The module
-requires matplotlib, numpy and pyarrow (`pip install "stickslip[figures]"`), but no compiled part of this package.
+``draw`` draws the figures of the page that `stickslip report` writes, for the results of a study and of a search;
+``names`` lists them. The other functions draw the tables of `stickslip equilibria`, `replay` and `identify`. Each returns a
+matplotlib figure, 90 mm or 180 mm wide, with 8-point type, whose axes and artists can be changed as in any matplotlib
+figure. `stickslip-figures DIR` draws all figures. The module requires matplotlib, numpy and pyarrow
+(`pip install "stickslip[figures]"`).
 """
 
 from importlib.util import find_spec as _find_spec
@@ -17,15 +19,10 @@ for _name in ("matplotlib", "numpy", "pyarrow"):
             f'stickslip.figures needs {_name}: pip install "stickslip[figures]"', name=_name
         )
 
-from .attraction import basins
 from .branches import frictionless_branches
-from .curves import amplitudes, time_to_rest
-from .cycles import limit_cycle_branches
-from .endings import diagnostics, ending_fractions
+from .drawn import draw, names
 from .identification import identification
-from .maps import label_map
 from .trajectory import motion
-from .preferred import preferred_equilibria
 from .sets import equilibrium_set
 from .paper import Paper, style
 from .surface import equilibrium_surface
@@ -34,18 +31,12 @@ from .tables import FiguresError
 __all__ = [
     "FiguresError",
     "Paper",
-    "amplitudes",
-    "basins",
-    "diagnostics",
-    "ending_fractions",
+    "draw",
     "equilibrium_set",
     "equilibrium_surface",
     "frictionless_branches",
     "identification",
-    "label_map",
-    "limit_cycle_branches",
     "motion",
-    "preferred_equilibria",
+    "names",
     "style",
-    "time_to_rest",
 ]

@@ -4,25 +4,14 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from functools import partial
+from inspect import signature
 from pathlib import Path
 from typing import Any, Callable, Optional
 
-from . import (
-    amplitudes,
-    basins,
-    diagnostics,
-    ending_fractions,
-    equilibrium_set,
-    equilibrium_surface,
-    frictionless_branches,
-    identification,
-    label_map,
-    limit_cycle_branches,
-    motion,
-    preferred_equilibria,
-    time_to_rest,
-)
+from . import equilibrium_set, equilibrium_surface, frictionless_branches, identification, motion
+from .drawn import draw_figure, read_figures
 from .paper import FORMATS, WIDTHS_MM, Paper
 from .tables import Directory, FiguresError
 
@@ -30,16 +19,8 @@ __all__ = ["FIGURES", "main"]
 
 Drawing = Callable[..., Paper]
 
-#: The figures by name, each with the table that it requires.
+#: The figures of tables by name, each with the table that it requires. All other directories have the figures of the report.
 FIGURES: dict[str, tuple[Drawing, str]] = {
-    "preferred-equilibria": (preferred_equilibria, "points"),
-    "ending-fractions": (ending_fractions, "points"),
-    "label-map": (label_map, "points"),
-    "time-to-rest": (time_to_rest, "points"),
-    "amplitudes": (amplitudes, "points"),
-    "basins": (basins, "points"),
-    "limit-cycle-branches": (limit_cycle_branches, "points"),
-    "diagnostics": (diagnostics, "points"),
     "equilibrium-set": (equilibrium_set, "equilibrium_positions"),
     "equilibrium-surface": (equilibrium_surface, "equilibrium_positions"),
     "frictionless-branches": (frictionless_branches, "frictionless_equilibria"),
@@ -47,17 +28,17 @@ FIGURES: dict[str, tuple[Drawing, str]] = {
     "identification": (identification, "posterior"),
 }
 
-_DESCRIPTION = "Draws figures for papers from the tables of a results directory, and prints their paths."
+_DESCRIPTION = "Draws figures for papers from a directory of results, and prints their paths."
 _EPILOG = """\
 Examples:
   stickslip-figures results/night                      writes results/night-figures/*.svg
-  stickslip-figures results/night --format pdf --only time-to-rest amplitudes
-  stickslip-figures results/night --equilibria results/night-equilibria
-  stickslip-figures results/night --width double --out paper/figures
+  stickslip-figures results/night --format pdf --only time-to-rest exceedance
+  stickslip-figures results/night --points 0 3 --width double --out paper/figures
 
-DIR is a directory written by `stickslip run`, `stickslip equilibria`, `stickslip replay` or `stickslip identify`.
-Figures that its tables cannot show are omitted; with --only, an error states the reason. Identical tables and
-versions of matplotlib give identical bytes. Exit codes: 0 success; 1 a table cannot be read; 2 wrong usage.
+DIR is a directory written by `stickslip run`, `optimize`, `equilibria`, `replay` or `identify`. Of results and of a
+search, the figures are those of `stickslip report DIR`. Figures that the results cannot show are omitted; with --only, an
+error states the reason. Identical results and versions of matplotlib give identical bytes. Exit codes: 0 success; 1 the
+results cannot be read; 2 wrong usage.
 """
 
 
@@ -67,6 +48,13 @@ def _dpi(text: str) -> int:
     if not 50 <= dpi <= 2400:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number from 50 to 2400")
     return dpi
+
+
+def _number(text: str) -> int:
+    """Parses the number of a point."""
+    if not text.isascii() or not text.isdigit():
+        raise argparse.ArgumentTypeError(f"{text!r} is not the number of a point, such as 0")
+    return int(text)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -80,7 +68,10 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--out", metavar="DIR", help="directory for the figures [default: DIR-figures]")
     parser.add_argument("--format", choices=FORMATS, default="svg", help="[default: svg]")
     parser.add_argument(
-        "--only", nargs="+", choices=list(FIGURES), metavar="NAME", help=f"figures to draw: {', '.join(FIGURES)}"
+        "--only", nargs="+", metavar="NAME", help="figures to draw, by the names of their files without a number"
+    )
+    parser.add_argument(
+        "--points", nargs="+", type=_number, metavar="N", help="points of the sweep to show [default: at most 24]"
     )
     parser.add_argument(
         "--width",
@@ -93,46 +84,45 @@ def _parser() -> argparse.ArgumentParser:
         default=300,
         help="dots per inch of PNG, and of dense dots in SVG and PDF [default: 300]",
     )
-    parser.add_argument(
-        "--equilibria",
-        metavar="DIR",
-        help="directory of `stickslip equilibria` for the same study, the background of preferred-equilibria",
-    )
     return parser
 
 
-def _sheets(draw: Drawing, name: str, directory: Path, options: dict[str, Any]) -> list[tuple[str, Paper]]:
+def _sheets(name: str, draw: Drawing) -> list[tuple[str, Paper]]:
     """Draws all sheets of a figure and returns them with their file names."""
-    first = draw(directory, **options)
+    first = draw()
     if first.sheets == 1:
         return [(name, first)]
-    others = [draw(directory, **options, sheet=sheet) for sheet in range(2, first.sheets + 1)]
+    others = [draw(sheet=sheet) for sheet in range(2, first.sheets + 1)]
     return [(f"{name}-{number}", paper) for number, paper in enumerate([first, *others], 1)]
 
 
+def _wanted(arguments: argparse.Namespace, there: Sequence[str], known: Iterable[str]) -> list[str]:
+    """Returns the names of the figures to draw: those that are there, or the requested ones, which must be known."""
+    for name in arguments.only or []:
+        if name not in known:
+            raise FiguresError(
+                arguments.directory, "", f"there is no figure {name!r} of these results", f"they have {', '.join(there)}"
+            )
+    return list(arguments.only or there)
+
+
 def _drawn(arguments: argparse.Namespace) -> list[tuple[str, Paper]]:
-    """Draws the requested figures, or all that the tables can show."""
+    """Draws the requested figures, or all that the results can show."""
     directory = Directory(arguments.directory)
-    tables = {table for _, table in FIGURES.values()}
-    if not any(directory.has(table) for table in tables):
-        raise FiguresError(
-            directory.path,
-            "",
-            "there is nothing to draw here: no points.parquet, equilibrium_positions.parquet, "
-            "frictionless_equilibria.parquet, trajectory.parquet or posterior.parquet",
-            "give a directory written by `stickslip run`, `equilibria`, `replay` or `identify`",
-        )
+    own = [name for name, (_, table) in FIGURES.items() if directory.has(table)]
     drawn: list[tuple[str, Paper]] = []
+    if not own:
+        figures = {one["id"]: one for one in read_figures(directory.path, arguments.points)}
+        for name in _wanted(arguments, list(figures), figures):
+            drawn += _sheets(name, partial(draw_figure, figures[name], width=arguments.width))
+        return drawn
     why_not: list[FiguresError] = []
-    for name in arguments.only or FIGURES:
-        draw, table = FIGURES[name]
-        if not arguments.only and not directory.has(table):
-            continue
-        options: dict[str, Any] = {"width": arguments.width}
-        if arguments.equilibria is not None and name == "preferred-equilibria":
-            options["equilibria"] = arguments.equilibria
+    for name in _wanted(arguments, own, FIGURES):
+        draw, _ = FIGURES[name]
+        has_points = arguments.points is not None and "points" in signature(draw).parameters
+        options: dict[str, Any] = {"points": arguments.points} if has_points else {}
         try:
-            drawn += _sheets(draw, name, directory.path, options)
+            drawn += _sheets(name, partial(draw, directory.path, width=arguments.width, **options))
         except FiguresError as error:
             if arguments.only or not error.cannot_show:
                 raise
@@ -153,14 +143,15 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     )
     try:
         drawn = _drawn(parsed)
+    except (OSError, ValueError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    try:
         out.mkdir(parents=True, exist_ok=True)
         for name, paper in drawn:
             file = out / f"{name}.{parsed.format}"
             paper.savefig(file, dpi=parsed.dpi)
             print(file)
-    except FiguresError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 1
     except OSError as error:
         print(
             f"error: {out}: {error.strerror or error}; choose another directory with --out", file=sys.stderr

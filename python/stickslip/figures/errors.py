@@ -11,13 +11,6 @@ __all__ = ["CALLS", "COMMANDS", "FiguresError", "NothingToShowError"]
 
 #: The command that writes each table.
 COMMANDS: Mapping[str, str] = {
-    "points": "stickslip run STUDY --out DIR",
-    "runs": "stickslip run STUDY --out DIR",
-    "time_to_rest": "stickslip run STUDY --out DIR",
-    "cycles": "stickslip run STUDY --out DIR",
-    "equilibria": "stickslip run STUDY --out DIR",
-    "stages": "stickslip run STUDY --out DIR",
-    "equilibrium_histogram": "stickslip run STUDY --out DIR",
     "equilibrium_positions": "stickslip equilibria STUDY --out DIR (without --no-set)",
     "equilibrium_set_summary": "stickslip equilibria STUDY --out DIR",
     "frictionless_equilibria": "stickslip equilibria STUDY --out DIR",
@@ -31,10 +24,6 @@ COMMANDS: Mapping[str, str] = {
 
 #: The call in Python whose results have each table.
 CALLS: Mapping[str, str] = {
-    **dict.fromkeys(
-        ("points", "runs", "time_to_rest", "cycles", "equilibria", "equilibrium_histogram"), "`study.run()`"
-    ),
-    "stages": "`study.run()` of a study with a speed profile or kicks",
     "equilibrium_positions": "`stickslip.equilibrium_set(positions=True)`",
     "equilibrium_set_summary": "`stickslip.equilibrium_set()`",
     "frictionless_equilibria": "`stickslip.equilibrium_set()`",

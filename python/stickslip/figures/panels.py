@@ -17,11 +17,13 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLo
 from . import words
 from .paper import WIDTHS_MM, Paper, Width, style
 
-__all__ = ["MOST_PANELS", "Panel", "angle_axis", "lay_out"]
+__all__ = ["MOST_PANELS", "Panel", "angle_axis", "lay_out", "named_axis", "own_legend", "own_rows"]
 
 #: Largest number of panels on one sheet.
 MOST_PANELS = 12
 _INCH_MM = 25.4
+#: The longest names of which two stand side by side in the legend of one panel, in characters.
+_SHORT_NAME = 20
 _QUARTERS = ("0", "π/2", "π", "3π/2", "2π")
 
 
@@ -35,7 +37,7 @@ class Panel:
     aspect: float = 0.75
     #: Space between the axes and the title, points.
     above: float = 0.0
-    #: The label of the colour bar, if `draw` returns a mappable.
+    #: The label of the colour bar, which is drawn if `draw` returns a mappable.
     scale: str = ""
     #: Additional legend entries without data in this panel.
     keys: Sequence[Any] = field(default_factory=tuple)
@@ -72,6 +74,33 @@ def named_axis(axes: Axes, names: Sequence[str], label: str) -> None:
         rotation_mode="anchor" if turned else "default",
     )
     axes.set_xlabel(label)
+
+
+def own_rows(keys: Sequence[Any]) -> int:
+    """Returns the number of rows of the legend of one panel."""
+    return -(-len(keys) // _own_columns(keys))
+
+
+def _own_columns(keys: Sequence[Any]) -> int:
+    return 2 if max(len(key.get_label()) for key in keys) <= _SHORT_NAME else 1
+
+
+def own_legend(axes: Axes, keys: Sequence[Any]) -> None:
+    """Adds a legend above these axes, for panels whose equal marks have different names."""
+    legend = axes.legend(
+        handles=list(keys),
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        borderaxespad=0.3,
+        borderpad=0.0,
+        ncols=_own_columns(keys),
+        handlelength=1.8,
+        columnspacing=0.8,
+        labelspacing=0.2,
+        alignment="left",
+    )
+    # The legend must not move the title above it.
+    legend.set_in_layout(False)
 
 
 def _power(exponent: str) -> str:
@@ -160,7 +189,7 @@ def lay_out(
             if not panel.in_space:
                 axes.set_box_aspect(panel.aspect)
             mappable = panel.draw(axes)
-            if mappable is not None and panel.scale:
+            if mappable is not None:
                 beside: Any = {"shrink": 0.75, "pad": 0.16} if panel.in_space else {"pad": 0.03}
                 bar = paper.colorbar(mappable, ax=axes, aspect=18, **beside)
                 bar.set_label(panel.scale)

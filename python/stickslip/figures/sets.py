@@ -131,7 +131,7 @@ class EquilibriumSets:
         of = (read["point_id"] == self.sweep.ids[row]) & np.isfinite(read["beta_1_rad"].astype(float))
         return {name: values[of] for name, values in read.items()}
 
-    def draw(self, axes: Axes, row: int, rasterized: bool = False) -> ScalarMappable:
+    def draw(self, axes: Axes, row: int) -> ScalarMappable:
         """Draws the amplitude in the set of a point, its edge, and the equilibria without friction."""
         grid = self.grid(row)
         levels = grid.levels()
@@ -150,9 +150,6 @@ class EquilibriumSets:
             angle, margin = grid.closed(grid.margin)
             axes.contourf(angle, angle, margin.T, levels=[-1e9, 0.0], colors="white", zorder=0.2)
             axes.contour(angle, angle, margin.T, levels=[0.0], colors=INK, linewidths=0.9, zorder=0.3)
-        if rasterized:
-            # Rasterizes everything below the edge of the set.
-            axes.set_rasterization_zorder(0.25)
         found = self.frictionless(row)
         if found is not None:
             for name, mark, size, fill in _STABILITIES:

@@ -8,20 +8,11 @@ from typing import Union
 
 __all__ = [
     "axis",
-    "coordinate",
-    "label",
     "listed",
     "number",
     "parameter",
-    "significant",
-    "subscript",
     "superscript",
 ]
-
-
-def subscript(value: int) -> str:
-    """Formats a number as a subscript."""
-    return str(value).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
 
 
 def superscript(value: int) -> str:
@@ -32,11 +23,6 @@ def superscript(value: int) -> str:
 def number(value: Union[float, str]) -> str:
     """Formats a value with a true minus sign."""
     return value if isinstance(value, str) else f"{value:.10g}".replace("-", "−")
-
-
-def significant(value: float) -> str:
-    """Formats a number with four significant digits."""
-    return f"{value:.4g}".replace("-", "−")
 
 
 def axis(name: str, unit: str) -> str:
@@ -50,19 +36,6 @@ def parameter(column: str, unit: str) -> str:
     if suffix and column.endswith(f"_{suffix}"):
         column = column[: -len(suffix) - 1]
     return column.replace("_", " ")
-
-
-def label(name: str) -> str:
-    """Returns a label for a legend."""
-    return name.replace("_", " ")
-
-
-def coordinate(column: str) -> str:
-    """Returns the symbol of a start coordinate: `β̇₁` for `initial_beta_dot_1`."""
-    parts = column.removeprefix("initial_").split("_")
-    letter = "β" if parts[0] == "beta" else parts[0]
-    ball = "".join(subscript(int(part)) for part in parts if part.isdigit())
-    return letter + ("\u0307" if "dot" in parts else "") + ball
 
 
 def listed(parts: Sequence[str]) -> str:

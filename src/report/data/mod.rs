@@ -28,7 +28,7 @@ pub use time_to_rest::RestCurve;
 use super::chart::{Axis, axis_of_names};
 use crate::classification::Label;
 use crate::study::{Study, Unit, VariedParameter};
-use crate::table::{Manifest, Table, TableError};
+use crate::table::{Manifest, MemoryTable, Table, TableError};
 
 /// The longest name of a curve in a legend, in characters.
 const LONGEST_NAME: usize = 56;
@@ -63,6 +63,8 @@ impl Budget {
         points: 10_000,
         details: 200,
     };
+    /// What a printed figure shows legibly: at most 24 points in detail.
+    pub const PRINT: Budget = Budget { details: 24, ..Budget::SCREEN };
     /// The number of runs up to which a smaller budget keeps all points in detail.
     const FEW_RUNS: u64 = 5000;
 
@@ -98,10 +100,21 @@ impl ResultTables {
     /// # Errors
     /// Returns an error if a table is missing or has been changed.
     pub fn open(directory: &Path, manifest: &Manifest) -> Result<Self, TableError> {
-        let open = |name: &str| Table::open(directory, manifest, name);
+        Self::new(|name| Table::open(directory, manifest, name))
+    }
+
+    fn new(open: impl Fn(&str) -> Result<Table, TableError>) -> Result<Self, TableError> {
         let (points, runs) = (open("points")?, open("runs")?);
         let (rest, cycles) = (open("time_to_rest")?, open("cycles")?);
         Ok(ResultTables { points, runs, rest, cycles, run_up: OnceLock::new() })
+    }
+
+    /// Refers to tables in memory, which `named` finds by their names in a directory. Only their references are copied.
+    ///
+    /// # Errors
+    /// Returns an error if there is no such table.
+    pub fn in_memory(named: impl Fn(&str) -> Option<MemoryTable>) -> Result<Self, TableError> {
+        Self::new(|name| Table::of_memory(name, named(name)))
     }
 
     /// Returns what happened in the runs of a study with stages; computes a few of them again on the first call.
@@ -155,7 +168,7 @@ impl<'a> ReportData<'a> {
         }
     }
 
-    /// Reads the tables of a results directory.
+    /// Reads the tables of a results directory, for all points or only for the chosen ones.
     ///
     /// # Errors
     /// Returns an error if a table lacks a column or cannot be read.
@@ -164,9 +177,11 @@ impl<'a> ReportData<'a> {
         study: &'a Study,
         manifest: &'a Manifest,
         budget: Budget,
+        chosen: Option<&[u64]>,
     ) -> Result<Self, TableError> {
         let point_count = tables.points.rows();
-        let points = points::read(study, &tables.points)?;
+        let mut points = points::read(study, &tables.points)?;
+        points.retain(|one| chosen.is_none_or(|chosen| chosen.contains(&one.point_id)));
         let incomplete = IncompletePoints::read(study, manifest, &tables.points)?;
         let detailed = evenly(points.len(), budget.details);
         let of: Vec<&PointFacts> = detailed.iter().filter_map(|&place| points.get(place)).collect();

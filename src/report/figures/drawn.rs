@@ -36,7 +36,7 @@ fn omitted(data: &ReportData<'_>, shown: &[usize]) -> String {
         0 => String::new(),
         more => format!(
             " Of {} parameters, the {} with the strongest correlation with the amplitude are shown; the \
-             table below lists the other {more}.",
+             report's table lists the other {more}.",
             shown.len() + more,
             shown.len(),
         ),
