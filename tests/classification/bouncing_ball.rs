@@ -55,14 +55,8 @@ static BOUNCING: UnitKind = UnitKind {
     phases: 1,
     contacts: 0,
     system: |model| {
-        Arc::new(OwnSystem {
-            record: bouncing,
-            parameters: vec![model.number("shaking"), RESTITUTION],
-            friction: Vec::new(),
-            longest_step: 0.5,
-            unique: true,
-            outputs: &[],
-        })
+        let parameters = vec![model.number("shaking"), RESTITUTION];
+        Arc::new(OwnSystem::new(bouncing, parameters, vec![]))
     },
 };
 

@@ -65,14 +65,9 @@ static SHAKEN: UnitKind = UnitKind {
             1 => |recorder| shaken(recorder, true),
             _ => |recorder| shaken(recorder, false),
         };
-        Arc::new(OwnSystem {
-            record,
-            parameters: parameters.into_iter().chain([friction]).collect(),
-            friction: vec![Friction::coulomb(friction)],
-            longest_step: 0.5,
-            unique: true,
-            outputs: &[1],
-        })
+        let parameters = parameters.into_iter().chain([friction]).collect();
+        let system = OwnSystem::new(record, parameters, vec![Friction::coulomb(friction)]);
+        Arc::new(OwnSystem { outputs: &[1], ..system })
     },
 };
 
@@ -141,14 +136,11 @@ fn den_hartogs_oscillator_begins_to_stick_at_the_boundary_of_the_closed_form() {
 #[test]
 fn den_hartogs_oscillator_lags_by_the_phase_of_the_closed_form() {
     for (ratio, friction) in [(0.8, 0.3), (1.3, 0.4)] {
-        let system: Arc<dyn System> = Arc::new(OwnSystem {
-            record: |recorder| shaken(recorder, true),
-            parameters: vec![ratio, 1.0, 0.0, friction],
-            friction: vec![Friction::coulomb(friction)],
-            longest_step: 0.5,
-            unique: true,
-            outputs: &[],
-        });
+        let system: Arc<dyn System> = Arc::new(OwnSystem::new(
+            |recorder| shaken(recorder, true),
+            vec![ratio, 1.0, 0.0, friction],
+            vec![Friction::coulomb(friction)],
+        ));
         let tolerance = Tolerance { relative: 1e-12, absolute: 1e-14 };
         let settings =
             Settings { method: Method::Event, band: 0.0, tolerance, effort_limit: 1_000_000 };
