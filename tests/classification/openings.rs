@@ -1,38 +1,92 @@
 //! Endings of motions whose contacts open and close: rest on the ground, and a cycle with lasting contact in it.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use stickslip::classification::{CyclePhase, Evidence, Label, Outcome, simulate};
-use stickslip::model::{Case, Method, OutputValue, Simulation, Tolerance};
+use stickslip::model::{
+    Expression, Friction, FrictionLaw, ImpactLaw, Mechanism, MechanismContact, MechanismNormal,
+    Method, ModelKind, Number, OutputValue, OwnModel, ParameterDescriptor, Recorder, Simulation,
+    System, Tolerance,
+};
 
 use super::METHODS;
 use super::outputs::cases;
+use crate::support::{OwnMechanism, UnitKind, simulate_kind, unit_kind};
 
-/// Runs a block of weight 1 above a plate that vibrates from a height with a speed along the plate; a force pushes it along.
-fn run([shaking, push]: [f64; 2], [height, speed]: [f64; 2], method: Method) -> Outcome {
-    let system = format!(
-        "parameters: {{w: 1, shaking: {shaking:?}, push: {push:?}, e: 0.4, mu: 0.3}}
-coordinates: {{x: {{start_rate: {speed:?}}}, y: {{start: {height:?}}}}}
-mass: {{x: {{x: 1}}, y: {{y: 1}}}}
-force: {{x: push, y: shaking * cos(w * t) - 1}}
-contacts: {{plate: {{gap: y, sliding: x', restitution: e, friction: {{coulomb: {{coefficient: mu}}}}}}}}
-period: 2 * pi / w"
-    );
-    let case = cases(&system, 1, 400.0).remove(0);
-    let tolerance = Tolerance { relative: 1e-11, absolute: 1e-13 };
-    let simulation = Simulation { method, band: 1e-8, tolerance, ..case.simulation };
-    simulate(&Case { simulation, ..case })
+/// A block of weight 1 above a plate that vibrates; a force pushes it along the plate.
+fn block<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanism<'r> {
+    let [phase, along, height, speed, rise] = [(); 5].map(|()| recorder.state());
+    let [shaking, push] = ["shaking", "push"].map(|name| recorder.parameter(name));
+    let [zero, one] = [0.0, 1.0].map(Expression::constant);
+    Mechanism {
+        coordinates: vec![[along, speed], [height, rise]],
+        rates: vec![],
+        others: vec![[phase, one]],
+        mass: vec![vec![one, zero], vec![zero, one]],
+        forces: vec![push, shaking * phase.sin_cos().1 - one],
+        contacts: vec![MechanismContact {
+            position: (along, false),
+            sliding_speed: speed,
+            normal: MechanismNormal::Gap(height),
+            friction: friction[0],
+            force_unit: 1.0,
+        }],
+        forcing: Some((phase, TAU)),
+    }
+}
+
+static KIND: ModelKind = unit_kind(
+    "block_on_plate",
+    &[
+        ParameterDescriptor::not_negative("shaking", "1", "acceleration of the plate over g", 0.0),
+        ParameterDescriptor::not_negative(
+            "push",
+            "1",
+            "force along the plate over the weight",
+            0.0,
+        ),
+        ParameterDescriptor::not_negative("restitution", "1", "restitution", 0.4),
+        ParameterDescriptor::positive("friction_coefficient", "1", "friction", 0.3),
+    ],
+    &BLOCK,
+);
+
+static BLOCK: UnitKind = UnitKind { coordinates: 2, phases: 1, contacts: 1, system };
+
+fn system(model: &OwnModel) -> Arc<dyn System> {
+    let law = ImpactLaw { restitution: model.number("restitution"), ..ImpactLaw::default() };
+    let coefficient = model.number("friction_coefficient");
+    // Below this coefficient the block has no friction.
+    let friction = match coefficient < 1e-3 {
+        true => FrictionLaw::viscous(0.0).contact(0.0, 1.0, 1.0),
+        false => Friction::coulomb(coefficient),
+    };
+    let parameters = ["shaking", "push"].map(|name| model.number(name));
+    Arc::new(OwnMechanism::new(block, parameters.to_vec(), vec![(friction, true, law)]))
+}
+
+/// Runs a block from a place above the plate; the speeds are along it and up.
+fn run(parameters: [f64; 4], start: [f64; 4], method: Method) -> Outcome {
+    let simulation = Simulation {
+        method,
+        band: 1e-8,
+        end_time_s: 400.0,
+        tolerance: Tolerance { relative: 1e-11, absolute: 1e-13 },
+        ..Simulation::default()
+    };
+    simulate_kind(&KIND, &parameters, &start, simulation)
 }
 
 /// A block falls on a plate at rest, bounces, slides and sticks for good, unless the push exceeds friction.
 #[test]
 fn a_block_comes_to_rest_where_friction_holds_it() {
     for method in METHODS {
-        let outcome = run([0.0, 0.2], [1.0, 0.7], method);
+        let outcome = run([0.0, 0.2, 0.4, 0.3], [0.0, 1.0, 0.7, 0.0], method);
         assert_eq!(outcome.label(), Label::Equilibrium, "{outcome:?}");
         let margin = outcome.friction_margin.expect("known");
         assert!((margin - (1.0 - 0.2 / 0.3)).abs() < 1e-6, "{margin}");
-        let outcome = run([0.0, 0.35], [1.0, 0.7], method);
+        let outcome = run([0.0, 0.35, 0.4, 0.3], [0.0, 1.0, 0.7, 0.0], method);
         assert_ne!(outcome.label(), Label::Equilibrium, "{outcome:?}");
     }
 }
@@ -43,7 +97,7 @@ fn a_block_comes_to_rest_where_friction_holds_it() {
 fn a_block_that_a_plate_throws_once_per_period_forgets_its_start() {
     for method in METHODS {
         for height in [0.0, 0.3] {
-            let outcome = run([1.3, 0.0], [height, 0.0], method);
+            let outcome = run([1.3, 0.0, 0.4, 0.3], [0.0, height, 0.0, 0.0], method);
             assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{method:?} {height} {outcome:?}");
             let period_s = outcome.period_s.expect("a cycle has a period");
             assert!((period_s - TAU).abs() < 1e-12, "{period_s}");
