@@ -41,6 +41,9 @@ fn merged_shards_are_the_single_run() {
             (stages("merged").is_some(), stages("merged")),
             (rest == STAGES, stages("whole"))
         );
+        let planned = |out: &str| scratch.manifest(out)["runs_planned"].as_u64();
+        let of_parts: Option<u64> = parts.iter().map(|part| planned(part)).sum();
+        assert_eq!(of_parts, planned("whole"), "{number} shards, {rest}");
         // A merged directory is like any other.
         let again = scratch.stickslip("run a.yaml --out merged");
         assert_has(&again.err, &["nothing to do"]);

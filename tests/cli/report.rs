@@ -132,22 +132,6 @@ fn all_kinds_of_studies_have_a_page() {
     }
 }
 
-#[test]
-fn a_sweep_over_two_parameters_is_a_map() {
-    let scratch = Scratch::new();
-    let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0, -210.0, -220.0], \
-                friction_coefficient: [1.0e-3, 2.0e-3, 3.0e-3]}}]\n";
-    scratch.write("a.yaml", study(4, AT_ONCE, rest));
-    scratch.well("run a.yaml --out out");
-    scratch.well("report out");
-    let data = data(&page(&scratch, "out-report.html"));
-    let map = figure(&data, "map");
-    let panel = &map["panels"][0];
-    assert_eq!((&panel["x"]["name"], &panel["x"]["unit"]), (&"speed".into(), &"rad/s".into()));
-    assert_eq!(panel["y"]["name"], "friction coefficient");
-    assert_eq!(panel["layers"][0]["values"].as_array().unwrap().len(), 12);
-}
-
 /// Each value of a third parameter has its own map, and curves have values instead of long names.
 #[test]
 fn further_parameters_have_maps_of_their_own() {
@@ -166,6 +150,11 @@ fn further_parameters_have_maps_of_their_own() {
         assert!(!of_force.is_empty(), "{title}");
         for panel in of_force {
             assert_eq!(panel["layers"][0]["values"].as_array().unwrap().len(), 9);
+            let [x, y] = [&panel["x"], &panel["y"]];
+            assert_eq!(
+                [&x["name"], &x["unit"], &y["name"]],
+                ["speed", "rad/s", "friction coefficient"]
+            );
             // Over three decades.
             assert_eq!(panel["y"]["kind"], "logarithmic");
         }

@@ -77,7 +77,14 @@ fn a_complete_study_that_is_run_again_shows_its_points() {
     };
     let fresh = report("run a.yaml --out other --json");
     let again = report("run a.yaml --out other --json");
+    let keys = ["study", "out", "runs_planned", "runs_finished", "interrupted"];
+    let whole = [json!("short"), json!("other"), json!(60), json!(60), json!(false)];
+    assert_eq!(keys.map(|key| fresh[key].clone()), whole);
     assert_eq!(fresh["points"].as_array().map(Vec::len), Some(3));
+    assert_eq!(
+        (&fresh["points"][1]["speed_rad_s"], &fresh["points"][1]["runs"]),
+        (&json!(-200.0), &json!(20))
+    );
     assert_eq!(again["points"], fresh["points"]);
     let flags = ["already_complete", "interrupted"].map(|key| again[key].clone());
     assert_eq!(flags, [json!(true), json!(false)]);
