@@ -45,7 +45,7 @@ fn a_study_fills_its_directory_once() {
 #[test]
 fn a_new_and_an_empty_directory_are_used() {
     let scratch = Scratch::with(small("seed: 5\n"));
-    fs::create_dir_all(scratch.path("results/small")).unwrap();
+    fs::create_dir_all(scratch.path("results/small")).expect("the directory does not exist yet");
     scratch.well("run a.yaml");
     assert_eq!(scratch.table("results/small", "runs").num_rows(), 8);
 }

@@ -270,7 +270,7 @@ t.parquet ¦ speed_rad_s,balls,material\n-200,2,steel\n ¦ t.parquet ¦ found:"#
         scratch.refused(&format!("evaluate balls.yaml --designs {} {to}", row[0]), &row[2..]);
     }
     scratch.write("u.csv", b"speed_rad_s,balls,\xff\n");
-    std::fs::create_dir(scratch.path("v.csv")).unwrap();
+    std::fs::create_dir(scratch.path("v.csv")).expect("the directory does not exist yet");
     for (name, part) in [("none.csv", "none.csv"), ("u.csv", "not UTF-8"), ("v.csv", "a directory")]
     {
         scratch.refused(&format!("evaluate balls.yaml --designs {name} {to}"), &[name, part]);

@@ -19,7 +19,7 @@ fn draws(distribution: &str) -> Vec<f64> {
 
 #[test]
 fn normal_and_uniform_samples_follow_their_distributions() {
-    let normal = Normal::new(-200.0, 5.0).unwrap();
+    let normal = Normal::new(-200.0, 5.0).expect("the deviation is positive");
     assert_follows(draws("{normal: {mean: -200, std_dev: 5}}"), |x| normal.cdf(x), ALPHA);
     assert_follows(draws("{uniform: {min: -3, max: 5}}"), |x| (x + 3.0) / 8.0, ALPHA);
 }
