@@ -151,7 +151,7 @@ sweep:\n  - grid:\n      speed_rad_s: [-160, -200]\n  - zip:\n      speed_rad_s:
 16.5 ¦ 16.5\n  extend: {factor: 2, labels: [equilibrium]} ¦ 33 ¦ simulation.extend.labels[0] ¦ equilibrium ¦ irregular
 16.5 ¦ 16.5\n  extend: {factor: 2, labels: [undecide]} ¦ 33 ¦ simulation.extend.labels[0] ¦ undecide ¦ irregular
 16.5 ¦ 16.5\n  extend: {factor: 2, labels: [irregular, irregular]} ¦ 33 ¦ simulation.extend ¦ keys factor, labels ¦
-16.5 ¦ 1e307\n  extend: {factor: 100} ¦ 33 ¦ simulation.extend.factor ¦  ¦
+16.5 ¦ 1e307\n  extend: {factor: 100} ¦ 33 ¦ simulation.extend.factor ¦ 100 ¦ a larger, finite number
 # Missing keys.
 schema: 1\n ¦  ¦ 1 ¦ schema ¦ no such key ¦ schema
 seed: 5\n ¦  ¦ 1 ¦ seed ¦ no such key ¦ seed
