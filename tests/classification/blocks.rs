@@ -81,11 +81,14 @@ fn blocks_in_the_rest_set_stay_at_rest() {
 /// not change the position.
 #[test]
 fn turning_points_on_the_edge_are_final() {
-    for (start, swings, end) in [(0.03, 1.0, -0.01), (-0.05, 2.0, -0.01), (0.13, 6.0, 0.01)] {
+    for (start, swings, end) in
+        [(0.03, 1.0, -0.01), (-0.05, 2.0, -0.01), (0.13, 6.0, 0.01), (0.25, 12.0, 0.01)]
+    {
         for method in METHODS {
             let outcome = run(&Block::on_spring(), [start, 0.0], method, 100.0);
             assert_eq!(outcome.evidence, Evidence::RestCertified, "{start}");
             near(position(&outcome), end, 1e-9);
+            assert!(outcome.friction_margin >= Some(0.0), "{:?}", outcome.friction_margin);
             let counted = outcome.time_to_rest_s.expect("at rest") * 10.0 / std::f64::consts::PI;
             let over = counted - swings;
             assert!(over.abs() < 1e-6 || (over - 1.0).abs() < 1e-6, "{start}: {counted}");
@@ -300,15 +303,5 @@ fn extremes_of_slow_swings() {
         });
         let outcome = run(&block, [0.1, 0.0], Method::Event, 16.5);
         near(outcome.amplitude_m, 0.5 * (range.1 - range.0), 1e-8);
-    }
-}
-
-/// Certified rest on the very edge of the interval has no negative margin.
-#[test]
-fn no_margin_is_negative_at_rest() {
-    for method in METHODS {
-        let outcome = run(&Block::on_spring(), [0.25, 0.0], method, 100.0);
-        assert_eq!(outcome.evidence, Evidence::RestCertified);
-        assert!(outcome.friction_margin >= Some(0.0), "{:?}", outcome.friction_margin);
     }
 }

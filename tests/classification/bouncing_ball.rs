@@ -8,63 +8,13 @@
 //! `λ² - (1 + e² - (1 + e)² Γ cos φ₀) λ + e² = 0`.
 
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
 
-use stickslip::classification::{Evidence, Outcome};
-use stickslip::model::{
-    EventEquations, Expression, ForcingLayout, Layout, Method, ModelKind, Number,
-    ParameterDescriptor, Recorder, Simulation, SystemEquations, Tolerance,
-};
+use stickslip::classification::{Evidence, Outcome, simulate};
+use stickslip::model::{Case, Method, Simulation, Tolerance};
 
-use crate::support::{OwnSystem, UnitKind, simulate_kind, unit_kind};
+use super::outputs::cases;
 
 const RESTITUTION: f64 = 0.5;
-
-fn bouncing(recorder: &Recorder) -> SystemEquations<'_> {
-    let [phase, height, speed] = [(); 3].map(|()| recorder.state());
-    let [shaking, restitution] = ["shaking", "restitution"].map(|name| recorder.parameter(name));
-    let (_, cosine) = phase.sin_cos();
-    let one = Expression::constant(1.0);
-    let zero = Expression::constant(0.0);
-    SystemEquations {
-        derivative: vec![one, speed, shaking * cosine - one],
-        events: vec![EventEquations {
-            guard: height,
-            reset: vec![(1, zero), (2, -restitution * speed)],
-        }],
-        layout: Layout {
-            velocities: vec![vec![2]],
-            forcing: Some(ForcingLayout { component: 0, period: TAU }),
-            ..Layout::default()
-        },
-        ..SystemEquations::default()
-    }
-}
-
-static KIND: ModelKind = unit_kind(
-    "bouncing_ball",
-    &[
-        ParameterDescriptor::positive("shaking", "1", "acceleration of the plate over g", 1.2),
-        ParameterDescriptor::positive("friction_coefficient", "1", "without effect", 0.1),
-    ],
-    &BOUNCING,
-);
-
-static BOUNCING: UnitKind = UnitKind {
-    coordinates: 1,
-    phases: 1,
-    contacts: 0,
-    system: |model| {
-        Arc::new(OwnSystem {
-            record: bouncing,
-            parameters: vec![model.number("shaking"), RESTITUTION],
-            friction: Vec::new(),
-            longest_step: 0.5,
-            unique: true,
-            outputs: &[],
-        })
-    },
-};
 
 /// The sine and the cosine of the phase of the impacts, times the acceleration of the plate.
 fn impact_phase(shaking: f64) -> [f64; 2] {
@@ -79,13 +29,19 @@ fn run(shaking: f64) -> Outcome {
     let after = PI + sine;
     let speed = after - since - sine;
     let height = after * since - 0.5 * since * since + cosine - shaking - sine * since;
-    let simulation = Simulation {
-        method: Method::Event,
-        end_time_s: 3000.0,
-        tolerance: Tolerance { relative: 1e-11, absolute: 1e-13 },
-        ..Simulation::default()
-    };
-    simulate_kind(&KIND, &[shaking], &[height + 1e-3, speed], simulation)
+    let system = format!(
+        "parameters: {{w: 1, shaking: {shaking:?}, e: {RESTITUTION:?}}}
+coordinates: {{h: {{start: {:?}, start_rate: {speed:?}}}}}
+mass: {{h: {{h: 1}}}}
+force: {{h: shaking * cos(w * t) - 1}}
+contacts: {{plate: {{gap: h, restitution: e}}}}
+period: 2 * pi / w",
+        height + 1e-3
+    );
+    let case = cases(&system, 1, 3000.0).remove(0);
+    let tolerance = Tolerance { relative: 1e-11, absolute: 1e-13 };
+    let simulation = Simulation { method: Method::Event, tolerance, ..case.simulation };
+    simulate(&Case { simulation, ..case })
 }
 
 #[test]

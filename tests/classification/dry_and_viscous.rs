@@ -1,11 +1,9 @@
 //! Coulomb friction and viscous drag together: closed forms of blocks, and the two laws as limits.
 
 use super::{METHODS, near, position};
-use crate::cli::support::parse;
 use crate::model::closed_forms::ClosedForms;
 use crate::support::{Block, Ground};
 use stickslip::classification::{Evidence, Outcome, simulate, simulate_by_recorded_equations};
-use stickslip::engine::compute;
 use stickslip::model::{
     BallContact, Case, FrictionLaw, Machine, Method, Model, Simulation, Start, Tolerance,
 };
@@ -65,25 +63,6 @@ fn a_block_stops_where_and_when_the_closed_form_says() {
     let [event, switch] = largest;
     assert!(event[0] < 1e-10 && event[1] < 1e-9, "{event:?}");
     assert!(switch[0] < 1e-10 && switch[1] < 1e-5, "{switch:?}");
-}
-
-/// A study sweeps the coefficient by the name that it has in the law.
-#[test]
-fn a_study_sweeps_the_viscous_coefficient() {
-    let study = parse(
-        "schema: 1\nname: both\nseed: 1\n\
-         model: {kind: block_on_spring, friction: {coulomb_viscous: {viscous_coefficient_n_s_m: 1}}}\n\
-         sweep: [{grid: {viscous_coefficient_n_s_m: [0, 2, 7], friction_coefficient: [0.05, 0.1]}}]\n\
-         initial_conditions: {box: {position_m: [0.2, 0.2]}, design: {monte_carlo: {samples: 1}}}\n",
-    );
-    for run in 0..study.run_count() {
-        let case = study.planned_run(run).case.expect("a case");
-        let block = Block::of(&case.model).expect("a block");
-        let exact = block.damped_stopping(0.2, 0.0).expect("oscillates");
-        let outcome = compute(&study, run, simulate).outcome;
-        near(position(&outcome), *exact.turning_points_m.last().expect("stops"), 1e-8);
-        near(outcome.time_to_rest_s, exact.time_s, 1e-5);
-    }
 }
 
 /// A block with more than critical damping creeps to the edge of the rest set, which it never reaches: in the closed

@@ -1,12 +1,11 @@
 //! Runs with rest as the only detected ending: runs that come to rest are unchanged, and all others
 //! are undecided.
 
-use crate::support::Block;
 use stickslip::classification::{
     Evidence, Label, Outcome, simulate, simulate_by_recorded_equations,
 };
 use stickslip::model::{
-    Case, Endings, Extend, ExtendedLabels, FrictionLaw, Machine, Method, Model, Simulation, Start,
+    Case, Endings, Extend, ExtendedLabels, Machine, Method, Model, Simulation, Start,
 };
 
 fn starts(balls: usize) -> impl Iterator<Item = Start> {
@@ -76,17 +75,4 @@ fn balls_come_to_rest_as_with_all_endings() {
     }
     let [equilibria, cycles, _, _, irregular, undecided, _] = seen;
     assert!(equilibria > 20 && cycles > 5 && irregular + undecided > 5, "{seen:?}");
-}
-
-#[test]
-fn blocks_come_to_rest_as_with_all_endings() {
-    let drops = FrictionLaw::stribeck(0.2, 0.0);
-    let on_belt = Block { friction: drops, ..Block::on_belt() };
-    let label_of = |block: Block, start: [f64; 2]| {
-        let simulation = Simulation { end_time_s: 60.0, ..Simulation::default() };
-        let case = Case { model: block.into(), start: Start(start.to_vec()), simulation };
-        compare(both(&case, simulate))
-    };
-    assert_eq!(label_of(on_belt, [0.3, 0.0]), Label::LimitCycle);
-    assert_eq!(label_of(Block::on_spring(), [0.25, 0.0]), Label::Equilibrium);
 }

@@ -94,7 +94,7 @@ fn a_continued_run_of_balls_is_the_longer_run() {
 }
 
 /// Continued runs that find a limit cycle, settle, or fail after the end time equal the longer
-/// runs, also with different or more balls.
+/// runs, also with different or more balls and a disc that starts.
 #[test]
 fn a_continued_run_may_end_in_every_way() {
     let mut seen = Vec::new();
@@ -104,8 +104,10 @@ fn a_continued_run_may_end_in_every_way() {
                  friction_coefficient: 2.75e-4}}";
     let three = "{kind: ball_balancer, parameters: {balls: 3}}";
     let newton = "{kind: ball_balancer, parameters: {speed_rad_s: -160.8}, normal_force: newton}";
+    let starts = "{kind: ball_balancer, parameters: {speed_rad_s: -150}, contact: {}, \
+                  speed_profile: [{ramp: {from_rad_s: -31, over_s: 0.4}}]}";
     for (model, end_time_s, samples) in
-        [(viscous, 5.0, 8), (light, 4.0, 8), (three, 2.0, 8), (newton, 0.01, 100)]
+        [(viscous, 5.0, 8), (light, 4.0, 8), (three, 2.0, 8), (newton, 0.01, 100), (starts, 1.0, 8)]
     {
         for method in METHODS {
             let simulation = Simulation { method, end_time_s, ..Simulation::default() };

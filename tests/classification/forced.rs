@@ -1,91 +1,37 @@
 //! Blocks that a periodic force shakes, against closed forms: Den Hartog's oscillator and the creep on a slope that vibrates.
 
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
 
-use stickslip::classification::{CyclePhase, Evidence, Outcome};
-use stickslip::model::{
-    ContactEquations, ContactLayout, Expression, ForcingLayout, Friction, Layout, Method,
-    ModelKind, Number, ParameterDescriptor, Recorder, Simulation, System, SystemEquations,
-};
+use stickslip::classification::{CyclePhase, Evidence, Outcome, simulate};
+use stickslip::model::{Case, Method, Simulation};
 use stickslip::motion::{Direction, Motion, Phase, Settings, Tolerance};
 
+use super::outputs::cases;
 use super::{METHODS, near};
-use crate::support::{OwnSystem, UnitKind, simulate_kind, unit_kind};
 
-/// A block of mass 1 with Coulomb friction, which the force `A cos φ - s` and maybe a spring of stiffness 1 pull. State:
-/// phase `φ` of the force, position, speed.
-fn shaken(recorder: &Recorder, with_spring: bool) -> SystemEquations<'_> {
-    let [phase, position, speed] = [(); 3].map(|()| recorder.state());
-    let [frequency, amplitude, slope, friction] =
-        ["frequency", "amplitude", "slope", "friction"].map(|name| recorder.parameter(name));
-    let (_, cosine) = phase.sin_cos();
-    let force = amplitude * cosine - slope;
-    let force = if with_spring { force - position } else { force };
-    let [slips, direction] = ["slips", "direction"].map(|name| recorder.input(name));
-    let acceleration = slips * (force - direction * friction);
-    SystemEquations {
-        derivative: vec![frequency, speed, acceleration],
-        contacts: vec![ContactEquations {
-            sliding_speed: speed,
-            sliding_acceleration: acceleration,
-            normal: Expression::constant(1.0),
-            friction: slips * direction * friction + (Expression::constant(1.0) - slips) * force,
-        }],
-        layout: Layout {
-            contacts: vec![ContactLayout { position: 1, angular: false }],
-            velocities: vec![vec![2]],
-            vibration: None,
-            forcing: Some(ForcingLayout { component: 0, period: TAU }),
-        },
-        ..SystemEquations::default()
-    }
+/// A block of 1 kg with Coulomb friction under a normal force of 1 N, which the force `A cos φ - s` and maybe a spring of 1 N/m
+/// pull: with these parameters, and from a start position and speed.
+fn case(
+    [frequency, amplitude, slope, stiffness, friction]: [f64; 5],
+    [position, speed]: [f64; 2],
+    method: Method,
+) -> Case {
+    let system = format!(
+        "parameters: {{m: 1 kg, n: 1 N, w: {frequency:?} rad/s, a: {amplitude:?} N, s: {slope:?} N, k: {stiffness:?} N/m, mu: {friction:?}}}
+coordinates: {{x: {{unit: m, start: {position:?}, start_rate: {speed:?}}}}}
+mass: {{x: {{x: m}}}}
+force: {{x: a * cos(w * t) - s - k * x}}
+contacts: {{ground: {{normal: n, sliding: x', friction: {{coulomb: {{coefficient: mu}}}}}}}}
+period: 2 * pi / w"
+    );
+    let case = cases(&system, 1, 400.0).remove(0);
+    let tolerance = Tolerance { relative: 1e-11, absolute: 1e-13 };
+    let simulation = Simulation { method, band: 1e-10, tolerance, ..case.simulation };
+    Case { simulation, ..case }
 }
 
-static KIND: ModelKind = unit_kind(
-    "shaken_block",
-    &[
-        ParameterDescriptor::positive("frequency", "1", "frequency of the force", 0.8),
-        ParameterDescriptor::positive("amplitude", "1", "amplitude of the force", 1.0),
-        ParameterDescriptor::not_negative("slope", "1", "constant force", 0.0),
-        ParameterDescriptor::count("springs", "number of springs, 1, or none: 2", 1, 2),
-        ParameterDescriptor::positive("friction_coefficient", "1", "friction", 0.3),
-    ],
-    &SHAKEN,
-);
-
-static SHAKEN: UnitKind = UnitKind {
-    coordinates: 1,
-    phases: 1,
-    contacts: 1,
-    system: |model| {
-        let friction = model.number("friction_coefficient");
-        let parameters = ["frequency", "amplitude", "slope"].map(|name| model.number(name));
-        let record: for<'r> fn(&'r Recorder) -> SystemEquations<'r> = match model.count("springs") {
-            1 => |recorder| shaken(recorder, true),
-            _ => |recorder| shaken(recorder, false),
-        };
-        Arc::new(OwnSystem {
-            record,
-            parameters: parameters.into_iter().chain([friction]).collect(),
-            friction: vec![Friction::coulomb(friction)],
-            longest_step: 0.5,
-            unique: true,
-            outputs: &[1],
-        })
-    },
-};
-
-/// Runs a block with these parameters, in the order of the kind, from a start position and speed.
 fn run(parameters: [f64; 5], start: [f64; 2], method: Method) -> Outcome {
-    let simulation = Simulation {
-        method,
-        band: 1e-10,
-        end_time_s: 400.0,
-        tolerance: Tolerance { relative: 1e-11, absolute: 1e-13 },
-        ..Simulation::default()
-    };
-    simulate_kind(&KIND, &parameters, &start, simulation)
+    simulate(&case(parameters, start, method))
 }
 
 /// The amplitude of the motion without stops, over the static deflection (J. P. Den Hartog, *Forced vibrations with combined
@@ -141,23 +87,19 @@ fn den_hartogs_oscillator_begins_to_stick_at_the_boundary_of_the_closed_form() {
 #[test]
 fn den_hartogs_oscillator_lags_by_the_phase_of_the_closed_form() {
     for (ratio, friction) in [(0.8, 0.3), (1.3, 0.4)] {
-        let system: Arc<dyn System> = Arc::new(OwnSystem {
-            record: |recorder| shaken(recorder, true),
-            parameters: vec![ratio, 1.0, 0.0, friction],
-            friction: vec![Friction::coulomb(friction)],
-            longest_step: 0.5,
-            unique: true,
-            outputs: &[],
-        });
+        let case = case([ratio, 1.0, 0.0, 1.0, friction], [0.4, -0.1], Method::Event);
         let tolerance = Tolerance { relative: 1e-12, absolute: 1e-14 };
         let settings =
             Settings { method: Method::Event, band: 0.0, tolerance, effort_limit: 1_000_000 };
-        let mut motion = Motion::new(&system, settings, &[0.0, 0.4, -0.1]).expect("starts");
+        let system = case.model.system().expect("a system");
+        let state = case.model.start_state(&case.start).expect("a state");
+        let natural = case.model.natural_frequency_rad_s();
+        let mut motion = Motion::new(&system, settings, &state).expect("starts");
         let mut phase = f64::NAN;
-        while motion.time() < 2000.0 {
-            let turns = motion.advance(2000.0).expect("continues");
+        while motion.time() < 2000.0 * natural {
+            let turns = motion.advance(2000.0 * natural).expect("continues");
             if turns && motion.phases()[0] == Phase::Slip(Direction::Backward) {
-                phase = motion.state()[0].rem_euclid(TAU);
+                phase = (ratio * motion.time() / natural).rem_euclid(TAU);
             }
         }
         let free = 1.0 / (1.0 - ratio * ratio);
@@ -183,9 +125,9 @@ fn a_forced_oscillator_with_much_friction_stops() {
 /// A block that friction holds against the force in every period is at rest, with the least margin of a period.
 #[test]
 fn a_block_that_friction_holds_against_the_force_is_at_rest() {
-    for springs in [1.0, 2.0] {
+    for stiffness in [1.0, 0.0] {
         for method in METHODS {
-            let outcome = run([0.8, 0.5, 0.1, springs, 0.8], [0.0, 0.0], method);
+            let outcome = run([0.8, 0.5, 0.1, stiffness, 0.8], [0.0, 0.0], method);
             assert_eq!(outcome.evidence, Evidence::PeriodicRest, "{outcome:?}");
             // The largest force is 0.6 of a limit of 0.8.
             near(outcome.friction_margin, 0.25, 1e-7);
@@ -220,7 +162,7 @@ fn a_block_on_a_vibrating_slope_creeps_as_in_closed_form() {
         let exact = creep(frequency, amplitude, slope, friction);
         assert!(exact < 0.0);
         for method in METHODS {
-            let outcome = run([frequency, amplitude, slope, 2.0, friction], [0.3, 0.1], method);
+            let outcome = run([frequency, amplitude, slope, 0.0, friction], [0.3, 0.1], method);
             assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{method:?}: {outcome:?}");
             let speed = outcome.mean_speed.as_ref().map(|speeds| speeds[0]);
             near(speed, exact * frequency / TAU, 1e-9);

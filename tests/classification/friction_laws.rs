@@ -1,9 +1,7 @@
 //! The ball balancer under laws of friction other than Coulomb's.
 
 use stickslip::classification::{Evidence, Outcome, simulate};
-use stickslip::model::{
-    Balancer, Case, FrictionLaw, Machine, Method, NormalForce, Simulation, Start,
-};
+use stickslip::model::{Balancer, Case, FrictionLaw, Machine, Method, Simulation, Start};
 
 use crate::support::angular_distance;
 
@@ -56,29 +54,6 @@ fn smooth_friction_lets_resting_balls_creep() {
         let fraction = |s: f64| 0.02 * (std::f64::consts::FRAC_PI_2 * s).tan();
         assert!((fraction(0.45)..fraction(0.56)).contains(&crept[0]), "{crept:?}");
         assert!((7.0..10.0).contains(&(crept[1] / crept[0])), "{crept:?}");
-    }
-}
-
-/// Without dry friction the balls balance the table exactly above its natural frequency, at 2.270
-/// and 4.013 rad from the imbalance, in either order (thesis section 5.1).
-#[test]
-fn viscous_friction_balances() {
-    for normal_force in [NormalForce::Lagrange, NormalForce::Newton] {
-        let friction = FrictionLaw::viscous(5e-4);
-        let machine = Machine { speed_rad_s: -309.15, normal_force, ..with(friction) };
-        for k in 0..4 {
-            let turn = 1.3 * f64::from(k);
-            let start =
-                Start::of_balancer([0.0; 2], &[0.4 + turn, 2.9 - turn], [0.0; 2], &[0.0; 2]);
-            let outcome = run(&machine, &start, Method::Switch, 60.0);
-            let mut end = outcome.position.expect("known");
-            end.sort_by(f64::total_cmp);
-            assert!(
-                angular_distance(end[0], 2.270) < 1e-3 && angular_distance(end[1], 4.013) < 1e-3,
-                "{end:?}"
-            );
-            assert_eq!(outcome.effort.switches, 0);
-        }
     }
 }
 

@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use crate::support::Block;
 use stickslip::classification::{
-    Evidence, Instants, Label, Outcome, Recorder, Recording, simulate, simulate_recorded,
+    Instants, Label, Outcome, Recorder, Recording, simulate, simulate_recorded,
 };
-use stickslip::model::{Balancer, Case, Model, Simulation, Start, State, Tolerance};
+use stickslip::model::{Balancer, Case, Simulation, State, Tolerance};
 use stickslip::motion::{Phase, SLACK, Settings};
 use stickslip::study::Study;
 
@@ -201,38 +200,6 @@ fn times_agree_with_motions_at_tighter_tolerances() {
                 assert!(apart.iter().all(|apart| apart.abs() < 1e-5), "{apart:?} at {time}");
             }
         }
-    }
-}
-
-/// The first half swing of a block is a cosine about the position where friction and spring
-/// balance.
-#[test]
-fn a_block_swings_as_the_closed_form_says() {
-    let block = Block::on_spring();
-    let (natural, unit) = (block.natural_frequency_rad_s(), block.unit_length_m());
-    let units = Model::from(block.clone()).units();
-    let contact = units.contacts[0];
-    let simulation = Simulation {
-        end_time_s: 5.0,
-        tolerance: Tolerance { relative: 1e-11, absolute: 1e-13 },
-        ..Simulation::default()
-    };
-    let from = 0.083;
-    let case = Case { model: block.clone().into(), start: Start(vec![from, 0.0]), simulation };
-    let half = std::f64::consts::PI / natural * units.natural_rad_s;
-    let times: Vec<f64> = (0..=200).map(|k| half * f64::from(k) / 200.0).collect();
-    let (outcome, recording) = recorded(&case, Instants::At(times));
-    assert_eq!(outcome.evidence, Evidence::RestCertified);
-    assert_eq!(recording.samples.len(), 201);
-    let middle = block.friction_coefficient * unit;
-    for sample in &recording.samples[..200] {
-        let [block] = sample.contacts[..] else { panic!("one contact") };
-        let angle = units.seconds(sample.time) * natural;
-        let exact = middle + (from - middle) * angle.cos();
-        let speed = -(from - middle) * natural * angle.sin();
-        assert!((block.position * contact.position - exact).abs() < 1e-9, "{sample:?}");
-        assert!((block.speed * contact.sliding_speed - speed).abs() < 1e-7, "{sample:?}");
-        assert_eq!(block.normal * contact.force_n, 10.0);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use stickslip::classification::{Evidence, Label, Outcome, simulate};
+use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Simulation};
 use stickslip::study::Study;
 
@@ -20,21 +20,6 @@ fn outcomes(name: &str, replaced: &[(&str, &str)]) -> Vec<Outcome> {
     (0..study.run_count())
         .map(|run| simulate(&study.planned_run(run).case.expect("a case")))
         .collect()
-}
-
-/// The woodpecker from its file ends as the one of [`super::woodpecker`]: the period is that of time stepping.
-#[test]
-fn a_woodpecker_of_a_file_comes_down_on_its_limit_cycle() {
-    for outcome in outcomes("woodpecker.yaml", &[("samples: 16", "samples: 2")]) {
-        assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{outcome:?}");
-        let period_s = outcome.period_s.expect("a cycle has a period");
-        assert!((period_s - 0.14600).abs() < 5e-5, "{period_s}");
-        // The height is the coordinate of the lower edge of the sleeve.
-        let mean = outcome.mean_speed.expect("the bird moves on")[1];
-        assert!((mean + 0.1332).abs() < 1e-4, "{mean}");
-        let multiplier = outcome.cycle.expect("known").multipliers[0];
-        assert!((multiplier - 0.8392).abs() < 1e-4, "{multiplier}");
-    }
 }
 
 /// Steady sliding of the oscillator of Stender et al. (2020) in 0.312 of the start states; of 600 here, 4 standard errors.

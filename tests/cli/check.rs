@@ -74,6 +74,8 @@ const SLIPS_OF_STUDIES: &str = r" ¦ uncertain: {imbalance_mass_kg: {normal: {me
  ¦ sweep: [{grid: {speed: [1000 rpm, 1500 rpm]}}]\n ¦ subcritical_speed overridden_value ¦ sweep[0].grid.speed
  ¦ design: {stiffness_n_m: {from: 30000, to: 60000}}\nresponses: {half: median_time_to_rest}\n ¦ subcritical_speed ¦ model.parameters.speed_rad_s
  ¦ sweep: [{grid: {speed_rad_s: [-200, -216.4, -200]}}]\n ¦ repeated_point ¦ sweep[0]
+# Two points with the same parameters but with other start states are two points.
+ ¦ sweep:\n  - zip: {speed_rad_s: [-216.4]}\n  - zip: {speed_rad_s: [-216.4]}\n    design: {monte_carlo: {samples: 3}}\n ¦  ¦
  ¦ sweep:\n  - grid: {speed_rad_s: [-200, -216]}\n  - zip: {ball_mass_kg: [0.14]}\n ¦ ball_density ¦ sweep[1].zip.ball_mass_kg
  ¦ uncertain: {friction_coefficient: {uniform: {min: 1, max: 9}}}\n ¦ friction_coefficient balls_held_everywhere overridden_value ¦ uncertain.friction_coefficient
  ¦ design: {balls: {from: 1, to: 8}, ball_diameter_m: {from: 0.002, to: 0.012}}\nresponses: {half: median_time_to_rest}\n ¦ ball_density overlapping_rests designs_without_room ¦ design.ball_diameter_m
@@ -111,8 +113,9 @@ fn slips_are_warnings_with_their_key_and_line() {
         scratch.write("a.yaml", study(if model.is_empty() { MACHINE } else { &model }, &rest));
         let report = report(&scratch, "a.yaml");
         assert_eq!(kinds(&report).join(" "), expected, "{rest}");
-        assert_eq!(report["warnings"][0]["key"], json!(key), "{rest}");
-        assert!(report["warnings"][0]["line"].is_u64(), "{rest}");
+        let first = &report["warnings"][0];
+        assert_eq!(first["key"].as_str().unwrap_or_default(), key, "{rest}");
+        assert_eq!(first["line"].is_u64(), !expected.is_empty(), "{rest}");
     }
 }
 
@@ -310,16 +313,6 @@ fn gravity_on_a_horizontal_axis_is_named() {
     );
 }
 
-/// Two points with the same parameters but with other start states are two points.
-#[test]
-fn a_point_with_another_design_is_not_repeated() {
-    let scratch = Scratch::new();
-    let sweep = "sweep:\n  - zip: {speed_rad_s: [-216.4]}\n  - zip: {speed_rad_s: [-216.4]}\n    \
-                 design: {monte_carlo: {samples: 3}}\n";
-    scratch.write("a.yaml", study(MACHINE, sweep));
-    assert!(kinds(&report(&scratch, "a.yaml")).is_empty());
-}
-
 /// Warnings go to standard error; `--strict` makes them an exit code, and `run` repeats them.
 #[test]
 fn warnings_change_the_exit_code_only_with_strict() {
@@ -374,10 +367,6 @@ fn shipped_studies_have_no_false_warnings() {
         assert_eq!(kinds(&report), expected, "{name}");
     }
     assert!(studies > 20);
-    for template in ["machine", "thesis", "blocks", "monte-carlo", "optimize"] {
-        scratch.well(&format!("new {template}.yaml --template {template}"));
-        assert_eq!(kinds(&report(&scratch, &format!("{template}.yaml"))), [""; 0], "{template}");
-    }
 }
 
 /// The machine is printed with units and the origin of each value.

@@ -212,24 +212,21 @@ fn verify_needs_expectations_and_all_runs() {
     scratch.refused("verify b.yaml --shard 1/2", &["unexpected argument '--shard'"]);
 }
 
-/// The smoke study, which continuous integration verifies, meets its expectations.
-#[test]
-fn the_smoke_study_holds() {
-    let scratch = Scratch::new();
-    let smoke = shipped("smoke.yaml");
-    let text = scratch.well(&format!("verify {} --threads 2", smoke.display()));
-    assert_eq!(text.matches("\nmet    ").count(), 6, "{text}");
-}
-
-/// The other small studies meet their expectations.
+/// The smoke study, which continuous integration verifies, and the other small studies meet all of their expectations.
 #[test]
 fn small_shipped_studies_hold() {
     let scratch = Scratch::new();
-    let names =
-        ["block-on-spring", "block-on-belt", "stribeck", "smooth-friction", "viscous", "precision"];
-    for name in names {
+    for (name, met) in [
+        ("smoke", 6),
+        ("block-on-spring", 1),
+        ("block-on-belt", 1),
+        ("stribeck", 1),
+        ("smooth-friction", 1),
+        ("viscous", 1),
+        ("precision", 1),
+    ] {
         let study = shipped(&format!("{name}.yaml"));
         let text = scratch.well(&format!("verify {} --threads 2", study.display()));
-        assert!(text.contains("\nmet    ") && !text.contains("NOT MET"), "{text}");
+        assert!(text.matches("\nmet    ").count() >= met && !text.contains("NOT MET"), "{text}");
     }
 }

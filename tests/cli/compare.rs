@@ -98,5 +98,4 @@ fn differences_are_said_in_words() {
             "mean: the 95 % interval of the difference contains 0.\n",
         ],
     );
-    scratch.refused("compare a none", &["none: this directory does not exist"]);
 }

@@ -5,7 +5,6 @@
 use std::fs;
 use std::process::{Child, Command};
 
-use super::evaluate::BALLS;
 use super::support::{AT_ONCE, Ended, Scratch, study_text, table};
 
 /// Returns the temporary names in a directory.
@@ -41,42 +40,12 @@ fn both_end_well(scratch: &Scratch, first: &str, second: &str, rows: [usize; 2])
 }
 
 #[test]
-fn two_evaluations() {
-    let scratch = Scratch::new();
-    scratch.write("balls.yaml", BALLS);
-    let designs = |count: usize| {
-        let lines = (0..count).map(|n| format!("{},2,steel\n", -260.0 + 100.0 * n as f64 / 400.0));
-        "speed_rad_s,balls,material\n".to_owned() + &lines.collect::<String>()
-    };
-    scratch.write("many.csv", designs(400));
-    scratch.write("few.csv", designs(2));
-    let command = |designs| format!("evaluate balls.yaml --designs {designs} --out r.parquet -q");
-    both_end_well(&scratch, &command("many.csv"), &command("few.csv"), [400, 2]);
-}
-
-#[test]
 fn two_expansions() {
     let scratch = Scratch::new();
     scratch.write("many.yaml", study_text("many", "{monte_carlo: {samples: 600000}}", AT_ONCE, ""));
     scratch.write("few.yaml", study_text("few", "{monte_carlo: {samples: 7}}", AT_ONCE, ""));
     let command = |study| format!("expand {study} --out r.parquet");
     both_end_well(&scratch, &command("many.yaml"), &command("few.yaml"), [600_000, 7]);
-}
-
-/// Files of the user beside a table are unchanged, whatever their names.
-#[test]
-fn files_of_the_user_are_left_alone() {
-    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, ""));
-    scratch.write("r.parquet.partial", "years of work");
-    fs::create_dir_all(scratch.path("s.parquet.partial/table")).unwrap();
-    scratch.write("s.parquet.partial/table/mine", "years of work");
-    let before = scratch.files();
-    scratch.well("expand a.yaml --out r.parquet");
-    scratch.well("expand a.yaml --out s.parquet");
-    let mut after = scratch.files();
-    assert!(after.remove(&scratch.path("r.parquet")).is_some());
-    assert!(after.remove(&scratch.path("s.parquet")).is_some());
-    assert_eq!(after, before);
 }
 
 /// A directory that a process is filling is refused to another one, so that their files are not

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::support::{AT_ONCE, DATA_FILES, Scratch, assert_has, study_text};
+use super::support::{AT_ONCE, DATA_FILES, Scratch, assert_has, of_older_model, study_text};
 
 /// Four short runs at each of two speeds.
 fn small(seed_and_more: &str) -> String {
@@ -41,19 +41,13 @@ fn a_study_fills_its_directory_once() {
     assert_eq!(scratch.files(), before);
 }
 
+/// Without `--out` the tables go into `results`; an empty directory is used.
 #[test]
-fn without_out_the_tables_go_into_results() {
+fn a_new_and_an_empty_directory_are_used() {
     let scratch = Scratch::with(small("seed: 5\n"));
+    fs::create_dir_all(scratch.path("results/small")).expect("the directory does not exist yet");
     scratch.well("run a.yaml");
-    assert!(scratch.path("results/small/manifest.json").exists());
-}
-
-#[test]
-fn an_empty_directory_is_used() {
-    let scratch = Scratch::with(small("seed: 5\n"));
-    fs::create_dir(scratch.path("out")).unwrap();
-    scratch.well("run a.yaml --out out");
-    assert_eq!(scratch.table("out", "runs").num_rows(), 8);
+    assert_eq!(scratch.table("results/small", "runs").num_rows(), 8);
 }
 
 #[test]
@@ -252,4 +246,23 @@ fn directories_of_other_commands_are_named() {
             scratch.refused(&format!("{command} {directory}"), &said);
         }
     }
+}
+
+/// Every command that reads results refuses what holds none of this version.
+#[test]
+fn what_holds_no_results_is_refused() {
+    let scratch = Scratch::ran(small("seed: 5\n"));
+    let commands =
+        ["summary DIR", "report DIR", "resume DIR", "replay DIR 0", "merge DIR", "compare DIR DIR"];
+    let refused = |directory: &str, parts: &[&str]| {
+        for command in commands {
+            scratch.refused(&command.replace("DIR", directory), &[parts, &["allowed: "]].concat());
+        }
+    };
+    refused("nowhere", &["nowhere: this directory does not exist"]);
+    refused("a.yaml", &["a.yaml: this is a file, not a directory of results", "the study small"]);
+    scratch.refused("report a.yaml", &["`stickslip run a.yaml`", "results/small"]);
+    let older = of_older_model(&scratch.manifest("out").to_string());
+    scratch.write("out/manifest.json", older);
+    refused("out", &["another version", "version 0 of the model"]);
 }

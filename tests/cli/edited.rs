@@ -35,28 +35,17 @@ fn edited(text: String, used: u64, all: u64) {
     assert_eq!(scratch.data("out"), before);
 }
 
+/// What is replaced in the study of 512 runs, by what, and the used ones of all runs.
 #[test]
-fn a_finer_sweep_costs_the_new_points() {
-    edited(study("[-160.0, -180.0, -216.0, -250.0]", |text| text), 512, 1024);
-}
-
-#[test]
-fn fewer_points_cost_nothing() {
-    edited(study("[-216.0]", |text| text), 256, 256);
-}
-
-#[test]
-fn more_samples_cost_the_new_ones() {
-    let more = |text: String| text.replace("samples_per_cell: 1", "samples_per_cell: 3");
-    edited(study("[-160.0, -216.0]", more), 512, 1536);
-}
-
-#[test]
-fn another_friction_costs_its_points() {
-    let sweep = |text: String| {
-        text.replace("-216.0]}}", "-216.0], friction_coefficient: [2.75e-3, 1.0e-3]}}")
-    };
-    edited(study("[-160.0, -216.0]", sweep), 512, 1024);
+fn an_edited_study_costs_what_is_new() {
+    for (old, new, used, all) in [
+        ("[-160.0, -216.0]", "[-160.0, -180.0, -216.0, -250.0]", 512, 1024),
+        ("[-160.0, -216.0]", "[-216.0]", 256, 256),
+        ("samples_per_cell: 1", "samples_per_cell: 3", 512, 1536),
+        ("-216.0]}}", "-216.0], friction_coefficient: [2.75e-3, 1.0e-3]}}", 512, 1024),
+    ] {
+        edited(study("[-160.0, -216.0]", |text| text.replace(old, new)), used, all);
+    }
 }
 
 /// An audit computes its selected runs a second time; these runs are not finished without the

@@ -246,19 +246,37 @@ fn tables_and_studies_that_make_no_sense_are_refused() {
     let scratch = scratch();
     let to = "--out r.parquet --quiet";
     for row in rows(
-        r"a.csv ¦ speed_rad_s,balls\n-200,2\n ¦ no column material ¦ speed_rad_s, balls, material
+        r#"a.csv ¦ speed_rad_s,balls\n-200,2\n ¦ no column material ¦ speed_rad_s, balls, material
 b.csv ¦ speed_rad_s,balls,material,x\n-200,2,steel,1\n ¦ column x ¦ unknown column
 c.csv ¦ speed_rad_s,balls,material\n-200,2,steel\n-20,2,steel\n ¦ c.csv:3 ¦ row 2, column speed_rad_s ¦ from -260 to -140
 e.csv ¦ speed_rad_s,balls,material\n-200,2.5,steel\n ¦ row 1, column balls ¦ not a whole number ¦ 2.5
 f.csv ¦ speed_rad_s,balls,material\n-200,2,stel\n ¦ row 1, column material ¦ steel (did you mean this?)
 g.csv ¦ speed_rad_s,balls,material\n-200,,steel\n ¦ row 1, column balls ¦ an empty value
 h.csv ¦ speed_rad_s,balls,material\n ¦ a table without rows
-i.txt ¦ speed_rad_s,balls,material\n ¦ ends in neither .csv nor .parquet ¦ ",
+i.txt ¦ speed_rad_s,balls,material\n ¦ ends in neither .csv nor .parquet
+j.csv ¦ speed_rad_s,balls,material\nnan,2,steel\n ¦ row 1, column speed_rad_s ¦ finite
+k.csv ¦ speed_rad_s,balls,material\n-inf,2,steel\n ¦ row 1, column speed_rad_s ¦ -inf
+l.csv ¦ speed_rad_s,balls,material\n1e999,2,steel\n ¦ column speed_rad_s ¦ 1e999
+m.csv ¦ speed_rad_s,balls,material\n-200,two,steel\n ¦ row 1, column balls ¦ "two"
+n.csv ¦ speed_rad_s,balls,material\n-200,99999999999999999999,steel\n ¦ column balls ¦ range
+o.csv ¦ speed_rad_s,balls,material\n-200,2,steel\n-200,2\n ¦ o.csv:3 ¦ wrong number of values
+p.csv ¦ speed_rad_s,balls,balls\n-200,2,2\n ¦ column balls ¦ given twice
+q.csv ¦  ¦ q.csv ¦ empty
+r.csv ¦ speed_rad_s,balls,material\n-200,2,steel\n-200,2,"st\neel"\n ¦ row 2, column material ¦ not a choice
+s.parquet ¦ PAR1PAR1 ¦ s.parquet ¦ found:
+t.parquet ¦ speed_rad_s,balls,material\n-200,2,steel\n ¦ t.parquet ¦ found:"#,
     ) {
         scratch.write(&row[0], &row[1]);
         scratch.refused(&format!("evaluate balls.yaml --designs {} {to}", row[0]), &row[2..]);
     }
-    scratch.refused("evaluate balls.yaml --designs none.csv --out r.parquet", &["none.csv"]);
+    scratch.write("u.csv", b"speed_rad_s,balls,\xff\n");
+    std::fs::create_dir(scratch.path("v.csv")).expect("the directory does not exist yet");
+    for (name, part) in [("none.csv", "none.csv"), ("u.csv", "not UTF-8"), ("v.csv", "a directory")]
+    {
+        scratch.refused(&format!("evaluate balls.yaml --designs {name} {to}"), &[name, part]);
+    }
+    let nowhere = "evaluate balls.yaml --designs d.csv --out nowhere/r.parquet";
+    scratch.refused(nowhere, &["nowhere/r.parquet", "a directory that can be written to"]);
     scratch.refused("evaluate balls.yaml --designs d.csv --out d.csv", &["exists already"]);
     for name in ["r.tsv", "r.JSON", "r.xlsx"] {
         let arguments = format!("evaluate balls.yaml --designs d.csv --out {name}");
@@ -292,30 +310,6 @@ responses: ¦ expect: ¦ expect",
     let without = BALLS.split("responses:").next().unwrap();
     scratch.write("wrong.yaml", without);
     scratch.refused("evaluate wrong.yaml --designs -", &["`responses` is missing"]);
-}
-
-/// A client that closes either stream is not an error.
-#[test]
-fn hanging_up() {
-    let scratch = scratch();
-    let mut child = server(&scratch, "evaluate block.yaml --designs -");
-    let mut input = child.stdin.take().unwrap();
-    let mut output = BufReader::new(child.stdout.take().unwrap());
-    let mut line = String::new();
-    // The server persists from one request to the next.
-    for id in 0..3 {
-        writeln!(input, "{{\"id\": {id}, \"stiffness_n_m\": 100}}").unwrap();
-        line.clear();
-        output.read_line(&mut line).unwrap();
-        assert!(line.starts_with(&format!("{{\"id\":{id},")), "{line}");
-    }
-    drop(output);
-    writeln!(input, "{{\"id\": 9, \"stiffness_n_m\": 100}}").unwrap();
-    assert_eq!(child.wait().unwrap().code(), Some(0));
-    drop(input);
-    assert_eq!(ask(&scratch, "evaluate block.yaml --designs -", &[]).len(), 1, "an empty line");
-    let nothing = server(&scratch, "evaluate block.yaml --designs -").wait_with_output().unwrap();
-    assert_eq!((nothing.status.code(), nothing.stdout.len()), (Some(0), 0));
 }
 
 /// Ctrl-C ends a waiting server with exit code 130.

@@ -7,13 +7,21 @@ use serde_json::{Value, json};
 use super::support::{AT_ONCE, Scratch, assert_has, study_text};
 use crate::support::shipped;
 
+/// A block has one contact with a given normal force, so that the decision is always unique.
 #[test]
-fn the_thesis_study_is_certain_at_all_points() {
-    let scratch = Scratch::new();
+fn the_thesis_study_and_a_block_are_certain_at_all_points() {
+    let scratch = Scratch::with(
+        "schema: 1\nname: a\nseed: 1\nmodel: {kind: block_on_belt}\n\
+         sweep: [{grid: {belt_speed_m_s: [1, 2]}}]\n\
+         initial_conditions: {design: {sobol: {samples: 1}}}\n",
+    );
     let path = shipped("preferred-equilibria.yaml").display().to_string();
-    let text = scratch.well(&format!("check {path} --existence"));
-    assert_has(&text, &["existence     at all 6 points stick and slip have exactly one solution"]);
-    assert_has(&text, &["smallest principal minor 0.9999999"]);
+    for (path, points, minor) in [(&*path, 6, "0.9999999"), ("a.yaml", 2, "1.00000000 at point 0")]
+    {
+        let text = scratch.well(&format!("check {path} --existence"));
+        let all = format!("at all {points} points stick and slip have exactly one solution");
+        assert_has(&text, &[all, format!("smallest principal minor {minor}")]);
+    }
     assert!(!scratch.well(&format!("check {path}")).contains("existence"));
 }
 
@@ -64,19 +72,4 @@ fn huge_sweeps_stay_quick() {
     assert_has(&text, &["checked 10000 of 40000 points, evenly spread over the sweep"]);
     assert!(text.lines().count() < 100, "{text}");
     println!("{:?}", started.elapsed());
-}
-
-/// A block has one contact with a given normal force, so that the decision is always unique.
-#[test]
-fn a_block_is_decided_in_one_way() {
-    let scratch = Scratch::with(
-        "schema: 1\nname: a\nseed: 1\nmodel: {kind: block_on_belt}\n\
-         sweep: [{grid: {belt_speed_m_s: [1, 2]}}]\n\
-         initial_conditions: {design: {sobol: {samples: 1}}}\n",
-    );
-    let text = scratch.well("check a.yaml --existence");
-    assert_has(
-        &text,
-        &["at all 2 points", "proven", "smallest principal minor 1.00000000 at point 0"],
-    );
 }

@@ -33,7 +33,6 @@ mod replay_contact;
 mod report;
 mod responses;
 mod resume;
-mod stages;
 mod streams;
 mod summary;
 mod system_files;

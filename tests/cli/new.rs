@@ -1,5 +1,6 @@
 //! `stickslip new`: templates, names and files that exist.
 
+use serde_json::json;
 use stickslip::study::Template;
 
 use super::support::{Scratch, assert_has};
@@ -10,8 +11,8 @@ fn every_template_can_be_checked() {
     for Template { name, summary, .. } in Template::ALL {
         let file = format!("of-{name}.yaml");
         assert_eq!(scratch.well(&format!("new {file} --template {name}")), "");
-        let plan = scratch.well(&format!("check {file} --json"));
-        assert_has(&plan, &[format!("\"study\": \"of-{name}\"")]);
+        let plan = scratch.json(&format!("check {file} --json"));
+        assert_eq!((&plan["study"], &plan["warnings"]), (&json!(format!("of-{name}")), &json!([])));
         assert_has(&scratch.well("new --list"), &[format!("{name:<12} {summary}\n")]);
         assert_has(&scratch.well("new --help"), &[format!("{name}:"), summary.to_owned()]);
     }

@@ -85,12 +85,15 @@ fn the_search_finds_the_closed_form_optimum() {
     assert!((stop - closed).abs() < 1e-6, "{stop} {closed}");
     assert!((0.3847..0.40).contains(&stop), "{stop}");
     let text = BLOCK.replace("{from: 30", "{from: 70");
-    let block = "optimize: {maximize: stop, subject_to: {stop: {at_most: 0.7}}, designs: 24}\n";
+    let limits = "{stop: {at_least: 0.3, at_most: 0.7}}";
+    let block = format!("optimize: {{maximize: stop, subject_to: {limits}, designs: 24}}\n");
     scratch.write("limited.yaml", format!("{text}{block}"));
     scratch.well("optimize limited.yaml --out limited --quiet");
     let best = &optimum(&scratch, "limited")["best"];
     let stop = best["responses"]["stop"]["value"].as_f64().unwrap();
     assert!((0.66..=0.7).contains(&stop) && best["limits_met"] == true, "{best}");
+    // A response with two limits counts once.
+    assert_eq!(scratch.table("limited", "sensitivities").num_rows(), 1);
 }
 
 /// A block that stops after one half swing stops the sooner the stiffer its spring is: the optimum lies on the upper
@@ -284,18 +287,6 @@ fn a_search_continues_in_its_directory() {
     lock.unlock().unwrap();
     scratch.well("optimize longer.yaml --out here --quiet");
     assert_eq!(optimum(&scratch, "here")["search"]["designs"], 26);
-}
-
-/// A response with two limits counts once.
-#[test]
-fn a_response_with_two_limits_counts_once() {
-    let scratch = scratch();
-    let block = "optimize: {minimize: stop, subject_to: {stop: {at_least: 0.4, at_most: 0.9}}, designs: 12}\n";
-    scratch.write("both.yaml", format!("{BLOCK}{block}"));
-    scratch.well("optimize both.yaml --out both --quiet");
-    let stop = optimum(&scratch, "both")["best"]["responses"]["stop"]["value"].as_f64().unwrap();
-    assert!((0.4..=0.9).contains(&stop), "{stop}");
-    assert_eq!(scratch.table("both", "sensitivities").num_rows(), 1);
 }
 
 /// The CD-ROM drive of docs/optimize.md, by the study's own runs: the best design's 95 % quantile

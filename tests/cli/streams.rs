@@ -4,8 +4,6 @@ use std::fs::OpenOptions;
 use std::io::Read;
 use std::process::Stdio;
 
-use serde_json::{Value, json};
-
 use super::support::{AT_ONCE, Scratch, study_text};
 
 fn scratch() -> Scratch {
@@ -16,38 +14,6 @@ fn scratch() -> Scratch {
     let expect = "expect: [{point: {}, undecided_fraction: [0.5, 1.0]}]\n";
     scratch.write("b.yaml", study_text("b", "{monte_carlo: {samples: 5}}", AT_ONCE, expect));
     scratch
-}
-
-#[test]
-fn json_is_one_document_on_standard_output() {
-    let scratch = scratch();
-    let ended = scratch.stickslip("run a.yaml --json --out out");
-    assert_eq!(ended.code, Some(3));
-    let report: Value = serde_json::from_str(&ended.out).unwrap();
-    let whole = ["study", "out", "runs_planned", "runs_finished", "interrupted"];
-    assert_eq!(
-        whole.map(|key| report[key].clone()),
-        [json!("a"), json!("out"), json!(100), json!(100), json!(false)]
-    );
-    let points = report["points"].as_array().unwrap();
-    assert_eq!(points.len(), 2);
-    assert_eq!((&points[1]["speed_rad_s"], &points[1]["runs"]), (&(-200.0).into(), &50.into()));
-    assert_eq!(points[0]["time_to_rest_p50_s"], Value::Null);
-    let failed = points[0]["failed_runs"].as_u64().unwrap();
-    assert!(failed > 0);
-    assert_eq!(points[0]["undecided_runs"], 50 - failed);
-
-    let again = scratch.stickslip("run a.yaml --json --out out");
-    assert_eq!(again.code, Some(3));
-    let report: Value = serde_json::from_str(&again.out).unwrap();
-    assert_eq!(
-        (&report["already_complete"], &report["runs_finished"]),
-        (&true.into(), &100.into())
-    );
-
-    let verified = scratch.json("verify b.yaml --json");
-    assert_eq!(verified["expectations"][0]["met"], true);
-    assert_eq!(verified["expectations"][0]["label"], "undecided");
 }
 
 #[test]

@@ -11,9 +11,7 @@ use parquet::file::properties::WriterProperties;
 use serde_json::{Value, json};
 use stickslip::engine::Lock;
 
-use super::support::{
-    AT_ONCE, Scratch, assert_has, counts, numbers, of_older_model, study_text, words,
-};
+use super::support::{AT_ONCE, Scratch, assert_has, counts, numbers, study_text, words};
 
 /// Three points with text parameters, an audit and failures.
 pub const REST: &str = "sweep: [{zip: {speed_rad_s: [-160.0, -200.0, -216.3772], \
@@ -79,7 +77,14 @@ fn a_complete_study_that_is_run_again_shows_its_points() {
     };
     let fresh = report("run a.yaml --out other --json");
     let again = report("run a.yaml --out other --json");
+    let keys = ["study", "out", "runs_planned", "runs_finished", "interrupted"];
+    let whole = [json!("short"), json!("other"), json!(60), json!(60), json!(false)];
+    assert_eq!(keys.map(|key| fresh[key].clone()), whole);
     assert_eq!(fresh["points"].as_array().map(Vec::len), Some(3));
+    assert_eq!(
+        (&fresh["points"][1]["speed_rad_s"], &fresh["points"][1]["runs"]),
+        (&json!(-200.0), &json!(20))
+    );
     assert_eq!(again["points"], fresh["points"]);
     let flags = ["already_complete", "interrupted"].map(|key| again[key].clone());
     assert_eq!(flags, [json!(true), json!(false)]);
@@ -352,18 +357,6 @@ fn a_running_study_is_summarised() {
     fs::remove_file(scratch.path("a.html")).unwrap();
     assert_eq!(scratch.files(), before);
     drop(lock);
-}
-
-#[test]
-fn what_holds_no_results_is_refused() {
-    let (scratch, _) = finished();
-    scratch.refused("summary nowhere", &["nowhere: this directory does not exist", "allowed: "]);
-    let said = ["a.yaml: this is a file, not a directory of results", "found:   the study short"];
-    scratch.refused("summary a.yaml", &said);
-    scratch.refused("report a.yaml", &["`stickslip run a.yaml`", "results/short"]);
-    let other = of_older_model(&scratch.manifest("out").to_string());
-    scratch.write("out/manifest.json", other);
-    scratch.refused("summary out", &["another version", "version 0 of the model", "allowed: "]);
 }
 
 /// Rewrites a table with other columns, and updates its size and hash in the manifest.

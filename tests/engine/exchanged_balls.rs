@@ -16,7 +16,7 @@ fn starts() -> Vec<[f64; 8]> {
 }
 
 /// Runs a study from a table of starts and returns the scratch directory with its results.
-fn run(starts: impl Iterator<Item = [f64; 8]>, rest: &str) -> Scratch {
+fn run(method: &str, starts: impl Iterator<Item = [f64; 8]>, rest: &str) -> Scratch {
     let scratch = Scratch::new();
     let mut table = "x,y,beta_1,beta_2,x_dot,y_dot,beta_dot_1,beta_dot_2\n".to_owned();
     for start in starts {
@@ -24,7 +24,9 @@ fn run(starts: impl Iterator<Item = [f64; 8]>, rest: &str) -> Scratch {
         table += &(cells.join(",") + "\n");
     }
     scratch.write("starts.csv", table);
-    scratch.write("a.yaml", study_text("a", "{table: starts.csv}", 5.0, rest));
+    let text = study_text("a", "{table: starts.csv}", 5.0, rest);
+    let simulation = format!("simulation: {{method: {method}, ");
+    scratch.write("a.yaml", text.replace("simulation: {", &simulation));
     scratch.well("run a.yaml --out out");
     scratch
 }
@@ -45,12 +47,12 @@ fn reversed(class: &str) -> String {
     class.rsplit('|').collect::<Vec<_>>().join("|")
 }
 
-fn exchanged_gives_exchanged(sweep: &str, rest: &str, exchanged_rest: &str) {
+fn exchanged_gives_exchanged(method: &str, rest: &str, exchanged_rest: &str) {
     let starts = starts();
     let exchanged =
         starts.iter().map(|&[x, y, b1, b2, xd, yd, d1, d2]| [x, y, b2, b1, xd, yd, d2, d1]);
-    let one = run(starts.iter().copied(), &format!("{rest}{sweep}"));
-    let other = run(exchanged, &format!("{exchanged_rest}{sweep}"));
+    let one = run(method, starts.iter().copied(), &format!("{rest}{SPEEDS}"));
+    let other = run(method, exchanged, &format!("{exchanged_rest}{SPEEDS}"));
     let (one, other) = (one.table("out", "runs"), other.table("out", "runs"));
     assert_eq!(one.num_rows(), other.num_rows());
     for (first, second) in OF_ONE_BALL.iter().zip(OF_ONE_BALL.iter().skip(1)).step_by(2) {
@@ -79,7 +81,9 @@ const SPEEDS: &str = "sweep: [{grid: {speed_rad_s: [-160.8103, -191.6372, -216.3
 
 #[test]
 fn identical_balls_exchange_their_results() {
-    exchanged_gives_exchanged(SPEEDS, "", "");
+    for method in ["switch", "event"] {
+        exchanged_gives_exchanged(method, "", "");
+    }
 }
 
 #[test]
@@ -89,7 +93,9 @@ fn balls_that_differ_change_places_in_the_machine_too() {
     };
     let light = "{mass_kg: 1.2e-4, friction_coefficient: 2.0e-3}";
     let heavy = "{mass_kg: 1.6e-4, friction_coefficient: 3.0e-3, diameter_m: 3.2e-3}";
-    exchanged_gives_exchanged(SPEEDS, &balls(light, heavy), &balls(heavy, light));
+    for method in ["switch", "event"] {
+        exchanged_gives_exchanged(method, &balls(light, heavy), &balls(heavy, light));
+    }
 }
 
 /// A run that is computed alone equals the run in its study.

@@ -12,4 +12,3 @@ mod numbers_of_balls;
 mod precision;
 mod same_bytes;
 mod shard;
-mod stored_rows;

@@ -156,36 +156,6 @@ fn former_runs_are_kept() {
     }
 }
 
-/// The shards of a study are its points, and together they are the whole.
-#[test]
-fn shards_together_are_the_whole() {
-    let scratch = Scratch::with(text(0.09, 200, 3.0));
-    let whole_text = scratch.well("run a.yaml --out whole");
-    let is_row = |line: &&str| ["0 ", "1 ", "2 "].iter().any(|id| line.trim().starts_with(id));
-    assert_eq!(whole_text.lines().filter(is_row).count(), 3, "{whole_text}");
-    for table in ["runs", "points"] {
-        let key = if table == "runs" { "run_id" } else { "point_id" };
-        let whole = rows_by_key(&{ scratch.table("whole", table) }, &[key], &[]);
-        for parts in [2, 5] {
-            let mut together = BTreeMap::new();
-            for part in 1..=parts {
-                let out = format!("{part}-of-{parts}");
-                if !scratch.path(&out).exists() {
-                    scratch.well(&format!("run a.yaml --out {out} --shard {part}/{parts} --quiet"));
-                }
-                let rows = rows_by_key(&scratch.table(&out, table), &[key], &[]);
-                for (key, row) in rows {
-                    assert!(together.insert(key, row).is_none());
-                }
-            }
-            assert_eq!(together, whole);
-        }
-    }
-    let planned = |out: &str| scratch.manifest(out)["runs_planned"].as_u64().unwrap();
-    assert_eq!(planned("1-of-2") + planned("2-of-2"), planned("whole"));
-    assert_eq!((planned("3-of-5"), planned("5-of-5")), (200, 0));
-}
-
 /// After an interruption in the second round of the second point, the finished runs are stored, the
 /// first point is complete, and no point starts again.
 #[test]

@@ -28,11 +28,6 @@ pub struct Stopping {
 }
 
 impl Stopping {
-    /// Returns all positions at which the block stands still, m; the last one is final.
-    pub fn turning_points_m(self) -> impl Iterator<Item = f64> {
-        (0..=self.half_swings).map(move |swing| self.turning_point_m(swing))
-    }
-
     /// Returns the position at the end of a half swing, counted from 1; 0 is the first turning
     /// point.
     fn turning_point_m(self, swing: u64) -> f64 {
@@ -57,17 +52,9 @@ pub struct DampedStopping {
 pub struct StickSlipCycle {
     /// Time of a whole cycle, s.
     pub period_s: f64,
-    /// The part of it in which the block sticks to the belt, s.
-    pub stick_s: f64,
-    /// The part of it in which it slips, s.
-    pub slip_s: f64,
     /// Where it breaks away, m.
     pub break_away_m: f64,
-    /// Where it sticks again, m.
-    pub stick_again_m: f64,
-    /// Its least and its greatest position, m.
-    pub extremes_m: [f64; 2],
-    /// Half of the distance between them, m.
+    /// Half of the distance between its least and its greatest position, m.
     pub amplitude_m: f64,
 }
 
@@ -234,15 +221,7 @@ impl ClosedForms for Block {
         let amplitude_m = libm::hypot(drop, speed_m_s / natural);
         let stick_s = 2.0 * drop / speed_m_s;
         let slip_s = (PI + 2.0 * libm::atan2(speed_m_s / natural, drop)) / natural;
-        Some(StickSlipCycle {
-            period_s: stick_s + slip_s,
-            stick_s,
-            slip_s,
-            break_away_m: hold,
-            stick_again_m: slide - drop,
-            extremes_m: [slide - amplitude_m, slide + amplitude_m],
-            amplitude_m,
-        })
+        Some(StickSlipCycle { period_s: stick_s + slip_s, break_away_m: hold, amplitude_m })
     }
 
     fn damped_oscillation(

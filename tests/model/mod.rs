@@ -1,4 +1,3 @@
-mod block_closed_form;
 pub mod closed_forms;
 mod dual;
 mod existence;

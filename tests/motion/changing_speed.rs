@@ -17,13 +17,7 @@ use stickslip::model::{
 use stickslip::motion::{Motion, Phase, Settings, Tolerance};
 
 use super::conservation::energy;
-
-/// Nodes and weights of Gauss's rule with three points on [0, 1].
-const GAUSS: [(f64, f64); 3] = [
-    (0.112_701_665_379_258_3, 5.0 / 18.0),
-    (0.5, 8.0 / 18.0),
-    (0.887_298_334_620_741_7, 5.0 / 18.0),
-];
+use super::samples::GAUSS;
 /// Parts of a step over which Gauss's rule is applied.
 const PARTS: usize = 4;
 
@@ -203,29 +197,6 @@ fn a_ramp_without_acceleration_changes_nothing() {
 fn without_balls() -> Machine {
     let ball = Ball { mass_kg: 1e-15, ..Ball::default() };
     Machine { balls: vec![ball], ..Machine::default() }
-}
-
-/// A slow ramp follows the amplitude of the unbalanced table at constant speed.
-#[test]
-fn a_slow_ramp_follows_the_amplitude_without_balls() {
-    let machine = Machine { damping_n_s_m: 12.8, ..without_balls() };
-    let over_s = 60.0;
-    let machine = with_ramp(&machine, RampShape::Linear, -60.0, -300.0, over_s);
-    let natural = machine.natural_frequency_rad_s();
-    let balancer = Balancer::<1>::new(&machine).expect("one ball");
-    let times: Vec<f64> = (1..=20).map(|k| f64::from(k) * over_s / 21.0 * natural).collect();
-    let start = Start::of_balancer([0.0; 2], &[0.0], [0.0; 2], &[0.0]);
-    let found = recorded(&machine, &start, over_s + 0.1, times);
-    assert_eq!(found.samples.len(), 20);
-    for sample in &found.samples {
-        let omega = machine.disc_motion().speed_rad_s(sample.time / natural) / natural;
-        let square = omega * omega;
-        let resistance = (1.0 - square).hypot(2.0 * balancer.damping_ratio * omega);
-        let expected = balancer.imbalance * square / resistance;
-        let [x, y, ..] = sample.table.expect("a table");
-        let amplitude = x.hypot(y);
-        assert!((amplitude / expected - 1.0).abs() < 2e-2, "{omega} {amplitude} {expected}");
-    }
 }
 
 /// Integrates the unbalanced table in the frame at rest, `Z̈ + 2ζ Ż + Z = m_I e (φ̇² - i φ̈) e^{iφ}`, by the classical

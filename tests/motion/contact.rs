@@ -200,22 +200,6 @@ fn impacts_lose_the_energy_of_the_closed_form() {
     assert!(impacts > 200 && rest > 50, "{impacts} {rest}");
 }
 
-/// On a table of a thousand times the mass, equal balls exchange their speeds.
-#[test]
-fn equal_balls_exchange_speeds() {
-    let mut machine = touching(&Machine { speed_rad_s: 0.0, ..Machine::default() }, 1.0, 0.0);
-    machine.table_mass_kg *= 1e6;
-    machine.stiffness_n_m *= 1e6;
-    machine.balls.iter_mut().for_each(|ball| ball.friction_coefficient = 0.0);
-    let start = Start::of_balancer([0.0; 2], &[1.0, 2.0], [0.0; 2], &[0.5, 0.2]);
-    let mut motion = started(&machine, &start, settings(Method::Event, 1e-10));
-    while !motion.advance(5.0).expect("continues") {}
-    let angle = machine.contact_angle_rad(&machine.balls[0], &machine.balls[1]);
-    assert!((motion.time() - (1.0 - angle) / 0.3).abs() < 1e-6, "{}", motion.time());
-    let state = motion.state();
-    assert!((state[6] - 0.2).abs() < 1e-8 && (state[7] - 0.5).abs() < 1e-8, "{state:?}");
-}
-
 /// Until the first impact a run is the same to the last bit as one without contact.
 #[test]
 fn until_the_first_impact_nothing_changes() {

@@ -11,15 +11,10 @@
 use stickslip::model::{Balancer, Ball, BallContact, Machine, Method, Model, Start};
 use stickslip::motion::{Motion, Phase, Settings, Tolerance};
 
+use super::samples::GAUSS;
+
 /// Parts of a step over which Gauss's rule is applied.
 const PARTS: usize = 4;
-/// Nodes and weights of Gauss's rule with three points on [0, 1].
-const GAUSS: [(f64, f64); 3] = [
-    (0.112_701_665_379_258_3, 5.0 / 18.0),
-    (0.5, 8.0 / 18.0),
-    (0.887_298_334_620_741_7, 5.0 / 18.0),
-];
-
 fn energy<const N: usize>(balancer: &Balancer<N>, state: &[f64]) -> f64 {
     let (x, y, x_dot, y_dot) = (state[0], state[1], state[2], state[3]);
     let square = balancer.speed * balancer.speed;

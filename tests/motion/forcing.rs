@@ -46,14 +46,11 @@ fn shaken_block(recorder: &Recorder) -> SystemEquations<'_> {
 #[test]
 fn a_shaken_block_slides_as_in_closed_form() {
     let (force, frequency) = (0.8, 2.0);
-    let system: Arc<dyn System> = shared(OwnSystem {
-        record: shaken_block,
-        parameters: vec![force, frequency],
-        friction: vec![Friction::coulomb(FRICTION)],
-        longest_step: 0.5,
-        unique: true,
-        outputs: &[],
-    });
+    let system: Arc<dyn System> = shared(OwnSystem::new(
+        shaken_block,
+        vec![force, frequency],
+        vec![Friction::coulomb(FRICTION)],
+    ));
     let settings = Settings {
         method: Method::Event,
         band: 0.0,

@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use stickslip::model::{Ball, BallContact, Components, Machine, Method, Model, Start, System};
-use stickslip::motion::{Failure, Motion};
+use stickslip::motion::{Failure, Motion, Phase};
 
 use super::contact::settings;
-use super::samples::Sampler;
+use super::samples::{Sampler, compare_displacements};
 
 /// Returns a machine of balls with these masses and diameters, over those of the default.
 fn machine(contact: BallContact, balls: &[[f64; 2]]) -> Machine {
@@ -108,31 +108,28 @@ fn displacements_pass_through_impacts_that_conserve_energy() {
     let machine = machine(contact, &[[1.0, 1.0], [3.0, 1.0]]);
     let (system, mut state) = in_a_row(&machine, 1.0, &[1.0, -0.1]);
     state[5] += 0.05;
-    let follow = |state: &Components, directions: &[Components]| {
-        let settings = settings(Method::Event, 1e-12);
-        let mut motion =
-            Motion::with_directions(&system, settings, state, directions).expect("starts");
-        while motion.time() < 0.1 {
-            motion.advance(0.1).expect("continues");
-        }
-        motion
-    };
-    let unit =
-        |place: usize| -> Components { (0..8).map(|other| f64::from(other == place)).collect() };
-    let directions: Vec<Components> = (0..8).map(unit).collect();
-    let motion = follow(&state, &directions);
+    let settings = settings(Method::Event, 1e-12);
+    let places = [0, 1, 2, 3, 4, 5, 6, 7];
+    let (motion, _) = compare_displacements(&system, settings, &state, &places, 0.1, [1e-6; 2]);
     let separation = motion.state()[7] - motion.state()[6];
     assert!(separation > 0.5 && separation < 1.09, "Newton's law would give 1.1: {separation}");
-    for (direction, displaced) in directions.iter().zip(motion.displacements()) {
-        let ends = [1e-6, -1e-6].map(|size| {
-            let moved = state.iter().zip(direction).map(|(value, by)| value + size * by);
-            follow(&moved.collect(), &[]).state()
-        });
-        for place in 0..8 {
-            let slope = (ends[0][place] - ends[1][place]) / 2e-6;
-            let found = displaced[place];
-            assert!((slope - found).abs() < 1e-6 * (1.0 + slope.abs()), "{found} {slope}");
-        }
+}
+
+/// Displacements of a motion with impacts, and of one that ends in lasting contact, against central differences.
+#[test]
+fn displacements_pass_through_impacts_and_lasting_contact() {
+    for (restitution, end, closes) in [(0.9, 12.0, false), (0.0, 6.0, true)] {
+        let contact = Some(BallContact { restitution, friction_coefficient: 0.1 });
+        let model = Model::from(Machine { contact, ..Machine::default() });
+        let start = Start::of_balancer([0.01, 0.02], &[1.0, 1.45], [0.0; 2], &[0.35, 0.25]);
+        let system = model.system_for(&start).expect("a system");
+        let state = model.start_state(&start).expect("a state");
+        let settings = settings(Method::Event, 1e-12);
+        let places = [0, 1, 2, 3, 4, 5, 6, 7];
+        let (motion, events) =
+            compare_displacements(&system, settings, &state, &places, end, [1e-6, 1e-4]);
+        assert!(events > 0);
+        assert_eq!(motion.phases()[2..].contains(&Phase::Closed), closes);
     }
 }
 

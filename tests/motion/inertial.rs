@@ -6,11 +6,10 @@ use stickslip::model::{Balancer, Machine, Method, NormalForce, State};
 use stickslip::motion::{Direction, Evaluator, Motion, Phase};
 
 use super::samples::{Sampler, difference, go_on, settings, stuck_table};
-use crate::support::{for_each_kernel, reference, shared, started, state_of};
+use crate::support::{for_each_kernel, reference, shared, started};
 
 /// Position and velocity of the ring's centre, angle and rate of each ball, in inertial space, and
 /// the direction of the imbalance.
-#[derive(Clone)]
 struct Inertial {
     centre: [f64; 2],
     velocity: [f64; 2],
@@ -212,69 +211,6 @@ fn terms<const N: usize>(balancer: &Balancer<N>, ball: usize) -> BallTerms {
     BallTerms {
         linear: 2.0 * body.inertia * body.diameter * balancer.speed,
         quadratic: -4.0 * body.inertia,
-    }
-}
-
-/// A motion in slip, integrated in space by the classical Runge-Kutta method, ends where the motion
-/// in the turning frame does.
-#[test]
-fn motion_agrees_with_one_integrated_in_space() {
-    let machine = Machine { normal_force: NormalForce::Newton, ..Machine::default() };
-    let balancer = Balancer::<2>::new(&machine).expect("two balls");
-    let start = State {
-        position: [0.03, -0.02],
-        velocity: [0.01, 0.04],
-        beta: [1.0, 4.0],
-        beta_dot: [0.9, -0.6],
-    };
-    let rate = |s: &Inertial| {
-        let solved = newton(&machine, &balancer, s, &[Some(1.0), Some(-1.0)]);
-        let angular = solved.angular;
-        Inertial {
-            centre: s.velocity,
-            velocity: solved.acceleration,
-            angle: s.rate.clone(),
-            rate: angular,
-            imbalance: balancer.speed,
-        }
-    };
-    let add = |s: &Inertial, factor: f64, d: &Inertial| {
-        let sum = |a: &[f64], b: &[f64]| -> Vec<f64> {
-            a.iter().zip(b).map(|(a, b)| a + factor * b).collect()
-        };
-        let pair = |a: [f64; 2], b: [f64; 2]| [a[0] + factor * b[0], a[1] + factor * b[1]];
-        Inertial {
-            centre: pair(s.centre, d.centre),
-            velocity: pair(s.velocity, d.velocity),
-            angle: sum(&s.angle, &d.angle),
-            rate: sum(&s.rate, &d.rate),
-            imbalance: s.imbalance + factor * d.imbalance,
-        }
-    };
-    let (steps, length) = (1000, 2e-3);
-    let mut space = in_space(&balancer, &start, 0.7);
-    for _ in 0..steps {
-        let k_1 = rate(&space);
-        let k_2 = rate(&add(&space, 0.5 * length, &k_1));
-        let k_3 = rate(&add(&space, 0.5 * length, &k_2));
-        let k_4 = rate(&add(&space, length, &k_3));
-        for (weight, k) in [(1.0, k_1), (2.0, k_2), (2.0, k_3), (1.0, k_4)] {
-            space = add(&space, weight * length / 6.0, &k);
-        }
-    }
-    let end = f64::from(steps) * length;
-    for (method, system) in [Method::Switch, Method::Event]
-        .into_iter()
-        .flat_map(|method| for_each_kernel(balancer).map(|system| (method, system)))
-    {
-        let mut motion = started(&system, settings(method, 1e-12), &start);
-        go_on(&mut motion, end);
-        assert_eq!(motion.effort().switches, 0, "one smooth stretch");
-        let turned = in_space(&balancer, &state_of(&motion), 0.7 + balancer.speed * end);
-        let pairs = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f64>();
-        assert!(pairs(&turned.centre, &space.centre) < 1e-10);
-        assert!(pairs(&turned.velocity, &space.velocity) < 1e-10);
-        assert!(pairs(&turned.rate, &space.rate) < 1e-10);
     }
 }
 

@@ -12,7 +12,6 @@ mod forcing;
 mod impacts;
 mod inertial;
 mod kernels;
-mod lasting_contact;
 mod mode_selection;
 mod opening_contact;
 mod operations;

@@ -74,14 +74,7 @@ fn integrals(t: f64) -> [f64; 6] {
 
 #[test]
 fn series_and_displacements_of_functions() {
-    let system = shared(OwnSystem {
-        record: functions,
-        parameters: vec![],
-        friction: vec![],
-        longest_step: 0.5,
-        unique: true,
-        outputs: &[],
-    });
+    let system = shared(OwnSystem::new(functions, vec![], vec![]));
     for start in [0.0, 0.4, 1.3] {
         let mut state = Components::from_elem(0.0, 8);
         state[0] = start;
@@ -115,14 +108,7 @@ fn a_singular_linear_system_ends_the_motion() {
         let half = Expression::constant(0.5);
         with_time(recorder.solve(&[vec![t - half]], &[Expression::constant(1.0)]))
     }
-    let system = shared(OwnSystem {
-        record: singular,
-        parameters: vec![],
-        friction: vec![],
-        longest_step: 0.5,
-        unique: true,
-        outputs: &[],
-    });
+    let system = shared(OwnSystem::new(singular, vec![], vec![]));
     let at_once = Motion::new(&system, SETTINGS, &[0.5, 0.0]).expect("starts").advance(1.0);
     assert_eq!(at_once, Err(Failure::NotFinite));
     let mut motion = Motion::new(&system, SETTINGS, &[0.0, 0.0]).expect("starts");
@@ -157,15 +143,7 @@ fn three_equations(recorder: &Recorder) -> SystemEquations<'_> {
 /// Compares values, series and displacements of [`three_equations`] with the solution.
 fn solves(parameters: Vec<f64>, end: f64) {
     let what = format!("{parameters:?}");
-    let record = three_equations;
-    let system = shared(OwnSystem {
-        record,
-        parameters,
-        friction: vec![],
-        longest_step: 0.5,
-        unique: true,
-        outputs: &[],
-    });
+    let system = shared(OwnSystem::new(three_equations, parameters, vec![]));
     let rates = |t: f64| [1.0, 2.0 * t, t.cos()];
     let mut state = [0.0; 4];
     let mut motion = Motion::with_directions(
@@ -226,14 +204,7 @@ fn linear_systems_with_small_pivots() {
 #[test]
 fn a_system_that_records_another_one() {
     fn own(record: for<'r> fn(&'r Recorder) -> SystemEquations<'r>) -> OwnSystem {
-        OwnSystem {
-            record,
-            parameters: vec![],
-            friction: vec![],
-            longest_step: 0.5,
-            unique: true,
-            outputs: &[],
-        }
+        OwnSystem::new(record, vec![], vec![])
     }
     fn inner(recorder: &Recorder) -> SystemEquations<'_> {
         recorder.state();

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use stickslip::model::{
-    Components, ContactEquations, ContactLayout, EventEquations, Expression, Friction, Layout,
-    Method, Number, Recorder, System, SystemEquations,
+    ContactEquations, ContactLayout, EventEquations, Expression, Friction, Layout, Method, Number,
+    Recorder, System, SystemEquations,
 };
 use stickslip::motion::{Direction, Failure, Motion, Phase, Settings, Tolerance};
 
+use super::samples::compare_displacements;
 use crate::support::{OwnSystem, shared};
 
 const SETTINGS: Settings = Settings {
@@ -36,14 +37,7 @@ fn bouncing_mass(recorder: &Recorder) -> SystemEquations<'_> {
 }
 
 fn mass(gravity: f64, restitution: f64) -> Arc<dyn System> {
-    shared(OwnSystem {
-        record: bouncing_mass,
-        parameters: vec![gravity, restitution],
-        friction: vec![],
-        longest_step: 1.0,
-        unique: true,
-        outputs: &[],
-    })
+    shared(OwnSystem::new(bouncing_mass, vec![gravity, restitution], vec![]))
 }
 
 /// Falls from `height` at rest: impacts at `t_k` with speeds `v e^k`, where `v = sqrt(2 g h)`, `t_0 = v / g` and
@@ -91,47 +85,11 @@ fn elastic_impacts_keep_the_energy() {
     assert!((motion.state()[1] - 1.0).abs() < 1e-12);
 }
 
-/// Returns the state at a time, with the displacements of all directions.
-fn at(system: &Arc<dyn System>, state: &[f64], time: f64) -> (Components, Vec<Components>) {
-    let unit = |component: usize| {
-        let mut unit = Components::from_elem(0.0, state.len());
-        unit[component] = 1.0;
-        unit
-    };
-    let directions: Vec<Components> = (0..state.len()).map(unit).collect();
-    let mut motion = Motion::with_directions(system, SETTINGS, state, &directions).expect("starts");
-    while motion.time() < time {
-        motion.advance(time).expect("continues");
-    }
-    assert!(!motion.grazed());
-    (motion.state(), motion.displacements())
-}
-
-/// Compares displacements with central differences of motions from displaced states.
-fn compare_displacements(system: &Arc<dyn System>, state: &[f64], components: &[usize], time: f64) {
-    let (_, displacements) = at(system, state, time);
-    for &component in components {
-        let step = 1e-5;
-        let [low, high] = [-step, step].map(|by| {
-            let mut state = state.to_vec();
-            state[component] += by;
-            at(system, &state, time).0
-        });
-        for (row, found) in displacements[component].iter().enumerate() {
-            let expected = (high[row] - low[row]) / (2.0 * step);
-            let scale = expected.abs().max(1.0);
-            assert!(
-                (found - expected).abs() < 1e-6 * scale,
-                "{row} {component}: {found} {expected}"
-            );
-        }
-    }
-}
-
 #[test]
 fn displacements_jump_at_impacts() {
     for time in [0.9, 1.9, 2.4] {
-        compare_displacements(&mass(1.0, 0.8), &[0.3, 0.2], &[0, 1], time);
+        let system = mass(1.0, 0.8);
+        compare_displacements(&system, SETTINGS, &[0.3, 0.2], &[0, 1], time, [1e-5, 1e-6]);
     }
 }
 
@@ -177,14 +135,8 @@ const FRICTION: f64 = 0.5;
 const SLOPE: f64 = 0.25;
 
 fn block([ramp_end, kick_time, kick]: [f64; 3]) -> Arc<dyn System> {
-    shared(OwnSystem {
-        record: pulled_block,
-        parameters: vec![FRICTION, SLOPE, ramp_end, kick_time, kick],
-        friction: vec![Friction::coulomb(FRICTION)],
-        longest_step: 1.0,
-        unique: true,
-        outputs: &[],
-    })
+    let parameters = vec![FRICTION, SLOPE, ramp_end, kick_time, kick];
+    shared(OwnSystem::new(pulled_block, parameters, vec![Friction::coulomb(FRICTION)]))
 }
 
 /// The block breaks loose at 2, where the pull reaches the limit of friction. The ramp ends at 3. A kick at 5 throws the
@@ -244,11 +196,7 @@ fn a_kicked_block_comes_to_rest_again() {
 #[test]
 fn displacements_follow_ramp_and_kick() {
     for time in [1.5, 2.5, 4.0, 5.5, 8.0] {
-        compare_displacements(
-            &block([3.0, 5.0, -2.0]),
-            &[0.0, 0.0, 0.3, 1.0, 1.0],
-            &[0, 1, 2],
-            time,
-        );
+        let (system, start) = (block([3.0, 5.0, -2.0]), [0.0, 0.0, 0.3, 1.0, 1.0]);
+        compare_displacements(&system, SETTINGS, &start, &[0, 1, 2], time, [1e-5, 1e-6]);
     }
 }

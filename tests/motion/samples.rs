@@ -76,6 +76,13 @@ impl Sampler {
     }
 }
 
+/// Nodes and weights of Gauss's rule with three points on [0, 1].
+pub const GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_3, 5.0 / 18.0),
+    (0.5, 8.0 / 18.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];
+
 /// Returns tight settings; the band is for the switch model.
 pub fn settings(method: Method, relative: f64) -> Settings {
     let tolerance = Tolerance { relative, absolute: 1e-2 * relative };
@@ -92,6 +99,46 @@ pub fn moved<const N: usize>(
     let mut motion = started(system, settings, &state);
     go_on(&mut motion, until);
     motion
+}
+
+/// Compares the displacements of these components until a time with central differences of motions whose starts are displaced
+/// by a size, to a tolerance. Returns the motion and the number of its steps that end with an event.
+#[track_caller]
+pub fn compare_displacements(
+    system: &Arc<dyn System>,
+    settings: Settings,
+    start: &[f64],
+    places: &[usize],
+    until: f64,
+    [size, tolerance]: [f64; 2],
+) -> (Motion, u32) {
+    let follow = |state: &[f64], directions: &[Components]| {
+        let mut motion =
+            Motion::with_directions(system, settings, state, directions).expect("starts");
+        let mut events = 0;
+        while motion.time() < until {
+            events += u32::from(motion.advance(until).expect("continues"));
+        }
+        (motion, events)
+    };
+    let unit = |place: &usize| -> Components {
+        (0..start.len()).map(|other| f64::from(other == *place)).collect()
+    };
+    let directions: Vec<Components> = places.iter().map(unit).collect();
+    let (motion, events) = follow(start, &directions);
+    assert!(!motion.grazed());
+    for (direction, displaced) in directions.iter().zip(motion.displacements()) {
+        let ends = [size, -size].map(|size| {
+            let moved = start.iter().zip(direction).map(|(value, by)| value + size * by);
+            follow(&moved.collect::<Vec<f64>>(), &[]).0.state()
+        });
+        for (place, found) in displaced.iter().enumerate() {
+            let slope = (ends[0][place] - ends[1][place]) / (2.0 * size);
+            let near = (slope - found).abs() < tolerance * (1.0 + slope.abs());
+            assert!(near, "{place} of {direction:?}: {found} {slope}");
+        }
+    }
+    (motion, events)
 }
 
 /// Advances until a time and returns the effort.

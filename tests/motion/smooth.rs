@@ -1,4 +1,4 @@
-//! Smooth phases: steps and states within them against an independent integration, and a conserved quantity.
+//! Smooth phases: steps and states within them against an independent integration.
 
 use stickslip::model::{Balancer, Machine, Method, State};
 use stickslip::motion::{Direction, Phase, Settings, Tolerance};
@@ -9,60 +9,6 @@ use crate::support::{for_each_kernel, started, state_of};
 fn settings(relative: f64) -> Settings {
     let tolerance = Tolerance { relative, absolute: 1e-2 * relative };
     Settings { method: Method::Switch, band: 1e-4, tolerance, effort_limit: 10_000_000 }
-}
-
-/// Without friction and damping the Jacobi integral of the system with prescribed rotation, `h =
-/// T_2 - T_0 + V`, is constant. It is computed from positions and velocities in inertial space, not
-/// from the equations of motion.
-fn jacobi_integral(machine: &Machine, balancer: &Balancer<2>, state: &State<2>) -> f64 {
-    let omega = balancer.speed;
-    let [x, y] = state.position;
-    let [x_dot, y_dot] = state.velocity;
-    let e = machine.imbalance_radius_m / machine.ring_radius_m;
-    let m_i = machine.imbalance_mass_kg / machine.total_mass_kg();
-    let m_t = machine.table_mass_kg / machine.total_mass_kg();
-    let at_rest = |px: f64, py: f64| 0.5 * omega * omega * (px * px + py * py);
-    let mut h = 0.5 * (x_dot * x_dot + y_dot * y_dot) + 0.5 * (x * x + y * y)
-        - m_t * at_rest(x, y)
-        - m_i * at_rest(x + e, y);
-    for (ball, (beta, beta_dot)) in
-        balancer.balls.iter().zip(state.beta.into_iter().zip(state.beta_dot))
-    {
-        let (s, c) = beta.sin_cos();
-        // Rolling: the spin relative to the frame is -2 β̇ / d, its energy 2 J m β̇².
-        h += ball.mass
-            * (beta_dot * (c * y_dot - s * x_dot)
-                + 0.5 * (1.0 + 4.0 * ball.inertia) * beta_dot * beta_dot
-                - at_rest(x + c, y + s));
-    }
-    h
-}
-
-#[test]
-fn jacobi_integral_is_constant_without_friction() {
-    let mut machine = Machine { damping_n_s_m: 0.0, ..Machine::default() };
-    for ball in &mut machine.balls {
-        ball.friction_coefficient = 0.0;
-        ball.mass_kg *= 30.0; // so that the effect of the balls is large
-    }
-    let balancer = Balancer::<2>::new(&machine).expect("two balls");
-    let start = State {
-        position: [0.03, -0.02],
-        velocity: [0.01, 0.04],
-        beta: [1.0, 4.0],
-        beta_dot: [0.5, -0.7],
-    };
-    let before = jacobi_integral(&machine, &balancer, &start);
-    for system in for_each_kernel(balancer) {
-        let mut motion = started(&system, settings(1e-11), &start);
-        while motion.time() < 300.0 {
-            motion.advance(300.0).expect("continues");
-        }
-        let after = jacobi_integral(&machine, &balancer, &state_of(&motion));
-        let moved = motion.unwrapped()[0] - 1.0;
-        assert!(moved.abs() > 1.0, "a motion worth the name: {moved}");
-        assert!((after - before).abs() < 1e-9 * before.abs(), "{before} {after}");
-    }
 }
 
 fn balancer() -> Balancer<2> {

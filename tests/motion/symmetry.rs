@@ -1,7 +1,7 @@
-//! Symmetries of every motion: exchange of balls, mirror image, whole turns of a ball.
+//! Symmetries of every motion: mirror image, whole turns of a ball.
 
-use stickslip::classification::{Outcome, simulate};
-use stickslip::model::{Ball, Case, Machine, Method, Simulation, Start};
+use stickslip::classification::simulate;
+use stickslip::model::{Case, Machine, Method, Simulation, Start};
 
 use crate::support::angular_distance;
 
@@ -25,45 +25,6 @@ fn starts() -> Vec<Start> {
             )
         })
         .collect()
-}
-
-fn swapped(mut values: Vec<f64>) -> Vec<f64> {
-    values.swap(0, 1);
-    values
-}
-
-/// Exchanging two balls in machine and start exchanges the results bit for bit, with the same
-/// effort.
-#[test]
-fn exchanged_balls_give_the_exchanged_result() {
-    let kinds = METHODS.into_iter().flat_map(|method| [(method, true), (method, false)]);
-    for (method, alike) in kinds {
-        for start in starts() {
-            let mut original = case(-216.3772, start.clone(), method);
-            let mut exchanged = original.clone();
-            let balls = |case: &mut Case, edit: &dyn Fn(&mut Vec<Ball>)| {
-                edit(&mut case.model.ball_balancer_mut().expect("a balancer").balls);
-            };
-            if !alike {
-                let differ = |balls: &mut Vec<Ball>| {
-                    balls[1].mass_kg *= 1.5;
-                    balls[1].friction_coefficient *= 0.5;
-                };
-                balls(&mut original, &differ);
-                balls(&mut exchanged, &differ);
-            }
-            balls(&mut exchanged, &|balls| balls.swap(0, 1));
-            exchanged.start.0.swap(2, 3);
-            exchanged.start.0.swap(6, 7);
-            let (first, second) = (simulate(&original), simulate(&exchanged));
-            let undone = Outcome {
-                position: second.position.clone().map(swapped),
-                mean_speed: second.mean_speed.clone().map(swapped),
-                ..second
-            };
-            assert_eq!(first, undone);
-        }
-    }
 }
 
 /// The mirror image (speed, y and all angles with the opposite sign) gives the mirrored motion.

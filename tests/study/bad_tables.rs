@@ -2,22 +2,14 @@
 
 use stickslip::study::{Study, StudyError};
 
+use crate::support::cases;
+
 fn load(rest: &str, design: &str, table: &[u8]) -> Result<Study, StudyError> {
     super::load_with("table.csv", table, rest, design)
 }
 
 fn sweep(table: &str) -> Result<Study, StudyError> {
     load("sweep: [{table: table.csv}]\n", "{monte_carlo: {samples: 10}}", table.as_bytes())
-}
-
-#[track_caller]
-fn refused(table: &str, line: Option<usize>, key: &str, found: &str, allowed: &str) {
-    let error = sweep(table).err().unwrap_or_else(|| panic!("accepted: {table}"));
-    assert!(error.file().ends_with("table.csv"), "{error}");
-    assert_eq!(error.line(), line, "{error}");
-    assert_eq!(error.key(), key, "{error}");
-    assert!(error.found().unwrap_or_default().contains(found), "{error}");
-    assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
 }
 
 #[test]
@@ -30,36 +22,35 @@ fn a_right_table_makes_points() {
     assert_eq!(with_mark.hash(), study.hash());
 }
 
-#[test]
-fn wrong_cells_are_named_by_row_and_column() {
-    let column = "row 2, column speed_rad_s";
-    refused("speed_rad_s\n-160\nfast\n", Some(3), column, "fast", "a number");
-    refused("speed_rad_s\n-160\nNaN\n", Some(3), column, "NaN", "a finite number");
-    refused("speed_rad_s\n-160\n1e999\n", Some(3), column, "1e999", "a finite number");
-    refused("speed_rad_s,damping_n_s_m\n1,1\n,1\n", Some(3), column, "nothing", "a number");
-    refused("ball_mass_kg\n-1\n", Some(2), "row 1, column ball_mass_kg", "-1", "a positive");
-    refused("normal_force\neuler\n", Some(2), "row 1, column normal_force", "euler", "newton");
-    // Comments and empty lines count as lines, but not as rows.
-    refused("# a\n\nspeed_rad_s\n1\n\n# b\nx\n", Some(7), column, "\"x\"", "a number");
-}
+/// A table, the line of the message, its key, what it found, and what it allows.
+const WRONG: &str = r"# Cells.
+speed_rad_s\n-160\nfast\n ¦ 3 ¦ row 2, column speed_rad_s ¦ fast ¦ a number
+speed_rad_s\n-160\nNaN\n ¦ 3 ¦ row 2, column speed_rad_s ¦ NaN ¦ a finite number
+speed_rad_s\n-160\n1e999\n ¦ 3 ¦ row 2, column speed_rad_s ¦ 1e999 ¦ a finite number
+speed_rad_s,damping_n_s_m\n1,1\n,1\n ¦ 3 ¦ row 2, column speed_rad_s ¦ nothing ¦ a number
+ball_mass_kg\n-1\n ¦ 2 ¦ row 1, column ball_mass_kg ¦ -1 ¦ a positive
+normal_force\neuler\n ¦ 2 ¦ row 1, column normal_force ¦ euler ¦ newton
+# Comments and empty lines count as lines, but not as rows.
+#a\n\nspeed_rad_s\n1\n\n# b\nx\n ¦ 7 ¦ row 2, column speed_rad_s ¦ x ¦ a number
+# Shapes.
+speed_rad_s,damping_n_s_m\n1,1\n1\n ¦ 3 ¦ row 2 ¦ 1 values ¦ 2, one per
+speed_rad_s\n1,2\n ¦ 2 ¦ row 1 ¦ 2 values ¦ 1, one per
+speed_rad_s\n ¦ 1 ¦  ¦ 0 rows ¦ at least one row
+ ¦  ¦  ¦ no header ¦ column names
+speed_rad_s;damping_n_s_m\n1,5;2\n ¦ 1 ¦  ¦ speed_rad_s;damping_n_s_m ¦ a comma between two columns
+speed\n1\n ¦ 1 ¦ column speed ¦ speed ¦ speed_rad_s (did you mean this?)
+speed_rad_s,speed_rad_s\n1,2\n ¦ 1 ¦ column speed_rad_s ¦  ¦ once
+ball\n1\n ¦ 1 ¦ column ball ¦ ball ¦ balls (did you mean this?)";
 
 #[test]
-fn wrong_shapes_are_refused() {
-    refused("speed_rad_s,damping_n_s_m\n1,1\n1\n", Some(3), "row 2", "1 values", "2, one per");
-    refused("speed_rad_s\n1,2\n", Some(2), "row 1", "2 values", "1, one per");
-    refused("speed_rad_s\n", Some(1), "", "0 rows", "at least one row");
-    refused("", None, "", "no header", "column names");
-    let separated = "speed_rad_s;damping_n_s_m";
-    refused(
-        &format!("{separated}\n1,5;2\n"),
-        Some(1),
-        "",
-        separated,
-        "a comma between two columns",
-    );
-    refused("speed\n1\n", Some(1), "column speed", "speed", "speed_rad_s (did you mean this?)");
-    refused("speed_rad_s,speed_rad_s\n1,2\n", Some(1), "column speed_rad_s", "", "once");
-    refused("ball\n1\n", Some(1), "column ball", "ball", "balls (did you mean this?)");
+fn wrong_tables_are_refused() {
+    for [table, line, key, found, allowed] in cases(WRONG) {
+        let error = sweep(&table).err().unwrap_or_else(|| panic!("accepted: {table}"));
+        assert!(error.file().ends_with("table.csv"), "{error}");
+        assert_eq!((error.line(), error.key()), (line.parse().ok(), key.as_str()), "{error}");
+        assert!(error.found().unwrap_or_default().contains(&found), "{error}");
+        assert!(error.allowed().unwrap_or_default().contains(&allowed), "{error}");
+    }
 }
 
 #[test]

@@ -125,9 +125,12 @@ imbalance_mass_kg: {uniform: {min: 5.0e-5, max: 6.0e-5}} ¦ ball_mass_kg: {choic
 -200] ¦ .inf] ¦ 18 ¦ sweep[0].grid.speed_rad_s[1] ¦ .inf ¦ a finite number
 [-0.05 ¦ [-.inf ¦ 26 ¦ initial_conditions.box.x[0] ¦ -.inf ¦ a finite number
 16.5 ¦ .nan ¦ 32 ¦ simulation.end_time_s ¦ .nan ¦ a finite number
+0.3\n ¦ .NaN\n ¦ 7 ¦ model.parameters.table_mass_kg ¦  ¦ a finite number
+0.3\n ¦ -1e999\n ¦ 7 ¦ model.parameters.table_mass_kg ¦  ¦ a finite number
 max: 6.0e-5 ¦ max: 1e400 ¦ 23 ¦ uncertain.imbalance_mass_kg.uniform.max ¦ inf ¦ finite
 # Sweeps.
 [1.0, 2.0] ¦ [1.0, 2.0, 3.0] ¦ 21 ¦ sweep[1].zip.damping_n_s_m ¦ speed_rad_s 2, damping_n_s_m 3 ¦ equally many values
+sweep:\n  - grid:\n      speed_rad_s: [-160, -200]\n  - zip:\n      speed_rad_s: [-160, -200]\n      damping_n_s_m: [1.0, 2.0]\n ¦ sweep: []\n ¦ 16 ¦ sweep ¦ an empty list ¦ no `sweep`
 [1.0, 2.0] ¦ [] ¦ 21 ¦ sweep[1].zip.damping_n_s_m ¦ an empty list ¦ at least one value
       damping_n_s_m: [1.0, 2.0]\n ¦       balls: [1, 9]\n ¦ 21 ¦ sweep[1].zip.balls[1] ¦ 9 ¦ a whole number from 1 to 8
       damping_n_s_m: [1.0, 2.0]\n ¦       colour: [1, 2]\n ¦ 21 ¦ sweep[1].zip.colour ¦ colour ¦ normal_force
@@ -135,6 +138,20 @@ max: 6.0e-5 ¦ max: 1e400 ¦ 23 ¦ uncertain.imbalance_mass_kg.uniform.max ¦ in
       damping_n_s_m: [1.0, 2.0]\n ¦       normal_force: [newton, neuton]\n ¦ 21 ¦ sweep[1].zip.normal_force[1] ¦ neuton ¦ newton (did you mean
       speed_rad_s: [-160, -200]\n  - zip: ¦       {}\n  - zip: ¦ 18 ¦ sweep[0].grid ¦ no parameter ¦ at least one
       speed_rad_s: [-160, -200]\n  - zip: ¦       speed_rad_s: [1]\n    zip: {speed_rad_s: [1]}\n  - zip: ¦ 17 ¦ sweep[0] ¦ grid, zip ¦ exactly one of grid, zip, table
+# Extensions.
+16.5 ¦ 16.5\n  extend: {factor: 1} ¦ 33 ¦ simulation.extend.factor ¦ 1 ¦ above 1 and at most 1000
+16.5 ¦ 16.5\n  extend: {factor: -2} ¦ 33 ¦ simulation.extend.factor ¦ -2 ¦ above 1 and at most 1000
+16.5 ¦ 16.5\n  extend: {factor: 1000.5} ¦ 33 ¦ simulation.extend.factor ¦ 1000.5 ¦ above 1 and at most 1000
+16.5 ¦ 16.5\n  extend: {factor: .nan} ¦ 33 ¦ simulation.extend.factor ¦ .nan ¦ a finite number
+16.5 ¦ 16.5\n  extend: {factor: two} ¦ 33 ¦ simulation.extend.factor ¦ text "two" ¦ a number
+16.5 ¦ 16.5\n  extend: {labels: [undecided]} ¦ 33 ¦ simulation.extend.factor ¦ no such key ¦ a value for `factor`
+16.5 ¦ 16.5\n  extend: {factor: 2, label: [undecided]} ¦ 33 ¦ simulation.extend.label ¦ label ¦ labels (did
+16.5 ¦ 16.5\n  extend: {factor: 2, labels: []} ¦ 33 ¦ simulation.extend ¦ keys factor, labels ¦
+16.5 ¦ 16.5\n  extend: {factor: 2, labels: undecided} ¦ 33 ¦ simulation.extend.labels ¦ undecided ¦ a list
+16.5 ¦ 16.5\n  extend: {factor: 2, labels: [equilibrium]} ¦ 33 ¦ simulation.extend.labels[0] ¦ equilibrium ¦ irregular
+16.5 ¦ 16.5\n  extend: {factor: 2, labels: [undecide]} ¦ 33 ¦ simulation.extend.labels[0] ¦ undecide ¦ irregular
+16.5 ¦ 16.5\n  extend: {factor: 2, labels: [irregular, irregular]} ¦ 33 ¦ simulation.extend ¦ keys factor, labels ¦
+16.5 ¦ 1e307\n  extend: {factor: 100} ¦ 33 ¦ simulation.extend.factor ¦ 100 ¦ a larger, finite number
 # Missing keys.
 schema: 1\n ¦  ¦ 1 ¦ schema ¦ no such key ¦ schema
 seed: 5\n ¦  ¦ 1 ¦ seed ¦ no such key ¦ seed
@@ -142,6 +159,18 @@ seed: 5\n ¦  ¦ 1 ¦ seed ¦ no such key ¦ seed
 , max: 6.0e-5 ¦  ¦ 23 ¦ uncertain.imbalance_mass_kg.uniform.max ¦  ¦ max
   design:\n    stratified: {parts_per_axis: 2, samples_per_cell: 3}\n ¦  ¦ 25 ¦ initial_conditions.design ¦ no such key ¦ stratified, latin_hypercube
 # Values without physical meaning.
+table_mass_kg: 0.3 ¦ table_mass_kg: 0 ¦ 7 ¦ model.parameters.table_mass_kg ¦  ¦ a positive, finite number
+stiffness_n_m: 1.0e4 ¦ stiffness_n_m: -0.0 ¦ 8 ¦ model.parameters.stiffness_n_m ¦  ¦ a positive, finite number
+ring_radius_m: 0.0115 ¦ ring_radius_m: -1 ¦ 9 ¦ model.parameters.ring_radius_m ¦  ¦ a positive, finite number
+ball_mass_kg: 1.0e-4 ¦ ball_mass_kg: 0 ¦ 11 ¦ model.parameters.ball_mass_kg ¦  ¦ a positive, finite number
+band: 1.0e-4 ¦ band: 0 ¦ 31 ¦ simulation.band ¦ 0 ¦ above 0 and at most 0.01
+end_time_s: 16.5 ¦ end_time_s: 0 ¦ 32 ¦ simulation.end_time_s ¦ 0 ¦ a number above 0
+end_time_s: 16.5 ¦ end_time_s: -1 ¦ 32 ¦ simulation.end_time_s ¦ -1 ¦ a number above 0
+relative: 1.0e-8 ¦ relative: 0 ¦ 33 ¦ simulation.tolerance.relative ¦ 0 ¦ a number above 0
+absolute: 1.0e-10 ¦ absolute: -1 ¦ 33 ¦ simulation.tolerance.absolute ¦ -1 ¦ a number above 0
+balls: 2 ¦ balls: 0 ¦ 10 ¦ model.parameters.balls ¦ 0 ¦ between 1 and 8
+balls: 2 ¦ balls: 9 ¦ 10 ¦ model.parameters.balls ¦ 9 ¦ between 1 and 8
+balls: 2 ¦ balls: 1000000000000 ¦ 10 ¦ model.parameters.balls ¦ 1000000000000 ¦ between 1 and 8
 t: 2.75e-3 ¦ t: -1 ¦ 12 ¦ model.parameters.friction_coefficient ¦ -1 ¦ zero or more
 band: 1.0e-4 ¦ band: 0.5 ¦ 31 ¦ simulation.band ¦ 0.5 ¦ at most 0.01
 balls: 2 ¦ balls: [] ¦ 10 ¦ model.parameters.balls ¦ 0 ¦ between 1 and 8
@@ -149,16 +178,12 @@ balls: 2 ¦ balls: [{}, {mass_kg: 0}] ¦ 10 ¦ model.parameters.balls[1].mass_kg
 [1.0, 2.0] ¦ [1.0, -2.0] ¦ 21 ¦ sweep[1].zip.damping_n_s_m[1] ¦ -2 ¦ zero or more"#;
 
 /// Replaces one text by another and checks the message.
-#[track_caller]
-fn refused(old: &str, new: &str, line: usize, key: &str, found: &str, allowed: &str) {
-    assert!(GOOD.contains(old), "{old}");
-    super::refused(&GOOD.replacen(old, new, 1), line, key, found, allowed);
-}
-
 #[test]
 fn wrong_values_are_refused() {
     for [old, new, line, key, found, allowed] in cases(WRONG) {
-        refused(&old, &new, line.parse().expect("a line"), &key, &found, &allowed);
+        assert!(GOOD.contains(&old), "{old}");
+        let line = line.parse().expect("a line");
+        super::refused(&GOOD.replacen(&old, &new, 1), line, &key, &found, &allowed);
     }
 }
 
@@ -190,80 +215,10 @@ fn missing_keys() {
     assert_eq!(error.found(), Some(found.as_str()));
 }
 
+/// A list of balls has no common value that a sweep could set.
 #[test]
-fn numbers_that_are_not_finite() {
-    let key = "model.parameters.table_mass_kg";
-    for number in [".nan", ".NaN", ".inf", "-.inf", "1e999", "-1e999"] {
-        refused("0.3\n", &format!("{number}\n"), 7, key, "", "a finite number");
-    }
-}
-
-#[test]
-fn values_without_physical_meaning() {
-    let positive = "a positive, finite number";
-    for (line, key, value) in [
-        (7, "table_mass_kg", "0.3"),
-        (8, "stiffness_n_m", "1.0e4"),
-        (9, "ring_radius_m", "0.0115"),
-        (11, "ball_mass_kg", "1.0e-4"),
-    ] {
-        let path = format!("model.parameters.{key}");
-        for wrong in ["0", "-1", "-0.0"] {
-            let (old, new) = (format!("{key}: {value}"), format!("{key}: {wrong}"));
-            refused(&old, &new, line, &path, "", positive);
-        }
-    }
-    for wrong in ["0", "-1"] {
-        let band = format!("band: {wrong}");
-        let above_zero = "a number above 0";
-        refused("band: 1.0e-4", &band, 31, "simulation.band", wrong, "above 0 and at most 0.01");
-        let end = format!("end_time_s: {wrong}");
-        refused("end_time_s: 16.5", &end, 32, "simulation.end_time_s", wrong, above_zero);
-        for (key, value) in [("relative", "1.0e-8"), ("absolute", "1.0e-10")] {
-            let (old, new) = (format!("{key}: {value}"), format!("{key}: {wrong}"));
-            refused(&old, &new, 33, &format!("simulation.tolerance.{key}"), wrong, above_zero);
-        }
-    }
-    for wrong in ["0", "9", "1000000000000"] {
-        let balls = format!("balls: {wrong}");
-        refused("balls: 2", &balls, 10, "model.parameters.balls", wrong, "between 1 and 8");
-    }
-}
-
-#[test]
-fn sweeps() {
-    let all = &GOOD[GOOD.find("sweep:").unwrap()..GOOD.find("uncertain:").unwrap()];
-    refused(all, "sweep: []\n", 16, "sweep", "an empty list", "no `sweep`");
+fn a_swept_value_of_all_balls_beside_their_own() {
     let own = "balls: [{mass_kg: 1.0e-4}, {}]";
     let text = GOOD.replacen("balls: 2", own, 1).replacen("damping_n_s_m", "ball_mass_kg", 1);
-    let error = parse(&text).unwrap_err();
-    assert_eq!(error.key(), "sweep[1].zip.ball_mass_kg");
-    assert_eq!(error.allowed(), Some("ball_mass_1_kg, ball_mass_2_kg"));
-}
-
-#[test]
-fn extensions() {
-    let refuse = |extend: &str, key: &str, found: &str, allowed: &str| {
-        let new = format!("end_time_s: 16.5\n  extend: {{{extend}}}");
-        refused("end_time_s: 16.5", &new, 33, key, found, allowed);
-    };
-    let key = "simulation.extend.factor";
-    for wrong in ["1", "0.5", "0", "-2", "1000.5", "1e300"] {
-        refuse(&format!("factor: {wrong}"), key, wrong, "above 1 and at most 1000");
-    }
-    refuse("factor: .nan", key, ".nan", "a finite number");
-    refuse("factor: two", key, "text \"two\"", "a number");
-    refuse("labels: [undecided]", key, "no such key", "a value for `factor`");
-    refuse("factor: 2, label: [undecided]", "simulation.extend.label", "label", "labels (did");
-    let key = "simulation.extend.labels";
-    let whole = "simulation.extend";
-    refuse("factor: 2, labels: []", whole, "keys factor, labels", "");
-    refuse("factor: 2, labels: undecided", key, "undecided", "a list");
-    let first = "simulation.extend.labels[0]";
-    for over in ["equilibrium", "limit_cycle", "failed", "undecide"] {
-        refuse(&format!("factor: 2, labels: [{over}]"), first, over, "irregular");
-    }
-    refuse("factor: 2, labels: [irregular, irregular]", whole, "keys factor, labels", "");
-    let huge = GOOD.replace("end_time_s: 16.5", "end_time_s: 1e307\n  extend: {factor: 100}");
-    assert_eq!(parse(&huge).unwrap_err().key(), "simulation.extend.factor");
+    super::refused(&text, 21, "sweep[1].zip.ball_mass_kg", "", "ball_mass_1_kg, ball_mass_2_kg");
 }

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use super::parse;
+use crate::support::places;
 use stickslip::classification::{Label, simulate};
 
 /// Far more than a system takes, for a slow machine.
@@ -13,25 +14,6 @@ const LONGEST: Duration = Duration::from_secs(20);
 
 /// Files with contacts that open, several bodies, given normal forces, and reactions.
 const SYSTEMS: [&str; 4] = ["woodpecker", "block_chain", "belt_oscillator", "ball_balancer"];
-
-/// Returns the places of all parts of a value.
-fn places(value: &Value, at: &str, all: &mut Vec<String>) {
-    all.push(at.to_owned());
-    match value {
-        Value::Object(entries) => {
-            for (key, own) in entries {
-                let key = key.replace('~', "~0").replace('/', "~1");
-                places(own, &format!("{at}/{key}"), all);
-            }
-        }
-        Value::Array(items) => {
-            for (place, own) in items.iter().enumerate() {
-                places(own, &format!("{at}/{place}"), all);
-            }
-        }
-        _ => {}
-    }
-}
 
 /// Values that belong to no place, or to a few.
 const HOSTILE: &str = r#"[null, true, -1, 0, 1.5, 1e308, 18446744073709551615, "", "x", "1 kg", "0 m", ".nan", "y' * y'",
@@ -50,9 +32,7 @@ fn hostile_values_are_refused_or_read() {
         let file = format!("{}/studies/systems/{system}.yaml", env!("CARGO_MANIFEST_DIR"));
         let text = std::fs::read_to_string(file).expect("a system");
         let good: Value = serde_saphyr::from_str(&text).expect("YAML");
-        let mut all = Vec::new();
-        places(&good, "", &mut all);
-        for (place, at) in all.iter().enumerate() {
+        for (place, at) in places(&good, usize::MAX).iter().enumerate() {
             // A third of all pairs of a place and a value.
             for (which, value) in hostile().into_iter().enumerate().skip(place % 3).step_by(3) {
                 let mut changed = good.clone();

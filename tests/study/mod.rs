@@ -9,7 +9,6 @@ mod audit;
 mod bad_files;
 mod bad_tables;
 mod bad_values;
-mod blocks;
 mod changed_keys;
 mod contact;
 mod correlations;

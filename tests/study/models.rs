@@ -1,9 +1,7 @@
 //! Blocks and laws of friction in study files: the parameters of each model, defaults, round trips,
 //! and errors.
 
-use crate::support::{Block, Ground, cases};
-use stickslip::model::Model;
-use stickslip::study::{ParameterValue, Study};
+use crate::support::cases;
 
 use super::{parse, refused, study};
 
@@ -19,82 +17,34 @@ fn text(model: &str, rest: &str) -> String {
 
 const STRIBECK: &str =
     "  friction: {stribeck: {static_friction_coefficient: 0.3, stribeck_speed_m_s: 0.1}}\n";
-const SMOOTH: &str = "  friction: {smooth: {smoothing_speed_m_s: 0.01}}\n";
-const VISCOUS: &str = "  friction: {viscous: {viscous_coefficient_n_s_m: 2}}\n";
-const BOTH: &str = "  friction: {coulomb_viscous: {viscous_coefficient_n_s_m: 2}}\n";
 
-fn block_at(study: &Study, point: u64) -> Block {
-    Block::of(study.point(point).model()).expect("a block")
-}
-
-/// Every parameter of a block can be swept and sampled by its name, without affecting others.
+/// Parameters are varied under their names and units, also those of the laws of friction.
 #[test]
-fn every_parameter_of_a_block_can_be_varied() {
-    type Field = fn(&mut Block) -> &mut f64;
-    fn law(block: &mut Block, index: usize) -> Option<&mut f64> {
-        let name = block.friction.law().parameters().get(index)?.name;
-        block.friction.value_mut(name)
-    }
-    fn belt(block: &mut Block) -> &mut f64 {
-        match &mut block.ground {
-            Ground::Belt { speed_m_s } => speed_m_s,
-            Ground::Fixed => panic!("on rigid ground"),
-        }
-    }
-    let spring = "  kind: block_on_spring\n";
-    let on_belt = "  kind: block_on_belt\n";
-    let first: Field = |block| law(block, 0).expect("a law with a value");
-    let second: Field = |block| law(block, 1).expect("a law with two values");
-    let cases: [(&str, &str, &str, &str, Field); 11] = [
-        (spring, "", "mass_kg", "kg", |block| &mut block.mass_kg),
-        (spring, "", "stiffness_n_m", "N/m", |block| &mut block.stiffness_n_m),
-        (spring, "", "normal_force_n", "N", |block| &mut block.normal_force_n),
-        (spring, "", "friction_coefficient", "1", |block| &mut block.friction_coefficient),
-        (on_belt, "", "belt_speed_m_s", "m/s", belt),
-        (on_belt, STRIBECK, "static_friction_coefficient", "1", first),
-        (on_belt, STRIBECK, "stribeck_speed_m_s", "m/s", second),
-        (spring, SMOOTH, "smoothing_speed_m_s", "m/s", first),
-        (on_belt, VISCOUS, "viscous_coefficient_n_s_m", "N s/m", first),
-        (on_belt, BOTH, "viscous_coefficient_n_s_m", "N s/m", first),
-        (spring, BOTH, "friction_coefficient", "1", |block| &mut block.friction_coefficient),
-    ];
-    for (kind, friction, name, unit, field) in cases {
-        let model = format!("{kind}{friction}");
-        let base = block_at(&study(&text(&model, "")), 0);
-        let swept = study(&text(&model, &format!("sweep: [{{grid: {{{name}: [0.7, 0.9]}}}}]\n")));
-        assert_eq!((swept.swept()[0].name.as_str(), swept.swept()[0].unit), (name, unit));
-        for (point, value) in [(0, 0.7), (1, 0.9)] {
-            let mut expected = base.clone();
-            *field(&mut expected) = value;
-            assert_eq!(block_at(&swept, point), expected, "{name}");
-            assert_eq!(swept.point(point).swept, [ParameterValue::Number(value)]);
-        }
-        let range = format!("uncertain: {{{name}: {{uniform: {{min: 0.7, max: 0.9}}}}}}\n");
-        let drawn = study(&text(&model, &range));
-        let run = drawn.planned_run(2);
-        assert!((0.7..0.9).contains(&run.uncertain[0]), "{name}");
-        let mut expected = base;
-        *field(&mut expected) = run.uncertain[0];
-        assert_eq!(run.case.expect("valid").model, Model::from(expected), "{name}");
-    }
-}
-
-/// The parameters of the laws can be varied for a ball balancer, with speeds in rad/s.
-#[test]
-fn laws_of_friction_of_balls_can_be_varied() {
-    for [law, name, unit] in cases(
-        "stribeck: {static_friction_coefficient: 0.01, stribeck_speed_rad_s: 1} ¦ static_friction_coefficient ¦ 1
-stribeck: {static_friction_coefficient: 0.01, stribeck_speed_rad_s: 1} ¦ stribeck_speed_rad_s ¦ rad/s
-smooth: {smoothing_speed_rad_s: 0.1} ¦ smoothing_speed_rad_s ¦ rad/s
-viscous: {viscous_coefficient_n_s_m: 1e-4} ¦ viscous_coefficient_n_s_m ¦ N s/m
-coulomb_viscous: {viscous_coefficient_n_s_m: 1e-4} ¦ viscous_coefficient_n_s_m ¦ N s/m",
+fn parameters_have_names_and_units() {
+    for [kind, friction, name, unit] in cases(
+        r"block_on_spring ¦ coulomb ¦ mass_kg ¦ kg
+block_on_spring ¦ coulomb ¦ stiffness_n_m ¦ N/m
+block_on_spring ¦ coulomb ¦ normal_force_n ¦ N
+block_on_spring ¦ coulomb ¦ friction_coefficient ¦ 1
+block_on_belt ¦ coulomb ¦ belt_speed_m_s ¦ m/s
+block_on_belt ¦ {stribeck: {static_friction_coefficient: 0.3, stribeck_speed_m_s: 0.1}} ¦ stribeck_speed_m_s ¦ m/s
+block_on_spring ¦ {smooth: {smoothing_speed_m_s: 0.01}} ¦ smoothing_speed_m_s ¦ m/s
+block_on_belt ¦ {viscous: {viscous_coefficient_n_s_m: 2}} ¦ viscous_coefficient_n_s_m ¦ N s/m
+ball_balancer ¦ {stribeck: {static_friction_coefficient: 0.01, stribeck_speed_rad_s: 1}} ¦ static_friction_coefficient ¦ 1
+ball_balancer ¦ {stribeck: {static_friction_coefficient: 0.01, stribeck_speed_rad_s: 1}} ¦ stribeck_speed_rad_s ¦ rad/s
+ball_balancer ¦ {smooth: {smoothing_speed_rad_s: 0.1}} ¦ smoothing_speed_rad_s ¦ rad/s
+ball_balancer ¦ {coulomb_viscous: {viscous_coefficient_n_s_m: 1e-4}} ¦ viscous_coefficient_n_s_m ¦ N s/m",
     ) {
-        let model = format!("  kind: ball_balancer\n  friction: {{{law}}}\n");
-        let swept = study(&text(&model, &format!("sweep: [{{zip: {{{name}: [0.2, 0.4]}}}}]\n")));
-        assert_eq!(swept.swept()[0].unit, unit);
-        let of = |point| *swept.point(point).model().friction();
-        assert_ne!(of(0), of(1));
-        assert!(format!("{:?}", of(1)).contains("0.4"), "{:?}", of(1));
+        let model = format!("  kind: {kind}\n  friction: {friction}\n");
+        let swept = study(&text(&model, &format!("sweep: [{{zip: {{{name}: [0.7, 0.9]}}}}]\n")));
+        assert_eq!((swept.swept()[0].name.as_str(), swept.swept()[0].unit), (&*name, &*unit));
+        let [one, other] = [0, 1].map(|point| format!("{:?}", swept.point(point).model()));
+        assert!(one != other && other.contains("0.9"), "{name}: {other}");
+        let range = format!("uncertain: {{{name}: {{uniform: {{min: 0.7, max: 0.9}}}}}}\n");
+        let run = study(&text(&model, &range)).planned_run(2);
+        assert!((0.7..0.9).contains(&run.uncertain[0]), "{name}");
+        let drawn = format!("{:?}", run.case.expect("a valid sample").model);
+        assert!(drawn.contains(&format!("{:?}", run.uncertain[0])), "{name}: {drawn}");
     }
 }
 
@@ -202,14 +152,6 @@ fn parameters_of_other_models_are_refused() {
             text(spring, &format!("uncertain:\n  {name}: {{uniform: {{min: 1, max: 2}}}}\n"));
         refused(&drawn, 7, &format!("uncertain.{name}"), name, "normal_force_n");
     }
-    refused(&given("balls: 2"), 7, "model.parameters.balls", "block_on_spring", "ball_balancer");
-    let text_of = |lines: &str| text(&format!("{spring}{lines}"), "");
-    let newton = text_of("  normal_force: newton\n");
-    refused(&newton, 6, "model.normal_force", "kind: block_on_spring", "ball_balancer");
-    let swept = text(spring, "sweep:\n  - grid: {normal_force: [newton]}\n");
-    refused(&swept, 7, "sweep[0].grid.normal_force[0]", "newton", "a force, such as 10 N");
-    let ball = text("  kind: ball_balancer\n", "sweep:\n  - grid: {mass_kg: [1]}\n");
-    refused(&ball, 7, "sweep[0].grid.mass_kg", "mass_kg", "ball_mass_kg");
     // A law's own parameters exist with that law only.
     for name in [
         "static_friction_coefficient",
@@ -224,85 +166,56 @@ fn parameters_of_other_models_are_refused() {
     }
 }
 
+/// The kind, further lines of the model and of the study, the line of the message, its key, what it found, and what it allows.
+const WRONG: &str = r"# Keys of other models.
+block_on_spring ¦   parameters: {balls: 2}\n ¦  ¦ 6 ¦ model.parameters.balls ¦ block_on_spring ¦ ball_balancer
+block_on_spring ¦   normal_force: newton\n ¦  ¦ 6 ¦ model.normal_force ¦ kind: block_on_spring ¦ ball_balancer
+block_on_spring ¦  ¦ sweep: [{grid: {normal_force: [newton]}}]\n ¦ 6 ¦ sweep[0].grid.normal_force[0] ¦ newton ¦ a force, such as 10 N
+ball_balancer ¦  ¦ sweep: [{grid: {mass_kg: [1]}}]\n ¦ 6 ¦ sweep[0].grid.mass_kg ¦ mass_kg ¦ ball_mass_kg
+# Missing keys of a law, and speeds in the unit of the other kind of model.
+block_on_belt ¦   friction: {stribeck: {static_friction_coefficient: 0.3}}\n ¦  ¦ 6 ¦ model.friction.stribeck ¦ no such key ¦ stribeck_speed_m_s
+ball_balancer ¦   friction: {stribeck: {static_friction_coefficient: 0.3}}\n ¦  ¦ 6 ¦ model.friction.stribeck ¦ no such key ¦ stribeck_speed_rad_s
+block_on_belt ¦   friction: {stribeck: {stribeck_speed_m_s: 0}}\n ¦  ¦ 6 ¦ model.friction.stribeck.static_friction_coefficient ¦ no such key ¦ static
+block_on_belt ¦   friction: {smooth: {}}\n ¦  ¦ 6 ¦ model.friction.smooth ¦ no such key ¦ smoothing_speed_m_s
+block_on_belt ¦   friction: {viscous: {}}\n ¦  ¦ 6 ¦ model.friction.viscous.viscous_coefficient_n_s_m ¦ no such key ¦ viscous_coefficient_n_s_m
+ball_balancer ¦   friction: {coulomb_viscous: {}}\n ¦  ¦ 6 ¦ model.friction.coulomb_viscous.viscous_coefficient_n_s_m ¦ no such key ¦ viscous_coefficient_n_s_m
+block_on_belt ¦   friction: {smooth: {smoothing_speed_rad_s: 1}}\n ¦  ¦ 6 ¦ model.friction.smooth.smoothing_speed_rad_s ¦ smoothing_speed_rad_s ¦ smoothing_speed_m_s
+ball_balancer ¦   friction: {stribeck: {static_friction_coefficient: 1, stribeck_speed_m_s: 1}}\n ¦  ¦ 6 ¦ model.friction.stribeck.stribeck_speed_m_s ¦ stribeck_speed_m_s ¦ stribeck_speed_rad_s
+# Values of a law.
+block_on_belt ¦   friction: {stribeck: {static_friction_coefficient: 0.3, stribeck_speed_m_s: -1}}\n ¦  ¦ 6 ¦ model.friction.stribeck.stribeck_speed_m_s ¦ -1 ¦ at least 0
+block_on_belt ¦   friction: {smooth: {smoothing_speed_m_s: 0}}\n ¦  ¦ 6 ¦ model.friction.smooth.smoothing_speed_m_s ¦ 0 ¦ a number above 0
+block_on_belt ¦   friction: {viscous: {viscous_coefficient_n_s_m: -2}}\n ¦  ¦ 6 ¦ model.friction.viscous.viscous_coefficient_n_s_m ¦ -2 ¦ at least 0
+ball_balancer ¦   friction: {coulomb_viscous: {viscous_coefficient_n_s_m: -2}}\n ¦  ¦ 6 ¦ model.friction.coulomb_viscous.viscous_coefficient_n_s_m ¦ -2 ¦ at least 0
+block_on_belt ¦   friction: {stribeck: {static_friction_coefficient: 0.05, stribeck_speed_m_s: 1}}\n ¦  ¦ 6 ¦ model.friction.stribeck.static_friction_coefficient ¦ 0.05 ¦ not below the friction coefficient
+# With a parameter that the law does not use, all points would be equal.
+block_on_spring ¦   friction: {viscous: {viscous_coefficient_n_s_m: 2}}\n ¦ sweep: [{grid: {friction_coefficient: [0.1, 0.2]}}]\n ¦ 7 ¦ sweep[0].grid.friction_coefficient ¦ friction_coefficient ¦ viscous_coefficient_n_s_m
+block_on_spring ¦   friction: {viscous: {viscous_coefficient_n_s_m: 2}}\n ¦ uncertain: {friction_coefficient: {uniform: {min: 0.1, max: 0.2}}}\n ¦ 7 ¦ uncertain.friction_coefficient ¦ friction_coefficient ¦ viscous_coefficient_n_s_m
+# A static coefficient below the kinetic one is refused, wherever in a sweep the two meet, also for one ball.
+STRIBECK ¦  ¦ sweep: [{grid: {static_friction_coefficient: [0.2, 0.05]}}]\n ¦ 7 ¦ sweep[0].grid.static_friction_coefficient[1] ¦ 0.05 ¦ not below the friction coefficient
+STRIBECK ¦  ¦ sweep: [{grid: {friction_coefficient: [0, 0.1, 0.4]}}]\n ¦ 7 ¦ sweep[0].grid.friction_coefficient[2] ¦ friction_coefficient 0.4 ¦ not below the friction coefficient
+STRIBECK ¦  ¦ sweep: [{grid: {friction_coefficient: [0.1, 0.25], static_friction_coefficient: [0.2, 0.3]}}]\n ¦ 7 ¦ sweep[0].grid.static_friction_coefficient[0] ¦ static_friction_coefficient 0.2 at point 2 (friction_coefficient 0.25, static ¦ not below
+STRIBECK ¦  ¦ sweep: [{zip: {friction_coefficient: [0.1, 0.25], static_friction_coefficient: [0.2, 0.2]}}]\n ¦ 7 ¦ sweep[0].zip.static_friction_coefficient[1] ¦ 0.2 ¦ not below the friction coefficient
+STRIBECK ¦  ¦ sweep: [{table: {columns: [static_friction_coefficient], rows: [[0.2], [0.01]]}}]\n ¦ 7 ¦ sweep[0].table ¦ 0.01 at point 1 ¦ not below the friction coefficient
+ball_balancer ¦   friction: {stribeck: {static_friction_coefficient: 0.003, stribeck_speed_rad_s: 1}}\n ¦ sweep: [{grid: {friction_coefficient_2: [0.003, 0.004]}}]\n ¦ 7 ¦ sweep[0].grid.friction_coefficient_2[1] ¦ friction_coefficient_2 0.004 ¦ not below";
+
 #[test]
-fn laws_of_friction_are_checked() {
-    let block = |law: &str| text(&format!("  kind: block_on_belt\n  friction:\n    {law}\n"), "");
-    let balls = |law: &str| text(&format!("  kind: ball_balancer\n  friction:\n    {law}\n"), "");
-    let path = "model.friction";
-    // Missing keys, and speeds in the unit of the other kind of model.
-    let law = "stribeck: {static_friction_coefficient: 0.3}";
-    refused(&block(law), 7, &format!("{path}.stribeck"), "no such key", "stribeck_speed_m_s");
-    refused(&balls(law), 7, &format!("{path}.stribeck"), "no such key", "stribeck_speed_rad_s");
-    let key = format!("{path}.stribeck.static_friction_coefficient");
-    refused(&block("stribeck: {stribeck_speed_m_s: 0}"), 7, &key, "no such key", "static");
-    refused(
-        &block("smooth: {}"),
-        7,
-        &format!("{path}.smooth"),
-        "no such key",
-        "smoothing_speed_m_s",
-    );
-    let key = format!("{path}.viscous.viscous_coefficient_n_s_m");
-    refused(&block("viscous: {}"), 7, &key, "no such key", "viscous_coefficient_n_s_m");
-    let law = "smooth: {smoothing_speed_rad_s: 1}";
-    let key = format!("{path}.smooth.smoothing_speed_rad_s");
-    refused(&block(law), 7, &key, "smoothing_speed_rad_s", "smoothing_speed_m_s");
-    let law = "stribeck: {static_friction_coefficient: 1, stribeck_speed_m_s: 1}";
-    let key = format!("{path}.stribeck.stribeck_speed_m_s");
-    refused(&balls(law), 7, &key, "stribeck_speed_m_s", "stribeck_speed_rad_s");
-    // Invalid values.
-    let law = "stribeck: {static_friction_coefficient: 0.3, stribeck_speed_m_s: -1}";
-    refused(&block(law), 7, &key, "-1", "at least 0");
-    let key = format!("{path}.smooth.smoothing_speed_m_s");
-    refused(&block("smooth: {smoothing_speed_m_s: 0}"), 7, &key, "0", "a number above 0");
-    let key = format!("{path}.viscous.viscous_coefficient_n_s_m");
-    refused(&block("viscous: {viscous_coefficient_n_s_m: -2}"), 7, &key, "-2", "at least 0");
-    let key = format!("{path}.coulomb_viscous.viscous_coefficient_n_s_m");
-    for model in [&block, &balls] as [&dyn Fn(&str) -> String; 2] {
-        let with = |keys: &str| model(&format!("coulomb_viscous: {keys}"));
-        refused(&with("{viscous_coefficient_n_s_m: -2}"), 7, &key, "-2", "at least 0");
-        refused(&with("{}"), 7, &key, "no such key", "viscous_coefficient_n_s_m");
+fn wrong_models_are_refused() {
+    for [kind, model, rest, line, key, found, allowed] in cases(WRONG) {
+        let model = match kind.as_str() {
+            "STRIBECK" => format!("  kind: block_on_belt\n{STRIBECK}"),
+            kind => format!("  kind: {kind}\n{model}"),
+        };
+        refused(&text(&model, &rest), line.parse().expect("a line"), &key, &found, &allowed);
     }
-    let law = "stribeck: {static_friction_coefficient: 0.05, stribeck_speed_m_s: 1}";
-    let key = format!("{path}.stribeck.static_friction_coefficient");
-    refused(&block(law), 7, &key, "0.05", "not below the friction coefficient");
 }
 
-/// A static coefficient below the kinetic one is refused, wherever in a sweep the two meet.
+/// Pairs of a static and a kinetic coefficient that do not meet, or are sampled, are no error of the study.
 #[test]
-fn points_without_meaning_are_refused() {
+fn coefficients_that_do_not_meet_are_accepted() {
     let model = format!("  kind: block_on_belt\n{STRIBECK}");
-    let with = |sweep: &str| text(&model, &format!("sweep:\n  - {sweep}\n"));
-    let allowed = "not below the friction coefficient";
-    let key = "sweep[0].grid.static_friction_coefficient[1]";
-    refused(&with("grid: {static_friction_coefficient: [0.2, 0.05]}"), 8, key, "0.05", allowed);
-    let key = "sweep[0].grid.friction_coefficient[2]";
-    refused(
-        &with("grid: {friction_coefficient: [0, 0.1, 0.4]}"),
-        8,
-        key,
-        "friction_coefficient 0.4",
-        allowed,
-    );
     let both = "friction_coefficient: [0.1, 0.25], static_friction_coefficient: [0.2, 0.3]";
-    let key = "sweep[0].grid.static_friction_coefficient[0]";
-    let found = "static_friction_coefficient 0.2 at point 2 (friction_coefficient 0.25, static";
-    refused(&with(&format!("grid: {{{both}}}")), 8, key, found, allowed);
-    assert_eq!(study(&with(&format!("zip: {{{both}}}"))).point_count(), 2);
-    let key = "sweep[0].zip.static_friction_coefficient[1]";
-    let zip = "zip: {friction_coefficient: [0.1, 0.25], static_friction_coefficient: [0.2, 0.2]}";
-    refused(&with(zip), 8, key, "0.2", allowed);
-    let table = "table: {columns: [static_friction_coefficient], rows: [[0.2], [0.01]]}";
-    refused(&with(table), 8, "sweep[0].table", "0.01 at point 1", allowed);
-    // One ball's own kinetic coefficient counts as well.
-    let law = "stribeck: {static_friction_coefficient: 0.003, stribeck_speed_rad_s: 1}";
-    let balls = text(
-        &format!("  kind: ball_balancer\n  friction: {{{law}}}\n"),
-        "sweep:\n  - grid: {friction_coefficient_2: [0.003, 0.004]}\n",
-    );
-    let key = "sweep[0].grid.friction_coefficient_2[1]";
-    refused(&balls, 8, key, "friction_coefficient_2 0.004", allowed);
-    // A sampled pair of this kind is a failed run, not an invalid study.
+    let zip = text(&model, &format!("sweep: [{{zip: {{{both}}}}}]\n"));
+    assert_eq!(study(&zip).point_count(), 2);
     let drawn = text(
         &model,
         "sweep: [{grid: {static_friction_coefficient: [0.05, 0.5]}}]\n\
@@ -310,17 +223,4 @@ fn points_without_meaning_are_refused() {
     );
     let drawn = study(&drawn);
     assert!((3..6).all(|run| drawn.planned_run(run).case.is_ok()));
-}
-
-/// Parameters that the law of friction does not use cannot be varied, because all points would be
-/// equal.
-#[test]
-fn a_viscous_law_has_no_coefficient_to_vary() {
-    let model = format!("  kind: block_on_spring\n{VISCOUS}");
-    let sweep = "sweep: [{grid: {friction_coefficient: [0.1, 0.2]}}]\n";
-    let key = "sweep[0].grid.friction_coefficient";
-    refused(&text(&model, sweep), 7, key, "friction_coefficient", "viscous_coefficient_n_s_m");
-    let drawn = "uncertain: {friction_coefficient: {uniform: {min: 0.1, max: 0.2}}}\n";
-    let key = "uncertain.friction_coefficient";
-    refused(&text(&model, drawn), 7, key, "friction_coefficient", "viscous_coefficient_n_s_m");
 }

@@ -15,7 +15,7 @@ use parquet::arrow::ArrowWriter;
 use parquet::basic::{Compression, Encoding};
 use parquet::file::properties::{WriterProperties, WriterVersion};
 use stickslip::model::NormalForce;
-use stickslip::study::{DesignValue, Study, StudyError};
+use stickslip::study::{Study, StudyError};
 
 /// Returns a Parquet file with these columns.
 fn file(properties: WriterProperties, columns: Vec<(&str, ArrayRef)>) -> Vec<u8> {
@@ -138,28 +138,6 @@ fn files_of_other_programs_are_read() {
             sweep(&of_other_programs(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!(study.resolved_yaml(), expected().resolved_yaml(), "{name}");
     }
-}
-
-/// Reads the files of other programs as designs.
-#[test]
-fn designs_of_other_programs_are_read() {
-    let design = "design: {speed_rad_s: {from: -260, to: -1}, damping_n_s_m: {from: 1, to: 3}}\n";
-    let study = load(design, "{monte_carlo: {samples: 10}}", b"").unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("designs.parquet");
-    for name in ["pandas", "polars", "duckdb", "duckdb-v2", "zstd", "gzip", "lz4"] {
-        fs::write(&path, of_other_programs(name)).unwrap();
-        let error = study.designs(&path).unwrap_err();
-        assert_eq!(error.key(), "column normal_force", "{error}");
-    }
-    let numbers: Vec<(&str, ArrayRef)> = vec![
-        ("speed_rad_s", Arc::new(Float32Array::from(vec![-100.5, -200.25]))),
-        ("damping_n_s_m", Arc::new(Int16Array::from(vec![1, 2]))),
-    ];
-    fs::write(&path, plain(numbers)).unwrap();
-    let designs = study.designs(&path).unwrap();
-    let row = |speed, damping| vec![DesignValue::Number(speed), DesignValue::Number(damping)];
-    assert_eq!(designs, [row(-100.5, 1.0), row(-200.25, 2.0)]);
 }
 
 /// Reads each column in each encoding that its type supports, over several pages.

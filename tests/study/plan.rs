@@ -61,14 +61,6 @@ fn grids_run_through_their_last_key_first_and_blocks_follow_one_another() {
 }
 
 #[test]
-fn all_points_share_their_start_states() {
-    let study = with_design(SMALL, "sweep: [{grid: {speed_rad_s: [-1, -2]}}]\n");
-    for run in 0..4 {
-        assert_eq!(study.planned_run(run).start, study.planned_run(run + 4).start);
-    }
-}
-
-#[test]
 fn one_balls_value_is_set_after_that_of_all() {
     let study = with_design(
         SMALL,

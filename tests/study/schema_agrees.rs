@@ -6,7 +6,8 @@ use jsonschema::Validator;
 use serde_json::{Value, json};
 use stickslip::study::{Study, json_schema};
 
-use crate::support::{shipped, study_files};
+use super::parse;
+use crate::support::{places, shipped, study_files};
 
 /// Problems that the program finds and the schema cannot express, each with the reason. A problem that ends with a blank
 /// is the beginning of a problem.
@@ -166,8 +167,8 @@ initial_conditions: {box: {position: [-1 cm, 1 cm], velocity_m_s: [0, 0.1]}}
 
 /// Returns all damaged versions of a study, with what was done.
 fn damaged(study: &Value) -> Vec<(String, Value)> {
-    let mut paths = Vec::new();
-    collect(study, &mut String::new(), &mut paths);
+    // Further items of a list are like the first two.
+    let paths = places(study, 2);
     let mut all = Vec::new();
     let values = json!([null, "text", true, -1, 0, [], {}, [[1]]]);
     let values = values.as_array().expect("a list");
@@ -206,29 +207,6 @@ fn damaged(study: &Value) -> Vec<(String, Value)> {
         all.push((format!("/model/parameters + {key}"), study));
     }
     all
-}
-
-fn collect(value: &Value, path: &mut String, paths: &mut Vec<String>) {
-    let length = path.len();
-    paths.push(path.clone());
-    let mut below = |name: &str, value: &Value| {
-        path.push('/');
-        path.push_str(name);
-        collect(value, path, paths);
-        path.truncate(length);
-    };
-    match value {
-        Value::Object(fields) => fields.iter().for_each(|(key, value)| below(key, value)),
-        // Further items of a list are like the first two.
-        Value::Array(items) => {
-            items
-                .iter()
-                .take(2)
-                .enumerate()
-                .for_each(|(index, item)| below(&index.to_string(), item));
-        }
-        _ => {}
-    }
 }
 
 fn program(value: &Value) -> Result<(), String> {
@@ -322,4 +300,38 @@ fn forms_that_were_accepted_by_one_are_refused_by_both() {
         assert!(!validator.is_valid(&study), "{path} = {value}");
         assert!(program(&study).is_err(), "{path} = {value}");
     }
+}
+
+/// A list in the place of any block is refused with the key of the block. The studies have every key of the schema.
+#[test]
+fn a_list_in_the_place_of_any_block_is_refused() {
+    let mut tried = 0;
+    let all = studies();
+    for key in json_schema()["properties"].as_object().expect("keys").keys() {
+        assert!(all.iter().any(|(_, study)| study.get(key).is_some()), "no study has `{key}`");
+    }
+    for (name, study) in all.iter().filter(|(_, study)| study["model"].get("system").is_none()) {
+        for path in places(study, usize::MAX) {
+            let mut wrong = study.clone();
+            let block = wrong.pointer_mut(&path).expect("a path of this study");
+            let Value::Object(fields) = block else { continue };
+            // A range of a sweep stands for a list.
+            if path.starts_with("/sweep") && fields.contains_key("from") {
+                continue;
+            }
+            *block = fields.values().cloned().collect();
+            let error = parse(&wrong.to_string()).expect_err(&format!("{name}{path}: accepted"));
+            // Keys in the form of messages: `sweep[0].grid`.
+            let key = path.split('/').skip(1).fold(String::new(), |key, step| match step.parse() {
+                Ok::<usize, _>(index) => format!("{key}[{index}]"),
+                Err(_) if key.is_empty() => step.to_owned(),
+                Err(_) => format!("{key}.{step}"),
+            });
+            assert_eq!(error.key(), key, "{name}: {error}");
+            assert!(error.found().unwrap_or_default().starts_with("a list"), "{name}: {error}");
+            assert!(error.allowed().is_some_and(|text| !text.is_empty()), "{name}: {error}");
+            tried += 1;
+        }
+    }
+    assert!(tried > 400, "{tried}");
 }

@@ -19,6 +19,17 @@ pub struct OwnSystem {
     pub outputs: &'static [usize],
 }
 
+impl OwnSystem {
+    /// A system without outputs whose decisions are unique, with steps of at most 0.5.
+    pub fn new(
+        record: for<'r> fn(&'r Recorder) -> SystemEquations<'r>,
+        parameters: Vec<f64>,
+        friction: Vec<Friction>,
+    ) -> Self {
+        OwnSystem { record, parameters, friction, longest_step: 0.5, unique: true, outputs: &[] }
+    }
+}
+
 impl System for OwnSystem {
     fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
         (self.record)(recorder)

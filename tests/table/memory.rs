@@ -91,6 +91,9 @@ fn stages_are_those_that_are_written() {
     let tables = sink.finish().expect("tables in memory");
     let stages = tables.last().expect("stages");
     assert_eq!(stages.rows() as u64, 2 * study.run_count());
+    let numbers = stages.batches[0].column_by_name("stage").expect("the number of the stage");
+    let numbers = numbers.as_primitive::<UInt64Type>().values();
+    assert_eq!(numbers[..4], [1, 2, 1, 2]);
     assert_same(stages, &written.in_memory().expect("a table in memory"));
 }
 
