@@ -5,8 +5,7 @@ result tables, ``study.evaluate(designs)`` estimates its responses for designs, 
 design, and ``study.identify(measured)`` infers parameters. ``open(directory)`` reads results on disk. ``simulate`` and
 ``equilibrium_set`` compute one machine without a study. ``System`` describes a machine by formulas, and derives them from
 energies in SymPy. All tables are Arrow tables in memory, which pyarrow, Polars, pandas and DuckDB read directly.
-``stickslip.figures`` draws figures for papers from results and from their files; it works without the compiled part of the
-package.
+``stickslip.figures`` draws figures for papers from results and from their directories.
 """
 
 from importlib import import_module as _import_module
