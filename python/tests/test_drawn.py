@@ -167,7 +167,7 @@ def test_every_figure_of_every_kind_of_results_is_drawn(program, small_results, 
         "schema: 1\nname: numbers\nseed: 5\nmodel: {kind: ball_balancer}\n"
         "sweep: [{grid: {balls: [1, 2, 3], speed_rad_s: [-140, -160.8103]}}]\n"
         "uncertain: {friction_coefficient: {uniform: {min: 2.0e-3, max: 3.0e-3}}}\n"
-        "initial_conditions: {design: {monte_carlo: {samples: 4}}}\n"
+        "initial_conditions: {design: {monte_carlo: {samples: 16}}}\nsimulation: {end_time_s: 2}\n"
     )
     program("run", tmp_path / "study.yaml", "--out", tmp_path / "out", "--quiet")
     for directory in (small_results, tmp_path / "out"):
@@ -182,7 +182,7 @@ def test_figures_of_a_search(program, tmp_path):
         "schema: 1\nname: search\nseed: 5\nmodel: {kind: block_on_spring}\n"
         "initial_conditions: {design: {monte_carlo: {samples: 4}}}\n"
         "design: {stiffness_n_m: {from: 1.0, to: 2.0}, mass_kg: {from: 0.5, to: 1.0}}\n"
-        "responses: {stop: {median_time_to_rest: {}}}\noptimize: {minimize: stop, designs: 8}\n"
+        "responses: {stop: median_time_to_rest}\noptimize: {minimize: stop, designs: 8}\n"
     )
     found = stickslip.Study.from_yaml(tmp_path / "study.yaml").optimize(tmp_path / "out")
     assert figures.names(found) == figures.names(tmp_path / "out")

@@ -49,7 +49,7 @@ def test_units_of_the_study(tmp_path, program):
     assert figure.axes[0].get_xlabel() == "speed [rpm]"
     assert figure.axes[0].lines[0].get_xdata() == pytest.approx([-2000.0, -1500.0])
     titles = [axes.get_title(loc="left") for axes in in_files.plot("basins").axes]
-    assert any("−2000\u00a0rpm" in title for title in titles), titles
+    assert any("−2000 rpm" in title for title in titles), titles
 
 
 def files(folder):

@@ -37,6 +37,8 @@ _Specification = Mapping[str, Any]
 
 #: Largest number of dots of a panel that are drawn as vectors; more are rasterized to limit the file size.
 _MOST_VECTOR_DOTS = 2_000
+#: The number of dots above which they are drawn smaller.
+_MANY_DOTS = 300
 #: The mark of each symbol and its size in points.
 _SYMBOLS: Mapping[str, tuple[str, float]] = {
     "dot": ("o", 1.8),
@@ -190,6 +192,8 @@ def _keys(panel: _Specification) -> list[Any]:
 def _mark(layer: _Specification) -> dict[str, Any]:
     """Returns the properties of the dots of a layer."""
     mark, size = _SYMBOLS[layer["symbol"]]
+    # Many dots show a density.
+    size = 0.7 * size if column(layer["x"]).size > _MANY_DOTS else size
     open_mark = {"markerfacecolor": "none", "markeredgewidth": 0.9}
     own = open_mark if layer["symbol"] == "circle" else {"markeredgewidth": 0.9 if mark == "x" else 0.0}
     return {"marker": mark, "markersize": size, **own}
