@@ -21,7 +21,9 @@ fn cells_of_a_map_touch() {
     let grid = "speed_rad_s: [-1.0, -2.0, -4.0], friction_coefficient: [1.0e-4, 1.0e-3, 1.0e-2]";
     with_data(grid, Budget::SCREEN, |data| {
         let figures = of_results(data);
-        let panel = &figures.iter().find(|figure| figure.id == "map").unwrap().panels[0];
+        let map = figures.iter().find(|figure| figure.id == "map").expect("two parameters vary");
+        assert_eq!(map.title, "Map over speed and friction coefficient");
+        let panel = &map.panels[0];
         assert_eq!((&panel.x.kind, &panel.y.kind), (&AxisKind::Linear, &AxisKind::Logarithmic));
         let Mark::Cells { edges, .. } = &panel.layers[0].mark else { panic!() };
         assert_eq!(edges.len(), 9);
