@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import matplotlib
@@ -19,8 +20,6 @@ import stickslip
 from stickslip import figures
 from stickslip.figures import command, paper
 from stickslip.figures.drawn import column, draw_figure, read_figures
-
-PACKAGE = Path(figures.__file__).parents[2]
 
 
 def axis(name="speed", unit="rad/s", ends=None, kind="linear", **more):
@@ -172,7 +171,9 @@ def test_every_figure_of_every_kind_of_results_is_drawn(program, small_results, 
     program("run", tmp_path / "study.yaml", "--out", tmp_path / "out", "--quiet")
     for directory in (small_results, tmp_path / "out"):
         for one in read_figures(directory):
-            figure = draw_figure(one)
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                figure = draw_figure(one)
             assert figure.title and figure.caption and figure.alternative and panels(figure), one["id"]
     assert {"rank-correlations", "drawn-parameters"} <= set(figures.names(tmp_path / "out"))
 
