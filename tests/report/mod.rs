@@ -37,6 +37,7 @@ fn reported<T>(
     let manifest = Manifest::read(&directory).unwrap().unwrap();
     let study = Study::load(&directory.join("study.yaml")).unwrap();
     let tables = ResultTables::open(&directory, &manifest).unwrap();
-    let made = of(&ReportData::read(&tables, &study, &manifest, budget, None).unwrap());
+    let data = ReportData::read(&tables, &study, &manifest, budget, None);
+    let made = of(&data.expect("the tables were just written"));
     (study, made)
 }

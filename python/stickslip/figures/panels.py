@@ -22,7 +22,7 @@ __all__ = ["MOST_PANELS", "Panel", "angle_axis", "lay_out", "named_axis", "own_l
 #: Largest number of panels on one sheet.
 MOST_PANELS = 12
 _INCH_MM = 25.4
-#: The longest names of which two stand side by side in the legend of one panel, in characters.
+#: The legend of one panel has two columns if no name has more characters than this.
 _SHORT_NAME = 20
 _QUARTERS = ("0", "π/2", "π", "3π/2", "2π")
 
