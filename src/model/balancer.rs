@@ -1,6 +1,7 @@
 //! The balancer in non-dimensional form (thesis section 3.4): lengths over `L`, time times `ω_n`,
 //! masses over the whole vibrating mass `M`.
 
+use super::SPHERE_INERTIA;
 use super::{Friction, Machine, NormalForce, Number};
 
 /// A ball's non-dimensional parameters.
@@ -38,9 +39,6 @@ pub struct Balancer<const N: usize, T = f64> {
     /// The balls.
     pub balls: [BalancerBall<T>; N],
 }
-
-/// Polar moment of inertia of a homogeneous sphere over `m d²`.
-pub const SPHERE_INERTIA: f64 = 0.1;
 
 impl<const N: usize> Balancer<N> {
     /// The non-dimensional form of a machine with exactly `N` balls; `None` for another number.
@@ -102,47 +100,35 @@ impl<const N: usize> Balancer<N> {
     }
 }
 
-/// Positions and velocities, non-dimensional: of the `FREE` coordinates that no friction acts on,
-/// and of `N` contacts.
-///
-/// In the balancer the free coordinates are the ring's centre in the frame that turns with the
-/// disc, and the contacts are the balls.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State<const N: usize, T = f64, const FREE: usize = 2> {
-    /// The centre of the disc `(x, y)`, which is that of the ring if it has no runout.
-    pub position: [T; FREE],
-    /// Its velocity `(ẋ, ẏ)`.
-    pub velocity: [T; FREE],
-    /// Angle of each ball from the imbalance, rad; position of a block.
-    pub beta: [T; N],
-    /// Sliding speed of each contact: of a ball relative to the ring, of a block relative to its
-    /// support.
-    pub beta_dot: [T; N],
-}
-
-impl<const N: usize, T: Number, const FREE: usize> State<N, T, FREE> {
-    /// Adds `factor` times another state, component by component.
-    #[inline]
-    pub fn add_scaled(&mut self, factor: T, other: &Self) {
-        for axis in 0..FREE {
-            self.position[axis] = self.position[axis] + factor * other.position[axis];
-            self.velocity[axis] = self.velocity[axis] + factor * other.velocity[axis];
+impl<const N: usize> Balancer<N> {
+    /// Changes the components of a state by a jump of the table's velocity, non-dimensional, in the turning frame. Returns
+    /// the number of balls that the blow lifts off the ring.
+    ///
+    /// If the velocity of the table jumps by `(Δẋ, Δẏ)`, the ring's impulse on a ball, over its mass, is `P = -c Δẋ - s Δẏ`,
+    /// and the ball's speed jumps by
+    ///
+    /// ```text
+    /// (1 + 4J) Δβ̇ = s Δẋ - c Δẏ - q,    q ∈ μ P Sign(β̇⁺)
+    /// ```
+    ///
+    /// with the friction impulse `q` (the equations of motion, integrated over the blow). Where `P` is negative, the blow lifts
+    /// the ball off the ring, which the model does not follow: there is no friction impulse, and such balls are counted.
+    pub(super) fn jump_of_balls(&self, components: &mut [f64], jump: [f64; 2]) -> u32 {
+        let [x_jump, y_jump] = jump;
+        let (table, balls) = components.split_at_mut(4);
+        table[2] += x_jump;
+        table[3] += y_jump;
+        let (angles, speeds) = balls.split_at_mut(N);
+        let mut lifted = 0;
+        for ((ball, angle), speed) in self.balls.iter().zip(angles).zip(speeds) {
+            let BalancerBall { mobility, friction, .. } = ball;
+            let (sine, cosine) = libm::sincos(*angle);
+            let pressed = -cosine * x_jump - sine * y_jump;
+            let without_friction = *speed + mobility * (sine * x_jump - cosine * y_jump);
+            let friction = mobility * friction.limit * pressed.max(0.0);
+            *speed = without_friction.signum() * (without_friction.abs() - friction).max(0.0);
+            lifted += u32::from(pressed < 0.0);
         }
-        for ball in 0..N {
-            self.beta[ball] = self.beta[ball] + factor * other.beta[ball];
-            self.beta_dot[ball] = self.beta_dot[ball] + factor * other.beta_dot[ball];
-        }
-    }
-
-    /// All components zero.
-    #[inline]
-    pub fn zero() -> Self {
-        let zero = T::constant(0.0);
-        State {
-            position: [zero; FREE],
-            velocity: [zero; FREE],
-            beta: [zero; N],
-            beta_dot: [zero; N],
-        }
+        lifted
     }
 }

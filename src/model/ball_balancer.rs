@@ -1,7 +1,11 @@
-//! The ball balancer as a kind of model: its parameters.
+//! The ball balancer as a kind of model: its parameters, the coordinates of its start states, and its units.
 
-use super::kind::{Capabilities, DefaultModel, Field, ModelKind, ParameterDescriptor};
-use super::{Ball, Machine, Model, SlidingSpeed};
+use std::f64::consts::TAU;
+
+use super::{
+    Ball, Capabilities, ContactUnits, Coordinate, DefaultModel, Field, Machine, ModelKind,
+    ParameterDescriptor, SlidingSpeed, Units,
+};
 
 /// The automatic ball balancer.
 pub static BALL_BALANCER: ModelKind = ModelKind {
@@ -11,8 +15,9 @@ pub static BALL_BALANCER: ModelKind = ModelKind {
     body: "ball",
     sliding_speed: SlidingSpeed::RadS,
     offers: Capabilities { vibration: true, equilibrium_set: true, animation: true },
-    default: DefaultModel::BuiltIn(|| {
-        Model::BallBalancer(Machine { balls: vec![Ball::default()], ..Machine::default() })
+    default: DefaultModel::BallBalancer(|| Machine {
+        balls: vec![Ball::default()],
+        ..Machine::default()
     }),
 };
 
@@ -89,3 +94,74 @@ const PARAMETERS: [ParameterDescriptor; 24] = [
     parameter! { "normal_force", "", "how the normal force is derived",
     Field::NormalForce },
 ];
+
+/// Default half width of positions and table speeds. Like the ball speed below, it is
+/// *reconstructed*: the thesis's box is illegible, and this box reproduces its six counts.
+const HALF_WIDTH: f64 = 0.05;
+
+/// Default largest ball speed divided by the natural frequency (reconstructed).
+const BALL_SPEED: f64 = 1.0;
+impl Machine {
+    /// Returns the coordinates of a start state. One whose disc starts has its table and its balls at rest on the disc by default.
+    pub(super) fn coordinates(&self) -> Vec<Coordinate> {
+        let [half_width, ball_speed] =
+            if self.speed_profile.is_some() { [0.0; 2] } else { [HALF_WIDTH, BALL_SPEED] };
+        let table = |name: &str, meaning, unit| {
+            Coordinate::non_dimensional(name, meaning, unit, half_width)
+        };
+        let each = |stem: &'static str, of_one: &dyn Fn(String) -> Coordinate| -> Vec<Coordinate> {
+            let of_ball = |ball: usize| Coordinate {
+                of_every_body: Some(stem),
+                ..of_one(format!("{stem}_{ball}"))
+            };
+            (1..=self.balls.len()).map(of_ball).collect()
+        };
+        let angle = |name: String| Coordinate {
+            unit: Some("rad"),
+            default_range: [0.0, TAU],
+            default_in_words: Some("[0, 2π]"),
+            ..Coordinate::non_dimensional(
+                name,
+                "start angle of the ball from the imbalance",
+                "rad",
+                0.0,
+            )
+        };
+        let speed = |name: String| {
+            let meaning = "start speed of the ball relative to the ring";
+            Coordinate::non_dimensional(
+                name,
+                meaning,
+                "divided by the natural frequency",
+                ball_speed,
+            )
+        };
+        const LENGTH: &str = "in ring radii";
+        const VELOCITY: &str = "in ring radii, with time multiplied by the natural frequency";
+        let across = "start position of the disc's centre at right angles to that";
+        let mut all = vec![
+            table("x", "start position of the disc's centre towards the imbalance", LENGTH),
+            table("y", across, LENGTH),
+        ];
+        all.extend(each("beta", &angle));
+        all.push(table("x_dot", "start velocity along x", VELOCITY));
+        all.push(table("y_dot", "start velocity along y", VELOCITY));
+        all.extend(each("beta_dot", &speed));
+        all
+    }
+
+    /// Returns the units of the non-dimensional values.
+    pub(super) fn units(&self) -> Units {
+        let natural = self.natural_frequency_rad_s();
+        let force_n = |ball: &Ball| ball.mass_kg * natural * natural * self.ring_radius_m;
+        Units {
+            natural_rad_s: natural,
+            length_m: self.ring_radius_m,
+            contacts: (self.balls.iter())
+                .map(|ball| ContactUnits::new(1.0, natural, force_n(ball)))
+                .collect(),
+            disc_rad_s: self.speed_rad_s,
+            outputs: Vec::new(),
+        }
+    }
+}

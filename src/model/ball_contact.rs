@@ -13,9 +13,8 @@
 use serde::Serialize;
 
 use super::angle::wrap_to_two_pi;
-use super::balancer::SPHERE_INERTIA;
+use super::contact_mode::ContactMode;
 use super::invalid_parameter::{InvalidParameter, invalid, not_negative};
-use super::recorded::ContactMode;
 
 /// The law of contact between balls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -46,6 +45,9 @@ impl BallContact {
         not_negative("contact_friction_coefficient", self.friction_coefficient)
     }
 }
+
+/// Polar moment of inertia of a homogeneous sphere over `m d²`.
+pub const SPHERE_INERTIA: f64 = 0.1;
 
 /// Returns the coefficient of restitution of rolling spheres from that of their material: they skid after the impact
 /// until they roll again.

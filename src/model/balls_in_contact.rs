@@ -9,8 +9,10 @@ use std::any::{Any, TypeId};
 
 use smallvec::SmallVec;
 
-use super::driven::{Turning, Turns};
-use super::recorded::{RecordedGap, add_contact_inputs, equations, record_contact, record_state};
+use super::LASTING_APPROACH;
+use super::contact_mode::{add_contact_inputs, record_contact};
+use super::driven_disc::{DiscSpeed, DrivenDisc};
+use super::recorded_balancer::{RecordedGap, equations, record_state};
 use super::system::pass_on;
 use super::{
     Balancer, BallContact, ContactMode, Expression, Friction, Gap, GapEquations, Machine, Recorder,
@@ -27,9 +29,6 @@ pub struct BallsInContact<const N: usize> {
     pub lasting_approach: f64,
     gaps: Vec<Gap>,
 }
-
-/// The speed of approach below which contact lasts: a ten-thousandth of a typical speed of running balls.
-pub const LASTING_APPROACH: f64 = 1e-6;
 
 impl<const N: usize> BallsInContact<N> {
     /// Returns the non-dimensional form of a machine with exactly `N` balls whose order along the ring is that of these
@@ -64,11 +63,11 @@ impl<const N: usize> BallsInContact<N> {
     }
 }
 
-impl<const N: usize> Turns for BallsInContact<N> {
+impl<const N: usize> DrivenDisc for BallsInContact<N> {
     fn record_turning<'r>(
         &self,
         recorder: &'r Recorder,
-        turning: impl FnOnce() -> Option<Turning<'r>>,
+        turning: impl FnOnce() -> Option<DiscSpeed<'r>>,
     ) -> SystemEquations<'r> {
         let state = record_state(recorder);
         let balancer = self.balancer.record_parameters(recorder, turning());

@@ -5,35 +5,13 @@
 use std::any::{Any, TypeId};
 use std::sync::Arc;
 
+use super::SPEED_TERMS;
+use super::driven_disc::{DiscSpeed, DrivenDisc};
 use super::system::pass_on;
 use super::{
     Balancer, BallsInContact, ContactMode, Expression, Friction, Machine, Number, Recorder,
     Structure, System, SystemEquations, Touching,
 };
-
-/// The number of coefficients of the speed: those of a cubic polynomial.
-pub const SPEED_TERMS: usize = 4;
-
-/// Speed and acceleration of the disc in recorded equations.
-#[derive(Clone, Copy)]
-pub(super) struct Turning<'r> {
-    pub(super) speed: Expression<'r>,
-    pub(super) acceleration: Expression<'r>,
-}
-
-/// A system whose disc may turn with a speed that changes.
-pub(super) trait Turns: System + Clone {
-    /// Records the equations at constant speed, or with what `turning` returns. `turning` is called when the components of
-    /// the state are recorded, and may record another one.
-    fn record_turning<'r>(
-        &self,
-        recorder: &'r Recorder,
-        turning: impl FnOnce() -> Option<Turning<'r>>,
-    ) -> SystemEquations<'r>;
-
-    /// Returns the values of the inputs without those that `turning` records.
-    fn inputs_turning(&self, modes: &[ContactMode], turning: bool) -> Vec<f64>;
-}
 
 /// A balancer whose disc turns with a speed that changes.
 #[derive(Clone, Debug)]
@@ -65,7 +43,7 @@ impl Machine {
             })
         }
         fn turning(
-            fastest: impl Turns + 'static,
+            fastest: impl DrivenDisc + 'static,
             speed: Option<[f64; SPEED_TERMS]>,
         ) -> Arc<dyn System> {
             match speed {
@@ -96,13 +74,13 @@ fn polynomial<T: Number>(coefficients: &[T], at: T) -> [T; 2] {
     })
 }
 
-impl<B: Turns> System for Driven<B> {
+impl<B: DrivenDisc> System for Driven<B> {
     fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
         let turning = || {
             let time = recorder.state();
             let terms = self.speed.map(|_| recorder.parameter("speed_term"));
             let [speed, acceleration] = polynomial(&terms, time);
-            Some(Turning { speed, acceleration })
+            Some(DiscSpeed { speed, acceleration })
         };
         let mut equations = self.fastest.record_turning(recorder, turning);
         equations.derivative.push(Expression::constant(1.0));

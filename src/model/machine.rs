@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::invalid_parameter::{InvalidParameter, invalid, not_negative, positive};
-use super::kind::member_name;
+use super::parameter_name::member_name;
 use super::{BallContact, Friction, FrictionLaw, Kick, SlidingSpeed, SpeedProfile};
 
 /// The largest number of balls that one machine may have.

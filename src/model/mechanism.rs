@@ -23,12 +23,14 @@
 //!
 //! What rounding leaves of the gap `g` and of the sliding speed `γ` decays.
 
-use super::recorded::record_contact;
+use super::contact_mode::record_contact;
+use super::mechanism_contact::ContactRows;
 use super::shared_loads::SharedLoads;
 use super::{
-    Contact, ContactEquations, ContactLayout, Expression, ForcingLayout, Friction, Layout, Node,
-    Number, OpeningEquations, Recorder, SystemEquations,
+    Contact, ContactEquations, ContactLayout, Expression, ForcingLayout, Layout, Node, Number,
+    OpeningEquations, Recorder, SystemEquations,
 };
+use super::{MechanismContact, MechanismNormal};
 
 /// The equations of motion of bodies with contacts.
 pub struct Mechanism<'r> {
@@ -49,89 +51,6 @@ pub struct Mechanism<'r> {
     pub forcing: Option<(Expression<'r>, f64)>,
 }
 
-/// A contact of a mechanism.
-pub struct MechanismContact<'r> {
-    /// The coordinate that results show as the position of the contact, and whether it is an angle.
-    pub position: (Expression<'r>, bool),
-    /// The sliding speed; the number 0 for a contact without friction.
-    pub sliding_speed: Expression<'r>,
-    /// The force that presses the bodies together.
-    pub normal: MechanismNormal<'r>,
-    /// Its law of friction.
-    pub friction: Friction,
-    /// The unit of its forces over that of the mechanism: 1, or the size of the inertia that slides if this is far below 1.
-    /// Conditions on forces have a tolerance that is small against 1. A contact that opens has the unit 1.
-    pub force_unit: f64,
-}
-
-/// The normal force of a contact of a mechanism.
-#[derive(Clone)]
-pub enum MechanismNormal<'r> {
-    /// It is given, and part of the forces of the mechanism.
-    Given(Expression<'r>),
-    /// It is the reaction of a guide: the first number, and for each coordinate a factor of its acceleration.
-    Reaction(Expression<'r>, Vec<Expression<'r>>),
-    /// It keeps this gap from becoming negative.
-    Gap(Expression<'r>),
-}
-
-impl<'r> MechanismContact<'r> {
-    /// Returns the normal force in the unit of the contact's forces.
-    fn normal(&self) -> MechanismNormal<'r> {
-        let in_unit = |force: &Expression<'r>| Expression::constant(1.0 / self.force_unit) * *force;
-        match &self.normal {
-            MechanismNormal::Given(force) => MechanismNormal::Given(in_unit(force)),
-            MechanismNormal::Reaction(rest, factors) => {
-                MechanismNormal::Reaction(in_unit(rest), factors.iter().map(in_unit).collect())
-            }
-            MechanismNormal::Gap(gap) => MechanismNormal::Gap(*gap),
-        }
-    }
-}
-
-/// How the bodies of a contact separate after an impact.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ImpactLaw {
-    /// The speed of separation over the speed of approach, 0 to 1 (Newton).
-    pub restitution: f64,
-    /// The sliding speed after an impact without slip over that before it, with the opposite sign, 0 to 1.
-    pub tangential_restitution: f64,
-    /// The speed of approach, non-dimensional, below which contact lasts unless impacts lose no energy: infinitely many
-    /// impacts would follow within a time that is proportional to the speed.
-    pub lasting_approach: f64,
-}
-
-impl Default for ImpactLaw {
-    /// The bodies stay together.
-    fn default() -> Self {
-        let lasting_approach = super::LASTING_APPROACH;
-        ImpactLaw { restitution: 0.0, tangential_restitution: 0.0, lasting_approach }
-    }
-}
-
-/// The equations of a contact for the linear system.
-pub(super) struct Rows<'r> {
-    /// The derivatives of the rate of the gap by the velocities, and the part of its second time derivative without accelerations.
-    normal: Option<(Vec<Expression<'r>>, Expression<'r>)>,
-    /// The derivatives of the sliding speed by the velocities, and the part of its time derivative without accelerations.
-    tangential: (Vec<Expression<'r>>, Expression<'r>),
-    gap: [Expression<'r>; 2],
-    closed: Expression<'r>,
-    pub(super) contact: Contact<Expression<'r>>,
-    /// The static coefficient of friction.
-    pub(super) limit: Expression<'r>,
-}
-
-impl<'r> Rows<'r> {
-    /// Returns the velocity that alone determines the sliding speed, and its constant factor: `x'` and 1 for `x' - v_belt`.
-    fn only_velocity(&self) -> Option<(usize, Expression<'r>)> {
-        let (along, drift) = &self.tangential;
-        let mut moving = along.iter().enumerate().filter(|(_, share)| share.known() != Some(0.0));
-        let (place, factor) = moving.next()?;
-        (moving.next().is_none() && drift.known() == Some(0.0)).then_some((place, *factor))
-    }
-}
-
 impl<'r> Mechanism<'r> {
     /// Records the equations.
     ///
@@ -140,7 +59,7 @@ impl<'r> Mechanism<'r> {
     /// mechanism is a programming error.
     pub fn record(self, recorder: &'r Recorder) -> SystemEquations<'r> {
         let [zero, one, two] = [0.0, 1.0, 2.0].map(Expression::constant);
-        let rows: Vec<Rows<'r>> =
+        let rows: Vec<ContactRows<'r>> =
             self.contacts.iter().map(|contact| self.rows(recorder, contact)).collect();
         let normal_forces: Vec<_> = self.contacts.iter().map(MechanismContact::normal).collect();
         let n = self.coordinates.len();
@@ -247,7 +166,7 @@ impl<'r> Mechanism<'r> {
     }
 
     /// Returns the equations of a contact, whose inputs are recorded.
-    fn rows(&self, recorder: &'r Recorder, contact: &MechanismContact<'r>) -> Rows<'r> {
+    fn rows(&self, recorder: &'r Recorder, contact: &MechanismContact<'r>) -> ContactRows<'r> {
         let zero = Expression::constant(0.0);
         // Positions move with the velocities, and other components with their rates.
         let others = self.others.iter().map(|[of, rate]| (*of, *rate));
@@ -266,12 +185,12 @@ impl<'r> Mechanism<'r> {
         match contact.normal {
             MechanismNormal::Given(_) | MechanismNormal::Reaction(..) => {
                 let (gap, closed) = ([zero; 2], zero);
-                Rows { normal: None, tangential, gap, closed, contact: recorded, limit }
+                ContactRows { normal: None, tangential, gap, closed, contact: recorded, limit }
             }
             MechanismNormal::Gap(gap) => {
                 let opening = recorder.rate_of_change(gap, &moves);
                 let drift = recorder.rate_of_change(opening, &moves);
-                Rows {
+                ContactRows {
                     normal: Some((by_velocities(opening), drift)),
                     tangential,
                     gap: [gap, opening],
@@ -295,7 +214,7 @@ impl<'r> Mechanism<'r> {
         &self,
         recorder: &Recorder,
         unknowns: &[Expression<'r>],
-        rows: &[Rows<'r>],
+        rows: &[ContactRows<'r>],
     ) -> Vec<Expression<'r>> {
         let mut derivative = vec![Expression::constant(0.0); recorder.components()];
         for (position, rate) in self.moves() {

@@ -3,24 +3,40 @@
 //! [`Model`] is the model of a study, in SI units: a [`Machine`] (the ball balancer), or an [`OwnModel`] of a kind that a system
 //! file or a program outside this crate defines. [`Balancer`] is the machine without dimensions, with the equations of motion;
 //! [`System`] is the interface of all systems. This module does not depend on how motion is integrated or how a run ends.
+//!
+//! Read the base first: [`Number`] and [`Dual`] are the arithmetics, [`State`] is a state, `graph` records equations, and
+//! `friction` has the laws. `contact_mode`, `impact_law` and `system` then say what a system is, and `mechanism` records one from
+//! a mass matrix, forces and contacts.
+//!
+//! The balancer follows: [`Machine`] with [`BallContact`], [`Kick`] and [`SpeedProfile`] in SI units, [`Balancer`] with its
+//! `equations`, and the systems in `recorded_balancer`, `balls_in_contact` and `driven`. The closed forms are in `rest`,
+//! `certificate`, `existence`, `held` and `rest_in_contact`.
+//!
+//! The models of studies come last: `parameter` and `kind` say what a kind of model is, `ball_balancer`, `own` and `written` are
+//! the kinds, and `modelled` unites them as [`Model`]. What needs a whole model builds on it: [`Case`], [`Stage`], `naming`,
+//! `parameter_values` and [`CampbellDiagram`].
 
 mod angle;
 mod balancer;
 mod ball_balancer;
 mod ball_contact;
 mod balls_in_contact;
+mod campbell_diagram;
 mod case;
 mod certificate;
 mod contact;
+mod contact_mode;
 mod coordinate;
 mod disc_motion;
 mod driven;
+mod driven_disc;
 mod dual;
 mod equations;
 mod existence;
 mod friction;
 mod graph;
 mod held;
+mod impact_law;
 mod interval;
 mod invalid_parameter;
 mod kick;
@@ -28,71 +44,77 @@ mod kind;
 mod machine;
 mod material;
 mod mechanism;
+mod mechanism_contact;
 mod modelled;
 mod naming;
 mod natural_frequencies;
 mod number;
 mod output;
 mod own;
-mod recorded;
+mod parameter;
+mod parameter_name;
+mod parameter_values;
+mod recorded_balancer;
 mod rest;
 mod rest_in_contact;
 mod shared_loads;
 mod speed_profile;
 mod stage;
+mod start;
+mod state;
 mod system;
 mod units;
 mod written;
 
 pub use angle::{wrap_to_pi, wrap_to_two_pi};
-pub use balancer::{Balancer, BalancerBall, SPHERE_INERTIA, State};
+pub use balancer::{Balancer, BalancerBall};
 pub use ball_balancer::BALL_BALANCER;
-use ball_balancer::PROFILE_PARAMETERS;
 pub(crate) use ball_contact::pushes;
-pub use ball_contact::{BallContact, Gap, rolling_restitution};
-pub use balls_in_contact::{BallsInContact, LASTING_APPROACH};
-pub use case::{Case, Endings, Extend, ExtendedLabels, Method, Simulation, Start, Tolerance};
+pub use ball_contact::{BallContact, Gap, SPHERE_INERTIA, rolling_restitution};
+pub use balls_in_contact::BallsInContact;
+pub use campbell_diagram::CampbellDiagram;
+pub use case::{Case, Endings, Extend, ExtendedLabels, Method, Simulation, Tolerance};
 pub use certificate::{certified, certified_by_closed_form};
 pub use contact::Contact;
-pub use coordinate::{Coordinate, unit_ending};
+pub use contact_mode::{ContactMode, add_contact_inputs, add_mechanism_inputs, record_contact};
+pub use coordinate::Coordinate;
 pub use disc_motion::DiscMotion;
-pub use driven::SPEED_TERMS;
 pub use dual::Dual;
 pub use equations::Forces;
 pub use existence::{ExistenceVerdict, SAFE_FRICTION};
 pub use friction::{
-    Dimension, FRICTION_LAWS, Friction, FrictionLaw, Law, LawInputs, LawParameter, Lowest,
-    MAX_LAW_PARAMETERS, Sliding, SlidingForce, SlidingSpeed,
+    Dimension, FRICTION_LAWS, Friction, FrictionLaw, Law, LawInputs, LawNumbers, LawParameter,
+    Lowest, MAX_LAW_PARAMETERS, Sliding, SlidingForce, SlidingSpeed,
 };
 pub(crate) use graph::PerStructure;
 pub use graph::{
     ContactEquations, ContactLayout, Degree, Event, EventEquations, Expression, ForcingLayout,
     GapEquations, Graph, Layout, Node, NodeId, Opening, OpeningEquations, Recorder, Solve,
-    SystemEquations,
+    Structure, SystemEquations,
 };
 pub use held::{Column, HeldContact, Holding, gap_columns, held, least_force, strength_that_holds};
+pub use impact_law::{ImpactLaw, LASTING_APPROACH};
 pub use interval::{Bounded, Interval};
 pub use invalid_parameter::InvalidParameter;
 pub use kick::Kick;
-pub use kind::{
-    Bound, Capabilities, DefaultModel, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor,
-};
+pub use kind::{Capabilities, ContactNames, DefaultModel, ModelKind, OwnKind, OwnModel};
 pub use machine::{Ball, MAX_BALLS, Machine, NormalForce};
 pub use material::{MATERIALS, Material, STEEL_KG_M3};
-pub use mechanism::{ImpactLaw, Mechanism, MechanismContact, MechanismNormal};
+pub use mechanism::Mechanism;
+pub use mechanism_contact::{MechanismContact, MechanismNormal};
 pub use modelled::{Model, OtherCoordinates};
-pub use natural_frequencies::{CampbellDiagram, NaturalFrequencies, SmallMotionEquations};
+pub use natural_frequencies::{NaturalFrequencies, SmallMotionEquations};
 pub use number::{Elementary, Function, Number};
 pub use output::{DerivedQuantity, OutputName, OutputUnits, OutputValue};
-pub use own::{ContactNames, OwnKind, OwnModel};
-pub use recorded::{ContactMode, add_contact_inputs, add_mechanism_inputs, record_contact};
+pub use parameter::{Bound, FRICTION_COEFFICIENT, Field, ParameterDescriptor};
+pub use parameter_name::unit_ending;
 pub use rest::RestPoint;
 pub use rest_in_contact::TOUCHING;
-pub use speed_profile::{ProfilePart, Ramp, RampShape, SpeedProfile, SpeedSegment};
+pub use speed_profile::{ProfilePart, Ramp, RampShape, SPEED_TERMS, SpeedProfile, SpeedSegment};
 pub use stage::Stage;
-pub use system::{
-    Components, Recorded, RestAmplitude, RestForms, Structure, System, Touching, stiff_pace,
-};
+pub use start::Start;
+pub use state::{Components, State};
+pub use system::{Recorded, RestAmplitude, RestForms, System, Touching, stiff_pace};
 pub use units::{ContactUnits, Units};
 pub use written::{
     COEFFICIENT, Definition, FaultAt, Formula, FormulaFault, LONGEST_FORMULA, Place, Unit, WHOLE,

@@ -6,9 +6,19 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::{
-    BALL_BALANCER, Components, FrictionLaw, InvalidParameter, Machine, ModelKind,
-    NaturalFrequencies, OwnModel, SPEED_TERMS, Start, System,
+    BALL_BALANCER, Components, Coordinate, DefaultModel, FrictionLaw, InvalidParameter, Machine,
+    ModelKind, NaturalFrequencies, OwnModel, SPEED_TERMS, Start, System, Units,
 };
+
+impl ModelKind {
+    /// Returns a model with the default values.
+    pub fn default_model(&'static self) -> Model {
+        match self.default {
+            DefaultModel::BallBalancer(machine) => machine().into(),
+            DefaultModel::Own(own) => OwnModel::new(self, own).into(),
+        }
+    }
+}
 
 /// One of the mechanical systems with its parameters.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -125,6 +135,22 @@ impl Model {
                 }
             })
         })
+    }
+
+    /// The coordinates of a start state, in order.
+    pub fn coordinates(&self) -> Vec<Coordinate> {
+        match self {
+            Model::BallBalancer(machine) => machine.coordinates(),
+            Model::Own(own) => own.own().coordinates(own),
+        }
+    }
+
+    /// Returns the units of the model.
+    pub fn units(&self) -> Units {
+        match self {
+            Model::BallBalancer(machine) => machine.units(),
+            Model::Own(own) => own.own().units(own),
+        }
     }
 
     /// Returns the number of coordinates of a start state.

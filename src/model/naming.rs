@@ -1,6 +1,6 @@
 //! What the contacts of a model are called in tables, texts and figures.
 
-use super::coordinate::unit_ending;
+use super::parameter_name::unit_ending;
 use super::{ContactNames, Model, OutputName};
 
 impl Model {

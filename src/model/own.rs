@@ -1,124 +1,14 @@
-//! A model that is defined outside this crate: the values of its parameters, and what its kind computes from them.
+//! A model that is defined outside this crate: the values of its parameters, and their validation.
 
 use std::fmt;
-use std::sync::Arc;
 
 use serde::{Serialize, Serializer};
-use serde_json::Value;
 
-use super::invalid_parameter::{invalid, not_negative, positive};
-use super::kind::{Bound, FRICTION_COEFFICIENT, Field, ModelKind, ParameterDescriptor};
+use super::invalid_parameter::{InvalidParameter, invalid, not_negative, positive};
 use super::{
-    Components, Coordinate, DerivedQuantity, Friction, FrictionLaw, InvalidParameter, OutputName,
-    SmallMotionEquations, SpeedProfile, SpeedSegment, System, Units,
+    Bound, DerivedQuantity, FRICTION_COEFFICIENT, Field, Friction, FrictionLaw, ModelKind, OwnKind,
+    OwnModel, ParameterDescriptor,
 };
-
-/// What a kind of models outside this crate computes from the parameters of a model. Equal models must give equal
-/// values.
-pub trait OwnKind: Sync {
-    /// Returns the version of the equations. Raise it with each change that alters a motion, so that the program does
-    /// not reuse finished runs on disk.
-    fn version(&self) -> u32 {
-        1
-    }
-
-    /// Returns the system file, as plain values, of a kind that a file defines. It tells stored results of different systems
-    /// with the same name apart.
-    fn source(&self) -> Option<&Value> {
-        None
-    }
-
-    /// Returns whether contacts have the law of friction of the study.
-    fn has_law_of_study(&self) -> bool {
-        true
-    }
-
-    /// Returns what results call each contact.
-    fn contact_names(&self, model: &OwnModel) -> Vec<ContactNames>;
-
-    /// Returns the names of the outputs, in the order of [`Units::outputs`].
-    fn output_names(&self, _model: &OwnModel) -> Vec<OutputName> {
-        Vec::new()
-    }
-
-    /// Returns quantities that follow from the parameters alone.
-    fn derived(&self, _model: &OwnModel) -> Vec<DerivedQuantity> {
-        Vec::new()
-    }
-
-    /// Checks the parameters against each other. Each value alone is already within its bound.
-    fn validate(&self, _model: &OwnModel) -> Result<(), InvalidParameter> {
-        Ok(())
-    }
-
-    /// Returns whether [`OwnKind::validate`] reports parameters of the model.
-    fn reports_parameters(&self) -> bool {
-        true
-    }
-
-    /// Returns the coordinates of a start state, in order. Their names and number may depend on whole numbers only.
-    fn coordinates(&self, model: &OwnModel) -> Vec<Coordinate>;
-
-    /// Returns the number of coordinates.
-    fn coordinate_count(&self, model: &OwnModel) -> usize {
-        self.coordinates(model).len()
-    }
-
-    /// Returns the units of the model, with a unit of force for each contact.
-    fn units(&self, model: &OwnModel) -> Units;
-
-    /// Returns the equations of small motions; by default, none.
-    fn small_motions(&self, _model: &OwnModel) -> SmallMotionEquations {
-        SmallMotionEquations::default()
-    }
-
-    /// Returns the system without dimensions.
-    fn system(&self, model: &OwnModel) -> Arc<dyn System>;
-
-    /// Returns the place of the parameter that is the speed of a part that turns; `None` for a model without such a part.
-    fn speed_place(&self) -> Option<usize> {
-        None
-    }
-
-    /// Returns the system in a stage in which the part that turns has this speed, after this angle. The last component of its state
-    /// is the time since the begin of the stage.
-    fn system_in_stage(
-        &self,
-        model: &OwnModel,
-        _speed: &SpeedSegment,
-        _before_rad: f64,
-    ) -> Arc<dyn System> {
-        self.system(model)
-    }
-
-    /// Returns a start state in the components of the system; `start` has one value for each coordinate.
-    fn start_state(&self, model: &OwnModel, start: &[f64]) -> Components;
-}
-
-/// What results call a contact.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ContactNames {
-    /// The name of the contact.
-    pub contact: String,
-    /// The name and the unit of the output that is its position.
-    pub position: (String, &'static str),
-    /// The unit of the sliding speed.
-    pub speed_unit: String,
-    /// The unit of the friction force.
-    pub force_unit: String,
-}
-
-/// A model that is defined outside this crate, in SI units.
-#[derive(Clone)]
-pub struct OwnModel {
-    kind: &'static ModelKind,
-    own: &'static dyn OwnKind,
-    /// One value for each parameter of the kind that is not part of a speed profile.
-    values: Vec<f64>,
-    friction: FrictionLaw,
-    /// How the speed of the part that turns changes.
-    pub(super) speed_profile: Option<SpeedProfile>,
-}
 
 impl OwnModel {
     /// Creates a model of a kind with the default values and Coulomb friction.

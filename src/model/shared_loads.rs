@@ -4,12 +4,12 @@
 //! results show for those that stick shares in proportion to their friction limits: they break loose together, where the load
 //! exceeds the sum of the limits.
 
-use super::mechanism::{MechanismContact, Rows};
+use super::mechanism_contact::{ContactRows, MechanismContact};
 use super::{Expression, Node, Number, Recorder};
 
 /// The contacts of a mechanism, by their sliding speeds.
 pub(super) struct SharedLoads<'m, 'r> {
-    rows: &'m [Rows<'r>],
+    rows: &'m [ContactRows<'r>],
     /// For each contact the contacts with its sliding speed, in their order.
     with_speed: Vec<Vec<usize>>,
 }
@@ -18,7 +18,7 @@ impl<'m, 'r> SharedLoads<'m, 'r> {
     pub(super) fn new(
         recorder: &Recorder,
         contacts: &[MechanismContact<'r>],
-        rows: &'m [Rows<'r>],
+        rows: &'m [ContactRows<'r>],
     ) -> Self {
         let speed = |contact: usize| recorder.node_of(contacts[contact].sliding_speed);
         let is_same = |one: usize, other: usize| {

@@ -2,9 +2,11 @@
 
 use serde::Serialize;
 
-use super::SPEED_TERMS;
 use super::invalid_parameter::{InvalidParameter, invalid, not_negative, positive};
-use super::kind::member_name;
+use super::parameter_name::member_name;
+
+/// The number of coefficients of the speed: those of a cubic polynomial.
+pub const SPEED_TERMS: usize = 4;
 
 /// How the speed of the disc changes. The last speed is the `speed_rad_s` of the machine.
 #[derive(Clone, Debug, PartialEq, Serialize)]

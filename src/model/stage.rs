@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::invalid_parameter::{InvalidParameter, invalid};
-use super::kind::member_name;
+use super::parameter_name::member_name;
 use super::{Components, DiscMotion, Machine, Model, OwnModel, SPEED_TERMS, Start, System};
 
 /// A stage of a run.

@@ -1,18 +1,14 @@
 //! The interface of a mechanical system with dry friction, without dimensions.
 
-use std::any::{Any, TypeId};
+use std::any::Any;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use smallvec::SmallVec;
-
-use super::{ContactMode, Friction, Gap, ImpactLaw, Recorder, SPEED_TERMS, SystemEquations};
-
-/// The components of a state, or of its rate of change, in the order in which the system records them.
-pub type Components = SmallVec<[f64; 20]>;
-
-/// The type of a system, and what its equations depend on besides the values of the inputs: names of laws, and numbers.
-pub type Structure = (TypeId, Vec<&'static str>, Vec<usize>);
+use super::Components;
+use super::{
+    ContactMode, Friction, Gap, Graph, ImpactLaw, PerStructure, Recorder, SPEED_TERMS, Structure,
+    SystemEquations,
+};
 
 /// A mechanical system. Its recorded equations define the motion, its tangents, forces and events.
 pub trait System: Any + Debug + Send + Sync {
@@ -101,6 +97,17 @@ pub trait System: Any + Debug + Send + Sync {
 
     /// Returns this system, for kernels that are written for one type.
     fn as_any(&self) -> &dyn Any;
+}
+
+impl Graph {
+    /// Returns the recorded equations of a system.
+    pub fn of(system: &dyn System) -> Arc<Self> {
+        static RECORDED: PerStructure<Graph> = PerStructure::new();
+        RECORDED.get(system.structure(), || {
+            let recorder = Recorder::default();
+            recorder.finish(&system.record(&recorder))
+        })
+    }
 }
 
 /// A system with gaps between its contacts that can close.

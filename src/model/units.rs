@@ -1,6 +1,6 @@
 //! Units of the non-dimensional values of a model.
 
-use super::{Model, OutputUnits};
+use super::OutputUnits;
 
 /// Conversion of non-dimensional values of a model to SI units.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,25 +45,5 @@ impl Units {
         unit: fn(&ContactUnits) -> f64,
     ) -> Vec<f64> {
         values.into_iter().zip(&self.contacts).map(|(value, own)| value * unit(own)).collect()
-    }
-}
-
-impl Model {
-    /// Returns the units of the model.
-    pub fn units(&self) -> Units {
-        let natural = self.natural_frequency_rad_s();
-        match self {
-            Model::Own(own) => own.own().units(own),
-            Model::BallBalancer(machine) => Units {
-                natural_rad_s: natural,
-                length_m: machine.ring_radius_m,
-                contacts: (machine.balls.iter())
-                    .map(|ball| ball.mass_kg * natural * natural * machine.ring_radius_m)
-                    .map(|force_n| ContactUnits::new(1.0, natural, force_n))
-                    .collect(),
-                disc_rad_s: machine.speed_rad_s,
-                outputs: Vec::new(),
-            },
-        }
     }
 }

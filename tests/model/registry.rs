@@ -148,7 +148,7 @@ fn kind(name: &'static str, parameters: Vec<ParameterDescriptor>) -> ModelKind {
         body: "block",
         sliding_speed: SlidingSpeed::MS,
         offers: Capabilities::MOTION,
-        default: DefaultModel::BuiltIn(|| Machine::default().into()),
+        default: DefaultModel::BallBalancer(Machine::default),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use smallvec::smallvec;
 
-use super::{Friction, FrictionLaw, Law, LawInputs, Sliding, SlidingForce, about};
+use super::{FrictionLaw, Law, LawInputs, LawNumbers, Sliding, SlidingForce, about};
 use crate::model::{Expression, Number};
 
 /// In slip `μ f_n`, in stick at most that.
@@ -19,11 +19,11 @@ impl Law for Coulomb {
         "Coulomb friction: the friction force is at most `friction_coefficient` times the normal force."
     }
 
-    fn force(&self, friction: &Friction, sliding: Sliding) -> SlidingForce {
+    fn force(&self, friction: &LawNumbers<'_>, sliding: Sliding) -> SlidingForce {
         SlidingForce { ratio: sliding.direction * friction.coefficient, drag: 0.0 }
     }
 
-    fn expression_inputs(&self, friction: &Friction) -> LawInputs {
+    fn expression_inputs(&self, friction: &LawNumbers<'_>) -> LawInputs {
         smallvec![friction.coefficient]
     }
 
@@ -36,7 +36,7 @@ impl Law for Coulomb {
         [direction * inputs[0], Expression::constant(0.0)]
     }
 
-    fn slope(&self, _friction: &Friction, _sliding: Sliding) -> SlidingForce {
+    fn slope(&self, _friction: &LawNumbers<'_>, _sliding: Sliding) -> SlidingForce {
         SlidingForce::default()
     }
 }

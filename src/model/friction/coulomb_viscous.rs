@@ -5,7 +5,7 @@
 use smallvec::smallvec;
 
 use super::viscous::{PARAMETERS, drag};
-use super::{Friction, FrictionLaw, Law, LawInputs, LawParameter, Sliding, SlidingForce, about};
+use super::{FrictionLaw, Law, LawInputs, LawNumbers, LawParameter, Sliding, SlidingForce, about};
 use crate::model::Expression;
 
 /// In slip `μ f_n sign(v) + c v`, in stick at most `μ f_n`.
@@ -27,15 +27,19 @@ impl Law for CoulombViscous {
         PARAMETERS
     }
 
-    fn force(&self, friction: &Friction, Sliding { direction, speed }: Sliding) -> SlidingForce {
+    fn force(
+        &self,
+        friction: &LawNumbers<'_>,
+        Sliding { direction, speed }: Sliding,
+    ) -> SlidingForce {
         SlidingForce { ratio: direction * friction.coefficient, drag: drag(friction) * speed }
     }
 
-    fn slope(&self, friction: &Friction, _sliding: Sliding) -> SlidingForce {
+    fn slope(&self, friction: &LawNumbers<'_>, _sliding: Sliding) -> SlidingForce {
         SlidingForce { ratio: 0.0, drag: drag(friction) }
     }
 
-    fn expression_inputs(&self, friction: &Friction) -> LawInputs {
+    fn expression_inputs(&self, friction: &LawNumbers<'_>) -> LawInputs {
         smallvec![friction.coefficient, drag(friction)]
     }
 
@@ -48,7 +52,7 @@ impl Law for CoulombViscous {
         [direction * inputs[0], inputs[1] * speed]
     }
 
-    fn damping_rate(&self, friction: &Friction, _normal: f64) -> f64 {
+    fn damping_rate(&self, friction: &LawNumbers<'_>, _normal: f64) -> f64 {
         drag(friction)
     }
 }

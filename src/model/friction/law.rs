@@ -4,7 +4,7 @@ use std::fmt;
 
 use smallvec::SmallVec;
 
-use super::Friction;
+use super::LawParameter;
 use crate::model::Expression;
 
 /// The numbers of a law's recorded expression.
@@ -12,8 +12,7 @@ pub type LawInputs = SmallVec<[f64; 4]>;
 
 /// A friction law: the force as a function of sliding speed and normal force, and its parameters.
 ///
-/// The friction of a contact is `ratio(v) f_n + drag(v)`, with the normal force `f_n`. The law has its
-/// parameters without dimensions as [`Friction::values`], in the order of [`Law::parameters`].
+/// The friction of a contact is `ratio(v) f_n + drag(v)`, with the normal force `f_n`.
 pub trait Law: Sync {
     /// The name in a study file.
     fn name(&self) -> &'static str;
@@ -48,13 +47,13 @@ pub trait Law: Sync {
     }
 
     /// The force in slip.
-    fn force(&self, friction: &Friction, sliding: Sliding) -> SlidingForce;
+    fn force(&self, friction: &LawNumbers<'_>, sliding: Sliding) -> SlidingForce;
 
     /// The derivative of the force by the speed.
-    fn slope(&self, friction: &Friction, sliding: Sliding) -> SlidingForce;
+    fn slope(&self, friction: &LawNumbers<'_>, sliding: Sliding) -> SlidingForce;
 
     /// The numbers that [`Law::expression`] takes, such as an inverse speed.
-    fn expression_inputs(&self, friction: &Friction) -> LawInputs;
+    fn expression_inputs(&self, friction: &LawNumbers<'_>) -> LawInputs;
 
     /// The force in slip in a direction, as ratio to the normal force and drag, in a recorded system. `inputs` are those
     /// of [`Law::expression_inputs`]. The speed has the direction of the motion, or is negligible.
@@ -67,12 +66,12 @@ pub trait Law: Sync {
 
     /// The largest damping rate of a contact of mass 1 under this normal force by friction that grows
     /// with speed: a measure of the stiffness of the equations of motion.
-    fn damping_rate(&self, _friction: &Friction, _normal: f64) -> f64 {
+    fn damping_rate(&self, _friction: &LawNumbers<'_>, _normal: f64) -> f64 {
         0.0
     }
 
     /// The sliding speed over which the force changes; `None` if it does not change suddenly.
-    fn speed_scale(&self, _friction: &Friction) -> Option<f64> {
+    fn speed_scale(&self, _friction: &LawNumbers<'_>) -> Option<f64> {
         None
     }
 }
@@ -100,6 +99,17 @@ impl fmt::Debug for dyn Law {
     }
 }
 
+/// The numbers of the friction of a contact, without dimensions.
+#[derive(Clone, Copy, Debug)]
+pub struct LawNumbers<'a> {
+    /// Ratio of friction to normal force in fast slip, `μ`; 0 without dry friction.
+    pub coefficient: f64,
+    /// Largest ratio of friction to normal force in stick, `μ_s`; 0 if the contact cannot stick.
+    pub limit: f64,
+    /// The parameters of the law, in the order of [`Law::parameters`].
+    pub values: &'a [f64],
+}
+
 /// How a contact slides.
 #[derive(Clone, Copy, Debug)]
 pub struct Sliding {
@@ -116,83 +126,4 @@ pub struct SlidingForce {
     pub ratio: f64,
     /// Force that does not depend on the normal force, with sign.
     pub drag: f64,
-}
-
-/// A parameter of a friction law.
-#[derive(Clone, Copy, Debug)]
-pub struct LawParameter {
-    /// Name in a study file where it does not depend on the unit of sliding speeds.
-    pub name: &'static str,
-    /// Its dimension.
-    pub dimension: Dimension,
-    /// Its lowest value.
-    pub lowest: Lowest,
-    /// Its meaning, in a few words.
-    pub meaning: &'static str,
-    /// What a special value means, as the rest of a sentence; empty if there is none.
-    pub note: &'static str,
-    /// Values of an example for balls and for blocks.
-    pub examples: [f64; 2],
-}
-
-/// The dimension of a law's parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dimension {
-    /// Dimensionless.
-    Ratio,
-    /// A sliding speed, whose name has its unit.
-    SlidingSpeed {
-        /// Name in rad/s, for balls.
-        rad_s: &'static str,
-        /// Name in m/s, for blocks.
-        m_s: &'static str,
-    },
-    /// A force over a speed, N s/m.
-    Drag,
-}
-
-/// The lowest value of a law's parameter; all values are finite.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lowest {
-    /// Zero or more.
-    Zero,
-    /// More than zero.
-    AboveZero,
-    /// The (kinetic) friction coefficient or more.
-    FrictionCoefficient,
-}
-
-/// The unit of the sliding speeds of a model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum SlidingSpeed {
-    /// rad/s, of balls relative to the ring.
-    RadS,
-    /// m/s.
-    MS,
-}
-
-impl LawParameter {
-    /// Returns the name in a study file.
-    pub fn name(&self, speed: SlidingSpeed) -> &'static str {
-        match (self.dimension, speed) {
-            (Dimension::SlidingSpeed { rad_s, .. }, SlidingSpeed::RadS) => rad_s,
-            (Dimension::SlidingSpeed { m_s, .. }, SlidingSpeed::MS) => m_s,
-            _ => self.name,
-        }
-    }
-
-    /// Returns the names for both units of sliding speeds.
-    pub fn names(&self) -> [&'static str; 2] {
-        [SlidingSpeed::RadS, SlidingSpeed::MS].map(|speed| self.name(speed))
-    }
-
-    /// Returns the unit; `1` for dimensionless numbers.
-    pub fn unit(&self, speed: SlidingSpeed) -> &'static str {
-        match (self.dimension, speed) {
-            (Dimension::Ratio, _) => "1",
-            (Dimension::Drag, _) => "N s/m",
-            (Dimension::SlidingSpeed { .. }, SlidingSpeed::RadS) => "rad/s",
-            (Dimension::SlidingSpeed { .. }, SlidingSpeed::MS) => "m/s",
-        }
-    }
 }

@@ -2,25 +2,25 @@
 //!
 //! A law is one file here, with a line in [`FRICTION_LAWS`]. The study file, the JSON Schema, sweeps,
 //! distributions, design variables, columns and the motion take everything else from its [`Law`].
+//!
+//! Read `law_parameter` and `law` first: what a law defines. [`FrictionLaw`] has the values of its parameters in SI units, and
+//! [`Friction`] is the friction of one contact without dimensions, as the motion uses it. The laws follow in the order of
+//! [`FRICTION_LAWS`]; `viscous` shares its parameter with `coulomb_viscous`.
 
 mod coulomb;
 mod coulomb_viscous;
+mod friction_law;
 mod law;
+mod law_parameter;
 mod non_dimensional;
 mod smooth;
 mod stribeck;
 mod viscous;
 
-use std::fmt;
-
-use serde::{Serialize, Serializer};
-
-use super::InvalidParameter;
-use super::invalid_parameter::{invalid, not_negative, positive};
+pub use friction_law::FrictionLaw;
 use law::about;
-pub use law::{
-    Dimension, Law, LawInputs, LawParameter, Lowest, Sliding, SlidingForce, SlidingSpeed,
-};
+pub use law::{Law, LawInputs, LawNumbers, Sliding, SlidingForce};
+pub use law_parameter::{Dimension, LawParameter, Lowest, MAX_LAW_PARAMETERS, SlidingSpeed};
 pub use non_dimensional::Friction;
 
 /// All friction laws, in the order of the documentation.
@@ -31,141 +31,3 @@ pub static FRICTION_LAWS: [&dyn Law; 5] = [
     &viscous::Viscous,
     &coulomb_viscous::CoulombViscous,
 ];
-
-/// The largest number of parameters of a law.
-pub const MAX_LAW_PARAMETERS: usize = 4;
-
-/// A friction law with the values of its parameters, in SI units. Sliding speeds are rad/s for a ball
-/// relative to the ring, and m/s for a block.
-#[derive(Clone, Copy)]
-pub struct FrictionLaw {
-    law: &'static dyn Law,
-    values: [f64; MAX_LAW_PARAMETERS],
-}
-
-impl FrictionLaw {
-    /// A law with the values of its parameters, in their order. Missing values are 0, and further
-    /// values have no effect.
-    pub const fn new(law: &'static dyn Law, values: &[f64]) -> Self {
-        let mut own = [0.0; MAX_LAW_PARAMETERS];
-        let mut index = 0;
-        while index < MAX_LAW_PARAMETERS && index < values.len() {
-            own[index] = values[index];
-            index += 1;
-        }
-        FrictionLaw { law, values: own }
-    }
-
-    /// The law itself.
-    pub fn law(&self) -> &'static dyn Law {
-        self.law
-    }
-
-    /// The law's name in a study file.
-    pub fn name(&self) -> &'static str {
-        self.law.name()
-    }
-
-    /// The values of the law's parameters, in their order.
-    pub fn values(&self) -> &[f64] {
-        &self.values[..self.law.parameters().len()]
-    }
-
-    /// Returns the value of the parameter with this name, with or without a unit of sliding speeds.
-    pub fn value(&self, name: &str) -> Option<f64> {
-        self.index(name).map(|index| self.values[index])
-    }
-
-    /// Returns the value of the parameter with this name, mutably.
-    pub fn value_mut(&mut self, name: &str) -> Option<&mut f64> {
-        self.index(name).map(|index| &mut self.values[index])
-    }
-
-    fn index(&self, name: &str) -> Option<usize> {
-        let is_named = |one: &LawParameter| one.name == name || one.names().contains(&name);
-        self.law.parameters().iter().position(is_named)
-    }
-
-    /// Returns whether bodies can stick: whether the force at rest can take any value in an
-    /// interval.
-    pub fn can_stick(&self) -> bool {
-        self.law.can_stick()
-    }
-
-    /// Returns the name of the coefficient that limits friction in stick.
-    pub fn limiting_coefficient(&self) -> &'static str {
-        let is_limit = |one: &&LawParameter| one.lowest == Lowest::FrictionCoefficient;
-        let own = self.law.parameters().iter().find(is_limit);
-        own.map_or("friction_coefficient", |parameter| parameter.name)
-    }
-
-    /// Whether friction in slip is a fixed part of the normal force and a drag in proportion to speed, for
-    /// a contact with this (kinetic) coefficient.
-    pub fn is_linear(&self, friction_coefficient: f64) -> bool {
-        self.law.is_linear(friction_coefficient, self.values())
-    }
-
-    /// Returns the largest ratio of friction to normal force, at rest or at any speed, of a contact
-    /// with this (kinetic) coefficient.
-    pub fn largest_ratio(&self, friction_coefficient: f64) -> f64 {
-        self.contact(friction_coefficient, 1.0, 1.0).largest_ratio()
-    }
-
-    /// Checks that all values have a physical meaning, for a contact with this (kinetic)
-    /// coefficient.
-    pub(super) fn validate(
-        &self,
-        friction_coefficient: f64,
-        speed: SlidingSpeed,
-    ) -> Result<(), InvalidParameter> {
-        for (parameter, &value) in self.law.parameters().iter().zip(self.values()) {
-            let name = parameter.name(speed);
-            match parameter.lowest {
-                Lowest::Zero => not_negative(name, value)?,
-                Lowest::AboveZero => positive(name, value)?,
-                Lowest::FrictionCoefficient
-                    if !value.is_finite() || value < friction_coefficient =>
-                {
-                    let allowed = "a finite number, not below the friction coefficient";
-                    return Err(invalid(name, &value.to_string(), allowed));
-                }
-                Lowest::FrictionCoefficient => {}
-            }
-        }
-        Ok(())
-    }
-
-    /// Returns the non-dimensional friction of a contact with the (kinetic) coefficient
-    /// `coefficient`, the unit of sliding speed `speed_unit` (SI) and the unit of the viscous
-    /// coefficient `drag_unit` (N s/m).
-    pub fn contact(&self, coefficient: f64, speed_unit: f64, drag_unit: f64) -> Friction {
-        let mut values = self.values;
-        for (value, parameter) in values.iter_mut().zip(self.law.parameters()) {
-            *value /= match parameter.dimension {
-                Dimension::Ratio => 1.0,
-                Dimension::SlidingSpeed { .. } => speed_unit,
-                Dimension::Drag => drag_unit,
-            };
-        }
-        Friction::new(FrictionLaw { law: self.law, values }, coefficient)
-    }
-}
-
-impl PartialEq for FrictionLaw {
-    fn eq(&self, other: &Self) -> bool {
-        self.name() == other.name() && self.values() == other.values()
-    }
-}
-
-impl fmt::Debug for FrictionLaw {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.debug_tuple(self.name()).field(&self.values()).finish()
-    }
-}
-
-/// The name and the values determine the law, and with them the stored results of a case.
-impl Serialize for FrictionLaw {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        (self.name(), self.values()).serialize(serializer)
-    }
-}

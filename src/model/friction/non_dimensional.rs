@@ -1,6 +1,6 @@
 //! Friction of one contact without dimensions, as the motion uses it.
 
-use super::{FrictionLaw, LawInputs, Sliding, SlidingForce};
+use super::{Dimension, FrictionLaw, LawInputs, LawNumbers, Sliding, SlidingForce};
 use crate::model::{Contact, Dual, Expression, Number, Recorder};
 
 /// Non-dimensional friction of one contact.
@@ -32,6 +32,10 @@ impl Friction {
         self.law.values()
     }
 
+    fn numbers(&self) -> LawNumbers<'_> {
+        LawNumbers { coefficient: self.coefficient, limit: self.limit, values: &self.law.values }
+    }
+
     /// Returns the largest ratio of friction to normal force, at rest or at any speed.
     #[inline]
     pub fn largest_ratio(&self) -> f64 {
@@ -57,25 +61,26 @@ impl Friction {
     /// contact of mass 1 under this normal force: a measure of the stiffness of the equations of
     /// motion.
     pub fn damping_rate(&self, normal: f64) -> f64 {
-        self.law.law().damping_rate(self, normal)
+        self.law.law().damping_rate(&self.numbers(), normal)
     }
 
     /// Returns the sliding speed over which friction changes; `None` if it does not change suddenly.
     pub fn speed_scale(&self) -> Option<f64> {
-        self.law.law().speed_scale(self)
+        self.law.law().speed_scale(&self.numbers())
     }
 
     /// Returns the friction of a contact that moves, or is about to move, in a direction (1 or -1)
     /// at a speed. A law that cannot stick ignores the direction.
     #[inline]
     pub fn slip(&self, direction: f64, speed: f64) -> Contact {
-        let SlidingForce { ratio, drag } = self.law.law().force(self, Sliding { direction, speed });
+        let SlidingForce { ratio, drag } =
+            self.law.law().force(&self.numbers(), Sliding { direction, speed });
         Contact { free: 1.0, signed_friction: ratio, drag }
     }
 
     /// Returns the numbers of the law's expression in a recorded system.
     pub fn expression_inputs(&self) -> LawInputs {
-        self.law.law().expression_inputs(self)
+        self.law.law().expression_inputs(&self.numbers())
     }
 
     /// Records the friction of this contact, which sticks or slips in a direction at a speed: `free` is 1 in slip and 0
@@ -96,13 +101,36 @@ impl Friction {
     /// Returns [`Friction::slip`] to first order in the speed.
     pub fn slip_along(&self, direction: f64, speed: Dual) -> Contact<Dual> {
         let sliding = Sliding { direction, speed: speed.value };
-        let force = self.law.law().force(self, sliding);
-        let slope = self.law.law().slope(self, sliding);
+        let force = self.law.law().force(&self.numbers(), sliding);
+        let slope = self.law.law().slope(&self.numbers(), sliding);
         let dual = |value, slope| Dual { value, slope: slope * speed.slope };
         Contact {
             free: Dual::constant(1.0),
             signed_friction: dual(force.ratio, slope.ratio),
             drag: dual(force.drag, slope.drag),
         }
+    }
+}
+
+impl FrictionLaw {
+    /// Returns the largest ratio of friction to normal force, at rest or at any speed, of a contact
+    /// with this (kinetic) coefficient.
+    pub fn largest_ratio(&self, friction_coefficient: f64) -> f64 {
+        self.contact(friction_coefficient, 1.0, 1.0).largest_ratio()
+    }
+
+    /// Returns the non-dimensional friction of a contact with the (kinetic) coefficient
+    /// `coefficient`, the unit of sliding speed `speed_unit` (SI) and the unit of the viscous
+    /// coefficient `drag_unit` (N s/m).
+    pub fn contact(&self, coefficient: f64, speed_unit: f64, drag_unit: f64) -> Friction {
+        let mut values = self.values;
+        for (value, parameter) in values.iter_mut().zip(self.law.parameters()) {
+            *value /= match parameter.dimension {
+                Dimension::Ratio => 1.0,
+                Dimension::SlidingSpeed { .. } => speed_unit,
+                Dimension::Drag => drag_unit,
+            };
+        }
+        Friction::new(FrictionLaw { law: self.law, values }, coefficient)
     }
 }

@@ -5,8 +5,8 @@ use std::f64::consts::FRAC_2_PI;
 use smallvec::smallvec;
 
 use super::{
-    Dimension, Friction, FrictionLaw, Law, LawInputs, LawParameter, Lowest, Sliding, SlidingForce,
-    about,
+    Dimension, FrictionLaw, Law, LawInputs, LawNumbers, LawParameter, Lowest, Sliding,
+    SlidingForce, about,
 };
 use crate::model::{Expression, Number};
 
@@ -21,8 +21,8 @@ impl FrictionLaw {
 }
 
 /// `v_0`.
-fn scale(friction: &Friction) -> f64 {
-    friction.values().first().copied().unwrap_or(1.0)
+fn scale(friction: &LawNumbers<'_>) -> f64 {
+    friction.values.first().copied().unwrap_or(1.0)
 }
 
 /// The speed `v_0`.
@@ -49,19 +49,19 @@ impl Law for Smooth {
         false
     }
 
-    fn force(&self, friction: &Friction, sliding: Sliding) -> SlidingForce {
+    fn force(&self, friction: &LawNumbers<'_>, sliding: Sliding) -> SlidingForce {
         let share = libm::atan(sliding.speed / scale(friction)) * FRAC_2_PI;
         SlidingForce { ratio: friction.coefficient * share, drag: 0.0 }
     }
 
-    fn slope(&self, friction: &Friction, sliding: Sliding) -> SlidingForce {
+    fn slope(&self, friction: &LawNumbers<'_>, sliding: Sliding) -> SlidingForce {
         let scale = scale(friction);
         let ratio = sliding.speed / scale;
         let bend = FRAC_2_PI / (scale * (1.0 + ratio * ratio));
         SlidingForce { ratio: friction.coefficient * bend, drag: 0.0 }
     }
 
-    fn expression_inputs(&self, friction: &Friction) -> LawInputs {
+    fn expression_inputs(&self, friction: &LawNumbers<'_>) -> LawInputs {
         smallvec![friction.coefficient * FRAC_2_PI, 1.0 / scale(friction)]
     }
 
@@ -74,11 +74,11 @@ impl Law for Smooth {
         [inputs[0] * (speed * inputs[1]).atan(), Expression::constant(0.0)]
     }
 
-    fn damping_rate(&self, friction: &Friction, normal: f64) -> f64 {
+    fn damping_rate(&self, friction: &LawNumbers<'_>, normal: f64) -> f64 {
         friction.coefficient * normal * FRAC_2_PI / scale(friction)
     }
 
-    fn speed_scale(&self, friction: &Friction) -> Option<f64> {
+    fn speed_scale(&self, friction: &LawNumbers<'_>) -> Option<f64> {
         Some(scale(friction))
     }
 }

@@ -3,8 +3,8 @@
 use smallvec::smallvec;
 
 use super::{
-    Dimension, Friction, FrictionLaw, Law, LawInputs, LawParameter, Lowest, Sliding, SlidingForce,
-    about,
+    Dimension, FrictionLaw, Law, LawInputs, LawNumbers, LawParameter, Lowest, Sliding,
+    SlidingForce, about,
 };
 use crate::model::{Expression, Number};
 
@@ -67,16 +67,20 @@ impl Law for Stribeck {
         speed == 0.0 || static_coefficient == coefficient
     }
 
-    fn force(&self, friction: &Friction, Sliding { direction, speed }: Sliding) -> SlidingForce {
-        let (_, scale) = parameters(friction.values());
+    fn force(
+        &self,
+        friction: &LawNumbers<'_>,
+        Sliding { direction, speed }: Sliding,
+    ) -> SlidingForce {
+        let (_, scale) = parameters(friction.values);
         let sliding = (direction * speed).max(0.0);
         let excess = if scale > 0.0 { libm::exp(-sliding / scale) } else { 0.0 };
         let ratio = friction.coefficient + (friction.limit - friction.coefficient) * excess;
         SlidingForce { ratio: direction * ratio, drag: 0.0 }
     }
 
-    fn slope(&self, friction: &Friction, sliding: Sliding) -> SlidingForce {
-        let (_, scale) = parameters(friction.values());
+    fn slope(&self, friction: &LawNumbers<'_>, sliding: Sliding) -> SlidingForce {
+        let (_, scale) = parameters(friction.values);
         let Sliding { direction, speed } = sliding;
         let excess = self.force(friction, sliding).ratio - direction * friction.coefficient;
         let falls = scale > 0.0 && direction * speed >= 0.0;
@@ -84,8 +88,8 @@ impl Law for Stribeck {
     }
 
     /// The excess `μ_s - μ` decays with the rate `1 / v_s`; both are 0 where the coefficient jumps.
-    fn expression_inputs(&self, friction: &Friction) -> LawInputs {
-        let (_, scale) = parameters(friction.values());
+    fn expression_inputs(&self, friction: &LawNumbers<'_>) -> LawInputs {
+        let (_, scale) = parameters(friction.values);
         let [excess, rate] = match scale > 0.0 {
             true => [friction.limit - friction.coefficient, 1.0 / scale],
             false => [0.0; 2],
@@ -103,8 +107,8 @@ impl Law for Stribeck {
         [direction * (inputs[0] + inputs[1] * decay), Expression::constant(0.0)]
     }
 
-    fn speed_scale(&self, friction: &Friction) -> Option<f64> {
-        let (_, scale) = parameters(friction.values());
+    fn speed_scale(&self, friction: &LawNumbers<'_>) -> Option<f64> {
+        let (_, scale) = parameters(friction.values);
         (scale > 0.0).then_some(scale)
     }
 }

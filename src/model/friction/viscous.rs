@@ -3,8 +3,8 @@
 use smallvec::smallvec;
 
 use super::{
-    Dimension, Friction, FrictionLaw, Law, LawInputs, LawParameter, Lowest, Sliding, SlidingForce,
-    about,
+    Dimension, FrictionLaw, Law, LawInputs, LawNumbers, LawParameter, Lowest, Sliding,
+    SlidingForce, about,
 };
 use crate::model::{Expression, Number};
 
@@ -29,8 +29,8 @@ pub(super) const PARAMETERS: [LawParameter; 1] = [LawParameter {
 }];
 
 /// Returns drag over speed, the first parameter of a law.
-pub(super) fn drag(friction: &Friction) -> f64 {
-    friction.values().first().copied().unwrap_or(0.0)
+pub(super) fn drag(friction: &LawNumbers<'_>) -> f64 {
+    friction.values.first().copied().unwrap_or(0.0)
 }
 
 impl Law for Viscous {
@@ -40,15 +40,15 @@ impl Law for Viscous {
         PARAMETERS; uses_friction_coefficient: false; can_stick: false
     }
 
-    fn force(&self, friction: &Friction, sliding: Sliding) -> SlidingForce {
+    fn force(&self, friction: &LawNumbers<'_>, sliding: Sliding) -> SlidingForce {
         SlidingForce { ratio: 0.0, drag: drag(friction) * sliding.speed }
     }
 
-    fn slope(&self, friction: &Friction, _sliding: Sliding) -> SlidingForce {
+    fn slope(&self, friction: &LawNumbers<'_>, _sliding: Sliding) -> SlidingForce {
         SlidingForce { ratio: 0.0, drag: drag(friction) }
     }
 
-    fn expression_inputs(&self, friction: &Friction) -> LawInputs {
+    fn expression_inputs(&self, friction: &LawNumbers<'_>) -> LawInputs {
         smallvec![drag(friction)]
     }
 
@@ -61,7 +61,7 @@ impl Law for Viscous {
         [Expression::constant(0.0), inputs[0] * speed]
     }
 
-    fn damping_rate(&self, friction: &Friction, _normal: f64) -> f64 {
+    fn damping_rate(&self, friction: &LawNumbers<'_>, _normal: f64) -> f64 {
         drag(friction)
     }
 }

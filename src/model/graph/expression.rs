@@ -8,15 +8,15 @@ use crate::model::{Function, Number};
 /// An expression of a recorder, or a number. Sums, products and quotients of numbers are numbers, and neutral elements
 /// leave no node.
 #[derive(Clone, Copy)]
-pub struct Expression<'r>(Content<'r>);
+pub struct Expression<'r>(NumberOrNode<'r>);
 
 #[derive(Clone, Copy)]
-enum Content<'r> {
+enum NumberOrNode<'r> {
     Number(f64),
     Node(&'r Recorder, NodeId),
 }
 
-use Content::{Node as Recorded, Number as Known};
+use NumberOrNode::{Node as Recorded, Number as Known};
 
 impl<'r> Expression<'r> {
     pub(super) fn node(recorder: &'r Recorder, node: NodeId) -> Self {

@@ -2,19 +2,30 @@
 //!
 //! A system writes its equations with [`Expression`]s, which have the operators of numbers. The graph then gives
 //! values, power series in time of any order, and both along a displacement, by code that knows no system.
+//!
+//! Read `node` first: the operations of a graph. A [`Recorder`] collects nodes, an [`Expression`] adds one with each operator, and
+//! `quantities` gives a system its inputs, its components of the state and its unknowns. `equations` lists what a system returns,
+//! and `recorded` makes the [`Graph`] of it. `derivative` and `degree` examine what is recorded, and `per_structure` keeps what is
+//! computed once for all systems with equal equations.
 
 mod degree;
 mod derivative;
+mod equations;
 mod expression;
 mod node;
 mod per_structure;
+mod quantities;
+mod recorded;
 mod recorder;
 
 pub use degree::Degree;
+pub use equations::{
+    ContactEquations, ContactLayout, Event, EventEquations, ForcingLayout, GapEquations, Layout,
+    Opening, OpeningEquations, SystemEquations,
+};
 pub use expression::Expression;
 pub use node::{Node, NodeId, Solve};
 pub(crate) use per_structure::PerStructure;
-pub use recorder::{
-    ContactEquations, ContactLayout, Event, EventEquations, ForcingLayout, GapEquations, Graph,
-    Layout, Opening, OpeningEquations, Recorder, SystemEquations,
-};
+pub use per_structure::Structure;
+pub use recorded::Graph;
+pub use recorder::Recorder;

@@ -1,9 +1,11 @@
 //! What is computed once for all systems with equal equations.
 
+use std::any::TypeId;
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, PoisonError, RwLock};
 
-use crate::model::Structure;
+/// The type of a system, and what its equations depend on besides the values of the inputs: names of laws, and numbers.
+pub type Structure = (TypeId, Vec<&'static str>, Vec<usize>);
 
 /// The most structures whose values are kept. There are more orders of eight balls along a ring than fit into memory.
 const MOST: usize = 32;
@@ -42,9 +44,7 @@ impl<T> PerStructure<T> {
 
 #[cfg(test)]
 mod tests {
-    use std::any::TypeId;
-
-    use super::{MOST, PerStructure};
+    use super::{MOST, PerStructure, TypeId};
 
     #[test]
     fn the_latest_values_are_kept() {

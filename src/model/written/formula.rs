@@ -1,7 +1,5 @@
 //! A formula of a system file: its text and its tree.
 
-use super::parser::parsed;
-
 /// The longest text of a formula, in bytes.
 pub const LONGEST_FORMULA: usize = 10_000;
 
@@ -150,12 +148,6 @@ impl Comparison {
 }
 
 impl Formula {
-    /// Parses a text.
-    pub fn parse(text: &str) -> Valued<Formula> {
-        let (root, numbers) = parsed(text)?;
-        Ok(Formula { text: text.to_owned(), root, numbers: vec![NONE; numbers] })
-    }
-
     /// Returns the formula of a value in the SI unit of a dimension.
     pub fn quantity(value: f64, dimension: Dimension) -> Formula {
         let root = Term { at: 0, content: Content::Quantity(value, dimension) };

@@ -11,14 +11,14 @@ use super::formula::{Dimension, Formula, FormulaFault, Valued, WHOLE};
 use super::instance::{Instance, Member};
 use super::sizes::ranges;
 use super::velocities::SpeedOf;
-use crate::model::coordinate::unit_ending;
+use crate::model::ball_balancer::PROFILE_PARAMETERS;
 use crate::model::invalid_parameter::invalid;
-use crate::model::kind::member_name;
+use crate::model::parameter_name::{member_name, unit_ending};
 use crate::model::{
     Capabilities, Components, ContactNames, ContactUnits, Coordinate, DefaultModel,
     DerivedQuantity, Field, FrictionLaw, InvalidParameter, ModelKind, OutputName, OutputUnits,
-    OwnKind, OwnModel, PROFILE_PARAMETERS, ParameterDescriptor, SlidingSpeed, SmallMotionEquations,
-    SpeedSegment, System, Units,
+    OwnKind, OwnModel, ParameterDescriptor, SlidingSpeed, SmallMotionEquations, SpeedSegment,
+    System, Units,
 };
 
 /// What a kind of model of a file computes, with the texts that a process keeps.

@@ -3,29 +3,22 @@
 use smallvec::SmallVec;
 
 use super::formula::Valued;
-use super::system::{RecordedState, WrittenSystem};
-use crate::model::{Components, Graph, Node, Recorder, SystemEquations};
+use crate::model::{Components, Expression, Graph, Node, Recorder, SystemEquations};
 
-/// The nodes of the measured quantities.
+/// The measured quantities, as a graph.
 #[derive(Debug)]
-pub(super) struct Measured(Graph);
+pub(super) struct MeasuredQuantities(Graph);
 
-impl Measured {
-    /// Records what a system measures.
-    pub(super) fn of(system: &WrittenSystem) -> Valued<Self> {
+impl MeasuredQuantities {
+    /// Records the quantities that a system measures.
+    pub(super) fn of(
+        quantities: impl for<'r> FnOnce(&'r Recorder) -> Valued<Vec<Expression<'r>>>,
+    ) -> Valued<Self> {
         let recorder = Recorder::default();
-        let outputs = system.in_recorded_state(&recorder, |state| {
-            let RecordedState { coordinates, mut values, .. } = state;
-            let mut outputs = coordinates.concat();
-            for number in 0..system.instance.outputs.len() {
-                let (output, mut bodies) = system.instance.output(number);
-                outputs.push(bodies.evaluate(&output.formula, &mut values)?);
-            }
-            Ok(outputs)
-        })?;
         // The graph has these quantities in the place of rates of change.
-        let equations = SystemEquations { derivative: outputs, ..SystemEquations::default() };
-        Ok(Measured(recorder.finish(&equations)))
+        let equations =
+            SystemEquations { derivative: quantities(&recorder)?, ..SystemEquations::default() };
+        Ok(MeasuredQuantities(recorder.finish(&equations)))
     }
 
     /// Returns the values in a state; `inputs` are those of the system.

@@ -1,10 +1,11 @@
 //! Mechanical systems that a file describes by formulas.
 //!
 //! Read [`definition`] first: what a file contains. [`formula`] and [`parser`] turn texts into trees, which [`evaluate`] computes
-//! with numbers, expressions ([`numeric`]), dimensions ([`dimensions`]) or dependences ([`dependence`]). [`check`] (and `check_names`) refuses a
-//! definition that contradicts itself, [`instance`] has certain numbers of bodies, [`examined`] certain values of the
-//! parameters, whose [`sizes`] give the units of the motion, [`velocities`] makes sliding speeds components of the state, and
-//! [`system`] records the equations, whose formulas [`in_state`] computes in one state. [`kind`] makes all this a kind of model.
+//! with numbers or expressions ([`numeric`]), [`dependence`] or [`dimensions`]. [`instance`] gives a definition certain numbers of
+//! bodies, and [`check`] and [`check_names`] refuse one that contradicts itself. [`velocities`] makes sliding speeds components of
+//! the state by [`linear`] forms. [`system`] records the equations and what [`measured`] evaluates, and [`in_state`] and
+//! [`uniqueness`] examine it in one state. [`sizes`] gives the units of the motion, from which [`examined`] makes a system of
+//! values of the parameters; [`small_motions`] are its equations of small motions. [`kind`] makes all this a kind of model.
 
 mod check;
 mod check_names;
@@ -16,6 +17,7 @@ mod examined;
 mod formula;
 mod in_state;
 mod instance;
+mod instance_values;
 mod kind;
 mod linear;
 mod measured;

@@ -1,7 +1,7 @@
 //! Reads the text of a formula: sums, products, powers, functions, and `sum(body, ...)`.
 
 use super::formula::{
-    Comparison, Content, FormulaFault, Function, LONGEST_FORMULA, Name, Term, Valued,
+    Comparison, Content, Formula, FormulaFault, Function, LONGEST_FORMULA, NONE, Name, Term, Valued,
 };
 
 /// The deepest nesting of parentheses.
@@ -14,8 +14,16 @@ const MOST_FACTORS: usize = 64;
 const KINKED: [&str; 11] =
     ["abs", "sign", "sgn", "min", "max", "floor", "ceil", "round", "mod", "heaviside", "step"];
 
+impl Formula {
+    /// Parses a text.
+    pub fn parse(text: &str) -> Valued<Formula> {
+        let (root, numbers) = parsed(text)?;
+        Ok(Formula { text: text.to_owned(), root, numbers: vec![NONE; numbers] })
+    }
+}
+
 /// Returns the tree of a text, and how many numbers it contains.
-pub(super) fn parsed(text: &str) -> Valued<(Term, usize)> {
+fn parsed(text: &str) -> Valued<(Term, usize)> {
     if text.len() > LONGEST_FORMULA {
         let found = format!("{} bytes", text.len());
         let allowed =

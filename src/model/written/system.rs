@@ -6,8 +6,8 @@ use std::sync::{Arc, OnceLock};
 
 use super::definition::WrittenNormal;
 use super::formula::{Valued, WHOLE};
-use super::instance::{Instance, Member};
-use super::measured::Measured;
+use super::instance::Instance;
+use super::measured::MeasuredQuantities;
 use super::numeric::{Numeric, Quantity};
 use super::scales::Scales;
 use super::velocities::{Rates, SpeedOf};
@@ -47,68 +47,7 @@ pub(super) struct WrittenSystem {
     /// Whether stick and slip are surely decided in one way in all states.
     pub has_one_solution: bool,
     /// What the file measures, once it is recorded; nothing if a formula has a fault.
-    pub measured: OnceLock<Option<Arc<Measured>>>,
-}
-
-/// The values of names of an instance.
-pub(super) type Coordinates<'a, T> = Vec<(&'a str, Option<i64>, [T; 3])>;
-
-impl Instance<'_> {
-    /// Returns the coordinates by name, with their values and rates of change, and accelerations of 0.
-    pub fn named<T: Quantity>(&self, values: impl Fn(usize) -> [T; 2]) -> Coordinates<'_, T> {
-        let members = self.coordinates.iter().enumerate();
-        let named = |(number, member): (usize, &Member)| {
-            let [position, rate] = values(number);
-            let name = self.definition.coordinates[member.of].name.as_str();
-            (name, member.body, [position, rate, T::constant(0.0)])
-        };
-        members.map(named).collect()
-    }
-
-    /// Returns the parameters by name, and the angle that turns at constant speed at a time.
-    pub fn parameters<T: Quantity>(&self, values: &[T], time: T) -> Vec<(&str, usize, T)> {
-        let speed = self.definition.speed_place().map(|place| values[place]);
-        let turned = speed.map(|speed| [speed * time, speed, T::constant(0.0)]);
-        self.parameters_and_angle(values, turned)
-    }
-
-    /// Returns the parameters by name, and the angle that turns with its rates of change.
-    pub fn parameters_and_angle<T: Copy>(
-        &self,
-        values: &[T],
-        turned: Option<[T; 3]>,
-    ) -> Vec<(&str, usize, T)> {
-        let names = self.definition.parameters.iter().map(|one| one.name.as_str());
-        let parameters = names.zip(values).map(|(name, value)| (name, 0, *value));
-        let angle = self.definition.turning.iter().zip(turned).flat_map(|(turning, angle)| {
-            (0..).zip(angle).map(|(primes, value)| (turning.angle.as_str(), primes, value))
-        });
-        parameters.chain(angle).collect()
-    }
-
-    /// Returns the mass matrix, and the forces.
-    pub fn mass_and_forces<T: Quantity>(
-        &self,
-        values: &mut Numeric<'_, T>,
-    ) -> Valued<(Vec<Vec<T>>, Vec<T>)> {
-        let (n, zero) = (self.coordinates.len(), T::constant(0.0));
-        let (mut mass, mut forces) = (vec![vec![zero; n]; n], vec![zero; n]);
-        for ([row, column], formula) in &self.definition.mass {
-            for ([row, column], mut bodies) in
-                self.places([row, column]).map_err(|(_, fault)| fault)?
-            {
-                let entry = bodies.evaluate(formula, values)?;
-                mass[row][column] = entry;
-                mass[column][row] = entry;
-            }
-        }
-        for (place, formula) in &self.definition.force {
-            for ([number], mut bodies) in self.places([place]).map_err(|(_, fault)| fault)? {
-                forces[number] = forces[number] + bodies.evaluate(formula, values)?;
-            }
-        }
-        Ok((mass, forces))
-    }
+    pub measured: OnceLock<Option<Arc<MeasuredQuantities>>>,
 }
 
 /// A state that is being recorded, with the values of all names as functions of it.
@@ -118,12 +57,12 @@ pub(super) struct RecordedState<'a, 'r> {
     /// The time or the phase of a periodic force, and its rate of change.
     clock: Option<[Expression<'r>; 2]>,
     /// The coordinates, and their rates of change.
-    pub coordinates: [Vec<Expression<'r>>; 2],
+    coordinates: [Vec<Expression<'r>>; 2],
     rates: Rates<Expression<'r>>,
     /// The values of names without those of the coordinates.
     base: Numeric<'a, Expression<'r>>,
     /// The values of all names.
-    pub values: Numeric<'a, Expression<'r>>,
+    values: Numeric<'a, Expression<'r>>,
 }
 
 impl WrittenSystem {
@@ -166,6 +105,19 @@ impl WrittenSystem {
         let values = Numeric { coordinates: &named, ..base };
         let (clock, coordinates) = (clock.map(|clock| [clock, rate]), [shapes, moving]);
         compute(RecordedState { positions, speeds, clock, coordinates, rates, base, values })
+    }
+
+    /// Records the coordinates, their rates of change and the outputs of the file.
+    fn measured_quantities<'r>(&self, recorder: &'r Recorder) -> Valued<Vec<Expression<'r>>> {
+        self.in_recorded_state(recorder, |state| {
+            let RecordedState { coordinates, mut values, .. } = state;
+            let mut quantities = coordinates.concat();
+            for number in 0..self.instance.outputs.len() {
+                let (output, mut bodies) = self.instance.output(number);
+                quantities.push(bodies.evaluate(&output.formula, &mut values)?);
+            }
+            Ok(quantities)
+        })
     }
 
     fn mechanism<'r>(
@@ -409,7 +361,8 @@ impl System for WrittenSystem {
     }
 
     fn outputs(&self, state: &[f64]) -> Components {
-        let measured = self.measured.get_or_init(|| Measured::of(self).map(Arc::new).ok());
+        let record = || MeasuredQuantities::of(|recorder| self.measured_quantities(recorder));
+        let measured = self.measured.get_or_init(|| record().map(Arc::new).ok());
         measured.as_ref().map_or_else(Components::new, |own| own.values(&self.inputs(&[]), state))
     }
 

@@ -1,78 +1,16 @@
-//! The systems as graphs of expressions. Parameters, laws and modes are inputs of the graph, so that runs with other
+//! The balancer as a graph of expressions. Parameters, laws and modes are inputs of the graph, so that runs with other
 //! parameters in other modes share it.
 
 use std::any::{Any, TypeId};
 
-use super::driven::{Turning, Turns};
+use super::contact_mode::{add_contact_inputs, record_contact};
+use super::driven_disc::{DiscSpeed, DrivenDisc};
 use super::system::stiff_pace;
 use super::{
-    Balancer, BalancerBall, Components, Contact, ContactEquations, ContactLayout, Expression,
+    Balancer, BalancerBall, Contact, ContactEquations, ContactLayout, ContactMode, Expression,
     Forces, Friction, Layout, Number, Recorder, RestForms, State, Structure, System,
     SystemEquations,
 };
-
-/// How a contact moves during a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ContactMode {
-    /// It sticks.
-    Stick,
-    /// It slips in a direction, 1 or -1; a law that cannot stick ignores the direction.
-    Slip(f64),
-    /// It sets off in a direction: its friction is that at the speed 0, whatever its residual speed.
-    SetOff(f64),
-    /// Its bodies do not touch.
-    Apart,
-    /// It is a gap, and there is no force in it.
-    Open,
-    /// It is a gap, and its two contacts touch.
-    Closed,
-}
-
-impl ContactMode {
-    /// Returns the direction in which a contact slips or sets off; 0 if it sticks.
-    pub fn direction(self) -> f64 {
-        match self {
-            ContactMode::Slip(direction) | ContactMode::SetOff(direction) => direction,
-            _ => 0.0,
-        }
-    }
-}
-
-/// Adds the values of the inputs of a contact that [`record_contact`] records: its mode and the numbers of its law.
-pub fn add_contact_inputs(inputs: &mut Vec<f64>, mode: ContactMode, friction: &Friction) {
-    inputs.extend_from_slice(&match mode {
-        ContactMode::Stick | ContactMode::Open | ContactMode::Closed => [0.0, 0.0, 0.0],
-        ContactMode::Apart => [1.0, 0.0, 0.0],
-        ContactMode::Slip(direction) => [1.0, direction, 1.0],
-        ContactMode::SetOff(direction) => [1.0, direction, 0.0],
-    });
-    inputs.extend_from_slice(&friction.expression_inputs());
-}
-
-/// Adds the values of the inputs of a contact that a [`super::Mechanism`] records; `opens` if its normal force is that of a
-/// gap.
-pub fn add_mechanism_inputs(
-    inputs: &mut Vec<f64>,
-    mode: ContactMode,
-    friction: &Friction,
-    opens: bool,
-) {
-    add_contact_inputs(inputs, mode, friction);
-    inputs.push(friction.limit);
-    inputs.extend(opens.then_some(if mode == ContactMode::Apart { 0.0 } else { 1.0 }));
-}
-
-/// Records what a contact with this sliding speed does in the equations of motion. Its inputs are its mode and the numbers
-/// of its law, whose values [`add_contact_inputs`] adds.
-pub fn record_contact<'r>(
-    recorder: &'r Recorder,
-    friction: &Friction,
-    speed: Expression<'r>,
-) -> Contact<Expression<'r>> {
-    let free = recorder.switch("free");
-    let [direction, slips] = ["direction", "slips"].map(|name| recorder.input(name));
-    friction.record(recorder, [free, direction], slips * speed)
-}
 
 pub(super) fn equations<'r, const N: usize, const FREE: usize>(
     state: &State<N, Expression<'r>, FREE>,
@@ -124,7 +62,7 @@ impl<const N: usize> Balancer<N> {
     pub(super) fn record_parameters<'r>(
         &self,
         recorder: &'r Recorder,
-        turning: Option<Turning<'r>>,
+        turning: Option<DiscSpeed<'r>>,
     ) -> Balancer<N, Expression<'r>> {
         let [speed, damping_ratio, imbalance] =
             ["speed", "damping_ratio", "imbalance"].map(|name| recorder.parameter(name));
@@ -154,7 +92,7 @@ impl<const N: usize> Balancer<N> {
         });
         let at_constant_speed =
             Balancer { speed, acceleration: None, damping_ratio, imbalance, runout, balls };
-        turning.map_or(at_constant_speed, |Turning { speed, acceleration }| Balancer {
+        turning.map_or(at_constant_speed, |DiscSpeed { speed, acceleration }| Balancer {
             speed,
             acceleration: Some(acceleration),
             ..at_constant_speed
@@ -271,11 +209,11 @@ impl<'r, const N: usize> Balancer<N, Expression<'r>> {
     }
 }
 
-impl<const N: usize> Turns for Balancer<N> {
+impl<const N: usize> DrivenDisc for Balancer<N> {
     fn record_turning<'r>(
         &self,
         recorder: &'r Recorder,
-        turning: impl FnOnce() -> Option<Turning<'r>>,
+        turning: impl FnOnce() -> Option<DiscSpeed<'r>>,
     ) -> SystemEquations<'r> {
         let state = record_state(recorder);
         let balancer = self.record_parameters(recorder, turning());
@@ -357,36 +295,5 @@ impl<const N: usize> System for Balancer<N> {
 
     fn as_any(&self) -> &dyn Any {
         self
-    }
-}
-
-/// The number of components without an allocation: those of a balancer with eight balls.
-const INLINE: usize = 20;
-
-impl<const N: usize, const FREE: usize> State<N, f64, FREE> {
-    /// Returns the components in the order of a recorded system.
-    pub fn components(&self) -> Components {
-        let parts = [&self.position[..], &self.velocity, &self.beta, &self.beta_dot];
-        // A buffer is filled by plain copies.
-        let mut buffer = [0.0; INLINE];
-        let length = 2 * (FREE + N);
-        if length > INLINE {
-            return parts.concat().into();
-        }
-        let mut place = 0;
-        for part in parts {
-            buffer[place..place + part.len()].copy_from_slice(part);
-            place += part.len();
-        }
-        Components::from_buf_and_len(buffer, length)
-    }
-
-    /// Returns the state with these components; `None` for another number of components.
-    pub fn of_components(components: &[f64]) -> Option<Self> {
-        let (position, rest) = components.split_first_chunk()?;
-        let (velocity, rest) = rest.split_first_chunk()?;
-        let (beta, rest) = rest.split_first_chunk()?;
-        let beta_dot = rest.try_into().ok()?;
-        Some(State { position: *position, velocity: *velocity, beta: *beta, beta_dot })
     }
 }

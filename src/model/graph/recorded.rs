@@ -1,0 +1,207 @@
+//! The recorded equations of a system: a graph whose nodes each stand behind their operands.
+
+use super::recorder::Recording;
+use super::{
+    ContactEquations, ContactLayout, Event, EventEquations, GapEquations, Layout, Node, NodeId,
+    Opening, OpeningEquations, Recorder, Solve, SystemEquations,
+};
+
+/// The recorded equations of a system.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Graph {
+    /// The nodes, operands first.
+    pub nodes: Vec<Node>,
+    /// The linear systems.
+    pub solves: Vec<Solve>,
+    /// The names of the inputs.
+    pub inputs: Vec<String>,
+    /// The inputs that are 0 or 1.
+    pub switches: Vec<u32>,
+    /// The inputs that do not depend on the modes of contacts and gaps.
+    pub parameters: Vec<u32>,
+    /// The time derivative of each component of the state.
+    pub derivative: Vec<NodeId>,
+    /// Sliding speed, sliding acceleration, normal force and friction force of each contact.
+    pub contacts: Vec<[NodeId; 4]>,
+    /// The events.
+    pub events: Vec<Event>,
+    /// Opening acceleration and force of each gap.
+    pub gaps: Vec<[NodeId; 2]>,
+    /// The contacts that open and close.
+    pub openings: Vec<Opening>,
+    /// The meaning of the components.
+    pub layout: Layout,
+    /// The nodes that depend on unknowns of linear systems and that rates and openings need, operands first.
+    pub(crate) rates_with_unknowns: Vec<NodeId>,
+}
+
+impl Graph {
+    fn with_rates_with_unknowns(mut self) -> Self {
+        let of_opening = |one: &Opening| [one.acceleration, self.contacts[one.contact][1]];
+        let rates = self.derivative.iter().copied();
+        let is_needed = self.needed_by(rates.chain(self.openings.iter().flat_map(of_opening)));
+        let mut nodes = self.depending_on(|node| matches!(node, Node::Solution { .. }));
+        nodes.retain(|node| is_needed[*node as usize]);
+        self.rates_with_unknowns = nodes;
+        self
+    }
+
+    /// Returns whether each node is needed for one of these nodes.
+    fn needed_by(&self, results: impl Iterator<Item = NodeId>) -> Vec<bool> {
+        let mut is_needed = vec![false; self.nodes.len()];
+        results.for_each(|node| is_needed[node as usize] = true);
+        for place in (0..self.nodes.len()).rev() {
+            if is_needed[place] {
+                let operands = self.nodes[place].operands(&self.solves);
+                operands.into_iter().for_each(|one| is_needed[one as usize] = true);
+            }
+        }
+        is_needed
+    }
+
+    /// Returns the nodes that vary by themselves or depend on such nodes, operands first.
+    pub fn depending_on(&self, varies: impl Fn(&Node) -> bool) -> Vec<NodeId> {
+        let mut depends = vec![false; self.nodes.len()];
+        for (place, node) in self.nodes.iter().enumerate() {
+            depends[place] = varies(node)
+                || node.operands(&self.solves).iter().any(|one| depends[*one as usize]);
+        }
+        (0..).zip(depends).filter(|(_, depends)| *depends).map(|(node, _)| node).collect()
+    }
+
+    /// Returns whether a contact may creep: its position, which is no angle, occurs in no equation.
+    pub fn may_creep(&self, contact: &ContactLayout) -> bool {
+        if contact.angular {
+            return false;
+        }
+        let resets = self.events.iter().flat_map(|event| &event.reset).map(|(_, value)| value);
+        let results = (self.derivative.iter())
+            .chain(self.contacts.iter().flatten())
+            .chain(self.gaps.iter().flatten())
+            .chain(self.openings.iter().map(|opening| &opening.gap))
+            .chain(self.events.iter().map(|event| &event.guard))
+            .chain(resets);
+        let is_read = self.needed_by(results.copied());
+        let is_position =
+            |node: &Node| matches!(node, Node::State(one) if *one as usize == contact.position);
+        !self.nodes.iter().zip(is_read).any(|(node, read)| read && is_position(node))
+    }
+
+    /// Returns the component that is the sliding speed of a contact, if it is one component.
+    pub fn speed_component(&self, contact: usize) -> Option<usize> {
+        self.component(self.contacts[contact][0])
+    }
+
+    /// Returns whether the position of a contact moves at a rate that depends on its sliding speed alone.
+    pub fn holds_position(&self, contact: usize) -> bool {
+        let Some(speed) = self.held_component(contact) else { return false };
+        let mut open = vec![self.derivative[self.layout.contacts[contact].position]];
+        while let Some(node) = open.pop() {
+            match self.nodes[node as usize] {
+                Node::State(component) if component as usize != speed => return false,
+                node => open.extend(node.operands(&self.solves)),
+            }
+        }
+        true
+    }
+
+    /// Returns the component that alone determines the sliding speed of a contact, by a constant factor and a constant summand:
+    /// `x'` for `x' - v_belt`. Returns `None` if the sliding speed equals the component.
+    pub fn shifted_component(&self, contact: usize) -> Option<usize> {
+        let mut node = self.contacts[contact][0];
+        if self.component(node).is_some() {
+            return None;
+        }
+        loop {
+            node = match self.nodes[node as usize] {
+                Node::State(component) => return Some(component as usize),
+                Node::Negation(of) => of,
+                Node::Sum(a, b) | Node::Product(a, b) | Node::Difference(a, b)
+                    if self.is_constant(a) =>
+                {
+                    b
+                }
+                Node::Sum(a, b)
+                | Node::Product(a, b)
+                | Node::Difference(a, b)
+                | Node::Quotient(a, b)
+                    if self.is_constant(b) =>
+                {
+                    a
+                }
+                _ => return None,
+            };
+        }
+    }
+
+    /// Returns the component that keeps its value while a contact sticks.
+    pub fn held_component(&self, contact: usize) -> Option<usize> {
+        self.speed_component(contact).or_else(|| self.shifted_component(contact))
+    }
+
+    fn component(&self, node: NodeId) -> Option<usize> {
+        match self.nodes[node as usize] {
+            Node::State(component) => Some(component as usize),
+            _ => None,
+        }
+    }
+
+    /// Returns whether a node depends on no component of the state.
+    fn is_constant(&self, node: NodeId) -> bool {
+        let mut open = vec![node];
+        while let Some(node) = open.pop() {
+            match self.nodes[node as usize] {
+                Node::State(_) | Node::Discrete(_) => return false,
+                node => open.extend(node.operands(&self.solves)),
+            }
+        }
+        true
+    }
+}
+
+impl Recorder {
+    /// Returns the graph of these equations.
+    pub fn finish(&self, equations: &SystemEquations<'_>) -> Graph {
+        let derivative = equations.derivative.iter().map(|one| one.id(self)).collect();
+        let contact = |one: &ContactEquations<'_>| {
+            [one.sliding_speed, one.sliding_acceleration, one.normal, one.friction]
+                .map(|expression| expression.id(self))
+        };
+        let contacts = equations.contacts.iter().map(contact).collect();
+        let event = |one: &EventEquations<'_>| Event {
+            guard: one.guard.id(self),
+            reset: one
+                .reset
+                .iter()
+                .map(|(component, value)| (*component, value.id(self)))
+                .collect(),
+        };
+        let events = equations.events.iter().map(event).collect();
+        let gap = |one: &GapEquations<'_>| {
+            [one.opening_acceleration, one.force].map(|expression| expression.id(self))
+        };
+        let gaps = equations.gaps.iter().map(gap).collect();
+        let opening = |one: &OpeningEquations<'_>| {
+            let parts = [one.gap, one.speed, one.acceleration, one.force, one.friction];
+            let [gap, speed, acceleration, force, friction] = parts.map(|part| part.id(self));
+            Opening { contact: one.contact, gap, speed, acceleration, force, friction }
+        };
+        let openings = equations.openings.iter().map(opening).collect();
+        let Recording { nodes, solves, inputs, switches, parameters, .. } = &*self.0.borrow();
+        Graph {
+            nodes: nodes.clone(),
+            solves: solves.clone(),
+            inputs: inputs.clone(),
+            switches: switches.clone(),
+            parameters: parameters.clone(),
+            derivative,
+            contacts,
+            events,
+            gaps,
+            openings,
+            layout: equations.layout.clone(),
+            rates_with_unknowns: Vec::new(),
+        }
+        .with_rates_with_unknowns()
+    }
+}

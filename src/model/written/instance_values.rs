@@ -1,0 +1,66 @@
+//! The values of the names in an instance, and its mass matrix and forces with these values.
+
+use super::formula::Valued;
+use super::instance::{Instance, Member};
+use super::numeric::{Numeric, Quantity};
+
+/// The values of names of an instance.
+pub(super) type Coordinates<'a, T> = Vec<(&'a str, Option<i64>, [T; 3])>;
+
+impl Instance<'_> {
+    /// Returns the coordinates by name, with their values and rates of change, and accelerations of 0.
+    pub fn named<T: Quantity>(&self, values: impl Fn(usize) -> [T; 2]) -> Coordinates<'_, T> {
+        let members = self.coordinates.iter().enumerate();
+        let named = |(number, member): (usize, &Member)| {
+            let [position, rate] = values(number);
+            let name = self.definition.coordinates[member.of].name.as_str();
+            (name, member.body, [position, rate, T::constant(0.0)])
+        };
+        members.map(named).collect()
+    }
+
+    /// Returns the parameters by name, and the angle that turns at constant speed at a time.
+    pub fn parameters<T: Quantity>(&self, values: &[T], time: T) -> Vec<(&str, usize, T)> {
+        let speed = self.definition.speed_place().map(|place| values[place]);
+        let turned = speed.map(|speed| [speed * time, speed, T::constant(0.0)]);
+        self.parameters_and_angle(values, turned)
+    }
+
+    /// Returns the parameters by name, and the angle that turns with its rates of change.
+    pub fn parameters_and_angle<T: Copy>(
+        &self,
+        values: &[T],
+        turned: Option<[T; 3]>,
+    ) -> Vec<(&str, usize, T)> {
+        let names = self.definition.parameters.iter().map(|one| one.name.as_str());
+        let parameters = names.zip(values).map(|(name, value)| (name, 0, *value));
+        let angle = self.definition.turning.iter().zip(turned).flat_map(|(turning, angle)| {
+            (0..).zip(angle).map(|(primes, value)| (turning.angle.as_str(), primes, value))
+        });
+        parameters.chain(angle).collect()
+    }
+
+    /// Returns the mass matrix, and the forces.
+    pub fn mass_and_forces<T: Quantity>(
+        &self,
+        values: &mut Numeric<'_, T>,
+    ) -> Valued<(Vec<Vec<T>>, Vec<T>)> {
+        let (n, zero) = (self.coordinates.len(), T::constant(0.0));
+        let (mut mass, mut forces) = (vec![vec![zero; n]; n], vec![zero; n]);
+        for ([row, column], formula) in &self.definition.mass {
+            for ([row, column], mut bodies) in
+                self.places([row, column]).map_err(|(_, fault)| fault)?
+            {
+                let entry = bodies.evaluate(formula, values)?;
+                mass[row][column] = entry;
+                mass[column][row] = entry;
+            }
+        }
+        for (place, formula) in &self.definition.force {
+            for ([number], mut bodies) in self.places([place]).map_err(|(_, fault)| fault)? {
+                forces[number] = forces[number] + bodies.evaluate(formula, values)?;
+            }
+        }
+        Ok((mass, forces))
+    }
+}
