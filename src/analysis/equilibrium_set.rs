@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 
 use super::balance::Balance;
-use super::frictionless::{Candidate, equilibrium_positions};
+use super::frictionless::equilibrium_positions;
+use super::frictionless_position::FrictionlessPosition;
 use super::identical_balls::sorted_where_identical;
 use super::one_ball::Arcs;
 use super::rest_form::{AtRest, RestForm};
@@ -222,7 +223,7 @@ fn set_on_grid(form: &RestForm, grid: &SetGrid) -> EquilibriumSet {
 }
 
 /// Returns the positions of all frictionless equilibria; none at standstill, where every position is one.
-fn frictionless_positions(form: &RestForm) -> Vec<Candidate> {
+fn frictionless_positions(form: &RestForm) -> Vec<FrictionlessPosition> {
     if form.speed == 0.0 { Vec::new() } else { equilibrium_positions(form) }
 }
 

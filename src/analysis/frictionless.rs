@@ -15,47 +15,18 @@
 //! ([`super::on_a_line`]).
 
 use nalgebra::Complex;
-use serde::{Deserialize, Serialize};
 
 use super::balance::Balance;
+use super::frictionless_position::{FrictionlessKind, FrictionlessPosition};
 use super::identical_balls::groups_of_identical;
 use super::linearised::{SmallMotions, Stability};
 use super::on_a_line::on_a_line;
 use super::rest_form::RestForm;
 use crate::model::{Machine, wrap_to_two_pi};
-use crate::named::named;
 
 /// The `drag` argument of [`frictionless_equilibria`] that gives the stability of slow balls:
 /// larger values do not change the result.
 pub const HIGH_DRAG: f64 = 1e4;
-
-/// The kind of an equilibrium without friction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum FrictionlessKind {
-    /// All balls together, on the branch `θ - γ = arcsin(...)`: below the natural frequency the
-    /// branch with the larger amplitude. Balls with contact are in a row, each touching the next.
-    A1Plus,
-    /// All balls together, on the branch `θ - γ = π - arcsin(...)`.
-    A1Minus,
-    /// Two balls opposite each other.
-    A2,
-    /// Balanced: the table rests at the centre. Three or more balls have a family of positions; one
-    /// of them is given.
-    B1,
-    /// Three balls or more on one line, some opposite the others.
-    Other,
-    /// The disc stands still: no force acts, and every position is an equilibrium.
-    Everywhere,
-}
-
-named!(FrictionlessKind {
-    A1Plus: "a1_plus",
-    A1Minus: "a1_minus",
-    A2: "a2",
-    B1: "b1",
-    Other: "other",
-    Everywhere: "everywhere",
-});
 
 /// An equilibrium without friction.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,8 +53,8 @@ impl FrictionlessEquilibrium {
         self.position_m[0].hypot(self.position_m[1])
     }
 
-    fn at(form: &RestForm, candidate: Candidate, drag: f64) -> Self {
-        let Candidate { kind, beta, family_dimension } = candidate;
+    fn at(form: &RestForm, candidate: FrictionlessPosition, drag: f64) -> Self {
+        let FrictionlessPosition { kind, beta, family_dimension } = candidate;
         let motions = SmallMotions::about(form, &beta, drag, family_dimension);
         let balanced = kind == FrictionlessKind::B1;
         let z = if balanced { Complex::from(0.0) } else { form.ring_centre(&beta) };
@@ -124,21 +95,14 @@ pub fn frictionless_equilibria(
     Some(candidates.map(|one| FrictionlessEquilibrium::at(&form, one, drag)).collect())
 }
 
-/// The position of an equilibrium without friction.
-pub(super) struct Candidate {
-    /// The kind.
-    pub kind: FrictionlessKind,
-    /// Angle of each ball, in [0, 2π).
-    pub beta: Vec<f64>,
-    /// Dimension of the family that contains it.
-    pub family_dimension: usize,
-}
-
 /// Returns all positions at a nonzero speed, ordered by kind.
-pub(super) fn equilibrium_positions(form: &RestForm) -> Vec<Candidate> {
+pub(super) fn equilibrium_positions(form: &RestForm) -> Vec<FrictionlessPosition> {
     let mut all = on_a_line(form);
-    let balanced =
-        |beta, family_dimension| Candidate { kind: FrictionlessKind::B1, beta, family_dimension };
+    let balanced = |beta, family_dimension| FrictionlessPosition {
+        kind: FrictionlessKind::B1,
+        beta,
+        family_dimension,
+    };
     match Balance::of(form) {
         Balance::Nowhere => {}
         Balance::Family { example, dimension } => all.push(balanced(example, dimension)),

@@ -9,6 +9,7 @@ mod balance;
 mod balance_quality;
 mod basin_entropy;
 mod climb;
+mod contact_pairs;
 mod cycle_class;
 mod cycles;
 mod equilibrium_histogram;
@@ -16,6 +17,7 @@ mod equilibrium_set;
 mod escape;
 mod estimates;
 mod frictionless;
+mod frictionless_position;
 mod identical_balls;
 mod interval;
 mod linearised;
@@ -41,6 +43,7 @@ mod stratified;
 mod summary_statistics;
 mod survival;
 mod touching;
+mod touching_set;
 mod value_counts;
 
 pub use audit::AuditCounts;
@@ -56,9 +59,8 @@ pub use estimates::{
     Estimate, RunResult, Sample, above, at_rest_by, estimate_difference, estimate_ratio, mean,
     median_time_to_rest, quantile, standard_deviation, worst,
 };
-pub use frictionless::{
-    FrictionlessEquilibrium, FrictionlessKind, HIGH_DRAG, frictionless_equilibria,
-};
+pub use frictionless::{FrictionlessEquilibrium, HIGH_DRAG, frictionless_equilibria};
+pub use frictionless_position::FrictionlessKind;
 pub use identical_balls::{groups_of_identical, sorted_where_identical};
 pub use interval::{Interval, IntervalMethod, Z_95, simultaneous, wilson, wilson_with_failures};
 pub use linearised::{SmallMotions, Stability, state_matrix};
@@ -81,6 +83,6 @@ pub use stopping::{HalfWidths, StoppingRule};
 pub use stratified::Cells;
 pub(crate) use survival::rest_or_stop_time;
 pub use survival::{SurvivalCurve, SurvivalStep};
-pub use touching::touching_set_fraction;
+pub use touching_set::touching_set_fraction;
 pub use value_counts::ValueCounts;
 pub(crate) use value_counts::interpolated_quantile;

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use nalgebra::Complex;
 
 use super::balance::balances;
-use super::frictionless::{Candidate, FrictionlessKind};
+use super::frictionless_position::{FrictionlessKind, FrictionlessPosition};
 use super::identical_balls::{groups_of_identical, sorted_where_identical};
 use super::rest_form::{RestForm, direction};
 use crate::model::wrap_to_two_pi;
@@ -34,7 +34,7 @@ struct Arrangement {
 }
 
 /// Returns all positions on a line.
-pub(super) fn on_a_line(form: &RestForm) -> Vec<Candidate> {
+pub(super) fn on_a_line(form: &RestForm) -> Vec<FrictionlessPosition> {
     let mut found = Vec::new();
     if !form.transfer.is_finite() {
         return found;
@@ -47,7 +47,11 @@ pub(super) fn on_a_line(form: &RestForm) -> Vec<Candidate> {
     found
 }
 
-fn candidates(form: &RestForm, sides: &Sides, arrangement: &Arrangement) -> Vec<Candidate> {
+fn candidates(
+    form: &RestForm,
+    sides: &Sides,
+    arrangement: &Arrangement,
+) -> Vec<FrictionlessPosition> {
     let (gamma, imbalance) = (form.transfer.arg(), form.imbalance.norm());
     let Arrangement { offsets, sum, rows } = arrangement;
     let balanced_rotor = imbalance == 0.0;
@@ -86,7 +90,7 @@ fn candidates(form: &RestForm, sides: &Sides, arrangement: &Arrangement) -> Vec<
             (false, _) => FrictionlessKind::Other,
         };
         let beta = sorted_where_identical(&beta, &form.balls);
-        Some(Candidate { kind, beta, family_dimension: usize::from(every_direction) })
+        Some(FrictionlessPosition { kind, beta, family_dimension: usize::from(every_direction) })
     };
     branches.filter_map(candidate).collect()
 }

@@ -82,7 +82,7 @@ impl PointSummary {
     /// The fractions of `time_to_rest_s`.
     pub const TIME_FRACTIONS: [f64; 4] = [0.25, 0.5, 0.75, 0.95];
     /// The fractions of `amplitude_m`.
-    pub const AMPLITUDE_FRACTIONS: [f64; 3] = [0.05, 0.5, 0.95];
+    pub const AMPLITUDE_FRACTIONS: [f64; 3] = ResidualVibration::AMPLITUDE_FRACTIONS;
 }
 
 impl PointAccumulator {

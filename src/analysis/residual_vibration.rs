@@ -4,7 +4,6 @@
 use super::balance_quality::balance_quality_grade;
 use super::interval::{Z_95, wilson_with_failures};
 use super::overlap::overlaps;
-use super::point_summary::PointSummary;
 use super::reference_amplitude::{reference_amplitude, relative_amplitude};
 use super::value_counts::ValueCounts;
 use crate::classification::{Label, Outcome};
@@ -41,6 +40,8 @@ pub struct ResidualVibration {
 }
 
 impl ResidualVibration {
+    /// The fractions of `relative_amplitude`.
+    pub const AMPLITUDE_FRACTIONS: [f64; 3] = [0.05, 0.5, 0.95];
     /// The fractions of `balance_quality_grade_mm_s`.
     pub const GRADE_FRACTIONS: [f64; 2] = [0.5, 0.95];
 }
@@ -74,7 +75,7 @@ impl ResidualVibrationCounts {
         let overlapping = || self.overlapping as f64 / self.rests as f64;
         ResidualVibration {
             amplitude_without_balls_m: self.without_balls_m.quantile(0.5),
-            relative_amplitude: PointSummary::AMPLITUDE_FRACTIONS
+            relative_amplitude: ResidualVibration::AMPLITUDE_FRACTIONS
                 .map(|fraction| self.relative.quantile(fraction)),
             worse_than_without_balls: (self.compared > 0).then(worse),
             balance_quality_grade_mm_s: ResidualVibration::GRADE_FRACTIONS

@@ -7,7 +7,7 @@
 
 use nalgebra::Complex;
 
-use super::touching::Touching;
+use super::contact_pairs::ContactPairs;
 use crate::model::{Balancer, Ball, Machine};
 
 /// The non-dimensional parameters of a machine that determine where its balls can rest.
@@ -37,7 +37,7 @@ pub struct RestForm {
     /// Natural frequency `ω_n`, rad/s.
     pub natural_frequency_rad_s: f64,
     /// The contact between several balls, if they have any.
-    pub(super) touching: Option<Touching>,
+    pub(super) touching: Option<ContactPairs>,
 }
 
 /// One position of the balls at rest.
@@ -94,7 +94,7 @@ impl RestForm {
             |runout: Complex<f64>| runout * balls_mass + runout * denominator / (speed * speed);
         let imbalance = Complex::from(balancer.imbalance);
         Some(RestForm {
-            touching: Touching::of(machine),
+            touching: ContactPairs::of(machine),
             speed,
             damping_ratio,
             transfer: Complex::from(speed * speed) / denominator,

@@ -53,12 +53,6 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Facts of a study for people, each with a name and words, and the same facts as JSON.
-pub(super) struct Facts {
-    pub(super) words: Vec<(&'static str, String)>,
-    pub(super) json: Value,
-}
-
 /// Checks the study and prints its plan.
 pub fn check(arguments: &Arguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::check::Facts;
+use super::study_facts::StudyFacts;
 use crate::analysis::{RunUp, run_ups};
 use crate::check::points_to_examine;
 use crate::numbers::short;
@@ -33,14 +33,14 @@ fn longest_slipping(study: &Study) -> (Option<u64>, Vec<RunUp>) {
 }
 
 /// Returns a fact for each change of speed.
-pub(super) fn run_ups_of(study: &Study) -> Facts {
+pub(super) fn run_ups_of(study: &Study) -> StudyFacts {
     let (point_id, all) = longest_slipping(study);
     let at = point_id.map(|id| format!(" (point {id}, where they slip longest)"));
     let at = at.unwrap_or_default();
     let unit = study.units().speed();
     let row = |one| ("run-up", format!("{}{at}", words(one, &unit)));
     let json = |one: &RunUp| merged(json!(one), json!({"point_id": point_id}));
-    Facts { words: all.iter().map(row).collect(), json: all.iter().map(json).collect() }
+    StudyFacts { words: all.iter().map(row).collect(), json: all.iter().map(json).collect() }
 }
 
 fn words(run_up: &RunUp, unit: &Unit) -> String {

@@ -3,8 +3,8 @@
 
 use serde_json::{Value, json};
 
-use super::check::Facts;
 use super::cost::Cost;
+use super::study_facts::StudyFacts;
 use crate::responses::merged;
 use crate::study::{
     Limit, Objective, Optimization, OverPoints, SensitivityFrom, Study, describe_number,
@@ -12,7 +12,7 @@ use crate::study::{
 
 /// Returns the size and the cost of one design, and of the search if the study has one, with the keys `design_cost` and
 /// `optimize`; `None` for a study without variables and responses.
-pub(super) fn design_cost(study: &Study) -> Option<Facts> {
+pub(super) fn design_cost(study: &Study) -> Option<StudyFacts> {
     if study.variables().is_empty() && study.responses().is_empty() {
         return None;
     }
@@ -27,18 +27,18 @@ pub(super) fn design_cost(study: &Study) -> Option<Facts> {
         words.extend(search.words);
         json["optimize"] = search.json;
     }
-    Some(Facts { words, json })
+    Some(StudyFacts { words, json })
 }
 
 /// Returns the cost of the parameter sets of `identify`, if the study has this key.
-pub(super) fn identify_cost(study: &Study) -> Option<Facts> {
+pub(super) fn identify_cost(study: &Study) -> Option<StudyFacts> {
     let (study, identification) = study.for_identification()?;
     let sets = identification.designs;
     let runs = sets.saturating_mul(study.least_run_count());
     let cost = Cost::of_a_design(&study).times(sets as f64);
     let words = format!("{sets} parameter sets, {runs} runs; {}", cost.in_words());
     let json = merged(cost_json(runs, &cost), json!({"designs": sets}));
-    Some(Facts { words: vec![("identify", words)], json })
+    Some(StudyFacts { words: vec![("identify", words)], json })
 }
 
 fn cost_json(runs: u64, cost: &Cost) -> Value {
@@ -46,7 +46,7 @@ fn cost_json(runs: u64, cost: &Cost) -> Value {
 }
 
 /// Returns the goal, the size and the cost of a search in which a design has this number of runs and this cost.
-fn search_cost(study: &Study, optimization: &Optimization, runs: u64, design: Cost) -> Facts {
+fn search_cost(study: &Study, optimization: &Optimization, runs: u64, design: Cost) -> StudyFacts {
     let Optimization { designs, start_designs, finalists, final_samples, .. } = optimization;
     // The runs of the designs that the search evaluates.
     let search_runs = designs.saturating_mul(runs);
@@ -96,7 +96,7 @@ fn search_cost(study: &Study, optimization: &Optimization, runs: u64, design: Co
         ("search cost", format!("{all} runs at most; {}", cost.in_words())),
         ("", surrogates.to_owned()),
     ];
-    Facts { words, json: merged(cost_json(all, &cost), json) }
+    StudyFacts { words, json: merged(cost_json(all, &cost), json) }
 }
 
 fn goal_in_words(study: &Study, optimization: &Optimization) -> String {

@@ -35,6 +35,7 @@ mod resume;
 mod run;
 mod run_on_engine;
 mod schema;
+mod study_facts;
 mod summary;
 mod verify;
 

@@ -9,7 +9,7 @@ use tempfile::NamedTempFile;
 use super::exit::CliError;
 use super::output::{csv_header, csv_rows};
 use crate::table::column::Column;
-use crate::table::{TableWriter, WriteError, temporary_file};
+use crate::table::{TableFiles, TableWriter, WriteError, temporary_file};
 
 /// Endings of names whose files are expected to have a format that this program does not write.
 const OTHER_FORMATS: [&str; 4] = ["tsv", "json", "xlsx", "xls"];
@@ -20,7 +20,7 @@ const BLOCK: usize = 1024;
 /// A table that gets its name when it is complete.
 pub enum NewTable<R> {
     /// A Parquet file.
-    Parquet(Box<TableWriter<R>>),
+    Parquet(Box<TableWriter<R, TableFiles>>),
     /// A CSV file.
     Csv(CsvTable<R>),
 }

@@ -193,7 +193,7 @@ mod tests {
              initial_conditions: {{design: {{monte_carlo: {{samples: 2}}}}}}\nsimulation: {{end_time_s: 4.5}}\n"
         );
         let study = Study::parse(Path::new("a.yaml"), text).expect("a valid study");
-        let (record, recording) = record(&study, 0, None, 1_000_000);
+        let (record, recording) = record(&study, 0, None);
         (study, record.outcome, recording)
     }
 

@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde_json::{Value, json};
 
 use super::message::{say, say_json};
-use super::progress_counts::Counts;
+use super::progress_counts::{Counts, Parts};
 use super::watch::Watch;
 use crate::classification::Label;
 use crate::sanitize::harmless;
@@ -55,35 +55,6 @@ pub struct Planned<'a> {
     pub at_most: bool,
     /// The groups of runs.
     pub parts: Parts,
-}
-
-/// Groups of runs that progress counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parts {
-    /// A number of points of one sweep. The runs of a single point have a common fraction of equilibria.
-    Points(u64),
-    /// A number of designs, which differ, so that their runs have no common fraction.
-    Designs(u64),
-    /// A number of parameter sets, which differ like designs.
-    ParameterSets(u64),
-}
-
-impl Parts {
-    /// Returns the number of parts.
-    pub fn count(self) -> u64 {
-        match self {
-            Parts::Points(count) | Parts::Designs(count) | Parts::ParameterSets(count) => count,
-        }
-    }
-
-    /// Returns the word for the groups.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Parts::Points(_) => "points",
-            Parts::Designs(_) => "designs",
-            Parts::ParameterSets(_) => "parameter sets",
-        }
-    }
 }
 
 /// Progress over the runs of a study.

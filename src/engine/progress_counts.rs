@@ -6,8 +6,36 @@ use std::time::{Duration, Instant};
 use indicatif::HumanDuration;
 use serde_json::{Value, json};
 
-use super::progress::Parts;
 use crate::analysis::{Z_95, wilson_with_failures};
+
+/// Groups of runs that progress counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parts {
+    /// A number of points of one sweep. The runs of a single point have a common fraction of equilibria.
+    Points(u64),
+    /// A number of designs, which differ, so that their runs have no common fraction.
+    Designs(u64),
+    /// A number of parameter sets, which differ like designs.
+    ParameterSets(u64),
+}
+
+impl Parts {
+    /// Returns the number of parts.
+    pub fn count(self) -> u64 {
+        match self {
+            Parts::Points(count) | Parts::Designs(count) | Parts::ParameterSets(count) => count,
+        }
+    }
+
+    /// Returns the word for the groups.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Parts::Points(_) => "points",
+            Parts::Designs(_) => "designs",
+            Parts::ParameterSets(_) => "parameter sets",
+        }
+    }
+}
 
 /// Counters that workers update.
 pub(super) struct Counts {

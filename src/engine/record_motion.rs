@@ -8,17 +8,15 @@ use crate::model::Case;
 use crate::study::Study;
 use crate::table::RunRecord;
 
+/// The largest number of instants, of switches and of impacts of a motion.
+pub const MOST_INSTANTS: usize = 1_000_000;
+
 /// Computes a run and returns its row and its motion, at the given times (ascending, in s) or at every step. At most
-/// `most` instants and as many switches are recorded.
+/// [`MOST_INSTANTS`] instants and as many switches are recorded.
 ///
 /// # Panics
 /// If `run_id` is not below [`Study::run_count`].
-pub fn record(
-    study: &Study,
-    run_id: u64,
-    times_s: Option<&[f64]>,
-    most: usize,
-) -> (RunRecord, Recording) {
+pub fn record(study: &Study, run_id: u64, times_s: Option<&[f64]>) -> (RunRecord, Recording) {
     let natural = |case: &Case| case.model.natural_frequency_rad_s();
     // An audited run is simulated twice; only the first simulation is recorded.
     let recorder: RefCell<Option<Recorder>> = RefCell::new(None);
@@ -31,7 +29,7 @@ pub fn record(
             Some(times) => Instants::At(times.iter().map(|time| time * natural(case)).collect()),
         };
         let mut slot = recorder.borrow_mut();
-        simulate_recorded(case, slot.insert(Recorder::new(instants, most)))
+        simulate_recorded(case, slot.insert(Recorder::new(instants, MOST_INSTANTS)))
     };
     let record = compute(study, run_id, simulated);
     let recording = recorder.into_inner().map(Recorder::finish).unwrap_or_default();

@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::density::{MOST_BALLS, Rests};
-use super::directories::SetFiles;
 use super::end::{End, SimulatedEnd};
 use super::fit_test::{SiteFit, fit_tests};
 use super::likelihood::Likelihood;
@@ -17,6 +16,7 @@ use super::references::{References, with_references};
 use super::regression_width::{CrossValidation, first_widths};
 use super::replicates::{Replicated, set_weights};
 use super::set_densities::SetDensities;
+use super::set_files::SetFiles;
 use super::site::Site;
 use super::smoother::Smoother;
 use crate::classification::Label;

@@ -5,10 +5,11 @@ use std::sync::atomic::AtomicBool;
 
 use serde_json::{Value, json};
 
-use super::directories::{ResultFiles, SIMULATIONS, SetFiles};
 use super::in_words::{identification_json, result_in_words};
 use super::inference::{Inference, InferenceEnd, infer};
+use super::result_files::{ResultFiles, SIMULATIONS};
 use super::set_densities::check_memory;
+use super::set_files::SetFiles;
 use super::site::sites;
 use super::warnings::warnings;
 use crate::command_error::CommandError;

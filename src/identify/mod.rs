@@ -9,7 +9,6 @@
 //! All results are functions of the study and of the measurements.
 
 mod density;
-mod directories;
 mod end;
 mod fit_test;
 mod in_words;
@@ -22,8 +21,10 @@ mod posterior;
 mod references;
 mod regression_width;
 mod replicates;
+mod result_files;
 mod sampler;
 mod set_densities;
+mod set_files;
 mod site;
 mod smoother;
 mod tables;

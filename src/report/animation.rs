@@ -4,9 +4,9 @@ use std::path::Path;
 
 use serde_json::json;
 
-use super::replay::MOST_INSTANTS;
 use crate::classification::{Evidence, Instants, Recorder, Recording, Sample, simulate_recorded};
 use crate::command_error::CommandError;
+use crate::engine::MOST_INSTANTS;
 use crate::model::{Machine, Model, SPEED_TERMS};
 use crate::motion::Phase;
 use crate::study::Study;

@@ -17,6 +17,7 @@ mod stored_run;
 mod words;
 mod write;
 
+pub use crate::engine::MOST_INSTANTS;
 pub use crate::numbers::{percent, three_digits};
 pub use crate::printed_table::PrintedColumn;
 pub use animation::{ANIMATION, animation, frames, time_text};
@@ -28,6 +29,6 @@ pub use optimum::{OptimumData, notes, of_search};
 pub use overwrite::beside;
 pub use page::{OWN, optimum_page, page};
 pub use printed_columns::{Estimates, estimate_columns, printed_columns, response_columns};
-pub use replay::{MOST_INSTANTS, Replay, SWITCHES};
+pub use replay::{Replay, SWITCHES};
 pub use words::NamedPoints;
 pub use write::{printed_figures, printed_figures_of, write_report};

@@ -8,15 +8,12 @@ use super::animation::{ANIMATION, animate};
 use super::stored_run::stored_run;
 use crate::classification::Recording;
 use crate::command_error::CommandError;
-use crate::engine::{ExclusiveDirectory, record};
+use crate::engine::{ExclusiveDirectory, MOST_INSTANTS, record};
 use crate::study::Study;
 use crate::table::{
     Difference, FILES, FileList, Manifest, RunRecord, StoredRun, provenance_with, switch_columns,
     touch_columns, trajectory_columns,
 };
-
-/// The largest number of instants, of switches and of impacts of a motion.
-pub const MOST_INSTANTS: usize = 1_000_000;
 
 /// The table of switches.
 pub const SWITCHES: &str = "switches.parquet";
@@ -71,7 +68,7 @@ impl Replay {
         run_id: u64,
         times_s: Option<Vec<f64>>,
     ) -> Result<Replay, CommandError> {
-        let (record, recording) = record(study, run_id, times_s.as_deref(), MOST_INSTANTS);
+        let (record, recording) = record(study, run_id, times_s.as_deref());
         if recording.cut_off {
             let what = format!("the motion of run {run_id} is too long");
             let found = format!("more than {MOST_INSTANTS} steps, switches or impacts");

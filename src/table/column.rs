@@ -154,6 +154,11 @@ impl<R> Columns<R> {
     typed!(boolean, bool, Boolean, BooleanArray, "Boolean values");
     typed!(text, String, Utf8, StringArray, "free text");
 
+    /// Adds the column with the number of the point of the sweep.
+    pub(super) fn point_id(&mut self, value: impl Fn(&R) -> u64 + Send + Sync + 'static) {
+        self.count("point_id", value).meaning("number of the sweep's point, from 0");
+    }
+
     /// Adds a dictionary-encoded column of words from a small set.
     pub fn word<V: Into<Option<&'static str>>>(
         &mut self,

@@ -1,7 +1,6 @@
 //! `equilibria.parquet`: the equilibria of the runs that came to rest.
 
 use super::column::{Column, Columns};
-use super::point_key::add_point_id;
 use super::run_record::RunRecord;
 use super::runs::{add_angles, add_drawn, add_nominal};
 use crate::analysis::{balance_quality_grade, bin, overlaps, sorted_where_identical};
@@ -59,7 +58,7 @@ impl EquilibriumRow {
 pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
     let mut list = Columns::<EquilibriumRow>::new();
     list.count("run_id", |row| row.run_id).meaning("number of the run in the study, from 0");
-    add_point_id(&mut list, |row| row.point_id);
+    list.point_id(|row| row.point_id);
     add_nominal(&mut list, study, |row: &EquilibriumRow| &row.swept);
     add_drawn(&mut list, study, |row: &EquilibriumRow| &row.uncertain);
     let meaning = "angle at which the ball rests, from the imbalance, in [0, 2π); in ascending \

@@ -9,6 +9,7 @@ use super::equilibrium_set::{SetRow, SetSummaryRow, set_columns, set_summary_col
 use super::file_list::FileList;
 use super::frictionless_equilibria::{FrictionlessRow, frictionless_columns};
 use super::provenance::provenance_with;
+use super::table_files::TableFiles;
 use super::table_files::WriteError;
 use super::writer::TableWriter;
 use crate::study::Study;
@@ -29,11 +30,11 @@ pub struct EquilibriumFiles {
 pub struct EquilibriumTables {
     directory: PathBuf,
     /// `equilibrium_positions.parquet`, if it is written.
-    pub positions: Option<TableWriter<SetRow>>,
+    pub positions: Option<TableWriter<SetRow, TableFiles>>,
     /// `equilibrium_set_summary.parquet`.
-    pub sets: TableWriter<SetSummaryRow>,
+    pub sets: TableWriter<SetSummaryRow, TableFiles>,
     /// `frictionless_equilibria.parquet`.
-    pub frictionless: TableWriter<FrictionlessRow>,
+    pub frictionless: TableWriter<FrictionlessRow, TableFiles>,
 }
 
 impl EquilibriumFiles {
@@ -69,7 +70,7 @@ impl EquilibriumFiles {
         study: &Study,
         name: &str,
         columns: Vec<Column<R>>,
-    ) -> Result<TableWriter<R>, WriteError> {
+    ) -> Result<TableWriter<R, TableFiles>, WriteError> {
         let path = directory.join(format!("{name}.parquet"));
         TableWriter::create(&path, columns, &provenance_with(study, name, &self.options))
     }

@@ -1,7 +1,6 @@
 //! Tables in memory: record batches with the columns and the provenance of the Parquet files.
 
 use std::collections::HashMap;
-use std::path::Path;
 use std::sync::Arc;
 
 use arrow_array::builder::StringDictionaryBuilder;
@@ -12,10 +11,7 @@ use arrow_schema::{ArrowError, Schema, SchemaRef};
 use arrow_select::concat::concat_batches;
 
 use super::column::{Column, schema};
-use super::read::Table;
-use super::table_error::TableError;
 use super::writer::{Destination, TableWriter};
-use crate::tabular::Fault;
 
 /// Number of rows in a batch.
 const BATCH: usize = 65_536;
@@ -62,7 +58,7 @@ impl MemoryRows {
         Self::of_schema(Arc::new(schema.clone().with_metadata(metadata)))
     }
 
-    fn of_schema(schema: SchemaRef) -> Self {
+    pub(super) fn of_schema(schema: SchemaRef) -> Self {
         MemoryRows { schema, pieces: Vec::new(), batches: Vec::new() }
     }
 
@@ -132,32 +128,4 @@ pub fn in_memory<R>(
     let mut table = TableWriter::in_memory(columns, provenance);
     table.extend(rows)?;
     table.finish()
-}
-
-impl Table {
-    /// The table in memory, in full, as it was when it was written.
-    pub fn in_memory(&self) -> Result<MemoryTable, TableError> {
-        let mut table = None;
-        for (path, rows) in &self.parts {
-            let refuse = |fault| TableError::new(path, None, fault);
-            let part = self.open_part(path, *rows)?;
-            let own = part.written_schema().map_err(refuse)?;
-            let all: Vec<usize> = (0..own.fields().len()).collect();
-            let batches = part.batches(&all, &own).map_err(refuse)?;
-            let table = table.get_or_insert_with(|| MemoryRows::of_schema(own));
-            for batch in batches {
-                table.write(Ok(batch.map_err(refuse)?)).map_err(|error| differing(path, &error))?;
-            }
-        }
-        // An open table has at least one part.
-        let table = table.unwrap_or_else(|| MemoryRows::of_schema(Arc::new(Schema::empty())));
-        let first = self.parts.first().map_or(Path::new(""), |(path, _)| path);
-        table.finish().map_err(|error| differing(first, &error))
-    }
-}
-
-fn differing(file: &Path, error: &ArrowError) -> TableError {
-    let problem = "the parts of this table have different columns";
-    let allowed = "the files that were written";
-    TableError::new(file, None, Fault::new(problem, error.to_string(), allowed))
 }

@@ -44,14 +44,6 @@ pub(crate) fn add_point<R: 'static>(
     study: &Study,
     point: impl Fn(&R) -> &PointKey + Copy + Send + Sync + 'static,
 ) {
-    add_point_id(list, move |row| point(row).point_id);
+    list.point_id(move |row| point(row).point_id);
     add_swept(list, study, move |row| &point(row).swept);
-}
-
-/// Adds the column `point_id`.
-pub(super) fn add_point_id<R: 'static>(
-    list: &mut Columns<R>,
-    point_id: impl Fn(&R) -> u64 + Send + Sync + 'static,
-) {
-    list.count("point_id", point_id).meaning("number of the sweep's point, from 0");
 }

@@ -2,7 +2,6 @@
 
 use super::column::{Column, Columns};
 use super::estimate::add_estimate;
-use super::point_key::add_point_id;
 use super::response_samples::ResponseSamples;
 use super::runs::add_swept;
 use crate::analysis::{
@@ -64,7 +63,7 @@ impl PointRow {
 /// Returns the columns of `points.parquet`.
 pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
     let mut list = Columns::<PointRow>::new();
-    add_point_id(&mut list, |row| row.point_id);
+    list.point_id(|row| row.point_id);
     add_swept(&mut list, study, |row: &PointRow| &row.swept);
     list.count("runs", |row| row.summary.counts.total())
         .meaning("finished runs, including failed runs");

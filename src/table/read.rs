@@ -7,18 +7,20 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::slice::Iter;
+use std::sync::Arc;
 
 use arrow_array::RecordBatch;
-use arrow_schema::Schema;
+use arrow_schema::{ArrowError, Schema};
 use serde_json::Value;
 
+use super::batch::Batch;
 use super::file_entry::short_hash;
 use super::file_list::{FILES, FileList};
 use super::manifest::{MANIFEST, Manifest};
-use super::memory_table::MemoryTable;
+use super::memory_table::{MemoryRows, MemoryTable};
 use super::provenance::FORMAT;
-use super::row::Batch;
 use super::table_error::TableError;
+use super::writer::Destination;
 use crate::sanitize::shorten;
 use crate::study::list_names;
 use crate::tabular::{self, Fault, Kind, ParquetFile, Values};
@@ -144,6 +146,26 @@ impl Table {
         Ok(Batches { table: self, wanted, parts, part: None, held, next_row: 0 })
     }
 
+    /// The table in memory, in full, as it was when it was written.
+    pub fn in_memory(&self) -> Result<MemoryTable, TableError> {
+        let mut table = None;
+        for (path, rows) in &self.parts {
+            let refuse = |fault| TableError::new(path, None, fault);
+            let part = self.open_part(path, *rows)?;
+            let own = part.written_schema().map_err(refuse)?;
+            let all: Vec<usize> = (0..own.fields().len()).collect();
+            let batches = part.batches(&all, &own).map_err(refuse)?;
+            let table = table.get_or_insert_with(|| MemoryRows::of_schema(own));
+            for batch in batches {
+                table.write(Ok(batch.map_err(refuse)?)).map_err(|error| differing(path, &error))?;
+            }
+        }
+        // An open table has at least one part.
+        let table = table.unwrap_or_else(|| MemoryRows::of_schema(Arc::new(Schema::empty())));
+        let first = self.parts.first().map_or(Path::new(""), |(path, _)| path);
+        table.finish().map_err(|error| differing(first, &error))
+    }
+
     /// Opens a file of the table and checks its number of rows and its metadata.
     pub(super) fn open_part(&self, path: &Path, rows: u64) -> Result<ParquetFile, TableError> {
         let refuse = |fault| TableError::new(path, None, fault);
@@ -182,6 +204,12 @@ impl Table {
         }
         Ok(file)
     }
+}
+
+fn differing(file: &Path, error: &ArrowError) -> TableError {
+    let problem = "the parts of this table have different columns";
+    let allowed = "the files that were written";
+    TableError::new(file, None, Fault::new(problem, error.to_string(), allowed))
 }
 
 /// Returns the names and kinds of the columns.

@@ -1,7 +1,6 @@
 //! `runs.parquet`: one row per run, including failed runs; and the columns of planned runs.
 
 use super::column::{Column, Columns, NON_DIMENSIONAL};
-use super::point_key::add_point_id;
 use super::run_record::RunRecord;
 use crate::analysis::CycleClass;
 use crate::classification::{Evidence, LyapunovExponent};
@@ -17,7 +16,7 @@ pub fn planned_columns<R: 'static>(
     let mut list = Columns::new();
     list.count("run_id", move |row| planned(row).run_id)
         .meaning("number of the run in the study, from 0");
-    add_point_id(&mut list, move |row| planned(row).point_id);
+    list.point_id(move |row| planned(row).point_id);
     list.count("cell", move |row| planned(row).cell).meaning("cell of the sampling design, from 0");
     list.count("replicate", move |row| planned(row).replicate)
         .meaning("number of the sample in its cell, from 0");

@@ -2,7 +2,6 @@
 //! constant speed, without kicks, has no such table.
 
 use super::column::{Column, Columns};
-use super::point_key::add_point_id;
 use super::run_record::RunRecord;
 use crate::classification::StageOutcome;
 use crate::model::OutputName;
@@ -43,7 +42,7 @@ pub fn stage_columns(study: &Study) -> Vec<Column<StageRow>> {
     let model = study.model();
     let mut list = Columns::<StageRow>::new();
     list.count("run_id", |row| row.run_id).meaning("number of the run in the study, from 0");
-    add_point_id(&mut list, |row| row.point_id);
+    list.point_id(|row| row.point_id);
     list.count("stage", |row| row.stage).meaning("number of the stage in the run, from 1");
     list.word("kind", StageRow::kind)
         .meaning("ramp, in which the speed of the disc changes, or hold, at constant speed");

@@ -138,7 +138,7 @@ impl TableFiles {
     }
 }
 
-impl<R> TableWriter<R> {
+impl<R> TableWriter<R, TableFiles> {
     /// Starts the table `path` with `provenance` as the value of the metadata key `stickslip`.
     ///
     /// # Errors

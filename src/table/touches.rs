@@ -1,18 +1,10 @@
 //! Contact between bodies in the tables of a replay: the columns of gaps in `trajectory.parquet`, and `touches.parquet`.
 
 use super::column::{Column, Columns, NON_DIMENSIONAL};
-use super::replay::phase_name;
-use crate::classification::{GapSample, Sample, Touch};
-use crate::model::{Model, SlidingSpeed, Units, wrap_to_two_pi};
+use super::motion_values::phase_name;
+use crate::classification::{Sample, Touch};
+use crate::model::{Model, SlidingSpeed, wrap_to_two_pi};
 use crate::motion::Phase;
-
-impl Units {
-    /// Converts the speed at which a gap opens: rad/s for balls, m/s for bodies on a line.
-    pub fn opening_speed(&self, gap: &GapSample) -> f64 {
-        let unit = self.contacts.first();
-        gap.opening_speed * unit.map_or(f64::NAN, |unit| unit.sliding_speed)
-    }
-}
 
 /// Adds width and contact of each gap, between the contacts `[behind, ahead]`.
 pub(super) fn add_gaps(list: &mut Columns<Sample>, model: &Model, gaps: &[[usize; 2]]) {

@@ -4,13 +4,12 @@ use arrow_array::RecordBatch;
 use arrow_schema::ArrowError;
 
 use super::column::{Column, batch};
-use super::table_files::TableFiles;
 
 /// Rows per write, because rows take more memory than columns. This number alone determines the boundaries of pages and row
 /// groups, so that the bytes do not depend on how many runs were computed at a time.
 pub(super) const BLOCK: usize = 4096;
 
-/// Where the rows of a table go: [`TableFiles`] or [`super::MemoryRows`].
+/// Where the rows of a table go: [`super::TableFiles`] or [`super::MemoryRows`].
 pub trait Destination: Send {
     /// Why a table could not be written.
     type Error: Send;
@@ -23,7 +22,7 @@ pub trait Destination: Send {
 }
 
 /// Writes a table.
-pub struct TableWriter<R, D = TableFiles> {
+pub struct TableWriter<R, D> {
     columns: Vec<Column<R>>,
     rows: Vec<R>,
     pub(super) destination: D,

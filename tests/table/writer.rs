@@ -8,7 +8,7 @@ use arrow::array::AsArray;
 use arrow::datatypes::UInt64Type;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use stickslip::table::column::{Column, Columns};
-use stickslip::table::{FileEntry, TableWriter};
+use stickslip::table::{FileEntry, TableFiles, TableWriter};
 use tempfile::tempdir;
 
 /// Rows that are written at a time, and rows per row group.
@@ -22,7 +22,11 @@ fn columns() -> Vec<Column<u64>> {
 }
 
 /// Starts a table of the rows `rows` with at most `most` rows per file.
-fn begin(path: &Path, most: u64, rows: impl IntoIterator<Item = u64>) -> TableWriter<u64> {
+fn begin(
+    path: &Path,
+    most: u64,
+    rows: impl IntoIterator<Item = u64>,
+) -> TableWriter<u64, TableFiles> {
     let table = TableWriter::create(path, columns(), "here").unwrap();
     let mut table = table.with_rows_per_file(most);
     rows.into_iter().for_each(|row| table.push(row).unwrap());

@@ -7,7 +7,6 @@
 
 use thiserror::Error;
 
-use super::NewResult;
 use super::record::CaseKey;
 use crate::classification::MODEL_VERSION;
 
@@ -44,6 +43,14 @@ pub enum ChunkFault {
         /// Number of the run.
         run_id: u64,
     },
+}
+
+/// A finished run that is not on disk yet.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::engine) struct NewResult {
+    pub run_id: u64,
+    pub key: CaseKey,
+    pub content: Vec<u8>,
 }
 
 /// A parsed chunk.

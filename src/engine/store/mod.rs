@@ -11,18 +11,18 @@ mod folder;
 mod lock;
 mod record;
 mod result_cache;
+mod store_error;
 
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
-use thiserror::Error;
-
+pub(super) use chunk::NewResult;
 pub use chunk::{Chunk, ChunkFault};
 pub(super) use chunk_index::{ChunkIndex, StoredResult};
 pub use folder::Listed;
 pub(super) use record::{CaseKey, StoredOutcome};
 pub(super) use result_cache::ResultCache;
+pub use store_error::StoreError;
 
 use self::chunk::chunk_bytes;
 use self::folder::Folder;
@@ -35,51 +35,6 @@ pub const CHUNKS: &str = "chunks";
 const LOCK: &str = "lock";
 /// Number of digits of a study's hash in its folder's name.
 const DIGITS: usize = 16;
-/// The reason why finished runs could not be stored or read.
-#[derive(Debug, Error)]
-pub enum StoreError {
-    /// A folder or file cannot be used.
-    #[error(transparent)]
-    Unusable(#[from] ResultsError),
-    /// Another process writes to the directory.
-    #[error(
-        "{}: another process is writing into this directory\n  found:   its lock on {}\n  allowed: \
-         wait until it has ended, or another directory, with --out DIR",
-        path.display(), lock.display()
-    )]
-    Busy {
-        /// The directory.
-        path: PathBuf,
-        /// The lock file, relative to the directory.
-        lock: PathBuf,
-    },
-    /// The lock was removed while this process had it.
-    #[error(
-        "{}: this process lost its lock on the directory\n  found:   {} was removed, so that another \
-         process may write here, too\n  allowed: no other process that uses this directory; the same command then \
-         continues from the finished runs",
-        path.display(), lock.display()
-    )]
-    Lost {
-        /// The directory.
-        path: PathBuf,
-        /// The lock file, relative to the directory.
-        lock: PathBuf,
-    },
-    /// A chunk could not be written.
-    #[error(
-        "cannot write {}: {cause}\n  earlier finished runs are saved; after the cause is removed, the same \
-         command continues",
-        path.display()
-    )]
-    Unwritten {
-        /// The chunk.
-        path: PathBuf,
-        /// The operating system's error.
-        cause: io::Error,
-    },
-}
-
 /// Returns the number of finished runs of a study in the list of an output directory, to which another process may
 /// be writing; repeated runs count repeatedly.
 ///
@@ -192,14 +147,6 @@ impl Store {
     pub fn can_reuse(&self, study: &Study, run_id: u64) -> bool {
         self.result_cache.find(CaseKey::of(&study.planned_run(run_id))).is_some()
     }
-}
-
-/// A finished run that is not on disk yet.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct NewResult {
-    pub run_id: u64,
-    pub key: CaseKey,
-    pub content: Vec<u8>,
 }
 
 /// Writes chunks of a study.

@@ -1,19 +1,13 @@
 //! Figures of a search: objectives by design, and the Pareto front.
 
 use super::data::OptimumData;
+use super::designs::{EvaluatedDesign, MET, NOT_MET, design_dots, evaluated, objective_axis};
 use super::indices::indices;
 use super::over_variables::over_variables;
 use super::parallel::parallel_coordinates;
 use crate::numbers::significant;
-use crate::optimize::Evaluation;
-use crate::report::chart::{
-    Axis, Colour, Figure, Layer, Mark, Panel, Symbol, TooltipColumn, TooltipValues, Tooltips, axis,
-};
-use crate::study::{DesignValue, Objective, Variable};
-
-pub(super) const MET: &str = "meets all limits";
-pub(super) const NOT_MET: &str = "does not meet all limits";
-
+use crate::report::chart::{Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis};
+use crate::study::Objective;
 /// Returns all figures of a search, in reading order.
 pub fn of_search(data: &OptimumData) -> Vec<Figure> {
     [
@@ -28,94 +22,6 @@ pub fn of_search(data: &OptimumData) -> Vec<Figure> {
     .collect()
 }
 
-/// An evaluated design with its values of the objectives.
-pub(super) struct Evaluated<'a> {
-    design: usize,
-    pub evaluation: &'a Evaluation,
-    pub objectives: Vec<Option<f64>>,
-    pub met: bool,
-}
-
-impl Evaluated<'_> {
-    /// Returns the value of a variable in the unit that the study chooses, or the number of its choice.
-    pub fn number(&self, index: usize, variable: &Variable) -> Option<f64> {
-        Some(match self.evaluation.values.get(index)? {
-            DesignValue::Number(number) => variable.shown_number(*number),
-            DesignValue::Choice(choice) => *choice as f64,
-        })
-    }
-}
-
-pub(super) fn evaluated(data: &OptimumData) -> Vec<Evaluated<'_>> {
-    let mut designs = Vec::new();
-    for (design, evaluation) in data.evaluations.iter().enumerate() {
-        let values = data.values(evaluation);
-        let quantities = data.goal.objectives.iter().map(|(quantity, _)| *quantity);
-        let objectives = quantities.map(|quantity| values.get(quantity).copied().flatten());
-        let (objectives, met) = (objectives.collect(), data.goal.is_met(&values));
-        designs.push(Evaluated { design, evaluation, objectives, met });
-    }
-    designs
-}
-
-/// Returns the axis of an objective, and the factor of its values.
-pub(super) fn objective_axis(data: &OptimumData, objective: &Objective) -> (Axis, f64) {
-    let (name, unit) = data.response(objective.response);
-    (axis(name, &unit.symbol), unit.si.recip())
-}
-
-/// Returns the data of designs: their numbers, variables and origins.
-pub(super) fn design_tooltips(
-    data: &OptimumData,
-    designs: &[&Evaluated<'_>],
-    numbers: bool,
-) -> Tooltips {
-    let mut columns = Vec::new();
-    let mut add = |name: String, values| columns.push(TooltipColumn { name, values });
-    if numbers {
-        let values = designs.iter().map(|one| one.design as f64).collect();
-        add("design".to_owned(), TooltipValues::Numbers(values));
-    }
-    for (index, variable) in data.study.variables().iter().enumerate() {
-        let values = designs.iter().map(|one| one.evaluation.values.get(index));
-        let word = |value: Option<&DesignValue>| {
-            value.map_or_else(String::new, |value| Variable::describe(variable, *value))
-        };
-        let numbers = designs.iter().map(|one| one.number(index, variable).unwrap_or(f64::NAN));
-        let values = match variable.range() {
-            Some(_) => TooltipValues::Numbers(numbers.collect()),
-            None => TooltipValues::Words(values.map(word).collect()),
-        };
-        add(variable.shown_name(), values);
-    }
-    let origins = designs.iter().map(|one| one.evaluation.origin.name().replace('_', " "));
-    add("origin".to_owned(), TooltipValues::Words(origins.collect()));
-    Tooltips { run_ids: Vec::new(), columns }
-}
-
-/// The names of designs that meet all limits or not, with colour and symbol.
-pub(super) type Looks = [(&'static str, Colour, Symbol); 2];
-
-/// Returns dots of the designs that have a place, with their numbers in the data if wanted.
-pub(super) fn design_dots(
-    data: &OptimumData,
-    designs: &[Evaluated<'_>],
-    looks: Looks,
-    numbers: bool,
-    place: impl Fn(&Evaluated<'_>) -> Option<[f64; 2]>,
-) -> Vec<Layer> {
-    let layer = |(name, colour, symbol): (&str, Colour, Symbol)| {
-        let own = designs.iter().filter(|one| one.met == (name == MET));
-        let known = own.filter_map(|one| Some((one, place(one)?)));
-        let (own, places): (Vec<&Evaluated<'_>>, Vec<[f64; 2]>) = known.unzip();
-        let [x, y] = [0, 1].map(|axis| places.iter().map(|place| place[axis]).collect());
-        let tooltips = design_tooltips(data, &own, numbers);
-        let mark = Mark::Dots { symbol, x, y, tooltips };
-        (!own.is_empty()).then(|| Layer::new(name, colour, mark))
-    };
-    looks.into_iter().filter_map(layer).collect()
-}
-
 /// Plots each objective by design and, for one objective, the best one so far among those that meet all limits.
 fn convergence(data: &OptimumData) -> Option<Figure> {
     let designs = evaluated(data);
@@ -125,7 +31,7 @@ fn convergence(data: &OptimumData) -> Option<Figure> {
     let single = data.goal.objectives.len() == 1;
     for (place, (_, objective)) in data.goal.objectives.iter().enumerate() {
         let (y, factor) = objective_axis(data, objective);
-        let value = |one: &Evaluated<'_>| Some(factor * one.objectives.get(place).copied()??);
+        let value = |one: &EvaluatedDesign<'_>| Some(factor * one.objectives.get(place).copied()??);
         let mut layers = Vec::new();
         let (mut steps, mut best): (Vec<[f64; 2]>, Option<f64>) = (Vec::new(), None);
         for one in designs.iter().filter(|one| one.met) {
@@ -154,7 +60,7 @@ fn convergence(data: &OptimumData) -> Option<Figure> {
         }
         let looks =
             [(MET, Colour::Series(0), Symbol::Disc), (NOT_MET, Colour::Series(1), Symbol::Cross)];
-        let place = |one: &Evaluated<'_>| Some([one.design as f64, value(one)?]);
+        let place = |one: &EvaluatedDesign<'_>| Some([one.design as f64, value(one)?]);
         layers.extend(design_dots(data, &designs, looks, false, place));
         unknown = unknown.max(designs.iter().filter(|one| value(one).is_none()).count());
         let part = if single { String::new() } else { y.name.clone() };
@@ -189,7 +95,7 @@ fn front(data: &OptimumData) -> Option<Figure> {
     let (x_axis, x_factor) = objective_axis(data, first);
     let (y_axis, y_factor) = objective_axis(data, second);
     let designs = evaluated(data);
-    let place = |one: &Evaluated<'_>| match one.objectives[..] {
+    let place = |one: &EvaluatedDesign<'_>| match one.objectives[..] {
         [Some(x), Some(y)] => Some([x_factor * x, y_factor * y]),
         _ => None,
     };

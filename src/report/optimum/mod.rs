@@ -1,6 +1,7 @@
 //! The report of a search for the best design: convergence, Pareto front, sensitivities, and the best design.
 
 mod data;
+mod designs;
 mod figures;
 mod indices;
 mod notes;

@@ -1,7 +1,9 @@
 //! Figure: each objective over each variable of the design.
 
 use super::data::OptimumData;
-use super::figures::{Evaluated, Looks, MET, NOT_MET, design_dots, evaluated, objective_axis};
+use super::designs::{
+    EvaluatedDesign, Looks, MET, NOT_MET, design_dots, evaluated, objective_axis,
+};
 use crate::report::chart::{Axis, Colour, Figure, Panel, Symbol, axis, axis_of_names};
 use crate::study::Variable;
 
@@ -14,9 +16,10 @@ pub fn over_variables(data: &OptimumData) -> Option<Figure> {
     let mut panels = Vec::new();
     for (place, (_, objective)) in data.goal.objectives.iter().enumerate() {
         let (y, factor) = objective_axis(data, objective);
-        let value = |one: &Evaluated<'_>| Some(factor * one.objectives.get(place).copied()??);
+        let value = |one: &EvaluatedDesign<'_>| Some(factor * one.objectives.get(place).copied()??);
         for (index, variable) in data.study.variables().iter().enumerate() {
-            let place = |one: &Evaluated<'_>| Some([one.number(index, variable)?, value(one)?]);
+            let place =
+                |one: &EvaluatedDesign<'_>| Some([one.number(index, variable)?, value(one)?]);
             let layers = design_dots(data, &designs, LOOKS, true, place);
             if layers.is_empty() {
                 continue;

@@ -1,7 +1,7 @@
 //! Figure: parallel coordinates, an upright axis for each variable and each objective, and a line for each design.
 
 use super::data::OptimumData;
-use super::figures::{Evaluated, MET, NOT_MET, design_tooltips, evaluated, objective_axis};
+use super::designs::{EvaluatedDesign, MET, NOT_MET, design_tooltips, evaluated, objective_axis};
 use crate::numbers::trimmed;
 use crate::report::chart::{
     Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis,
@@ -20,7 +20,7 @@ pub fn parallel_coordinates(data: &OptimumData) -> Option<Figure> {
     let designs = evaluated(data);
     let variables = data.study.variables();
     let of_variables = variables.iter().enumerate().map(|(index, variable)| {
-        let value = |one: &Evaluated<'_>| one.number(index, variable);
+        let value = |one: &EvaluatedDesign<'_>| one.number(index, variable);
         upright(
             &variable.short_name(),
             variable.shown_unit(),
@@ -30,7 +30,7 @@ pub fn parallel_coordinates(data: &OptimumData) -> Option<Figure> {
     });
     let objectives = data.goal.objectives.iter().enumerate().map(|(place, (_, objective))| {
         let (axis, factor) = objective_axis(data, objective);
-        let value = |one: &Evaluated<'_>| Some(factor * one.objectives.get(place).copied()??);
+        let value = |one: &EvaluatedDesign<'_>| Some(factor * one.objectives.get(place).copied()??);
         upright(&axis.name, &axis.unit, designs.iter().map(value), None)
     });
     let axes: Vec<Upright> = of_variables.chain(objectives).collect();

@@ -1,4 +1,4 @@
-//! The output directories of an inference: the ends of simulated runs, which inferences can share, and the results.
+//! The output directory with the results of an inference.
 
 use std::path::Path;
 
@@ -6,61 +6,17 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use super::inference::{Inference, Inferred};
-use super::parameter_set::{ParameterSet, read_parameter_set, set_columns, set_facts, set_name};
 use super::tables::{
     evaluated_set_columns, fit_columns, position_columns, position_rows, posterior_columns,
 };
 use crate::command_error::CommandError;
 use crate::engine::ContinuedDirectory;
 use crate::sanitize::shell_word;
-use crate::study::{DesignValue, MeasuredRun, Study};
+use crate::study::{MeasuredRun, Study};
 use crate::table::{hexadecimal, provenance_with};
 
 /// The name of the directory with the ends of simulated runs.
 pub(super) const SIMULATIONS: &str = "simulations";
-
-/// The files with the ends of simulated runs.
-pub(super) struct SetFiles<'a> {
-    study: &'a Study,
-    directory: ContinuedDirectory<'a>,
-}
-
-impl<'a> SetFiles<'a> {
-    pub fn open(study: &'a Study, path: &'a Path) -> Result<Self, CommandError> {
-        let is_set = |name: &str| {
-            let digits = name.strip_prefix("set-").and_then(|rest| rest.strip_suffix(".parquet"));
-            digits.is_some_and(|digits| {
-                digits.len() == 16 && digits.bytes().all(|byte| byte.is_ascii_hexdigit())
-            })
-        };
-        let reason = "this directory is not empty and holds no simulated runs";
-        let directory = ContinuedDirectory::open(path, reason, is_set)?;
-        Ok(SetFiles { study, directory })
-    }
-}
-
-impl SetFiles<'_> {
-    /// Returns the runs of a parameter set, if they have been computed before.
-    pub(super) fn find(
-        &mut self,
-        values: &[DesignValue],
-    ) -> Result<Option<ParameterSet>, CommandError> {
-        let name = format!("{}.parquet", set_name(self.study, values));
-        if self.directory.changed.contains(&name) || !self.directory.list.has(&name) {
-            return Ok(None);
-        }
-        read_parameter_set(self.study, self.directory.path, values)
-            .map_err(|error| CommandError::Usage(error.to_string()))
-    }
-
-    /// Keeps the runs of a parameter set.
-    pub(super) fn keep(&mut self, set: &ParameterSet) -> Result<(), CommandError> {
-        let (name, facts) = (set_name(self.study, &set.values), set_facts(self.study, &set.values));
-        let about = provenance_with(self.study, &name, &facts);
-        self.directory.write(&name, &about, set_columns(self.study), set.ends.clone())?;
-        Ok(())
-    }
-}
 
 /// The files with the results.
 pub(super) struct ResultFiles<'a> {
