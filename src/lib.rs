@@ -47,7 +47,6 @@ pub mod analysis;
 pub mod check;
 pub mod classification;
 pub mod cli;
-mod command_error;
 mod counted;
 pub mod engine;
 mod graph;
@@ -65,4 +64,4 @@ pub mod study;
 pub mod table;
 mod tabular;
 
-pub use command_error::CommandError;
+pub use engine::CommandError;

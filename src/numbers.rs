@@ -1,6 +1,14 @@
 //! Numbers as people read them, with few significant digits.
 
-use crate::study::describe_number;
+/// Formats a number for a message: plain, or with an exponent if that is shorter.
+pub(crate) fn describe_number(number: f64) -> String {
+    let size = number.abs();
+    if size != 0.0 && !(1.0e-4..1.0e15).contains(&size) {
+        format!("{number:e}")
+    } else {
+        number.to_string()
+    }
+}
 
 /// Rounds a number to this many significant digits.
 pub(crate) fn to_digits(number: f64, digits: usize) -> f64 {

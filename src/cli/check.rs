@@ -18,9 +18,10 @@ use crate::check::{ExaminedDesign, points_to_examine, warnings};
 use crate::counted::counted;
 use crate::engine::say;
 use crate::model::{Endings, Extend, Method};
+use crate::numbers::describe_number;
 use crate::printed_table::fact_table;
 use crate::responses::{add_known, merged};
-use crate::study::{Response, Study, Variable, VariedParameter, describe_number};
+use crate::study::{Response, Study, Variable, VariedParameter};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -5,10 +5,9 @@ use serde_json::{Value, json};
 
 use super::cost::Cost;
 use super::study_facts::StudyFacts;
+use crate::numbers::describe_number;
 use crate::responses::merged;
-use crate::study::{
-    Limit, Objective, Optimization, OverPoints, SensitivityFrom, Study, describe_number,
-};
+use crate::study::{Limit, Objective, Optimization, OverPoints, SensitivityFrom, Study};
 
 /// Returns the size and the cost of one design, and of the search if the study has one, with the keys `design_cost` and
 /// `optimize`; `None` for a study without variables and responses.

@@ -1,6 +1,6 @@
 //! The ways a command ends, and their exit codes.
 
-pub use crate::command_error::CommandError as CliError;
+pub use crate::engine::CommandError as CliError;
 use crate::engine::StoreError;
 use crate::table::ResultsError;
 

@@ -7,8 +7,8 @@ use std::fs;
 use std::path::Path;
 
 use super::Lock;
+use super::command_error::CommandError;
 use super::exclusive_directory::check_entries;
-use crate::command_error::CommandError;
 use crate::table::column::Column;
 use crate::table::{FILES, FileList, ResultsError, WriteError, clear_temporaries, make_directory};
 

@@ -10,7 +10,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::Lock;
-use crate::command_error::CommandError;
+use super::command_error::CommandError;
 use crate::sanitize::shorten;
 use crate::table::{
     FILES, FileList, ResultsError, check_path, clear_temporaries, is_own, make_directory,

@@ -4,6 +4,7 @@
 
 mod batches;
 mod chunk_writer;
+mod command_error;
 mod compute;
 mod continued_directory;
 mod exclusive_directory;
@@ -25,6 +26,7 @@ mod watch;
 mod worker;
 mod worker_pool;
 
+pub use command_error::CommandError;
 pub use compute::{compute, quietly};
 pub use continued_directory::ContinuedDirectory;
 pub use exclusive_directory::ExclusiveDirectory;

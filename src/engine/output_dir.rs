@@ -3,9 +3,9 @@
 use std::mem::discriminant;
 use std::path::{Path, PathBuf};
 
+use super::command_error::CommandError;
 use super::{CHUNKS, EngineOptions, Shard, Store, say};
 use crate::classification::MODEL_VERSION;
-use crate::command_error::CommandError;
 use crate::study::{Study, changed_keys};
 use crate::table::{
     Circumstances, EARLIER, Manifest, OutputState, Results, ResultsError, close_earlier, inspect,

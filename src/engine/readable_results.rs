@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
+use super::command_error::CommandError;
 use super::results_study::results_study;
 use super::{Shard, listed_runs, read_finished};
-use crate::command_error::CommandError;
 use crate::sanitize::shell_word;
 use crate::study::Study;
 use crate::table::{Circumstances, Manifest, Results, ResultsError};

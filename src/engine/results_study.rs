@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use super::command_error::CommandError;
 use crate::classification::MODEL_VERSION;
-use crate::command_error::CommandError;
 use crate::sanitize::{shell_word, shown_path};
 use crate::study::Study;
 use crate::table::{MANIFEST, Manifest, ResultsError, VERSION, manifest_of};

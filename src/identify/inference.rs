@@ -20,8 +20,7 @@ use super::set_files::SetFiles;
 use super::site::Site;
 use super::smoother::Smoother;
 use crate::classification::Label;
-use crate::command_error::CommandError;
-use crate::engine::WorkerPool;
+use crate::engine::{CommandError, WorkerPool};
 use crate::optimize::Space;
 use crate::study::{DesignValue, Identification, Study};
 

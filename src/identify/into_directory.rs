@@ -12,8 +12,7 @@ use super::set_densities::check_memory;
 use super::set_files::SetFiles;
 use super::site::sites;
 use super::warnings::warnings;
-use crate::command_error::CommandError;
-use crate::engine::{Parts, Planned, Progress, Show, WorkerPool};
+use crate::engine::{CommandError, Parts, Planned, Progress, Show, WorkerPool};
 use crate::study::{Identification, MeasuredRun, Study};
 
 /// An inference: the study, where its results go, and how it is computed.

@@ -9,8 +9,7 @@ use super::inference::{Inference, Inferred};
 use super::tables::{
     evaluated_set_columns, fit_columns, position_columns, position_rows, posterior_columns,
 };
-use crate::command_error::CommandError;
-use crate::engine::ContinuedDirectory;
+use crate::engine::{CommandError, ContinuedDirectory};
 use crate::sanitize::shell_word;
 use crate::study::{MeasuredRun, Study};
 use crate::table::{hexadecimal, provenance_with};

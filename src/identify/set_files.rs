@@ -3,8 +3,7 @@
 use std::path::Path;
 
 use super::parameter_set::{ParameterSet, read_parameter_set, set_columns, set_facts, set_name};
-use crate::command_error::CommandError;
-use crate::engine::ContinuedDirectory;
+use crate::engine::{CommandError, ContinuedDirectory};
 use crate::study::{DesignValue, Study};
 use crate::table::provenance_with;
 

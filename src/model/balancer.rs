@@ -1,8 +1,7 @@
 //! The balancer in non-dimensional form (thesis section 3.4): lengths over `L`, time times `ω_n`,
 //! masses over the whole vibrating mass `M`.
 
-use super::SPHERE_INERTIA;
-use super::{Friction, Machine, NormalForce, Number};
+use super::{Friction, Machine, NormalForce, Number, SPHERE_INERTIA};
 
 /// A ball's non-dimensional parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]

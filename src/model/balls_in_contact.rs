@@ -9,14 +9,14 @@ use std::any::{Any, TypeId};
 
 use smallvec::SmallVec;
 
-use super::LASTING_APPROACH;
 use super::contact_mode::{add_contact_inputs, record_contact};
 use super::driven_disc::{DiscSpeed, DrivenDisc};
 use super::recorded_balancer::{RecordedGap, equations, record_state};
 use super::system::pass_on;
 use super::{
-    Balancer, BallContact, ContactMode, Expression, Friction, Gap, GapEquations, Machine, Recorder,
-    RestForms, Structure, System, SystemEquations, Touching, pushes, wrap_to_two_pi,
+    Balancer, BallContact, ContactMode, Expression, Friction, Gap, GapEquations, LASTING_APPROACH,
+    Machine, Recorder, RestForms, Structure, System, SystemEquations, Touching, pushes,
+    wrap_to_two_pi,
 };
 
 /// A balancer with contact between neighbouring balls.

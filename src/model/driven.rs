@@ -5,12 +5,11 @@
 use std::any::{Any, TypeId};
 use std::sync::Arc;
 
-use super::SPEED_TERMS;
 use super::driven_disc::{DiscSpeed, DrivenDisc};
 use super::system::pass_on;
 use super::{
     Balancer, BallsInContact, ContactMode, Expression, Friction, Machine, Number, Recorder,
-    Structure, System, SystemEquations, Touching,
+    SPEED_TERMS, Structure, System, SystemEquations, Touching,
 };
 
 /// A balancer whose disc turns with a speed that changes.

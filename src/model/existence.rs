@@ -52,8 +52,7 @@
 //! at all with coefficients below `sqrt(56)/5 = 1.4966` ([`SAFE_FRICTION`]) can fail, nor can any
 //! machine with one ball.
 
-use super::SPHERE_INERTIA;
-use super::{Balancer, Machine};
+use super::{Balancer, Machine, SPHERE_INERTIA};
 
 /// Largest friction coefficient with which no machine can fail: `sqrt(56) / 5`, rounded down.
 pub const SAFE_FRICTION: f64 = 1.4966;

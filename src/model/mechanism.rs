@@ -27,10 +27,9 @@ use super::contact_mode::record_contact;
 use super::mechanism_contact::ContactRows;
 use super::shared_loads::SharedLoads;
 use super::{
-    Contact, ContactEquations, ContactLayout, Expression, ForcingLayout, Layout, Node, Number,
-    OpeningEquations, Recorder, SystemEquations,
+    Contact, ContactEquations, ContactLayout, Expression, ForcingLayout, Layout, MechanismContact,
+    MechanismNormal, Node, Number, OpeningEquations, Recorder, SystemEquations,
 };
-use super::{MechanismContact, MechanismNormal};
 
 /// The equations of motion of bodies with contacts.
 pub struct Mechanism<'r> {

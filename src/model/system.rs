@@ -4,10 +4,9 @@ use std::any::Any;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use super::Components;
 use super::{
-    ContactMode, Friction, Gap, Graph, ImpactLaw, PerStructure, Recorder, SPEED_TERMS, Structure,
-    SystemEquations,
+    Components, ContactMode, Friction, Gap, Graph, ImpactLaw, PerStructure, Recorder, SPEED_TERMS,
+    Structure, SystemEquations,
 };
 
 /// A mechanical system. Its recorded equations define the motion, its tangents, forces and events.

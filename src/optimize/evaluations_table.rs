@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::evaluation::{Evaluation, Origin};
 use crate::analysis::LabelCounts;
 use crate::classification::Label;
-use crate::command_error::CommandError;
+use crate::engine::CommandError;
 use crate::responses::Answer;
 use crate::responses::columns::answer_columns;
 use crate::study::{Study, changed_keys};

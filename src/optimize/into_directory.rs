@@ -14,9 +14,8 @@ use super::search_directory::SearchDirectory;
 use super::sensitivity::{sensitivities, surrogates};
 use super::tables::sensitivity_columns;
 use crate::classification::Label;
-use crate::command_error::CommandError;
 use crate::counted::counted;
-use crate::engine::{Parts, Planned, Progress, Show, WorkerPool, say};
+use crate::engine::{CommandError, Parts, Planned, Progress, Show, WorkerPool, say};
 use crate::responses::check_answerable;
 use crate::study::{SensitivityFrom, Study};
 

@@ -5,8 +5,7 @@ use std::path::Path;
 use serde_json::json;
 
 use crate::classification::{Evidence, Instants, Recorder, Recording, Sample, simulate_recorded};
-use crate::command_error::CommandError;
-use crate::engine::MOST_INSTANTS;
+use crate::engine::{CommandError, MOST_INSTANTS};
 use crate::model::{Machine, Model, SPEED_TERMS};
 use crate::motion::Phase;
 use crate::study::Study;

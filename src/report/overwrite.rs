@@ -6,7 +6,7 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use crate::command_error::CommandError;
+use crate::engine::CommandError;
 use crate::table::{ResultsError, sha256, write_atomically};
 
 /// The largest size of a report, in bytes.

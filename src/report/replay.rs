@@ -7,8 +7,7 @@ use serde_json::{Value, json};
 use super::animation::{ANIMATION, animate};
 use super::stored_run::stored_run;
 use crate::classification::Recording;
-use crate::command_error::CommandError;
-use crate::engine::{ExclusiveDirectory, MOST_INSTANTS, record};
+use crate::engine::{CommandError, ExclusiveDirectory, MOST_INSTANTS, record};
 use crate::study::Study;
 use crate::table::{
     Difference, FILES, FileList, Manifest, RunRecord, StoredRun, provenance_with, switch_columns,

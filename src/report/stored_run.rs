@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use crate::command_error::CommandError;
-use crate::engine::finished_run;
+use crate::engine::{CommandError, finished_run};
 use crate::study::Study;
 use crate::table::{Manifest, StoredRun, Table};
 

@@ -10,8 +10,7 @@ use super::figures::of_results;
 use super::optimum::{OptimumData, of_search};
 use super::overwrite::{beside, outside, replace, replaceable, sealed};
 use super::page::{OWN, optimum_page, page};
-use crate::command_error::CommandError;
-use crate::engine::{Readable, readable_results};
+use crate::engine::{CommandError, Readable, readable_results};
 use crate::study::Study;
 use crate::table::{MANIFEST, Manifest};
 

@@ -40,7 +40,6 @@ pub use error::StudyError;
 pub(crate) use error::{list_names, shorten};
 pub use file::identify_file::SpacingFile;
 pub use file::optimize_file::{OverPoints, SensitivityFrom};
-pub(crate) use file::yaml_tree::describe_number;
 pub use kinds::{Registry, RegistryError, model_kind, model_kinds};
 pub use measured_table::{MeasuredRun, implausible_angle};
 pub use plan::audit::Audit;

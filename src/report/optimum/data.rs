@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::analysis::Estimate;
-use crate::command_error::CommandError;
+use crate::engine::CommandError;
 use crate::optimize::{Evaluation, Goal, read_evaluations};
 use crate::study::{Optimization, Study, Unit, Variable};
 use crate::table::{FILES, FileList, Row, Table, TableError};

@@ -11,6 +11,7 @@ use serde::de::{Deserialize, Deserializer, Error as _, MapAccess, SeqAccess, Vis
 use serde_saphyr::Spanned;
 use serde_saphyr::options::{DuplicateKeyPolicy, MergeKeyPolicy, NonFiniteFloatPolicy};
 
+pub(crate) use crate::numbers::describe_number;
 use crate::study::error::{Fault, Location, StudyError, shorten};
 use crate::study::file::key_path::{KeyPath, Segment};
 use crate::study::file::unit_keys::without_unit;
@@ -287,16 +288,6 @@ impl Node {
         };
         path.0.insert(0, step);
         Some((path, node))
-    }
-}
-
-/// Formats a number for a message: plain, or with an exponent if that is shorter.
-pub(crate) fn describe_number(number: f64) -> String {
-    let size = number.abs();
-    if size != 0.0 && !(1.0e-4..1.0e15).contains(&size) {
-        format!("{number:e}")
-    } else {
-        number.to_string()
     }
 }
 

@@ -5,7 +5,7 @@ use std::io;
 
 use thiserror::Error;
 
-use crate::engine::{EngineError, StoreError};
+use super::{EngineError, StoreError};
 use crate::study::StudyError;
 use crate::table::{ResultsError, TableError, WriteError};
 
