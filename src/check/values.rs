@@ -10,7 +10,7 @@ use super::slips::{HEAVY_BALLS, Limit, has_mass_of_template, limits};
 use super::warning::Finding;
 use crate::analysis::{Balance, RestForm, reference_amplitude};
 use crate::model::{
-    Ball, DerivedQuantity, Dimension, FrictionLaw, LawParameter, Machine, Model,
+    Ball, DerivedQuantity, FrictionLaw, LawDimension, LawParameter, Machine, Model,
     ParameterDescriptor, STEEL_KG_M3,
 };
 use crate::numbers::short;
@@ -223,7 +223,7 @@ impl At<'_> {
         }
         let unlikely_ratio = |parameter: &&LawParameter| {
             let value = law.value(parameter.name);
-            parameter.dimension == Dimension::Ratio && value.is_some_and(unlikely)
+            parameter.dimension == LawDimension::Ratio && value.is_some_and(unlikely)
         };
         let of_law = law.law().parameters().iter().find(unlikely_ratio);
         let (name, ball, value) = match of_law {

@@ -110,7 +110,7 @@ pub fn strength_that_holds(contacts: &[HeldContact], gaps: &[Gap]) -> f64 {
 fn held_by_at_most(most: f64, contacts: &[HeldContact], gaps: &[Gap]) -> Holding {
     // Each row is a bound on the sum of the variables times their coefficients.
     let columns = |gap: &Gap| gap_columns(gap, contacts);
-    let columns: SmallVec<[[Column; 2]; 2]> = gaps.iter().map(columns).collect();
+    let columns: SmallVec<[[GapColumn; 2]; 2]> = gaps.iter().map(columns).collect();
     let bound = |row: usize| {
         let HeldContact { normal, friction, limit, weight } = contacts[row / 2];
         (limit * normal - SIGNS[row % 2] * friction) / weight
@@ -122,7 +122,7 @@ fn held_by_at_most(most: f64, contacts: &[HeldContact], gaps: &[Gap]) -> Holding
         // The last variable is the reserve above that without any forces.
         pushes.chain([1.0, bound(row) - least])
     });
-    let mut table = Table { variables: 2 * gaps.len() + 1, entries: entries.collect() };
+    let mut table = SimplexTableau { variables: 2 * gaps.len() + 1, entries: entries.collect() };
     if most.is_finite() {
         for (place, gap) in gaps.iter().enumerate() {
             let both = 2 * place..2 * place + 2;
@@ -139,13 +139,13 @@ fn held_by_at_most(most: f64, contacts: &[HeldContact], gaps: &[Gap]) -> Holding
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
 /// An entry for each contact and direction of slip.
-pub type Column = SmallVec<[f64; 4]>;
+pub type GapColumn = SmallVec<[f64; 4]>;
 
 /// Returns how the two forces of a gap take up the reserve of each contact against forward and backward slip.
-pub fn gap_columns(gap: &Gap, contacts: &[HeldContact]) -> [Column; 2] {
+pub fn gap_columns(gap: &Gap, contacts: &[HeldContact]) -> [GapColumn; 2] {
     let unit = gap.reduced_mass();
     SIGNS.map(|rolling| {
-        let mut column = Column::from_elem(0.0, 2 * contacts.len());
+        let mut column = GapColumn::from_elem(0.0, 2 * contacts.len());
         for (contact, [along, outward]) in gap.contacts.into_iter().zip(gap.rolling_pushes(rolling))
         {
             let HeldContact { limit, weight, .. } = contacts[contact];
@@ -163,13 +163,13 @@ const ZERO: f64 = 1e-14;
 const MOST_EXCHANGES: usize = 10_000;
 
 /// Rows of coefficients of the variables, each with a bound at its end.
-struct Table {
+struct SimplexTableau {
     /// Number of variables.
     variables: usize,
     entries: SmallVec<[f64; 32]>,
 }
 
-impl Table {
+impl SimplexTableau {
     fn rows(&self) -> usize {
         self.entries.len() / (self.variables + 1)
     }
@@ -196,7 +196,7 @@ impl Table {
 
 /// Maximises the last of some variables that are not negative. Each row has their coefficients and the upper bound, not
 /// negative, on their sum; the aim follows as the last row. Returns the maximum and the other variables.
-fn largest_last_variable(mut table: Table) -> (f64, SmallVec<[f64; 8]>) {
+fn largest_last_variable(mut table: SimplexTableau) -> (f64, SmallVec<[f64; 8]>) {
     let variables = table.variables;
     let aim = table.rows();
     table.entries.resize(table.entries.len() + variables + 1, 0.0);

@@ -27,8 +27,8 @@ use super::contact_mode::record_contact;
 use super::mechanism_contact::ContactRows;
 use super::shared_loads::SharedLoads;
 use super::{
-    Contact, ContactEquations, ContactLayout, Expression, ForcingLayout, Layout, MechanismContact,
-    MechanismNormal, Node, Number, OpeningEquations, Recorder, SystemEquations,
+    Contact, ContactEquations, ContactLayout, Expression, ForcingLayout, MechanismContact,
+    MechanismNormal, Node, Number, OpeningEquations, Recorder, StateLayout, SystemEquations,
 };
 
 /// The equations of motion of bodies with contacts.
@@ -240,14 +240,14 @@ impl<'r> Mechanism<'r> {
         derivative
     }
 
-    fn layout(&self, recorder: &Recorder) -> Layout {
+    fn layout(&self, recorder: &Recorder) -> StateLayout {
         let contact = |one: &MechanismContact<'r>| ContactLayout {
             position: component(recorder, one.position.0),
             angular: one.position.1,
         };
         let velocity = |pair: &[Expression<'r>; 2]| vec![component(recorder, pair[1])];
         let forcing = |(of, period)| ForcingLayout { component: component(recorder, of), period };
-        Layout {
+        StateLayout {
             contacts: self.contacts.iter().map(contact).collect(),
             velocities: self.coordinates.iter().map(velocity).collect(),
             vibration: None,

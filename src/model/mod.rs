@@ -83,16 +83,18 @@ pub use dual::Dual;
 pub use equations::Forces;
 pub use existence::{ExistenceVerdict, SAFE_FRICTION};
 pub use friction::{
-    Dimension, FRICTION_LAWS, Friction, FrictionLaw, Law, LawInputs, LawNumbers, LawParameter,
+    FRICTION_LAWS, Friction, FrictionLaw, Law, LawDimension, LawInputs, LawNumbers, LawParameter,
     Lowest, MAX_LAW_PARAMETERS, Sliding, SlidingForce, SlidingSpeed,
 };
 pub(crate) use graph::PerStructure;
 pub use graph::{
     ContactEquations, ContactLayout, Degree, Event, EventEquations, Expression, ForcingLayout,
-    GapEquations, Graph, Layout, Node, NodeId, Opening, OpeningEquations, Recorder, Solve,
+    GapEquations, Graph, Node, NodeId, Opening, OpeningEquations, Recorder, Solve, StateLayout,
     Structure, SystemEquations,
 };
-pub use held::{Column, HeldContact, Holding, gap_columns, held, least_force, strength_that_holds};
+pub use held::{
+    GapColumn, HeldContact, Holding, gap_columns, held, least_force, strength_that_holds,
+};
 pub use impact_law::{ImpactLaw, LASTING_APPROACH};
 pub use interval::{Bounded, Interval};
 pub use invalid_parameter::InvalidParameter;
@@ -117,7 +119,8 @@ pub use state::{Components, State};
 pub use system::{Recorded, RestAmplitude, RestForms, System, Touching, stiff_pace};
 pub use units::{ContactUnits, Units};
 pub use written::{
-    COEFFICIENT, Definition, FaultAt, Formula, FormulaFault, LONGEST_FORMULA, Place, Unit, WHOLE,
-    WRITTEN, WrittenContact, WrittenCoordinate, WrittenDerived, WrittenFriction, WrittenNormal,
-    WrittenOutput, WrittenParameter, WrittenTurning, law_key, written_kind, written_kind_named,
+    COEFFICIENT, FaultAt, Formula, FormulaFault, IndexedName, LONGEST_FORMULA, SystemDefinition,
+    WHOLE, WRITTEN, WrittenContact, WrittenCoordinate, WrittenDerived, WrittenFriction,
+    WrittenNormal, WrittenOutput, WrittenParameter, WrittenTurning, WrittenUnit, law_key,
+    written_kind, written_kind_named,
 };

@@ -8,7 +8,7 @@ use super::driven_disc::{DiscSpeed, DrivenDisc};
 use super::system::stiff_pace;
 use super::{
     Balancer, BalancerBall, Contact, ContactEquations, ContactLayout, ContactMode, Expression,
-    Forces, Friction, Layout, Number, Recorder, RestForms, State, Structure, System,
+    Forces, Friction, Number, Recorder, RestForms, State, StateLayout, Structure, System,
     SystemEquations,
 };
 
@@ -29,7 +29,7 @@ pub(super) fn equations<'r, const N: usize, const FREE: usize>(
     // The direction of the free coordinates' velocity is arbitrary: one group.
     let free = (FREE..2 * FREE).collect::<Vec<_>>();
     let speeds = (2 * FREE + N..2 * (FREE + N)).map(|speed| vec![speed]);
-    let layout = Layout {
+    let layout = StateLayout {
         contacts: (0..N).map(|i| ContactLayout { position: 2 * FREE + i, angular }).collect(),
         velocities: (FREE > 0).then_some(free).into_iter().chain(speeds).collect(),
         vibration: (FREE == 2).then_some([0, 1]),

@@ -7,7 +7,7 @@ use thiserror::Error;
 use super::resolve::built_in_system;
 use crate::model::{
     BALL_BALANCER, Capabilities, ContactMode, FRICTION_COEFFICIENT, FRICTION_LAWS, Field, Graph,
-    Layout, Model, ModelKind, ParameterDescriptor, Start, unit_ending, written_kind_named,
+    Model, ModelKind, ParameterDescriptor, Start, StateLayout, unit_ending, written_kind_named,
 };
 
 /// The system files in this program, in the order of the documentation.
@@ -167,7 +167,7 @@ fn check_numbers(model: &Model) -> Result<(), String> {
     if let Some((what, one, other)) = pairs.into_iter().find(|(_, one, other)| one != other) {
         return Err(format!("the numbers of {what} differ: {one} and {other}, for {model:?}"));
     }
-    let Layout { contacts, velocities, vibration, forcing } = &graph.layout;
+    let StateLayout { contacts, velocities, vibration, forcing } = &graph.layout;
     if let Some(forcing) =
         forcing.filter(|forcing| forcing.period.is_nan() || forcing.period <= 0.0)
     {

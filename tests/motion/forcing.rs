@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use stickslip::model::{
-    ContactEquations, ContactLayout, Expression, ForcingLayout, Friction, Layout, Method, Number,
-    Recorder, System, SystemEquations,
+    ContactEquations, ContactLayout, Expression, ForcingLayout, Friction, Method, Number, Recorder,
+    StateLayout, System, SystemEquations,
 };
 use stickslip::motion::{Direction, Motion, Phase, Settings, Tolerance};
 
@@ -31,7 +31,7 @@ fn shaken_block(recorder: &Recorder) -> SystemEquations<'_> {
             normal: Expression::constant(1.0),
             friction: slips * friction + (Expression::constant(1.0) - slips) * pull,
         }],
-        layout: Layout {
+        layout: StateLayout {
             contacts: vec![ContactLayout { position: 1, angular: false }],
             velocities: vec![vec![2]],
             vibration: None,

@@ -4,8 +4,8 @@
 use proptest::prelude::*;
 use stickslip::classification::{Evidence, simulate};
 use stickslip::model::{
-    Balancer, ContactEquations, ContactLayout, Expression, Friction, Layout, Machine, Method,
-    Number, Recorder, State, SystemEquations,
+    Balancer, ContactEquations, ContactLayout, Expression, Friction, Machine, Method, Number,
+    Recorder, State, StateLayout, SystemEquations,
 };
 use stickslip::motion::{
     Direction, Evaluator, Failure, Motion, Phase, Phases, SLACK, Settings, Tolerance, decide,
@@ -229,7 +229,7 @@ fn blocks(recorder: &Recorder) -> SystemEquations<'_> {
     let accelerations = contacts.iter().map(|contact| contact.sliding_acceleration);
     SystemEquations {
         derivative: speeds.chain(accelerations).collect(),
-        layout: Layout {
+        layout: StateLayout {
             contacts: (0..13).map(|position| ContactLayout { position, angular: false }).collect(),
             velocities: (13..26).map(|component| vec![component]).collect(),
             vibration: None,

@@ -2,7 +2,7 @@
 //! displacement of time.
 
 use stickslip::model::{
-    Components, Expression, Graph, Layout, Method, Number, Recorder, SystemEquations,
+    Components, Expression, Graph, Method, Number, Recorder, StateLayout, SystemEquations,
 };
 use stickslip::motion::{Failure, Motion, Settings, Tolerance};
 
@@ -21,7 +21,7 @@ fn with_time<'r>(rates: Vec<Expression<'r>>) -> SystemEquations<'r> {
     let velocities = (1..=rates.len()).map(|component| vec![component]).collect();
     SystemEquations {
         derivative: std::iter::once(time).chain(rates).collect(),
-        layout: Layout { velocities, ..Layout::default() },
+        layout: StateLayout { velocities, ..StateLayout::default() },
         ..SystemEquations::default()
     }
 }

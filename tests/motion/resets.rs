@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use stickslip::model::{
-    ContactEquations, ContactLayout, EventEquations, Expression, Friction, Layout, Method, Number,
-    Recorder, System, SystemEquations,
+    ContactEquations, ContactLayout, EventEquations, Expression, Friction, Method, Number,
+    Recorder, StateLayout, System, SystemEquations,
 };
 use stickslip::motion::{Direction, Failure, Motion, Phase, Settings, Tolerance};
 
@@ -30,7 +30,7 @@ fn bouncing_mass(recorder: &Recorder) -> SystemEquations<'_> {
         derivative: vec![speed, -gravity],
         contacts: vec![],
         events: vec![impact],
-        layout: Layout { velocities: vec![vec![1]], ..Layout::default() },
+        layout: StateLayout { velocities: vec![vec![1]], ..StateLayout::default() },
         gaps: vec![],
         openings: vec![],
     }
@@ -120,7 +120,7 @@ fn pulled_block(recorder: &Recorder) -> SystemEquations<'_> {
                 reset: vec![(2, speed + kick), (4, zero)],
             },
         ],
-        layout: Layout {
+        layout: StateLayout {
             contacts: vec![ContactLayout { position: 1, angular: false }],
             velocities: vec![vec![2]],
             vibration: None,

@@ -9,7 +9,7 @@ pub struct LawParameter {
     /// Name in a study file where it does not depend on the unit of sliding speeds.
     pub name: &'static str,
     /// Its dimension.
-    pub dimension: Dimension,
+    pub dimension: LawDimension,
     /// Its lowest value.
     pub lowest: Lowest,
     /// Its meaning, in a few words.
@@ -22,7 +22,7 @@ pub struct LawParameter {
 
 /// The dimension of a law's parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dimension {
+pub enum LawDimension {
     /// Dimensionless.
     Ratio,
     /// A sliding speed, whose name has its unit.
@@ -60,8 +60,8 @@ impl LawParameter {
     /// Returns the name in a study file.
     pub fn name(&self, speed: SlidingSpeed) -> &'static str {
         match (self.dimension, speed) {
-            (Dimension::SlidingSpeed { rad_s, .. }, SlidingSpeed::RadS) => rad_s,
-            (Dimension::SlidingSpeed { m_s, .. }, SlidingSpeed::MS) => m_s,
+            (LawDimension::SlidingSpeed { rad_s, .. }, SlidingSpeed::RadS) => rad_s,
+            (LawDimension::SlidingSpeed { m_s, .. }, SlidingSpeed::MS) => m_s,
             _ => self.name,
         }
     }
@@ -74,10 +74,10 @@ impl LawParameter {
     /// Returns the unit; `1` for dimensionless numbers.
     pub fn unit(&self, speed: SlidingSpeed) -> &'static str {
         match (self.dimension, speed) {
-            (Dimension::Ratio, _) => "1",
-            (Dimension::Drag, _) => "N s/m",
-            (Dimension::SlidingSpeed { .. }, SlidingSpeed::RadS) => "rad/s",
-            (Dimension::SlidingSpeed { .. }, SlidingSpeed::MS) => "m/s",
+            (LawDimension::Ratio, _) => "1",
+            (LawDimension::Drag, _) => "N s/m",
+            (LawDimension::SlidingSpeed { .. }, SlidingSpeed::RadS) => "rad/s",
+            (LawDimension::SlidingSpeed { .. }, SlidingSpeed::MS) => "m/s",
         }
     }
 }

@@ -20,7 +20,7 @@ mod viscous;
 pub use friction_law::FrictionLaw;
 use law::about;
 pub use law::{Law, LawInputs, LawNumbers, Sliding, SlidingForce};
-pub use law_parameter::{Dimension, LawParameter, Lowest, MAX_LAW_PARAMETERS, SlidingSpeed};
+pub use law_parameter::{LawDimension, LawParameter, Lowest, MAX_LAW_PARAMETERS, SlidingSpeed};
 pub use non_dimensional::Friction;
 
 /// All friction laws, in the order of the documentation.

@@ -1,6 +1,6 @@
 //! Friction of one contact without dimensions, as the motion uses it.
 
-use super::{Dimension, FrictionLaw, LawInputs, LawNumbers, Sliding, SlidingForce};
+use super::{FrictionLaw, LawDimension, LawInputs, LawNumbers, Sliding, SlidingForce};
 use crate::model::{Contact, Dual, Expression, Number, Recorder};
 
 /// Non-dimensional friction of one contact.
@@ -126,9 +126,9 @@ impl FrictionLaw {
         let mut values = self.values;
         for (value, parameter) in values.iter_mut().zip(self.law.parameters()) {
             *value /= match parameter.dimension {
-                Dimension::Ratio => 1.0,
-                Dimension::SlidingSpeed { .. } => speed_unit,
-                Dimension::Drag => drag_unit,
+                LawDimension::Ratio => 1.0,
+                LawDimension::SlidingSpeed { .. } => speed_unit,
+                LawDimension::Drag => drag_unit,
             };
         }
         Friction::new(FrictionLaw { law: self.law, values }, coefficient)

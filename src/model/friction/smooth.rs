@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_2_PI;
 use smallvec::smallvec;
 
 use super::{
-    Dimension, FrictionLaw, Law, LawInputs, LawNumbers, LawParameter, Lowest, Sliding,
+    FrictionLaw, Law, LawDimension, LawInputs, LawNumbers, LawParameter, Lowest, Sliding,
     SlidingForce, about,
 };
 use crate::model::{Expression, Number};
@@ -28,7 +28,7 @@ fn scale(friction: &LawNumbers<'_>) -> f64 {
 /// The speed `v_0`.
 const PARAMETERS: [LawParameter; 1] = [LawParameter {
     name: "smoothing_speed",
-    dimension: Dimension::SlidingSpeed {
+    dimension: LawDimension::SlidingSpeed {
         rad_s: "smoothing_speed_rad_s",
         m_s: "smoothing_speed_m_s",
     },

@@ -3,7 +3,7 @@
 use smallvec::smallvec;
 
 use super::{
-    Dimension, FrictionLaw, Law, LawInputs, LawNumbers, LawParameter, Lowest, Sliding,
+    FrictionLaw, Law, LawDimension, LawInputs, LawNumbers, LawParameter, Lowest, Sliding,
     SlidingForce, about,
 };
 use crate::model::{Expression, Number};
@@ -31,7 +31,7 @@ fn parameters(values: &[f64]) -> (f64, f64) {
 const PARAMETERS: [LawParameter; 2] = [
     LawParameter {
         name: "static_friction_coefficient",
-        dimension: Dimension::Ratio,
+        dimension: LawDimension::Ratio,
         lowest: Lowest::FrictionCoefficient,
         meaning: "coefficient of friction at rest",
         note: "",
@@ -39,7 +39,7 @@ const PARAMETERS: [LawParameter; 2] = [
     },
     LawParameter {
         name: "stribeck_speed",
-        dimension: Dimension::SlidingSpeed {
+        dimension: LawDimension::SlidingSpeed {
             rad_s: "stribeck_speed_rad_s",
             m_s: "stribeck_speed_m_s",
         },

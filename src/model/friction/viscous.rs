@@ -3,7 +3,7 @@
 use smallvec::smallvec;
 
 use super::{
-    Dimension, FrictionLaw, Law, LawInputs, LawNumbers, LawParameter, Lowest, Sliding,
+    FrictionLaw, Law, LawDimension, LawInputs, LawNumbers, LawParameter, Lowest, Sliding,
     SlidingForce, about,
 };
 use crate::model::{Expression, Number};
@@ -21,7 +21,7 @@ impl FrictionLaw {
 /// The viscous coefficient.
 pub(super) const PARAMETERS: [LawParameter; 1] = [LawParameter {
     name: "viscous_coefficient_n_s_m",
-    dimension: Dimension::Drag,
+    dimension: LawDimension::Drag,
     lowest: Lowest::Zero,
     meaning: "viscous drag force divided by sliding speed",
     note: "",

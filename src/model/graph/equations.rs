@@ -16,12 +16,12 @@ pub struct SystemEquations<'r> {
     /// The contacts that open and close.
     pub openings: Vec<OpeningEquations<'r>>,
     /// The meaning of the components.
-    pub layout: Layout,
+    pub layout: StateLayout,
 }
 
 /// The meaning of the components of a state.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Layout {
+pub struct StateLayout {
     /// The contacts, in their order.
     pub contacts: Vec<ContactLayout>,
     /// The components that are velocities, which determine the length of a step. Of each group, the largest counts.

@@ -20,8 +20,8 @@ mod recorder;
 
 pub use degree::Degree;
 pub use equations::{
-    ContactEquations, ContactLayout, Event, EventEquations, ForcingLayout, GapEquations, Layout,
-    Opening, OpeningEquations, SystemEquations,
+    ContactEquations, ContactLayout, Event, EventEquations, ForcingLayout, GapEquations, Opening,
+    OpeningEquations, StateLayout, SystemEquations,
 };
 pub use expression::Expression;
 pub use node::{Node, NodeId, Solve};

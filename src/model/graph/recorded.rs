@@ -2,8 +2,8 @@
 
 use super::recorder::Recording;
 use super::{
-    ContactEquations, ContactLayout, Event, EventEquations, GapEquations, Layout, Node, NodeId,
-    Opening, OpeningEquations, Recorder, Solve, SystemEquations,
+    ContactEquations, ContactLayout, Event, EventEquations, GapEquations, Node, NodeId, Opening,
+    OpeningEquations, Recorder, Solve, StateLayout, SystemEquations,
 };
 
 /// The recorded equations of a system.
@@ -30,7 +30,7 @@ pub struct Graph {
     /// The contacts that open and close.
     pub openings: Vec<Opening>,
     /// The meaning of the components.
-    pub layout: Layout,
+    pub layout: StateLayout,
     /// The nodes that depend on unknowns of linear systems and that rates and openings need, operands first.
     pub(crate) rates_with_unknowns: Vec<NodeId>,
 }

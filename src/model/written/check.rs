@@ -3,10 +3,10 @@
 use std::ptr;
 
 use super::definition::{
-    COEFFICIENT, Definition, WrittenDerived, WrittenNormal, WrittenOutput, law_key,
+    COEFFICIENT, SystemDefinition, WrittenDerived, WrittenNormal, WrittenOutput, law_key,
 };
 use super::dependence::Dependence;
-use super::dimensions::Measured;
+use super::dimensions::TermDimension;
 use super::evaluate::Bodies;
 use super::formula::{Dimension, Formula, FormulaFault, NONE, WHOLE};
 use super::instance::{FaultAt, Instance, with_index};
@@ -72,13 +72,13 @@ fn over(one: Dimension, other: Dimension) -> Dimension {
     [one[0] - other[0], one[1] - other[1], one[2] - other[2]]
 }
 
-impl Definition {
+impl SystemDefinition {
     /// Checks the system with the default numbers of bodies, and finds the dimension of each number in its formulas.
     pub fn check(&mut self) -> Result<(), FaultAt> {
         self.check_names()?;
         self.check_sizes()?;
         let (found, all) = {
-            let definition: &Definition = self;
+            let definition: &SystemDefinition = self;
             // A contact of no bodies has formulas, too.
             let instance = Instance::new(definition, |name| definition.default_count(name).max(1))?;
             check_formulas(&instance)?
@@ -277,9 +277,9 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<Use<'d>>, FaultAt> {
             add(&key(COEFFICIENT), &friction.coefficient, Allowed::Constants, Some(NONE));
             for (parameter, formula) in friction.law.parameters().iter().zip(&friction.values) {
                 let dimension = match parameter.dimension {
-                    model::Dimension::Ratio => NONE,
-                    model::Dimension::SlidingSpeed { .. } => speed,
-                    model::Dimension::Drag => over(over(power, speed), speed),
+                    model::LawDimension::Ratio => NONE,
+                    model::LawDimension::SlidingSpeed { .. } => speed,
+                    model::LawDimension::Drag => over(over(power, speed), speed),
                 };
                 add(&key(law_key(parameter)), formula, Allowed::Constants, Some(dimension));
             }
@@ -352,8 +352,8 @@ impl Instance<'_> {
         let found = self.analysed(formula, &mut bodies);
         let (found, _) = found.map_err(|fault| (self.contact_path(number, key), fault))?;
         Ok(match (found.measured, key) {
-            (Measured::Known(dimension), "gap") => over(dimension, SECOND),
-            (Measured::Known(dimension), _) => dimension,
+            (TermDimension::Known(dimension), "gap") => over(dimension, SECOND),
+            (TermDimension::Known(dimension), _) => dimension,
             _ => NONE,
         })
     }

@@ -1,6 +1,6 @@
 //! Checks the names in a system file: no two things have one name, and no column of tables has two meanings; and its sizes.
 
-use super::definition::{Definition, WrittenParameter};
+use super::definition::{SystemDefinition, WrittenParameter};
 use super::formula::FormulaFault;
 use super::instance::{FaultAt, with_index};
 use super::names::RESERVED;
@@ -61,7 +61,7 @@ const PREFIXES: [&str; 11] = [
 /// The names of the parameters of speed profiles begin like this.
 const OF_PROFILES: [&str; 4] = ["start_speed", "ramp_to_", "ramp_over_", "hold_"];
 
-impl Definition {
+impl SystemDefinition {
     /// Checks that the equations stay small with the largest numbers of bodies.
     pub(super) fn check_sizes(&self) -> Result<(), FaultAt> {
         let most = |index: &Option<String>| {

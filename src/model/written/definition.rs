@@ -5,7 +5,7 @@ use crate::model::{Bound, Law, LawParameter};
 
 /// A mechanical system with formulas for its mass matrix, its forces and its contacts.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Definition {
+pub struct SystemDefinition {
     /// The name, in lower-case letters, digits and `_`.
     pub name: String,
     /// What it is, in a sentence.
@@ -17,9 +17,9 @@ pub struct Definition {
     /// The coordinates, in the order of the file.
     pub coordinates: Vec<WrittenCoordinate>,
     /// The entries of the mass matrix; the matrix is symmetric, and missing entries are 0.
-    pub mass: Vec<([Place; 2], Formula)>,
+    pub mass: Vec<([IndexedName; 2], Formula)>,
     /// The forces; missing ones are 0.
-    pub force: Vec<(Place, Formula)>,
+    pub force: Vec<(IndexedName, Formula)>,
     /// The contacts.
     pub contacts: Vec<WrittenContact>,
     /// What results show besides the coordinates.
@@ -30,9 +30,9 @@ pub struct Definition {
     pub turning: Option<WrittenTurning>,
     /// The time after which the equations repeat; the time of a turn if it is not given.
     pub period: Option<Formula>,
-    /// Whether a formula contains the time; [`Definition::check`] finds this.
+    /// Whether a formula contains the time; [`SystemDefinition::check`] finds this.
     pub uses_time: bool,
-    /// Whether a normal force contains an acceleration; [`Definition::check`] finds this.
+    /// Whether a normal force contains an acceleration; [`SystemDefinition::check`] finds this.
     pub uses_accelerations: bool,
     /// The file as plain values, from which it can be read again.
     pub source: serde_json::Value,
@@ -40,7 +40,7 @@ pub struct Definition {
 
 /// A unit of a system file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Unit {
+pub struct WrittenUnit {
     /// The SI unit, such as `N s/m`; `1` without a dimension.
     pub si: String,
     /// Its dimension.
@@ -53,7 +53,7 @@ pub struct WrittenParameter {
     /// The name in formulas.
     pub name: String,
     /// Its unit.
-    pub unit: Unit,
+    pub unit: WrittenUnit,
     /// The default, in the SI unit.
     pub value: f64,
     /// What it is, in a few words.
@@ -72,7 +72,7 @@ pub struct WrittenCoordinate {
     /// The index that counts the bodies with this coordinate.
     pub index: Option<String>,
     /// Its unit.
-    pub unit: Unit,
+    pub unit: WrittenUnit,
     /// What results call its rate of change.
     pub rate: String,
     /// Whether it is an angle with a period of one turn.
@@ -94,7 +94,7 @@ pub struct WrittenTurning {
 
 /// A name with the index of a body, such as `x[block + 1]`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place(pub Formula);
+pub struct IndexedName(pub Formula);
 
 /// A quantity that results show.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,7 +104,7 @@ pub struct WrittenOutput {
     /// The index that counts the bodies with this quantity.
     pub index: Option<String>,
     /// Its unit; by default, that of its dimension.
-    pub unit: Option<Unit>,
+    pub unit: Option<WrittenUnit>,
     /// What it is, in a few words.
     pub meaning: String,
     /// Its value.
@@ -150,7 +150,7 @@ pub enum WrittenNormal {
     Gap(Formula),
 }
 
-impl Definition {
+impl SystemDefinition {
     /// Returns the place of the parameter that is the speed of the part that turns.
     pub(super) fn speed_place(&self) -> Option<usize> {
         let turning = self.turning.as_ref()?;

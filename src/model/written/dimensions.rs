@@ -2,13 +2,13 @@
 //! it.
 
 use super::dependence::Dependence;
-use super::evaluate::Values;
-use super::formula::{Dimension, FormulaFault, Function, NONE, Name, Valued, WHOLE};
-use super::names::Names;
+use super::evaluate::FormulaValues;
+use super::formula::{Dimension, FormulaFault, FormulaFunction, NONE, Name, Valued, WHOLE};
+use super::names::SystemNames;
 
 /// The dimension of a term; a number alone, by its place, fits any dimension.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Measured {
+pub(super) enum TermDimension {
     Known(Dimension),
     Any(Vec<usize>),
 }
@@ -18,7 +18,7 @@ const HIGHEST: i32 = 1000 * WHOLE;
 
 /// The analysis of one formula.
 pub(super) struct Dimensions<'a> {
-    pub names: &'a Names,
+    pub names: &'a SystemNames,
     /// The dimensions of the numbers found so far.
     pub numbers: Vec<Option<Dimension>>,
     /// Whether dimensions are checked: a system without any unit has none.
@@ -29,23 +29,23 @@ pub(super) struct Dimensions<'a> {
 
 /// What the analysis of a term finds.
 #[derive(Clone, Debug)]
-pub(super) struct Found {
-    pub measured: Measured,
+pub(super) struct TermAnalysis {
+    pub measured: TermDimension,
     pub depends: Dependence,
 }
 
 impl Dimensions<'_> {
     /// Gives a term this dimension.
-    pub fn require(&mut self, at: usize, term: Measured, wanted: Dimension) -> Valued<()> {
+    pub fn require(&mut self, at: usize, term: TermDimension, wanted: Dimension) -> Valued<()> {
         match term {
-            Measured::Any(places) => {
+            TermDimension::Any(places) => {
                 for place in places {
                     self.numbers[place] = Some(wanted);
                 }
                 Ok(())
             }
-            Measured::Known(found) if found == wanted || !self.checks => Ok(()),
-            Measured::Known(found) => {
+            TermDimension::Known(found) if found == wanted || !self.checks => Ok(()),
+            TermDimension::Known(found) => {
                 let (found, wanted) = (in_words(found), in_words(wanted));
                 Err(FormulaFault::new(at, "another quantity", found, wanted))
             }
@@ -53,45 +53,51 @@ impl Dimensions<'_> {
     }
 
     /// Returns the dimension of a term; a number alone gets none.
-    fn dimension(&mut self, at: usize, term: Measured) -> Valued<Dimension> {
+    fn dimension(&mut self, at: usize, term: TermDimension) -> Valued<Dimension> {
         match term {
-            Measured::Known(dimension) => Ok(dimension),
+            TermDimension::Known(dimension) => Ok(dimension),
             any => self.require(at, any, NONE).map(|()| NONE),
         }
     }
 }
 
-impl Values for Dimensions<'_> {
-    type Value = Found;
+impl FormulaValues for Dimensions<'_> {
+    type Value = TermAnalysis;
 
-    fn number(&mut self, value: f64, _: Dimension, place: usize) -> Found {
+    fn number(&mut self, value: f64, _: Dimension, place: usize) -> TermAnalysis {
         // Zero is the same in all units.
         let places = if value == 0.0 { Vec::new() } else { vec![place] };
-        Found { measured: Measured::Any(places), depends: Dependence::default() }
+        TermAnalysis { measured: TermDimension::Any(places), depends: Dependence::default() }
     }
 
-    fn quantity(&mut self, _: f64, dimension: Dimension) -> Found {
-        Found { measured: Measured::Known(dimension), depends: Dependence::default() }
+    fn quantity(&mut self, _: f64, dimension: Dimension) -> TermAnalysis {
+        TermAnalysis { measured: TermDimension::Known(dimension), depends: Dependence::default() }
     }
 
-    fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Valued<Found> {
+    fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Valued<TermAnalysis> {
         let (meaning, dimension) = self.names.find(at, name, body)?;
         self.appearing.push((name.name.clone(), body));
-        Ok(Found { measured: Measured::Known(dimension), depends: Dependence::of(meaning) })
+        Ok(TermAnalysis {
+            measured: TermDimension::Known(dimension),
+            depends: Dependence::of(meaning),
+        })
     }
 
-    fn sum(&mut self, at: usize, terms: Vec<(bool, Found)>) -> Valued<Found> {
+    fn sum(&mut self, at: usize, terms: Vec<(bool, TermAnalysis)>) -> Valued<TermAnalysis> {
         let depends = terms.iter().map(|(_, term)| term.depends).sum();
         let known = terms.iter().find_map(|(_, term)| match term.measured {
-            Measured::Known(dimension) => Some(dimension),
-            Measured::Any(_) => None,
+            TermDimension::Known(dimension) => Some(dimension),
+            TermDimension::Any(_) => None,
         });
         let Some(known) = known else {
             let all = terms.into_iter().filter_map(|(_, term)| match term.measured {
-                Measured::Any(places) => Some(places),
-                Measured::Known(_) => None,
+                TermDimension::Any(places) => Some(places),
+                TermDimension::Known(_) => None,
             });
-            return Ok(Found { measured: Measured::Any(all.flatten().collect()), depends });
+            return Ok(TermAnalysis {
+                measured: TermDimension::Any(all.flatten().collect()),
+                depends,
+            });
         };
         for (_, term) in terms {
             self.require(at, term.measured, known).map_err(|fault| FormulaFault {
@@ -99,10 +105,10 @@ impl Values for Dimensions<'_> {
                 ..fault
             })?;
         }
-        Ok(Found { measured: Measured::Known(known), depends })
+        Ok(TermAnalysis { measured: TermDimension::Known(known), depends })
     }
 
-    fn product(&mut self, at: usize, factors: Vec<(bool, Found)>) -> Valued<Found> {
+    fn product(&mut self, at: usize, factors: Vec<(bool, TermAnalysis)>) -> Valued<TermAnalysis> {
         let (mut product, mut depends) = (NONE, Dependence::default());
         for (over, factor) in factors {
             depends = depends.times(over, factor.depends);
@@ -118,10 +124,10 @@ impl Values for Dimensions<'_> {
                 }
             }
         }
-        Ok(Found { measured: Measured::Known(product), depends })
+        Ok(TermAnalysis { measured: TermDimension::Known(product), depends })
     }
 
-    fn power(&mut self, at: usize, base: Found, exponent: f64) -> Valued<Found> {
+    fn power(&mut self, at: usize, base: TermAnalysis, exponent: f64) -> Valued<TermAnalysis> {
         let dimension = self.dimension(at, base.measured)?;
         if (2.0 * exponent).fract() != 0.0 || exponent.abs() > 100.0 {
             let allowed = "a multiple of 1/2 up to 100, such as 3 or (1/2)";
@@ -133,12 +139,17 @@ impl Values for Dimensions<'_> {
             return Err(FormulaFault::new(at, "too high a power", "a unit", "a lower power"));
         }
         let depends = if exponent == 1.0 { base.depends } else { base.depends.curved() };
-        Ok(Found { measured: Measured::Known(power), depends })
+        Ok(TermAnalysis { measured: TermDimension::Known(power), depends })
     }
 
-    fn call(&mut self, at: usize, function: Function, of: Found) -> Valued<Found> {
+    fn call(
+        &mut self,
+        at: usize,
+        function: FormulaFunction,
+        of: TermAnalysis,
+    ) -> Valued<TermAnalysis> {
         let dimension = match function {
-            Function::SquareRoot => self.dimension(at, of.measured)?.map(|one| one / 2),
+            FormulaFunction::SquareRoot => self.dimension(at, of.measured)?.map(|one| one / 2),
             _ => {
                 self.require(at, of.measured, NONE).map_err(|fault| FormulaFault {
                     problem: "the argument of a function with a dimension".into(),
@@ -147,7 +158,7 @@ impl Values for Dimensions<'_> {
                 NONE
             }
         };
-        Ok(Found { measured: Measured::Known(dimension), depends: of.depends.curved() })
+        Ok(TermAnalysis { measured: TermDimension::Known(dimension), depends: of.depends.curved() })
     }
 }
 

@@ -1,12 +1,14 @@
 //! Evaluates formulas: with numbers, with expressions of a record, or with what a check needs to know of each term.
 
-use super::formula::{Content, Dimension, Formula, FormulaFault, Function, Name, Term, Valued};
+use super::formula::{
+    Dimension, Formula, FormulaFault, FormulaFunction, FormulaTerm, Name, TermContent, Valued,
+};
 
 /// The largest number of terms of all formulas of a system together, with each body counted.
 pub(super) const MOST_TERMS: usize = 200_000;
 
 /// The values that a formula is evaluated with.
-pub(super) trait Values {
+pub(super) trait FormulaValues {
     /// A value.
     type Value: Clone;
 
@@ -29,11 +31,16 @@ pub(super) trait Values {
     fn power(&mut self, at: usize, base: Self::Value, exponent: f64) -> Valued<Self::Value>;
 
     /// Returns the value of a function.
-    fn call(&mut self, at: usize, function: Function, of: Self::Value) -> Valued<Self::Value>;
+    fn call(
+        &mut self,
+        at: usize,
+        function: FormulaFunction,
+        of: Self::Value,
+    ) -> Valued<Self::Value>;
 }
 
 /// Whole numbers with their names.
-pub(super) type Counts = Vec<(String, i64)>;
+pub(super) type NamedCounts = Vec<(String, i64)>;
 
 /// The bodies of a system: how many each index counts, and the numbers that indices have now.
 #[derive(Clone, Debug, Default)]
@@ -41,7 +48,7 @@ pub(super) struct Bodies {
     /// Each index, with the number of its bodies.
     pub indices: Vec<(String, i64)>,
     /// The whole numbers among the parameters.
-    pub counts: Counts,
+    pub counts: NamedCounts,
     /// The present values of indices, innermost last.
     pub bound: Vec<(String, i64)>,
     /// How many terms have been evaluated.
@@ -55,13 +62,17 @@ impl Bodies {
     }
 
     /// Evaluates a formula.
-    pub fn evaluate<V: Values>(&mut self, formula: &Formula, values: &mut V) -> Valued<V::Value> {
+    pub fn evaluate<V: FormulaValues>(
+        &mut self,
+        formula: &Formula,
+        values: &mut V,
+    ) -> Valued<V::Value> {
         self.term(&formula.root, formula, values)
     }
 
-    pub fn term<V: Values>(
+    pub fn term<V: FormulaValues>(
         &mut self,
-        term: &Term,
+        term: &FormulaTerm,
         formula: &Formula,
         values: &mut V,
     ) -> Valued<V::Value> {
@@ -73,34 +84,34 @@ impl Bodies {
             return Err(FormulaFault::new(at, "too large a system", found, allowed));
         }
         match &term.content {
-            Content::Number(value, place) => {
+            TermContent::Number(value, place) => {
                 Ok(values.number(*value, formula.numbers[*place], *place))
             }
-            Content::Quantity(value, dimension) => Ok(values.quantity(*value, *dimension)),
-            Content::Name(name) => match self.whole(term) {
+            TermContent::Quantity(value, dimension) => Ok(values.quantity(*value, *dimension)),
+            TermContent::Name(name) => match self.whole(term) {
                 Some(whole) => Ok(values.quantity(whole as f64, super::formula::NONE)),
                 None => {
                     let body = name.body.as_ref().map(|body| self.index(body)).transpose()?;
                     values.named(at, name, body)
                 }
             },
-            Content::Sum(terms) => {
+            TermContent::Sum(terms) => {
                 let each = self.parts(terms, formula, values)?;
                 values.sum(at, each)
             }
-            Content::Product(factors) => {
+            TermContent::Product(factors) => {
                 let each = self.parts(factors, formula, values)?;
                 values.product(at, each)
             }
-            Content::Power(base, exponent) => {
+            TermContent::Power(base, exponent) => {
                 let base = self.term(base, formula, values)?;
                 values.power(at, base, *exponent)
             }
-            Content::Call(function, of) => {
+            TermContent::Call(function, of) => {
                 let value = self.term(of, formula, values)?;
                 values.call(at, *function, value)
             }
-            Content::SumOver(index, of) => {
+            TermContent::SumOver(index, of) => {
                 let Some(count) = self.of(index) else {
                     return Err(self.unknown_index(at, index));
                 };
@@ -113,7 +124,7 @@ impl Bodies {
                 }
                 values.sum(at, terms)
             }
-            Content::If(compared, comparison, branches) => {
+            TermContent::If(compared, comparison, branches) => {
                 let [one, other] = [&compared[0], &compared[1]].map(|term| self.index(term));
                 let branch =
                     if comparison.holds(one?, other?) { &branches[0] } else { &branches[1] };
@@ -122,9 +133,9 @@ impl Bodies {
         }
     }
 
-    fn parts<V: Values>(
+    fn parts<V: FormulaValues>(
         &mut self,
-        terms: &[(bool, Term)],
+        terms: &[(bool, FormulaTerm)],
         formula: &Formula,
         values: &mut V,
     ) -> Valued<Vec<(bool, V::Value)>> {
@@ -132,8 +143,8 @@ impl Bodies {
     }
 
     /// Returns the whole number that a name is: an index, or a whole number among the parameters.
-    fn whole(&self, term: &Term) -> Option<i64> {
-        let Content::Name(Name { name, primes: 0, body: None }) = &term.content else {
+    fn whole(&self, term: &FormulaTerm) -> Option<i64> {
+        let TermContent::Name(Name { name, primes: 0, body: None }) = &term.content else {
             return None;
         };
         let known = self.bound.iter().rev().chain(&self.counts);
@@ -141,8 +152,8 @@ impl Bodies {
     }
 
     /// Returns the value of a term of whole numbers.
-    pub fn index(&self, term: &Term) -> Valued<i64> {
-        let total = |parts: &[(bool, Term)]| {
+    pub fn index(&self, term: &FormulaTerm) -> Valued<i64> {
+        let total = |parts: &[(bool, FormulaTerm)]| {
             parts.iter().try_fold(0_i64, |sum, (minus, part)| {
                 let value = self.index(part)?;
                 let sum = if *minus { sum.checked_sub(value) } else { sum.checked_add(value) };
@@ -150,11 +161,11 @@ impl Bodies {
             })
         };
         match &term.content {
-            Content::Number(value, _) if value.fract() == 0.0 && value.abs() < 1e6 => {
+            TermContent::Number(value, _) if value.fract() == 0.0 && value.abs() < 1e6 => {
                 Ok(*value as i64)
             }
-            Content::Sum(parts) => total(parts),
-            Content::Name(name) => {
+            TermContent::Sum(parts) => total(parts),
+            TermContent::Name(name) => {
                 self.whole(term).ok_or_else(|| not_whole(term, &format!("`{}`", name.name)))
             }
             _ => Err(not_whole(term, "something else")),
@@ -171,7 +182,7 @@ impl Bodies {
     }
 }
 
-fn not_whole(term: &Term, found: &str) -> FormulaFault {
+fn not_whole(term: &FormulaTerm, found: &str) -> FormulaFault {
     let allowed = "whole numbers, indices of `repeat` and numbers of bodies, with + and -; what depends on the state \
                    has no kinks: it is a contact with a gap or with friction";
     FormulaFault::new(term.at, "not a whole number", found, allowed)

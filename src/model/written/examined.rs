@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::{Arc, OnceLock};
 
-use super::definition::{COEFFICIENT, Definition, WrittenDerived};
+use super::definition::{COEFFICIENT, SystemDefinition, WrittenDerived};
 use super::evaluate::Bodies;
 use super::formula::{Dimension, Formula, NONE, Valued, WHOLE};
 use super::instance::Instance;
@@ -376,7 +376,7 @@ impl Instance<'_> {
     }
 }
 
-impl Definition {
+impl SystemDefinition {
     /// Returns whether a coordinate or a parameter has a unit, so that dimensions are checked.
     pub(super) fn has_units(&self) -> bool {
         let coordinates = self.coordinates.iter().map(|one| &one.unit);

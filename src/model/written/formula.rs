@@ -8,7 +8,7 @@ pub const LONGEST_FORMULA: usize = 10_000;
 pub struct Formula {
     /// The text.
     pub text: String,
-    pub(super) root: Term,
+    pub(super) root: FormulaTerm,
     /// The dimension of each number, by its place in the text.
     pub(super) numbers: Vec<Dimension>,
 }
@@ -54,30 +54,30 @@ pub const NONE: Dimension = [0; 3];
 
 /// A part of a formula.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Term {
+pub(super) struct FormulaTerm {
     /// Where it begins, in bytes.
     pub at: usize,
-    pub content: Content,
+    pub content: TermContent,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Content {
+pub(super) enum TermContent {
     /// A number, with its place among the numbers of the formula.
     Number(f64, usize),
     /// A number in an SI unit of this dimension.
     Quantity(f64, Dimension),
     Name(Name),
     /// Terms that are added, or subtracted where the flag is set.
-    Sum(Vec<(bool, Term)>),
+    Sum(Vec<(bool, FormulaTerm)>),
     /// Factors that are multiplied, or divided by where the flag is set.
-    Product(Vec<(bool, Term)>),
+    Product(Vec<(bool, FormulaTerm)>),
     /// A power with a constant exponent.
-    Power(Box<Term>, f64),
-    Call(Function, Box<Term>),
+    Power(Box<FormulaTerm>, f64),
+    Call(FormulaFunction, Box<FormulaTerm>),
     /// The sum over all bodies that an index counts.
-    SumOver(String, Box<Term>),
+    SumOver(String, Box<FormulaTerm>),
     /// One of two terms, by a comparison of whole numbers.
-    If(Box<[Term; 2]>, Comparison, Box<[Term; 2]>),
+    If(Box<[FormulaTerm; 2]>, ComparisonSign, Box<[FormulaTerm; 2]>),
 }
 
 /// A coordinate, its rate of change, a parameter, the time, an index or π.
@@ -87,11 +87,11 @@ pub(super) struct Name {
     /// The number of primes: 1 for a rate of change.
     pub primes: usize,
     /// The number of the body, for a coordinate of several bodies.
-    pub body: Option<Box<Term>>,
+    pub body: Option<Box<FormulaTerm>>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Function {
+pub(super) enum FormulaFunction {
     Sine,
     Cosine,
     Tangent,
@@ -102,21 +102,21 @@ pub(super) enum Function {
     Logarithm,
 }
 
-impl Function {
-    pub const ALL: [(&str, Function); 8] = [
-        ("sin", Function::Sine),
-        ("cos", Function::Cosine),
-        ("tan", Function::Tangent),
-        ("exp", Function::Exponential),
-        ("sqrt", Function::SquareRoot),
-        ("tanh", Function::HyperbolicTangent),
-        ("atan", Function::ArcTangent),
-        ("log", Function::Logarithm),
+impl FormulaFunction {
+    pub const ALL: [(&str, FormulaFunction); 8] = [
+        ("sin", FormulaFunction::Sine),
+        ("cos", FormulaFunction::Cosine),
+        ("tan", FormulaFunction::Tangent),
+        ("exp", FormulaFunction::Exponential),
+        ("sqrt", FormulaFunction::SquareRoot),
+        ("tanh", FormulaFunction::HyperbolicTangent),
+        ("atan", FormulaFunction::ArcTangent),
+        ("log", FormulaFunction::Logarithm),
     ];
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Comparison {
+pub(super) enum ComparisonSign {
     Less,
     LessOrEqual,
     Greater,
@@ -125,24 +125,24 @@ pub(super) enum Comparison {
     Unequal,
 }
 
-impl Comparison {
-    pub const ALL: [(&str, Comparison); 6] = [
-        ("<=", Comparison::LessOrEqual),
-        (">=", Comparison::GreaterOrEqual),
-        ("==", Comparison::Equal),
-        ("!=", Comparison::Unequal),
-        ("<", Comparison::Less),
-        (">", Comparison::Greater),
+impl ComparisonSign {
+    pub const ALL: [(&str, ComparisonSign); 6] = [
+        ("<=", ComparisonSign::LessOrEqual),
+        (">=", ComparisonSign::GreaterOrEqual),
+        ("==", ComparisonSign::Equal),
+        ("!=", ComparisonSign::Unequal),
+        ("<", ComparisonSign::Less),
+        (">", ComparisonSign::Greater),
     ];
 
     pub fn holds(self, one: i64, other: i64) -> bool {
         match self {
-            Comparison::Less => one < other,
-            Comparison::LessOrEqual => one <= other,
-            Comparison::Greater => one > other,
-            Comparison::GreaterOrEqual => one >= other,
-            Comparison::Equal => one == other,
-            Comparison::Unequal => one != other,
+            ComparisonSign::Less => one < other,
+            ComparisonSign::LessOrEqual => one <= other,
+            ComparisonSign::Greater => one > other,
+            ComparisonSign::GreaterOrEqual => one >= other,
+            ComparisonSign::Equal => one == other,
+            ComparisonSign::Unequal => one != other,
         }
     }
 }
@@ -150,13 +150,13 @@ impl Comparison {
 impl Formula {
     /// Returns the formula of a value in the SI unit of a dimension.
     pub fn quantity(value: f64, dimension: Dimension) -> Formula {
-        let root = Term { at: 0, content: Content::Quantity(value, dimension) };
+        let root = FormulaTerm { at: 0, content: TermContent::Quantity(value, dimension) };
         Formula { text: value.to_string(), root, numbers: Vec::new() }
     }
 
     /// Returns the formula of a number.
     pub fn number(value: f64) -> Formula {
-        let root = Term { at: 0, content: Content::Number(value, 0) };
+        let root = FormulaTerm { at: 0, content: TermContent::Number(value, 0) };
         Formula { text: value.to_string(), root, numbers: vec![NONE] }
     }
 }

@@ -1,11 +1,13 @@
 //! A system with certain numbers of bodies: its coordinates, contacts and equations, one by one.
 
-use super::definition::{Definition, Place, WrittenContact, WrittenOutput};
+use super::definition::{IndexedName, SystemDefinition, WrittenContact, WrittenOutput};
 use super::dependence::Dependence;
-use super::dimensions::{Dimensions, Found, Measured};
+use super::dimensions::{Dimensions, TermAnalysis, TermDimension};
 use super::evaluate::Bodies;
-use super::formula::{Content, Dimension, Formula, FormulaFault, NONE, Name, Term, Valued};
-use super::names::{Names, place_of};
+use super::formula::{
+    Dimension, Formula, FormulaFault, FormulaTerm, NONE, Name, TermContent, Valued,
+};
+use super::names::{SystemNames, place_of};
 
 /// One of the coordinates or contacts of a definition, and the body that it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,9 +20,9 @@ pub(super) struct Member {
 /// A system with its bodies.
 #[derive(Clone, Debug)]
 pub(super) struct Instance<'d> {
-    pub definition: &'d Definition,
+    pub definition: &'d SystemDefinition,
     pub bodies: Bodies,
-    pub names: Names,
+    pub names: SystemNames,
     pub coordinates: Vec<Member>,
     pub contacts: Vec<Member>,
     pub outputs: Vec<Member>,
@@ -36,12 +38,15 @@ pub type FaultAt = (Vec<String>, FormulaFault);
 
 impl<'d> Instance<'d> {
     /// Creates the system; `count` returns the value of a whole number among the parameters.
-    pub fn new(definition: &'d Definition, count: impl Fn(&str) -> i64) -> Result<Self, FaultAt> {
+    pub fn new(
+        definition: &'d SystemDefinition,
+        count: impl Fn(&str) -> i64,
+    ) -> Result<Self, FaultAt> {
         let counts = definition.parameters.iter().filter(|one| one.counts.is_some());
         let counts: Vec<_> = counts.map(|one| (one.name.clone(), count(&one.name))).collect();
         let indices = definition.repeat.iter().map(|(index, of)| (index.clone(), count(of)));
         let bodies = Bodies { indices: indices.collect(), counts, ..Bodies::default() };
-        let names = Names::of(definition, &bodies);
+        let names = SystemNames::of(definition, &bodies);
         let members = |index: &Option<String>, of: usize| -> Vec<Member> {
             match index.as_ref().and_then(|index| bodies.of(index)) {
                 Some(count) => (1..=count).map(|body| Member { of, body: Some(body) }).collect(),
@@ -111,8 +116,8 @@ impl<'d> Instance<'d> {
     pub fn dimension(&self, formula: &Formula, mut bodies: Bodies) -> Valued<Dimension> {
         let (found, _) = self.analysed(formula, &mut bodies)?;
         Ok(match found.measured {
-            Measured::Known(dimension) => dimension,
-            Measured::Any(_) => NONE,
+            TermDimension::Known(dimension) => dimension,
+            TermDimension::Any(_) => NONE,
         })
     }
 
@@ -153,7 +158,7 @@ impl<'d> Instance<'d> {
         &self,
         formula: &Formula,
         bodies: &mut Bodies,
-    ) -> Valued<(Found, Dimensions<'_>)> {
+    ) -> Valued<(TermAnalysis, Dimensions<'_>)> {
         let mut values = Dimensions {
             names: &self.names,
             numbers: vec![None; formula.numbers.len()],
@@ -166,7 +171,7 @@ impl<'d> Instance<'d> {
     /// Returns the coordinates of places such as `x[block]` with the bodies for which all of them exist.
     pub fn places<const N: usize>(
         &self,
-        places: [&Place; N],
+        places: [&IndexedName; N],
     ) -> Result<Places<N>, (usize, FormulaFault)> {
         let indices = self.definition.repeat.iter().map(|(index, _)| index.as_str());
         let index =
@@ -212,19 +217,19 @@ pub(super) fn with_index(name: &str, index: Option<&str>) -> String {
 
 /// Returns whether the body of a place depends on an index.
 fn mentions(place: &Formula, index: &str) -> bool {
-    fn in_term(term: &Term, index: &str) -> bool {
+    fn in_term(term: &FormulaTerm, index: &str) -> bool {
         match &term.content {
-            Content::Name(name) => {
+            TermContent::Name(name) => {
                 name.name == index || name.body.as_ref().is_some_and(|body| in_term(body, index))
             }
-            Content::Sum(parts) | Content::Product(parts) => {
+            TermContent::Sum(parts) | TermContent::Product(parts) => {
                 parts.iter().any(|(_, part)| in_term(part, index))
             }
             _ => false,
         }
     }
     match &place.root.content {
-        Content::Name(Name { body: Some(body), .. }) => in_term(body, index),
+        TermContent::Name(Name { body: Some(body), .. }) => in_term(body, index),
         _ => false,
     }
 }

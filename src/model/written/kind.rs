@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::definition::{Definition, WrittenDerived, WrittenOutput};
+use super::definition::{SystemDefinition, WrittenDerived, WrittenOutput};
 use super::dimensions::unit_of;
 use super::evaluate::Bodies;
 use super::examined::Examined;
@@ -23,7 +23,7 @@ use crate::model::{
 
 /// What a kind of model of a file computes, with the texts that a process keeps.
 struct WrittenKind {
-    definition: &'static Definition,
+    definition: &'static SystemDefinition,
     /// A number for each definition of the process.
     number: usize,
     /// For each coordinate of the definition, its position and its rate of change.
@@ -62,7 +62,10 @@ pub const WRITTEN: char = '#';
 
 /// Returns the kind of model of a definition, which has been checked, and a name of this kind that no other has in this
 /// process. Equal definitions give the same kind.
-pub fn written_kind(definition: Definition, is_built_in: bool) -> (&'static ModelKind, String) {
+pub fn written_kind(
+    definition: SystemDefinition,
+    is_built_in: bool,
+) -> (&'static ModelKind, String) {
     let mut all = KINDS.lock().unwrap_or_else(PoisonError::into_inner);
     let is_it =
         |known: &WrittenKind| known.is_built_in == is_built_in && *known.definition == definition;
@@ -87,11 +90,11 @@ fn kept(text: String) -> &'static str {
 }
 
 fn leaked(
-    definition: Definition,
+    definition: SystemDefinition,
     number: usize,
     is_built_in: bool,
 ) -> (&'static WrittenKind, &'static ModelKind) {
-    let definition: &'static Definition = Box::leak(Box::new(definition));
+    let definition: &'static SystemDefinition = Box::leak(Box::new(definition));
     let parameters = definition.parameters.iter().map(|one| ParameterDescriptor {
         name: kept(format!("{}{}", one.name, unit_ending(&one.unit.si))),
         unit: &one.unit.si,
@@ -151,7 +154,7 @@ fn leaked(
 }
 
 /// Returns the unit of sliding speeds in the law of friction of the study.
-fn sliding_speed_of_study(definition: &'static Definition) -> SlidingSpeed {
+fn sliding_speed_of_study(definition: &'static SystemDefinition) -> SlidingSpeed {
     let instance = Instance::new(definition, |name| definition.default_count(name).max(1)).ok();
     let of_study = |instance: &Instance| {
         let mut numbers = 0..instance.contacts.len();

@@ -1,25 +1,25 @@
 //! Sliding speeds as linear functions of the rates of change.
 
-use super::evaluate::Values;
-use super::formula::{Dimension, Function, Name, Valued};
+use super::evaluate::FormulaValues;
+use super::formula::{Dimension, FormulaFunction, Name, Valued};
 use super::instance::Instance;
-use super::numeric::{Numeric, Quantity};
+use super::numeric::{NumberOrExpression, Numeric};
 
 /// A constant and the factors of rates of change, by the numbers of their coordinates.
 #[derive(Clone, Debug)]
-pub(super) struct Linear<T> {
+pub(super) struct LinearForm<T> {
     pub constant: T,
     pub factors: Vec<(usize, T)>,
 }
 
-impl<T: Quantity> Linear<T> {
+impl<T: NumberOrExpression> LinearForm<T> {
     fn constant(constant: T) -> Self {
-        Linear { constant, factors: Vec::new() }
+        LinearForm { constant, factors: Vec::new() }
     }
 
     fn map(self, change: impl Fn(T) -> T) -> Self {
         let factors = self.factors.into_iter().map(|(of, factor)| (of, change(factor)));
-        Linear { constant: change(self.constant), factors: factors.collect() }
+        LinearForm { constant: change(self.constant), factors: factors.collect() }
     }
 
     fn plus(mut self, other: Self) -> Self {
@@ -40,36 +40,37 @@ pub(super) struct Linearised<'a, 'd, T> {
     pub numeric: Numeric<'a, T>,
 }
 
-impl<T: Quantity> Values for Linearised<'_, '_, T> {
-    type Value = Linear<T>;
+impl<T: NumberOrExpression> FormulaValues for Linearised<'_, '_, T> {
+    type Value = LinearForm<T>;
 
-    fn number(&mut self, value: f64, dimension: Dimension, place: usize) -> Linear<T> {
-        Linear::constant(self.numeric.number(value, dimension, place))
+    fn number(&mut self, value: f64, dimension: Dimension, place: usize) -> LinearForm<T> {
+        LinearForm::constant(self.numeric.number(value, dimension, place))
     }
 
-    fn quantity(&mut self, value: f64, dimension: Dimension) -> Linear<T> {
-        Linear::constant(self.numeric.quantity(value, dimension))
+    fn quantity(&mut self, value: f64, dimension: Dimension) -> LinearForm<T> {
+        LinearForm::constant(self.numeric.quantity(value, dimension))
     }
 
-    fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Valued<Linear<T>> {
+    fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Valued<LinearForm<T>> {
         match self.instance.number_of(&name.name, body).filter(|_| name.primes == 1) {
-            Some(number) => {
-                Ok(Linear { constant: T::constant(0.0), factors: vec![(number, T::constant(1.0))] })
-            }
-            None => self.numeric.named(at, name, body).map(Linear::constant),
+            Some(number) => Ok(LinearForm {
+                constant: T::constant(0.0),
+                factors: vec![(number, T::constant(1.0))],
+            }),
+            None => self.numeric.named(at, name, body).map(LinearForm::constant),
         }
     }
 
-    fn sum(&mut self, _: usize, terms: Vec<(bool, Linear<T>)>) -> Valued<Linear<T>> {
+    fn sum(&mut self, _: usize, terms: Vec<(bool, LinearForm<T>)>) -> Valued<LinearForm<T>> {
         let signed =
-            |(minus, term): (bool, Linear<T>)| if minus { term.map(|one| -one) } else { term };
-        let sum = terms.into_iter().map(signed).reduce(Linear::plus);
-        Ok(sum.unwrap_or_else(|| Linear::constant(T::constant(0.0))))
+            |(minus, term): (bool, LinearForm<T>)| if minus { term.map(|one| -one) } else { term };
+        let sum = terms.into_iter().map(signed).reduce(LinearForm::plus);
+        Ok(sum.unwrap_or_else(|| LinearForm::constant(T::constant(0.0))))
     }
 
-    fn product(&mut self, _: usize, factors: Vec<(bool, Linear<T>)>) -> Valued<Linear<T>> {
-        let one = Linear::constant(T::constant(1.0));
-        let times = |product: Linear<T>, (over, factor): (bool, Linear<T>)| match over {
+    fn product(&mut self, _: usize, factors: Vec<(bool, LinearForm<T>)>) -> Valued<LinearForm<T>> {
+        let one = LinearForm::constant(T::constant(1.0));
+        let times = |product: LinearForm<T>, (over, factor): (bool, LinearForm<T>)| match over {
             true => product.map(|one| one / factor.constant),
             false if product.factors.is_empty() => factor.map(|one| product.constant * one),
             false => product.map(|one| one * factor.constant),
@@ -77,14 +78,19 @@ impl<T: Quantity> Values for Linearised<'_, '_, T> {
         Ok(factors.into_iter().fold(one, times))
     }
 
-    fn power(&mut self, at: usize, base: Linear<T>, exponent: f64) -> Valued<Linear<T>> {
+    fn power(&mut self, at: usize, base: LinearForm<T>, exponent: f64) -> Valued<LinearForm<T>> {
         match exponent == 1.0 {
             true => Ok(base),
-            false => self.numeric.power(at, base.constant, exponent).map(Linear::constant),
+            false => self.numeric.power(at, base.constant, exponent).map(LinearForm::constant),
         }
     }
 
-    fn call(&mut self, at: usize, function: Function, of: Linear<T>) -> Valued<Linear<T>> {
-        self.numeric.call(at, function, of.constant).map(Linear::constant)
+    fn call(
+        &mut self,
+        at: usize,
+        function: FormulaFunction,
+        of: LinearForm<T>,
+    ) -> Valued<LinearForm<T>> {
+        self.numeric.call(at, function, of.constant).map(LinearForm::constant)
     }
 }

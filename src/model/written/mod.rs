@@ -32,8 +32,9 @@ mod uniqueness;
 mod velocities;
 
 pub use definition::{
-    COEFFICIENT, Definition, Place, Unit, WrittenContact, WrittenCoordinate, WrittenDerived,
-    WrittenFriction, WrittenNormal, WrittenOutput, WrittenParameter, WrittenTurning, law_key,
+    COEFFICIENT, IndexedName, SystemDefinition, WrittenContact, WrittenCoordinate, WrittenDerived,
+    WrittenFriction, WrittenNormal, WrittenOutput, WrittenParameter, WrittenTurning, WrittenUnit,
+    law_key,
 };
 pub use formula::{Formula, FormulaFault, LONGEST_FORMULA, WHOLE};
 pub use instance::FaultAt;

@@ -1,12 +1,12 @@
 //! The names in the formulas of a system.
 
-use super::definition::Definition;
+use super::definition::SystemDefinition;
 use super::evaluate::Bodies;
 use super::formula::{Dimension, Formula, FormulaFault, NONE, Name, Valued, WHOLE};
 
 /// The names of a system with certain numbers of bodies.
 #[derive(Clone, Debug)]
-pub(super) struct Names {
+pub(super) struct SystemNames {
     parameters: Vec<(String, Dimension)>,
     coordinates: Vec<(String, Option<i64>, Dimension)>,
     /// The angle of the part that turns.
@@ -27,14 +27,14 @@ pub(super) enum Meaning {
 pub(super) const RESERVED: [&str; 12] =
     ["t", "pi", "sin", "cos", "tan", "exp", "log", "sqrt", "tanh", "atan", "sum", "if"];
 
-impl Names {
-    pub fn of(definition: &Definition, bodies: &Bodies) -> Names {
+impl SystemNames {
+    pub fn of(definition: &SystemDefinition, bodies: &Bodies) -> SystemNames {
         let parameters = definition.parameters.iter();
         let coordinates = definition.coordinates.iter().map(|one| {
             let count = one.index.as_ref().and_then(|index| bodies.of(index));
             (one.name.clone(), count, one.unit.dimension)
         });
-        Names {
+        SystemNames {
             parameters: parameters.map(|one| (one.name.clone(), one.unit.dimension)).collect(),
             coordinates: coordinates.collect(),
             turning: definition.turning.as_ref().map(|one| one.angle.clone()),
@@ -114,7 +114,7 @@ impl Names {
 /// Returns the coordinate and the body that a place such as `x[block + 1]` names.
 pub(super) fn place_of(place: &Formula, bodies: &Bodies) -> Valued<(String, Option<i64>)> {
     match &place.root.content {
-        super::formula::Content::Name(Name { name, primes: 0, body }) => {
+        super::formula::TermContent::Name(Name { name, primes: 0, body }) => {
             let body = body.as_ref().map(|body| bodies.index(body)).transpose()?;
             Ok((name.clone(), body))
         }

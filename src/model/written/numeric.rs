@@ -3,20 +3,20 @@
 use std::f64::consts::PI;
 use std::ops::Div;
 
-use super::evaluate::Values;
-use super::formula::{Dimension, FormulaFault, Function, Name, Valued};
+use super::evaluate::FormulaValues;
+use super::formula::{Dimension, FormulaFault, FormulaFunction, Name, Valued};
 use super::scales::Scales;
-use crate::model::{self, Bounded, Elementary, Expression, Number};
+use crate::model::{Bounded, Elementary, Expression, Function, Number};
 
 /// A number or an expression.
-pub(super) trait Quantity: Number + Div<Output = Self> {
+pub(super) trait NumberOrExpression: Number + Div<Output = Self> {
     fn root(self) -> Self;
     fn exponential(self) -> Self;
     fn arc_tangent(self) -> Self;
     fn logarithm(self) -> Self;
 }
 
-impl Quantity for f64 {
+impl NumberOrExpression for f64 {
     fn root(self) -> Self {
         Elementary::sqrt(self)
     }
@@ -34,25 +34,25 @@ impl Quantity for f64 {
     }
 }
 
-impl Quantity for Bounded {
+impl NumberOrExpression for Bounded {
     fn root(self) -> Self {
         Elementary::sqrt(self)
     }
 
     fn exponential(self) -> Self {
-        self.function(model::Function::Exponential)
+        self.function(Function::Exponential)
     }
 
     fn arc_tangent(self) -> Self {
-        self.function(model::Function::ArcTangent)
+        self.function(Function::ArcTangent)
     }
 
     fn logarithm(self) -> Self {
-        self.function(model::Function::Logarithm)
+        self.function(Function::Logarithm)
     }
 }
 
-impl Quantity for Expression<'_> {
+impl NumberOrExpression for Expression<'_> {
     fn root(self) -> Self {
         self.sqrt()
     }
@@ -83,7 +83,7 @@ pub(super) struct Numeric<'a, T> {
     pub time: T,
 }
 
-impl<T: Quantity> Values for Numeric<'_, T> {
+impl<T: NumberOrExpression> FormulaValues for Numeric<'_, T> {
     type Value = T;
 
     fn number(&mut self, value: f64, dimension: Dimension, _: usize) -> T {
@@ -156,21 +156,23 @@ impl<T: Quantity> Values for Numeric<'_, T> {
         Ok(if exponent < 0.0 { T::constant(1.0) / power } else { power })
     }
 
-    fn call(&mut self, _: usize, function: Function, of: T) -> Valued<T> {
+    fn call(&mut self, _: usize, function: FormulaFunction, of: T) -> Valued<T> {
         let one = T::constant(1.0);
         Ok(match function {
-            Function::Sine => of.sin_cos().0,
-            Function::Cosine => of.sin_cos().1,
-            Function::Tangent => {
+            FormulaFunction::Sine => of.sin_cos().0,
+            FormulaFunction::Cosine => of.sin_cos().1,
+            FormulaFunction::Tangent => {
                 let (sine, cosine) = of.sin_cos();
                 sine / cosine
             }
-            Function::Exponential => of.exponential(),
-            Function::SquareRoot => of.root(),
+            FormulaFunction::Exponential => of.exponential(),
+            FormulaFunction::SquareRoot => of.root(),
             // A large exponential gives 1 without an overflow of a product.
-            Function::HyperbolicTangent => one - T::constant(2.0) / ((of + of).exponential() + one),
-            Function::ArcTangent => of.arc_tangent(),
-            Function::Logarithm => of.logarithm(),
+            FormulaFunction::HyperbolicTangent => {
+                one - T::constant(2.0) / ((of + of).exponential() + one)
+            }
+            FormulaFunction::ArcTangent => of.arc_tangent(),
+            FormulaFunction::Logarithm => of.logarithm(),
         })
     }
 }

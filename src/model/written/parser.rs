@@ -1,7 +1,8 @@
 //! Reads the text of a formula: sums, products, powers, functions, and `sum(body, ...)`.
 
 use super::formula::{
-    Comparison, Content, Formula, FormulaFault, Function, LONGEST_FORMULA, NONE, Name, Term, Valued,
+    ComparisonSign, Formula, FormulaFault, FormulaFunction, FormulaTerm, LONGEST_FORMULA, NONE,
+    Name, TermContent, Valued,
 };
 
 /// The deepest nesting of parentheses.
@@ -23,7 +24,7 @@ impl Formula {
 }
 
 /// Returns the tree of a text, and how many numbers it contains.
-fn parsed(text: &str) -> Valued<(Term, usize)> {
+fn parsed(text: &str) -> Valued<(FormulaTerm, usize)> {
     if text.len() > LONGEST_FORMULA {
         let found = format!("{} bytes", text.len());
         let allowed =
@@ -97,7 +98,7 @@ impl<'t> Parser<'t> {
         Err(FormulaFault::new(self.at, "too deep a formula", "one more level", allowed))
     }
 
-    fn sum(&mut self) -> Valued<Term> {
+    fn sum(&mut self) -> Valued<FormulaTerm> {
         self.next();
         let at = self.at;
         self.deeper()?;
@@ -111,10 +112,10 @@ impl<'t> Parser<'t> {
             terms.push((sign == '-', self.product()?));
         }
         self.depth -= 1;
-        Ok(joined(at, terms, Content::Sum))
+        Ok(joined(at, terms, TermContent::Sum))
     }
 
-    fn product(&mut self) -> Valued<Term> {
+    fn product(&mut self) -> Valued<FormulaTerm> {
         self.next();
         let at = self.at;
         let mut factors = vec![(false, self.factor()?)];
@@ -127,18 +128,18 @@ impl<'t> Parser<'t> {
                 (format!("{} factors", factors.len()), format!("at most {MOST_FACTORS}"));
             return Err(FormulaFault::new(at, "too long a product", found, allowed));
         }
-        Ok(joined(at, factors, Content::Product))
+        Ok(joined(at, factors, TermContent::Product))
     }
 
     /// A power, or a negative one.
-    fn factor(&mut self) -> Valued<Term> {
+    fn factor(&mut self) -> Valued<FormulaTerm> {
         self.next();
         let at = self.at;
         if self.take("-") {
             self.deeper()?;
             let negative = vec![(true, self.factor()?)];
             self.depth -= 1;
-            return Ok(Term { at, content: Content::Sum(negative) });
+            return Ok(FormulaTerm { at, content: TermContent::Sum(negative) });
         }
         let base = self.atom()?;
         if !(self.take("^") || self.take("**")) {
@@ -152,7 +153,9 @@ impl<'t> Parser<'t> {
         self.depth -= 1;
         self.numbers = before;
         match constant(&exponent) {
-            Some(exponent) => Ok(Term { at, content: Content::Power(Box::new(base), exponent) }),
+            Some(exponent) => {
+                Ok(FormulaTerm { at, content: TermContent::Power(Box::new(base), exponent) })
+            }
             None => {
                 let found = self.text[place..self.at].trim_end();
                 let allowed = "a number, such as 2, -1 or (1/2)";
@@ -161,7 +164,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    fn atom(&mut self) -> Valued<Term> {
+    fn atom(&mut self) -> Valued<FormulaTerm> {
         let first = self.next();
         let at = self.at;
         match first {
@@ -180,7 +183,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    fn number(&mut self) -> Valued<Term> {
+    fn number(&mut self) -> Valued<FormulaTerm> {
         let (at, rest) = (self.at, self.rest());
         let mut end = rest.bytes().take_while(|one| one.is_ascii_digit() || *one == b'.').count();
         let exponent = rest[end..].strip_prefix(['e', 'E']).map(|exponent| {
@@ -203,7 +206,7 @@ impl<'t> Parser<'t> {
             let allowed = "`*` between a number and a name; a value with a unit is a parameter";
             return Err(self.unexpected(allowed));
         }
-        Ok(Term { at, content: Content::Number(value, place) })
+        Ok(FormulaTerm { at, content: TermContent::Number(value, place) })
     }
 
     fn name(&mut self) -> &'t str {
@@ -215,7 +218,7 @@ impl<'t> Parser<'t> {
         &rest[..end]
     }
 
-    fn named(&mut self) -> Valued<Term> {
+    fn named(&mut self) -> Valued<FormulaTerm> {
         let at = self.at;
         let name = self.name();
         if self.next() == Some('(') {
@@ -230,7 +233,10 @@ impl<'t> Parser<'t> {
             self.expect("]")?;
             primes += self.primes();
         }
-        Ok(Term { at, content: Content::Name(Name { name: name.to_owned(), primes, body }) })
+        Ok(FormulaTerm {
+            at,
+            content: TermContent::Name(Name { name: name.to_owned(), primes, body }),
+        })
     }
 
     fn primes(&mut self) -> usize {
@@ -241,26 +247,26 @@ impl<'t> Parser<'t> {
         primes
     }
 
-    fn call(&mut self, at: usize, name: &str) -> Valued<Term> {
+    fn call(&mut self, at: usize, name: &str) -> Valued<FormulaTerm> {
         self.expect("(")?;
-        let content = match (name, Function::ALL.iter().find(|(known, _)| *known == name)) {
+        let content = match (name, FormulaFunction::ALL.iter().find(|(known, _)| *known == name)) {
             ("sum", _) => {
                 let index = self.name().to_owned();
                 self.expect(",")?;
-                Content::SumOver(index, Box::new(self.sum()?))
+                TermContent::SumOver(index, Box::new(self.sum()?))
             }
             ("if", _) => self.choice()?,
-            (_, Some((_, function))) => Content::Call(*function, Box::new(self.sum()?)),
+            (_, Some((_, function))) => TermContent::Call(*function, Box::new(self.sum()?)),
             _ => return Err(unknown_function(at, name)),
         };
         self.expect(")")?;
-        Ok(Term { at, content })
+        Ok(FormulaTerm { at, content })
     }
 
-    fn choice(&mut self) -> Valued<Content> {
+    fn choice(&mut self) -> Valued<TermContent> {
         let before = self.numbers;
         let one = self.sum()?;
-        let comparison = Comparison::ALL.iter().find(|(sign, _)| self.take(sign));
+        let comparison = ComparisonSign::ALL.iter().find(|(sign, _)| self.take(sign));
         let Some((_, comparison)) = comparison else {
             return Err(
                 self.unexpected("a comparison of whole numbers, as in if(block < blocks, ...)")
@@ -272,29 +278,33 @@ impl<'t> Parser<'t> {
         let then = self.sum()?;
         self.expect(",")?;
         let otherwise = self.sum()?;
-        Ok(Content::If(Box::new([one, other]), *comparison, Box::new([then, otherwise])))
+        Ok(TermContent::If(Box::new([one, other]), *comparison, Box::new([then, otherwise])))
     }
 }
 
 /// Returns a term of several parts, or its only part.
-fn joined(at: usize, mut parts: Vec<(bool, Term)>, all: fn(Vec<(bool, Term)>) -> Content) -> Term {
+fn joined(
+    at: usize,
+    mut parts: Vec<(bool, FormulaTerm)>,
+    all: fn(Vec<(bool, FormulaTerm)>) -> TermContent,
+) -> FormulaTerm {
     match (parts.len(), parts.pop()) {
         (1, Some((false, only))) => only,
         (_, last) => {
             parts.extend(last);
-            Term { at, content: all(parts) }
+            FormulaTerm { at, content: all(parts) }
         }
     }
 }
 
 /// Returns the value of a term of numbers.
-fn constant(term: &Term) -> Option<f64> {
+fn constant(term: &FormulaTerm) -> Option<f64> {
     match &term.content {
-        Content::Number(value, _) => Some(*value),
-        Content::Sum(terms) => terms.iter().try_fold(0.0, |sum, (minus, term)| {
+        TermContent::Number(value, _) => Some(*value),
+        TermContent::Sum(terms) => terms.iter().try_fold(0.0, |sum, (minus, term)| {
             constant(term).map(|value| if *minus { sum - value } else { sum + value })
         }),
-        Content::Product(factors) => factors.iter().try_fold(1.0, |product, (over, factor)| {
+        TermContent::Product(factors) => factors.iter().try_fold(1.0, |product, (over, factor)| {
             constant(factor).map(|value| if *over { product / value } else { product * value })
         }),
         _ => None,
@@ -303,7 +313,7 @@ fn constant(term: &Term) -> Option<f64> {
 }
 
 fn unknown_function(at: usize, name: &str) -> FormulaFault {
-    let names: Vec<&str> = Function::ALL.iter().map(|(name, _)| *name).collect();
+    let names: Vec<&str> = FormulaFunction::ALL.iter().map(|(name, _)| *name).collect();
     let all = format!("{}, sum and if", names.join(", "));
     if KINKED.contains(&name) {
         let allowed = format!(

@@ -8,8 +8,8 @@
 use super::definition::WrittenNormal;
 use super::formula::{Valued, WHOLE};
 use super::instance::Instance;
-use super::linear::{Linear, Linearised};
-use super::numeric::{Numeric, Quantity};
+use super::linear::{LinearForm, Linearised};
+use super::numeric::{NumberOrExpression, Numeric};
 
 /// What elimination leaves of a factor that is 0, in units of the motion.
 const ROUNDING: f64 = 1e-12;
@@ -36,7 +36,7 @@ pub(super) struct Rates<T> {
     pub constants: Vec<T>,
 }
 
-impl<T: Quantity> Rates<T> {
+impl<T: NumberOrExpression> Rates<T> {
     fn identity(count: usize) -> Self {
         let [zero, one] = [0.0, 1.0].map(T::constant);
         let row =
@@ -45,7 +45,7 @@ impl<T: Quantity> Rates<T> {
     }
 
     /// Returns a linear function of rates as one of velocities: the factor of each velocity, and the constant.
-    fn of_velocities(&self, speed: &Linear<T>) -> (Vec<T>, T) {
+    fn of_velocities(&self, speed: &LinearForm<T>) -> (Vec<T>, T) {
         let start = (vec![T::constant(0.0); self.constants.len()], speed.constant);
         speed.factors.iter().fold(start, |(mut factors, constant), (of, factor)| {
             for (sum, own) in factors.iter_mut().zip(&self.factors[*of]) {
@@ -102,11 +102,11 @@ impl<T: Quantity> Rates<T> {
 
 impl Instance<'_> {
     /// Returns the sliding speed of a contact as a linear function of the rates of change.
-    pub fn linear<T: Quantity>(
+    pub fn linear<T: NumberOrExpression>(
         &self,
         contact: usize,
         numeric: Numeric<'_, T>,
-    ) -> Valued<Option<Linear<T>>> {
+    ) -> Valued<Option<LinearForm<T>>> {
         let (contact, mut bodies) = self.contact(contact);
         let Some(sliding) = &contact.sliding else { return Ok(None) };
         bodies.evaluate(sliding, &mut Linearised { instance: self, numeric }).map(Some)
@@ -177,7 +177,7 @@ impl Instance<'_> {
                 _ => self.linear(contact, numeric)?,
             };
             let opens = matches!(self.contact(contact).0.normal, WrittenNormal::Gap(_));
-            let is_free = |speed: &Linear<f64>| {
+            let is_free = |speed: &LinearForm<f64>| {
                 let is_moved = speed.factors.iter().any(|(of, _)| moved.contains(of));
                 !(opens && is_moved || speed.factors.iter().any(is_periodic))
             };
@@ -201,7 +201,7 @@ impl Instance<'_> {
     }
 
     /// Returns the factor between a velocity and the sliding speed of a contact that is a multiple of it; `None` for other contacts.
-    pub fn multiple<T: Quantity>(
+    pub fn multiple<T: NumberOrExpression>(
         &self,
         (contact, speed): (usize, SpeedOf),
         rates: &Rates<T>,
@@ -213,7 +213,7 @@ impl Instance<'_> {
     }
 
     /// Returns the rates of change for chosen velocities.
-    pub fn rates<T: Quantity>(
+    pub fn rates<T: NumberOrExpression>(
         &self,
         chosen: &[SpeedOf],
         numeric: Numeric<'_, T>,

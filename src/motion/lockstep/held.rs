@@ -4,7 +4,7 @@
 //! in between, forces that are linear in time prove that the contacts are held, as long as the conditions with these forces,
 //! polynomials in time, are met. Where one is not, the next forces are computed.
 
-use crate::model::{Column, HeldContact, Holding, gap_columns};
+use crate::model::{GapColumn, HeldContact, Holding, gap_columns};
 use crate::motion::cluster::HeldCluster;
 use crate::motion::lockstep::ORDER;
 use crate::motion::lockstep::lane::Lane;
@@ -111,11 +111,11 @@ fn conditions<'a>(
     contacts: &'a [HeldContact],
     course: &'a Course<'a>,
 ) -> impl Iterator<Item = HeldCondition> + 'a {
-    let columns: Vec<[Column; 2]> =
+    let columns: Vec<[GapColumn; 2]> =
         cluster.gaps.iter().map(|gap| gap_columns(gap, contacts)).collect();
     (0..2 * contacts.len()).map(move |row| {
         let taken = |forces: &[[f64; 2]]| -> f64 {
-            let of_gap = |(columns, forces): (&[Column; 2], &[f64; 2])| {
+            let of_gap = |(columns, forces): (&[GapColumn; 2], &[f64; 2])| {
                 columns[0][row] * forces[0] + columns[1][row] * forces[1]
             };
             columns.iter().zip(forces).map(of_gap).sum()

@@ -107,7 +107,7 @@ pub(crate) trait LaneGroup {
     fn unwrapped_within(&self, lane: usize, after: f64) -> PerContact;
     /// Returns the angle of the whole turns that each contact had made before the latest step; 0 for a contact without a ring.
     fn turned_before(&self, lane: usize) -> PerContact;
-    /// Returns the squares of the displacement of `Layout::vibration` at times after the start of the latest step; 0
+    /// Returns the squares of the displacement of `StateLayout::vibration` at times after the start of the latest step; 0
     /// without such a displacement.
     fn squares_within(&self, lane: usize, after: [f64; 5]) -> [f64; 5];
     /// Returns some parts of the latest step with the squares of the displacement there. They contain each maximum whose

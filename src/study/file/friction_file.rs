@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::schema_parts::capital;
-use crate::model::{Dimension, FRICTION_LAWS, Law, LawParameter, Lowest, SlidingSpeed};
+use crate::model::{FRICTION_LAWS, Law, LawDimension, LawParameter, Lowest, SlidingSpeed};
 
 /// A friction law with the values that the file gives, by key.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,7 +51,7 @@ pub(in crate::study) fn example_of_friction(name: &str) -> Option<String> {
         format!("{{{name}: {{{}}}}}", values.join(", "))
     };
     let has_speed =
-        |parameter: &LawParameter| matches!(parameter.dimension, Dimension::SlidingSpeed { .. });
+        |parameter: &LawParameter| matches!(parameter.dimension, LawDimension::SlidingSpeed { .. });
     match parameters {
         [] => None,
         _ if parameters.iter().any(has_speed) => Some(format!(

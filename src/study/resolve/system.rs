@@ -5,9 +5,9 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::model::{
-    Bound, Definition, FaultAt, Formula, FormulaFault, ModelKind, Place, Unit, WHOLE,
+    Bound, FaultAt, Formula, FormulaFault, IndexedName, ModelKind, SystemDefinition, WHOLE,
     WrittenCoordinate, WrittenDerived, WrittenOutput, WrittenParameter, WrittenTurning,
-    written_kind,
+    WrittenUnit, written_kind,
 };
 use crate::study::error::{Fault, StudyError, list_names, shorten};
 use crate::study::file::decode::decode;
@@ -93,7 +93,7 @@ pub(in crate::study) fn built_in_system(file: &str, text: &str) -> &'static Mode
 }
 
 /// Reads and checks the keys of a system.
-fn definition(source: &Source) -> Result<Definition, StudyError> {
+fn definition(source: &Source) -> Result<SystemDefinition, StudyError> {
     let file: SystemFile = decode(source, &Names::default(), None).map_err(|error| {
         let is_cut = error.found().is_some_and(|found| found.contains([')', ']', '}']));
         with_hint(error, is_cut)
@@ -129,7 +129,7 @@ pub(super) struct Reader<'s> {
 }
 
 impl<'s> Reader<'s> {
-    fn definition(&self, file: &SystemFile) -> Result<Definition, StudyError> {
+    fn definition(&self, file: &SystemFile) -> Result<SystemDefinition, StudyError> {
         let is_letter = |one: char| one.is_ascii_lowercase() || one.is_ascii_digit() || one == '_';
         if !file.system.starts_with(|one: char| one.is_ascii_lowercase())
             || !file.system.chars().all(is_letter)
@@ -229,7 +229,7 @@ impl<'s> Reader<'s> {
             }
         }
         let period = file.period.as_ref().map(|text| self.formula(&["period"], text));
-        Ok(Definition {
+        Ok(SystemDefinition {
             name: file.system.clone(),
             meaning: file.meaning.clone(),
             parameters,
@@ -305,7 +305,7 @@ impl<'s> Reader<'s> {
         path: &SourcePath<'_>,
         written: &str,
         remedy: &str,
-    ) -> Result<Unit, StudyError> {
+    ) -> Result<WrittenUnit, StudyError> {
         let refuse = |fault| path.key("unit").refuse_value(fault);
         let unit = self.unit(written).map_err(refuse)?;
         if convert(&format!("1 {written}"), &unit.si).is_ok_and(|one| one != 1.0) {
@@ -384,9 +384,9 @@ impl<'s> Reader<'s> {
         Err(path.refuse_key(Fault::new("unknown index", shorten(index), allowed)))
     }
 
-    fn unit(&self, text: &str) -> Result<Unit, Fault> {
+    fn unit(&self, text: &str) -> Result<WrittenUnit, Fault> {
         let (si, [length, mass, time, _]) = unit_of(text)?;
-        Ok(Unit { si, dimension: [mass, length, time].map(|one| one * WHOLE) })
+        Ok(WrittenUnit { si, dimension: [mass, length, time].map(|one| one * WHOLE) })
     }
 
     /// Names in tables end with their units, so that a name without a unit must not look like one with a unit.
@@ -394,7 +394,7 @@ impl<'s> Reader<'s> {
         &self,
         path: &SourcePath<'_>,
         name: &str,
-        unit: &Unit,
+        unit: &WrittenUnit,
     ) -> Result<(), StudyError> {
         match split_unit(name).filter(|_| unit.si == "1") {
             Some((short, ending)) => {
@@ -407,9 +407,9 @@ impl<'s> Reader<'s> {
         }
     }
 
-    fn place(&self, path: &[&str], text: &str) -> Result<Place, StudyError> {
+    fn place(&self, path: &[&str], text: &str) -> Result<IndexedName, StudyError> {
         let parsed = Formula::parse(text);
-        parsed.map(Place).map_err(|fault| refuse(&self.path(path), text, fault))
+        parsed.map(IndexedName).map_err(|fault| refuse(&self.path(path), text, fault))
     }
 
     /// Reads a formula, or a value with a unit.
