@@ -1,7 +1,7 @@
 //! Progress bars of tqdm, in a terminal or a notebook, drawn while a computation runs in another thread.
 
 use pyo3::prelude::*;
-use stickslip::engine::{Seen, Show, Watch};
+use stickslip::engine::{SeenProgress, Show, Watch};
 
 /// How progress is shown: the bars, if there are any.
 pub struct Bars {
@@ -40,7 +40,8 @@ impl Bars {
     pub fn draw(&self, py: Python<'_>) -> PyResult<()> {
         let Some(bars) = &self.bars else { return Ok(()) };
         for seen in self.watch.look() {
-            let Seen { part, study, runs, most_runs, at_most: _, equilibria, failed } = seen;
+            let SeenProgress { part, study, runs, most_runs, at_most: _, equilibria, failed } =
+                seen;
             bars.call_method1(py, "draw", (part, study, runs, most_runs, equilibria, failed))?;
         }
         Ok(())

@@ -9,7 +9,7 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Runs that came to rest, and runs that were stopped, at a time in s.
-pub(super) type Group = (f64, [u64; 2]);
+pub(super) type EndedRuns = (f64, [u64; 2]);
 
 /// The rate of an exponential tail.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,8 +35,8 @@ const CRITICAL: f64 = 1.224;
 ///
 /// The first tail starts at time 0; each further one starts after a tenth of the rests of the tail
 /// before. Runs at rest at the start of a tail do not count in it.
-pub fn escape_rate(groups: &[Group]) -> Option<EscapeRate> {
-    let rests = |groups: &[Group]| groups.iter().map(|(_, [rests, _])| rests).sum::<u64>();
+pub fn escape_rate(groups: &[EndedRuns]) -> Option<EscapeRate> {
+    let rests = |groups: &[EndedRuns]| groups.iter().map(|(_, [rests, _])| rests).sum::<u64>();
     let mut tail = &groups[groups.partition_point(|(time, _)| *time <= 0.0)..];
     let mut remaining = rests(tail);
     let fewest = FEWEST.max(remaining.div_ceil(FRACTION));
@@ -75,7 +75,7 @@ pub fn rate_interval(events: u64, exposure: f64) -> (f64, f64) {
 
 /// The runs that still move after a time.
 struct Tail<'a> {
-    groups: &'a [Group],
+    groups: &'a [EndedRuns],
     from_s: f64,
     runs: u64,
     rests: u64,
@@ -83,7 +83,7 @@ struct Tail<'a> {
 }
 
 impl<'a> Tail<'a> {
-    fn new(groups: &'a [Group], from_s: f64) -> Self {
+    fn new(groups: &'a [EndedRuns], from_s: f64) -> Self {
         let mut tail = Tail { groups, from_s, runs: 0, rests: 0, exposure_s: 0.0 };
         for (time, [rests, stopped]) in groups {
             tail.runs += rests + stopped;

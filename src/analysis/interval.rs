@@ -18,7 +18,7 @@ named!(IntervalMethod { Wilson: "wilson", Stratified: "stratified" });
 
 /// A 95 % interval of a fraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interval {
+pub struct ConfidenceInterval {
     /// Lower end.
     pub low: f64,
     /// Upper end.
@@ -27,7 +27,7 @@ pub struct Interval {
     pub method: IntervalMethod,
 }
 
-impl Interval {
+impl ConfidenceInterval {
     /// Returns the lower and the upper end.
     pub fn ends(&self) -> (f64, f64) {
         (self.low, self.high)

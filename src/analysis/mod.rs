@@ -62,7 +62,9 @@ pub use estimates::{
 pub use frictionless::{FrictionlessEquilibrium, HIGH_DRAG, frictionless_equilibria};
 pub use frictionless_position::FrictionlessKind;
 pub use identical_balls::{groups_of_identical, sorted_where_identical};
-pub use interval::{Interval, IntervalMethod, Z_95, simultaneous, wilson, wilson_with_failures};
+pub use interval::{
+    ConfidenceInterval, IntervalMethod, Z_95, simultaneous, wilson, wilson_with_failures,
+};
 pub use linearised::{SmallMotions, Stability, state_matrix};
 pub use observed::{FailureCounts, LabelCounts, Observed};
 pub use overlap::overlaps;
@@ -80,7 +82,7 @@ pub use set_extremes::amplitude_extremes;
 pub use set_grid::{GridRow, GridSummary, SetGrid};
 pub use set_samples::{REPLICATES, sample};
 pub use stopping::{HalfWidths, StoppingRule};
-pub use stratified::Cells;
+pub use stratified::StratifiedCells;
 pub(crate) use survival::rest_or_stop_time;
 pub use survival::{SurvivalCurve, SurvivalStep};
 pub use touching_set::touching_set_fraction;

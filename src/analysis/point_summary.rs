@@ -5,13 +5,13 @@ use super::basin_entropy::Basins;
 use super::cycle_class::CycleClass;
 use super::cycles::{CycleClasses, CycleGroup};
 use super::equilibrium_histogram::{EquilibriumHistogram, HistogramBin};
-use super::escape::{EscapeRate, Group, escape_rate};
+use super::escape::{EndedRuns, EscapeRate, escape_rate};
 use super::identical_balls::{groups_of_identical, sorted_where_identical};
-use super::interval::{Interval, IntervalMethod, Z_95, wilson_with_failures};
+use super::interval::{ConfidenceInterval, IntervalMethod, Z_95, wilson_with_failures};
 use super::observed::{LabelCounts, Observed};
 use super::residual_vibration::{ResidualVibration, ResidualVibrationCounts};
 use super::rest_curve::{RestStep, rest_curve};
-use super::stratified::Cells;
+use super::stratified::StratifiedCells;
 use super::survival::{STOPPED, SurvivalCurve, rest_or_stop_time};
 use super::value_counts::ValueCounts;
 use crate::classification::Label;
@@ -32,7 +32,7 @@ pub struct PointDetail {
 #[derive(Clone, Debug, Default)]
 pub struct PointAccumulator {
     counts: LabelCounts,
-    cells: Cells,
+    cells: StratifiedCells,
     basins: Basins,
     /// Times at which runs came to rest (kind 0) or were stopped while moving (kind 1). Runs that
     /// have been shown to be on a limit cycle have an infinite time.
@@ -57,7 +57,7 @@ pub struct PointSummary {
     /// design.
     pub equilibrium_fraction: f64,
     /// 95 % interval of the fraction; failures widen it.
-    pub interval: Interval,
+    pub interval: ConfidenceInterval,
     /// Times by which 25, 50, 75 and 95 % of the runs have come to rest, s (Kaplan-Meier); `None`
     /// if not reached.
     pub time_to_rest_s: [Option<f64>; 4],
@@ -90,7 +90,7 @@ impl PointAccumulator {
     /// design is not stratified.
     pub fn new(cells: Option<u64>) -> Self {
         PointAccumulator {
-            cells: cells.map(Cells::new).unwrap_or_default(),
+            cells: cells.map(StratifiedCells::new).unwrap_or_default(),
             basins: cells.map(Basins::new).unwrap_or_default(),
             ..Self::default()
         }
@@ -152,14 +152,14 @@ impl PointAccumulator {
     /// cells if the design is stratified and every cell has at least two runs, and on Wilson's
     /// interval otherwise. It extends from the lower end with no failed run as an equilibrium to
     /// the upper end with all of them.
-    pub fn equilibrium_interval(&self) -> Interval {
+    pub fn equilibrium_interval(&self) -> ConfidenceInterval {
         if let Some((low, high)) = self.cells.interval() {
-            return Interval { low, high, method: IntervalMethod::Stratified };
+            return ConfidenceInterval { low, high, method: IntervalMethod::Stratified };
         }
         let [equilibria, failures] =
             [Label::Equilibrium, Label::Failed].map(|label| self.counts.of(label));
         let (low, high) = wilson_with_failures(equilibria, failures, self.counts.total(), Z_95);
-        Interval { low, high, method: IntervalMethod::Wilson }
+        ConfidenceInterval { low, high, method: IntervalMethod::Wilson }
     }
 
     /// Returns the current 95 % interval of a quantile of the amplitude over all runs that have one, m; an end is `None`
@@ -170,7 +170,7 @@ impl PointAccumulator {
 
     fn escape(&self) -> Option<EscapeRate> {
         let finite = self.times.groups().filter(|(time, _)| time.is_finite());
-        let mut groups: Vec<Group> = finite.chain(self.cycles.groups()).collect();
+        let mut groups: Vec<EndedRuns> = finite.chain(self.cycles.groups()).collect();
         groups.sort_by(|(a, _), (b, _)| a.total_cmp(b));
         escape_rate(&groups)
     }

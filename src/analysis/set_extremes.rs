@@ -81,7 +81,7 @@ struct ArcChoice<'a> {
 /// Comparison of `|r / g - Σ m e^{iφ}|` with the imbalance, over all positions of the balls in
 /// their arcs.
 #[derive(Clone, Copy, PartialEq)]
-enum Comparison {
+enum ImbalanceComparison {
     /// Always greater.
     Greater,
     /// Always less.
@@ -96,7 +96,7 @@ impl ArcChoice<'_> {
     fn first_displacement(&self, from: f64, to: f64) -> Option<(f64, Vec<f64>)> {
         let at = |step: usize| from + (to - from) * (step as f64 / STEPS as f64);
         let (mut before, mut comparison) = (from, self.compare_with_imbalance(from)?);
-        if comparison == Comparison::Attainable {
+        if comparison == ImbalanceComparison::Attainable {
             return Some((from, self.position(from)?));
         }
         for step in 1..=STEPS {
@@ -143,7 +143,7 @@ impl ArcChoice<'_> {
 
     /// Compares the modulus of the remainder with the imbalance over all positions in the arcs;
     /// `None` if a ball has no arc.
-    fn compare_with_imbalance(&self, size: f64) -> Option<Comparison> {
+    fn compare_with_imbalance(&self, size: f64) -> Option<ImbalanceComparison> {
         let (imbalance, arcs) = (self.form.imbalance.norm(), self.arcs(size)?);
         // The middles of the arcs usually decide: no ball is farther from there than the chord to
         // the end of its arc.
@@ -152,17 +152,17 @@ impl ArcChoice<'_> {
             self.form.mass.iter().zip(&arcs).map(|(m, [_, half])| 2.0 * m * libm::sin(0.5 * half));
         let (middle, reach) = (self.remainder(size, &middles).norm(), chords.sum::<f64>());
         if middle - reach > imbalance {
-            return Some(Comparison::Greater);
+            return Some(ImbalanceComparison::Greater);
         }
         if middle + reach < imbalance {
-            return Some(Comparison::Smaller);
+            return Some(ImbalanceComparison::Smaller);
         }
         if self.extreme(size, &arcs, -1.0).0 > imbalance {
-            Some(Comparison::Greater)
+            Some(ImbalanceComparison::Greater)
         } else if self.extreme(size, &arcs, 1.0).0 < imbalance {
-            Some(Comparison::Smaller)
+            Some(ImbalanceComparison::Smaller)
         } else {
-            Some(Comparison::Attainable)
+            Some(ImbalanceComparison::Attainable)
         }
     }
 

@@ -30,23 +30,23 @@ const BLOCKS: usize = 4;
 
 /// The directions `e^{iβ}` of the balls at the positions of a block, which do not depend on the
 /// machine.
-struct Block {
+struct SampleBlock {
     directions: Vec<Complex<f64>>,
 }
 
-impl Block {
+impl SampleBlock {
     fn new(balls: usize, number: usize) -> Self {
         let first = number as u32 * BLOCK;
         let places =
             (first..first + BLOCK).flat_map(|index| (0..REPLICATES).map(move |r| (r, index)));
         let beta = places.flat_map(|(replicate, index)| sample(balls, replicate, index));
-        Block { directions: beta.map(direction).collect() }
+        SampleBlock { directions: beta.map(direction).collect() }
     }
 
     /// Returns a block, which is computed on first use and cached: a sweep tests the same positions
     /// for every machine. All blocks take 0.4 MB per ball.
     fn of(balls: usize, number: usize) -> &'static Self {
-        static CACHE: [[OnceLock<Block>; BLOCKS]; MAX_BALLS] =
+        static CACHE: [[OnceLock<SampleBlock>; BLOCKS]; MAX_BALLS] =
             [const { [const { OnceLock::new() }; BLOCKS] }; MAX_BALLS];
         CACHE[balls - 1][number].get_or_init(|| Self::new(balls, number))
     }
@@ -61,7 +61,7 @@ impl Block {
 
 /// Returns the fraction of the possible ones of the first 16,384 samples that are in the set; 0 if none is possible.
 pub fn fraction(form: &RestForm) -> f64 {
-    let counts = (0..BLOCKS).map(|number| Block::of(form.mass.len(), number).held(form));
+    let counts = (0..BLOCKS).map(|number| SampleBlock::of(form.mass.len(), number).held(form));
     let [held, all] =
         counts.fold([0, 0], |[held, all], [more, others]| [held + more, all + others]);
     held as f64 / all.max(1) as f64

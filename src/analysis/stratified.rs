@@ -38,7 +38,7 @@ pub(super) fn cells_counted(cells: u64) -> usize {
 
 /// Counts of one cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Cell {
+struct CellCounts {
     runs: u64,
     equilibria: u64,
     failures: u64,
@@ -46,13 +46,13 @@ struct Cell {
 
 /// The runs of a point, by cell.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Cells(Vec<Cell>);
+pub struct StratifiedCells(Vec<CellCounts>);
 
-impl Cells {
+impl StratifiedCells {
     /// Creates this number of empty cells of equal size. With a single cell or more than 65,536
     /// cells the design counts as not stratified.
     pub fn new(cells: u64) -> Self {
-        Cells(vec![Cell::default(); cells_counted(cells)])
+        StratifiedCells(vec![CellCounts::default(); cells_counted(cells)])
     }
 
     /// Counts a run.
@@ -84,7 +84,7 @@ impl Cells {
         Some((low, high))
     }
 
-    fn mean(&self, successes: impl Fn(&Cell) -> u64) -> f64 {
+    fn mean(&self, successes: impl Fn(&CellCounts) -> u64) -> f64 {
         let equal = self.0.iter().all(|cell| cell.runs == self.0[0].runs);
         if equal {
             // The result has the same bits as the fraction of all runs.
@@ -96,7 +96,7 @@ impl Cells {
         fractions.sum::<f64>() / self.0.len() as f64
     }
 
-    fn interval_of(&self, successes: impl Fn(&Cell) -> u64 + Copy) -> Option<(f64, f64)> {
+    fn interval_of(&self, successes: impl Fn(&CellCounts) -> u64 + Copy) -> Option<(f64, f64)> {
         let fewest = self.fewest()?;
         let cells = self.0.len() as f64;
         let within = self.0.iter().map(|cell| {

@@ -12,7 +12,7 @@ use crate::numbers::short;
 use crate::study::{Study, Template};
 
 /// A quantity of a machine, and a limit that no usual machine exceeds.
-pub(super) struct Limit {
+pub(super) struct UsualLimit {
     /// Name of the kind of warning.
     pub kind: &'static str,
     /// The parameters that determine the quantity; the warning is about the first one that the study gives.
@@ -37,7 +37,7 @@ const LENGTHS: &str = "; lengths are in m, not in mm";
 /// Returns the limits of a machine; `said` returns the value of a parameter with its unit. The deflection of a suspension by
 /// the weight that it carries measures its softness, whatever the direction of the springs; 0.7 times the radius of the ring
 /// is that of a washing machine on suspension rods.
-pub(super) fn limits(machine: &Machine, said: impl Fn(&str, f64) -> String) -> [Limit; 6] {
+pub(super) fn limits(machine: &Machine, said: impl Fn(&str, f64) -> String) -> [UsualLimit; 6] {
     let Machine { ring_radius_m, imbalance_radius_m, table_mass_kg, .. } = *machine;
     let Machine { stiffness_n_m, damping_n_s_m, .. } = *machine;
     let (total_kg, natural_rad_s) = (machine.total_mass_kg(), machine.natural_frequency_rad_s());
@@ -53,7 +53,7 @@ pub(super) fn limits(machine: &Machine, said: impl Fn(&str, f64) -> String) -> [
     let damping = said("damping_n_s_m", damping_n_s_m);
     let damping_ratio = short(damping_n_s_m / critical_n_s_m);
     [
-        Limit {
+        UsualLimit {
             kind: "length",
             parameters: &["ring_radius_m"],
             is_exceeded: ring_radius_m > 2.0,
@@ -62,7 +62,7 @@ pub(super) fn limits(machine: &Machine, said: impl Fn(&str, f64) -> String) -> [
             remedy: "at most 2 m",
             remark: LENGTHS,
         },
-        Limit {
+        UsualLimit {
             kind: "length",
             parameters: &["imbalance_radius_m"],
             is_exceeded: imbalance_radius_m > 2.0,
@@ -71,7 +71,7 @@ pub(super) fn limits(machine: &Machine, said: impl Fn(&str, f64) -> String) -> [
             remedy: "at most 2 m",
             remark: LENGTHS,
         },
-        Limit {
+        UsualLimit {
             kind: "soft_suspension",
             parameters: &["stiffness_n_m", "table_mass_kg"],
             is_exceeded: deflection_m > 2.0 * ring_radius_m,
@@ -82,7 +82,7 @@ pub(super) fn limits(machine: &Machine, said: impl Fn(&str, f64) -> String) -> [
             remedy: "a deflection of at most twice the radius of the ring",
             remark: "; the stiffness is in N/m, not in N/mm, and masses are in kg, not in g",
         },
-        Limit {
+        UsualLimit {
             kind: "stiff_suspension",
             parameters: &["stiffness_n_m", "table_mass_kg"],
             is_exceeded: natural_rad_s > STIFFEST_RAD_S,
@@ -91,7 +91,7 @@ pub(super) fn limits(machine: &Machine, said: impl Fn(&str, f64) -> String) -> [
             remedy: "a natural frequency of at most 5000 Hz",
             remark: "; the stiffness is in N/m, and masses are in kg, not in t",
         },
-        Limit {
+        UsualLimit {
             kind: HEAVY_BALLS,
             parameters: &["ball_mass_kg", "table_mass_kg"],
             is_exceeded: balls_kg > table_mass_kg,
@@ -100,7 +100,7 @@ pub(super) fn limits(machine: &Machine, said: impl Fn(&str, f64) -> String) -> [
             remedy: "balls that are lighter than the table",
             remark: "; masses are in kg, not in g",
         },
-        Limit {
+        UsualLimit {
             kind: "overdamped_suspension",
             parameters: &["damping_n_s_m"],
             is_exceeded: damping_n_s_m > 2.0 * critical_n_s_m,

@@ -63,7 +63,7 @@ impl SteadyStates {
                 if is_position { low + (high - low) * sample(number, place) } else { 0.0 }
             });
             let state = model.start_state(&Start(start.collect())).ok()?;
-            let mut examined = Examined::new(&evaluator, state.to_vec())?;
+            let mut examined = StillState::new(&evaluator, state.to_vec())?;
             may_hold |= examined.sticks();
             if !examined.settles() || !examined.holds() {
                 continue;
@@ -94,7 +94,7 @@ fn sample(number: usize, dimension: usize) -> f64 {
 }
 
 /// A state in which no coordinate moves.
-struct Examined<'e> {
+struct StillState<'e> {
     evaluator: &'e Evaluator,
     phases: Phases,
     state: Vec<f64>,
@@ -103,7 +103,7 @@ struct Examined<'e> {
     rates: Vec<usize>,
 }
 
-impl<'e> Examined<'e> {
+impl<'e> StillState<'e> {
     /// Returns `None` if a contact may stick whose sliding speed is no component of the state, or if a component that is no
     /// position, such as the time, moves by itself.
     fn new(evaluator: &'e Evaluator, state: Vec<f64>) -> Option<Self> {
@@ -124,7 +124,7 @@ impl<'e> Examined<'e> {
         let free: Vec<usize> = (0..state.len()).filter(is_free).collect();
         let moves = |one: &usize| !still.contains(one);
         let rates: Vec<usize> = velocities.iter().copied().filter(moves).collect();
-        (free.len() == rates.len()).then_some(Examined { evaluator, phases, state, free, rates })
+        (free.len() == rates.len()).then_some(StillState { evaluator, phases, state, free, rates })
     }
 
     fn sticks(&self) -> bool {

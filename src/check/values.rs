@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use super::ball_fit::{BallPositions, density_kg_m3, occupied_angle};
 use super::closed_form::capacity_kg_m;
-use super::slips::{HEAVY_BALLS, Limit, has_mass_of_template, limits};
+use super::slips::{HEAVY_BALLS, UsualLimit, has_mass_of_template, limits};
 use super::warning::Finding;
 use crate::analysis::{Balance, RestForm, reference_amplitude};
 use crate::model::{
@@ -34,7 +34,7 @@ pub(super) fn findings(
     model: &Model,
     positions: Option<&BallPositions>,
 ) -> Vec<Finding> {
-    let at = At { study, point_id };
+    let at = FindingPoint { study, point_id };
     let Some(machine) = model.ball_balancer() else {
         let kinetic = model.friction_coefficient();
         let friction = kinetic.and_then(|kinetic| at.friction(model.friction(), kinetic, None));
@@ -74,12 +74,12 @@ pub(super) fn has_room(machine: &Machine) -> bool {
 }
 
 /// The point of the sweep that the findings concern.
-struct At<'a> {
+struct FindingPoint<'a> {
     study: &'a Study,
     point_id: u64,
 }
 
-impl At<'_> {
+impl FindingPoint<'_> {
     fn key(&self, name: &str, ball: Option<usize>) -> String {
         self.study.key_of(name, ball, self.point_id)
     }
@@ -281,7 +281,7 @@ impl At<'_> {
         })
     }
 
-    fn limit(&self, limit: Limit) -> Option<Finding> {
+    fn limit(&self, limit: UsualLimit) -> Option<Finding> {
         let listed = self.study.parameters();
         let is_given =
             |name: &&&str| listed.iter().any(|one| one.name == **name && !one.is_default);

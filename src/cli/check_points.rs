@@ -23,7 +23,7 @@ pub(super) struct ClosedForms<'a> {
     points_examined: usize,
     /// Whether any parameter is uncertain.
     uncertain_at_medians: bool,
-    points: Vec<Facts>,
+    points: Vec<PointClosedForms>,
     /// The design whose machine is described, as JSON and in words.
     #[serde(skip_serializing_if = "Option::is_none")]
     design: Option<Value>,
@@ -33,7 +33,7 @@ pub(super) struct ClosedForms<'a> {
 
 /// The closed forms at a point: those of a ball balancer, or those of a system of one's own.
 #[derive(Serialize)]
-struct Facts {
+struct PointClosedForms {
     #[serde(skip)]
     point: Point,
     /// The number of the point and its swept parameters.
@@ -59,9 +59,9 @@ impl<'a> ClosedForms<'a> {
     /// medians are impossible values are left out. A study with variables is that of the examined `design`.
     pub(super) fn of(study: &'a Study, design: Option<&ExaminedDesign>, most: u64) -> Self {
         let positions = BallPositions::new(study.numbers_of_balls());
-        let facts = |point_id| Facts::of(study, point_id, &positions);
+        let facts = |point_id| PointClosedForms::of(study, point_id, &positions);
         let points = points_to_examine(study.point_count(), most);
-        let points: Vec<Facts> = points.into_iter().filter_map(facts).collect();
+        let points: Vec<PointClosedForms> = points.into_iter().filter_map(facts).collect();
         ClosedForms {
             study,
             points_examined: points.len(),
@@ -143,7 +143,7 @@ impl<'a> ClosedForms<'a> {
         text
     }
 
-    fn add_balancer(&self, table: &mut PrintedTable<'_, Facts>) {
+    fn add_balancer(&self, table: &mut PrintedTable<'_, PointClosedForms>) {
         let units = self.study.units();
         let [vibration, imbalance] = [units.vibration(), units.imbalance()];
         table.add_known("speed/natural", |one| {
@@ -192,14 +192,14 @@ const MISSING: &str = "-";
 /// The separator of the two values in parentheses.
 const RANGE: &str = " .. ";
 
-impl Facts {
+impl PointClosedForms {
     /// Returns `None` where the medians are impossible values, or for an unsupported number of balls.
     fn of(study: &Study, point_id: u64, positions: &BallPositions) -> Option<Self> {
         let (point, model) = (study.point(point_id), study.median_model(point_id).ok()?);
         let machine = model.ball_balancer();
         let balancer = machine.and_then(|machine| BalancerFacts::of(machine, positions));
         let own = OwnFacts::of(&model, &point.start_ranges);
-        (balancer.is_some() || own.is_some()).then(|| Facts {
+        (balancer.is_some() || own.is_some()).then(|| PointClosedForms {
             keys: point_keys(point_id, study.swept(), &point.swept),
             friction_range: machine.and_then(|_| FrictionRange::of(study, point_id, positions)),
             point,

@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::arguments::{StudyArgument, ThreadsArgument, parsed, results_directory};
-use super::equilibria_report::Report;
+use super::equilibria_report::EquilibriaReport;
 use super::exit::{CliError, End};
 use super::output::print_result;
-use super::range::{Range, speeds};
+use super::range::{EvenRange, speeds};
 use crate::analysis::{
     EquilibriumSet, FEWEST_GRID_POINTS, FrictionlessEquilibrium, MOST_BALL_DAMPING, REPLICATES,
     Resolution, Resolutions, RestForm, SAMPLE_COUNTS, frictionless_equilibria, reference_amplitude,
@@ -65,7 +65,7 @@ pub struct Arguments {
     /// Compute the frictionless equilibria at COUNT speeds from FROM to TO [rad/s], with the parameters under
     /// `model`, instead of at the points of the sweep
     #[arg(long, value_name = "FROM:TO:COUNT", value_parser = speeds, allow_hyphen_values = true)]
-    speeds: Option<Range>,
+    speeds: Option<EvenRange>,
 
     /// Viscous drag on the balls, divided by ball mass and natural frequency, which determines the stability of
     /// the frictionless equilibria
@@ -219,10 +219,10 @@ fn compute<'a>(
     study: &'a Study,
     resolutions: Resolutions,
     tables: &mut EquilibriumTables,
-) -> Result<Report<'a>, CliError> {
+) -> Result<EquilibriaReport<'a>, CliError> {
     let unknown = || CliError::Usage(format!("no model for {} balls", study.model().balls()));
     let damping = arguments.ball_damping;
-    let mut report = Report::new(study, arguments.json, arguments.speeds.is_some());
+    let mut report = EquilibriaReport::new(study, arguments.json, arguments.speeds.is_some());
     for point_id in 0..study.point_count() {
         let point = study.point(point_id);
         let machine = point.model().ball_balancer().ok_or_else(unknown)?;
@@ -268,7 +268,7 @@ fn push_frictionless(
     point: &Arc<PointKey>,
     machine: &Machine,
     found: Vec<FrictionlessEquilibrium>,
-    report: &mut Report,
+    report: &mut EquilibriaReport,
     tables: &mut EquilibriumTables,
 ) -> Result<(), CliError> {
     let speed_rad_s = machine.speed_rad_s;

@@ -13,7 +13,7 @@ use crate::study::Study;
 use crate::table::SetSummaryRow;
 
 /// The part of the result that is printed.
-pub struct Report<'a> {
+pub struct EquilibriaReport<'a> {
     study: &'a Study,
     points: Vec<(SetSummaryRow, Vec<&'static str>)>,
     more: u64,
@@ -35,11 +35,11 @@ struct KindCount {
     stable_to_rad_s: Option<f64>,
 }
 
-impl<'a> Report<'a> {
+impl<'a> EquilibriaReport<'a> {
     /// Creates an empty report; with `keep_all` it stores every point, not only the printed ones.
     pub fn new(study: &'a Study, keep_all: bool, own_speeds: bool) -> Self {
         let kinds = FrictionlessKind::ALL.iter();
-        Report {
+        EquilibriaReport {
             study,
             points: Vec::new(),
             more: 0,

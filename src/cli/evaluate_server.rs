@@ -10,9 +10,9 @@ use std::time::Duration;
 use serde_json::json;
 
 use super::exit::{CliError, End};
-use super::output::{Reader, print_json};
+use super::output::{OutputReader, print_json};
 use crate::engine::WorkerPool;
-use crate::responses::{Design, Neighbours, Request, respond, to_json};
+use crate::responses::{DesignToEvaluate, Neighbours, Request, respond, to_json};
 use crate::study::Study;
 
 /// The longest request line, in bytes.
@@ -46,7 +46,7 @@ pub fn serve(study: &Study, workers: &WorkerPool, stop: &AtomicBool) -> Result<E
             Err(refusal) => json!({"id": request.id, "error": refusal}),
             Ok((values, set)) => {
                 let studies = vec![Cow::Borrowed(set.as_ref())];
-                let design = Design { number, values, studies };
+                let design = DesignToEvaluate { number, values, studies };
                 let answers = respond(workers, study.responses(), design, stop, &|_| {});
                 let Some(mut answers) = answers else { return Ok(End::Interrupted) };
                 let counts = answers.iter().map(|answer| answer.counts).collect();
@@ -59,8 +59,8 @@ pub fn serve(study: &Study, workers: &WorkerPool, stop: &AtomicBool) -> Result<E
         };
         number += 1;
         match writer.write(format!("{answer}\n"), stop)? {
-            Some(Reader::Reading) => {}
-            Some(Reader::Gone) => return Ok(End::Well),
+            Some(OutputReader::Reading) => {}
+            Some(OutputReader::Gone) => return Ok(End::Well),
             None => return Ok(End::Interrupted),
         }
     }
@@ -70,7 +70,7 @@ pub fn serve(study: &Study, workers: &WorkerPool, stop: &AtomicBool) -> Result<E
 /// thread is abandoned when the server ends.
 struct Writer {
     texts: SyncSender<String>,
-    written: Receiver<io::Result<Reader>>,
+    written: Receiver<io::Result<OutputReader>>,
 }
 
 impl Writer {
@@ -89,7 +89,7 @@ impl Writer {
     }
 
     /// Writes a whole text and returns whether the reader still reads; `None` if `stop` becomes true first.
-    fn write(&self, text: String, stop: &AtomicBool) -> io::Result<Option<Reader>> {
+    fn write(&self, text: String, stop: &AtomicBool) -> io::Result<Option<OutputReader>> {
         let ended = || io::Error::other("the writer thread has ended");
         self.texts.send(text).map_err(|_| ended())?;
         loop {

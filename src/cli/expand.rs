@@ -7,7 +7,7 @@ use clap::Args;
 use super::arguments::StudyArgument;
 use super::exit::{CliError, End};
 use super::new_table::NewTable;
-use super::output::{Reader, csv_header, csv_rows, print};
+use super::output::{OutputReader, csv_header, csv_rows, print};
 use crate::engine::Shard;
 use crate::study::PlannedRun;
 use crate::table::column::Columns;
@@ -58,7 +58,7 @@ pub fn expand(arguments: &Arguments) -> Result<End, CliError> {
         return Ok(End::Well);
     }
     let mut reader = print(&csv_header(&columns)?)?;
-    while reader != Reader::Gone {
+    while reader != OutputReader::Gone {
         let rows: Vec<PlannedRun> = cases.by_ref().take(PIECE).collect();
         if rows.is_empty() {
             break;

@@ -10,7 +10,7 @@ use crate::table::column::{Column, batch};
 
 /// Whether standard output still has a reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reader {
+pub enum OutputReader {
     /// The reader took the text.
     Reading,
     /// The reader has closed its end, as `| head` does; further output is pointless.
@@ -18,12 +18,12 @@ pub enum Reader {
 }
 
 /// Writes text to standard output, without terminal control characters.
-pub fn print(text: &str) -> io::Result<Reader> {
+pub fn print(text: &str) -> io::Result<OutputReader> {
     write(&harmless(text))
 }
 
 /// Writes JSON to standard output, with terminal control characters escaped.
-pub fn print_json(json: &str) -> io::Result<Reader> {
+pub fn print_json(json: &str) -> io::Result<OutputReader> {
     write(&harmless_json(json))
 }
 
@@ -32,7 +32,7 @@ pub fn print_result(
     as_json: bool,
     json: impl FnOnce() -> Value,
     text: impl FnOnce() -> String,
-) -> io::Result<Reader> {
+) -> io::Result<OutputReader> {
     if as_json { print_json(&format!("{:#}\n", json())) } else { print(&text()) }
 }
 
@@ -44,11 +44,11 @@ pub fn print_message(message: &str) {
     let _ = io::stderr().lock().write_all(line.as_bytes());
 }
 
-fn write(text: &str) -> io::Result<Reader> {
+fn write(text: &str) -> io::Result<OutputReader> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(Reader::Gone),
-        result => result.map(|()| Reader::Reading),
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(OutputReader::Gone),
+        result => result.map(|()| OutputReader::Reading),
     }
 }
 

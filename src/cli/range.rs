@@ -9,7 +9,7 @@ const MOST_SPEEDS: u32 = 100_000;
 
 /// Two ends and the number of values: speeds in rad/s in either order, or times in s in ascending order.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
+pub struct EvenRange {
     from: f64,
     to: f64,
     /// The number of values.
@@ -18,7 +18,7 @@ pub struct Range {
 }
 
 /// The limits of a range, and the words of its error messages.
-struct Limits {
+struct RangeLimits {
     /// The values, as `speeds`.
     name: &'static str,
     ends: RangeInclusive<f64>,
@@ -29,10 +29,10 @@ struct Limits {
     example: &'static str,
 }
 
-impl Range {
+impl EvenRange {
     /// Parses `FROM:TO:COUNT`.
-    fn parse(text: &str, limits: &Limits) -> Result<Self, String> {
-        let Limits { name, ends, allowed_ends, most, ascending, example } = limits;
+    fn parse(text: &str, limits: &RangeLimits) -> Result<Self, String> {
+        let RangeLimits { name, ends, allowed_ends, most, ascending, example } = limits;
         let refused = |found: String, allowed: &str| {
             Err(format!("found {found}, allowed: {allowed}, as in {example}"))
         };
@@ -56,12 +56,12 @@ impl Range {
             let unit = if *ascending { " s" } else { "" };
             return refused(format!("{count} {name} from {from} to {to}{unit}"), &allowed);
         }
-        Ok(Range { from, to, count, is_time: *ascending })
+        Ok(EvenRange { from, to, count, is_time: *ascending })
     }
 
     /// Returns all values; the ends are exactly the given numbers.
     pub fn values(&self) -> impl Iterator<Item = f64> + use<> {
-        let Range { from, to, count, is_time } = *self;
+        let EvenRange { from, to, count, is_time } = *self;
         // 1 if there is only one value.
         let last = f64::from(count.max(2) - 1);
         (0..count).map(f64::from).map(move |place| match place {
@@ -74,8 +74,8 @@ impl Range {
 }
 
 /// Parses speeds in rad/s.
-pub fn speeds(text: &str) -> Result<Range, String> {
-    let limits = Limits {
+pub fn speeds(text: &str) -> Result<EvenRange, String> {
+    let limits = RangeLimits {
         name: "speeds",
         ends: -1e9..=1e9,
         allowed_ends: "numbers up to 1e9",
@@ -83,12 +83,12 @@ pub fn speeds(text: &str) -> Result<Range, String> {
         ascending: false,
         example: "-150:-300:151 (FROM:TO:COUNT in rad/s)",
     };
-    Range::parse(text, &limits)
+    EvenRange::parse(text, &limits)
 }
 
 /// Parses times in s.
-pub fn times(text: &str) -> Result<Range, String> {
-    let limits = Limits {
+pub fn times(text: &str) -> Result<EvenRange, String> {
+    let limits = RangeLimits {
         name: "times",
         ends: 0.0..=1e12,
         allowed_ends: "numbers from 0 to 1e12",
@@ -96,14 +96,14 @@ pub fn times(text: &str) -> Result<Range, String> {
         ascending: true,
         example: "0:5:2001 (FROM:TO:N in s)",
     };
-    Range::parse(text, &limits)
+    EvenRange::parse(text, &limits)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Range, speeds, times};
+    use super::{EvenRange, speeds, times};
 
-    fn values(range: Result<Range, String>) -> Vec<f64> {
+    fn values(range: Result<EvenRange, String>) -> Vec<f64> {
         range.expect("a range").values().collect()
     }
 

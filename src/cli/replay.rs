@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::arguments::parsed;
 use super::exit::{CliError, End};
 use super::output::print_result;
-use super::range::{Range, times};
+use super::range::{EvenRange, times};
 use super::replay_text::{ending, switch_log, terminal_text};
 use crate::engine::{results_study, say};
 use crate::model::Model;
@@ -58,7 +58,7 @@ pub struct Arguments {
     /// Write the motion at N times from FROM to TO, both included, in s; the animation shows this interval
     #[arg(long, value_name = "FROM:TO:N", conflicts_with = "every_step")]
     #[arg(value_parser = times, allow_hyphen_values = true)]
-    times: Option<Range>,
+    times: Option<EvenRange>,
 
     /// Write the motion at the end of every integration step, and before and after each switch; the default
     ///
@@ -86,7 +86,8 @@ pub fn replay(arguments: &Arguments) -> Result<End, CliError> {
     let replay = Replay::of_directory(directory, (&study, &manifest), *run_id, times_s)?;
     let files = replay.write(&study, &out)?;
     let model = replay.record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
-    let report = Report { directory, out: &out, study: &study, replay: &replay, model, files };
+    let report =
+        ReplayReport { directory, out: &out, study: &study, replay: &replay, model, files };
     report.say(&manifest);
     print_result(arguments.json, || report.json(), || report.text())?;
     let same = replay.differences.as_ref().is_none_or(Vec::is_empty);
@@ -94,7 +95,7 @@ pub fn replay(arguments: &Arguments) -> Result<End, CliError> {
 }
 
 /// The messages and the printed output of a replay.
-struct Report<'a> {
+struct ReplayReport<'a> {
     directory: &'a Path,
     out: &'a Path,
     study: &'a Study,
@@ -105,10 +106,10 @@ struct Report<'a> {
     files: Vec<&'static str>,
 }
 
-impl Report<'_> {
+impl ReplayReport<'_> {
     /// Prints the messages to standard error.
     fn say(&self, manifest: &Manifest) {
-        let Report { directory, out, replay, model, files, .. } = self;
+        let ReplayReport { directory, out, replay, model, files, .. } = self;
         let Replay { record, recording, differences, columns, times_s } = replay;
         say(&format!("run {}: {}", record.planned.run_id, ending(&record.outcome)));
         if let Some(error) = &record.outcome.error {
@@ -142,7 +143,7 @@ impl Report<'_> {
 
     /// Returns all switches and impacts, or a summary if a terminal shows it.
     fn text(&self) -> String {
-        let Report { out, study, replay: Replay { record, recording, .. }, model, .. } = self;
+        let ReplayReport { out, study, replay: Replay { record, recording, .. }, model, .. } = self;
         if !io::stdout().is_terminal() {
             return switch_log(model, recording, usize::MAX);
         }
@@ -151,7 +152,7 @@ impl Report<'_> {
     }
 
     fn json(&self) -> Value {
-        let Report { directory, out, study, replay, files, .. } = self;
+        let ReplayReport { directory, out, study, replay, files, .. } = self;
         let Replay { record, recording, differences, .. } = replay;
         let outcome = &record.outcome;
         let difference = |one: &Difference| json!({"column": one.column, "row": one.stored, "replay": one.replayed});

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use super::arguments::parsed;
 use super::exit::{CliError, End};
 use super::failures::{failed_runs, kinds_of_failure};
-use super::output::{Reader, csv_line, print, print_json};
+use super::output::{OutputReader, csv_line, print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
 use crate::counted::counted;
 use crate::engine::{Readable, how_to_continue, readable_results, say};
@@ -183,7 +183,7 @@ fn print_csv(table: &Table, most: usize) -> Result<(), CliError> {
     print(&csv_line(names.iter().map(ToString::to_string))?)?;
     let cells = |row: &Row<'_>| names.iter().map(|name| cell(row.json(name))).collect::<Vec<_>>();
     for cells in table.read_rows(cells)?.take(most) {
-        if print(&csv_line(cells?)?)? == Reader::Gone {
+        if print(&csv_line(cells?)?)? == OutputReader::Gone {
             break;
         }
     }
@@ -203,7 +203,7 @@ fn print_document(facts: &Value, table: &Table, most: usize) -> Result<(), CliEr
     let mut separator = "\n    ";
     for object in table.read_rows(object)?.take(most) {
         let before = std::mem::replace(&mut separator, ",\n    ");
-        if print_json(&format!("{before}{}", Value::Object(object?)))? == Reader::Gone {
+        if print_json(&format!("{before}{}", Value::Object(object?)))? == OutputReader::Gone {
             return Ok(());
         }
     }

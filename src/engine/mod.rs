@@ -43,7 +43,7 @@ pub use results_study::{begun_study, results_study};
 pub use run_study::{EngineError, RunTotals, run_study, run_study_with};
 pub use stop::StopReason;
 pub use store::{CHUNKS, Chunk, ChunkFault, Listed, Lock, Store, StoreError, listed_runs};
-pub use watch::{Seen, Watch};
+pub use watch::{SeenProgress, Watch};
 pub use worker_pool::WorkerPool;
 
 pub use crate::table::{Shard, ShardError, Sink};

@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde_json::{Value, json};
 
 use super::message::{say, say_json};
-use super::progress_counts::{Counts, Parts};
+use super::progress_counts::{Parts, ProgressCounts};
 use super::watch::Watch;
 use crate::classification::Label;
 use crate::sanitize::harmless;
@@ -63,7 +63,7 @@ pub struct Progress {
     /// Number of planned runs; if `at_most`, an upper bound.
     planned: u64,
     bar: ProgressBar,
-    counts: Arc<Counts>,
+    counts: Arc<ProgressCounts>,
     points: Mutex<PointLines>,
 }
 
@@ -91,7 +91,7 @@ impl Progress {
     /// Starts progress over the planned computation.
     pub fn begin(planned: Planned<'_>, show: Show) -> Self {
         let Planned { study, runs, at_most, parts } = planned;
-        let counts = Arc::new(Counts {
+        let counts = Arc::new(ProgressCounts {
             started: Instant::now(),
             most_runs: runs.into(),
             at_most,
@@ -253,7 +253,7 @@ impl Progress {
     }
 }
 
-fn bar(runs: u64, counts: &Arc<Counts>) -> ProgressBar {
+fn bar(runs: u64, counts: &Arc<ProgressCounts>) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(runs), ProgressDrawTarget::stderr_with_hz(10));
     let counts = Arc::clone(counts);
     let text = move |_: &ProgressState, out: &mut dyn std::fmt::Write| {

@@ -38,7 +38,7 @@ impl Parts {
 }
 
 /// Counters that workers update.
-pub(super) struct Counts {
+pub(super) struct ProgressCounts {
     pub started: Instant,
     /// Upper bound of the number of runs from what is known so far.
     pub most_runs: AtomicU64,
@@ -69,7 +69,7 @@ pub(super) struct Snapshot {
     pub parts_finished: u64,
 }
 
-impl Counts {
+impl ProgressCounts {
     pub fn snapshot(&self) -> Snapshot {
         let read = |count: &AtomicU64| count.load(Ordering::Relaxed);
         // Parts are read before the total, so that no part exceeds it.

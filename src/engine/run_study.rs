@@ -238,7 +238,7 @@ impl<'a> StudyRun<'a> {
 }
 
 /// The finished runs of a point.
-struct PointRuns<'a> {
+struct FinishedPoint<'a> {
     point_id: u64,
     runs: PointAccumulator,
     responses: ResponseSamples<'a>,
@@ -248,7 +248,7 @@ struct PointRuns<'a> {
 struct PointCollector<'a, S> {
     study: &'a Study,
     sink: &'a mut S,
-    point: Option<PointRuns<'a>>,
+    point: Option<FinishedPoint<'a>>,
     counts: LabelCounts,
 }
 
@@ -262,7 +262,7 @@ impl<S: Sink> PointCollector<'_, S> {
             let point = self.point.get_or_insert_with(|| {
                 let cells = self.study.point(point_id).cells;
                 let responses = ResponseSamples::new(self.study.responses(), cells);
-                PointRuns { point_id, runs: PointAccumulator::new(cells), responses }
+                FinishedPoint { point_id, runs: PointAccumulator::new(cells), responses }
             });
             point.runs.add(record.observed());
             point.responses.add(&record);
@@ -274,7 +274,7 @@ impl<S: Sink> PointCollector<'_, S> {
 
     fn close_point(&mut self) -> Result<(), S::Error> {
         match self.point.take() {
-            Some(PointRuns { point_id, runs, responses }) => {
+            Some(FinishedPoint { point_id, runs, responses }) => {
                 let point = self.study.point(point_id);
                 let detail = runs.detail(observed_times_s(self.study.simulation(), point.model()));
                 let row = PointRow::new(&point, runs.summary(), &responses);

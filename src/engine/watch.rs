@@ -2,21 +2,21 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::progress_counts::Counts;
+use super::progress_counts::ProgressCounts;
 
 /// The counters of a computation. A search has several parts, one after another, each with its own counters.
 #[derive(Clone, Default)]
-pub struct Watch(Arc<Mutex<Vec<Part>>>);
+pub struct Watch(Arc<Mutex<Vec<WatchedPart>>>);
 
 /// A part of a computation: the last one is in progress, the others have ended.
-struct Part {
+struct WatchedPart {
     study: String,
-    counts: Arc<Counts>,
+    counts: Arc<ProgressCounts>,
 }
 
 /// What the counters say at one moment.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Seen {
+pub struct SeenProgress {
     /// The number of the part of the computation, from 1.
     pub part: u64,
     /// The name of the study.
@@ -35,12 +35,12 @@ pub struct Seen {
 
 impl Watch {
     /// Returns what the counters of all parts say, in order; nothing before the computation begins.
-    pub fn look(&self) -> Vec<Seen> {
+    pub fn look(&self) -> Vec<SeenProgress> {
         // A counter is valid whatever happened to the thread that held the lock.
         let parts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let seen = |(part, Part { study, counts }): (u64, &Part)| {
+        let seen = |(part, WatchedPart { study, counts }): (u64, &WatchedPart)| {
             let counts = counts.snapshot();
-            Seen {
+            SeenProgress {
                 part,
                 study: study.clone(),
                 runs: counts.runs,
@@ -54,9 +54,9 @@ impl Watch {
     }
 
     /// Shows the counters of a part that begins.
-    pub(super) fn begin(&self, study: &str, counts: &Arc<Counts>) {
+    pub(super) fn begin(&self, study: &str, counts: &Arc<ProgressCounts>) {
         let mut parts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        parts.push(Part { study: study.to_owned(), counts: Arc::clone(counts) });
+        parts.push(WatchedPart { study: study.to_owned(), counts: Arc::clone(counts) });
     }
 }
 

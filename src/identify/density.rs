@@ -7,7 +7,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::end::End;
+use super::end::BallsEnd;
 
 /// The largest number of balls: the number of their permutations is the cost of a kernel.
 pub const MOST_BALLS: usize = 5;
@@ -35,11 +35,11 @@ pub struct Rests {
 
 impl Rests {
     /// Returns the known ends at a site.
-    pub fn new<'a>(balls: usize, ends: impl IntoIterator<Item = &'a End>) -> Self {
+    pub fn new<'a>(balls: usize, ends: impl IntoIterator<Item = &'a BallsEnd>) -> Self {
         let mut all = Rests { balls, ..Rests::default() };
         for end in ends {
             match end {
-                End::Rest { angles, groups } => {
+                BallsEnd::Rest { angles, groups } => {
                     let grouping = grouping(groups);
                     let known = all.groupings.iter().position(|one| *one == grouping);
                     let index = known.unwrap_or_else(|| {
@@ -49,8 +49,8 @@ impl Rests {
                     all.grouping.push(index);
                     all.angles.extend(angles.iter().map(|angle| angle.rem_euclid(TAU)));
                 }
-                End::Moving => all.moving += 1,
-                End::Unknown => {}
+                BallsEnd::Moving => all.moving += 1,
+                BallsEnd::Unknown => {}
             }
         }
         let of_ball = |ball: usize| -> Vec<(f64, usize)> {
@@ -229,12 +229,12 @@ pub(super) fn permutations(balls: usize) -> Vec<Vec<usize>> {
 #[cfg(test)]
 mod tests {
     use super::{Rests, permutations};
-    use crate::identify::End;
+    use crate::identify::BallsEnd;
 
     const BANDWIDTH_RAD: f64 = 0.1;
 
-    fn rest(angles: &[f64], groups: &[u8]) -> End {
-        End::Rest { angles: angles.to_vec(), groups: groups.to_vec() }
+    fn rest(angles: &[f64], groups: &[u8]) -> BallsEnd {
+        BallsEnd::Rest { angles: angles.to_vec(), groups: groups.to_vec() }
     }
 
     #[test]
@@ -283,7 +283,7 @@ mod tests {
     /// Positions around the whole circle: the kernel of each one is the sum over all assignments, also next to the angle 0.
     #[test]
     fn kernels_of_positions_around_the_circle() {
-        let ends: Vec<End> = (0..200)
+        let ends: Vec<BallsEnd> = (0..200)
             .map(|one| {
                 let angle = 0.0314 * f64::from(one);
                 rest(&[angle, 2.0 * angle, 0.3], &[0, 1, 2])

@@ -17,12 +17,12 @@ pub struct SimulatedEnd {
     /// Number of the stage, from 1; a run without stages has one.
     pub stage: u64,
     /// What the balls do.
-    pub end: End,
+    pub end: BallsEnd,
 }
 
 /// What balls do when they are measured.
 #[derive(Clone, Debug, PartialEq)]
-pub enum End {
+pub enum BallsEnd {
     /// All balls rest.
     Rest {
         /// Angle of each ball from the imbalance, rad.
@@ -36,13 +36,13 @@ pub enum End {
     Unknown,
 }
 
-impl End {
+impl BallsEnd {
     /// Returns the name in tables.
     pub fn name(&self) -> &'static str {
         match self {
-            End::Rest { .. } => "rest",
-            End::Moving => "moving",
-            End::Unknown => "unknown",
+            BallsEnd::Rest { .. } => "rest",
+            BallsEnd::Moving => "moving",
+            BallsEnd::Unknown => "unknown",
         }
     }
 }
@@ -56,20 +56,20 @@ impl SimulatedEnd {
         let contacts = model.map_or_else(Vec::new, Model::angle_contacts);
         let rest = |positions: &Vec<f64>| {
             let angles: Vec<f64> = contacts.iter().map(|contact| positions[*contact]).collect();
-            End::Rest { groups: groups(machine, &angles), angles }
+            BallsEnd::Rest { groups: groups(machine, &angles), angles }
         };
         let last = match (outcome.label(), &outcome.position) {
             (Label::Equilibrium, Some(angles)) => rest(angles),
-            (Label::Failed, _) | (_, None) => End::Unknown,
-            (_, Some(_)) => End::Moving,
+            (Label::Failed, _) | (_, None) => BallsEnd::Unknown,
+            (_, Some(_)) => BallsEnd::Moving,
         };
         let before = outcome.stages.split_last().map_or(&[][..], |(_, before)| before);
-        let mut ends: Vec<End> = before
+        let mut ends: Vec<BallsEnd> = before
             .iter()
             .map(|stage| match stage.is_at_rest {
                 Some(true) => rest(&stage.position),
-                Some(false) => End::Moving,
-                None => End::Unknown,
+                Some(false) => BallsEnd::Moving,
+                None => BallsEnd::Unknown,
             })
             .collect();
         ends.push(last);

@@ -46,7 +46,7 @@ pub struct SiteFit {
     /// for one ball.
     pub p_neighbours: Option<f64>,
     /// The runs of the predictive distribution, with the error of the measurements.
-    pub predicted: Vec<Seen>,
+    pub predicted: Vec<SeenRun>,
 }
 
 impl SiteFit {
@@ -61,7 +61,7 @@ impl SiteFit {
 }
 
 /// A run as measured: the angles, or `None` if it moves.
-pub type Seen = Option<Vec<f64>>;
+pub type SeenRun = Option<Vec<f64>>;
 
 /// Returns the tests at all sites. `drawn` are the simulated ends of a parameter set next to each sample of the posterior, one entry
 /// per site.
@@ -86,7 +86,7 @@ fn test_at(
     if known.is_empty() {
         return None;
     }
-    let pool: Vec<Seen> = (0..POOL)
+    let pool: Vec<SeenRun> = (0..POOL)
         .map(|_| {
             let rests = known[random.random_range(0..known.len())];
             let angles = rests.run(random.random_range(0..rests.runs()))?;
@@ -98,19 +98,20 @@ fn test_at(
         })
         .collect();
     let rests = site.rests.iter().map(|one| Some(one.angles.clone()));
-    let mut measured: Vec<Seen> = rests.chain((0..site.moving).map(|_| None)).collect();
+    let mut measured: Vec<SeenRun> = rests.chain((0..site.moving).map(|_| None)).collect();
     if measured.len() > TESTED {
         measured = measured.partial_shuffle(random, TESTED).0.to_vec();
     }
     let balls = measured.iter().chain(&pool).flatten().map(Vec::len).max().unwrap_or(0);
     let orders = permutations(balls);
-    let positions = |one: &Seen, other: &Seen| distance(one, other, |x, y| torus(&orders, x, y));
+    let positions =
+        |one: &SeenRun, other: &SeenRun| distance(one, other, |x, y| torus(&orders, x, y));
     let p_positions = p_value(&measured, &pool, positions, random);
     let p_neighbours = (balls > 1).then(|| {
-        let gaps = |all: &[Seen]| -> Vec<Seen> {
+        let gaps = |all: &[SeenRun]| -> Vec<SeenRun> {
             all.iter().map(|seen| seen.as_deref().map(angles_between)).collect()
         };
-        let apart = |one: &Seen, other: &Seen| distance(one, other, euclidean);
+        let apart = |one: &SeenRun, other: &SeenRun| distance(one, other, euclidean);
         p_value(&gaps(&measured), &gaps(&pool), apart, random)
     });
     let at_rest = pool.iter().flatten().count();
@@ -129,12 +130,12 @@ fn test_at(
 /// Returns the probability of an energy distance from the pool at least as large as that of the measured runs, if measured runs
 /// and pool are exchanged at random (permutation test): the pool is a sample, too.
 fn p_value(
-    measured: &[Seen],
-    pool: &[Seen],
-    distance: impl Fn(&Seen, &Seen) -> f64,
+    measured: &[SeenRun],
+    pool: &[SeenRun],
+    distance: impl Fn(&SeenRun, &SeenRun) -> f64,
     random: &mut ChaCha8Rng,
 ) -> f64 {
-    let all: Vec<&Seen> = measured.iter().chain(pool).collect();
+    let all: Vec<&SeenRun> = measured.iter().chain(pool).collect();
     let distances: Vec<Vec<f64>> =
         all.iter().map(|one| all.iter().map(|other| distance(one, other)).collect()).collect();
     let to_all: Vec<f64> = distances.iter().map(|row| row.iter().sum()).collect();
@@ -162,7 +163,7 @@ fn p_value(
 }
 
 /// Returns the distance of two runs; a run at rest and one that moves are half a turn of each ball apart.
-fn distance(one: &Seen, other: &Seen, of_rests: impl Fn(&[f64], &[f64]) -> f64) -> f64 {
+fn distance(one: &SeenRun, other: &SeenRun, of_rests: impl Fn(&[f64], &[f64]) -> f64) -> f64 {
     match (one, other) {
         (Some(one), Some(other)) => of_rests(one, other),
         (None, None) => 0.0,
@@ -198,7 +199,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::{TESTED, angles_between, permutations, test_at, torus};
-    use crate::identify::{End, Measured, Rests, Site};
+    use crate::identify::{BallsEnd, MeasuredRest, Rests, Site};
     use crate::table::PointKey;
 
     fn point() -> PointKey {
@@ -230,7 +231,7 @@ mod tests {
     }
 
     fn site(positions: Vec<Vec<f64>>, moving: u64) -> Site {
-        let measured = |angles| Measured { angles, std_dev_rad: 0.05 };
+        let measured = |angles| MeasuredRest { angles, std_dev_rad: 0.05 };
         Site { point_id: 0, stage: 1, rests: positions.into_iter().map(measured).collect(), moving }
     }
 
@@ -238,8 +239,8 @@ mod tests {
     /// not touch where they do in the model, and a wrong fraction of moving runs.
     #[test]
     fn levels_and_powers() {
-        let rest = |angles: Vec<f64>| End::Rest { angles, groups: vec![0, 1] };
-        let ends: Vec<End> = pairs(0.26, 600, 1).into_iter().map(rest).collect();
+        let rest = |angles: Vec<f64>| BallsEnd::Rest { angles, groups: vec![0, 1] };
+        let ends: Vec<BallsEnd> = pairs(0.26, 600, 1).into_iter().map(rest).collect();
         let model = Rests::new(2, &ends);
         let mut random = ChaCha8Rng::seed_from_u64(5);
         let mut p_of =
@@ -260,8 +261,8 @@ mod tests {
     /// Of many measured runs a random sample is compared: it sees that pairs do not touch in all rows but the first ones.
     #[test]
     fn a_sample_of_many_runs() {
-        let rest = |angles: Vec<f64>| End::Rest { angles, groups: vec![0, 1] };
-        let ends: Vec<End> = pairs(0.26, 600, 1).into_iter().map(rest).collect();
+        let rest = |angles: Vec<f64>| BallsEnd::Rest { angles, groups: vec![0, 1] };
+        let ends: Vec<BallsEnd> = pairs(0.26, 600, 1).into_iter().map(rest).collect();
         let model = Rests::new(2, &ends);
         let mut random = ChaCha8Rng::seed_from_u64(7);
         let mut positions = pairs(0.26, TESTED, 2);

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::density::{MOST_BALLS, Rests};
-use super::end::{End, SimulatedEnd};
+use super::end::{BallsEnd, SimulatedEnd};
 use super::fit_test::{SiteFit, fit_tests};
 use super::likelihood::Likelihood;
 use super::next_sets::next_places;
@@ -86,7 +86,7 @@ pub(super) fn infer(
         let problem = format!("{balls} balls; at most {MOST_BALLS} are supported");
         return Ok(InferenceEnd::Impossible(problem));
     }
-    let mut all = Evaluated::new(inference);
+    let mut all = EvaluatedSets::new(inference);
     while all.count() < identification.designs {
         let is_start = all.count() < identification.start_designs;
         let until = if is_start { identification.start_designs } else { identification.designs };
@@ -193,7 +193,7 @@ fn study_of_set(study: &Study, values: &[DesignValue]) -> Option<Study> {
 }
 
 /// The parameter sets so far.
-struct Evaluated<'a> {
+struct EvaluatedSets<'a> {
     inference: &'a Inference<'a>,
     values: Vec<Vec<DesignValue>>,
     /// The simulated ends of each set at each site.
@@ -209,11 +209,11 @@ struct Evaluated<'a> {
     runs: [u64; 2],
 }
 
-impl<'a> Evaluated<'a> {
+impl<'a> EvaluatedSets<'a> {
     fn new(inference: &'a Inference<'a>) -> Self {
         let Inference { study, sites, identification, .. } = *inference;
         let widths = first_widths(identification.parameters.len());
-        Evaluated {
+        EvaluatedSets {
             inference,
             values: Vec::new(),
             rests: Vec::new(),
@@ -241,7 +241,7 @@ impl<'a> Evaluated<'a> {
     fn add(&mut self, set: ParameterSet) {
         let Inference { study, sites, identification, .. } = *self.inference;
         let balls = study.model().angle_contacts().len();
-        let mut ends: BTreeMap<(u64, u64), Vec<&End>> = BTreeMap::new();
+        let mut ends: BTreeMap<(u64, u64), Vec<&BallsEnd>> = BTreeMap::new();
         for one in &set.ends {
             ends.entry((one.point_id, one.stage)).or_default().push(&one.end);
         }
@@ -249,7 +249,8 @@ impl<'a> Evaluated<'a> {
         let rests: Vec<Rests> = sites.iter().map(at).map(|own| Rests::new(balls, own)).collect();
         // The last end of each run is unknown only if the run failed.
         let last_ends = set.ends.chunk_by(|one, other| one.run_id == other.run_id);
-        let ended = last_ends.filter(|ends| ends.last().is_some_and(|one| one.end != End::Unknown));
+        let ended =
+            last_ends.filter(|ends| ends.last().is_some_and(|one| one.end != BallsEnd::Unknown));
         self.runs[0] += study.run_count();
         self.runs[1] += study.run_count().saturating_sub(ended.count() as u64);
         let numbers: Vec<f64> = set.values.iter().map(number_of).collect();
@@ -268,7 +269,8 @@ impl<'a> Evaluated<'a> {
     }
 
     fn likelihood(&self) -> Likelihood<'_> {
-        let Evaluated { sites, references, densities, smoother, set_weights, uniform, .. } = self;
+        let EvaluatedSets { sites, references, densities, smoother, set_weights, uniform, .. } =
+            self;
         Likelihood { sites, references, densities, smoother, set_weights, uniform }
     }
 

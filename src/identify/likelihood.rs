@@ -84,7 +84,7 @@ mod tests {
     use std::path::Path;
 
     use super::Likelihood;
-    use crate::identify::{Measured, References, SetDensities, Site, Smoother, set_weights};
+    use crate::identify::{MeasuredRest, References, SetDensities, Site, Smoother, set_weights};
     use crate::study::Study;
 
     /// The standard error of the log-likelihood contains what separates the parameter sets from the regression over them. The
@@ -102,7 +102,7 @@ mod tests {
             .collect();
         let places = sets.clone().map(|set| vec![f64::from(set) / 79.0]).collect();
         let smoother = Smoother::new(places, vec![0.05]);
-        let rests = vec![Measured { angles: vec![1.0], std_dev_rad: 0.1 }];
+        let rests = vec![MeasuredRest { angles: vec![1.0], std_dev_rad: 0.1 }];
         let likelihood = Likelihood {
             sites: &[Site { point_id: 0, stage: 1, rests, moving: 0 }],
             references: &[References::known(1, None)],

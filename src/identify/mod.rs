@@ -31,8 +31,8 @@ mod tables;
 mod warnings;
 
 pub use density::Rests;
-pub use end::{End, SimulatedEnd};
-pub use fit_test::{Seen, SiteFit, fit_tests};
+pub use end::{BallsEnd, SimulatedEnd};
+pub use fit_test::{SeenRun, SiteFit, fit_tests};
 pub use in_words::{identification_json, result_in_words};
 pub use inference::{Inference, InferenceEnd, Inferred};
 pub use into_directory::{Identified, Identify};
@@ -42,7 +42,7 @@ pub use posterior::{Marginal, Posterior, posterior};
 pub use references::{References, with_references};
 pub use replicates::{REPLICATES, Replicated, set_weights};
 pub use set_densities::{SetDensities, sums_of_rests};
-pub use site::{Measured, Site, sites};
+pub use site::{MeasuredRest, Site, sites};
 pub use smoother::{SetWeight, Smoother, positive, sums};
 pub use tables::{
     PositionRow, evaluated_set_columns, fit_columns, position_columns, position_rows,

@@ -8,7 +8,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
-use super::end::{End, SimulatedEnd};
+use super::end::{BallsEnd, SimulatedEnd};
 use crate::responses::design_json;
 use crate::study::{DesignValue, Study};
 use crate::table::column::{Column, Columns};
@@ -50,16 +50,16 @@ pub fn set_columns(study: &Study) -> Vec<Column<SimulatedEnd>> {
         .meaning("rest, moving, or unknown if the run failed or the speed changes");
     for ball in 0..study.model().angle_contacts().len() {
         let angle = move |row: &SimulatedEnd| match &row.end {
-            End::Rest { angles, .. } => angles.get(ball).copied(),
-            End::Moving | End::Unknown => None,
+            BallsEnd::Rest { angles, .. } => angles.get(ball).copied(),
+            BallsEnd::Moving | BallsEnd::Unknown => None,
         };
         list.number(format!("beta_{}_rad", ball + 1), "rad", angle)
             .meaning("angle of the ball from the imbalance at rest");
     }
     for ball in 0..study.model().angle_contacts().len() {
         let group = move |row: &SimulatedEnd| match &row.end {
-            End::Rest { groups, .. } => groups.get(ball).map(|group| u64::from(*group)),
-            End::Moving | End::Unknown => None,
+            BallsEnd::Rest { groups, .. } => groups.get(ball).map(|group| u64::from(*group)),
+            BallsEnd::Moving | BallsEnd::Unknown => None,
         };
         list.count(format!("group_{}", ball + 1), group)
             .meaning("the group of the ball; balls of one group rest in touch");
@@ -107,15 +107,15 @@ fn read_end(row: &Row<'_>, balls: usize) -> Option<SimulatedEnd> {
     let groups = (1..=balls).map(|ball| row.count(&format!("group_{ball}")));
     let groups: Vec<Option<u64>> = groups.collect();
     let end = match row.text("end")?.as_str() {
-        "rest" => End::Rest {
+        "rest" => BallsEnd::Rest {
             angles: angles.into_iter().collect::<Option<_>>()?,
             groups: groups
                 .into_iter()
                 .map(|group| u8::try_from(group?).ok())
                 .collect::<Option<_>>()?,
         },
-        "moving" => End::Moving,
-        "unknown" => End::Unknown,
+        "moving" => BallsEnd::Moving,
+        "unknown" => BallsEnd::Unknown,
         _ => return None,
     };
     let [run_id, point_id, stage] = ids;

@@ -8,7 +8,7 @@
 use super::density::Rests;
 use super::sampler::{generator, normal};
 use super::set_densities::SetDensities;
-use super::site::{Measured, Site};
+use super::site::{MeasuredRest, Site};
 use super::smoother::positive;
 use crate::study::Study;
 
@@ -42,7 +42,7 @@ pub fn with_references(study: &Study, index: usize, site: &Site, rests: &[&Rests
         let Some(angles) = own.run((number * 7919 / known.len()) % positions) else { continue };
         let std_dev_rad = deviations[number % deviations.len()];
         let blurred = angles.iter().map(|angle| angle + std_dev_rad * normal(&mut random));
-        site.rests.push(Measured { angles: blurred.collect(), std_dev_rad });
+        site.rests.push(MeasuredRest { angles: blurred.collect(), std_dev_rad });
     }
     site
 }

@@ -11,7 +11,7 @@ use super::likelihood::log_densities;
 use super::references::References;
 use super::sampler::{generator, normal};
 use super::set_densities::{SetDensities, sums_of_rests};
-use super::site::{Measured, Site};
+use super::site::{MeasuredRest, Site};
 use super::smoother::{SetWeight, Smoother};
 use crate::study::Study;
 
@@ -64,7 +64,7 @@ impl<'a> CrossValidation<'a> {
             let measured = positions.filter(|_| !deviations.is_empty()).map(|(place, angles)| {
                 let std_dev_rad = deviations[place % deviations.len()];
                 let blurred = angles.iter().map(|angle| angle + std_dev_rad * normal(&mut random));
-                Measured { angles: blurred.collect(), std_dev_rad }
+                MeasuredRest { angles: blurred.collect(), std_dev_rad }
             });
             let moving = own.moving.div_ceil(every) as u64;
             Site { rests: measured.collect(), moving, ..site.clone() }

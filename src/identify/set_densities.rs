@@ -1,7 +1,7 @@
 //! The densities of all measured runs for one parameter set.
 
 use super::density::Rests;
-use super::site::{Measured, Site};
+use super::site::{MeasuredRest, Site};
 use super::smoother::SetWeight;
 use crate::counted::counted;
 
@@ -47,7 +47,7 @@ impl SetDensities {
     /// Returns the densities of the measured runs at a site.
     pub fn at_site(site: &Site, rests: &Rests) -> Self {
         let over_all = |sum: f64| if rests.runs() > 0 { sum / rests.runs() as f64 } else { 0.0 };
-        let of_run = |measured: &Measured| {
+        let of_run = |measured: &MeasuredRest| {
             let std_dev_rad = measured.std_dev_rad;
             let kernels = rests.kernels(&measured.angles, std_dev_rad, BANDWIDTH * std_dev_rad);
             over_all(kernels.iter().sum())
@@ -80,12 +80,12 @@ pub fn sums_of_rests<'d>(
 
 #[cfg(test)]
 mod tests {
-    use super::{Measured, Site, check_memory};
+    use super::{MeasuredRest, Site, check_memory};
 
     #[test]
     fn too_many_rests_are_refused() {
         let sites = |count: usize| {
-            let rests = vec![Measured { angles: Vec::new(), std_dev_rad: 0.1 }; count];
+            let rests = vec![MeasuredRest { angles: Vec::new(), std_dev_rad: 0.1 }; count];
             [Site { point_id: 0, stage: 1, rests, moving: 0 }]
         };
         assert_eq!(check_memory(&sites(60_000), 4000), Ok(()));

@@ -12,14 +12,14 @@ pub struct Site {
     /// Number of the stage, from 1.
     pub stage: u64,
     /// The runs that were seen to rest.
-    pub rests: Vec<Measured>,
+    pub rests: Vec<MeasuredRest>,
     /// The number of runs that were seen to move.
     pub moving: u64,
 }
 
 /// A measured position of rest.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Measured {
+pub struct MeasuredRest {
     /// Angles of the balls in any order, rad.
     pub angles: Vec<f64>,
     /// Standard deviation of an angle, rad.
@@ -58,7 +58,7 @@ pub fn sites(study: &Study, measured: &[MeasuredRun]) -> Result<Vec<Site>, Strin
         match &run.rest {
             Some(angles) => {
                 let (angles, std_dev_rad) = (angles.clone(), run.std_dev_rad);
-                site.rests.push(Measured { angles, std_dev_rad });
+                site.rests.push(MeasuredRest { angles, std_dev_rad });
             }
             None => site.moving += 1,
         }

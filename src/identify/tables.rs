@@ -1,6 +1,6 @@
 //! Columns of `posterior.parquet`, `parameter_sets.parquet`, `fit.parquet` and `positions.parquet`.
 
-use super::fit_test::{Seen, SiteFit};
+use super::fit_test::{SeenRun, SiteFit};
 use super::site::Site;
 use crate::responses::columns::add_variables;
 use crate::study::{DesignValue, Study};
@@ -63,7 +63,7 @@ pub struct PositionRow {
     point: PointKey,
     stage: u64,
     is_measured: bool,
-    seen: Seen,
+    seen: SeenRun,
 }
 
 /// Returns the rows of `positions.parquet`: at each site the measured runs, then the predicted ones.

@@ -6,7 +6,7 @@ use crate::study::DesignValue;
 
 /// Why a design was evaluated.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub enum Origin {
+pub enum DesignOrigin {
     /// The design that the best one is compared with.
     CompareWith,
     /// A space-filling design over all ranges and choices.
@@ -17,7 +17,7 @@ pub enum Origin {
     SpaceFillingInstead,
 }
 
-named!(Origin {
+named!(DesignOrigin {
     CompareWith: "compare_with",
     SpaceFilling: "spread",
     Surrogates: "surrogates",
@@ -28,7 +28,7 @@ named!(Origin {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
     /// Why the design was evaluated.
-    pub origin: Origin,
+    pub origin: DesignOrigin,
     /// One value per variable of the study.
     pub values: Vec<DesignValue>,
     /// One answer per point.

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::evaluation::{Evaluation, Origin};
+use super::evaluation::{DesignOrigin, Evaluation};
 use crate::analysis::LabelCounts;
 use crate::classification::Label;
 use crate::engine::CommandError;
@@ -17,9 +17,9 @@ use crate::table::column::{Column, Columns};
 use crate::table::{Row, Table};
 
 /// Returns the columns of `evaluations.parquet`: one row per design and point of the sweep.
-pub fn evaluation_columns(study: &Study) -> Vec<Column<(Origin, Answer)>> {
-    let mut columns = answer_columns(study, |row: &(Origin, Answer)| &row.1);
-    let mut list = Columns::<(Origin, Answer)>::new();
+pub fn evaluation_columns(study: &Study) -> Vec<Column<(DesignOrigin, Answer)>> {
+    let mut columns = answer_columns(study, |row: &(DesignOrigin, Answer)| &row.1);
+    let mut list = Columns::<(DesignOrigin, Answer)>::new();
     list.extend(columns.drain(..1));
     list.word("origin", |row| row.0.name()).meaning(
         "why the design was evaluated: compare_with, spread over all ranges and choices, chosen by \
@@ -120,7 +120,7 @@ fn differences(study: &Study, about: &Value) -> Vec<String> {
 }
 
 /// Groups the rows of each design; returns `None` if they are not complete designs in order.
-fn grouped_by_design(study: &Study, rows: Vec<(Origin, Answer)>) -> Option<Vec<Evaluation>> {
+fn grouped_by_design(study: &Study, rows: Vec<(DesignOrigin, Answer)>) -> Option<Vec<Evaluation>> {
     let mut evaluations: Vec<Evaluation> = Vec::new();
     let points = study.point_count();
     for (number, (origin, answer)) in (0..).zip(rows) {
@@ -143,7 +143,7 @@ fn grouped_by_design(study: &Study, rows: Vec<(Origin, Answer)>) -> Option<Vec<E
 const MOST_RUNS: u64 = 1 << 60;
 
 /// Returns the design in a row with its answer at a point; `None` if it is none.
-fn read_row(study: &Study, row: &Row<'_>) -> Option<(Origin, Answer)> {
+fn read_row(study: &Study, row: &Row<'_>) -> Option<(DesignOrigin, Answer)> {
     let (design, point_id) = (row.count("design"), row.count("point_id"));
     let origin = row.text("origin");
     let values = study.variables().iter().map(|variable| match variable.unit() {
@@ -167,6 +167,6 @@ fn read_row(study: &Study, row: &Row<'_>) -> Option<(Origin, Answer)> {
         counts,
         discontinuous: None,
     };
-    let is_named = |one: &&Origin| Some(one.name()) == origin.as_deref();
-    Some((*Origin::ALL.iter().find(is_named)?, answer))
+    let is_named = |one: &&DesignOrigin| Some(one.name()) == origin.as_deref();
+    Some((*DesignOrigin::ALL.iter().find(is_named)?, answer))
 }

@@ -14,7 +14,7 @@ use super::search::Search;
 use crate::analysis::Estimate;
 use crate::classification::Label;
 use crate::named::named;
-use crate::responses::{Answer, Design, respond};
+use crate::responses::{Answer, DesignToEvaluate, respond};
 use crate::study::{AmplitudeKind, DesignValue, Measure, Response};
 
 /// The role of a design in the finalists.
@@ -170,7 +170,7 @@ fn respond_with_own_runs(
         Some(Cow::Owned(other.set(values).ok()?))
     };
     let studies = (0..samples(search)).map(with).collect::<Option<_>>()?;
-    let design = Design { number: design.unwrap_or(0), values, studies };
+    let design = DesignToEvaluate { number: design.unwrap_or(0), values, studies };
     let name = String::new();
     let mut responses = study.responses().to_vec();
     let amplitude = AmplitudeKind::RelativeResidual;

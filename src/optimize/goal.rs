@@ -8,7 +8,7 @@ use crate::study::{Limit, Objective, Optimization, OverPoints, Study};
 
 /// A response over all points of the sweep.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub struct Quantity {
+pub struct ResponseOverPoints {
     /// Index among the study's responses.
     pub response: usize,
     /// Whether the worst of several points has the largest value; otherwise the smallest.
@@ -19,7 +19,7 @@ pub struct Quantity {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Goal {
     /// The quantities, those of objectives first.
-    pub quantities: Vec<Quantity>,
+    pub quantities: Vec<ResponseOverPoints>,
     over_points: OverPoints,
     /// The objectives, each with the index of its quantity.
     pub objectives: Vec<(usize, Objective)>,
@@ -32,10 +32,10 @@ impl Goal {
     pub fn new(study: &Study, optimization: &Optimization) -> Goal {
         // With one point, or with the mean over points, each response is one quantity.
         let one = study.point_count() == 1 || optimization.over_points == OverPoints::Mean;
-        let mut quantities: Vec<Quantity> = Vec::new();
+        let mut quantities: Vec<ResponseOverPoints> = Vec::new();
         let mut quantity_index = |response, larger_is_worse| {
             let larger_is_worse = larger_is_worse || one;
-            let quantity = Quantity { response, larger_is_worse };
+            let quantity = ResponseOverPoints { response, larger_is_worse };
             quantities.iter().position(|other| *other == quantity).unwrap_or_else(|| {
                 quantities.push(quantity);
                 quantities.len() - 1
@@ -62,7 +62,7 @@ impl Goal {
 
     /// Returns one estimate per quantity of a design with these answers.
     pub fn estimates(&self, answers: &[Answer]) -> Vec<Estimate> {
-        let of = |quantity: &Quantity| {
+        let of = |quantity: &ResponseOverPoints| {
             let estimates = answers.iter().filter_map(|one| one.estimates.get(quantity.response));
             let estimates: Vec<&Estimate> = estimates.collect();
             over_points(&estimates, self.over_points, quantity.larger_is_worse)

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde_json::{Value, json};
 
-use super::evaluation::{Evaluation, Origin};
+use super::evaluation::{DesignOrigin, Evaluation};
 use super::evaluations_table::read_evaluations;
 use super::finalists::{FinalistRole, Finalists, final_runs, finalists};
 use super::report::{nearest_unmet, optimum_json, result_in_words, search_line};
@@ -95,8 +95,10 @@ impl Optimize<'_> {
             SearchEnd::NoMoreDesigns => self.report("all possible designs have been evaluated"),
             SearchEnd::Finished => {}
         }
-        let instead =
-            evaluations.iter().filter(|one| one.origin == Origin::SpaceFillingInstead).count();
+        let instead = evaluations
+            .iter()
+            .filter(|one| one.origin == DesignOrigin::SpaceFillingInstead)
+            .count();
         if instead > 0 {
             let all = evaluations.len();
             self.report(&format!(

@@ -30,13 +30,13 @@ mod suggest;
 mod surrogate;
 mod tables;
 
-pub use evaluation::{Evaluation, Origin};
+pub use evaluation::{DesignOrigin, Evaluation};
 pub use evaluations_table::{evaluation_columns, read_evaluations, search_facts};
 pub use finalists::{Finalist, FinalistRole, Finalists, final_runs, finalists};
-pub use goal::{Goal, Quantity};
+pub use goal::{Goal, ResponseOverPoints};
 pub use in_words::unmet_limits;
 pub use into_directory::{Optimize, Optimized};
-pub use notes::{Bound, bounds_in_words, notes, on_bounds, use_of_balls};
+pub use notes::{ReachedBound, bounds_in_words, notes, on_bounds, use_of_balls};
 pub use pareto::pareto_front;
 pub use report::{nearest_unmet, optimum_json, result_in_words, search_line};
 pub use search::{Search, SearchEnd, search};

@@ -5,10 +5,10 @@
 //! before the batch alone. Hyperparameters are fitted at the beginning of some batches, less often the more designs
 //! there are.
 
-use super::evaluation::{Evaluation, Origin};
+use super::evaluation::{DesignOrigin, Evaluation};
 use super::goal::Goal;
 use super::process::Hyperparameters;
-use super::proposal::Design;
+use super::proposal::DesignValues;
 use super::space::Space;
 use super::suggest::{Proposer, TrainingData};
 use crate::study::{Optimization, Study};
@@ -23,15 +23,15 @@ const MAX_SKIPPED: u32 = 10_000;
 
 /// A design to evaluate, and the study with its values.
 pub(super) struct NextDesign {
-    pub origin: Origin,
-    pub values: Design,
+    pub origin: DesignOrigin,
+    pub values: DesignValues,
     pub study: Study,
 }
 
 /// Returns the designs that are not in a list and whose values are consistent.
 struct Chosen<'a> {
     study: &'a Study,
-    taken: Vec<Design>,
+    taken: Vec<DesignValues>,
     next: Vec<NextDesign>,
 }
 
@@ -42,7 +42,7 @@ impl<'a> Chosen<'a> {
     }
 
     /// Adds a design and returns true, unless it is repeated or inconsistent.
-    fn add(&mut self, origin: Origin, values: &Design) -> bool {
+    fn add(&mut self, origin: DesignOrigin, values: &DesignValues) -> bool {
         if self.taken.contains(values) {
             return false;
         }
@@ -53,7 +53,7 @@ impl<'a> Chosen<'a> {
     }
 
     /// Adds the next design of the space-filling sequence; returns false if there is no other.
-    fn add_space_filling(&mut self, origin: Origin, space: &Space) -> bool {
+    fn add_space_filling(&mut self, origin: DesignOrigin, space: &Space) -> bool {
         // A scramble that is independent of that of start states.
         let seed = self.study.derived_seed("optimize spread", 0) as u32;
         (0..MAX_SKIPPED).any(|index| self.add(origin, &space.space_filling(index, seed)))
@@ -71,8 +71,8 @@ pub(super) fn start_designs(
     let mut chosen = Chosen::new(study, evaluations);
     for number in evaluations.len() as u64..until {
         let found = match (number, &optimization.compare_with) {
-            (0, Some(values)) => chosen.add(Origin::CompareWith, values),
-            _ => chosen.add_space_filling(Origin::SpaceFilling, &space),
+            (0, Some(values)) => chosen.add(DesignOrigin::CompareWith, values),
+            _ => chosen.add_space_filling(DesignOrigin::SpaceFilling, &space),
         };
         if !found {
             break;
@@ -143,8 +143,8 @@ pub(super) fn batch(
     for number in number..until.min(first + BATCH) {
         let seed = study.derived_seed("optimize suggest", number) as u32;
         let proposals = proposer.as_ref().map_or_else(Vec::new, |one| one.propose(seed));
-        let found = proposals.iter().any(|design| chosen.add(Origin::Surrogates, design));
-        if !found && !chosen.add_space_filling(Origin::SpaceFillingInstead, &space) {
+        let found = proposals.iter().any(|design| chosen.add(DesignOrigin::Surrogates, design));
+        if !found && !chosen.add_space_filling(DesignOrigin::SpaceFillingInstead, &space) {
             break;
         }
         let believed = proposer.as_mut().zip(chosen.next.last());

@@ -11,7 +11,7 @@ const ALMOST_NO_EFFECT: f64 = 0.95;
 
 /// A bound of the range of a variable.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Bound {
+pub struct ReachedBound {
     /// Name of the variable.
     pub variable: String,
     /// `lower` or `upper`.
@@ -21,7 +21,7 @@ pub struct Bound {
 }
 
 /// Returns the bounds on which the values of a design lie.
-pub fn on_bounds(study: &Study, values: &[DesignValue]) -> Vec<Bound> {
+pub fn on_bounds(study: &Study, values: &[DesignValue]) -> Vec<ReachedBound> {
     let bound = |(variable, value): (&crate::study::Variable, &DesignValue)| {
         let range = match variable.values() {
             Values::Numbers(from, to) => [from, to],
@@ -39,7 +39,7 @@ pub fn on_bounds(study: &Study, values: &[DesignValue]) -> Vec<Bound> {
         };
         // A machine has no fewer balls than one.
         let least = matches!(variable.values(), Values::Whole(1, _)) && which == "lower";
-        (!least).then(|| Bound { variable: variable.name().to_owned(), which, range })
+        (!least).then(|| ReachedBound { variable: variable.name().to_owned(), which, range })
     };
     study.variables().iter().zip(values).filter_map(bound).collect()
 }
@@ -53,7 +53,7 @@ pub fn notes(study: &Study, best: &Finalist) -> Vec<String> {
 
 /// Returns a sentence for each value of a design that lies on a bound of its range.
 pub fn bounds_in_words(study: &Study, values: &[DesignValue]) -> Vec<String> {
-    let sentence = |Bound { variable, which, range }: Bound| {
+    let sentence = |ReachedBound { variable, which, range }: ReachedBound| {
         let of_name = study.variables().iter().find(|one| one.name() == variable)?;
         let (name, unit) = of_name.name_and_unit();
         let [from, to] = range.map(|end| of_name.describe(DesignValue::Number(end)));
@@ -130,7 +130,7 @@ fn percent(fraction: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Bound, on_bounds, use_of_balls};
+    use super::{ReachedBound, on_bounds, use_of_balls};
     use crate::analysis::Estimate;
     use crate::optimize::space::study_with_four_variables;
     use crate::study::DesignValue;
@@ -146,8 +146,9 @@ mod tests {
         };
         assert_eq!(found(-258.0, 2.0), []);
         let range = [-260.0, -140.0];
-        let speed = |which| Bound { variable: "speed_rad_s".to_owned(), which, range };
-        let balls = Bound { variable: "balls".to_owned(), which: "upper", range: [1.0, 3.0] };
+        let speed = |which| ReachedBound { variable: "speed_rad_s".to_owned(), which, range };
+        let balls =
+            ReachedBound { variable: "balls".to_owned(), which: "upper", range: [1.0, 3.0] };
         assert_eq!(found(-259.95, 1.0), [speed("lower")]);
         assert_eq!(found(-140.0, 3.0), [speed("upper"), balls]);
     }

@@ -5,7 +5,7 @@ use super::space::Space;
 use crate::study::DesignValue;
 
 /// A value for each variable.
-pub(super) type Design = Vec<DesignValue>;
+pub(super) type DesignValues = Vec<DesignValue>;
 
 /// Number of space-filling candidates.
 const CANDIDATES: u32 = 1024;
@@ -20,11 +20,11 @@ const STEPS: u32 = 12;
 /// `best_so_far` are designs near which to search, too. The result is a function of the arguments.
 pub(super) fn by_criterion(
     space: &Space,
-    best_so_far: &[Design],
+    best_so_far: &[DesignValues],
     seed: u32,
-    criterion: impl Fn(&[Design]) -> Vec<f64>,
-) -> Vec<Design> {
-    let mut candidates: Vec<Design> =
+    criterion: impl Fn(&[DesignValues]) -> Vec<f64>,
+) -> Vec<DesignValues> {
+    let mut candidates: Vec<DesignValues> =
         (0..CANDIDATES).map(|index| space.space_filling(index, seed)).collect();
     for design in best_so_far {
         for length in [FIRST_STEP, 0.3 * FIRST_STEP, 0.1 * FIRST_STEP] {
@@ -34,19 +34,19 @@ pub(super) fn by_criterion(
     let mut all = sorted(&criterion(&candidates), candidates);
     all.dedup_by(|one, other| one.1 == other.1);
     // A value, a design and the length of its next step.
-    let mut places: Vec<(f64, Design, f64)> = all
+    let mut places: Vec<(f64, DesignValues, f64)> = all
         .iter()
         .take(STARTS)
         .map(|(value, design)| (*value, design.clone(), FIRST_STEP))
         .collect();
     for _ in 0..STEPS {
-        let neighbours: Vec<Vec<Design>> =
+        let neighbours: Vec<Vec<DesignValues>> =
             places.iter().map(|(_, design, length)| space.neighbours(design, *length)).collect();
         let mut values = criterion(&neighbours.concat()).into_iter();
         for ((value, design, length), neighbours) in places.iter_mut().zip(neighbours) {
             let found = neighbours.into_iter().zip(values.by_ref());
             // The first one of equal values.
-            let better = found.fold(None, |best: Option<(Design, f64)>, one| {
+            let better = found.fold(None, |best: Option<(DesignValues, f64)>, one| {
                 let most = best.as_ref().map_or(*value, |best| best.1);
                 if one.1 > most { Some(one) } else { best }
             });
@@ -60,13 +60,13 @@ pub(super) fn by_criterion(
         }
     }
     all.extend(places.into_iter().map(|(value, design, _)| (value, design)));
-    let (values, designs): (Vec<f64>, Vec<Design>) = all.into_iter().unzip();
+    let (values, designs): (Vec<f64>, Vec<DesignValues>) = all.into_iter().unzip();
     sorted(&values, designs).into_iter().map(|(_, design)| design).collect()
 }
 
 /// Returns the designs with finite or infinitely small values, by decreasing value.
-fn sorted(values: &[f64], designs: Vec<Design>) -> Vec<(f64, Design)> {
-    let mut all: Vec<(f64, Design)> = values.iter().copied().zip(designs).collect();
+fn sorted(values: &[f64], designs: Vec<DesignValues>) -> Vec<(f64, DesignValues)> {
+    let mut all: Vec<(f64, DesignValues)> = values.iter().copied().zip(designs).collect();
     all.sort_by(|one, other| other.0.total_cmp(&one.0));
     all
 }
@@ -75,7 +75,7 @@ fn sorted(values: &[f64], designs: Vec<Design>) -> Vec<(f64, Design)> {
 mod tests {
     use std::path::Path;
 
-    use super::{Design, by_criterion};
+    use super::{DesignValues, by_criterion};
     use crate::optimize::space::Space;
     use crate::study::{DesignValue, Study};
 
@@ -92,7 +92,7 @@ mod tests {
             choices.join(", ")
         );
         let study = Study::parse(Path::new("a.yaml"), text).expect("a valid study");
-        let value = |design: &Design| match design[..] {
+        let value = |design: &DesignValues| match design[..] {
             [
                 DesignValue::Number(speed),
                 DesignValue::Number(stiffness),
@@ -106,7 +106,7 @@ mod tests {
             }
             _ => panic!("{design:?}"),
         };
-        let criterion = |designs: &[Design]| designs.iter().map(value).collect();
+        let criterion = |designs: &[DesignValues]| designs.iter().map(value).collect();
         let found = by_criterion(&Space::new(&study), &[], 3, criterion);
         assert_eq!(found[0][2..], [DesignValue::Number(4.0), DesignValue::Choice(7)]);
         assert!(value(&found[0]) > 0.5 - 1e-3, "{:?}", found[0]);

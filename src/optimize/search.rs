@@ -8,7 +8,7 @@ use super::goal::Goal;
 use super::next_designs::{Fits, NextDesign, batch, start_designs};
 use crate::classification::Label;
 use crate::engine::WorkerPool;
-use crate::responses::{Design, respond_in_order};
+use crate::responses::{DesignToEvaluate, respond_in_order};
 use crate::study::{Optimization, Study};
 
 /// A search: the study, its goal and the workers.
@@ -68,10 +68,14 @@ pub fn search<E>(
         }
         let first = evaluations.len() as u64;
         let designs = (first..).zip(&next).map(|(number, next)| {
-            Ok(Design { number, values: &next.values, studies: vec![Cow::Borrowed(&next.study)] })
+            Ok(DesignToEvaluate {
+                number,
+                values: &next.values,
+                studies: vec![Cow::Borrowed(&next.study)],
+            })
         });
         let mut origins = next.iter().map(|one| one.origin);
-        let add = |design: &Design, answers| {
+        let add = |design: &DesignToEvaluate, answers| {
             let Some(origin) = origins.next() else { return Ok(()) };
             evaluations.push(Evaluation { origin, values: design.values.to_vec(), answers });
             observe(evaluations)

@@ -14,7 +14,7 @@ use super::suggest::{TrainingValues, training_values};
 use super::surrogate::Surrogate;
 use crate::analysis::Estimate;
 use crate::classification::Label;
-use crate::responses::{Answer, Design, respond_in_order};
+use crate::responses::{Answer, DesignToEvaluate, respond_in_order};
 use crate::study::{DesignValue, SensitivityFrom};
 
 /// The indices of a variable for a response; one row of `sensitivities.parquet`.
@@ -108,7 +108,7 @@ pub fn surrogates(search: &Search, evaluations: &[Evaluation]) -> Option<Vec<Qua
     let seed = study.derived_seed("optimize surrogates", 0);
     // A fit cannot be interrupted: the work has data of its own, and a stop abandons it.
     workers.unless_stopped(stop, move || {
-        let fit = |(index, quantity): (usize, &super::goal::Quantity)| {
+        let fit = |(index, quantity): (usize, &super::goal::ResponseOverPoints)| {
             let fitted = training_values(&goal, index, &estimates)
                 .ok_or_else(|| "no design has a value".to_owned())
                 .and_then(|TrainingValues { values, noise }| {
@@ -130,10 +130,10 @@ fn from_runs(
     // A design that is inconsistent has no values.
     let consistent = (0..).zip(designs).filter_map(|(number, values)| {
         let studies = vec![Cow::Owned(study.set(values).ok()?)];
-        Some(Ok(Design { number, values, studies }))
+        Some(Ok(DesignToEvaluate { number, values, studies }))
     });
     let mut values = vec![vec![None; designs.len()]; goal.quantities.len()];
-    let add = |design: &Design, answers: Vec<Answer>| {
+    let add = |design: &DesignToEvaluate, answers: Vec<Answer>| {
         for (all, one) in values.iter_mut().zip(goal.estimates(&answers)) {
             all[design.number as usize] = one.value;
         }

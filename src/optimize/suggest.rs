@@ -7,7 +7,7 @@ use super::criterion::{Criterion, Prediction};
 use super::evaluation::Evaluation;
 use super::goal::Goal;
 use super::process::{Hyperparameters, Interpolation};
-use super::proposal::{Design, by_criterion};
+use super::proposal::{DesignValues, by_criterion};
 use super::quantity_scale::QuantityScale;
 use super::space::Space;
 use super::surrogate::table;
@@ -98,7 +98,7 @@ pub(super) struct Proposer<'a> {
     errors: Vec<f64>,
     /// Proposals are not as near as this to other designs, as a fraction of the range of each number.
     least_distance: f64,
-    designs: Vec<Design>,
+    designs: Vec<DesignValues>,
     coordinates: Array2<f64>,
     /// Values without noise, by quantity.
     values: Vec<Vec<f64>>,
@@ -116,7 +116,7 @@ impl<'a> Proposer<'a> {
         goal: &'a Goal,
         hyperparameters: &'a [Hyperparameters],
         data: TrainingData,
-        designs: Vec<Design>,
+        designs: Vec<DesignValues>,
         least_distance: f64,
     ) -> Option<Proposer<'a>> {
         let TrainingData { coordinates, quantities } = data;
@@ -143,7 +143,7 @@ impl<'a> Proposer<'a> {
 
     /// Adds a design with its predictions as values, so that a proposal lies elsewhere (kriging believer; D. Ginsbourger,
     /// R. Le Riche, L. Carraro, 2010, doi:10.1007/978-3-642-10701-6_6).
-    pub fn believe(&mut self, design: &Design) -> Option<()> {
+    pub fn believe(&mut self, design: &DesignValues) -> Option<()> {
         let row = table(&[self.space.coordinates(design)]).ok()?;
         for (values, process) in self.values.iter_mut().zip(&self.processes) {
             let [(mean, _)] = process.predict(&row.view())?[..] else { return None };
@@ -156,10 +156,10 @@ impl<'a> Proposer<'a> {
     }
 
     /// Returns designs by decreasing criterion.
-    pub fn propose(&self, seed: u32) -> Vec<Design> {
+    pub fn propose(&self, seed: u32) -> Vec<DesignValues> {
         let criterion = Criterion::new(self.goal, &self.scales, &self.values, &self.errors);
-        let of_some = |designs: &[Design]| self.values_of_criterion(&criterion, designs);
-        let of_all = |designs: &[Design]| -> Vec<f64> {
+        let of_some = |designs: &[DesignValues]| self.values_of_criterion(&criterion, designs);
+        let of_all = |designs: &[DesignValues]| -> Vec<f64> {
             designs.par_chunks(AT_A_TIME).flat_map_iter(of_some).collect()
         };
         // Designs interpolate their own values, so that their criterion tells which ones are best.
@@ -174,7 +174,7 @@ impl<'a> Proposer<'a> {
             let (one, other) = (rank(one), rank(other));
             one.0.cmp(&other.0).then(one.1.total_cmp(&other.1))
         });
-        let near: Vec<Design> = order
+        let near: Vec<DesignValues> = order
             .into_iter()
             .take(NEAR)
             .filter_map(|index| self.designs.get(index).cloned())
@@ -182,7 +182,7 @@ impl<'a> Proposer<'a> {
         by_criterion(self.space, &near, seed, of_all)
     }
 
-    fn values_of_criterion(&self, criterion: &Criterion, designs: &[Design]) -> Vec<f64> {
+    fn values_of_criterion(&self, criterion: &Criterion, designs: &[DesignValues]) -> Vec<f64> {
         let nothing = || vec![f64::NEG_INFINITY; designs.len()];
         let rows: Vec<Vec<f64>> =
             designs.iter().map(|design| self.space.coordinates(design)).collect();
@@ -192,10 +192,10 @@ impl<'a> Proposer<'a> {
             self.processes.iter().map(predict).collect();
         let Some(predictions) = predictions else { return nothing() };
         let distance = self.least_distance;
-        let is_near = |design: &Design| {
+        let is_near = |design: &DesignValues| {
             self.designs.iter().any(|one| self.space.are_near(one, design, distance))
         };
-        let of = |(index, design): (usize, &Design)| {
+        let of = |(index, design): (usize, &DesignValues)| {
             if is_near(design) {
                 return f64::NEG_INFINITY;
             }

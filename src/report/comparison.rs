@@ -77,7 +77,7 @@ enum Contribution {
 }
 
 /// A quantity of both studies.
-struct Quantity {
+struct ComparableQuantity {
     name: String,
     unit: Unit,
     /// The columns of the value, of both ends of its interval and, for a response, of its standard error.
@@ -99,7 +99,7 @@ struct ComparedRun {
 }
 
 /// A point with its estimates and runs.
-struct Point {
+struct ResultPoint {
     point_id: u64,
     swept: Vec<ParameterValue>,
     estimates: Vec<Estimate>,
@@ -137,9 +137,9 @@ pub fn compare(results: [&ComparedResults<'_>; 2]) -> Result<Comparison, TableEr
     })
 }
 
-fn quantities([first, second]: [&Study; 2]) -> Vec<Quantity> {
+fn quantities([first, second]: [&Study; 2]) -> Vec<ComparableQuantity> {
     let percent = || Unit { symbol: "%".to_owned(), si: 0.01 };
-    let quantity = |name: &str, unit, columns: [&str; 3], contribution| Quantity {
+    let quantity = |name: &str, unit, columns: [&str; 3], contribution| ComparableQuantity {
         name: name.to_owned(),
         unit,
         columns: columns.map(str::to_owned).into(),
@@ -163,7 +163,7 @@ fn quantities([first, second]: [&Study; 2]) -> Vec<Quantity> {
         list.push(quantity("worse than without balls", percent(), worse, Contribution::Worse));
     }
     let common = first.responses().iter().filter(|one| second.responses().contains(one));
-    list.extend(common.map(|response: &Response| Quantity {
+    list.extend(common.map(|response: &Response| ComparableQuantity {
         name: response.name.clone(),
         unit: response.shown_unit(first.units()),
         columns: ["", "_low", "_high", "_standard_error"].map(|end| response.column() + end).into(),
@@ -173,11 +173,14 @@ fn quantities([first, second]: [&Study; 2]) -> Vec<Quantity> {
 }
 
 /// Reads the points and their runs.
-fn points(results: &ComparedResults<'_>, list: &[Quantity]) -> Result<Vec<Point>, TableError> {
+fn points(
+    results: &ComparedResults<'_>,
+    list: &[ComparableQuantity],
+) -> Result<Vec<ResultPoint>, TableError> {
     let ComparedResults { study, points, runs } = results;
-    let mut all: Vec<Point> = Vec::new();
+    let mut all: Vec<ResultPoint> = Vec::new();
     points.for_each(|row| {
-        let estimate = |quantity: &Quantity| {
+        let estimate = |quantity: &ComparableQuantity| {
             let number = |place: usize| row.number(quantity.columns.get(place)?);
             let [value, low, high, standard_error] = [0, 1, 2, 3].map(number);
             Estimate { value, low, high, standard_error, reason: None }
@@ -186,7 +189,7 @@ fn points(results: &ComparedResults<'_>, list: &[Quantity]) -> Result<Vec<Point>
         let known = row.count("point_id").filter(|point_id| *point_id < study.point_count());
         all.extend(known.map(|point_id| {
             let swept = study.point(point_id).swept;
-            Point { point_id, swept, estimates, runs: Vec::new() }
+            ResultPoint { point_id, swept, estimates, runs: Vec::new() }
         }));
     })?;
     let names = runs.columns.iter().map(|(name, _)| name.as_str());
@@ -219,7 +222,7 @@ fn points(results: &ComparedResults<'_>, list: &[Quantity]) -> Result<Vec<Point>
 }
 
 /// Returns the values of these parameters at a point, rounded, as a key; `None` if the study lacks one of them.
-fn key(study: &Study, point: &Point, names: &BTreeSet<&str>) -> Option<String> {
+fn key(study: &Study, point: &ResultPoint, names: &BTreeSet<&str>) -> Option<String> {
     let at = study.point(point.point_id);
     let value = |name: &&str| match study.value_at(&at, name)? {
         ParameterValue::Number(number) => Some(format!("{number:.9e};")),
@@ -231,12 +234,12 @@ fn key(study: &Study, point: &Point, names: &BTreeSet<&str>) -> Option<String> {
 fn compared_point(
     first: &Study,
     second: &Study,
-    list: &[Quantity],
-    [one, other]: [&Point; 2],
+    list: &[ComparableQuantity],
+    [one, other]: [&ResultPoint; 2],
 ) -> ComparedPoint {
-    let starts = |point: &Point| point.runs.iter().map(|run| run.start).collect::<Vec<_>>();
+    let starts = |point: &ResultPoint| point.runs.iter().map(|run| run.start).collect::<Vec<_>>();
     let paired = !one.runs.is_empty() && starts(one) == starts(other);
-    let quantity = |(place, quantity): (usize, &Quantity)| {
+    let quantity = |(place, quantity): (usize, &ComparableQuantity)| {
         let [before, after] = [one, other].map(|point| &point.estimates[place]);
         let correlation = if paired {
             let [a, b] = [(one, before), (other, after)].map(|(point, estimate)| {

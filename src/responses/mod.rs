@@ -17,5 +17,5 @@ pub use columns::response_columns;
 pub use discontinuity::{MOST_DESIGNS, discontinuous};
 pub use neighbours::Neighbours;
 pub use request::{Request, RequestError};
-pub use respond::{Answer, Design, respond, respond_in_order};
+pub use respond::{Answer, DesignToEvaluate, respond, respond_in_order};
 pub use respond_to_all::{check_answerable, respond_to_all, run_count};

@@ -44,7 +44,7 @@ impl Request {
 
     /// Parses a line.
     pub fn read(study: &Study, line: &[u8]) -> Request {
-        match serde_json::from_slice::<Entries>(line) {
+        match serde_json::from_slice::<RequestEntries>(line) {
             Err(error) => {
                 let text = String::from_utf8_lossy(line);
                 let found = format!("{} ({error})", shorten(&text));
@@ -60,28 +60,28 @@ impl Request {
 }
 
 /// The entries of a JSON object, also those with the same name, which a map would lose.
-struct Entries(Vec<(String, Value)>);
+struct RequestEntries(Vec<(String, Value)>);
 
-impl Entries {
+impl RequestEntries {
     fn get(&self, name: &str) -> Option<&Value> {
         self.0.iter().find(|(other, _)| other == name).map(|(_, value)| value)
     }
 }
 
-impl<'de> Deserialize<'de> for Entries {
+impl<'de> Deserialize<'de> for RequestEntries {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct EntriesVisitor;
         impl<'de> Visitor<'de> for EntriesVisitor {
-            type Value = Entries;
+            type Value = RequestEntries;
 
             fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
                 out.write_str("names and values")
             }
 
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Entries, A::Error> {
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<RequestEntries, A::Error> {
                 std::iter::from_fn(|| map.next_entry().transpose())
                     .collect::<Result<_, _>>()
-                    .map(Entries)
+                    .map(RequestEntries)
             }
         }
         deserializer.deserialize_map(EntriesVisitor)
@@ -90,7 +90,7 @@ impl<'de> Deserialize<'de> for Entries {
 
 fn read_design(
     study: &Study,
-    given: &Entries,
+    given: &RequestEntries,
 ) -> Result<(Vec<DesignValue>, Box<Study>), RequestError> {
     let variables = study.variables();
     for (index, (name, value)) in given.0.iter().enumerate() {

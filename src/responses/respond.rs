@@ -30,7 +30,7 @@ pub struct Answer {
 }
 
 /// A design to evaluate.
-pub struct Design<'a> {
+pub struct DesignToEvaluate<'a> {
     /// Number of the design.
     pub number: u64,
     /// One value per variable of the study.
@@ -40,7 +40,7 @@ pub struct Design<'a> {
     pub studies: Vec<Cow<'a, Study>>,
 }
 
-impl Design<'_> {
+impl DesignToEvaluate<'_> {
     fn run_count(&self) -> u64 {
         self.studies.iter().map(|study| study.run_count()).sum()
     }
@@ -58,10 +58,10 @@ const RUNS_PER_QUEUE: u64 = 4096;
 pub fn respond_in_order<'a, E>(
     workers: &WorkerPool,
     responses: &[Response],
-    designs: impl IntoIterator<Item = Result<Design<'a>, E>>,
+    designs: impl IntoIterator<Item = Result<DesignToEvaluate<'a>, E>>,
     stop: &AtomicBool,
     finished: &(dyn Fn(Label) + Sync),
-    mut each: impl FnMut(&Design, Vec<Answer>) -> Result<(), E>,
+    mut each: impl FnMut(&DesignToEvaluate, Vec<Answer>) -> Result<(), E>,
 ) -> Result<bool, E> {
     let mut designs = designs.into_iter().peekable();
     let (mut group, mut runs) = (Vec::new(), 0);
@@ -87,7 +87,7 @@ pub fn respond_in_order<'a, E>(
 pub fn respond(
     workers: &WorkerPool,
     responses: &[Response],
-    design: Design,
+    design: DesignToEvaluate,
     stop: &AtomicBool,
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Vec<Answer>> {
@@ -95,7 +95,7 @@ pub fn respond(
 }
 
 /// The runs of a design at one point in one of its studies.
-struct PointRuns<'a> {
+struct PointOfDesign<'a> {
     design: usize,
     study: &'a Study,
     point_id: u64,
@@ -107,14 +107,14 @@ struct PointRuns<'a> {
 fn answers(
     workers: &WorkerPool,
     responses: &[Response],
-    designs: &[Design],
+    designs: &[DesignToEvaluate],
     stop: &AtomicBool,
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Vec<Vec<Answer>>> {
-    let mut all: Vec<PointRuns> = Vec::new();
+    let mut all: Vec<PointOfDesign> = Vec::new();
     for (index, design) in designs.iter().enumerate() {
         for point_id in 0..design.studies.first().map_or(0, |study| study.point_count()) {
-            let of_point = |study| PointRuns { design: index, study, point_id, last: false };
+            let of_point = |study| PointOfDesign { design: index, study, point_id, last: false };
             all.extend(design.studies.iter().map(|study| of_point(study)));
             all.last_mut()?.last = true;
         }
@@ -141,9 +141,9 @@ fn answers(
 }
 
 /// Returns how many of these points are in one queue; at least one.
-fn queue_length(points: &[PointRuns]) -> usize {
+fn queue_length(points: &[PointOfDesign]) -> usize {
     let mut runs = 0;
-    let fits = |one: &&PointRuns| {
+    let fits = |one: &&PointOfDesign| {
         runs += one.study.point(one.point_id).sampling.first;
         runs <= RUNS_PER_QUEUE
     };
@@ -151,7 +151,12 @@ fn queue_length(points: &[PointRuns]) -> usize {
 }
 
 /// Returns the answer of a design at a point from its runs there.
-fn answer(design: &Design, responses: &[Response], at: &PointRuns, runs: &[RunRecord]) -> Answer {
+fn answer(
+    design: &DesignToEvaluate,
+    responses: &[Response],
+    at: &PointOfDesign,
+    runs: &[RunRecord],
+) -> Answer {
     let point = at.study.point(at.point_id);
     let mut samples = ResponseSamples::new(responses, point.cells);
     let mut counts = LabelCounts::default();

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use super::discontinuity::discontinuous;
-use super::respond::{Answer, Design, respond_in_order};
+use super::respond::{Answer, DesignToEvaluate, respond_in_order};
 use crate::analysis::LabelCounts;
 use crate::classification::Label;
 use crate::engine::WorkerPool;
@@ -58,7 +58,7 @@ pub fn respond_to_all(
     let mut answers: Vec<Answer> = Vec::new();
     let all = (0..).zip(designs).map(|(number, values)| {
         let studies = vec![Cow::Owned(study.set(values)?)];
-        Ok::<_, String>(Design { number, values, studies })
+        Ok::<_, String>(DesignToEvaluate { number, values, studies })
     });
     let complete = respond_in_order(workers, study.responses(), all, stop, finished, |_, own| {
         answers.extend(own);

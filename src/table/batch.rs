@@ -3,7 +3,7 @@
 use arrow_schema::ArrowError;
 
 use super::column::{Column, batch};
-use crate::tabular::Values;
+use crate::tabular::ColumnValues;
 
 /// A batch of consecutive rows of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,7 +13,7 @@ pub struct Batch {
     /// The number of rows.
     pub rows: usize,
     /// The requested columns, in the order of the request.
-    pub columns: Vec<(String, Values)>,
+    pub columns: Vec<(String, ColumnValues)>,
 }
 
 impl Batch {
@@ -22,7 +22,7 @@ impl Batch {
         let written = batch(columns, rows)?;
         let names = columns.iter().map(|column| column.name().to_owned());
         let values = names.zip(written.columns());
-        let columns = values.filter_map(|(name, values)| Some((name, Values::of(values)?)));
+        let columns = values.filter_map(|(name, values)| Some((name, ColumnValues::of(values)?)));
         Ok(Batch { first_row: 0, rows: rows.len(), columns: columns.collect() })
     }
 }

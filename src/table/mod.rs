@@ -53,7 +53,7 @@ mod unfinished_table;
 mod verified_files;
 mod writer;
 
-pub use crate::tabular::{Kind, Values};
+pub use crate::tabular::{ColumnValues, Kind};
 pub use atomic_files::{clear_temporaries, write_atomically, write_once};
 pub(crate) use atomic_files::{is_own, temporary_file};
 pub use batch::Batch;
@@ -77,7 +77,7 @@ pub use point_key::{OfPoint, PointKey};
 pub use points::{PointRow, point_columns};
 pub use previous_results::{EARLIER, close_earlier, put_aside};
 pub use provenance::{COMMIT, FORMAT, VERSION, provenance, provenance_with};
-pub use read::{Batches, Table};
+pub use read::{Table, TableBatches};
 pub use replay::{switch_columns, trajectory_columns};
 pub use response_samples::ResponseSamples;
 pub use results::{Results, ResultsError};

@@ -23,7 +23,7 @@ use super::table_error::TableError;
 use super::writer::Destination;
 use crate::sanitize::shorten;
 use crate::study::list_names;
-use crate::tabular::{self, Fault, Kind, ParquetFile, Values};
+use crate::tabular::{self, ColumnValues, Fault, Kind, ParquetFile};
 
 /// A table of a results directory, which is one file or a directory of part files, or a table in memory.
 #[derive(Clone, Debug)]
@@ -137,13 +137,13 @@ impl Table {
     ///
     /// # Errors
     /// Returns an error if a column is missing or has another kind.
-    pub fn read(&self, wanted: &[(&str, Kind)]) -> Result<Batches<'_>, TableError> {
+    pub fn read(&self, wanted: &[(&str, Kind)]) -> Result<TableBatches<'_>, TableError> {
         let wanted: Vec<(String, Kind)> =
             wanted.iter().map(|(name, kind)| ((*name).to_owned(), *kind)).collect();
         let path = self.parts.first().map_or(Path::new(""), |(path, _)| path);
         find(path, &self.columns, &wanted)?;
         let (parts, held) = (self.parts.iter(), self.held.iter());
-        Ok(Batches { table: self, wanted, parts, part: None, held, next_row: 0 })
+        Ok(TableBatches { table: self, wanted, parts, part: None, held, next_row: 0 })
     }
 
     /// The table in memory, in full, as it was when it was written.
@@ -262,16 +262,16 @@ fn find(
 }
 
 /// The rows of some columns, in order.
-pub struct Batches<'a> {
+pub struct TableBatches<'a> {
     table: &'a Table,
     wanted: Vec<(String, Kind)>,
     parts: Iter<'a, (PathBuf, u64)>,
-    part: Option<(&'a Path, tabular::Batches)>,
+    part: Option<(&'a Path, tabular::ParquetBatches)>,
     held: Iter<'a, RecordBatch>,
     next_row: u64,
 }
 
-impl Batches<'_> {
+impl TableBatches<'_> {
     fn advance(&mut self) -> Result<Option<Batch>, TableError> {
         loop {
             if let Some((path, batches)) = &mut self.part {
@@ -297,7 +297,7 @@ impl Batches<'_> {
         let (first_row, rows) = (self.next_row, batch.num_rows());
         self.next_row += rows as u64;
         let columns = self.wanted.iter().map(|(name, kind)| {
-            let values = batch.column_by_name(name).and_then(Values::of);
+            let values = batch.column_by_name(name).and_then(ColumnValues::of);
             // `find` has compared the kinds of the columns.
             Ok((name.clone(), values.ok_or_else(|| Fault::damaged(kind.name()))?))
         });
@@ -306,7 +306,7 @@ impl Batches<'_> {
     }
 }
 
-impl Iterator for Batches<'_> {
+impl Iterator for TableBatches<'_> {
     type Item = Result<Batch, TableError>;
 
     fn next(&mut self) -> Option<Self::Item> {

@@ -6,18 +6,18 @@ use std::cell::{Cell, RefCell};
 use serde_json::Value;
 
 use super::batch::Batch;
-use super::read::{Batches, Table};
+use super::read::{Table, TableBatches};
 use super::table_error::TableError;
 use crate::classification::Label;
-use crate::tabular::{Kind, Values};
+use crate::tabular::{ColumnValues, Kind};
 
 /// A row of a table. Each method returns the value in a column, `None` if it is missing.
 ///
 /// A reader is first called without a row, when all values are missing, to learn the columns. It must ask for the same
 /// columns whatever the values are.
-pub struct Row<'a>(Source<'a>);
+pub struct Row<'a>(RowSource<'a>);
 
-enum Source<'a> {
+enum RowSource<'a> {
     /// The columns that a reader of this table asks for.
     Asked(&'a Table, &'a RefCell<Vec<(String, Kind)>>),
     /// A row of a batch, and the number of values that the reader has asked for in it.
@@ -53,9 +53,12 @@ impl Table {
     }
 
     /// Reads the columns that a reader asks for.
-    fn read_for<T>(&self, mut read: impl FnMut(&Row<'_>) -> T) -> Result<Batches<'_>, TableError> {
+    fn read_for<T>(
+        &self,
+        mut read: impl FnMut(&Row<'_>) -> T,
+    ) -> Result<TableBatches<'_>, TableError> {
         let asked = RefCell::default();
-        read(&Row(Source::Asked(self, &asked)));
+        read(&Row(RowSource::Asked(self, &asked)));
         let asked = asked.into_inner();
         self.read(&asked.iter().map(|(name, kind)| (&**name, *kind)).collect::<Vec<_>>())
     }
@@ -64,7 +67,7 @@ impl Table {
 impl Batch {
     /// Returns a row.
     pub fn row(&self, row: usize) -> Row<'_> {
-        Row(Source::Read(self, row, Cell::new(0)))
+        Row(RowSource::Read(self, row, Cell::new(0)))
     }
 }
 
@@ -73,7 +76,7 @@ macro_rules! value {
         #[doc = concat!("Returns ", $of, ".")]
         pub fn $name(&self, column: &str) -> Option<$value> {
             match self.values(column, Kind::$kind)? {
-                (Values::$kind(values), row) => values.get(row).cloned().flatten(),
+                (ColumnValues::$kind(values), row) => values.get(row).cloned().flatten(),
                 _ => None,
             }
         }
@@ -89,16 +92,16 @@ impl<'a> Row<'a> {
     /// Returns the number of the row in the table, from 0.
     pub fn place(&self) -> u64 {
         match &self.0 {
-            Source::Asked(..) => 0,
-            Source::Read(batch, row, _) => batch.first_row + *row as u64,
+            RowSource::Asked(..) => 0,
+            RowSource::Read(batch, row, _) => batch.first_row + *row as u64,
         }
     }
 
     /// Returns whether the table has a column.
     pub fn has(&self, column: &str) -> bool {
         match &self.0 {
-            Source::Asked(table, _) => table.kind(column).is_some(),
-            Source::Read(batch, ..) => batch.columns.iter().any(|(name, _)| name == column),
+            RowSource::Asked(table, _) => table.kind(column).is_some(),
+            RowSource::Read(batch, ..) => batch.columns.iter().any(|(name, _)| name == column),
         }
     }
 
@@ -122,27 +125,27 @@ impl<'a> Row<'a> {
     /// Returns the value in a column of any kind as JSON: null if it is missing, or if the table has no such column.
     pub fn json(&self, column: &str) -> Value {
         let kind = match &self.0 {
-            Source::Asked(table, _) => table.kind(column),
-            Source::Read(..) => Some(Kind::Number),
+            RowSource::Asked(table, _) => table.kind(column),
+            RowSource::Read(..) => Some(Kind::Number),
         };
         let found = kind.and_then(|kind| self.values(column, kind));
         found.map_or(Value::Null, |(values, row)| values.json(row))
     }
 
     /// Returns the values of a column and the place of this row in them.
-    fn values(&self, column: &str, kind: Kind) -> Option<(&'a Values, usize)> {
+    fn values(&self, column: &str, kind: Kind) -> Option<(&'a ColumnValues, usize)> {
         match &self.0 {
-            Source::Asked(_, asked) => {
+            RowSource::Asked(_, asked) => {
                 let mut asked = asked.borrow_mut();
                 if asked.iter().all(|(name, _)| name != column) {
                     asked.push((column.to_owned(), kind));
                 }
                 None
             }
-            Source::Read(batch, row, next) => {
+            RowSource::Read(batch, row, next) => {
                 // Readers ask for the columns in the order of the batch.
                 let place = next.replace(next.get() + 1);
-                let is_own = |(name, _): &&(String, Values)| name == column;
+                let is_own = |(name, _): &&(String, ColumnValues)| name == column;
                 let found = batch.columns.get(place).filter(is_own);
                 let found = found.or_else(|| batch.columns.iter().find(is_own));
                 found.map(|(_, values)| (values, *row))

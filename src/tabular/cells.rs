@@ -4,7 +4,7 @@ use arrow_array::{ArrayRef, RecordBatch, RecordBatchReader};
 use arrow_schema::{ArrowError, DataType, Schema};
 
 use super::error::{Fault, Refusal};
-use super::values::{Kind, Values};
+use super::values::{ColumnValues, Kind};
 use crate::sanitize::shorten;
 
 /// The longest text of a cell, bytes: more than any word in a study needs.
@@ -150,14 +150,14 @@ fn cells(column: &ArrayRef) -> Option<Vec<Cell>> {
     fn all<V>(values: Vec<Option<V>>, cell: impl Fn(V) -> Cell) -> Vec<Cell> {
         values.into_iter().map(|value| value.map_or(Cell::Empty, &cell)).collect()
     }
-    Some(match Values::of(column)? {
-        Values::Number(values) => all(values, Cell::of_number),
-        Values::Count(values) => all(values, |count| Cell::Number(count as f64)),
-        Values::Integer(values) => all(values, |integer| Cell::Number(integer as f64)),
-        Values::Text(values) => {
+    Some(match ColumnValues::of(column)? {
+        ColumnValues::Number(values) => all(values, Cell::of_number),
+        ColumnValues::Count(values) => all(values, |count| Cell::Number(count as f64)),
+        ColumnValues::Integer(values) => all(values, |integer| Cell::Number(integer as f64)),
+        ColumnValues::Text(values) => {
             all(values, |text| if text.is_empty() { Cell::Empty } else { Cell::Text(text) })
         }
-        Values::Boolean(_) | Values::Numbers(_) => return None,
+        ColumnValues::Boolean(_) | ColumnValues::Numbers(_) => return None,
     })
 }
 

@@ -19,6 +19,6 @@ mod values;
 pub(crate) use cells::{Cell, Cells, Limits, ragged};
 pub(crate) use csv::to_text;
 pub(crate) use error::{Fault, Refusal};
-pub(crate) use parquet::{Batches, ParquetFile};
+pub(crate) use parquet::{ParquetBatches, ParquetFile};
 pub(crate) use read_cells::check_name;
-pub use values::{Kind, Values};
+pub use values::{ColumnValues, Kind};

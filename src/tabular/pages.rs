@@ -24,7 +24,7 @@ use parquet::file::serialized_reader::SerializedPageReader;
 use parquet::schema::types::ColumnDescPtr;
 
 use super::error::Fault;
-use super::source::Source;
+use super::source::ParquetSource;
 use super::text_lengths::check_texts;
 use super::unpack::unpack;
 
@@ -34,7 +34,7 @@ const MAX_LIST_VALUES: i64 = 1 << 24;
 
 /// The pages of a column in all row groups.
 pub(super) struct Chunks {
-    pub source: Arc<Source>,
+    pub source: Arc<ParquetSource>,
     pub column: usize,
     pub next_group: usize,
 }
@@ -78,8 +78,8 @@ impl PageIterator for Chunks {}
 
 /// The pages of a column in one row group.
 struct Pages {
-    source: Arc<Source>,
-    packed: SerializedPageReader<Source>,
+    source: Arc<ParquetSource>,
+    packed: SerializedPageReader<ParquetSource>,
     compression: Compression,
     column: ColumnDescPtr,
     /// The number of rows, and the largest number of values.

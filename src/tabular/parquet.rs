@@ -22,7 +22,7 @@ use parquet::file::metadata::{KeyValue, ParquetMetaData, RowGroupMetaData};
 use super::error::Fault;
 use super::library_panics::guarded;
 use super::pages::Chunks;
-use super::source::{Place, Source};
+use super::source::{ByteLocation, ParquetSource};
 use super::values::Kind;
 
 /// The number of rows in a batch.
@@ -37,23 +37,23 @@ const UNPACKED: u64 = 64 * 1024 * 1024;
 
 /// A Parquet file.
 pub(crate) struct ParquetFile {
-    source: Arc<Source>,
+    source: Arc<ParquetSource>,
     schema: SchemaRef,
 }
 
 impl ParquetFile {
     /// Opens a file in memory.
     pub fn in_memory(bytes: Vec<u8>) -> Result<ParquetFile, Fault> {
-        Self::new(Place::Memory(Bytes::from(bytes)))
+        Self::new(ByteLocation::Memory(Bytes::from(bytes)))
     }
 
     /// Opens a file on disk.
     pub fn on_disk(file: File) -> Result<ParquetFile, Fault> {
-        Self::new(Place::Disk(file))
+        Self::new(ByteLocation::Disk(file))
     }
 
-    fn new(place: Place) -> Result<ParquetFile, Fault> {
-        let source = Arc::new(Source::new(place)?);
+    fn new(place: ByteLocation) -> Result<ParquetFile, Fault> {
+        let source = Arc::new(ParquetSource::new(place)?);
         let schema = arrow_schema(&source.metadata, None)?;
         Ok(ParquetFile { source, schema })
     }
@@ -84,7 +84,7 @@ impl ParquetFile {
     }
 
     /// Reads some columns, in the order of the file, with the types of `types`, a schema of this file.
-    pub fn batches(&self, columns: &[usize], types: &Schema) -> Result<Batches, Fault> {
+    pub fn batches(&self, columns: &[usize], types: &Schema) -> Result<ParquetBatches, Fault> {
         self.select(columns, types, None)
     }
 
@@ -99,7 +99,7 @@ impl ParquetFile {
         columns: &[usize],
         types: &Schema,
         row: Option<u64>,
-    ) -> Result<Batches, Fault> {
+    ) -> Result<ParquetBatches, Fault> {
         let rows = self.rows();
         if rows > MAX_ROWS {
             let allowed = format!("at most {MAX_ROWS} rows in a file");
@@ -123,7 +123,7 @@ impl ParquetFile {
         };
         let reader = guarded(open)?.map_err(|error| self.source.fault(&error.to_string()))?;
         let (source, rows_left) = (Arc::clone(&self.source), row.map_or(rows, |_| 1));
-        Ok(Batches { source, reader: Some(reader), rows_left })
+        Ok(ParquetBatches { source, reader: Some(reader), rows_left })
     }
 }
 
@@ -143,7 +143,7 @@ fn wrong_type(kind: &DataType) -> Fault {
 }
 
 /// The row groups of a file, for the Parquet library.
-struct Groups(Arc<Source>);
+struct Groups(Arc<ParquetSource>);
 
 impl RowGroups for Groups {
     fn num_rows(&self) -> usize {
@@ -164,15 +164,15 @@ impl RowGroups for Groups {
 }
 
 /// The rows of some columns, in order.
-pub(crate) struct Batches {
-    source: Arc<Source>,
+pub(crate) struct ParquetBatches {
+    source: Arc<ParquetSource>,
     /// `None` after the end and after a fault.
     reader: Option<ParquetRecordBatchReader>,
     /// The number of rows still to be read.
     rows_left: u64,
 }
 
-impl Batches {
+impl ParquetBatches {
     fn advance(&mut self) -> Result<Option<RecordBatch>, Fault> {
         let Some(mut reader) = self.reader.take() else { return Ok(None) };
         let batch = guarded(|| reader.next())?.transpose();
@@ -187,7 +187,7 @@ impl Batches {
     }
 }
 
-impl Iterator for Batches {
+impl Iterator for ParquetBatches {
     type Item = Result<RecordBatch, Fault>;
 
     fn next(&mut self) -> Option<Self::Item> {

@@ -23,16 +23,16 @@ const MAX_HEADER_BYTES: u64 = 16 * 1024;
 const MAGIC: &[u8; 4] = b"PAR1";
 
 /// The location of a file's bytes.
-pub(super) enum Place {
+pub(super) enum ByteLocation {
     Memory(Bytes),
     Disk(File),
 }
 
-impl Place {
+impl ByteLocation {
     fn length(&self) -> u64 {
         match self {
-            Place::Memory(bytes) => bytes.len() as u64,
-            Place::Disk(file) => file.len(),
+            ByteLocation::Memory(bytes) => bytes.len() as u64,
+            ByteLocation::Disk(file) => file.len(),
         }
     }
 
@@ -43,8 +43,8 @@ impl Place {
             return Err(Fault::damaged("a part outside the file"));
         }
         let read = match self {
-            Place::Memory(bytes) => bytes.get_bytes(start, length),
-            Place::Disk(file) => file.get_bytes(start, length),
+            ByteLocation::Memory(bytes) => bytes.get_bytes(start, length),
+            ByteLocation::Disk(file) => file.get_bytes(start, length),
         };
         read.map_err(|error| Fault::damaged(&error.to_string()))
     }
@@ -74,8 +74,8 @@ impl Place {
 }
 
 /// A Parquet file with its decoded footer.
-pub(super) struct Source {
-    place: Place,
+pub(super) struct ParquetSource {
+    place: ByteLocation,
     /// The decoded footer.
     pub metadata: ParquetMetaData,
     /// The decompressed size that further pages may have, bytes.
@@ -89,11 +89,11 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Source {
+impl ParquetSource {
     /// Reads the footer of a file.
-    pub fn new(place: Place) -> Result<Source, Fault> {
+    pub fn new(place: ByteLocation) -> Result<ParquetSource, Fault> {
         let metadata = place.footer()?;
-        Ok(Source { place, metadata, budget: Mutex::new(0), fault: Mutex::new(None) })
+        Ok(ParquetSource { place, metadata, budget: Mutex::new(0), fault: Mutex::new(None) })
     }
 
     /// Sets the decompressed size that the pages may have in total from now on, bytes.
@@ -124,13 +124,13 @@ impl Source {
     }
 }
 
-impl Length for Source {
+impl Length for ParquetSource {
     fn len(&self) -> u64 {
         self.place.length()
     }
 }
 
-impl ChunkReader for Source {
+impl ChunkReader for ParquetSource {
     type T = Cursor<Bytes>;
 
     /// Returns the header of a page; the library reads only page headers with this function.

@@ -100,7 +100,7 @@ use shapes::{FOOTER, PAGE_HEADER};
 
 /// Checks the footer of a file.
 pub(super) fn check_footer(bytes: &[u8]) -> Result<(), Fault> {
-    let mut reader = Reader::new(bytes);
+    let mut reader = ThriftReader::new(bytes);
     match reader.value(STRUCT, Some(FOOTER), MAX_DEPTH) {
         Some(_) => Ok(()),
         None if reader.too_deep => {
@@ -113,13 +113,13 @@ pub(super) fn check_footer(bytes: &[u8]) -> Result<(), Fault> {
 
 /// Returns the length of the page header at the start of these bytes.
 pub(super) fn page_header(bytes: &[u8]) -> Result<usize, Fault> {
-    let mut reader = Reader::new(bytes);
+    let mut reader = ThriftReader::new(bytes);
     let read = reader.value(STRUCT, Some(PAGE_HEADER), MAX_DEPTH);
     read.map(|_| bytes.len() - reader.bytes.len())
         .ok_or_else(|| Fault::damaged("a page without a readable header"))
 }
 
-struct Reader<'a> {
+struct ThriftReader<'a> {
     /// The bytes still to be read, and the largest number of values in them.
     bytes: &'a [u8],
     values_left: usize,
@@ -128,9 +128,9 @@ struct Reader<'a> {
     too_deep: bool,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> ThriftReader<'a> {
     fn new(bytes: &'a [u8]) -> Self {
-        Reader { bytes, values_left: MAX_VALUES, open_groups: Vec::new(), too_deep: false }
+        ThriftReader { bytes, values_left: MAX_VALUES, open_groups: Vec::new(), too_deep: false }
     }
 
     /// Reads a value of this type and shape. Returns its number, or 0 if it is not an integer.

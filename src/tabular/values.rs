@@ -22,7 +22,7 @@ macro_rules! kinds {
 
         /// The values of a column; a missing value is `None`.
         #[derive(Clone, Debug, PartialEq)]
-        pub enum Values {
+        pub enum ColumnValues {
             $(#[doc = $meaning] $name(Vec<Option<$value>>),)*
         }
 
@@ -35,11 +35,11 @@ macro_rules! kinds {
             }
         }
 
-        impl Values {
+        impl ColumnValues {
             /// Returns the value in a row as JSON; null if it is missing.
             pub(crate) fn json(&self, row: usize) -> Value {
                 match self {
-                    $(Values::$name(values) => json!(values.get(row)),)*
+                    $(ColumnValues::$name(values) => json!(values.get(row)),)*
                 }
             }
         }
@@ -71,9 +71,9 @@ impl Kind {
     }
 }
 
-impl Values {
+impl ColumnValues {
     /// Returns the values of a column, or `None` if its type is not supported.
-    pub(crate) fn of(column: &ArrayRef) -> Option<Values> {
+    pub(crate) fn of(column: &ArrayRef) -> Option<ColumnValues> {
         fn all<T: ArrowPrimitiveType, V>(
             column: &ArrayRef,
             value: impl Fn(T::Native) -> V,
@@ -82,47 +82,49 @@ impl Values {
             Some(values.map(|number| number.map(&value)).collect())
         }
         /// Converts decimal numbers to the nearest floating-point numbers, as parsing their digits does.
-        fn decimal<T: ArrowPrimitiveType>(column: &ArrayRef, scale: i8) -> Option<Values>
+        fn decimal<T: ArrowPrimitiveType>(column: &ArrayRef, scale: i8) -> Option<ColumnValues>
         where
             T::Native: ToString,
         {
             let digits = |value: T::Native| format!("{}e{}", value.to_string(), -i16::from(scale));
             let number = |value| digits(value).parse().unwrap_or(f64::NAN);
-            Some(Values::Number(all::<T, f64>(column, number)?))
+            Some(ColumnValues::Number(all::<T, f64>(column, number)?))
         }
-        fn texts<'a>(all: impl Iterator<Item = Option<&'a str>>) -> Values {
-            Values::Text(all.map(|text| text.map(str::to_owned)).collect())
+        fn texts<'a>(all: impl Iterator<Item = Option<&'a str>>) -> ColumnValues {
+            ColumnValues::Text(all.map(|text| text.map(str::to_owned)).collect())
         }
         Some(match column.data_type() {
-            DataType::Int8 => Values::Integer(all::<Int8Type, _>(column, i64::from)?),
-            DataType::Int16 => Values::Integer(all::<Int16Type, _>(column, i64::from)?),
-            DataType::Int32 => Values::Integer(all::<Int32Type, _>(column, i64::from)?),
-            DataType::Int64 => Values::Integer(all::<Int64Type, _>(column, |number| number)?),
-            DataType::UInt8 => Values::Count(all::<UInt8Type, _>(column, u64::from)?),
-            DataType::UInt16 => Values::Count(all::<UInt16Type, _>(column, u64::from)?),
-            DataType::UInt32 => Values::Count(all::<UInt32Type, _>(column, u64::from)?),
-            DataType::UInt64 => Values::Count(all::<UInt64Type, _>(column, |number| number)?),
-            DataType::Float16 => Values::Number(all::<Float16Type, _>(column, f64::from)?),
-            DataType::Float32 => Values::Number(all::<Float32Type, _>(column, f64::from)?),
-            DataType::Float64 => Values::Number(all::<Float64Type, _>(column, |number| number)?),
+            DataType::Int8 => ColumnValues::Integer(all::<Int8Type, _>(column, i64::from)?),
+            DataType::Int16 => ColumnValues::Integer(all::<Int16Type, _>(column, i64::from)?),
+            DataType::Int32 => ColumnValues::Integer(all::<Int32Type, _>(column, i64::from)?),
+            DataType::Int64 => ColumnValues::Integer(all::<Int64Type, _>(column, |number| number)?),
+            DataType::UInt8 => ColumnValues::Count(all::<UInt8Type, _>(column, u64::from)?),
+            DataType::UInt16 => ColumnValues::Count(all::<UInt16Type, _>(column, u64::from)?),
+            DataType::UInt32 => ColumnValues::Count(all::<UInt32Type, _>(column, u64::from)?),
+            DataType::UInt64 => ColumnValues::Count(all::<UInt64Type, _>(column, |number| number)?),
+            DataType::Float16 => ColumnValues::Number(all::<Float16Type, _>(column, f64::from)?),
+            DataType::Float32 => ColumnValues::Number(all::<Float32Type, _>(column, f64::from)?),
+            DataType::Float64 => {
+                ColumnValues::Number(all::<Float64Type, _>(column, |number| number)?)
+            }
             DataType::Decimal32(_, scale) => decimal::<Decimal32Type>(column, *scale)?,
             DataType::Decimal64(_, scale) => decimal::<Decimal64Type>(column, *scale)?,
             DataType::Decimal128(_, scale) => decimal::<Decimal128Type>(column, *scale)?,
             DataType::Decimal256(_, scale) => decimal::<Decimal256Type>(column, *scale)?,
-            DataType::Boolean => Values::Boolean(column.as_boolean_opt()?.iter().collect()),
+            DataType::Boolean => ColumnValues::Boolean(column.as_boolean_opt()?.iter().collect()),
             DataType::Utf8 => texts(column.as_string_opt::<i32>()?.iter()),
             DataType::LargeUtf8 => texts(column.as_string_opt::<i64>()?.iter()),
             DataType::Utf8View => texts(column.as_string_view_opt()?.iter()),
             DataType::Dictionary(..) => {
                 let coded = column.as_any_dictionary_opt()?;
-                Values::of(&take(coded.values(), coded.keys(), None).ok()?)?
+                ColumnValues::of(&take(coded.values(), coded.keys(), None).ok()?)?
             }
             DataType::List(_) => {
                 let lists = column.as_list_opt::<i32>()?.iter().map(|list| {
                     // A list with a missing value counts as missing.
                     list?.as_primitive_opt::<Float64Type>()?.iter().collect::<Option<Vec<f64>>>()
                 });
-                Values::Numbers(lists.collect())
+                ColumnValues::Numbers(lists.collect())
             }
             _ => return None,
         })

@@ -1,11 +1,11 @@
 //! Intervals of stratified samples: definition and simulated coverage.
 
 use crate::support::TestRng;
-use stickslip::analysis::{Cells, Z_95, wilson};
+use stickslip::analysis::{StratifiedCells, Z_95, wilson};
 
 /// Returns cells with these runs, equilibria and failures.
-fn cells(counts: &[[u64; 3]]) -> Cells {
-    let mut cells = Cells::new(counts.len() as u64);
+fn cells(counts: &[[u64; 3]]) -> StratifiedCells {
+    let mut cells = StratifiedCells::new(counts.len() as u64);
     for (cell, &[runs, equilibria, failures]) in counts.iter().enumerate() {
         for run in 0..runs {
             let failed = run >= runs - failures;
@@ -21,9 +21,9 @@ fn cells_with_too_few_runs_have_no_interval() {
     assert_eq!(cells(&[[2, 1, 0], [1, 1, 0]]).fraction(), None);
     assert_eq!(cells(&[[50, 20, 0]]).interval(), None);
     // Above 65,536 cells the design counts as not stratified.
-    assert_ne!(Cells::new(65_536), Cells::default());
-    assert_eq!(Cells::new(65_537), Cells::default());
-    assert_eq!(Cells::new(u64::MAX), Cells::default());
+    assert_ne!(StratifiedCells::new(65_536), StratifiedCells::default());
+    assert_eq!(StratifiedCells::new(65_537), StratifiedCells::default());
+    assert_eq!(StratifiedCells::new(u64::MAX), StratifiedCells::default());
 }
 
 /// The variance agrees with Cochran's equation 5.53 for `k_h` of `n` in each cell, and the

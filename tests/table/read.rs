@@ -7,7 +7,7 @@ use std::path::Path;
 use serde_json::json;
 use stickslip::table::column::{Column, Columns};
 use stickslip::table::{
-    FORMAT, FileEntry, Kind, Manifest, Table, TableError, TableWriter, Values, manifest_of,
+    ColumnValues, FORMAT, FileEntry, Kind, Manifest, Table, TableError, TableWriter, manifest_of,
 };
 use tempfile::{TempDir, tempdir};
 
@@ -100,19 +100,21 @@ fn compare(table: &Table) -> u64 {
         let read: Vec<_> = batch.columns.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(read, all_kinds().map(|(name, _)| name));
         let rows = || next..next + batch.rows as u64;
-        let whole =
-            |value: fn(u64) -> u64| Values::Count(rows().map(|n| there(n).map(value)).collect());
-        let text =
-            |value: fn(u64) -> String| Values::Text(rows().map(|n| there(n).map(value)).collect());
+        let whole = |value: fn(u64) -> u64| {
+            ColumnValues::Count(rows().map(|n| there(n).map(value)).collect())
+        };
+        let text = |value: fn(u64) -> String| {
+            ColumnValues::Text(rows().map(|n| there(n).map(value)).collect())
+        };
         let expected = [
-            Values::Number(rows().map(number).collect()),
+            ColumnValues::Number(rows().map(number).collect()),
             whole(|n| u64::MAX - n),
             whole(|n| n % 256),
-            Values::Integer(rows().map(|n| there(n).map(|n| 5 - n as i64)).collect()),
-            Values::Boolean(rows().map(|n| there(n).map(|n| n % 3 == 0)).collect()),
+            ColumnValues::Integer(rows().map(|n| there(n).map(|n| 5 - n as i64)).collect()),
+            ColumnValues::Boolean(rows().map(|n| there(n).map(|n| n % 3 == 0)).collect()),
             text(|n| WORDS[n as usize % 3].to_owned()),
             text(|n| format!("run {n}")),
-            Values::Numbers(rows().map(list).collect()),
+            ColumnValues::Numbers(rows().map(list).collect()),
         ];
         for ((name, values), expected) in batch.columns.iter().zip(&expected) {
             assert_eq!(values, expected, "{name}");
@@ -187,7 +189,7 @@ fn errors_name_missing_columns_and_wrong_types() {
     let wrong = ["t.parquet: column text: wrong type", "a column of text", "allowed: numbers"];
     refused(table.read(&[("text", Kind::Number)]), &wrong);
     let batch = table.read(&[("count", Kind::Count)]).unwrap().next().unwrap().unwrap();
-    assert!(matches!(&batch.columns[..], [(name, Values::Count(_))] if name == "count"));
+    assert!(matches!(&batch.columns[..], [(name, ColumnValues::Count(_))] if name == "count"));
 }
 
 #[test]

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use stickslip::analysis::{Interval, Observed, PointAccumulator, PointSummary, Z_95, wilson};
+use stickslip::analysis::{
+    ConfidenceInterval, Observed, PointAccumulator, PointSummary, Z_95, wilson,
+};
 use stickslip::classification::{Label, Outcome};
 use stickslip::model::{Case, Machine, Method, NormalForce, Simulation, Tolerance};
 
@@ -217,7 +219,7 @@ the computation, but the fraction of equilibria does not.
     pub fn must_agree(&self) {
         for (point, (speed, _)) in self.points.iter().enumerate() {
             let runs = self.outcomes[0][point].len();
-            let Interval { low, high, .. } = self.summary(0, point).interval;
+            let ConfidenceInterval { low, high, .. } = self.summary(0, point).interval;
             for way in 1..ways().len() {
                 let flips = self.rest_flips(way, point);
                 let most = match *speed {

@@ -7,7 +7,8 @@
 
 use super::estimate::{Estimate, RunResult, Sample};
 use crate::analysis::{
-    Cells, SurvivalCurve, ValueCounts, Z_95, rest_or_stop_time, wilson, wilson_with_failures,
+    StratifiedCells, SurvivalCurve, ValueCounts, Z_95, rest_or_stop_time, wilson,
+    wilson_with_failures,
 };
 use crate::classification::Label;
 
@@ -44,7 +45,7 @@ fn ends_before(end_s: f64, time_s: f64) -> bool {
 
 /// Estimates the fraction of runs that succeed; unknown results count as failures.
 fn fraction(sample: &Sample, succeeds: impl Fn(&RunResult) -> Option<bool>) -> Estimate {
-    let mut cells = sample.cells.map(Cells::new).unwrap_or_default();
+    let mut cells = sample.cells.map(StratifiedCells::new).unwrap_or_default();
     let mut known_cells = cells.clone();
     let (mut successes, mut failures) = (0, 0);
     for run in &sample.runs {

@@ -58,12 +58,12 @@ pub(in crate::engine) struct NewResult {
 pub struct Chunk {
     /// The hash of the study of the runs.
     pub study_hash: String,
-    runs: Vec<Entry>,
+    runs: Vec<ChunkEntry>,
     bytes: Vec<u8>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Entry {
+struct ChunkEntry {
     run_id: u64,
     key: CaseKey,
     start: usize,
@@ -88,7 +88,7 @@ impl Chunk {
             return Err(ChunkFault::Version { format, model });
         }
         let hash = rest.take::<HASH_DIGITS>().ok_or(ChunkFault::Foreign)?;
-        let mut runs: Vec<Entry> = Vec::new();
+        let mut runs: Vec<ChunkEntry> = Vec::new();
         while rest.at < bytes.len() {
             let entry = rest.entry().ok_or(ChunkFault::Torn { at: rest.at })?;
             if runs.last().is_some_and(|last| last.run_id >= entry.run_id) {
@@ -144,7 +144,7 @@ impl Rest<'_> {
     }
 
     /// Returns the next run; consumes nothing if the run is incomplete.
-    fn entry(&mut self) -> Option<Entry> {
+    fn entry(&mut self) -> Option<ChunkEntry> {
         let mut ahead = Rest { bytes: self.bytes, at: self.at };
         let run_id = u64::from_le_bytes(ahead.take()?);
         let key = CaseKey(ahead.take()?);
@@ -152,7 +152,7 @@ impl Rest<'_> {
         let start = ahead.at;
         let end = start.checked_add(length).filter(|end| *end <= self.bytes.len())?;
         self.at = end;
-        Some(Entry { run_id, key, start, end })
+        Some(ChunkEntry { run_id, key, start, end })
     }
 }
 

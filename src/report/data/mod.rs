@@ -18,10 +18,10 @@ use std::sync::{Arc, OnceLock};
 pub use cycles::{CycleFacts, QUANTITIES};
 pub use drawn::{DrawnRuns, DrawnValues};
 pub use incomplete::IncompletePoints;
-pub use motion::Motion;
+pub use motion::SampledMotion;
 pub use names::{axis_of, heading, said};
 pub use points::{Fraction, PointFacts};
-pub use run_up::{PeakOfRun, RunUp, SampledRun};
+pub use run_up::{PeakOfRun, SampledRun, SampledRunUps};
 pub use runs::{Notable, RunSample, scattered};
 pub use time_to_rest::RestCurve;
 
@@ -91,7 +91,7 @@ pub struct ResultTables {
     rest: Table,
     cycles: Table,
     /// Runs that have been computed again, once for all budgets.
-    run_up: OnceLock<Arc<RunUp>>,
+    run_up: OnceLock<Arc<SampledRunUps>>,
 }
 
 impl ResultTables {
@@ -118,7 +118,11 @@ impl ResultTables {
     }
 
     /// Returns what happened in the runs of a study with stages; computes a few of them again on the first call.
-    fn run_up(&self, study: &Study, points: &[PointFacts]) -> Result<Arc<RunUp>, TableError> {
+    fn run_up(
+        &self,
+        study: &Study,
+        points: &[PointFacts],
+    ) -> Result<Arc<SampledRunUps>, TableError> {
         if let Some(run_up) = self.run_up.get() {
             return Ok(Arc::clone(run_up));
         }
@@ -151,7 +155,7 @@ pub struct ReportData<'a> {
     /// Time to rest of the points in detail.
     pub rest: Vec<RestCurve>,
     /// What happened in the stages of the runs.
-    pub run_up: Arc<RunUp>,
+    pub run_up: Arc<SampledRunUps>,
     /// Classes of limit cycles.
     pub cycles: Vec<CycleFacts>,
     /// Limits of what figures show.

@@ -13,7 +13,7 @@ const INSTANTS: (f64, f64) = (6.0, 64.0);
 
 /// The motion of a run in intervals.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Motion {
+pub struct SampledMotion {
     /// The middle of each interval, s.
     pub time_s: Vec<f64>,
     /// The largest distance of the table from its place at rest in each interval, m.
@@ -28,7 +28,7 @@ pub struct Motion {
     pub kicks_s: Vec<f64>,
 }
 
-impl Motion {
+impl SampledMotion {
     /// Returns whether the speed of the disc changes in the middle of an interval.
     pub fn is_ramp(&self, interval: usize) -> bool {
         let Some(time_s) = self.time_s.get(interval) else { return false };
@@ -40,7 +40,7 @@ impl Motion {
 }
 
 /// Computes a run again up to a time, s; `None` for a run that does not start, or of a model without balls.
-pub fn motion(study: &Study, run_id: u64, end_s: f64) -> Option<Motion> {
+pub fn motion(study: &Study, run_id: u64, end_s: f64) -> Option<SampledMotion> {
     let case: Case = study.planned_run(run_id).case.ok()?;
     let machine = case.model.ball_balancer()?;
     if !(end_s > 0.0 && end_s.is_finite()) {
@@ -54,16 +54,16 @@ pub fn motion(study: &Study, run_id: u64, end_s: f64) -> Option<Motion> {
         true => vec![[0.0, last_stage_s], [last_stage_s, end_s]],
         false => vec![[0.0, end_s]],
     };
-    let intervals: Vec<Interval> =
+    let intervals: Vec<TimeInterval> =
         parts.into_iter().flat_map(|ends| divided(ends, rate_rad_s)).collect();
-    let instants = intervals.iter().flat_map(Interval::instants_s);
+    let instants = intervals.iter().flat_map(TimeInterval::instants_s);
     let times: Vec<f64> = instants.map(|time| time * units.natural_rad_s).collect();
     let most = times.len();
     let mut recorder = Recorder::new(Instants::At(times), most);
     simulate_recorded(&case, &mut recorder);
     let samples = recorder.finish().samples;
     let mut samples = samples.iter();
-    let mut motion = Motion {
+    let mut motion = SampledMotion {
         time_s: Vec::new(),
         amplitude_m: Vec::new(),
         ball_speed_rad_s: vec![Vec::new(); machine.balls.len()],
@@ -91,26 +91,26 @@ pub fn motion(study: &Study, run_id: u64, end_s: f64) -> Option<Motion> {
 
 /// A part of the time of a run, with a number of equidistant instants in it.
 #[derive(Clone, Copy, Debug)]
-struct Interval {
+struct TimeInterval {
     ends_s: [f64; 2],
     instants: usize,
 }
 
-impl Interval {
+impl TimeInterval {
     fn instants_s(&self) -> impl Iterator<Item = f64> {
-        let Interval { ends_s: [from, to], instants } = *self;
+        let TimeInterval { ends_s: [from, to], instants } = *self;
         let part = move |place: usize| (place as f64 + 0.5) / instants as f64;
         (0..instants).map(move |place| from + (to - from) * part(place))
     }
 }
 
 /// Divides a time into intervals, with enough instants for oscillations of this angular frequency.
-fn divided([from_s, to_s]: [f64; 2], rate_rad_s: f64) -> impl Iterator<Item = Interval> {
+fn divided([from_s, to_s]: [f64; 2], rate_rad_s: f64) -> impl Iterator<Item = TimeInterval> {
     let length_s = (to_s - from_s) / INTERVALS as f64;
     let periods = length_s * rate_rad_s / std::f64::consts::TAU;
     let instants = (periods * INSTANTS_PER_PERIOD).clamp(INSTANTS.0, INSTANTS.1).ceil() as usize;
     (0..INTERVALS).map(move |place| {
         let [begin_s, end_s] = [place, place + 1].map(|place| from_s + length_s * place as f64);
-        Interval { ends_s: [begin_s, end_s], instants }
+        TimeInterval { ends_s: [begin_s, end_s], instants }
     })
 }

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use super::motion::{Motion, motion};
+use super::motion::{SampledMotion, motion};
 use super::{PointFacts, evenly, scattered};
 use crate::study::Study;
 use crate::table::{Table, TableError};
@@ -25,7 +25,7 @@ const QUANTILES: [(f64, &str); 4] = [
 
 /// What happened in the runs of a study with stages; empty for other studies.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct RunUp {
+pub struct SampledRunUps {
     /// The run with the largest vibration of each point.
     pub largest: BTreeMap<u64, PeakOfRun>,
     /// The points with motions, each with its runs.
@@ -53,12 +53,12 @@ pub struct SampledRun {
     /// Its largest vibration.
     pub peak: PeakOfRun,
     /// Its motion.
-    pub motion: Motion,
+    pub motion: SampledMotion,
 }
 
 /// A run from which the sample may be chosen.
 #[derive(Clone, Copy, Debug)]
-struct Candidate {
+struct SampleCandidate {
     peak: PeakOfRun,
     amplitude_m: f64,
     end_s: f64,
@@ -68,17 +68,21 @@ struct Candidate {
 /// The runs of a point from which the sample is chosen.
 #[derive(Clone, Debug, Default)]
 struct Candidates {
-    first: Option<Candidate>,
-    largest: Option<Candidate>,
-    some: Vec<Candidate>,
+    first: Option<SampleCandidate>,
+    largest: Option<SampleCandidate>,
+    some: Vec<SampleCandidate>,
 }
 
 /// Reads the runs of these points, and computes a few of them again.
-pub fn read(study: &Study, table: &Table, points: &[PointFacts]) -> Result<RunUp, TableError> {
+pub fn read(
+    study: &Study,
+    table: &Table,
+    points: &[PointFacts],
+) -> Result<SampledRunUps, TableError> {
     if !study.has_peaks() {
-        return Ok(RunUp::default());
+        return Ok(SampledRunUps::default());
     }
-    let mut run_up = RunUp::default();
+    let mut run_up = SampledRunUps::default();
     let chosen = evenly(points.len(), MOST_POINTS).into_iter().filter_map(|at| points.get(at));
     let mut of_points: BTreeMap<u64, (u64, Candidates)> = chosen
         .map(|point| (point.point_id, (point.runs.div_ceil(MOST_RUNS), Candidates::default())))
@@ -99,7 +103,7 @@ pub fn read(study: &Study, table: &Table, points: &[PointFacts]) -> Result<RunUp
         }
         let candidates = of_points.get_mut(&point_id).zip(end);
         if let Some(((one_in, candidates), (amplitude_m, end_s))) = candidates {
-            candidates.add(Candidate { peak, amplitude_m, end_s, steps }, *one_in);
+            candidates.add(SampleCandidate { peak, amplitude_m, end_s, steps }, *one_in);
         }
     })?;
     let mut steps_left = MOST_STEPS;
@@ -130,7 +134,7 @@ fn is_larger(one: &PeakOfRun, other: &PeakOfRun) -> bool {
 }
 
 impl Candidates {
-    fn add(&mut self, run: Candidate, one_in: u64) {
+    fn add(&mut self, run: SampleCandidate, one_in: u64) {
         let run_id = run.peak.run_id;
         if self.first.is_none_or(|first| run_id < first.peak.run_id) {
             self.first = Some(run);
@@ -144,8 +148,8 @@ impl Candidates {
     }
 
     /// Returns different runs with the reason for each.
-    fn sample(mut self) -> Vec<(Candidate, &'static str)> {
-        let order = |run: &Candidate| (run.amplitude_m, run.peak.run_id);
+    fn sample(mut self) -> Vec<(SampleCandidate, &'static str)> {
+        let order = |run: &SampleCandidate| (run.amplitude_m, run.peak.run_id);
         self.some.sort_by(|one, other| {
             let ((one, first), (other, second)) = (order(one), order(other));
             one.total_cmp(&other).then(first.cmp(&second))
@@ -154,9 +158,9 @@ impl Candidates {
         let at = |part: f64| self.some.get((part * last).round() as usize).copied();
         let first = [(self.first, "first run"), (self.largest, "largest amplitude of all runs")];
         let others = QUANTILES.into_iter().map(|(part, why)| (at(part), why));
-        let mut sample: Vec<(Candidate, &'static str)> = Vec::new();
+        let mut sample: Vec<(SampleCandidate, &'static str)> = Vec::new();
         for (run, why) in first.into_iter().chain(others) {
-            let is_new = |run: &Candidate| {
+            let is_new = |run: &SampleCandidate| {
                 sample.iter().all(|(other, _)| other.peak.run_id != run.peak.run_id)
             };
             if let Some(run) = run.filter(is_new) {
@@ -169,7 +173,7 @@ impl Candidates {
 
 #[cfg(test)]
 mod tests {
-    use super::{Candidate, Candidates, PeakOfRun};
+    use super::{Candidates, PeakOfRun, SampleCandidate};
 
     /// Ten runs whose amplitude at the end falls with the number, and whose peak is largest in run 3.
     #[test]
@@ -179,7 +183,7 @@ mod tests {
             let amplitude_m = 1.0 - 0.1 * run_id as f64;
             let peak_m = if run_id == 3 { 5.0 } else { 2.0 };
             let peak = PeakOfRun { run_id, amplitude_m: peak_m, time_s: 1.0 };
-            candidates.add(Candidate { peak, amplitude_m, end_s: 9.0, steps: 7 }, 1);
+            candidates.add(SampleCandidate { peak, amplitude_m, end_s: 9.0, steps: 7 }, 1);
         }
         let runs: Vec<u64> = candidates.sample().iter().map(|(run, _)| run.peak.run_id).collect();
         // The run with the largest amplitude at the end is the first one.

@@ -1,6 +1,6 @@
 //! Figure: fractions of failed and undecided runs, and of flips in the audit.
 
-use super::layers::{Estimate, fraction_axis, label_symbol, label_words};
+use super::layers::{PlottedEstimate, fraction_axis, label_symbol, label_words};
 use crate::classification::Label;
 use crate::report::chart::{Axis, Colour, Figure, Layer, Panel, Symbol, Tooltips};
 use crate::report::data::{Fraction, PointFacts, ReportData};
@@ -60,10 +60,10 @@ fn fraction_layers(
 ) -> Vec<Layer> {
     let known = fractions.enumerate().filter_map(|(place, fraction)| {
         let (runs, [value, low, high]) = fraction?;
-        Some((runs as f64, Estimate { x: place as f64 + shift, value, low, high }))
+        Some((runs as f64, PlottedEstimate { x: place as f64 + shift, value, low, high }))
     });
-    let (runs, estimates): (Vec<f64>, Vec<Estimate>) = known.unzip();
-    let [fraction, from, to] = Estimate::columns("fraction", &estimates);
+    let (runs, estimates): (Vec<f64>, Vec<PlottedEstimate>) = known.unzip();
+    let [fraction, from, to] = PlottedEstimate::columns("fraction", &estimates);
     let tooltips = Tooltips::numbers([("runs", runs), fraction, from, to]);
-    Estimate::layers(look, None, &estimates, tooltips)
+    PlottedEstimate::layers(look, None, &estimates, tooltips)
 }

@@ -1,6 +1,6 @@
 //! Figure: the fraction of each label with its interval, over a swept parameter.
 
-use super::layers::{Estimate, fraction_axis, label_symbol, label_words, of_points};
+use super::layers::{PlottedEstimate, fraction_axis, label_symbol, label_words, of_points};
 use super::over_sweep::OverSweep;
 use crate::classification::Label;
 use crate::report::chart::{Colour, Figure, Layer, Tooltips};
@@ -42,12 +42,12 @@ fn layers(data: &ReportData<'_>, points: &[(f64, &PointFacts)]) -> Vec<Layer> {
     let of_label = |label: Label| {
         let estimate = |(x, point): &(f64, &PointFacts)| {
             let Fraction { fraction, low, high, .. } = fraction(point, label);
-            Estimate { x: *x, value: fraction, low, high }
+            PlottedEstimate { x: *x, value: fraction, low, high }
         };
-        let estimates: Vec<Estimate> = points.iter().map(estimate).collect();
+        let estimates: Vec<PlottedEstimate> = points.iter().map(estimate).collect();
         let of_label = points.iter().map(|(_, point)| fraction(point, label).runs as f64);
         let [runs, point] = of_points(points.iter().map(|(_, point)| *point));
-        let [value, from, to] = Estimate::columns("fraction", &estimates);
+        let [value, from, to] = PlottedEstimate::columns("fraction", &estimates);
         let tooltips = Tooltips::numbers([
             value,
             from,
@@ -57,7 +57,7 @@ fn layers(data: &ReportData<'_>, points: &[(f64, &PointFacts)]) -> Vec<Layer> {
             point,
         ]);
         let look = (&*label_words(label), Colour::Label(label), label_symbol(label));
-        Estimate::layers(look, Some(label != Label::Equilibrium), &estimates, tooltips)
+        PlottedEstimate::layers(look, Some(label != Label::Equilibrium), &estimates, tooltips)
     };
     let seen = |label: &Label| {
         *label == Label::Equilibrium

@@ -36,7 +36,7 @@ pub fn label_symbol(label: Label) -> Symbol {
 
 /// A value with its interval at an abscissa.
 #[derive(Clone, Copy, Debug)]
-pub struct Estimate {
+pub struct PlottedEstimate {
     /// Abscissa.
     pub x: f64,
     /// The value.
@@ -48,12 +48,12 @@ pub struct Estimate {
 }
 
 /// The columns of a tooltip: names with values.
-pub type Columns<const N: usize> = [(&'static str, Vec<f64>); N];
+pub type TooltipNumbers<const N: usize> = [(&'static str, Vec<f64>); N];
 
-impl Estimate {
+impl PlottedEstimate {
     /// Returns the tooltip columns of the values, named `name`, and of the ends of their intervals.
-    pub fn columns(name: &'static str, estimates: &[Estimate]) -> Columns<3> {
-        let column = |pick: fn(&Estimate) -> f64| estimates.iter().map(pick).collect();
+    pub fn columns(name: &'static str, estimates: &[PlottedEstimate]) -> TooltipNumbers<3> {
+        let column = |pick: fn(&PlottedEstimate) -> f64| estimates.iter().map(pick).collect();
         [
             (name, column(|one| one.value)),
             ("from", column(|one| one.low)),
@@ -65,10 +65,11 @@ impl Estimate {
     pub fn layers(
         (name, colour, symbol): (&str, Colour, Symbol),
         line: Option<bool>,
-        estimates: &[Estimate],
+        estimates: &[PlottedEstimate],
         tooltips: Tooltips,
     ) -> Vec<Layer> {
-        let column = |pick: fn(&Estimate) -> f64| estimates.iter().map(pick).collect::<Vec<f64>>();
+        let column =
+            |pick: fn(&PlottedEstimate) -> f64| estimates.iter().map(pick).collect::<Vec<f64>>();
         let x = column(|one| one.x);
         let (low, high) = (column(|one| one.low), column(|one| one.high));
         let points = || estimates.iter().map(|one| [one.x, one.value]).collect();
@@ -156,7 +157,7 @@ pub fn bars(
 }
 
 /// Returns the data of points: the numbers of their runs, and their own numbers.
-pub fn of_points<'a>(points: impl Iterator<Item = &'a PointFacts>) -> Columns<2> {
+pub fn of_points<'a>(points: impl Iterator<Item = &'a PointFacts>) -> TooltipNumbers<2> {
     let (runs, ids) = points.map(|one| (one.runs as f64, one.point_id as f64)).unzip();
     [("runs", runs), ("point", ids)]
 }

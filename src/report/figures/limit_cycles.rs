@@ -1,7 +1,7 @@
 //! Figure: limit cycles over a swept parameter, one branch per class.
 
-use super::layers::Estimate;
-use super::sweep_axis::{Group, SweepAxis};
+use super::layers::PlottedEstimate;
+use super::sweep_axis::{SweepAxis, SweepGroup};
 use crate::report::chart::{Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis};
 use crate::report::data::{CycleFacts, QUANTITIES, ReportData};
 use crate::study::Unit;
@@ -32,7 +32,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             let x = data.axis_of_points(&named);
             let points = named.into_iter().enumerate();
             let points = points.map(|(place, point)| (place as f64, point)).collect();
-            (x, vec![Group { title: String::new(), points }])
+            (x, vec![SweepGroup { title: String::new(), points }])
         }
     };
     let mut panels = Vec::new();
@@ -83,7 +83,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
 
 fn branch(
     cycles: &[CycleFacts],
-    group: &Group<'_>,
+    group: &SweepGroup<'_>,
     class: &str,
     (quantity, unit, index): (usize, &Unit, usize),
 ) -> Vec<Layer> {
@@ -95,17 +95,17 @@ fn branch(
         let [value, low, high] = values.map(|value| value.map(|value| unit.of(value)));
         let value = value?;
         let (low, high) = (low.unwrap_or(value), high.unwrap_or(value));
-        Some((Estimate { x: *x, value, low, high }, cycle))
+        Some((PlottedEstimate { x: *x, value, low, high }, cycle))
     });
-    let (estimates, cycles): (Vec<Estimate>, Vec<&CycleFacts>) = known.unzip();
+    let (estimates, cycles): (Vec<PlottedEstimate>, Vec<&CycleFacts>) = known.unzip();
     if estimates.is_empty() {
         return Vec::new();
     }
     let column = |pick: fn(&CycleFacts) -> u64| cycles.iter().map(|one| pick(one) as f64).collect();
-    let [value, from, to] = Estimate::columns("value", &estimates);
+    let [value, from, to] = PlottedEstimate::columns("value", &estimates);
     let (runs, point) = (column(|cycle| cycle.runs), column(|cycle| cycle.point_id));
     let tooltips = Tooltips::numbers([value, from, to, ("runs", runs), ("point", point)]);
     let symbol = SYMBOLS.get(index % SYMBOLS.len()).copied().unwrap_or(Symbol::Disc);
     let look = (&*format!("class {class}"), Colour::Series(index), symbol);
-    Estimate::layers(look, Some(false), &estimates, tooltips)
+    PlottedEstimate::layers(look, Some(false), &estimates, tooltips)
 }

@@ -4,7 +4,7 @@ use crate::numbers::significant;
 use crate::report::chart::{
     Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis,
 };
-use crate::report::data::{Motion, ReportData, RunUp, SampledRun};
+use crate::report::data::{ReportData, SampledMotion, SampledRun, SampledRunUps};
 use crate::study::{Study, Unit};
 
 /// The number of decades of an axis of amplitudes at most.
@@ -12,7 +12,7 @@ const DECADES: i32 = 5;
 
 /// Plots amplitude over time and over the speed of the disc, the speed of the disc and the speed of each ball over time.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
-    let RunUp { points, left_out, .. } = &*data.run_up;
+    let SampledRunUps { points, left_out, .. } = &*data.run_up;
     let mut panels = Vec::new();
     for (point_id, runs) in points {
         let point = data.points.iter().find(|point| point.point_id == *point_id)?;
@@ -54,7 +54,7 @@ fn panels_of(study: &Study, point_id: u64, runs: &[SampledRun]) -> Vec<Panel> {
         part: part.to_owned(),
         ..Panel::new(x, y, layers)
     };
-    let over_time = |y: &dyn Fn(&Motion, usize) -> f64| {
+    let over_time = |y: &dyn Fn(&SampledMotion, usize) -> f64| {
         let line = move |run: &SampledRun| {
             let times = run.motion.time_s.iter().enumerate();
             times.map(|(place, time)| [*time, y(&run.motion, place)]).collect()
@@ -64,15 +64,16 @@ fn panels_of(study: &Study, point_id: u64, runs: &[SampledRun]) -> Vec<Panel> {
         layers
     };
     // An amplitude of 0, which a logarithmic axis does not show, breaks the line.
-    let shown = |motion: &Motion, place: usize| match motion.amplitude_m[place] {
+    let shown = |motion: &SampledMotion, place: usize| match motion.amplitude_m[place] {
         metres if metres > 0.0 => vibration.of(metres),
         _ => f64::NAN,
     };
     let mut layers = over_time(&shown);
     layers.push(peaks(runs, &units, &|run| run.peak.time_s));
     let mut panels = vec![part("amplitude over time", time(), amplitude.clone(), layers)];
-    let disc_speed = |motion: &Motion, time_s: f64| speed_unit.of(motion.disc.speed_rad_s(time_s));
-    let speed_of = |motion: &Motion, place: usize| disc_speed(motion, motion.time_s[place]);
+    let disc_speed =
+        |motion: &SampledMotion, time_s: f64| speed_unit.of(motion.disc.speed_rad_s(time_s));
+    let speed_of = |motion: &SampledMotion, place: usize| disc_speed(motion, motion.time_s[place]);
     let is_ramp = |run: &SampledRun| (0..run.motion.time_s.len()).any(|at| run.motion.is_ramp(at));
     if runs.iter().any(is_ramp) {
         let line = |run: &SampledRun| {
@@ -93,7 +94,7 @@ fn panels_of(study: &Study, point_id: u64, runs: &[SampledRun]) -> Vec<Panel> {
     }
     let balls = runs.iter().map(|run| run.motion.ball_speed_rad_s.len()).max().unwrap_or(0);
     for ball in 0..balls {
-        let speed = |motion: &Motion, place: usize| {
+        let speed = |motion: &SampledMotion, place: usize| {
             motion
                 .ball_speed_rad_s
                 .get(ball)

@@ -13,7 +13,7 @@ pub struct SweepAxis {
 }
 
 /// Points that differ in one parameter only.
-pub struct Group<'a> {
+pub struct SweepGroup<'a> {
     /// The values of the other parameters in words; empty if there is one group.
     pub title: String,
     /// Value of the parameter and the point, by ascending value.
@@ -73,8 +73,8 @@ impl SweepAxis {
     }
 
     /// Returns the points in groups that differ in this parameter only, in the order of the sweep.
-    pub fn groups<'a>(&self, data: &'a ReportData<'_>) -> Vec<Group<'a>> {
-        let mut groups: Vec<Group<'a>> = Vec::new();
+    pub fn groups<'a>(&self, data: &'a ReportData<'_>) -> Vec<SweepGroup<'a>> {
+        let mut groups: Vec<SweepGroup<'a>> = Vec::new();
         let mut places = std::collections::HashMap::new();
         for point in &data.points {
             let Some(value) = number(data.study, point, self.column) else { continue };
@@ -82,7 +82,7 @@ impl SweepAxis {
             let next = groups.len();
             let place = *places.entry(title.clone()).or_insert(next);
             if place == next {
-                groups.push(Group { title, points: Vec::new() });
+                groups.push(SweepGroup { title, points: Vec::new() });
             }
             if let Some(group) = groups.get_mut(place) {
                 group.points.push((value, point));
