@@ -2,6 +2,17 @@
 //! summaries of sweep points.
 //!
 //! This module reads outcomes and returns numbers; it does not depend on any file format.
+//!
+//! Read `interval` and `quantile_interval` first, then `observed`, which is a run as statistics see it. `value_counts`,
+//! `summary_statistics` and `angle_set` collect values in bounded memory. The statistics of a point follow: `survival` with
+//! `rest_curve` and `escape`, `cycle_class` with `cycles`, `stratified`, `basin_entropy`, `audit`, and `residual_vibration`.
+//! `point_summary` combines them, and `stopping` decides whether a point needs more runs. `estimates` are the responses of
+//! designs.
+//!
+//! The closed forms of balls at rest start with `rest_form`, which has the parameters of a machine, and `touching`. The
+//! equilibrium set is exact for `one_ball`, and otherwise found on a `set_grid` or at `set_samples`; `set_extremes` and
+//! `climb` find its amplitudes, and `equilibrium_set` combines all of this. The equilibria without friction build on
+//! `balance`, `on_a_line` and `linearised`; `frictionless` combines these. `run_up` stands alone.
 
 mod angle_set;
 mod audit;

@@ -1,4 +1,11 @@
 //! The command line: one file per command; this file dispatches to them and turns ends into exit codes.
+//!
+//! Read `exit` and `output` first: how a command ends and prints. `arguments` and `range` are arguments that commands share.
+//!
+//! Each other file is a command or a part of one. `check` prints what `check_machine`, `check_system`, `check_points`,
+//! `check_run_up`, `existence` and `design_cost` say. `run`, `resume`, `merge` and `verify` compute studies with
+//! `run_on_engine`. `summary`, `report`, `compare`, `equilibria` and `replay` need results or closed forms only, and
+//! `evaluate`, `optimize` and `identify` evaluate designs.
 
 mod arguments;
 mod check;
@@ -116,7 +123,7 @@ pub fn run(registry: Registry) -> ExitCode {
     ExitCode::from(run_with(registry, std::env::args_os()))
 }
 
-/// Runs the program like [`run`] with these arguments; the first one is the name of the program. A process of another
+/// Runs the program like [`run()`] with these arguments; the first one is the name of the program. A process of another
 /// language, such as Python, can call it; the handlers of signals stay installed afterwards.
 pub fn run_with(registry: Registry, arguments: impl IntoIterator<Item = OsString>) -> u8 {
     show_messages(print_message);

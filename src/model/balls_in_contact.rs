@@ -3,7 +3,7 @@
 //! While no balls touch, the equations are those of [`Balancer`]. The forces `λ` in closed gaps are unknowns like the
 //! acceleration of the table: a closed gap keeps its width, and in an open gap there is no force. Friction in a closed gap
 //! is `q = σ μ_b λ` with the direction `σ` in which both balls roll. In a gap between two balls that stick to the ring the
-//! force is not determined; the equations then contain none, and [`super::held`] decides whether the balls stick.
+//! force is not determined; the equations then contain none, and [`super::held()`] decides whether the balls stick.
 
 use std::any::{Any, TypeId};
 

@@ -1,4 +1,11 @@
 //! The report page and the animation of a replayed run, and the files that hold them. Equal data give equal bytes.
+//!
+//! Read `data` first: what the tables of a directory say about its points and runs. `chart` says what a figure contains, and
+//! `figures` makes those of a study from the data. `printed_columns`, `remedies` and `conclusion` are its tables and
+//! sentences, `optimum` is the same for a search, and `page` puts everything into HTML. `write` writes the page, where
+//! `overwrite` allows it.
+//!
+//! `stored_run`, `animation` and `replay` are about one run that is computed again, and `comparison` is about two studies.
 
 mod animation;
 pub mod chart;

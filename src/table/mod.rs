@@ -2,15 +2,15 @@
 //!
 //! Only this module writes Parquet files; `tabular` reads them for both studies and results.
 //!
-//! - Columns: each table declares its columns in a file of its name, with the methods of `column`.
-//! - Writing: `writer` turns rows into columns, for `memory_table` or for `table_files`, which writes
-//!   into an `unfinished_table` that gets its name last. `study_tables` declares the tables of a
-//!   study, `results` and `equilibrium_files` hold the tables of a command; `manifest` and
-//!   `file_list` list their files.
-//! - Output directories: `output_state` inspects a directory before a run, `previous_results` moves
-//!   earlier results aside, and `atomic_files` and `durable_directories` survive kills and power
-//!   loss.
-//! - Reading: `read` and `stored_run` read tables after `verified_files` has checked their hashes.
+//! - Read `column` first, and `writer`, which turns rows into columns for `memory_table` or for `table_files`. The latter
+//!   writes into an `unfinished_table`, which gets its name last.
+//! - The tables of a study declare their columns in files of their names: `runs`, `stages` and `equilibria` have one row per
+//!   run; `points`, and with `point_key` the others, belong to points. `replay` and `touches` are the tables of one run.
+//! - `file_entry`, `manifest` and `file_list` list the files of a directory, and `verified_files` checks their hashes.
+//!   `atomic_files` and `durable_directories` survive kills and power loss.
+//! - `read` opens a table, `row` reads its rows, and `stored_run` compares one with a run that is computed again.
+//! - `study_tables` and `equilibrium_files` hold the tables of a command, and `results` is the output directory of a study.
+//!   `output_state` inspects such a directory before a run, and `previous_results` moves earlier results aside.
 
 mod atomic_files;
 mod batch;

@@ -1,7 +1,6 @@
 //! Rows that belong to a point of the sweep, and the columns that identify the point.
 
 use super::column::Columns;
-use super::points::PointRow;
 use super::runs::add_swept;
 use crate::study::{ParameterValue, Point, Study};
 
@@ -32,9 +31,8 @@ pub struct OfPoint<T> {
 
 impl<T> OfPoint<T> {
     /// Creates a row of a point.
-    pub fn new(point: &PointRow, value: T) -> Self {
-        let point = PointKey { point_id: point.point_id, swept: point.swept.clone() };
-        OfPoint { point, value }
+    pub fn new(point: &PointKey, value: T) -> Self {
+        OfPoint { point: point.clone(), value }
     }
 }
 

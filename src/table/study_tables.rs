@@ -9,6 +9,7 @@ use super::cycles::{CycleRow, cycle_columns};
 use super::equilibria::{EquilibriumRow, equilibrium_columns};
 use super::equilibrium_histogram::{HistogramRow, histogram_columns};
 use super::memory_table::{MemoryRows, MemoryTable};
+use super::point_key::PointKey;
 use super::points::{PointRow, point_columns};
 use super::provenance::provenance;
 use super::run_record::RunRecord;
@@ -116,9 +117,10 @@ impl<D: Destination> Sink for StudyTables<D> {
 
     fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), D::Error> {
         let PointDetail { rest, cycles, histogram } = detail;
-        push(&mut self.time_to_rest, rest.into_iter().map(|step| RestRow::new(&point, step)))?;
-        push(&mut self.cycles, cycles.into_iter().map(|group| CycleRow::new(&point, group)))?;
-        let bins = histogram.into_iter().map(|bin| HistogramRow::new(&point, bin));
+        let key = PointKey { point_id: point.point_id, swept: point.swept.clone() };
+        push(&mut self.time_to_rest, rest.into_iter().map(|step| RestRow::new(&key, step)))?;
+        push(&mut self.cycles, cycles.into_iter().map(|group| CycleRow::new(&key, group)))?;
+        let bins = histogram.into_iter().map(|bin| HistogramRow::new(&key, bin));
         push(&mut self.equilibrium_histogram, bins)?;
         push(&mut self.points, [point])
     }

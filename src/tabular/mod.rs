@@ -2,6 +2,10 @@
 //!
 //! This module does not depend on studies or results. It checks the structure of a file, decodes batches of columns with
 //! known types, and converts them to rows of cells or to columns of values.
+//!
+//! Read `values` and `cells` first: columns of values and rows of cells. `csv` reads text. For Parquet, `thrift`, `unpack`
+//! and `text_lengths` check what the library is given, `pages` and `source` apply these checks, and `parquet` reads batches
+//! of rows. `read_cells` chooses between the formats.
 
 mod cells;
 mod csv;

@@ -3,7 +3,7 @@
 //! The size of a file does not bound the memory of the library (parquet 60.1). The files of `tests/fuzz/hostile.rs`, and two
 //! others with the last two pages, have this effect if the library reads them without these checks:
 //!
-//! | page | file [B] | memory of the library |
+//! | page | file, bytes | memory of the library |
 //! |---|---|---|
 //! | a dictionary that announces 2^31 - 1 numbers | 133 | 16 GiB |
 //! | a dictionary that announces 2^31 - 1 texts | 134 | 8 GiB |

@@ -1,4 +1,7 @@
 //! Estimates from a sample of runs, with standard errors and 95 % intervals: pure functions of the results of the runs.
+//!
+//! Read `estimate` first, then `moments` and `sample_quantile`. `probability`, `amplitude` and `rest_time` are the
+//! estimators, and `difference` compares two estimates.
 
 mod amplitude;
 mod difference;

@@ -69,7 +69,7 @@ pub struct ContactEquations<'r> {
 pub struct GapEquations<'r> {
     /// The second time derivative of its width.
     pub opening_acceleration: Expression<'r>,
-    /// The force in it, compression positive; 0 while it is open. It is an unknown of [`Recorder::accelerations`], like the
+    /// The force in it, compression positive; 0 while it is open. It is an unknown of [`super::Recorder::accelerations`], like the
     /// accelerations of contacts that move; impacts follow from its column.
     pub force: Expression<'r>,
 }

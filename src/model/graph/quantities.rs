@@ -5,29 +5,23 @@ use super::{Expression, Node, Recorder, Solve};
 impl Recorder {
     /// Returns a new input with this name, which may depend on the modes of contacts and gaps.
     pub fn input(&self, name: impl Into<String>) -> Expression<'_> {
-        let mut recording = self.0.borrow_mut();
-        let index = recording.inputs.len() as u32;
-        recording.inputs.push(name.into());
-        drop(recording);
+        let index = self.0.borrow().inputs.len() as u32;
+        self.0.borrow_mut().inputs.push(name.into());
         Expression::node(self, self.add(Node::Input(index)))
     }
 
     /// Returns a new input that has the same value for all modes of contacts and gaps. What depends on such inputs alone is
     /// computed once for each run. A run panics if the value differs between modes: such a system is a programming error.
     pub fn parameter(&self, name: impl Into<String>) -> Expression<'_> {
-        let mut recording = self.0.borrow_mut();
-        let index = recording.inputs.len() as u32;
-        recording.parameters.push(index);
-        drop(recording);
+        let index = self.0.borrow().inputs.len() as u32;
+        self.0.borrow_mut().parameters.push(index);
         self.input(name)
     }
 
     /// Returns a new input that is 0 or 1.
     pub fn switch(&self, name: impl Into<String>) -> Expression<'_> {
-        let mut recording = self.0.borrow_mut();
-        let index = recording.inputs.len() as u32;
-        recording.switches.push(index);
-        drop(recording);
+        let index = self.0.borrow().inputs.len() as u32;
+        self.0.borrow_mut().switches.push(index);
         self.input(name)
     }
 
@@ -44,10 +38,8 @@ impl Recorder {
     }
 
     fn component(&self, node: fn(u32) -> Node) -> Expression<'_> {
-        let mut recording = self.0.borrow_mut();
-        let index = recording.states;
-        recording.states += 1;
-        drop(recording);
+        let index = self.0.borrow().states;
+        self.0.borrow_mut().states += 1;
         Expression::node(self, self.add(node(index)))
     }
 
@@ -94,10 +86,8 @@ impl Recorder {
         let ids = |all: &[Expression<'r>]| all.iter().map(|one| one.id(self)).collect::<Vec<_>>();
         let matrix = matrix.iter().flat_map(|row| ids(row)).collect();
         let solve = Solve { matrix, right: ids(right), has_sound_diagonal };
-        let mut recording = self.0.borrow_mut();
-        let index = recording.solves.len() as u32;
-        recording.solves.push(solve);
-        drop(recording);
+        let index = self.0.borrow().solves.len() as u32;
+        self.0.borrow_mut().solves.push(solve);
         let rows = 0..size as u32;
         let solution = |row| self.add(Node::Solution { solve: index, row });
         rows.map(|row| Expression::node(self, solution(row))).collect()

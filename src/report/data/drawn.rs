@@ -24,7 +24,7 @@ pub struct DrawnValues {
 pub struct DrawnRuns {
     /// Numbers of the runs.
     pub run_id: Vec<u64>,
-    /// Indices of their labels in [`Label::ALL`].
+    /// Indices of their labels in [`crate::classification::Label::ALL`].
     pub label: Vec<u8>,
     /// Amplitude at the end, m.
     pub amplitude_m: Vec<f64>,

@@ -1,4 +1,8 @@
 //! The figures of a report, as data that the page's script draws.
+//!
+//! Read `layers` and `sweep_axis` first: what figures share, and the swept parameters as axes. `over_sweep` makes panels of
+//! values over them, which `fractions` and `vibration` fill. Each other file is one figure or its background, and
+//! [`of_results`] lists all of them in reading order.
 
 mod basins;
 mod campbell;

@@ -2,6 +2,9 @@
 //!
 //! The file contains style, script, the charting library (Apache ECharts, see `assets/echarts-LICENSE`) and the
 //! data. Its content security policy forbids all network requests.
+//!
+//! Read `html` first. `conclusion`, `tables` and `points` write the parts of the page of a study, which [`page`] combines,
+//! and `optimum` writes the page of a search.
 
 mod conclusion;
 mod html;
