@@ -1,7 +1,7 @@
 //! Progress bars of tqdm, in a terminal or a notebook, drawn while a computation runs in another thread.
 
 use pyo3::prelude::*;
-use stickslip::engine::{SeenProgress, Show, Watch};
+use stickslip::engine::{ProgressDisplay, SeenProgress, Watch};
 
 /// How progress is shown: the bars, if there are any.
 pub struct Bars {
@@ -26,10 +26,10 @@ impl Bars {
     }
 
     /// Returns how the computation has to report its progress.
-    pub fn show(&self) -> Show {
+    pub fn show(&self) -> ProgressDisplay {
         match self.bars {
-            Some(_) => Show::Watched(self.watch.clone()),
-            None => Show::Nothing,
+            Some(_) => ProgressDisplay::Watched(self.watch.clone()),
+            None => ProgressDisplay::Nothing,
         }
     }
 

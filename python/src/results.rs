@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::classification::Label;
 use stickslip::cli::{MOST_LINES, PointsTable};
-use stickslip::engine::{Readable, readable_results, results_study};
+use stickslip::engine::{ReadableResults, readable_results, results_study};
 use stickslip::report::{Replay, ResultTables, printed_figures_of, write_report};
 use stickslip::study::Study;
 use stickslip::table::{self, Manifest, MemoryTable, table_names};
@@ -61,7 +61,7 @@ pub struct Results {
 struct Place {
     directory: PathBuf,
     /// The tables, in the directory or in a temporary one.
-    readable: Arc<Readable>,
+    readable: Arc<ReadableResults>,
 }
 
 #[pymethods]
@@ -117,7 +117,7 @@ impl Results {
         if let (None, Some(place)) = (self.summary.get(), &self.place) {
             let readable = Arc::clone(&place.readable);
             let read = move |_: &AtomicBool| {
-                let Readable { tables, manifest, study, .. } = &*readable;
+                let ReadableResults { tables, manifest, study, .. } = &*readable;
                 let points = table::Table::open(tables, manifest, "points")?;
                 Ok::<_, Trouble>(PointsTable::read(study, &points, MOST_LINES)?.markdown())
             };
@@ -318,7 +318,7 @@ impl Results {
     }
 
     /// Refers to the tables of a directory.
-    pub fn of_directory(directory: PathBuf, readable: Readable) -> Self {
+    pub fn of_directory(directory: PathBuf, readable: ReadableResults) -> Self {
         let study = Arc::new(readable.study.clone());
         Results {
             file: directory.join("study.yaml"),
@@ -349,7 +349,7 @@ impl Results {
         }
         let Place { readable, .. } = self.place.clone().ok_or_else(defect)?;
         let read = move |_: &AtomicBool| {
-            let Readable { tables, manifest, .. } = &*readable;
+            let ReadableResults { tables, manifest, .. } = &*readable;
             Ok::<_, Trouble>(table::Table::open(tables, manifest, name)?.in_memory()?)
         };
         let table = wait(py, read)??;

@@ -9,7 +9,8 @@ use arrow_schema::ArrowError;
 use stickslip::analysis::{FailureCounts, PointDetail};
 use stickslip::cli::{MOST_LINES, PointsTable};
 use stickslip::engine::{
-    EngineOptions, OutputDir, Parts, Planned, Progress, Readable, Ready, Show, Sink, run_study,
+    EngineOptions, OutputDir, Parts, Planned, PreparedDirectory, Progress, ProgressDisplay,
+    ReadableResults, Sink, run_study,
 };
 use stickslip::study::Study;
 use stickslip::table::{Circumstances, Manifest, MemoryRows, PointRow, RunRecord, StudyTables};
@@ -24,7 +25,7 @@ pub struct Run {
     /// Number of worker threads.
     pub threads: usize,
     /// How progress is shown.
-    pub show: Show,
+    pub show: ProgressDisplay,
     /// Whether a study may replace results without a reusable run.
     pub recompute: bool,
 }
@@ -70,11 +71,11 @@ impl Run {
             retry_failed: options.retry_failed,
             recompute: self.recompute,
             shards: &[],
-            quiet: matches!(self.show, Show::Nothing),
+            quiet: matches!(self.show, ProgressDisplay::Nothing),
         };
         let manifest = match output_dir.prepare(study)? {
-            Ready::Complete(manifest) => *manifest,
-            Ready::Open(mut store, mut results) => {
+            PreparedDirectory::Complete(manifest) => *manifest,
+            PreparedDirectory::Open(mut store, mut results) => {
                 let begun =
                     Circumstances::begin(options.shard.to_string(), options.shard.most_runs(study));
                 let progress = Progress::begin(self.planned(study), self.show.clone());
@@ -91,7 +92,7 @@ impl Run {
                 )?
             }
         };
-        let readable = Readable::finished(study.clone(), manifest, &directory);
+        let readable = ReadableResults::finished(study.clone(), manifest, &directory);
         Ok(Results::of_directory(directory, readable))
     }
 

@@ -6,7 +6,7 @@ use super::balance::Balance;
 use super::frictionless::equilibrium_positions;
 use super::frictionless_position::FrictionlessPosition;
 use super::identical_balls::sorted_where_identical;
-use super::one_ball::Arcs;
+use super::one_ball::RestArcs;
 use super::rest_form::{AtRest, RestForm};
 use super::set_extremes::amplitude_extremes;
 use super::set_grid::{GridRow, SetGrid};
@@ -182,7 +182,7 @@ fn unless_overlap(form: &RestForm, beta: &[f64], rest: AtRest) -> AtRest {
 }
 
 fn set_of_one_ball(form: &RestForm, points: usize) -> EquilibriumSet {
-    let arcs = Arcs::of(form);
+    let arcs = RestArcs::of(form);
     let amplitude = |beta: &f64| form.at_rest(&[*beta]).amplitude_m;
     let smallest = arcs.candidates().min_by(|a, b| amplitude(a).total_cmp(&amplitude(b)));
     let largest_m = arcs.candidates().map(|beta| amplitude(&beta)).fold(0.0, f64::max);
@@ -314,7 +314,7 @@ const FRACTION_GRID: usize = 256;
 pub fn set_fraction(machine: &Machine) -> Option<f64> {
     let form = RestForm::new(machine)?;
     match form.mass.len() {
-        1 => Some(Arcs::of(&form).fraction()),
+        1 => Some(RestArcs::of(&form).fraction()),
         2 => Some(SetGrid::new(&form, FRACTION_GRID)?.fraction()),
         _ => Some(set_samples::fraction(&form)),
     }

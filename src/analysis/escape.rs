@@ -42,7 +42,7 @@ pub fn escape_rate(groups: &[EndedRuns]) -> Option<EscapeRate> {
     let fewest = FEWEST.max(remaining.div_ceil(FRACTION));
     let mut from_s = 0.0;
     while remaining >= fewest {
-        let candidate = Tail::new(tail, from_s);
+        let candidate = ExponentialTail::new(tail, from_s);
         if candidate.is_exponential() {
             return Some(EscapeRate {
                 rate_per_s: remaining as f64 / candidate.exposure_s,
@@ -74,7 +74,7 @@ pub fn rate_interval(events: u64, exposure: f64) -> (f64, f64) {
 }
 
 /// The runs that still move after a time.
-struct Tail<'a> {
+struct ExponentialTail<'a> {
     groups: &'a [EndedRuns],
     from_s: f64,
     runs: u64,
@@ -82,9 +82,9 @@ struct Tail<'a> {
     exposure_s: f64,
 }
 
-impl<'a> Tail<'a> {
+impl<'a> ExponentialTail<'a> {
     fn new(groups: &'a [EndedRuns], from_s: f64) -> Self {
-        let mut tail = Tail { groups, from_s, runs: 0, rests: 0, exposure_s: 0.0 };
+        let mut tail = ExponentialTail { groups, from_s, runs: 0, rests: 0, exposure_s: 0.0 };
         for (time, [rests, stopped]) in groups {
             tail.runs += rests + stopped;
             tail.rests += rests;

@@ -77,7 +77,7 @@ pub use interval::{
     ConfidenceInterval, IntervalMethod, Z_95, simultaneous, wilson, wilson_with_failures,
 };
 pub use linearised::{SmallMotions, Stability, state_matrix};
-pub use observed::{FailureCounts, LabelCounts, Observed};
+pub use observed::{FailureCounts, LabelCounts, ObservedRun};
 pub use overlap::overlaps;
 pub use point_summary::{PointAccumulator, PointDetail, PointSummary};
 pub(crate) use quantile_interval::interval_ranks;

@@ -8,7 +8,7 @@ use crate::model::Case;
 
 /// The parts of a finished run that the statistics use.
 #[derive(Clone, Copy, Debug)]
-pub struct Observed<'a> {
+pub struct ObservedRun<'a> {
     /// Number of the run's cell in the sampling design; used only if the design is stratified.
     pub cell: u64,
     /// The simulated case; `None` if the sampled parameters were physically invalid.

@@ -11,7 +11,7 @@ use crate::model::wrap_to_two_pi;
 
 /// Arcs of the circle in which one ball can rest.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Arcs {
+pub(super) struct RestArcs {
     /// Start, in [0, 2π), and end of each arc, in the positive sense, without overlap. An arc of
     /// length 0 is an isolated rest position; the whole circle is one arc of 2π.
     arcs: Vec<[f64; 2]>,
@@ -19,7 +19,7 @@ pub(super) struct Arcs {
     imbalance_direction: f64,
 }
 
-impl Arcs {
+impl RestArcs {
     /// Returns the arcs of a machine with one ball.
     pub(super) fn of(form: &RestForm) -> Self {
         let holds = |beta: f64| form.holds(&[direction(beta)]);
@@ -29,7 +29,7 @@ impl Arcs {
         ends.dedup();
         let (Some(first), Some(last)) = (ends.first(), ends.last()) else {
             let arcs = if holds(0.0) { vec![[0.0, TAU]] } else { Vec::new() };
-            return Arcs { arcs, imbalance_direction };
+            return RestArcs { arcs, imbalance_direction };
         };
         // Piece `k` extends from end `k` to the next end round the circle.
         let piece = |k: usize| [ends[k], ends.get(k + 1).copied().unwrap_or(*first + TAU)];
@@ -40,7 +40,7 @@ impl Arcs {
             })
             .collect();
         if !inside.contains(&false) {
-            return Arcs { arcs: vec![[*last, *last + TAU]], imbalance_direction };
+            return RestArcs { arcs: vec![[*last, *last + TAU]], imbalance_direction };
         }
         let mut arcs = Vec::new();
         for k in 0..ends.len() {
@@ -57,7 +57,7 @@ impl Arcs {
                 arcs.push([ends[k]; 2]);
             }
         }
-        Arcs { arcs, imbalance_direction }
+        RestArcs { arcs, imbalance_direction }
     }
 
     /// Returns the number of arcs.
@@ -123,7 +123,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    use super::{Arcs, within};
+    use super::{RestArcs, within};
     use crate::analysis::rest_form::{RestForm, direction};
     use crate::model::{Ball, Machine};
 
@@ -143,7 +143,7 @@ mod tests {
             let speed = -120.0 - 180.0 * draws.random::<f64>();
             let friction = power(-5.0, 0.5, draws.random::<f64>());
             let form = form(speed, friction, power(-5.0, 0.0, draws.random::<f64>()));
-            let arcs = Arcs::of(&form);
+            let arcs = RestArcs::of(&form);
             counts[arcs.count() as usize] += 1;
             assert!(arcs.fraction() <= 1.0 + 1e-12);
             for _ in 0..50 {
@@ -162,7 +162,7 @@ mod tests {
     /// Without friction the set consists of the two equilibria, each an arc of length 0.
     #[test]
     fn without_friction_the_set_is_two_points() {
-        let arcs = Arcs::of(&form(-216.3772, 0.0, 1.4e-4));
+        let arcs = RestArcs::of(&form(-216.3772, 0.0, 1.4e-4));
         assert_eq!((arcs.count(), arcs.fraction()), (2, 0.0));
         assert!(arcs.candidates().all(|beta| {
             let required = form(-216.3772, 0.0, 1.4e-4).at_rest(&[beta]).required_friction;
@@ -173,7 +173,7 @@ mod tests {
     /// At standstill no force acts, and the set is the whole circle.
     #[test]
     fn at_standstill_the_set_is_the_whole_circle() {
-        let arcs = Arcs::of(&form(0.0, 0.0, 1.4e-4));
+        let arcs = RestArcs::of(&form(0.0, 0.0, 1.4e-4));
         assert_eq!((arcs.count(), arcs.fraction()), (1, 1.0));
     }
 }

@@ -8,7 +8,7 @@ use super::equilibrium_histogram::{EquilibriumHistogram, HistogramBin};
 use super::escape::{EndedRuns, EscapeRate, escape_rate};
 use super::identical_balls::{groups_of_identical, sorted_where_identical};
 use super::interval::{ConfidenceInterval, IntervalMethod, Z_95, wilson_with_failures};
-use super::observed::{LabelCounts, Observed};
+use super::observed::{LabelCounts, ObservedRun};
 use super::residual_vibration::{ResidualVibration, ResidualVibrationCounts};
 use super::rest_curve::{RestStep, rest_curve};
 use super::stratified::StratifiedCells;
@@ -97,7 +97,7 @@ impl PointAccumulator {
     }
 
     /// Adds one run. Failed runs contribute no time and no amplitude.
-    pub fn add(&mut self, run: Observed<'_>) {
+    pub fn add(&mut self, run: ObservedRun<'_>) {
         let outcome = run.outcome;
         let label = outcome.label();
         self.counts.add(label);

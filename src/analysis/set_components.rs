@@ -22,14 +22,14 @@ pub struct SetRuns {
 }
 
 /// A union-find structure over numbers (R. E. Tarjan, J. ACM 22 (1975) 215).
-struct Disjoint {
+struct UnionFind {
     parents: Vec<u32>,
     sets: u64,
 }
 
-impl Disjoint {
+impl UnionFind {
     fn new(count: usize) -> Self {
-        Disjoint { parents: (0..count as u32).collect(), sets: count as u64 }
+        UnionFind { parents: (0..count as u32).collect(), sets: count as u64 }
     }
 
     fn root(&mut self, mut item: u32) -> u32 {
@@ -74,7 +74,7 @@ impl SetRuns {
             first.push(count as u32);
             count += runs.len();
         }
-        let mut components = Disjoint::new(count);
+        let mut components = UnionFind::new(count);
         for (row, runs) in self.rows.iter().enumerate() {
             if let (Some(&(0, _)), Some(&(_, end))) = (runs.first(), runs.last())
                 && end == self.columns
@@ -103,7 +103,7 @@ impl SetRuns {
     }
 
     /// Joins touching runs of two adjacent rows, including runs that touch only at corners.
-    fn join_touching(&self, row: usize, next: usize, first: &[u32], components: &mut Disjoint) {
+    fn join_touching(&self, row: usize, next: usize, first: &[u32], components: &mut UnionFind) {
         let (upper, lower) = (&self.rows[row], &self.rows[next]);
         let (mut i, mut j) = (0, 0);
         while let (Some(one), Some(other)) = (upper.get(i), lower.get(j)) {

@@ -10,7 +10,7 @@ use clap::{Args, ValueEnum};
 
 use super::exit::CliError;
 use crate::check::warnings;
-use crate::engine::{EngineOptions, Shard, Show, WorkerPool, say};
+use crate::engine::{EngineOptions, ProgressDisplay, Shard, WorkerPool, say};
 use crate::study::{Study, StudyError};
 
 /// The study file argument, with the directories in which its tables may lie.
@@ -132,14 +132,14 @@ struct OnFailure(Option<u64>);
 
 impl EngineArguments {
     /// Returns how progress is shown. A display that is named explicitly is shown with `--quiet`, too.
-    pub fn show(&self) -> Show {
+    pub fn show(&self) -> ProgressDisplay {
         match self.progress {
-            ProgressChoice::Auto if self.quiet => Show::Nothing,
-            ProgressChoice::Auto => Show::auto(),
-            ProgressChoice::Bar => Show::Bar,
-            ProgressChoice::Lines => Show::Lines,
-            ProgressChoice::Json => Show::Json,
-            ProgressChoice::None => Show::Nothing,
+            ProgressChoice::Auto if self.quiet => ProgressDisplay::Nothing,
+            ProgressChoice::Auto => ProgressDisplay::auto(),
+            ProgressChoice::Bar => ProgressDisplay::Bar,
+            ProgressChoice::Lines => ProgressDisplay::Lines,
+            ProgressChoice::Json => ProgressDisplay::Json,
+            ProgressChoice::None => ProgressDisplay::Nothing,
         }
     }
 

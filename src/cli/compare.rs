@@ -10,7 +10,7 @@ use super::output::print_result;
 use super::points_table::MOST_LINES;
 use crate::analysis::Estimate;
 use crate::counted::counted;
-use crate::engine::{Readable, readable_results};
+use crate::engine::{ReadableResults, readable_results};
 use crate::printed_table::{PrintedColumn, PrintedTable, as_text};
 use crate::report::{
     ComparedPoint, ComparedQuantity, ComparedResults, Comparison, NamedPoints,
@@ -53,8 +53,8 @@ pub fn compare(arguments: &Arguments) -> Result<End, CliError> {
     let directories = [&arguments.first, &arguments.second];
     let [first, second] = directories.map(|directory| readable_results(directory));
     let (first, second) = (first?, second?);
-    let tables = |results: &Readable| -> Result<[Table; 2], CliError> {
-        let Readable { manifest, tables, .. } = results;
+    let tables = |results: &ReadableResults| -> Result<[Table; 2], CliError> {
+        let ReadableResults { manifest, tables, .. } = results;
         Ok([Table::open(tables, manifest, "points")?, Table::open(tables, manifest, "runs")?])
     };
     let ([points_1, runs_1], [points_2, runs_2]) = (tables(&first)?, tables(&second)?);
@@ -65,7 +65,7 @@ pub fn compare(arguments: &Arguments) -> Result<End, CliError> {
         let directories = directories.map(|directory| directory.display().to_string());
         merged(json!({"directories": directories}), &comparison)
     };
-    let title = |name: &str, directory: &PathBuf, results: &Readable| {
+    let title = |name: &str, directory: &PathBuf, results: &ReadableResults| {
         let runs = counted(results.manifest.runs_finished, "run");
         format!("{name}  {} ({}, {runs})\n", shown_path(directory), results.study.name())
     };

@@ -13,7 +13,7 @@ use super::new_table::NewTable;
 use super::output::{csv_header, csv_rows, print};
 use crate::classification::Label;
 use crate::counted::counted;
-use crate::engine::{Parts, Planned, Progress, Show, WorkerPool, say, stop_on_signals};
+use crate::engine::{Parts, Planned, Progress, ProgressDisplay, WorkerPool, say, stop_on_signals};
 use crate::printed_table::{PrintedTable, as_text};
 use crate::report::{Estimates, estimate_columns};
 use crate::responses::{
@@ -78,7 +78,7 @@ pub fn evaluate(arguments: &Arguments) -> Result<End, CliError> {
         NewTable::create(out, response_columns(&study), &provenance(&study, "responses"))
     };
     let table = arguments.out.as_ref().map(create).transpose()?;
-    let show = if arguments.quiet { Show::Nothing } else { Show::auto() };
+    let show = if arguments.quiet { ProgressDisplay::Nothing } else { ProgressDisplay::auto() };
     let (workers, stop) = (arguments.threads.start()?, stop_on_signals());
     let Some(answers) = compute(&study, &designs, &workers, &stop, show)? else {
         table.map_or(Ok(()), NewTable::abandon)?;
@@ -132,7 +132,7 @@ fn compute(
     designs: &[Vec<DesignValue>],
     workers: &WorkerPool,
     stop: &AtomicBool,
-    show: Show,
+    show: ProgressDisplay,
 ) -> Result<Option<Vec<Answer>>, CliError> {
     let runs = run_count(study, designs).map_err(CliError::Usage)?;
     let parts = Parts::Designs(designs.len() as u64);

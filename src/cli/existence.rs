@@ -19,7 +19,7 @@ const MOST_NAMED: usize = 20;
 
 /// A point at which stick and slip do not always have exactly one solution.
 #[derive(Serialize)]
-struct Failing {
+struct AmbiguousPoint {
     /// The number of the point and its swept parameters, as JSON and in words.
     #[serde(flatten)]
     keys: Value,
@@ -50,7 +50,7 @@ pub(super) struct Existence {
     /// Whether the parameters of the runs differ from those of their point.
     uncertain_at_medians: bool,
     /// The first points that are not unique.
-    not_unique: Vec<Failing>,
+    not_unique: Vec<AmbiguousPoint>,
 }
 
 impl Existence {
@@ -89,7 +89,7 @@ impl Existence {
         }
         let fraction = machine.map_or(1.0, Machine::unambiguous_friction_fraction);
         let angle = |(ball, beta_rad)| BallAngle { ball, beta_rad };
-        self.not_unique.push(Failing {
+        self.not_unique.push(AmbiguousPoint {
             keys: point_keys(point.point_id, study.swept(), &point.swept),
             point: point_words(study, point.point_id, &point.swept),
             min_principal_minor: minor,
@@ -158,9 +158,9 @@ impl Existence {
     }
 }
 
-impl Failing {
+impl AmbiguousPoint {
     fn text(&self) -> String {
-        let Failing { point, min_principal_minor: minor, remedy, .. } = self;
+        let AmbiguousPoint { point, min_principal_minor: minor, remedy, .. } = self;
         let angle = |one: &BallAngle| format!("ball {} at {:.4}", one.ball, one.beta_rad);
         let position: Vec<String> = self.worst_position.iter().map(angle).collect();
         format!(

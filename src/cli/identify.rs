@@ -8,7 +8,7 @@ use super::arguments::{StudyArgument, ThreadsArgument, results_directory};
 use super::exit::{CliError, End};
 use super::output::print_result;
 use crate::counted::counted;
-use crate::engine::{Show, say, stop_on_signals};
+use crate::engine::{ProgressDisplay, say, stop_on_signals};
 use crate::identify::Identify;
 use crate::sanitize::{shell_word, shown_path};
 use crate::study::{Study, implausible_angle};
@@ -78,7 +78,7 @@ pub fn identify(arguments: &Arguments) -> Result<End, CliError> {
         simulations: arguments.simulations.clone(),
         workers: &workers,
         stop: &stop,
-        show: if arguments.quiet { Show::Nothing } else { Show::auto() },
+        show: if arguments.quiet { ProgressDisplay::Nothing } else { ProgressDisplay::auto() },
     };
     let read = |study: &Study| {
         let runs = study.measured(&arguments.measured)?;

@@ -8,7 +8,7 @@ use super::arguments::{StudyArgument, ThreadsArgument, results_directory};
 use super::exit::{CliError, End};
 use super::output::print_result;
 use crate::counted::counted;
-use crate::engine::{Show, say, stop_on_signals};
+use crate::engine::{ProgressDisplay, say, stop_on_signals};
 use crate::optimize::{Optimize, Optimized};
 use crate::sanitize::shell_word;
 
@@ -67,7 +67,7 @@ pub fn optimize(arguments: &Arguments) -> Result<End, CliError> {
         directory: &directory,
         workers: &workers,
         stop: &stop,
-        show: if arguments.quiet { Show::Nothing } else { Show::auto() },
+        show: if arguments.quiet { ProgressDisplay::Nothing } else { ProgressDisplay::auto() },
         quiet: arguments.quiet,
     };
     let Some(optimized) = optimize.run()? else {

@@ -12,7 +12,7 @@ use super::output::print_result;
 use super::points_table::{MOST_LINES, PointsTable};
 use super::run_on_engine::run_on_engine;
 use crate::counted::counted;
-use crate::engine::{EngineOptions, OutputDir, Ready, Shard, say};
+use crate::engine::{EngineOptions, OutputDir, PreparedDirectory, Shard, say};
 use crate::study::Study;
 use crate::table::{Circumstances, Manifest, Table};
 
@@ -84,10 +84,10 @@ pub fn carry_out(
     arguments: &EngineArguments,
 ) -> Result<End, CliError> {
     let (mut store, mut results) = match output_dir.prepare(study)? {
-        Ready::Complete(manifest) => {
+        PreparedDirectory::Complete(manifest) => {
             return complete(study, output_dir.directory, &manifest, arguments);
         }
-        Ready::Open(store, results) => (store, results),
+        PreparedDirectory::Open(store, results) => (store, results),
     };
     let ran = run_on_engine(study, options, arguments, Some(&mut *store), &mut *results)?;
     store.check()?;

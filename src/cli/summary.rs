@@ -11,7 +11,7 @@ use super::failures::{failed_runs, kinds_of_failure};
 use super::output::{OutputReader, csv_line, print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
 use crate::counted::counted;
-use crate::engine::{Readable, how_to_continue, readable_results, say};
+use crate::engine::{ReadableResults, how_to_continue, readable_results, say};
 use crate::report::IncompletePoints;
 use crate::responses::{add_known, merged};
 use crate::study::{ParameterValue, Study};
@@ -70,7 +70,7 @@ fn points(text: &str) -> Result<usize, String> {
 pub fn summary(arguments: &Arguments) -> Result<End, CliError> {
     let directory = &arguments.directory;
     let results = readable_results(directory)?;
-    let Readable { study, manifest, tables, .. } = &results;
+    let ReadableResults { study, manifest, tables, .. } = &results;
     let table = Table::open(tables, manifest, "points")?;
     let printed = match arguments.format {
         Format::Table | Format::Markdown => arguments.points.unwrap_or(MOST_LINES),
@@ -101,12 +101,12 @@ pub fn summary(arguments: &Arguments) -> Result<End, CliError> {
 
 /// Returns the first line of the summary.
 fn title(
-    results: &Readable,
+    results: &ReadableResults,
     points: &PointsTable,
     incomplete: &IncompletePoints,
     directory: &Path,
 ) -> String {
-    let Readable { study, manifest, .. } = results;
+    let ReadableResults { study, manifest, .. } = results;
     let Manifest { version, runs_planned, runs_finished, .. } = manifest;
     let mut parts = vec![format!("{}: stickslip {version}, seed {}", study.name(), study.seed())];
     if manifest.shard != "1/1" {

@@ -13,7 +13,7 @@ use super::run_on_engine::run_on_engine;
 use crate::analysis::PointDetail;
 use crate::classification::Label;
 use crate::counted::counted;
-use crate::engine::{OutputDir, Ready, Shard, Sink, say};
+use crate::engine::{OutputDir, PreparedDirectory, Shard, Sink, say};
 use crate::responses::merged;
 use crate::study::Study;
 use crate::table::{PointRow, Results, ResultsError, RunRecord};
@@ -54,7 +54,7 @@ pub fn verify(arguments: &Arguments) -> Result<End, CliError> {
     let mut ready = None;
     if let Some(directory) = &arguments.out {
         let output_dir = OutputDir::new(directory, &options, arguments.engine.quiet);
-        let Ready::Open(store, results) = output_dir.prepare(&study)? else {
+        let PreparedDirectory::Open(store, results) = output_dir.prepare(&study)? else {
             return Err(CliError::Usage(format!(
                 "{}: holds results of this study already\n  allowed: another directory, or \
                  no --out, to verify without tables",

@@ -7,13 +7,13 @@ use crate::study::{Point, Sampling, Study};
 /// Runs that are computed together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct RunBatch {
-    which: Which,
+    which: BatchRuns,
     /// Number of runs.
     pub runs: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Which {
+enum BatchRuns {
     /// The runs of a shard.
     Of(Shard),
     /// Consecutive runs from this number.
@@ -24,8 +24,8 @@ impl RunBatch {
     /// Returns the number of the run with this index in the batch.
     pub fn run_id(&self, index: u64) -> u64 {
         match self.which {
-            Which::Of(shard) => shard.number(index),
-            Which::From(first) => first + index,
+            BatchRuns::Of(shard) => shard.number(index),
+            BatchRuns::From(first) => first + index,
         }
     }
 }
@@ -52,14 +52,15 @@ impl<'a> Batches<'a> {
     /// Returns the next batch, if any; `so_far` holds all runs of the point of the last batch.
     pub fn next(&mut self, so_far: Option<&PointAccumulator>) -> Option<RunBatch> {
         let Some(precision) = self.study.precision() else {
-            let batch = RunBatch { which: Which::Of(self.shard), runs: self.most };
+            let batch = RunBatch { which: BatchRuns::Of(self.shard), runs: self.most };
             self.begun += 1;
             return (self.begun == 1).then_some(batch);
         };
         if let (Some((point, runs)), Some(so_far)) = (&mut self.point, so_far) {
             let Sampling { replicate, most, .. } = point.sampling;
             if let Some(more) = HalfWidths::from(precision).more(replicate, most, *runs, so_far) {
-                let batch = RunBatch { which: Which::From(point.first_run + *runs), runs: more };
+                let batch =
+                    RunBatch { which: BatchRuns::From(point.first_run + *runs), runs: more };
                 *runs += more;
                 return Some(batch);
             }
@@ -70,7 +71,8 @@ impl<'a> Batches<'a> {
         }
         let point = self.study.point(self.shard.number(self.begun));
         self.begun += 1;
-        let batch = RunBatch { which: Which::From(point.first_run), runs: point.sampling.first };
+        let batch =
+            RunBatch { which: BatchRuns::From(point.first_run), runs: point.sampling.first };
         self.point = Some((point, batch.runs));
         Some(batch)
     }

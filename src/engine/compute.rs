@@ -48,7 +48,7 @@ impl Engine for InLockstep {
 /// caused the panic fails, and the others get the outcome that they would have had without it.
 fn together(runs: &mut dyn Runs, all: impl Fn(&mut dyn Runs), alone: impl Fn(&Case) -> Outcome) {
     quieten_panics_in_runs();
-    let mut tracked = Tracked { runs, begun: HashMap::new() };
+    let mut tracked = TrackedRuns { runs, begun: HashMap::new() };
     loop {
         IN_A_RUN.set(true);
         // Only cases and outcomes survive the unwinding: plain values, each complete or absent.
@@ -69,12 +69,12 @@ fn together(runs: &mut dyn Runs, all: impl Fn(&mut dyn Runs), alone: impl Fn(&Ca
 }
 
 /// Records the cases of runs in progress.
-struct Tracked<'a> {
+struct TrackedRuns<'a> {
     runs: &'a mut dyn Runs,
     begun: HashMap<u64, Case>,
 }
 
-impl Runs for Tracked<'_> {
+impl Runs for TrackedRuns<'_> {
     fn next(&mut self) -> Option<(u64, Case)> {
         let (number, case) = self.runs.next()?;
         self.begun.insert(number, case.clone());

@@ -32,7 +32,7 @@ pub struct OutputDir<'a> {
 }
 
 /// A prepared directory.
-pub enum Ready {
+pub enum PreparedDirectory {
     /// All results exist already.
     Complete(Box<Manifest>),
     /// The study can be computed.
@@ -52,7 +52,7 @@ impl<'a> OutputDir<'a> {
     /// Returns an error, and changes nothing, if the directory holds files that are not results, results of another
     /// shard, or results of a study that shares no run with this one, if another process writes to it, or if it cannot
     /// be written to.
-    pub fn prepare(&self, study: &Study) -> Result<Ready, CommandError> {
+    pub fn prepare(&self, study: &Study) -> Result<PreparedDirectory, CommandError> {
         let shard = self.shard.to_string();
         let found = inspect(self.directory, study, &shard, &[CHUNKS, EARLIER])?;
         let report = |line: String| {
@@ -64,7 +64,7 @@ impl<'a> OutputDir<'a> {
         let failed = |manifest: &Manifest| manifest.labels.get("failed").is_some_and(|&n| n > 0);
         let (mut store, has_earlier_results) = match &found {
             OutputState::Complete(manifest) if !(self.retry_failed && failed(manifest)) => {
-                return Ok(Ready::Complete(manifest.clone()));
+                return Ok(PreparedDirectory::Complete(manifest.clone()));
             }
             OutputState::Unused | OutputState::Incomplete(_) => {
                 (Store::open(self.directory, study)?, false)
@@ -125,7 +125,7 @@ impl<'a> OutputDir<'a> {
             let begun = Circumstances::begin(shard, self.shard.most_runs(study));
             results.announce(study, Circumstances { merging, ..begun })?;
         }
-        Ok(Ready::Open(Box::new(store), Box::new(results)))
+        Ok(PreparedDirectory::Open(Box::new(store), Box::new(results)))
     }
 
     /// Returns the directories that are merged, for the manifest.

@@ -19,7 +19,7 @@ use crate::sanitize::harmless;
 
 /// How progress is shown.
 #[derive(Clone, Debug)]
-pub enum Show {
+pub enum ProgressDisplay {
     /// A bar, if standard error is a terminal.
     Bar,
     /// A line every ten seconds.
@@ -32,15 +32,15 @@ pub enum Show {
     Nothing,
 }
 
-impl Show {
+impl ProgressDisplay {
     /// Returns a bar on a terminal, lines elsewhere.
     pub fn auto() -> Self {
-        if io::stderr().is_terminal() { Show::Bar } else { Show::Lines }
+        if io::stderr().is_terminal() { ProgressDisplay::Bar } else { ProgressDisplay::Lines }
     }
 
     /// Returns the seconds between two lines.
     fn every(&self) -> u64 {
-        if matches!(self, Show::Json) { 1 } else { 10 }
+        if matches!(self, ProgressDisplay::Json) { 1 } else { 10 }
     }
 }
 
@@ -59,7 +59,7 @@ pub struct Planned<'a> {
 
 /// Progress over the runs of a study.
 pub struct Progress {
-    show: Show,
+    show: ProgressDisplay,
     /// Number of planned runs; if `at_most`, an upper bound.
     planned: u64,
     bar: ProgressBar,
@@ -85,11 +85,11 @@ impl Progress {
     /// Starts progress over `planned` runs of one point, shown as standard error allows.
     pub fn new(planned: u64, quiet: bool) -> Self {
         let planned = Planned { study: "", runs: planned, at_most: false, parts: Parts::Points(1) };
-        Self::begin(planned, if quiet { Show::Nothing } else { Show::auto() })
+        Self::begin(planned, if quiet { ProgressDisplay::Nothing } else { ProgressDisplay::auto() })
     }
 
     /// Starts progress over the planned computation.
-    pub fn begin(planned: Planned<'_>, show: Show) -> Self {
+    pub fn begin(planned: Planned<'_>, show: ProgressDisplay) -> Self {
         let Planned { study, runs, at_most, parts } = planned;
         let counts = Arc::new(ProgressCounts {
             started: Instant::now(),
@@ -103,10 +103,10 @@ impl Progress {
             reused: 0.into(),
             next_line: show.every().into(),
         });
-        if let Show::Watched(watch) = &show {
+        if let ProgressDisplay::Watched(watch) = &show {
             watch.begin(study, &counts);
         }
-        if matches!(show, Show::Json) {
+        if matches!(show, ProgressDisplay::Json) {
             let begun = json!({
                 "event": "begun",
                 "elapsed_s": 0.0,
@@ -118,7 +118,7 @@ impl Progress {
             say_json(&begun);
         }
         let bar = match &show {
-            Show::Bar => bar(runs, &counts),
+            ProgressDisplay::Bar => bar(runs, &counts),
             _ => ProgressBar::hidden(),
         };
         let points = PointLines { many: parts.count() > FEW_POINTS, last: None, left_out: 0 };
@@ -129,7 +129,7 @@ impl Progress {
     /// if it was interrupted.
     pub fn during<T>(
         planned: Planned<'_>,
-        show: Show,
+        show: ProgressDisplay,
         work: impl FnOnce(&(dyn Fn(Label) + Sync)) -> Option<T>,
     ) -> Option<T> {
         let progress = Self::begin(planned, show);
@@ -141,7 +141,7 @@ impl Progress {
 
     /// Redraws the bar also while no run finishes, so that it shows that the program works.
     pub fn keep_drawing(&self) {
-        if matches!(self.show, Show::Bar) {
+        if matches!(self.show, ProgressDisplay::Bar) {
             self.bar.enable_steady_tick(Duration::from_millis(100));
         }
     }
@@ -168,9 +168,9 @@ impl Progress {
             _ => 0,
         };
         match &self.show {
-            Show::Bar => self.bar.inc(1),
-            Show::Lines | Show::Json => self.line_if_due(),
-            Show::Watched(_) | Show::Nothing => {}
+            ProgressDisplay::Bar => self.bar.inc(1),
+            ProgressDisplay::Lines | ProgressDisplay::Json => self.line_if_due(),
+            ProgressDisplay::Watched(_) | ProgressDisplay::Nothing => {}
         }
     }
 
@@ -186,7 +186,7 @@ impl Progress {
         }
         let counts = self.counts.snapshot();
         match &self.show {
-            Show::Json => say_json(&counts.event("progress", self.planned)),
+            ProgressDisplay::Json => say_json(&counts.event("progress", self.planned)),
             _ => say(&counts.text()),
         }
     }
@@ -195,8 +195,8 @@ impl Progress {
     pub fn point(&self, text: impl FnOnce() -> String, facts: impl FnOnce() -> Value) {
         self.counts.parts_finished.fetch_add(1, Ordering::Relaxed);
         match &self.show {
-            Show::Watched(_) | Show::Nothing => {}
-            Show::Json => {
+            ProgressDisplay::Watched(_) | ProgressDisplay::Nothing => {}
+            ProgressDisplay::Json => {
                 let elapsed_s = self.counts.started.elapsed().as_secs_f64();
                 let mut event = json!({"event": "point", "elapsed_s": elapsed_s});
                 if let (Value::Object(event), Value::Object(facts)) = (&mut event, facts()) {
@@ -204,7 +204,7 @@ impl Progress {
                 }
                 say_json(&event);
             }
-            Show::Bar | Show::Lines => {
+            ProgressDisplay::Bar | ProgressDisplay::Lines => {
                 // Counters and times stay usable after a panic of another thread.
                 let mut lines = self.points.lock().unwrap_or_else(PoisonError::into_inner);
                 let now = Instant::now();
@@ -228,7 +228,7 @@ impl Progress {
     /// Writes a line, above the bar if there is one.
     fn line(&self, line: &str) {
         match &self.show {
-            Show::Bar => self.bar.println(harmless(line)),
+            ProgressDisplay::Bar => self.bar.println(harmless(line)),
             _ => say(line),
         }
     }
@@ -245,7 +245,7 @@ impl Progress {
 
     /// Writes the final event: all planned runs have finished, or the computation was `interrupted`.
     pub fn ended(&self, interrupted: bool) {
-        if matches!(self.show, Show::Json) {
+        if matches!(self.show, ProgressDisplay::Json) {
             let mut event = self.counts.snapshot().event("ended", self.planned);
             event["interrupted"] = interrupted.into();
             say_json(&event);

@@ -6,8 +6,8 @@ use std::thread;
 use std::time::Instant;
 
 use super::{
-    EngineError, EngineOptions, Parts, Planned, Progress, RunTotals, Shard, Show, Sink, Store,
-    StoreError, run_study,
+    EngineError, EngineOptions, Parts, Planned, Progress, ProgressDisplay, RunTotals, Shard, Sink,
+    Store, StoreError, run_study,
 };
 use crate::study::Study;
 use crate::table::RunRecord;
@@ -32,7 +32,7 @@ pub fn read_finished<S: Sink>(
     let (study_name, runs) = (study.name(), shard.most_runs(study));
     let parts = Parts::Points(study.point_count());
     let planned = Planned { study: study_name, runs, at_most: true, parts };
-    let progress = Progress::begin(planned, Show::Nothing);
+    let progress = Progress::begin(planned, ProgressDisplay::Nothing);
     run_study(study, options, &AtomicBool::new(false), &progress, Some(&mut store), sink)
 }
 

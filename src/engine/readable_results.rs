@@ -12,7 +12,7 @@ use crate::study::Study;
 use crate::table::{Circumstances, Manifest, Results, ResultsError};
 
 /// Results with tables.
-pub struct Readable {
+pub struct ReadableResults {
     /// The study.
     pub study: Study,
     /// The manifest of the tables.
@@ -23,10 +23,10 @@ pub struct Readable {
     temporary: Option<TempDir>,
 }
 
-impl Readable {
+impl ReadableResults {
     /// Returns the results of a study that has just been run into a directory.
     pub fn finished(study: Study, manifest: Manifest, directory: &Path) -> Self {
-        Readable { study, manifest, tables: directory.to_owned(), temporary: None }
+        ReadableResults { study, manifest, tables: directory.to_owned(), temporary: None }
     }
 
     /// Whether the tables are temporary, because the study is running or was killed.
@@ -40,10 +40,10 @@ impl Readable {
 ///
 /// # Errors
 /// Returns an error if the directory holds no readable results, or if temporary tables cannot be written.
-pub fn readable_results(directory: &Path) -> Result<Readable, CommandError> {
+pub fn readable_results(directory: &Path) -> Result<ReadableResults, CommandError> {
     let (study, manifest) = results_study(directory)?;
-    let finished = Readable::finished(study, manifest, directory);
-    let Readable { study, manifest, .. } = &finished;
+    let finished = ReadableResults::finished(study, manifest, directory);
+    let ReadableResults { study, manifest, .. } = &finished;
     let has_tables = !manifest.files.is_empty();
     let is_current =
         || Ok::<_, CommandError>(listed_runs(directory, study)? <= manifest.runs_finished);
@@ -69,12 +69,12 @@ pub fn readable_results(directory: &Path) -> Result<Readable, CommandError> {
     let mut written = results.finish(study, circumstances)?;
     written.host.clone_from(&manifest.host);
     written.computed_by.clone_from(&manifest.computed_by);
-    let Readable { study, .. } = finished;
-    Ok(Readable { study, manifest: written, tables, temporary: Some(temporary) })
+    let ReadableResults { study, .. } = finished;
+    Ok(ReadableResults { study, manifest: written, tables, temporary: Some(temporary) })
 }
 
 /// Returns how to continue a study that is not complete, in brackets.
-pub fn how_to_continue(results: &Readable, directory: &Path) -> String {
+pub fn how_to_continue(results: &ReadableResults, directory: &Path) -> String {
     let resume = format!("`stickslip resume {}` continues", shell_word(directory));
     match results.is_from_chunks() {
         true => format!("this study is running or was interrupted; if it is not running, {resume}"),

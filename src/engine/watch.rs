@@ -70,7 +70,7 @@ impl std::fmt::Debug for Watch {
 mod tests {
     use super::Watch;
     use crate::classification::Label;
-    use crate::engine::{Parts, Planned, Progress, Show};
+    use crate::engine::{Parts, Planned, Progress, ProgressDisplay};
 
     #[test]
     fn each_part_of_a_computation_has_its_own_counters() {
@@ -78,7 +78,7 @@ mod tests {
         assert_eq!(watch.look(), []);
         let begin = |runs| {
             let planned = Planned { study: "night", runs, at_most: true, parts: Parts::Designs(1) };
-            Progress::begin(planned, Show::Watched(watch.clone()))
+            Progress::begin(planned, ProgressDisplay::Watched(watch.clone()))
         };
         let progress = begin(3);
         progress.finished(Label::Equilibrium);

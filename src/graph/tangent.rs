@@ -15,7 +15,7 @@ pub(crate) fn tangent(
     kept: impl IntoIterator<Item = Cell>,
 ) -> Program {
     let cells = program.cells;
-    let mut changes = Changes {
+    let mut changes = TangentBuilder {
         builder: Builder::with_cells(2 * cells),
         offset: cells as Cell,
         changed: vec![false; cells],
@@ -28,19 +28,19 @@ pub(crate) fn tangent(
             instruction.writes().for_each(|cell| changes.changed[cell as usize] = true);
         }
     }
-    let Changes { builder, offset, changed } = changes;
+    let TangentBuilder { builder, offset, changed } = changes;
     builder
         .finish(kept.into_iter().filter(|cell| changed[*cell as usize]).map(|cell| cell + offset))
 }
 
-struct Changes {
+struct TangentBuilder {
     builder: Builder,
     offset: Cell,
     /// Whether each cell changes.
     changed: Vec<bool>,
 }
 
-impl Changes {
+impl TangentBuilder {
     /// Returns the change of a cell, unless it is zero.
     fn of(&self, cell: Cell) -> Option<Cell> {
         self.changed[cell as usize].then_some(cell + self.offset)

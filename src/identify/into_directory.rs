@@ -12,7 +12,7 @@ use super::set_densities::check_memory;
 use super::set_files::SetFiles;
 use super::site::sites;
 use super::warnings::warnings;
-use crate::engine::{CommandError, Parts, Planned, Progress, Show, WorkerPool};
+use crate::engine::{CommandError, Parts, Planned, Progress, ProgressDisplay, WorkerPool};
 use crate::study::{Identification, MeasuredRun, Study};
 
 /// An inference: the study, where its results go, and how it is computed.
@@ -32,7 +32,7 @@ pub struct Identify<'a> {
     /// Stops the inference when it becomes true.
     pub stop: &'a AtomicBool,
     /// How progress is shown.
-    pub show: Show,
+    pub show: ProgressDisplay,
 }
 
 /// The result of an inference, which is also in its directory.

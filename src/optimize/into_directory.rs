@@ -15,7 +15,7 @@ use super::sensitivity::{sensitivities, surrogates};
 use super::tables::sensitivity_columns;
 use crate::classification::Label;
 use crate::counted::counted;
-use crate::engine::{CommandError, Parts, Planned, Progress, Show, WorkerPool, say};
+use crate::engine::{CommandError, Parts, Planned, Progress, ProgressDisplay, WorkerPool, say};
 use crate::responses::check_answerable;
 use crate::study::{SensitivityFrom, Study};
 
@@ -32,7 +32,7 @@ pub struct Optimize<'a> {
     /// Stops the optimisation when it becomes true.
     pub stop: &'a AtomicBool,
     /// How progress is shown.
-    pub show: Show,
+    pub show: ProgressDisplay,
     /// Whether to print only warnings.
     pub quiet: bool,
 }

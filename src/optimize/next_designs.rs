@@ -29,16 +29,16 @@ pub(super) struct NextDesign {
 }
 
 /// Returns the designs that are not in a list and whose values are consistent.
-struct Chosen<'a> {
+struct ChosenDesigns<'a> {
     study: &'a Study,
     taken: Vec<DesignValues>,
     next: Vec<NextDesign>,
 }
 
-impl<'a> Chosen<'a> {
-    fn new(study: &'a Study, evaluations: &[Evaluation]) -> Chosen<'a> {
+impl<'a> ChosenDesigns<'a> {
+    fn new(study: &'a Study, evaluations: &[Evaluation]) -> ChosenDesigns<'a> {
         let taken = evaluations.iter().map(|one| one.values.clone()).collect();
-        Chosen { study, taken, next: Vec::new() }
+        ChosenDesigns { study, taken, next: Vec::new() }
     }
 
     /// Adds a design and returns true, unless it is repeated or inconsistent.
@@ -68,7 +68,7 @@ pub(super) fn start_designs(
     until: u64,
 ) -> Vec<NextDesign> {
     let space = Space::new(study);
-    let mut chosen = Chosen::new(study, evaluations);
+    let mut chosen = ChosenDesigns::new(study, evaluations);
     for number in evaluations.len() as u64..until {
         let found = match (number, &optimization.compare_with) {
             (0, Some(values)) => chosen.add(DesignOrigin::CompareWith, values),
@@ -139,7 +139,7 @@ pub(super) fn batch(
         Some(proposer)
     };
     let mut proposer = proposer();
-    let mut chosen = Chosen::new(study, evaluations);
+    let mut chosen = ChosenDesigns::new(study, evaluations);
     for number in number..until.min(first + BATCH) {
         let seed = study.derived_seed("optimize suggest", number) as u32;
         let proposals = proposer.as_ref().map_or_else(Vec::new, |one| one.propose(seed));

@@ -10,7 +10,7 @@ use super::figures::of_results;
 use super::optimum::{OptimumData, of_search};
 use super::overwrite::{beside, outside, replace, replaceable, sealed};
 use super::page::{OWN, optimum_page, page};
-use crate::engine::{CommandError, Readable, readable_results};
+use crate::engine::{CommandError, ReadableResults, readable_results};
 use crate::study::Study;
 use crate::table::{MANIFEST, Manifest};
 
@@ -43,8 +43,8 @@ pub fn write_report(directory: &Path, out: Option<&Path>) -> Result<PathBuf, Com
 }
 
 /// Returns the page of a study, with as much detail as fits.
-fn page_of_results(directory: &Path, results: &Readable) -> Result<String, CommandError> {
-    let Readable { study, manifest, tables, .. } = results;
+fn page_of_results(directory: &Path, results: &ReadableResults) -> Result<String, CommandError> {
+    let ReadableResults { study, manifest, tables, .. } = results;
     let tables = ResultTables::open(tables, manifest)?;
     let mut budget = Budget::SCREEN;
     loop {
@@ -98,7 +98,7 @@ pub fn printed_figures(
     if is_search(directory) {
         return Ok(printed(of_search(&read_search(directory)?)));
     }
-    let Readable { study, manifest, tables, .. } = &readable_results(directory)?;
+    let ReadableResults { study, manifest, tables, .. } = &readable_results(directory)?;
     printed_figures_of(&ResultTables::open(tables, manifest)?, (study, manifest), chosen)
 }
 

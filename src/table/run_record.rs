@@ -1,6 +1,6 @@
 //! One row of the run table: the planned run and its outcome.
 
-use crate::analysis::{Observed, relative_amplitude};
+use crate::analysis::{ObservedRun, relative_amplitude};
 use crate::classification::{Evidence, Outcome};
 use crate::study::PlannedRun;
 
@@ -17,8 +17,8 @@ pub struct RunRecord {
 
 impl RunRecord {
     /// Returns the run as the statistics use it.
-    pub fn observed(&self) -> Observed<'_> {
-        Observed {
+    pub fn observed(&self) -> ObservedRun<'_> {
+        ObservedRun {
             cell: self.planned.cell,
             case: self.planned.case.as_ref().ok(),
             outcome: &self.outcome,

@@ -116,7 +116,7 @@ impl ParquetFile {
         let mask = ProjectionMask::roots(described, columns.iter().copied());
         let open = || {
             let levels = parquet_to_arrow_field_levels(described, mask, Some(types.fields()))?;
-            let groups = Groups(Arc::clone(&self.source));
+            let groups = FileRowGroups(Arc::clone(&self.source));
             let before = |row| RowSelector::skip(usize::try_from(row).unwrap_or(usize::MAX));
             let one = row.map(|row| RowSelection::from(vec![before(row), RowSelector::select(1)]));
             ParquetRecordBatchReader::try_new_with_row_groups(&levels, &groups, BATCH, one)
@@ -143,9 +143,9 @@ fn wrong_type(kind: &DataType) -> Fault {
 }
 
 /// The row groups of a file, for the Parquet library.
-struct Groups(Arc<ParquetSource>);
+struct FileRowGroups(Arc<ParquetSource>);
 
-impl RowGroups for Groups {
+impl RowGroups for FileRowGroups {
     fn num_rows(&self) -> usize {
         self.row_groups().map(|group| usize::try_from(group.num_rows()).unwrap_or(0)).sum()
     }

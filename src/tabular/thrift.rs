@@ -22,72 +22,72 @@ const MAX_VALUES: usize = 1_000_000;
 
 /// The expected type of a value.
 #[derive(Clone, Copy)]
-enum Shape {
+enum ThriftType {
     Boolean,
     /// The number of columns in a group, a 32-bit integer.
     Children,
     /// A value of this Thrift type that is neither Boolean, nor a list, nor a struct.
     Of(u8),
-    List(&'static Shape),
+    List(&'static ThriftType),
     /// The known fields by their number; unknown fields are allowed.
-    Struct(&'static [(i16, Shape)]),
+    Struct(&'static [(i16, ThriftType)]),
 }
 
-use Shape::{Boolean, Children, List, Of, Struct};
+use ThriftType::{Boolean, Children, List, Of, Struct};
 
-const BYTE: Shape = Of(3);
-const SHORT: Shape = Of(4);
-const INT: Shape = Of(5);
-const LONG: Shape = Of(6);
-const DOUBLE: Shape = Of(7);
-const BINARY: Shape = Of(8);
+const BYTE: ThriftType = Of(3);
+const SHORT: ThriftType = Of(4);
+const INT: ThriftType = Of(5);
+const LONG: ThriftType = Of(6);
+const DOUBLE: ThriftType = Of(7);
+const BINARY: ThriftType = Of(8);
 const LIST: u8 = 9;
 const STRUCT: u8 = 12;
 
 #[rustfmt::skip]
 mod shapes {
-    use super::{BINARY, BYTE, Children, DOUBLE, INT, LONG, List, SHORT, Shape, Struct, Boolean};
+    use super::{BINARY, BYTE, Children, DOUBLE, INT, LONG, List, SHORT, ThriftType, Struct, Boolean};
 
-    const EMPTY: Shape = Struct(&[]);
-    const UNIT: Shape = Struct(&[(1, EMPTY), (2, EMPTY), (3, EMPTY)]);
-    const TIME: Shape = Struct(&[(1, Boolean), (2, UNIT)]);
-    const LOGICAL_TYPE: Shape = Struct(&[
+    const EMPTY: ThriftType = Struct(&[]);
+    const UNIT: ThriftType = Struct(&[(1, EMPTY), (2, EMPTY), (3, EMPTY)]);
+    const TIME: ThriftType = Struct(&[(1, Boolean), (2, UNIT)]);
+    const LOGICAL_TYPE: ThriftType = Struct(&[
         (1, EMPTY), (2, EMPTY), (3, EMPTY), (4, EMPTY), (5, Struct(&[(1, INT), (2, INT)])), (6, EMPTY),
         (7, TIME), (8, TIME), (10, Struct(&[(1, BYTE), (2, Boolean)])), (11, EMPTY), (12, EMPTY), (13, EMPTY),
         (14, EMPTY), (15, EMPTY), (16, Struct(&[(1, BYTE)])), (17, Struct(&[(1, BINARY)])),
         (18, Struct(&[(1, BINARY), (2, INT)])),
     ]);
-    const SCHEMA_ELEMENT: Shape = Struct(&[
+    const SCHEMA_ELEMENT: ThriftType = Struct(&[
         (1, INT), (2, INT), (3, INT), (4, BINARY), (5, Children), (6, INT), (7, INT), (8, INT), (9, INT),
         (10, LOGICAL_TYPE),
     ]);
-    const KEY_VALUE: Shape = Struct(&[(1, BINARY), (2, BINARY)]);
-    const STATISTICS: Shape = Struct(&[
+    const KEY_VALUE: ThriftType = Struct(&[(1, BINARY), (2, BINARY)]);
+    const STATISTICS: ThriftType = Struct(&[
         (1, BINARY), (2, BINARY), (3, LONG), (4, LONG), (5, BINARY), (6, BINARY), (7, Boolean), (8, Boolean),
         (9, LONG),
     ]);
-    const BOX: Shape = Struct(&[
+    const BOX: ThriftType = Struct(&[
         (1, DOUBLE), (2, DOUBLE), (3, DOUBLE), (4, DOUBLE), (5, DOUBLE), (6, DOUBLE), (7, DOUBLE), (8, DOUBLE),
     ]);
-    const COLUMN: Shape = Struct(&[
+    const COLUMN: ThriftType = Struct(&[
         (1, INT), (2, List(&INT)), (3, List(&BINARY)), (4, INT), (5, LONG), (6, LONG), (7, LONG),
         (8, List(&KEY_VALUE)), (9, LONG), (10, LONG), (11, LONG), (12, STATISTICS),
         (13, List(&Struct(&[(1, INT), (2, INT), (3, INT)]))), (14, LONG), (15, INT),
         (16, Struct(&[(1, LONG), (2, List(&LONG)), (3, List(&LONG))])),
         (17, Struct(&[(1, BOX), (2, List(&INT))])),
     ]);
-    const COLUMN_CHUNK: Shape = Struct(&[
+    const COLUMN_CHUNK: ThriftType = Struct(&[
         (1, BINARY), (2, LONG), (3, COLUMN), (4, LONG), (5, INT), (6, LONG), (7, INT), (8, EMPTY), (9, BINARY),
     ]);
-    const ROW_GROUP: Shape = Struct(&[
+    const ROW_GROUP: ThriftType = Struct(&[
         (1, List(&COLUMN_CHUNK)), (2, LONG), (3, LONG), (4, List(&Struct(&[(1, INT), (2, Boolean), (3, Boolean)]))),
         (5, LONG), (6, LONG), (7, SHORT),
     ]);
-    pub const FOOTER: Shape = Struct(&[
+    pub const FOOTER: ThriftType = Struct(&[
         (1, INT), (2, List(&SCHEMA_ELEMENT)), (3, LONG), (4, List(&ROW_GROUP)), (5, List(&KEY_VALUE)),
         (6, BINARY), (7, List(&UNIT)), (8, EMPTY), (9, BINARY),
     ]);
-    pub const PAGE_HEADER: Shape = Struct(&[
+    pub const PAGE_HEADER: ThriftType = Struct(&[
         (1, INT), (2, INT), (3, INT), (4, INT),
         (5, Struct(&[(1, INT), (2, INT), (3, INT), (4, INT)])),
         (6, EMPTY),
@@ -134,7 +134,7 @@ impl<'a> ThriftReader<'a> {
     }
 
     /// Reads a value of this type and shape. Returns its number, or 0 if it is not an integer.
-    fn value(&mut self, kind: u8, shape: Option<Shape>, depth: usize) -> Option<i64> {
+    fn value(&mut self, kind: u8, shape: Option<ThriftType>, depth: usize) -> Option<i64> {
         self.values_left = self.values_left.checked_sub(1)?;
         let depth = depth.checked_sub(1)?;
         let fits = match shape {
@@ -163,7 +163,7 @@ impl<'a> ThriftReader<'a> {
         }
     }
 
-    fn list(&mut self, shape: Option<Shape>, depth: usize) -> Option<i64> {
+    fn list(&mut self, shape: Option<ThriftType>, depth: usize) -> Option<i64> {
         let header = *self.take(1)?.first()?;
         let length = match header >> 4 {
             15 => self.length()?,
@@ -177,7 +177,7 @@ impl<'a> ThriftReader<'a> {
         (0..length).try_fold(0, |_, _| self.value(header & 0x0f, of, depth).map(|_| 0))
     }
 
-    fn fields(&mut self, shape: Option<Shape>, depth: usize) -> Option<i64> {
+    fn fields(&mut self, shape: Option<ThriftType>, depth: usize) -> Option<i64> {
         let known = if let Some(Struct(known)) = shape { known } else { &[] };
         let (mut last, mut children) = (0_i16, 0);
         loop {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use proptest::prelude::*;
-use stickslip::analysis::{Basins, Observed, PointAccumulator};
+use stickslip::analysis::{Basins, ObservedRun, PointAccumulator};
 use stickslip::classification::{Evidence, Label, Outcome};
 
 use super::cycle_groups::falls_back;
@@ -78,7 +78,7 @@ fn without_two_runs_in_a_cell_there_is_none() {
     let rest = Outcome::failed(Evidence::RestCertified, String::new());
     let mut point = PointAccumulator::new(None);
     for _ in 0..3 {
-        point.add(Observed { cell: 0, case: None, outcome: &rest, audit: None });
+        point.add(ObservedRun { cell: 0, case: None, outcome: &rest, audit: None });
     }
     assert_eq!(point.summary().basin_entropy, None);
 }
@@ -90,7 +90,7 @@ fn classes_of_limit_cycles_are_outcomes() {
         let mut point = PointAccumulator::new(Some(2));
         let runs = [falls_back(turns[0], 0.25, 6.0, true), falls_back(turns[1], 0.75, 0.5, false)];
         for (case, outcome) in &runs {
-            point.add(Observed { cell: 1, case: Some(case), outcome, audit: None });
+            point.add(ObservedRun { cell: 1, case: Some(case), outcome, audit: None });
         }
         point.summary().basin_entropy
     };

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use proptest::prelude::*;
-use stickslip::analysis::{CycleGroup, Observed, PointAccumulator, Z_95, wilson_with_failures};
+use stickslip::analysis::{CycleGroup, ObservedRun, PointAccumulator, Z_95, wilson_with_failures};
 use stickslip::classification::{Cycle, CyclePhase, Evidence, Outcome};
 use stickslip::model::{Case, Machine, Simulation, Start};
 
@@ -17,7 +17,7 @@ fn case(machine: Machine) -> Case {
 fn groups(runs: &[(Case, Outcome)]) -> Vec<CycleGroup> {
     let mut point = PointAccumulator::default();
     for (case, outcome) in runs {
-        point.add(Observed { cell: 0, case: Some(case), outcome, audit: None });
+        point.add(ObservedRun { cell: 0, case: Some(case), outcome, audit: None });
     }
     point.detail([16.5; 2]).cycles
 }

@@ -1,10 +1,10 @@
 //! Summaries of points with runs of all labels.
 
-use stickslip::analysis::{Observed, PointAccumulator};
+use stickslip::analysis::{ObservedRun, PointAccumulator};
 use stickslip::classification::{Evidence, Outcome};
 
 fn add(point: &mut PointAccumulator, outcome: &Outcome) {
-    point.add(Observed { cell: 0, case: None, outcome, audit: None });
+    point.add(ObservedRun { cell: 0, case: None, outcome, audit: None });
 }
 
 #[test]

@@ -5,7 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::support::Block;
 use stickslip::analysis::{
-    Observed, PointAccumulator, ResidualVibration, Z_95, reference_amplitude, wilson_with_failures,
+    ObservedRun, PointAccumulator, ResidualVibration, Z_95, reference_amplitude,
+    wilson_with_failures,
 };
 use stickslip::classification::{Evidence, Outcome};
 use stickslip::model::{Case, Machine, Model, Simulation, Start};
@@ -26,7 +27,7 @@ fn add(
         position: Some(position.to_vec()),
         ..Outcome::failed(evidence, String::new())
     };
-    point.add(Observed { cell: 0, case: Some(&case), outcome: &outcome, audit: None });
+    point.add(ObservedRun { cell: 0, case: Some(&case), outcome: &outcome, audit: None });
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The stopping rule: number of runs, and coverage after stopping.
 
 use crate::support::TestRng;
-use stickslip::analysis::{HalfWidths, Observed, PointAccumulator, StoppingRule, Z_95, wilson};
+use stickslip::analysis::{HalfWidths, ObservedRun, PointAccumulator, StoppingRule, Z_95, wilson};
 use stickslip::classification::{Evidence, Outcome};
 
 const CELLS: u64 = 16;
@@ -29,7 +29,7 @@ fn sampled(
             let cell = run % CELLS;
             let fraction = if cell < CELLS / 2 { fraction + spread } else { fraction - spread };
             let outcome = if draws.uniform() < fraction { &rest } else { &moving };
-            point.add(Observed { cell, case: None, outcome, audit: None });
+            point.add(ObservedRun { cell, case: None, outcome, audit: None });
         }
         runs += round;
         more = rule.more(runs, point.equilibrium_interval().ends());
@@ -121,7 +121,7 @@ fn sampled_amplitude(
             let amplitude_m = Some(quantile(draws.uniform()));
             let failed = Outcome::failed(Evidence::EndTime, String::new());
             let outcome = &Outcome { amplitude_m, ..failed };
-            point.add(Observed { cell: 0, case: None, outcome, audit: None });
+            point.add(ObservedRun { cell: 0, case: None, outcome, audit: None });
         }
         runs += round;
         more = half_widths.more(16, 1 << 20, runs, &point);
@@ -181,7 +181,7 @@ fn the_interval_that_needs_the_most_runs_decides() {
         for _ in 0..runs {
             let failed = Outcome::failed(Evidence::EndTime, String::new());
             let outcome = &Outcome { amplitude_m: Some(draws.uniform()), ..failed };
-            point.add(Observed { cell: 0, case: None, outcome, audit: None });
+            point.add(ObservedRun { cell: 0, case: None, outcome, audit: None });
         }
     };
     add(&mut point, &mut draws, 32);

@@ -12,7 +12,9 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 use stickslip::analysis::PointDetail;
 use stickslip::classification::MODEL_VERSION;
-use stickslip::engine::{CHUNKS, Chunk, EngineOptions, Listed, Progress, Sink, Store, run_study};
+use stickslip::engine::{
+    CHUNKS, Chunk, EngineOptions, ListedChunk, Progress, Sink, Store, run_study,
+};
 use stickslip::responses::Request;
 use stickslip::study::{Study, StudyError};
 use stickslip::table::{
@@ -272,7 +274,7 @@ fn computed_from(folder: &Path, chunk: &[u8], list: Option<&[u8]>) -> bool {
     fs::create_dir_all(&chunks).expect("a scratch folder");
     fs::write(chunks.join("000000.chunk"), chunk).expect("a scratch folder");
     let digest = Sha256::digest(chunk).iter().map(|byte| format!("{byte:02x}")).collect();
-    let right = Listed {
+    let right = ListedChunk {
         chunk: 0,
         model_version: MODEL_VERSION,
         first_run: 0,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use stickslip::analysis::{
-    ConfidenceInterval, Observed, PointAccumulator, PointSummary, Z_95, wilson,
+    ConfidenceInterval, ObservedRun, PointAccumulator, PointSummary, Z_95, wilson,
 };
 use stickslip::classification::{Label, Outcome};
 use stickslip::model::{Case, Machine, Method, NormalForce, Simulation, Tolerance};
@@ -88,7 +88,7 @@ impl ThesisRuns {
     fn summary(&self, way: usize, point: usize) -> PointSummary {
         let mut runs = PointAccumulator::default();
         self.outcomes[way][point].iter().for_each(|outcome| {
-            runs.add(Observed { cell: 0, case: None, outcome, audit: None });
+            runs.add(ObservedRun { cell: 0, case: None, outcome, audit: None });
         });
         runs.summary()
     }

@@ -2,7 +2,7 @@
 
 use super::estimate::{Estimate, Sample};
 use super::probability::times;
-use super::sample_quantile::{Cumulative, standard_error};
+use super::sample_quantile::{CumulativeFraction, standard_error};
 use crate::analysis::{SurvivalCurve, SurvivalStep};
 
 /// Estimates the time by which half of the runs have come to rest, s (Kaplan-Meier, with the interval of Brookmeyer
@@ -27,10 +27,10 @@ pub fn median_time_to_rest(sample: &Sample) -> Estimate {
 
 /// Returns the fraction at rest after a step, and the number of independent runs for which the binomial variance equals
 /// Greenwood's variance.
-fn cumulative(step: &SurvivalStep) -> Cumulative {
+fn cumulative(step: &SurvivalStep) -> CumulativeFraction {
     let (moving, rest) = (step.moving, 1.0 - step.moving);
     // Without moving runs the number does not matter.
     let effective = |error: f64| moving * rest / (error * error);
     let runs = step.standard_error().map_or(step.at_risk as f64, effective);
-    Cumulative { value: step.time_s, proportion: rest, runs }
+    CumulativeFraction { value: step.time_s, proportion: rest, runs }
 }

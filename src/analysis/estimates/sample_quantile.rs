@@ -23,16 +23,16 @@ const REACH: f64 = 8.0;
 /// A value, the fraction of the distribution up to it, and the number of runs behind that fraction (with censoring,
 /// the effective number).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Cumulative {
+pub(super) struct CumulativeFraction {
     pub value: f64,
     pub proportion: f64,
     pub runs: f64,
 }
 
 /// Returns the cumulative distribution of ascending values.
-pub(super) fn cumulative(ascending: &[f64]) -> impl Iterator<Item = Cumulative> {
+pub(super) fn cumulative(ascending: &[f64]) -> impl Iterator<Item = CumulativeFraction> {
     let runs = ascending.len() as f64;
-    let at = move |(index, value): (usize, &f64)| Cumulative {
+    let at = move |(index, value): (usize, &f64)| CumulativeFraction {
         value: *value,
         proportion: (index + 1) as f64 / runs,
         runs,
@@ -50,11 +50,11 @@ pub(super) fn cumulative(ascending: &[f64]) -> impl Iterator<Item = Cumulative> 
 /// Source: J. S. Maritz, R. G. Jarrett, J. Am. Stat. Assoc. 73 (1978) 194,
 /// doi:10.1080/01621459.1978.10480027.
 pub(super) fn standard_error(
-    ascending: impl Iterator<Item = Cumulative>,
+    ascending: impl Iterator<Item = CumulativeFraction>,
     fraction: f64,
 ) -> Option<f64> {
     let (mut weight, mut first, mut second, mut reference) = (0.0, 0.0, 0.0, None);
-    for Cumulative { value, proportion, runs } in ascending {
+    for CumulativeFraction { value, proportion, runs } in ascending {
         let scale = (fraction * (1.0 - fraction) / runs).sqrt();
         let off = (proportion - fraction) / (scale + 1.0 / runs);
         let (a, b) = (fraction * (runs - 1.0) + 1.0, (1.0 - fraction) * (runs - 1.0) + 1.0);

@@ -76,7 +76,7 @@ impl Chunk {
     /// # Errors
     /// Returns a [`ChunkFault`] if the bytes are not a chunk of this version.
     pub fn parse(bytes: Vec<u8>) -> Result<Self, ChunkFault> {
-        let mut rest = Rest { bytes: &bytes, at: 0 };
+        let mut rest = UnreadBytes { bytes: &bytes, at: 0 };
         if rest.take::<16>() != Some(*MAGIC) {
             return Err(ChunkFault::Foreign);
         }
@@ -131,12 +131,12 @@ impl Chunk {
     }
 }
 
-struct Rest<'a> {
+struct UnreadBytes<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
-impl Rest<'_> {
+impl UnreadBytes<'_> {
     fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
         let taken = *self.bytes.get(self.at..)?.first_chunk::<N>()?;
         self.at += N;
@@ -145,7 +145,7 @@ impl Rest<'_> {
 
     /// Returns the next run; consumes nothing if the run is incomplete.
     fn entry(&mut self) -> Option<ChunkEntry> {
-        let mut ahead = Rest { bytes: self.bytes, at: self.at };
+        let mut ahead = UnreadBytes { bytes: self.bytes, at: self.at };
         let run_id = u64::from_le_bytes(ahead.take()?);
         let key = CaseKey(ahead.take()?);
         let length = usize::try_from(u32::from_le_bytes(ahead.take()?)).ok()?;

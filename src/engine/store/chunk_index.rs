@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::chunk::Chunk;
-use super::folder::{Folder, Listed, what_follows};
+use super::folder::{Folder, ListedChunk, what_follows};
 use super::record::{CaseKey, StoredOutcome};
 use crate::engine::say;
 use crate::study::PlannedRun;
@@ -59,7 +59,7 @@ impl ChunkIndex {
         for (number, folder) in self.folders.iter_mut().enumerate() {
             let own = number == 0;
             let loaded = &mut self.loaded;
-            let mut take = |folder: &Folder, listed: &Listed| -> Result<(), String> {
+            let mut take = |folder: &Folder, listed: &ListedChunk| -> Result<(), String> {
                 let chunk = match loaded.remove(&(number, listed.chunk)) {
                     Some(chunk) => chunk,
                     None => folder.read(listed)?,

@@ -32,7 +32,7 @@ const MOST_REPORTED: usize = 10;
 /// A finished chunk in the list.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Listed {
+pub struct ListedChunk {
     /// Number of the chunk, which is its file's name.
     pub chunk: u64,
     /// Version of the model that computed its outcomes.
@@ -60,7 +60,7 @@ pub(super) struct Folder {
     /// Whether another process may be writing to the folder.
     pub shared: bool,
     /// Finished chunks in order of completion; where two hold the same run, the later one is valid.
-    pub listed: Vec<Listed>,
+    pub listed: Vec<ListedChunk>,
     next: u64,
 }
 
@@ -102,11 +102,11 @@ impl Folder {
             content.truncate(finished);
         }
         let consequence = what_follows(shared);
-        let mut listed: Vec<Listed> = Vec::new();
+        let mut listed: Vec<ListedChunk> = Vec::new();
         let mut known = HashSet::new();
         let mut damaged = 0_usize;
         for (index, line) in String::from_utf8_lossy(&content).lines().enumerate() {
-            match serde_json::from_str::<Listed>(line) {
+            match serde_json::from_str::<ListedChunk>(line) {
                 // Outcomes of another model version cannot be used.
                 Ok(entry) if entry.model_version != MODEL_VERSION => {}
                 Ok(entry) if entry.first_run <= entry.last_run && entry.chunk < MOST_CHUNKS => {
@@ -134,7 +134,7 @@ impl Folder {
     }
 
     /// Returns a number above those of all chunks, including files that are not on the list.
-    fn next_number(path: &Path, listed: &[Listed]) -> u64 {
+    fn next_number(path: &Path, listed: &[ListedChunk]) -> u64 {
         let numbered = fs::read_dir(path).into_iter().flatten().flatten().filter_map(|entry| {
             let name = entry.file_name();
             let name = name.to_str()?;
@@ -158,7 +158,7 @@ impl Folder {
     ///
     /// # Errors
     /// Returns what is wrong with the chunk.
-    pub fn read(&self, entry: &Listed) -> Result<Chunk, String> {
+    pub fn read(&self, entry: &ListedChunk) -> Result<Chunk, String> {
         let path = self.file(entry.chunk);
         let bytes = match read_exactly(&path, entry) {
             Err(cause) if cause.kind() == io::ErrorKind::NotFound => self.adopt(&path, entry),
@@ -178,7 +178,7 @@ impl Folder {
     }
 
     /// Reads a chunk that is on the list but was not renamed, and renames it.
-    fn adopt(&self, path: &Path, entry: &Listed) -> io::Result<Vec<u8>> {
+    fn adopt(&self, path: &Path, entry: &ListedChunk) -> io::Result<Vec<u8>> {
         let temporary = path.with_added_extension("partial");
         let bytes = match read_exactly(&temporary, entry) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
@@ -201,7 +201,7 @@ impl Folder {
 
     /// Renames a damaged chunk so that it is no longer read; it is not deleted. Does nothing unless this process holds
     /// the lock.
-    pub fn put_aside(&self, entry: &Listed) {
+    pub fn put_aside(&self, entry: &ListedChunk) {
         if !self.ours {
             return;
         }
@@ -225,7 +225,7 @@ impl Folder {
         };
         let chunk = self.next;
         let path = self.file(chunk);
-        let listed = Listed {
+        let listed = ListedChunk {
             chunk,
             model_version: MODEL_VERSION,
             first_run,
@@ -260,7 +260,7 @@ impl Folder {
         Ok(())
     }
 
-    fn list(&self, listed: &Listed) -> io::Result<()> {
+    fn list(&self, listed: &ListedChunk) -> io::Result<()> {
         let path = self.path.join(LIST);
         let new = match fs::symlink_metadata(&path) {
             Ok(found) if found.is_file() => false,
@@ -290,7 +290,7 @@ fn ends_with_newline(path: &Path) -> io::Result<bool> {
 }
 
 /// Returns the bytes of a file whose size and hash match the list.
-fn read_exactly(path: &Path, entry: &Listed) -> io::Result<Vec<u8>> {
+fn read_exactly(path: &Path, entry: &ListedChunk) -> io::Result<Vec<u8>> {
     let found = fs::symlink_metadata(path)?;
     if found.is_file() && found.len() != entry.bytes {
         let found = found.len();

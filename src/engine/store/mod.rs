@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 pub(super) use chunk::NewResult;
 pub use chunk::{Chunk, ChunkFault};
 pub(super) use chunk_index::{ChunkIndex, StoredResult};
-pub use folder::Listed;
+pub use folder::ListedChunk;
 pub(super) use record::{CaseKey, StoredOutcome};
 pub(super) use result_cache::ResultCache;
 pub use store_error::StoreError;

@@ -4,7 +4,7 @@ use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::chunk::Chunk;
-use super::folder::{Folder, Listed};
+use super::folder::{Folder, ListedChunk};
 use super::record::CaseKey;
 use crate::engine::say;
 
@@ -16,7 +16,7 @@ const CACHED_CHUNKS: usize = 32;
 pub(in crate::engine) struct ResultCache {
     folders: Vec<Folder>,
     /// Folder index and list entry of each chunk.
-    chunks: Vec<(usize, Listed)>,
+    chunks: Vec<(usize, ListedChunk)>,
     /// Chunk number and index in the chunk, by case.
     pub(super) index: HashMap<CaseKey, (u32, u32)>,
     /// The chunks read last, the most recent at the end.

@@ -56,7 +56,7 @@ impl Allowed {
 }
 
 /// A formula with what is required of it.
-struct Use<'d> {
+struct CheckedFormula<'d> {
     path: Vec<String>,
     formula: &'d Formula,
     allowed: Allowed,
@@ -146,7 +146,7 @@ fn check_formulas(instance: &Instance<'_>) -> Result<(Numbers, Dependence), Faul
     let mut found = Numbers::new();
     let (mut terms, mut all) = (0, Dependence::default());
     for one in uses(instance)? {
-        let Use { path, formula, allowed, dimension, mut bodies } = one;
+        let CheckedFormula { path, formula, allowed, dimension, mut bodies } = one;
         let at = |fault: FormulaFault| (path.clone(), fault);
         bodies.terms = terms;
         let (found_here, mut values) = instance.analysed(formula, &mut bodies).map_err(at)?;
@@ -193,7 +193,7 @@ fn check_formulas(instance: &Instance<'_>) -> Result<(Numbers, Dependence), Faul
 }
 
 /// Returns all formulas of a system, for each body.
-fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<Use<'d>>, FaultAt> {
+fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<CheckedFormula<'d>>, FaultAt> {
     let definition = instance.definition;
     let path = |keys: &[&str]| keys.iter().map(|key| (*key).to_owned()).collect::<Vec<String>>();
     let unit =
@@ -210,7 +210,7 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<Use<'d>>, FaultAt> {
                 path.push(format!("[{end}]"));
                 let bodies = instance.bound(coordinate.index.as_deref(), member.body);
                 let (allowed, dimension) = (Allowed::Constants, Some(dimension));
-                all.push(Use { path, formula, allowed, dimension, bodies });
+                all.push(CheckedFormula { path, formula, allowed, dimension, bodies });
             }
         }
     }
@@ -231,7 +231,13 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<Use<'d>>, FaultAt> {
             let dimension =
                 Some(over(over(over(ENERGY, unit(row)), unit(column)), [0, 0, -2 * WHOLE]));
             let path = path.clone();
-            all.push(Use { path, formula, allowed: Allowed::Positions, dimension, bodies });
+            all.push(CheckedFormula {
+                path,
+                formula,
+                allowed: Allowed::Positions,
+                dimension,
+                bodies,
+            });
         }
     }
     let without = |number: &usize| !taken.contains(&[*number; 2]);
@@ -248,7 +254,13 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<Use<'d>>, FaultAt> {
         for ([number], bodies) in places {
             let dimension = Some(over(ENERGY, unit(number)));
             let path = path.clone();
-            all.push(Use { path, formula, allowed: Allowed::Anything, dimension, bodies });
+            all.push(CheckedFormula {
+                path,
+                formula,
+                allowed: Allowed::Anything,
+                dimension,
+                bodies,
+            });
         }
     }
     for number in 0..instance.contacts.len() {
@@ -257,7 +269,7 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<Use<'d>>, FaultAt> {
         let mut add =
             |key: &str, formula: &'d Formula, allowed: Allowed, dimension: Option<Dimension>| {
                 let (path, bodies) = (instance.contact_path(number, key), bodies.clone());
-                all.push(Use { path, formula, allowed, dimension, bodies });
+                all.push(CheckedFormula { path, formula, allowed, dimension, bodies });
             };
         if let Some(sliding) = &contact.sliding {
             add("sliding", sliding, Allowed::LinearRates, Some(speed));
@@ -295,13 +307,19 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<Use<'d>>, FaultAt> {
         let path = path(&["outputs", &with_index(&output.name, output.index.as_deref())]);
         let (allowed, formula) = (Allowed::Anything, &output.formula);
         let dimension = output.unit.as_ref().map(|unit| unit.dimension);
-        all.push(Use { path, formula, allowed, dimension, bodies });
+        all.push(CheckedFormula { path, formula, allowed, dimension, bodies });
     }
     for WrittenDerived { quantity, within, usual } in &definition.derived {
         let WrittenOutput { name, unit, formula, .. } = quantity;
         let mut add = |keys: &[&str], formula: &'d Formula, dimension: Option<Dimension>| {
             let (path, bodies) = (path(keys), instance.bodies.clone());
-            all.push(Use { path, formula, allowed: Allowed::Constants, dimension, bodies });
+            all.push(CheckedFormula {
+                path,
+                formula,
+                allowed: Allowed::Constants,
+                dimension,
+                bodies,
+            });
         };
         let own = unit.as_ref().map(|unit| unit.dimension);
         add(&["derived", name], formula, own);
@@ -315,7 +333,7 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<Use<'d>>, FaultAt> {
     }
     if let Some(formula) = &definition.period {
         let (allowed, bodies) = (Allowed::Constants, instance.bodies.clone());
-        all.push(Use {
+        all.push(CheckedFormula {
             path: path(&["period"]),
             formula,
             allowed,

@@ -7,7 +7,7 @@ use super::definition::{COEFFICIENT, SystemDefinition, WrittenDerived};
 use super::evaluate::Bodies;
 use super::formula::{Dimension, Formula, NONE, Valued, WHOLE};
 use super::instance::Instance;
-use super::numeric::Numeric;
+use super::numeric::NamedValues;
 use super::scales::Scales;
 use super::sizes::Sizes;
 use super::system::WrittenSystem;
@@ -16,7 +16,7 @@ use crate::model::invalid_parameter::{invalid, not_negative};
 use crate::model::{FRICTION_COEFFICIENT, FrictionLaw, ImpactLaw, InvalidParameter, SlidingSpeed};
 
 /// A system with values of its parameters.
-pub(super) struct Examined {
+pub(super) struct ExaminedSystem {
     /// The system without dimensions.
     pub system: Arc<WrittenSystem>,
     pub scales: Scales,
@@ -37,7 +37,7 @@ fn unit_of_force(inertia: f64) -> f64 {
     if is_small { libm::ldexp(1.0, libm::round(libm::log2(inertia)) as i32) } else { 1.0 }
 }
 
-impl Examined {
+impl ExaminedSystem {
     /// Examines a system with these values of its parameters, in SI units, and the law of friction of the study; `number` is
     /// that of its definition.
     pub fn new(
@@ -54,7 +54,7 @@ impl Examined {
         let scaled: Vec<f64> =
             parameters.map(|(one, value)| value / scales.unit(one.unit.dimension)).collect();
         let named = instance.parameters(&scaled, 0.0);
-        let numeric = Numeric { scales, parameters: &named, coordinates: &[], time: 0.0 };
+        let numeric = NamedValues { scales, parameters: &named, coordinates: &[], time: 0.0 };
         let speed_of = instance.choose_velocities(numeric)?;
         let moving = instance.rates(&speed_of, numeric)?;
         let unit_of_speed = |number: usize| {
@@ -174,7 +174,7 @@ impl Examined {
             instance,
         };
         system.has_one_solution = sound.is_ok() && system.always_decides_in_one_way();
-        Ok(Examined { system: Arc::new(system), scales, speeds, outputs, sound })
+        Ok(ExaminedSystem { system: Arc::new(system), scales, speeds, outputs, sound })
     }
 
     /// Returns a start state in the components of the system: positions, velocities, and the time if the equations contain it.
@@ -186,7 +186,7 @@ impl Examined {
         let state = instance.scaled(*scales, &state);
         let parameters = instance.parameters(values, 0.0);
         let coordinates = instance.named(|number| state[number]);
-        let mut numeric = Numeric {
+        let mut numeric = NamedValues {
             scales: *scales,
             parameters: &parameters,
             coordinates: &coordinates,
@@ -271,7 +271,7 @@ impl Instance<'_> {
         let (parameters, middle) = (self.parameters(scaled, 0.0), self.scaled(scales, middle));
         let coordinates = self.named(|number| middle[number]);
         let mut numeric =
-            Numeric { scales, parameters: &parameters, coordinates: &coordinates, time: 0.0 };
+            NamedValues { scales, parameters: &parameters, coordinates: &coordinates, time: 0.0 };
         let (mass, mut forces) = self.mass_and_forces(&mut numeric)?;
         let inertia = moving.between(&mass);
         let mut units = Vec::with_capacity(speeds.len());
@@ -330,7 +330,7 @@ impl Instance<'_> {
         for (number, (.., values)) in coordinates.iter_mut().enumerate() {
             values[2] = 1.0 + 0.3 * number as f64;
         }
-        let mut numeric = Numeric {
+        let mut numeric = NamedValues {
             scales: Scales::default(),
             parameters: &parameters,
             coordinates: &coordinates,
@@ -366,7 +366,7 @@ impl Instance<'_> {
     /// Returns the value of a formula of parameters for a body.
     fn constant_of(&self, bodies: &Bodies, formula: &Formula, values: &[f64]) -> Valued<f64> {
         let parameters = self.parameters(values, 0.0);
-        let mut numeric = Numeric {
+        let mut numeric = NamedValues {
             scales: Scales::default(),
             parameters: &parameters,
             coordinates: &[],

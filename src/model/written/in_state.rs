@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::formula::Valued;
-use super::numeric::Numeric;
+use super::numeric::NamedValues;
 use super::system::WrittenSystem;
 use super::velocities::Rates;
 
@@ -13,7 +13,7 @@ impl WrittenSystem {
     pub(super) fn in_state<R>(
         &self,
         state: &[f64],
-        compute: impl FnOnce(Numeric<'_, f64>, &Rates<f64>) -> Valued<R>,
+        compute: impl FnOnce(NamedValues<'_, f64>, &Rates<f64>) -> Valued<R>,
     ) -> Valued<Option<R>> {
         let (instance, n) = (&self.instance, self.instance.coordinates.len());
         let parts = state
@@ -24,11 +24,12 @@ impl WrittenSystem {
             .first()
             .map_or(0.0, |clock| clock * self.period.map_or(1.0, |period| period / TAU));
         let parameters = self.parameters_at(&self.values, &self.stage, time);
-        let base = Numeric { scales: self.scales, parameters: &parameters, coordinates: &[], time };
+        let base =
+            NamedValues { scales: self.scales, parameters: &parameters, coordinates: &[], time };
         let [shapes, rates] = &self.coordinates;
         let (shapes, moving) = (shapes.at(positions), rates.at(velocities));
         let coordinates = instance.named(|number| [shapes[number], moving[number]]);
-        compute(Numeric { coordinates: &coordinates, ..base }, rates).map(Some)
+        compute(NamedValues { coordinates: &coordinates, ..base }, rates).map(Some)
     }
 
     /// Returns the smallest pivot of the mass matrix over the entry on its diagonal.

@@ -2,7 +2,7 @@
 
 use super::formula::Valued;
 use super::instance::{Instance, Member};
-use super::numeric::{NumberOrExpression, Numeric};
+use super::numeric::{NamedValues, NumberOrExpression};
 
 /// The values of names of an instance.
 pub(super) type Coordinates<'a, T> = Vec<(&'a str, Option<i64>, [T; 3])>;
@@ -50,7 +50,7 @@ impl Instance<'_> {
     /// Returns the mass matrix, and the forces.
     pub fn mass_and_forces<T: NumberOrExpression>(
         &self,
-        values: &mut Numeric<'_, T>,
+        values: &mut NamedValues<'_, T>,
     ) -> Valued<(Vec<Vec<T>>, Vec<T>)> {
         let (n, zero) = (self.coordinates.len(), T::constant(0.0));
         let (mut mass, mut forces) = (vec![vec![zero; n]; n], vec![zero; n]);

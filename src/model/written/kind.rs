@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::definition::{SystemDefinition, WrittenDerived, WrittenOutput};
 use super::dimensions::unit_of;
 use super::evaluate::Bodies;
-use super::examined::Examined;
+use super::examined::ExaminedSystem;
 use super::formula::{Dimension, Formula, FormulaFault, Valued, WHOLE};
 use super::instance::{Instance, Member};
 use super::sizes::ranges;
@@ -48,7 +48,7 @@ struct StartName {
 static KINDS: Mutex<Vec<(&'static WrittenKind, &'static ModelKind)>> = Mutex::new(Vec::new());
 
 /// A definition's number, values of its parameters, the law of the study, and what they say about the system.
-type Latest = (usize, Vec<f64>, FrictionLaw, Arc<Examined>);
+type Latest = (usize, Vec<f64>, FrictionLaw, Arc<ExaminedSystem>);
 
 /// How many are kept in each thread.
 const MOST_KEPT: usize = 4;
@@ -193,7 +193,7 @@ impl WrittenKind {
 
     /// Returns what the values of a model say about the system. The latest ones of each thread are kept, because all runs at one
     /// point have the same values.
-    fn examined(&self, model: &OwnModel) -> Valued<Arc<Examined>> {
+    fn examined(&self, model: &OwnModel) -> Valued<Arc<ExaminedSystem>> {
         LATEST.with_borrow_mut(|latest| {
             let is_it = |(number, values, law, _): &Latest| {
                 *number == self.number && values == model.values() && law == model.friction()
@@ -203,7 +203,7 @@ impl WrittenKind {
             }
             let (instance, values, law) = (self.instance(model)?, model.values(), model.friction());
             let instance = (*instance).clone();
-            let own = Arc::new(Examined::new(instance, self.number, values, law)?);
+            let own = Arc::new(ExaminedSystem::new(instance, self.number, values, law)?);
             latest.truncate(MOST_KEPT - 1);
             latest.insert(0, (self.number, values.to_vec(), *law, Arc::clone(&own)));
             Ok(own)
@@ -294,7 +294,7 @@ impl OwnKind for WrittenKind {
 
     fn units(&self, model: &OwnModel) -> Units {
         let Ok(examined) = self.examined(model) else { return Units::default() };
-        let Examined { scales, speeds, outputs, system, .. } = &*examined;
+        let ExaminedSystem { scales, speeds, outputs, system, .. } = &*examined;
         let instance = &system.instance;
         let unit = |dimension: Dimension| scales.unit(dimension);
         let power = unit([WHOLE, 2 * WHOLE, -3 * WHOLE]);

@@ -3,7 +3,7 @@
 use super::evaluate::FormulaValues;
 use super::formula::{Dimension, FormulaFunction, Name, Valued};
 use super::instance::Instance;
-use super::numeric::{NumberOrExpression, Numeric};
+use super::numeric::{NamedValues, NumberOrExpression};
 
 /// A constant and the factors of rates of change, by the numbers of their coordinates.
 #[derive(Clone, Debug)]
@@ -37,7 +37,7 @@ impl<T: NumberOrExpression> LinearForm<T> {
 /// Evaluates a formula that is linear in the rates of change.
 pub(super) struct Linearised<'a, 'd, T> {
     pub instance: &'a Instance<'d>,
-    pub numeric: Numeric<'a, T>,
+    pub numeric: NamedValues<'a, T>,
 }
 
 impl<T: NumberOrExpression> FormulaValues for Linearised<'_, '_, T> {

@@ -72,7 +72,7 @@ impl NumberOrExpression for Expression<'_> {
 
 /// The values of names.
 #[derive(Clone, Copy)]
-pub(super) struct Numeric<'a, T> {
+pub(super) struct NamedValues<'a, T> {
     /// The units of numbers.
     pub scales: Scales,
     /// The parameters and the angle that turns, each by its name and its number of primes, with its value.
@@ -83,7 +83,7 @@ pub(super) struct Numeric<'a, T> {
     pub time: T,
 }
 
-impl<T: NumberOrExpression> FormulaValues for Numeric<'_, T> {
+impl<T: NumberOrExpression> FormulaValues for NamedValues<'_, T> {
     type Value = T;
 
     fn number(&mut self, value: f64, dimension: Dimension, _: usize) -> T {

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, Schur};
 use super::formula::{Valued, WHOLE};
 use super::in_state::smallest_pivot;
 use super::instance::Instance;
-use super::numeric::Numeric;
+use super::numeric::NamedValues;
 use super::scales::Scales;
 
 /// The sizes of a system with values of its parameters, in SI units.
@@ -28,8 +28,12 @@ pub(super) struct Sizes {
 /// Returns the range of start values and that of start rates of each coordinate, in SI units.
 pub(super) fn ranges(instance: &Instance<'_>, values: &[f64]) -> Valued<Vec<[[f64; 2]; 2]>> {
     let parameters = instance.parameters(values, 0.0);
-    let mut numeric =
-        Numeric { scales: Scales::default(), parameters: &parameters, coordinates: &[], time: 0.0 };
+    let mut numeric = NamedValues {
+        scales: Scales::default(),
+        parameters: &parameters,
+        coordinates: &[],
+        time: 0.0,
+    };
     let mut all = Vec::new();
     for member in &instance.coordinates {
         let coordinate = &instance.definition.coordinates[member.of];
@@ -148,7 +152,7 @@ impl Instance<'_> {
             (self.parameters(values, time), self.named(|number| state[number]));
         let scales = Scales::default();
         let mut numeric =
-            Numeric { scales, parameters: &parameters, coordinates: &coordinates, time };
+            NamedValues { scales, parameters: &parameters, coordinates: &coordinates, time };
         self.mass_and_forces(&mut numeric)
     }
 

@@ -8,7 +8,7 @@ use super::definition::WrittenNormal;
 use super::formula::{Valued, WHOLE};
 use super::instance::Instance;
 use super::measured::MeasuredQuantities;
-use super::numeric::{NumberOrExpression, Numeric};
+use super::numeric::{NamedValues, NumberOrExpression};
 use super::scales::Scales;
 use super::velocities::{Rates, SpeedOf};
 use crate::model::{
@@ -60,9 +60,9 @@ pub(super) struct RecordedState<'a, 'r> {
     coordinates: [Vec<Expression<'r>>; 2],
     rates: Rates<Expression<'r>>,
     /// The values of names without those of the coordinates.
-    base: Numeric<'a, Expression<'r>>,
+    base: NamedValues<'a, Expression<'r>>,
     /// The values of all names.
-    values: Numeric<'a, Expression<'r>>,
+    values: NamedValues<'a, Expression<'r>>,
 }
 
 impl WrittenSystem {
@@ -96,13 +96,17 @@ impl WrittenSystem {
         let stage: Vec<_> = self.stage.iter().map(|_| recorder.parameter("stage")).collect();
         let parameters = self.parameters_at(&values, &stage, time);
         let at_rest = instance.named(|_| [zero; 2]);
-        let base =
-            Numeric { scales: self.scales, parameters: &parameters, coordinates: &at_rest, time };
+        let base = NamedValues {
+            scales: self.scales,
+            parameters: &parameters,
+            coordinates: &at_rest,
+            time,
+        };
         let rates = instance.rates(&self.speeds, base)?;
         let moving = rates.at(&speeds);
         let shapes = instance.rates(&self.integrals, base)?.without_constants().at(&positions);
         let named = instance.named(|number| [shapes[number], moving[number]]);
-        let values = Numeric { coordinates: &named, ..base };
+        let values = NamedValues { coordinates: &named, ..base };
         let (clock, coordinates) = (clock.map(|clock| [clock, rate]), [shapes, moving]);
         compute(RecordedState { positions, speeds, clock, coordinates, rates, base, values })
     }
@@ -173,7 +177,7 @@ impl WrittenSystem {
                         MechanismNormal::Given(normal)
                     }
                     WrittenNormal::Given(_) => {
-                        let mut moving = Numeric { coordinates: &accelerated, ..values };
+                        let mut moving = NamedValues { coordinates: &accelerated, ..values };
                         let force = in_unit(bodies.evaluate(formula, &mut moving)?);
                         let factor =
                             |of: &Expression<'r>| recorder.rate_of_change(force, &[(*of, one)]);

@@ -8,7 +8,7 @@
 use nalgebra::DMatrix;
 
 use super::formula::Valued;
-use super::numeric::Numeric;
+use super::numeric::NamedValues;
 use super::system::WrittenSystem;
 use super::velocities::{Rates, SpeedOf};
 use crate::model::{Bounded, Interval, Number, System};
@@ -58,7 +58,7 @@ impl WrittenSystem {
         let parameters = self.parameters_at(&values, &stage, time);
         let mut coordinates = instance.named(|number| at(number).map(bounded));
         let mut numeric =
-            Numeric { scales, parameters: &parameters, coordinates: &coordinates, time };
+            NamedValues { scales, parameters: &parameters, coordinates: &coordinates, time };
         let constants = |all: &Vec<f64>| all.iter().map(|one| Bounded::constant(*one)).collect();
         let Rates { factors, constants: rest } = &self.coordinates[1];
         let rates =
@@ -68,7 +68,7 @@ impl WrittenSystem {
         for coordinate in 0..n {
             coordinates[coordinate].2[2].slope = Interval::exact(1.0);
             let mut numeric =
-                Numeric { scales, parameters: &parameters, coordinates: &coordinates, time };
+                NamedValues { scales, parameters: &parameters, coordinates: &coordinates, time };
             for (contact, factors) in reactions.iter_mut().enumerate() {
                 let (own, mut bodies) = instance.contact(contact);
                 let force = bodies.evaluate(own.normal.entry().1, &mut numeric)?;

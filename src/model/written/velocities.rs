@@ -9,7 +9,7 @@ use super::definition::WrittenNormal;
 use super::formula::{Valued, WHOLE};
 use super::instance::Instance;
 use super::linear::{LinearForm, Linearised};
-use super::numeric::{NumberOrExpression, Numeric};
+use super::numeric::{NamedValues, NumberOrExpression};
 
 /// What elimination leaves of a factor that is 0, in units of the motion.
 const ROUNDING: f64 = 1e-12;
@@ -105,7 +105,7 @@ impl Instance<'_> {
     pub fn linear<T: NumberOrExpression>(
         &self,
         contact: usize,
-        numeric: Numeric<'_, T>,
+        numeric: NamedValues<'_, T>,
     ) -> Valued<Option<LinearForm<T>>> {
         let (contact, mut bodies) = self.contact(contact);
         let Some(sliding) = &contact.sliding else { return Ok(None) };
@@ -113,7 +113,7 @@ impl Instance<'_> {
     }
 
     /// Chooses the velocities, for these values of the parameters.
-    pub fn choose_velocities(&self, numeric: Numeric<'_, f64>) -> Valued<Vec<SpeedOf>> {
+    pub fn choose_velocities(&self, numeric: NamedValues<'_, f64>) -> Valued<Vec<SpeedOf>> {
         let mut rates = Rates::<f64>::identity(self.coordinates.len());
         let mut chosen: Vec<SpeedOf> = Vec::new();
         for contact in 0..self.contacts.len() {
@@ -165,7 +165,7 @@ impl Instance<'_> {
     pub fn choose_positions(
         &self,
         chosen: &[SpeedOf],
-        numeric: Numeric<'_, f64>,
+        numeric: NamedValues<'_, f64>,
     ) -> Valued<Vec<SpeedOf>> {
         let is_periodic =
             |(of, _): &(usize, f64)| self.definition.coordinates[self.coordinates[*of].of].periodic;
@@ -205,7 +205,7 @@ impl Instance<'_> {
         &self,
         (contact, speed): (usize, SpeedOf),
         rates: &Rates<T>,
-        numeric: Numeric<'_, T>,
+        numeric: NamedValues<'_, T>,
     ) -> Valued<Option<T>> {
         let SpeedOf::Multiple(place) = speed else { return Ok(None) };
         let speed = self.linear(contact, numeric)?;
@@ -216,7 +216,7 @@ impl Instance<'_> {
     pub fn rates<T: NumberOrExpression>(
         &self,
         chosen: &[SpeedOf],
-        numeric: Numeric<'_, T>,
+        numeric: NamedValues<'_, T>,
     ) -> Valued<Rates<T>> {
         let mut rates = Rates::identity(self.coordinates.len());
         for (contact, speed_of) in chosen.iter().enumerate() {

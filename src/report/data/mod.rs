@@ -25,7 +25,7 @@ pub use motion::SampledMotion;
 pub use names::{axis_of, heading, said};
 pub use points::{Fraction, PointFacts};
 pub use run_up::{PeakOfRun, SampledRun, SampledRunUps};
-pub use runs::{Notable, RunSample, scattered};
+pub use runs::{NotableRun, RunSample, scattered};
 pub use time_to_rest::RestCurve;
 
 use super::chart::{Axis, axis_of_names};
@@ -154,7 +154,7 @@ pub struct ReportData<'a> {
     /// Drawn values of the runs of the points in detail.
     pub drawn: DrawnValues,
     /// The first runs that failed or whose label changed in the audit.
-    pub notable: Vec<Notable>,
+    pub notable: Vec<NotableRun>,
     /// Time to rest of the points in detail.
     pub rest: Vec<RestCurve>,
     /// What happened in the stages of the runs.

@@ -49,7 +49,7 @@ pub struct RunSample {
 
 /// A run that failed, or whose label changed in the audit.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Notable {
+pub struct NotableRun {
     /// Number of the run.
     pub run_id: u64,
     /// Label of the run.
@@ -73,7 +73,7 @@ pub fn read(
     points: &[PointFacts],
     shown: &[&PointFacts],
     most: u64,
-) -> Result<(RunSample, Vec<Notable>), TableError> {
+) -> Result<(RunSample, Vec<NotableRun>), TableError> {
     let model = study.model();
     let positions = (0..model.contacts()).map(|contact| model.position_column(contact).0);
     let positions: Vec<String> = positions.collect();
@@ -118,7 +118,7 @@ pub fn read(
             if notable.len() < MOST_NOTABLE {
                 let (evidence, error) = (evidence.unwrap_or_default(), error.unwrap_or_default());
                 let label = label.name().to_owned();
-                notable.push(Notable { run_id, label, evidence, audited, error });
+                notable.push(NotableRun { run_id, label, evidence, audited, error });
             }
         }
         if touches

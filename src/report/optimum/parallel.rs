@@ -9,7 +9,7 @@ use crate::report::chart::{
 use crate::study::Variable;
 
 /// The values of one axis, one for each design, and the name of the axis with its ends.
-struct Upright {
+struct ParallelAxis {
     name: String,
     values: Vec<Option<f64>>,
     ends: [f64; 2],
@@ -33,7 +33,7 @@ pub fn parallel_coordinates(data: &OptimumData) -> Option<Figure> {
         let value = |one: &EvaluatedDesign<'_>| Some(factor * one.objectives.get(place).copied()??);
         upright(&axis.name, &axis.unit, designs.iter().map(value), None)
     });
-    let axes: Vec<Upright> = of_variables.chain(objectives).collect();
+    let axes: Vec<ParallelAxis> = of_variables.chain(objectives).collect();
     if variables.len() < 2 || designs.is_empty() {
         return None;
     }
@@ -104,7 +104,7 @@ fn upright(
     unit: &str,
     values: impl Iterator<Item = Option<f64>>,
     variable: Option<&Variable>,
-) -> Upright {
+) -> ParallelAxis {
     let values: Vec<Option<f64>> = values.collect();
     let known = || values.iter().copied().flatten();
     let ends = [known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max)];
@@ -114,7 +114,7 @@ fn upright(
         None => trimmed(end),
     });
     let range = if low == high { low } else { format!("{low} to {high}") };
-    Upright {
+    ParallelAxis {
         name: format!("{}: {range} {unit}", name.replace('_', " ")).trim_end().to_owned(),
         values,
         ends,

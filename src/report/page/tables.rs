@@ -7,7 +7,7 @@ use crate::analysis::RankCorrelation;
 use crate::classification::Label;
 use crate::counted::counted;
 use crate::model::Method;
-use crate::report::data::{DrawnRuns, Notable, ReportData};
+use crate::report::data::{DrawnRuns, NotableRun, ReportData};
 use crate::report::figures::shown_parameters;
 use crate::sanitize::{one_line, shell_word};
 use crate::study::VariedParameter;
@@ -163,8 +163,8 @@ pub fn notable(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     }
     let head = ["run", "label", "evidence", "label in the audit", "error", "replay"];
     let dir = escaped(&shell_word(directory));
-    let row = |run: &Notable| {
-        let Notable { run_id, label, evidence, audited, error } = run;
+    let row = |run: &NotableRun| {
+        let NotableRun { run_id, label, evidence, audited, error } = run;
         let words = |text: &str| escaped(&text.replace('_', " "));
         vec![
             run_id.to_string(),
