@@ -5,8 +5,8 @@
 //! [`System`] is the interface of all systems. This module does not depend on how motion is integrated or how a run ends.
 //!
 //! Read the base first: [`Number`] and [`Dual`] are the arithmetics, [`State`] is a state, `graph` records equations, and
-//! `friction` has the laws. `contact_mode`, `impact_law` and `system` then say what a system is, and `mechanism` records one from
-//! a mass matrix, forces and contacts.
+//! `friction` has the laws. `contact_mode`, `gap`, `impact_law` and `system` then say what a system is, and `mechanism` records one
+//! from a mass matrix, forces and contacts.
 //!
 //! The balancer follows: [`Machine`] with [`BallContact`], [`Kick`] and [`SpeedProfile`] in SI units, [`Balancer`] with its
 //! `equations`, and the systems in `recorded_balancer`, `balls_in_contact` and `driven`. The closed forms are in `rest`,
@@ -34,6 +34,7 @@ mod dual;
 mod equations;
 mod existence;
 mod friction;
+mod gap;
 mod graph;
 mod held;
 mod impact_law;
@@ -68,8 +69,7 @@ mod written;
 pub use angle::{wrap_to_pi, wrap_to_two_pi};
 pub use balancer::{Balancer, BalancerBall};
 pub use ball_balancer::BALL_BALANCER;
-pub(crate) use ball_contact::pushes;
-pub use ball_contact::{BallContact, Gap, SPHERE_INERTIA, rolling_restitution};
+pub use ball_contact::{BallContact, SPHERE_INERTIA, rolling_restitution};
 pub use balls_in_contact::BallsInContact;
 pub use campbell_diagram::CampbellDiagram;
 pub use case::{Case, Endings, Extend, ExtendedLabels, Method, Simulation, Tolerance};
@@ -85,6 +85,8 @@ pub use friction::{
     FRICTION_LAWS, Friction, FrictionLaw, Law, LawDimension, LawInputs, LawNumbers, LawParameter,
     Lowest, MAX_LAW_PARAMETERS, Sliding, SlidingForce, SlidingSpeed,
 };
+pub use gap::Gap;
+pub(crate) use gap::pushes;
 pub(crate) use graph::PerStructure;
 pub use graph::{
     ContactEquations, ContactLayout, Degree, Event, EventEquations, Expression, ForcingLayout,

@@ -194,7 +194,7 @@ struct Balancer {
 };
 
 // The table's rest point while both balls stick, and the largest distance from it (squared, in phase space) at which
-// neither ball ever breaks away (src/classification/certificate.rs).
+// neither ball ever breaks away (src/model/certificate.rs).
 struct Rest {
     double x = 0.0, y = 0.0, allowed = -1.0;
 

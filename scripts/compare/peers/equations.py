@@ -138,7 +138,7 @@ def set_in_motion(y, s):
 @nb.njit
 def rest(y, p):
     """Returns the table's rest point while both balls stick at `y`, and the largest distance from it (squared, in phase
-        space) at which neither ball ever breaks away (src/classification/certificate.rs)."""
+        space) at which neither ball ever breaks away (src/model/certificate.rs)."""
     omega, zeta = p[SPEED], p[DAMPING]
     sine1, cosine1 = math.sin(y[2]), math.cos(y[2])
     sine2, cosine2 = math.sin(y[3]), math.cos(y[3])

@@ -32,6 +32,7 @@ impl Friction {
         self.law.values()
     }
 
+    #[inline]
     fn numbers(&self) -> LawNumbers<'_> {
         LawNumbers { coefficient: self.coefficient, limit: self.limit, values: &self.law.values }
     }
