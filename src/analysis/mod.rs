@@ -10,9 +10,9 @@
 //! designs.
 //!
 //! The closed forms of balls at rest start with `rest_form`, which has the parameters of a machine, and `touching`. The
-//! equilibrium set is exact for `one_ball`, and otherwise found on a `set_grid` or at `set_samples`; `set_extremes` and
-//! `climb` find its amplitudes, and `equilibrium_set` combines all of this. The equilibria without friction build on
-//! `balance`, `on_a_line` and `linearised`; `frictionless` combines these. `run_up` stands alone.
+//! equilibrium set is exact for `one_ball`, and otherwise found on a `set_grid` or at `set_samples`. The equilibria without
+//! friction build on `balance`, `on_a_line` and `linearised`; `frictionless` combines these. `set_extremes` and `climb` find
+//! the amplitudes in the set, and `equilibrium_set` combines everything about it. `run_up` stands alone.
 
 mod angle_set;
 mod audit;

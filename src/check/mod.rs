@@ -4,8 +4,8 @@
 //! A study that resolves is valid: every run of it can be planned. It can still describe a machine that cannot be
 //! built or that cannot balance. This module finds such machines; it computes no run.
 //!
-//! Read `closed_form` and `own_facts` first: what is known of a ball balancer and of another system, with `ball_fit` and
-//! `steady`. `points` selects the points of a large sweep, and `designs` the designs of a search. Warnings build on these:
+//! Read `ball_fit` and `steady` first, then `closed_form` and `own_facts`: what is known of a ball balancer and of another
+//! system. `points` selects the points of a large sweep, and `designs` the designs of a search. Warnings build on these:
 //! `slips` and `values` concern one machine, `conditions` and `obstacle` the study, and `warnings` collects all of them.
 
 mod ball_fit;

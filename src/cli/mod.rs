@@ -2,10 +2,10 @@
 //!
 //! Read `exit` and `output` first: how a command ends and prints. `arguments` and `range` are arguments that commands share.
 //!
-//! Each other file is a command or a part of one. `check` prints what `check_machine`, `check_system`, `check_points`,
-//! `check_run_up`, `existence` and `design_cost` say. `run`, `resume`, `merge` and `verify` compute studies with
-//! `run_on_engine`. `summary`, `report`, `compare`, `equilibria` and `replay` need results or closed forms only, and
-//! `evaluate`, `optimize` and `identify` evaluate designs.
+//! Each other file is a command or a part of one. `check_machine`, `check_system`, `check_points`, `check_run_up`,
+//! `existence` and `design_cost` say what `check` prints. `run_on_engine` computes a study for `run`, `resume`, `merge` and
+//! `verify`. `summary`, `report`, `compare`, `equilibria` and `replay` need results or closed forms only, and `evaluate`,
+//! `optimize` and `identify` evaluate designs.
 
 mod arguments;
 mod check;

@@ -2,10 +2,10 @@
 //!
 //! The order and place of computation do not affect results: a run is a pure function of the study and its number.
 //!
-//! Read `compute` first: it computes one run or many in lockstep. `batches` says which runs come next, a `worker` takes them
-//! from the queues of a `worker_pool`, `store` keeps finished runs, and `chunk_writer` passes them on to it.
-//! `progress_counts`, `progress` and `watch` show how far a computation is; `stop`, `interrupt` and `grace_period` end it
-//! early. `run_study` combines all of these.
+//! Read `compute` first: it computes one run or many in lockstep. `batches` says which runs come next, and `store` keeps
+//! finished runs. `progress_counts`, `watch` and `progress` show how far a computation is; `interrupt`, `grace_period` and
+//! `stop` end it early. A `worker` computes runs, `chunk_writer` passes them on to the store, and a `worker_pool` has the
+//! workers. `run_study` combines all of these.
 //!
 //! Directories of results follow: `output_dir` prepares one, `exclusive_directory` and `continued_directory` are those of
 //! other commands, and `results_study`, `read_finished` and `readable_results` open what is finished. `record_motion` needs

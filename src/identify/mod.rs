@@ -8,12 +8,13 @@
 //!
 //! All results are functions of the study and of the measurements.
 //!
-//! Read `site` and `end` first: what is measured, and what a simulation shows of it. `parameter_set` has the simulated ends
-//! of one set, from which `density` and `set_densities` make the densities of the measurements, and `references` corrects
-//! their tails. `smoother` is the regression over the sets, and `replicates` give its error. `likelihood` adds up all
-//! measurements with them, `regression_width` finds the width that predicts best, and `posterior` draws with `sampler`.
-//! `next_sets` chooses further sets, and `fit_test` tests the model. `inference` combines all of this, `set_files` and
-//! `result_files` are its directories, and `into_directory` runs it with progress.
+//! Read `site` and `end` first: what is measured, and what a simulation shows of it. `sampler` draws random numbers, and
+//! `smoother` is the regression over parameter sets. `parameter_set` has the simulated ends of one set, from which `density`
+//! and `set_densities` make the densities of the measurements, and `references` corrects their tails. `replicates` give the
+//! error of the regression. `likelihood` adds up all measurements, `regression_width` finds the width that predicts best, and
+//! `posterior` draws parameters. `next_sets` chooses further sets, and `fit_test` tests the model. `set_files` keeps
+//! simulated ends, `inference` combines all of this, `result_files` keeps the results, and `into_directory` runs everything
+//! with progress.
 
 mod density;
 mod end;

@@ -1,9 +1,9 @@
 //! The report page and the animation of a replayed run, and the files that hold them. Equal data give equal bytes.
 //!
-//! Read `data` first: what the tables of a directory say about its points and runs. `chart` says what a figure contains, and
-//! `figures` makes those of a study from the data. `printed_columns`, `remedies` and `conclusion` are its tables and
-//! sentences, `optimum` is the same for a search, and `page` puts everything into HTML. `write` writes the page, where
-//! `overwrite` allows it.
+//! Read `chart` and `data` first: what a figure contains, and what the tables of a directory say about its points and runs.
+//! `figures` makes the figures of a study from the data. `printed_columns`, `remedies` and `conclusion` are its tables and
+//! sentences, `optimum` is the same for a search, and `page` puts everything into HTML. `overwrite` says which files may be
+//! replaced, and `write` writes the page.
 //!
 //! `stored_run`, `animation` and `replay` are about one run that is computed again, and `comparison` is about two studies.
 

@@ -3,9 +3,9 @@
 //! A design is the study with values for its variables. The runs of all designs have the same start states and the
 //! same draws of uncertain parameters, because draws are keyed by names and not by designs (common random numbers).
 //!
-//! Read `request` and `respond` first: a design that is asked for, and the computation of its responses. `respond_to_all`
-//! does this for a table of designs, where `discontinuity` flags abrupt changes; `neighbours` compares a request with earlier
-//! ones. `columns` and `answer_json` write the answers.
+//! Read `request` and `respond` first: a design that is asked for, and the computation of its responses. `discontinuity`
+//! finds abrupt changes between designs; `respond_to_all` flags them in a table of designs, and `neighbours` compares a
+//! request with earlier ones. `columns` and `answer_json` write the answers.
 
 mod answer_json;
 pub(crate) mod columns;

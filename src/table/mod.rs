@@ -2,15 +2,17 @@
 //!
 //! Only this module writes Parquet files; `tabular` reads them for both studies and results.
 //!
-//! - Read `column` first, and `writer`, which turns rows into columns for `memory_table` or for `table_files`. The latter
-//!   writes into an `unfinished_table`, which gets its name last.
-//! - The tables of a study declare their columns in files of their names: `runs`, `stages` and `equilibria` have one row per
-//!   run; `points`, and with `point_key` the others, belong to points. `replay` and `touches` are the tables of one run.
-//! - `file_entry`, `manifest` and `file_list` list the files of a directory, and `verified_files` checks their hashes.
-//!   `atomic_files` and `durable_directories` survive kills and power loss.
+//! - Read `column` first, and `motion_values`, which has the units of motions. The tables of a study declare their columns in
+//!   files of their names: `runs`, `stages` and `equilibria` have one row per run, and `touches` and `replay` are the tables
+//!   of one run.
+//! - `file_entry` is a file with its hash, which `verified_files` checks. `durable_directories` and `atomic_files` survive
+//!   kills and power loss, and `manifest` lists the files of a directory.
+//! - `writer` turns rows into columns for a `memory_table` or for files. An `unfinished_table` gets its name last, and
+//!   `table_files` writes into it. `file_list` lists the files of a directory without a manifest.
 //! - `read` opens a table, `row` reads its rows, and `stored_run` compares one with a run that is computed again.
-//! - `study_tables` and `equilibrium_files` hold the tables of a command, and `results` is the output directory of a study.
-//!   `output_state` inspects such a directory before a run, and `previous_results` moves earlier results aside.
+//! - `points` has one row per point, and with `point_key` other tables have several. `study_tables` and `equilibrium_files`
+//!   hold the tables of a command, and `results` is the output directory of a study. `output_state` inspects such a directory
+//!   before a run, and `previous_results` moves earlier results aside.
 
 mod atomic_files;
 mod batch;

@@ -4,7 +4,7 @@
 //! known types, and converts them to rows of cells or to columns of values.
 //!
 //! Read `values` and `cells` first: columns of values and rows of cells. `csv` reads text. For Parquet, `thrift`, `unpack`
-//! and `text_lengths` check what the library is given, `pages` and `source` apply these checks, and `parquet` reads batches
+//! and `text_lengths` check what the library is given, `source` and `pages` apply these checks, and `parquet` reads batches
 //! of rows. `read_cells` chooses between the formats.
 
 mod cells;

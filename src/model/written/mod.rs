@@ -1,11 +1,12 @@
 //! Mechanical systems that a file describes by formulas.
 //!
-//! Read [`definition`] first: what a file contains. [`formula`] and [`parser`] turn texts into trees, which [`evaluate`] computes
-//! with numbers or expressions ([`numeric`]), [`dependence`] or [`dimensions`]. [`instance`] gives a definition certain numbers of
-//! bodies, and [`check`] and [`check_names`] refuse one that contradicts itself. [`velocities`] makes sliding speeds components of
-//! the state by [`linear`] forms. [`system`] records the equations and what [`measured`] evaluates, and [`in_state`] and
-//! [`uniqueness`] examine it in one state. [`sizes`] gives the units of the motion, from which [`examined`] makes a system of
-//! values of the parameters; [`small_motions`] are its equations of small motions. [`kind`] makes all this a kind of model.
+//! Read [`formula`] and [`parser`] first, which turn texts into trees, and [`definition`]: what a file contains. [`evaluate`]
+//! computes trees with numbers or expressions ([`numeric`]), [`dependence`] or [`dimensions`]. [`instance`] gives a
+//! definition certain numbers of bodies, and [`check`] and [`check_names`] refuse one that contradicts itself. [`linear`]
+//! forms are used by [`velocities`], which makes sliding speeds components of the state. [`measured`] evaluates the outputs
+//! of a [`system`], which records its equations, and [`in_state`] and [`uniqueness`] examine it in one state. [`sizes`] gives
+//! the units of the motion, from which [`examined`] makes a system of values of the parameters; [`small_motions`] are its
+//! equations of small motions. [`kind`] makes all this a kind of model.
 
 mod check;
 mod check_names;
