@@ -101,8 +101,10 @@ const HALF_WIDTH: f64 = 0.05;
 
 /// Default largest ball speed divided by the natural frequency (reconstructed).
 const BALL_SPEED: f64 = 1.0;
+
 impl Machine {
-    /// Returns the coordinates of a start state. One whose disc starts has its table and its balls at rest on the disc by default.
+    /// Returns the coordinates of a start state. By default, a machine whose disc starts has its table and its balls at rest on
+    /// the disc.
     pub(super) fn coordinates(&self) -> Vec<Coordinate> {
         let [half_width, ball_speed] =
             if self.speed_profile.is_some() { [0.0; 2] } else { [HALF_WIDTH, BALL_SPEED] };
@@ -116,25 +118,15 @@ impl Machine {
             };
             (1..=self.balls.len()).map(of_ball).collect()
         };
-        let angle = |name: String| Coordinate {
-            unit: Some("rad"),
-            default_range: [0.0, TAU],
-            default_in_words: Some("[0, 2π]"),
-            ..Coordinate::non_dimensional(
-                name,
-                "start angle of the ball from the imbalance",
-                "rad",
-                0.0,
-            )
+        let angle = |name: String| {
+            let meaning = "start angle of the ball from the imbalance";
+            let own = Coordinate::new(name, "rad", meaning, [0.0, TAU]);
+            Coordinate { default_in_words: Some("[0, 2π]"), ..own }
         };
         let speed = |name: String| {
             let meaning = "start speed of the ball relative to the ring";
-            Coordinate::non_dimensional(
-                name,
-                meaning,
-                "divided by the natural frequency",
-                ball_speed,
-            )
+            let unit = "divided by the natural frequency";
+            Coordinate::non_dimensional(name, meaning, unit, ball_speed)
         };
         const LENGTH: &str = "in ring radii";
         const VELOCITY: &str = "in ring radii, with time multiplied by the natural frequency";
@@ -153,13 +145,13 @@ impl Machine {
     /// Returns the units of the non-dimensional values.
     pub(super) fn units(&self) -> Units {
         let natural = self.natural_frequency_rad_s();
-        let force_n = |ball: &Ball| ball.mass_kg * natural * natural * self.ring_radius_m;
+        let of_ball = |ball: &Ball| {
+            ContactUnits::new(1.0, natural, ball.mass_kg * natural * natural * self.ring_radius_m)
+        };
         Units {
             natural_rad_s: natural,
             length_m: self.ring_radius_m,
-            contacts: (self.balls.iter())
-                .map(|ball| ContactUnits::new(1.0, natural, force_n(ball)))
-                .collect(),
+            contacts: self.balls.iter().map(of_ball).collect(),
             disc_rad_s: self.speed_rad_s,
             outputs: Vec::new(),
         }

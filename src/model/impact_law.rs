@@ -18,10 +18,7 @@ pub struct ImpactLaw {
 impl Default for ImpactLaw {
     /// The bodies stay together.
     fn default() -> Self {
-        ImpactLaw {
-            restitution: 0.0,
-            tangential_restitution: 0.0,
-            lasting_approach: LASTING_APPROACH,
-        }
+        let lasting_approach = LASTING_APPROACH;
+        ImpactLaw { restitution: 0.0, tangential_restitution: 0.0, lasting_approach }
     }
 }
