@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use crate::classification::{Evidence, Outcome, Runs, simulate, simulate_in_lockstep};
 use crate::model::Case;
 use crate::motion::{SimdLevel, is_cancelled};
-use crate::study::Study;
+use crate::study::Plan;
 use crate::table::RunRecord;
 
 thread_local! {
@@ -89,9 +89,9 @@ impl Runs for Tracked<'_> {
 
 /// Plans and simulates one run, and simulates an audited run a second time. Invalid parameters and panics become
 /// outcomes of the run.
-pub fn compute(study: &Study, run_id: u64, simulate: impl Fn(&Case) -> Outcome) -> RunRecord {
+pub fn compute(plan: &Plan, run_id: u64, simulate: impl Fn(&Case) -> Outcome) -> RunRecord {
     quieten_panics_in_runs();
-    let planned = study.planned_run(run_id);
+    let planned = plan.planned_run(run_id);
     let (outcome, again) = match &planned.case {
         Err(invalid) => {
             let evidence = Evidence::InvalidParameters;
