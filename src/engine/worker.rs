@@ -151,9 +151,9 @@ impl Runs for Worker<'_> {
                     return Some((2 * place, case));
                 }
                 Err(invalid) => {
-                    let evidence = Evidence::InvalidParameters;
-                    let outcome = Some(Outcome::failed(evidence, invalid.to_string()));
-                    let again = planned.audited.then_some(evidence);
+                    let evidence = Evidence::InvalidParameters(invalid.to_string());
+                    let again = planned.audited.then(|| evidence.clone());
+                    let outcome = Some(Outcome::of(evidence));
                     self.add_result(place, Incomplete { planned, outcome, again });
                 }
             }
