@@ -12,7 +12,7 @@ use crate::table::RunRecord;
 /// `most` instants and as many switches are recorded.
 ///
 /// # Panics
-/// If `run_id` is not below [`Study::run_count`].
+/// If `run_id` is not below [`crate::study::Plan::run_count`].
 pub fn record(
     study: &Study,
     run_id: u64,

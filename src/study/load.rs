@@ -7,15 +7,18 @@ use crate::study::file::ranges::expand_ranges;
 use crate::study::file::read_file::read_text;
 use crate::study::file::resolved_yaml::block_text;
 use crate::study::file::schema_place::SchemaPlace;
+use crate::study::file::source::Source;
 use crate::study::file::study_file::StudyFile;
+use crate::study::file::study_names::add_restitution;
 use crate::study::file::table_folders::TableFolders;
-use crate::study::file::unit_keys::{Names, add_restitution};
-use crate::study::file::yaml_tree::{Content, Source};
+use crate::study::file::unit_keys::Names;
+use crate::study::file::yaml_tree::Content;
 use crate::study::plan::planned_study::Study;
 use crate::study::resolve::further_errors::{Found, leave_out, with_further_errors};
 use crate::study::resolve::model::check_parameters;
 use crate::study::resolve::system::read_system;
 use crate::study::resolve::whole_study::resolve;
+use crate::study::schema::DECLARED;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -92,7 +95,7 @@ fn read(
     let names = Names::of(&source.root);
     check_parameters(&source, &names).map_err(in_key)?;
     let written: StudyFile =
-        decode(&source, &names, Some(SchemaPlace::declared())).map_err(in_key)?;
+        decode(&source, &names, Some(SchemaPlace::root(&DECLARED))).map_err(in_key)?;
     source.units = names.into_units();
     let between = |error| (Found::BetweenKeys, error);
     resolve(&source, &Arc::new(source.outline()), &written, &folders).map_err(between)

@@ -5,14 +5,14 @@ use std::sync::{Arc, OnceLock};
 
 use crate::model::{Case, InvalidParameter, Model, Simulation, Start};
 use crate::study::file::resolved_yaml::ResolvedFile;
-use crate::study::file::yaml_tree::Source;
+use crate::study::file::source::Source;
 use crate::study::plan::audit::Audit;
 use crate::study::plan::base::Base;
 use crate::study::plan::expectation::{Expectation, same};
 use crate::study::plan::parameter::{Parameter, ParameterValue, VariedParameter};
 use crate::study::plan::precision::{Precision, Sampling};
 use crate::study::plan::sweep::{Block, Listing, PointSampling};
-use crate::study::plan::uncertain_draws::Uncertain;
+use crate::study::plan::uncertain_parameter::UncertainParameter;
 use crate::study::plan::units::Units;
 use crate::study::sampling::apart::start_apart;
 use crate::study::sampling::correlation::Copula;
@@ -31,7 +31,7 @@ pub struct Plan {
     pub(in crate::study) swept: Vec<VariedParameter>,
     /// The digits with which the values of each swept parameter are shown, once they are known.
     pub(in crate::study) shown_digits: OnceLock<Vec<usize>>,
-    pub(in crate::study) uncertain_parameters: Vec<Uncertain>,
+    pub(in crate::study) uncertain_parameters: Vec<UncertainParameter>,
     pub(in crate::study) uncertain: Vec<VariedParameter>,
     /// The correlations of the uncertain parameters, if there are any.
     pub(in crate::study) copula: Option<Copula>,

@@ -2,13 +2,14 @@
 
 use std::ops::Deref;
 
+use crate::study::error::Fault;
 use crate::study::plan::designs::Designs;
 use crate::study::plan::expectation::Expectation;
 use crate::study::plan::identification::Identification;
 use crate::study::plan::optimization::Optimization;
 use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::response::Response;
-use crate::study::plan::variable::Variable;
+use crate::study::plan::variable::{DesignValue, Variable};
 
 /// A validated study with every default filled in; it is immutable.
 ///
@@ -73,5 +74,35 @@ impl Study {
             [] => std::slice::from_ref(&self.plan),
             plans => plans,
         }
+    }
+
+    /// Returns the coordinates of a design on the scales of [`Variable::scaled`].
+    pub fn scaled(&self, values: &[DesignValue]) -> Vec<f64> {
+        let each = self.variables().iter().zip(values);
+        each.flat_map(|(variable, value)| variable.scaled(*value)).collect()
+    }
+
+    /// Sets the variables, one value for each in their order, and returns the plan of the design.
+    /// Values that are not set are unchanged.
+    ///
+    /// # Errors
+    /// Returns a sentence if the values are physically impossible together.
+    pub fn set(&self, values: &[DesignValue]) -> Result<Plan, String> {
+        self.with_design(values).map_err(|Fault { problem, found, .. }| {
+            format!("{problem}: {}", found.unwrap_or_default())
+        })
+    }
+
+    /// Returns this study with the plan of a design.
+    ///
+    /// # Errors
+    /// Returns those of [`Study::set`].
+    pub fn of_design(&self, values: &[DesignValue]) -> Result<Study, String> {
+        Ok(Study { plan: self.set(values)?, ..self.clone() })
+    }
+
+    /// Sets the variables like [`Study::set`].
+    pub(crate) fn with_design(&self, values: &[DesignValue]) -> Result<Plan, Fault> {
+        self.designs.set(&self.plan, values)
     }
 }

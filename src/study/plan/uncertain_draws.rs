@@ -3,21 +3,7 @@
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::sweep::PointSampling;
-use crate::study::sampling::distribution::Distribution;
-use crate::study::sampling::draw::DrawKey;
-
-/// A parameter that is drawn for each run.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Uncertain {
-    /// The parameter.
-    pub parameter: Parameter,
-    /// The distribution of the value, or of a factor.
-    pub distribution: Distribution,
-    /// Whether the draw is a factor that multiplies the nominal value.
-    pub factor: bool,
-    /// The key of the random numbers.
-    pub key: DrawKey,
-}
+use crate::study::plan::uncertain_parameter::UncertainParameter;
 
 impl Plan {
     /// Returns the design of the uncertain parameters and the number of their rank correlations; `None` if all draws are
@@ -49,7 +35,7 @@ impl Plan {
         set: &[(Parameter, ParameterValue)],
         fractions: &[f64],
     ) -> Vec<f64> {
-        let draw = |(one, fraction): (&Uncertain, &f64)| {
+        let draw = |(one, fraction): (&UncertainParameter, &f64)| {
             let drawn = one.distribution.quantile(*fraction);
             if !one.factor {
                 return drawn;

@@ -2,10 +2,10 @@
 
 use crate::model::Endings;
 use crate::study::error::{StudyError, list_names, shorten};
-use crate::study::file::source_path::SourcePath;
+use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::study_file::ExpectationFile;
 use crate::study::file::values::Range;
-use crate::study::file::yaml_tree::{Source, describe_number};
+use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::expectation::Expectation;
 use crate::study::plan::parameter::ParameterValue;
 use crate::study::plan::planned_runs::Plan;

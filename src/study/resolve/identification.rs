@@ -4,8 +4,9 @@ use indexmap::IndexMap;
 
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::identify_file::{IdentifyFile, PriorFile, SpacingFile};
+use crate::study::file::source::Source;
 use crate::study::file::values::Count;
-use crate::study::file::yaml_tree::{Source, describe_number};
+use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::identification::Identification;
 use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::response::Response;

@@ -1,4 +1,7 @@
 //! From the study file to the study: every key validated, every default filled in.
+//!
+//! Read first `whole_study`, which calls `planned_runs` (model, sweep, start states, draws) and then the files of the other
+//! keys. `system` reads system files.
 
 pub(in crate::study) mod contact;
 pub(in crate::study) mod determined;

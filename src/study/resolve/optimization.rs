@@ -6,9 +6,9 @@ use crate::study::error::{Fault, StudyError, list_names};
 use crate::study::file::optimize_file::{
     LimitFile, Names, OptimizeFile, SensitivityFile, SensitivityFrom,
 };
-use crate::study::file::source_path::SourcePath;
+use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::values::{Count, Entry};
-use crate::study::file::yaml_tree::{Source, describe_number};
+use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::designs::Designs;
 use crate::study::plan::optimization::{Limit, Objective, Optimization};
 use crate::study::plan::planned_runs::Plan;

@@ -3,11 +3,11 @@
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::distribution_file::DistributionFile;
 use crate::study::file::resolved_yaml::ResolvedFile;
+use crate::study::file::source::Source;
 use crate::study::file::study_file::{BlockFile, DesignFile, InitialConditionsFile, StudyFile};
 use crate::study::file::table_folders::MAX_VALUES;
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::values::Range;
-use crate::study::file::yaml_tree::Source;
 use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, VariedParameter};
 use crate::study::plan::planned_runs::Plan;

@@ -5,9 +5,8 @@
 
 use crate::model::{InvalidParameter, LawParameter, Lowest};
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::source_path::SourcePath;
+use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::study_file::{BlockFile, StudyFile};
-use crate::study::file::yaml_tree::Source;
 use crate::study::plan::planned_runs::{Plan, Point};
 use crate::study::plan::sweep::Listing;
 

@@ -6,8 +6,8 @@ use indexmap::IndexMap;
 
 use crate::model::{OutputName, OutputValue};
 use crate::study::error::{StudyError, list_names};
-use crate::study::file::source_path::SourcePath;
-use crate::study::file::yaml_tree::{Content, Source, describe_number};
+use crate::study::file::source::{Source, SourcePath};
+use crate::study::file::yaml_tree::{Content, describe_number};
 use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::response::{
     Amplitude, AmplitudeKind, Measure, Response, ResponseFile, SUFFIXES, is_reserved,

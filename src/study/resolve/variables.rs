@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 
 use crate::model::MAX_BALLS;
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::source_path::SourcePath;
+use crate::study::file::source::SourcePath;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::{Parameter, check_number_of_balls};
 use crate::study::plan::planned_runs::Plan;

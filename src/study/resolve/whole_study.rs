@@ -2,9 +2,9 @@
 
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::balls::Balls;
+use crate::study::file::source::Source;
 use crate::study::file::study_file::StudyFile;
 use crate::study::file::table_folders::TableFolders;
-use crate::study::file::yaml_tree::Source;
 use crate::study::plan::designs::Designs;
 use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::planned_study::Study;
