@@ -112,8 +112,8 @@ impl ReplayReport<'_> {
         let ReplayReport { directory, out, replay, model, files, .. } = self;
         let Replay { record, recording, differences, columns, times_s } = replay;
         say(&format!("run {}: {}", record.planned.run_id, ending(&record.outcome)));
-        if let Some(error) = &record.outcome.error {
-            say(&format!("  {}", one_line(error, LONGEST_ERROR)));
+        if let Some(error) = record.outcome.evidence.error() {
+            say(&format!("  {}", one_line(&error, LONGEST_ERROR)));
         }
         match differences.as_deref() {
             Some([]) => say(&format!("equal to its row in all {columns} columns, to the last bit")),
@@ -164,9 +164,9 @@ impl ReplayReport<'_> {
             "point_id": record.planned.point_id,
             "label": outcome.label().name(),
             "evidence": outcome.evidence.name(),
-            "time_to_rest_s": outcome.time_to_rest_s,
+            "time_to_rest_s": outcome.time_to_rest_s(),
             "end_time_s": outcome.end_time_s,
-            "error": outcome.error,
+            "error": outcome.evidence.error(),
             "same_as_row": differences.map(Vec::is_empty),
             "differences": differences.map(|all| all.iter().map(difference).collect::<Vec<_>>()),
             "rows": recording.samples.len(),
@@ -178,7 +178,7 @@ impl ReplayReport<'_> {
             json!({
                 "stages": outcome.stages.len(),
                 "stage_begins_s": stage.time_s[0],
-                "rest_since_s": outcome.rest_since_s,
+                "rest_since_s": outcome.evidence.rest().and_then(|rest| rest.since_s),
                 "peak_amplitude_m": outcome.peak.map(|peak| peak.amplitude_m),
                 "peak_time_s": outcome.peak.map(|peak| peak.time_s),
             })

@@ -43,7 +43,7 @@ pub fn read_finished<S: Sink>(
 /// Returns [`StoreError::Unusable`] if the list of chunks cannot be read.
 ///
 /// # Panics
-/// If `run_id` is not below [`Study::run_count`].
+/// If `run_id` is not below [`crate::study::Plan::run_count`].
 pub fn finished_run(
     study: &Study,
     directory: &Path,

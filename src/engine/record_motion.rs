@@ -15,7 +15,7 @@ pub const MOST_INSTANTS: usize = 1_000_000;
 /// [`MOST_INSTANTS`] instants and as many switches are recorded.
 ///
 /// # Panics
-/// If `run_id` is not below [`Study::run_count`].
+/// If `run_id` is not below [`crate::study::Plan::run_count`].
 pub fn record(study: &Study, run_id: u64, times_s: Option<&[f64]>) -> (RunRecord, Recording) {
     let natural = |case: &Case| case.model.natural_frequency_rad_s();
     // An audited run is simulated twice; only the first simulation is recorded.

@@ -71,7 +71,7 @@ pub fn search<E>(
             Ok(DesignToEvaluate {
                 number,
                 values: &next.values,
-                studies: vec![Cow::Borrowed(&next.study)],
+                plans: vec![Cow::Borrowed(&next.plan)],
             })
         });
         let mut origins = next.iter().map(|one| one.origin);

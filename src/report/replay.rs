@@ -61,7 +61,7 @@ impl Replay {
     /// Returns an error if the motion is too long.
     ///
     /// # Panics
-    /// If `run_id` is not below [`Study::run_count`].
+    /// If `run_id` is not below [`crate::study::Plan::run_count`].
     pub fn of_study(
         study: &Study,
         run_id: u64,

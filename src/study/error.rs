@@ -5,8 +5,6 @@ use std::path::{Path, PathBuf};
 
 pub(crate) use crate::sanitize::shorten;
 use crate::sanitize::shown_path;
-use crate::study::file::source_path::SourcePath;
-use crate::study::file::unit_keys::split_unit;
 pub(crate) use crate::tabular::Fault;
 
 /// Why a study cannot be used: a message with file, line, key, the value found and the values allowed, and the messages of
@@ -118,28 +116,6 @@ impl StudyError {
     }
 }
 
-impl SourcePath<'_> {
-    /// Creates the message for a value: the problem, what was found, and what is allowed.
-    pub(crate) fn wrong_value(
-        &self,
-        problem: impl Into<String>,
-        found: impl Into<String>,
-        allowed: impl Into<String>,
-    ) -> StudyError {
-        self.refuse_value(Fault::new(problem, found, allowed))
-    }
-
-    /// Creates the message for a key: the problem, what was found, and what is allowed.
-    pub(crate) fn wrong_key(
-        &self,
-        problem: impl Into<String>,
-        found: impl Into<String>,
-        allowed: impl Into<String>,
-    ) -> StudyError {
-        self.refuse_key(Fault::new(problem, found, allowed))
-    }
-}
-
 impl fmt::Display for StudyError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let message = &self.0;
@@ -188,23 +164,6 @@ pub(crate) fn list_names<S: AsRef<str>>(found: &str, names: &[S]) -> String {
         names.iter().map(AsRef::as_ref).filter(|name| Some(*name) != nearest).map(str::to_owned),
     );
     parts.join(", ")
-}
-
-/// Lists the allowed keys. The key most similar to `found` comes first, possibly without its unit.
-pub(crate) fn list_keys<S: AsRef<str>>(found: &str, keys: &[S]) -> String {
-    let short: Vec<&str> =
-        keys.iter().filter_map(|key| Some(split_unit(key.as_ref())?.0)).collect();
-    let with = list_names(found, keys);
-    let both: Vec<&str> = keys.iter().map(AsRef::as_ref).chain(short.iter().copied()).collect();
-    let nearest = list_names(found, &both);
-    // The list of both begins with the nearest name if any name is near.
-    match nearest.split_once(" (did you mean this?)") {
-        Some((name, _)) if short.contains(&name) => {
-            let rest = with.replace(" (did you mean this?)", "");
-            format!("{name} (did you mean this?), {rest}")
-        }
-        _ => with,
-    }
 }
 
 /// The number of characters of a name that are compared with the allowed names.

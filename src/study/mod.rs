@@ -1,8 +1,19 @@
 //! Studies: from a study file to planned runs.
 //!
 //! A study file ([`file::study_file::StudyFile`]) is resolved into a [`Study`], which is validated, contains
-//! every default, and numbers its points and runs. [`Study::planned_run`] computes any run from its
+//! every default, and numbers its points and runs. [`Plan::planned_run`] computes any run from its
 //! number, without state; its memory does not grow with the number of runs.
+//!
+//! Map, in the order in which the files build on one another:
+//!
+//! 1. `error`, then `file/yaml_tree` and `file/source`: a text as a tree of values with places, and messages about them.
+//! 2. `file/key_units`, `file/quantity`, `file/unit_keys` and `file/decode`: how a typed value is read from the tree.
+//! 3. `resolve/system` and `kinds`: system files, and all kinds of models, which contain the built-in system files.
+//! 4. `sampling`: distributions, start states and random draws from the number of a run.
+//! 5. `plan/parameter` and `file/kind_parameters`: what a study may vary, and the parameters of each kind.
+//! 6. `file/study_file`: all keys of a study, with the parts of the JSON Schema in `file/schema_parts`.
+//! 7. `plan/planned_runs` ([`Plan`]: points and runs) and `plan/planned_study` ([`Study`]: a plan and what is asked of it).
+//! 8. `resolve/whole_study` and `load`: from the keys to the study. `schema` and `template` write for editors and people.
 //!
 //! ```
 //! use std::path::Path;
@@ -28,6 +39,7 @@ mod design_table;
 mod error;
 pub mod file;
 mod kinds;
+mod load;
 mod measured_table;
 mod plan;
 mod resolve;
@@ -49,7 +61,8 @@ pub use plan::identification::Identification;
 pub use plan::optimization::{Limit, Objective, Optimization};
 pub use plan::parameter::{ParameterKind, ParameterValue, VariedParameter};
 pub use plan::parameter_list::{ListedParameter, SweptValues, UncertainRange};
-pub use plan::planned_study::{PlannedRun, Point, Study};
+pub use plan::planned_runs::{Plan, PlannedRun, Point};
+pub use plan::planned_study::Study;
 pub use plan::precision::{Precision, Sampling};
 pub use plan::repeated_points::RepeatedPoints;
 pub use plan::response::{AmplitudeKind, Measure, Response};

@@ -9,7 +9,7 @@ use crate::study::{ParameterValue, Point, Study};
 pub struct PointKey {
     /// Number of the point, from 0.
     pub point_id: u64,
-    /// Values of the swept parameters, in the order of [`Study::swept`].
+    /// Values of the swept parameters, in the order of [`crate::study::Plan::swept`].
     pub swept: Vec<ParameterValue>,
 }
 

@@ -23,7 +23,7 @@ impl From<Precision> for HalfWidths {
 pub struct PointRow {
     /// Number of the point, from 0.
     pub point_id: u64,
-    /// Values of the swept parameters, in the order of [`Study::swept`].
+    /// Values of the swept parameters, in the order of [`crate::study::Plan::swept`].
     pub swept: Vec<ParameterValue>,
     /// Summary of its runs.
     pub summary: PointSummary,

@@ -30,7 +30,7 @@ pub struct DrawnRuns {
     pub amplitude_m: Vec<f64>,
     /// Time to rest, s; infinite for runs that did not come to rest.
     pub time_to_rest_s: Vec<f64>,
-    /// The drawn values, parameter by parameter in the order of [`Study::uncertain`], in the units that the study chooses.
+    /// The drawn values, parameter by parameter in the order of [`crate::study::Plan::uncertain`], in the units that the study chooses.
     pub values: Vec<Vec<f64>>,
 }
 

@@ -2,8 +2,8 @@
 //! units, so that the rest of the program knows SI columns only.
 
 use crate::study::error::{Fault, list_names, shorten};
+use crate::study::file::key_units::split_unit;
 use crate::study::file::quantity::Conversion;
-use crate::study::file::unit_keys::split_unit;
 use crate::study::file::values::Entry;
 
 /// A column as the program knows it, and how its numbers become SI numbers.

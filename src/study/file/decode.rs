@@ -15,12 +15,14 @@ use serde::de::{
 use serde::forward_to_deserialize_any;
 
 use crate::model::WRITTEN;
-use crate::study::error::{Fault, Location, StudyError, list_keys, list_names, shorten};
+use crate::study::error::{Fault, Location, StudyError, list_names, shorten};
 use crate::study::file::friction_file::example_of_friction;
 use crate::study::file::key_path::{KeyPath, Segment};
+use crate::study::file::key_units::{WITHOUT_UNIT, list_keys};
 use crate::study::file::schema_place::SchemaPlace;
-use crate::study::file::unit_keys::{Keys, Names, UnitKey, WITHOUT_UNIT};
-use crate::study::file::yaml_tree::{Content, Node, Source};
+use crate::study::file::source::Source;
+use crate::study::file::unit_keys::{Keys, Names, UnitKey};
+use crate::study::file::yaml_tree::{Content, Node};
 
 /// Deserialises a value of type `T` from the whole source, with the bounds of numbers that `place` declares.
 pub(in crate::study) fn decode<T: DeserializeOwned>(

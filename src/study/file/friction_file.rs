@@ -13,7 +13,6 @@ use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use super::schema_parts::capital;
 use crate::model::{FRICTION_LAWS, Law, LawDimension, LawParameter, Lowest, SlidingSpeed};
 
 /// A friction law with the values that the file gives, by key.
@@ -202,4 +201,10 @@ fn number_schema(parameter: &LawParameter, speed: SlidingSpeed, of: &str) -> Val
         bound: 0,
         "description": format!("{}, {unit}, {lowest}{note}{}.", capital(&meaning), parameter.note),
     })
+}
+
+/// Returns the text with a capital letter.
+pub(super) fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -12,7 +12,8 @@ use crate::study::file::values::Count;
 #[serde(deny_unknown_fields)]
 pub struct IdentifyFile {
     /// Numeric parameters to infer, each with the range of its prior.
-    #[schemars(schema_with = "schema::priors")]
+    #[schemars(schema_with = "schema::by_parameter::<PriorFile>")]
+    #[schemars(extend("minProperties" = 1, "maxProperties" = 8))]
     pub parameters: IndexMap<String, PriorFile>,
     /// Number of parameter sets in the initial space-filling sample, 8 to 4000; the default is 128 for one parameter, 1000
     /// for two, 2000 for more.

@@ -1,4 +1,8 @@
 //! The study file as it is written: YAML with places, its types, the tables it names, and its text with all defaults.
+//!
+//! Read first `yaml_tree` and `source` (the text and its places), then `unit_keys` and `decode` (how a type is read from
+//! them), and then `study_file` with the files of its parts. `table_folders` and `table_input` read tables, `resolved_yaml`
+//! writes a study with all defaults, and the files `schema_…` make the JSON Schema.
 
 pub mod balls;
 mod column_units;
@@ -8,9 +12,12 @@ pub mod distribution_file;
 pub(in crate::study) mod friction_file;
 pub mod identify_file;
 pub(in crate::study) mod key_path;
+pub(in crate::study) mod key_units;
+pub(in crate::study) mod kind_parameters;
 mod notations;
 pub mod optimize_file;
 pub(in crate::study) mod parameters_file;
+mod parameters_schema;
 pub mod protocol_file;
 pub(in crate::study) mod quantity;
 pub(in crate::study) mod ranges;
@@ -20,9 +27,10 @@ pub(in crate::study) mod schema_parts;
 pub(in crate::study) mod schema_place;
 pub(in crate::study) mod schema_rules;
 pub(in crate::study) mod schema_units;
-pub(in crate::study) mod source_path;
+pub(in crate::study) mod source;
 pub mod stages_file;
 pub mod study_file;
+pub(in crate::study) mod study_names;
 pub(in crate::study) mod system_file;
 pub(in crate::study) mod table_folders;
 pub(in crate::study) mod table_input;

@@ -12,7 +12,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::balls::Balls;
-use super::schema_parts::parameters_schema;
 use crate::model::ModelKind;
 use crate::study::kinds::{model_kind, model_kinds};
 
@@ -151,14 +150,4 @@ pub(in crate::study) fn is_before_balls(name: &str) -> bool {
         .flat_map(|kind| kind.parameters)
         .find(|parameter| parameter.is_of_each_ball());
     first_of_balls.is_some_and(|first| place(name) < place(first.name))
-}
-
-impl JsonSchema for ParametersFile {
-    fn schema_name() -> Cow<'static, str> {
-        "ParametersFile".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        parameters_schema(generator)
-    }
 }

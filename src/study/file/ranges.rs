@@ -4,8 +4,9 @@
 use crate::study::error::{Fault, Location, StudyError, list_names, shorten};
 use crate::study::file::key_path::{KeyPath, Segment};
 use crate::study::file::quantity::split_number;
+use crate::study::file::source::Source;
 use crate::study::file::table_folders::MAX_VALUES;
-use crate::study::file::yaml_tree::{Content, Node, Source, describe_number};
+use crate::study::file::yaml_tree::{Content, Node, describe_number};
 
 const KEYS: [&str; 5] = ["from", "to", "count", "step", "spacing"];
 const FORMS: &str = "{from: 1, to: 5, count: 9}, {from: 1, to: 5, step: 0.5}, \

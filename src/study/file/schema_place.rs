@@ -1,24 +1,8 @@
 //! Places in the JSON Schema of study files: the keys of a value, their descriptions, choices and bounds.
 
-use std::sync::LazyLock;
-
-use schemars::generate::SchemaSettings;
 use serde_json::Value;
 
-use super::schema_units::remove_nulls;
-use super::study_file::StudyFile;
 use super::yaml_tree::describe_number;
-
-/// The schema that the types of the study file declare.
-static DECLARED: LazyLock<Value> = LazyLock::new(declared_schema);
-
-/// Returns the schema that the types of the study file declare, without defaults, units and rules between keys.
-pub(in crate::study) fn declared_schema() -> Value {
-    let generator = SchemaSettings::draft2020_12().into_generator();
-    let mut schema = generator.into_root_schema_for::<StudyFile>().to_value();
-    remove_nulls(&mut schema);
-    schema
-}
 
 /// A value in the schema.
 #[derive(Clone, Copy)]
@@ -35,13 +19,6 @@ pub(in crate::study) struct SchemaKey<'a> {
     pub(in crate::study) default: Option<&'a Value>,
     /// The value of the key.
     pub(in crate::study) place: SchemaPlace<'a>,
-}
-
-impl SchemaPlace<'static> {
-    /// Returns the whole study, as its types declare it.
-    pub(in crate::study) fn declared() -> Self {
-        SchemaPlace::root(&DECLARED)
-    }
 }
 
 impl<'a> SchemaPlace<'a> {

@@ -3,9 +3,9 @@
 
 use serde_json::{Map, Value, json};
 
+use super::key_units::split_unit;
+use super::kind_parameters::{axes_of, numeric_parameters_of, parameters_of};
 use super::parameters_file::BALLS;
-use super::schema_parts::{axes_of, numeric_parameters_of, parameters_of};
-use super::unit_keys::split_unit;
 use crate::classification::Label;
 use crate::model::{FRICTION_LAWS, LawParameter, ModelKind, ParameterDescriptor};
 use crate::study::kinds::model_kinds;

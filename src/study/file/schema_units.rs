@@ -2,8 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
+use super::key_units::{DENSITY, MATERIAL, WITHOUT_UNIT, split_unit};
 use super::quantity::measured;
-use super::unit_keys::{DENSITY, MATERIAL, WITHOUT_UNIT, split_unit};
 use crate::model::MATERIALS;
 
 /// A number with a unit; the program checks the unit.
@@ -14,7 +14,7 @@ pub(super) const QUANTITY: &str =
 const WITH_UNITS: &str = "WithUnits";
 
 /// Removes `null` everywhere, because a key in a study file has a value, and defaults of maps, because their keys have them.
-pub(super) fn remove_nulls(schema: &mut Value) {
+pub(in crate::study) fn remove_nulls(schema: &mut Value) {
     let is_null = |value: &Value| *value == json!("null") || *value == json!({ "type": "null" });
     match schema {
         Value::Array(items) => items.iter_mut().for_each(remove_nulls),

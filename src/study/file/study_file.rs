@@ -45,7 +45,7 @@ pub struct StudyFile {
     pub sweep: Option<Vec<BlockFile>>,
     /// Distribution of each uncertain parameter; the value is drawn for each run.
     #[serde(default)]
-    #[schemars(schema_with = "schema::uncertain")]
+    #[schemars(schema_with = "schema::by_parameter::<DistributionFile>")]
     pub uncertain: Option<IndexMap<String, DistributionFile>>,
     /// How the uncertain parameters are sampled together: design and rank correlations; by default, draws are
     /// independent.
@@ -64,7 +64,7 @@ pub struct StudyFile {
     /// Variables of `stickslip evaluate` and `stickslip optimize`, by name: a numeric parameter or
     /// `balls` with `from` and `to`, or another name with `choices`.
     #[serde(default)]
-    #[schemars(schema_with = "schema::variables")]
+    #[schemars(schema_with = "schema::by_name::<VariableFile>")]
     pub design: Option<IndexMap<String, VariableFile>>,
     /// Responses that `stickslip evaluate` estimates for each design, by name.
     pub responses: Option<IndexMap<String, ResponseFile>>,

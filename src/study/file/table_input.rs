@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::study::error::{Fault, Location, StudyError, shorten};
 use crate::study::file::column_units::KnownColumn;
-use crate::study::file::source_path::SourcePath;
+use crate::study::file::source::SourcePath;
 use crate::study::file::table_folders::{MAX_VALUES, TableFolders};
 use crate::study::file::values::{Entry, InlineTable, TableSource};
 use crate::tabular::{Cell, Cells, Limits, Refusal, check_name, ragged};

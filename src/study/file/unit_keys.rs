@@ -3,55 +3,11 @@
 
 use std::cell::RefCell;
 
-use crate::model::{MATERIALS, Material, ModelKind};
+use crate::model::{MATERIALS, Material};
 use crate::study::error::{Fault, list_names, shorten};
-use crate::study::file::key_path::Segment;
+use crate::study::file::key_units::{DENSITY, MATERIAL, split_unit};
 use crate::study::file::quantity::{convert, decimal_comma, measured, split_number};
-use crate::study::file::schema_parts::{axes_of, parameters_of, parameters_of_any};
 use crate::study::file::yaml_tree::{Content, Node};
-use crate::study::kinds::model_kind;
-
-/// The endings of SI keys with their units; a longer ending stands before the shorter one that it contains.
-const ENDINGS: [(&str, &str); 19] = [
-    ("_n_m_s_rad", "N m s/rad"),
-    ("_n_m_rad", "N m/rad"),
-    ("_n_m_s", "N m s"),
-    ("_n_s_m", "N s/m"),
-    ("_rad_s2", "rad/s2"),
-    ("_rad_s", "rad/s"),
-    ("_n_m", "N/m"),
-    ("_m_s2", "m/s2"),
-    ("_m_s", "m/s"),
-    ("_kg_m2", "kg m2"),
-    ("_nm", "N m"),
-    ("_1_s", "1/s"),
-    ("_rad", "rad"),
-    ("_kg_m3", "kg/m3"),
-    ("_kg_m", "kg m"),
-    ("_kg", "kg"),
-    ("_m", "m"),
-    ("_n", "N"),
-    ("_s", "s"),
-];
-
-/// The key that takes names of materials in place of densities.
-pub(super) const MATERIAL: &str = "ball_material";
-/// The parameter that a material gives.
-pub(super) const DENSITY: &str = "ball_density_kg_m3";
-
-/// Keys below a parameter whose values do not have its unit.
-pub(crate) const WITHOUT_UNIT: [&str; 4] = ["count", "spacing", "times", "weights"];
-
-/// Returns the key without its unit and the unit, if this is an SI key with a unit.
-pub(crate) fn split_unit(key: &str) -> Option<(&str, &'static str)> {
-    ENDINGS.iter().find_map(|(ending, unit)| Some((key.strip_suffix(ending)?, *unit)))
-}
-
-/// Returns the names that a file may write in place of an SI key.
-pub(super) fn without_unit(si: &str) -> [&str; 2] {
-    let short = split_unit(si).map_or(si, |(short, _)| short);
-    [short, if si == DENSITY { MATERIAL } else { short }]
-}
 
 /// The names that a map may have as its keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,15 +74,9 @@ impl UnitKey<'static> {
 }
 
 impl Names {
-    /// Returns the names of a study.
-    pub fn of(root: &Node) -> Names {
-        let kind = root.get("model").and_then(|model| model.get("kind")).map_or("", Node::name);
-        Names {
-            parameters: model_kind(kind).map_or_else(parameters_of_any, parameters_of),
-            coordinates: coordinates_of(model_kind(kind)),
-            choices: names_of_choices(root),
-            units: RefCell::default(),
-        }
+    /// Creates the names of parameters, of coordinates with a unit, and of variables with choices.
+    pub fn new(parameters: Vec<String>, coordinates: Vec<String>, choices: Vec<String>) -> Names {
+        Names { parameters, coordinates, choices, ..Names::default() }
     }
 
     /// Returns the first unit of each key with a unit.
@@ -278,40 +228,4 @@ fn density(name: &str) -> Result<f64, Fault> {
         Fault::new("unknown material", shorten(name), list_names(name, &names))
     })?;
     Ok(material.density_kg_m3)
-}
-
-/// Gives the contact of balls the restitution of their material, unless it has its own.
-pub(in crate::study) fn add_restitution(root: &mut Node) {
-    let material = (|| root.get("model")?.get("parameters")?.get(MATERIAL))();
-    let restitution = material.and_then(|name| Material::named(name.name())?.restitution);
-    let contact = ["model", "contact"].map(|key| Segment::Key(key.to_owned()));
-    let (Some(restitution), Some(Node { place, content: Content::Map(law) })) =
-        (restitution, root.at_mut(&contact))
-    else {
-        return;
-    };
-    let own = ["restitution", "material_restitution"];
-    if law.iter().all(|(key, _)| !own.contains(&key.name())) {
-        let node = |content| Node { place: *place, content };
-        let key = node(Content::Text("material_restitution".to_owned()));
-        law.push((key, node(Content::Number(restitution))));
-    }
-}
-
-/// Returns the names of the coordinates of this kind of model that end with a unit, and those of a block.
-fn coordinates_of(kind: Option<&'static ModelKind>) -> Vec<String> {
-    let mut names = ["position_m", "velocity_m_s"].map(str::to_owned).to_vec();
-    names.extend(kind.into_iter().flat_map(axes_of).filter(|name| split_unit(name).is_some()));
-    names.sort_unstable();
-    names.dedup();
-    names
-}
-
-/// Returns the variables with choices. A variable with choices may have the name of a parameter without its unit.
-fn names_of_choices(root: &Node) -> Vec<String> {
-    let Some(Content::Map(variables)) = root.get("design").map(|design| &design.content) else {
-        return Vec::new();
-    };
-    let choices = variables.iter().filter(|(_, value)| value.get("choices").is_some());
-    choices.map(|(key, _)| key.name().to_owned()).collect()
 }

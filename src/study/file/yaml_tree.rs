@@ -1,10 +1,9 @@
-//! The text of a study file as a tree of values with their lines and columns.
+//! A YAML text as a tree of values with their lines and columns.
 //!
 //! The budgets of the YAML parser stop alias bombs and deep nesting. Duplicate keys are errors.
 
 use std::collections::HashSet;
 use std::fmt;
-use std::path::{Path, PathBuf};
 
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
@@ -12,10 +11,9 @@ use serde_saphyr::Spanned;
 use serde_saphyr::options::{DuplicateKeyPolicy, MergeKeyPolicy, NonFiniteFloatPolicy};
 
 pub(crate) use crate::numbers::describe_number;
-use crate::study::error::{Fault, Location, StudyError, shorten};
+use crate::study::error::{Location, shorten};
 use crate::study::file::key_path::{KeyPath, Segment};
-use crate::study::file::unit_keys::without_unit;
-use crate::study::file::yaml_fault::reader_error;
+use crate::study::file::key_units::without_unit;
 
 /// The largest study file, and the largest table that a study names, in bytes.
 pub(crate) const MAX_FILE_BYTES: u64 = 64 * 1024 * 1024;
@@ -54,94 +52,6 @@ pub(crate) enum Content {
     List(Vec<Node>),
     /// A map in the order of the file; its keys are texts.
     Map(Vec<(Node, Node)>),
-}
-
-/// The text of a study file, its tree and its name, which a message needs.
-#[derive(Clone, Debug)]
-pub(crate) struct Source {
-    /// The name of the file.
-    pub file: PathBuf,
-    /// The text of the file.
-    pub text: String,
-    /// The whole file.
-    pub root: Node,
-    /// The first unit of each key with a unit: the key without its unit, the unit as it is written, and the SI unit.
-    pub units: Vec<(String, String, &'static str)>,
-}
-
-impl Source {
-    /// Parses a text into a tree.
-    ///
-    /// # Errors
-    /// Returns an error if the text is empty, is not YAML, contains more than one document, is too
-    /// deep or too large, repeats a key, or contains a number that is not finite.
-    pub fn new(file: &Path, text: String) -> Result<Source, StudyError> {
-        match parsed(&text, DuplicateKeyPolicy::Error) {
-            Ok(root) => {
-                let file = file.to_path_buf();
-                let source = Source { file, text, root, units: Vec::new() };
-                source.check_top()?;
-                source.check_finite()?;
-                Ok(source)
-            }
-            Err(error) => Err(reader_error(file, &text, error.without_snippet())),
-        }
-    }
-
-    fn check_top(&self) -> Result<(), StudyError> {
-        let beginning = "keys and values, starting with `schema: 1`";
-        match self.root.content {
-            Content::Map(_) => Ok(()),
-            Content::Nothing => {
-                let fault = Fault::new("the file is empty", "no keys", beginning);
-                Err(StudyError::about_file(&self.file, fault))
-            }
-            _ => {
-                let fault = Fault::new("not a study", self.root.describe(), beginning);
-                Err(self.refuse_at(self.root.place, &KeyPath::default(), fault))
-            }
-        }
-    }
-
-    fn check_finite(&self) -> Result<(), StudyError> {
-        let is_not_finite =
-            |node: &Node| matches!(node.content, Content::Number(number) if !number.is_finite());
-        let Some((path, node)) = self.root.find(&is_not_finite) else { return Ok(()) };
-        let fault = Fault::new("not a finite number", node.describe(), "a finite number");
-        Err(self.refuse_at(node.place, &path, fault))
-    }
-
-    /// Returns the keys and their places, without the text and without lists of values, which may be long.
-    pub fn outline(&self) -> Source {
-        let (root, text) = (self.root.outline(), String::new());
-        Source { file: self.file.clone(), text, root, units: Vec::new() }
-    }
-
-    /// Creates the message for a fault at a known place.
-    pub fn refuse_at(&self, place: Location, path: &KeyPath, fault: Fault) -> StudyError {
-        let line = self.text.lines().nth(place.line.saturating_sub(1));
-        let path = self.as_written(path).to_string();
-        StudyError::new(&self.file, Some(place), path, fault, line)
-    }
-
-    /// Returns the value at a path.
-    pub fn node(&self, path: &KeyPath) -> Option<&Node> {
-        path.0.iter().try_fold(&self.root, |node, step| Some(node.below(step)?.1))
-    }
-
-    /// Returns a path with the keys as the file writes them.
-    pub fn as_written(&self, path: &KeyPath) -> KeyPath {
-        let mut node = Some(&self.root);
-        let written = |step: &Segment| {
-            let below = node.and_then(|node| node.below(step));
-            node = below.map(|(_, value)| value);
-            match (step, below) {
-                (Segment::Key(_), Some((key, _))) => Segment::Key(key.name().to_owned()),
-                _ => step.clone(),
-            }
-        };
-        KeyPath(path.0.iter().map(written).collect())
-    }
 }
 
 /// Parses a text within the limits of a study file.
@@ -198,7 +108,8 @@ impl Node {
         }
     }
 
-    fn outline(&self) -> Node {
+    /// Returns the keys and their places, without lists of values, which may be long.
+    pub fn outline(&self) -> Node {
         let is_map = |item: &Node| matches!(item.content, Content::Map(_));
         let content = match &self.content {
             Content::Map(entries) => {

@@ -1,13 +1,18 @@
 //! The plan of a study: points, designs, responses, and any run from its number.
+//!
+//! Read first `parameter` (what may vary), `base` (the model without variation) and `sweep` (the points of a block), then
+//! `planned_runs` with `uncertain_draws` and `quantiles`, and last `planned_study` with `designs` and `response`.
 
 pub(in crate::study) mod audit;
 pub(in crate::study) mod base;
 pub(in crate::study) mod changed_keys;
+pub(in crate::study) mod designs;
 pub(in crate::study) mod expectation;
 pub(in crate::study) mod identification;
 pub(in crate::study) mod optimization;
 pub(in crate::study) mod parameter;
 pub(in crate::study) mod parameter_list;
+pub(in crate::study) mod planned_runs;
 pub(in crate::study) mod planned_study;
 pub(in crate::study) mod precision;
 pub(in crate::study) mod quantiles;
@@ -15,10 +20,11 @@ pub(in crate::study) mod repeated_points;
 pub(in crate::study) mod resolved_study;
 pub(in crate::study) mod response;
 pub(in crate::study) mod run_numbers;
+pub(in crate::study) mod shown_numbers;
 pub(in crate::study) mod shown_values;
 pub(in crate::study) mod sweep;
 pub(in crate::study) mod uncertain_draws;
+pub(in crate::study) mod uncertain_parameter;
 pub(in crate::study) mod units;
 pub(in crate::study) mod variable;
-pub(in crate::study) mod with_design;
 pub(in crate::study) mod written;

@@ -4,8 +4,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::study::error::{Fault, StudyError};
+use crate::study::file::source::Source;
 use crate::study::file::values::Count;
-use crate::study::file::yaml_tree::{Source, describe_number};
+use crate::study::file::yaml_tree::describe_number;
 use crate::study::sampling::sampling_design::Design;
 
 /// Sequential sampling: adds whole replicates of the design at each point until the 95 % confidence

@@ -8,7 +8,7 @@ use crate::model::OutputValue;
 use crate::study::file::schema_parts as schema;
 use crate::study::file::values::NumberOrLength;
 use crate::study::file::yaml_tree::describe_number;
-use crate::study::plan::shown_values::six_digits;
+use crate::study::plan::shown_numbers::six_digits;
 use crate::study::plan::units::{Unit, Units};
 
 /// A response of a design, estimated from the residual amplitudes (`amplitude_m` in `runs.parquet`), the peak amplitudes

@@ -1,25 +1,11 @@
 //! The values that a run draws for the uncertain parameters.
 
 use crate::study::plan::parameter::{Parameter, ParameterValue};
-use crate::study::plan::planned_study::Study;
+use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::sweep::PointSampling;
-use crate::study::sampling::distribution::Distribution;
-use crate::study::sampling::draw::DrawKey;
+use crate::study::plan::uncertain_parameter::UncertainParameter;
 
-/// A parameter that is drawn for each run.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Uncertain {
-    /// The parameter.
-    pub parameter: Parameter,
-    /// The distribution of the value, or of a factor.
-    pub distribution: Distribution,
-    /// Whether the draw is a factor that multiplies the nominal value.
-    pub factor: bool,
-    /// The key of the random numbers.
-    pub key: DrawKey,
-}
-
-impl Study {
+impl Plan {
     /// Returns the design of the uncertain parameters and the number of their rank correlations; `None` if all draws are
     /// independent.
     pub fn uncertain_sampling(&self) -> Option<(&'static str, usize)> {
@@ -49,7 +35,7 @@ impl Study {
         set: &[(Parameter, ParameterValue)],
         fractions: &[f64],
     ) -> Vec<f64> {
-        let draw = |(one, fraction): (&Uncertain, &f64)| {
+        let draw = |(one, fraction): (&UncertainParameter, &f64)| {
             let drawn = one.distribution.quantile(*fraction);
             if !one.factor {
                 return drawn;

@@ -2,7 +2,7 @@
 
 use indexmap::IndexMap;
 
-use crate::study::file::unit_keys::split_unit;
+use crate::study::file::key_units::split_unit;
 
 /// The quantities with a unit of their own: the key under `units`, and the SI unit.
 pub(crate) const QUANTITIES: [(&str, &str); 10] = [

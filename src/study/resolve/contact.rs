@@ -3,7 +3,8 @@
 use crate::model::{BallContact, Model, rolling_restitution};
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::contact_file::{ContactFile, ContactLawFile, NoContact};
-use crate::study::file::yaml_tree::{Source, describe_number};
+use crate::study::file::source::Source;
+use crate::study::file::yaml_tree::describe_number;
 
 /// Returns the law of contact between balls; `None` for balls that pass through each other.
 pub(in crate::study) fn resolve_contact(

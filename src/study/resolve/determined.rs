@@ -6,8 +6,8 @@ use crate::model::{ModelKind, ParameterDescriptor};
 use crate::study::error::StudyError;
 use crate::study::file::balls::Balls;
 use crate::study::file::key_path::KeyPath;
+use crate::study::file::source::Source;
 use crate::study::file::study_file::StudyFile;
-use crate::study::file::yaml_tree::Source;
 use crate::study::plan::parameter::{MOST_MEMBERS, Parameter};
 
 /// Returns the names of the parameters that others determine, which are then no parameters of the study.

@@ -5,7 +5,7 @@ use indexmap::IndexMap;
 use crate::model::{FrictionLaw, Model, SlidingSpeed};
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::friction_file::FrictionFile;
-use crate::study::file::yaml_tree::Source;
+use crate::study::file::source::Source;
 
 /// Returns the friction law with sliding speeds in the unit of this kind of model.
 pub(in crate::study) fn resolve_friction(

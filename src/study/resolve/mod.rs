@@ -1,4 +1,7 @@
 //! From the study file to the study: every key validated, every default filled in.
+//!
+//! Read first `whole_study`, which calls `planned_runs` (model, sweep, start states, draws) and then the files of the other
+//! keys. `system` reads system files.
 
 pub(in crate::study) mod contact;
 pub(in crate::study) mod determined;
@@ -10,6 +13,7 @@ pub(in crate::study) mod model;
 pub(in crate::study) mod names;
 pub(in crate::study) mod numbers_of_balls;
 pub(in crate::study) mod optimization;
+pub(in crate::study) mod planned_runs;
 pub(in crate::study) mod points;
 pub(in crate::study) mod protocol;
 pub(in crate::study) mod responses;
@@ -18,7 +22,7 @@ pub(in crate::study) mod sampling;
 pub(in crate::study) mod simulation;
 pub(in crate::study) mod stages;
 pub(in crate::study) mod sweep;
-mod system;
+pub(in crate::study) mod system;
 mod system_contact;
 pub(in crate::study) mod uncertain;
 pub(in crate::study) mod uncertain_sampling;

@@ -1,14 +1,15 @@
 //! Resolution of the model, with all defaults.
 
 use crate::model::{Ball, MAX_BALLS, Machine, Model, ModelKind, ParameterDescriptor};
-use crate::study::error::{Fault, StudyError, list_keys, shorten};
+use crate::study::error::{Fault, StudyError, shorten};
 use crate::study::file::balls::{BallFile, Balls};
+use crate::study::file::key_units::list_keys;
 use crate::study::file::parameters_file::{BALLS, KindFile, ParametersFile, parameter_keys};
-use crate::study::file::source_path::SourcePath;
+use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::study_file::ModelFile;
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::unit_keys::{Keys, Names};
-use crate::study::file::yaml_tree::{Content, Source, describe_number};
+use crate::study::file::yaml_tree::{Content, describe_number};
 use crate::study::kinds::model_kind;
 use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, ParameterValue};

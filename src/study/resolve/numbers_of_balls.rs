@@ -2,11 +2,10 @@
 
 use crate::model::Model;
 use crate::study::error::StudyError;
+use crate::study::file::source::Source;
 use crate::study::file::study_file::{BlockFile, StudyFile};
-use crate::study::file::values::Entry;
-use crate::study::file::yaml_tree::Source;
 use crate::study::plan::base::Base;
-use crate::study::plan::parameter::{Parameter, ParameterValue, check_number_of_balls};
+use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::plan::sweep::Listing;
 use crate::study::resolve::sweep::ResolvedBlock;
 
@@ -55,19 +54,6 @@ fn whole(value: &ParameterValue) -> usize {
         ParameterValue::Number(number) => *number as usize,
         ParameterValue::Text(_) => 0,
     }
-}
-
-/// Returns the base with the largest number of balls in a list. Other values have their own errors.
-pub(in crate::study) fn with_listed_balls<'a>(
-    base: &Base,
-    listed: impl Iterator<Item = &'a Entry>,
-) -> Base {
-    let number = |entry: &Entry| match entry {
-        Entry::Number(number) => check_number_of_balls(*number).ok().map(|()| *number as usize),
-        Entry::Text(_) => None,
-    };
-    let most = listed.filter_map(number).max();
-    most.map_or_else(|| base.clone(), |most| base.with_balls([most; 2]))
 }
 
 /// Returns the base with the smallest and the largest number of balls of all points.

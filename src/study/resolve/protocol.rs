@@ -4,11 +4,12 @@ use crate::study::error::{Fault, StudyError};
 use crate::study::file::protocol_file::{
     HammerFile, ProtocolFile, ProtocolKeys, ProtocolName, StartupFile,
 };
+use crate::study::file::source::Source;
 use crate::study::file::stages_file::{
     DirectionFile, DisturbanceFile, KickFile, ProfilePartFile, RampFile,
 };
 use crate::study::file::study_file::ModelFile;
-use crate::study::file::yaml_tree::{Source, describe_number};
+use crate::study::file::yaml_tree::describe_number;
 
 /// The slowest speed of the thesis's motor, rad/s.
 const SLOWEST_RAD_S: f64 = 31.0;

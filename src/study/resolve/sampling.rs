@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::model::Model;
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::source_path::SourcePath;
+use crate::study::file::source::SourcePath;
 use crate::study::file::study_file::DesignFile;
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;

@@ -2,7 +2,8 @@
 
 use crate::model::Simulation;
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::yaml_tree::{Source, describe_number};
+use crate::study::file::source::Source;
+use crate::study::file::yaml_tree::describe_number;
 
 /// Returns the simulation settings of a study; `ends_s` is the end of the speed profile, if the profile has one.
 ///

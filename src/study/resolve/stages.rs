@@ -2,14 +2,14 @@
 
 use crate::model::{Kick, Model, ProfilePart, Ramp, RampShape, Simulation, SpeedProfile};
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::source_path::SourcePath;
+use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::stages_file::{
     DirectionFile, DisturbanceFile, KickFile, ProfilePartFile, RampFile,
 };
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;
 use crate::study::file::values::TableSource;
-use crate::study::file::yaml_tree::{Source, describe_number};
+use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::MOST_MEMBERS;
 
 /// The columns of the table of a speed profile.

@@ -3,19 +3,19 @@
 use indexmap::IndexMap;
 
 use crate::model::{MAX_BALLS, Model, NormalForce};
-use crate::study::error::{Fault, StudyError, list_keys, list_names, shorten};
+use crate::study::error::{Fault, StudyError, list_names, shorten};
+use crate::study::file::key_units::list_keys;
 use crate::study::file::parameters_file::BALLS;
-use crate::study::file::source_path::SourcePath;
+use crate::study::file::source::SourcePath;
 use crate::study::file::study_file::BlockFile;
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;
 use crate::study::file::values::{Entry, InlineTable, TableSource};
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::base::Base;
-use crate::study::plan::parameter::{Parameter, ParameterValue};
+use crate::study::plan::parameter::{Parameter, ParameterValue, check_number_of_balls};
 use crate::study::plan::sweep::Listing;
 use crate::study::resolve::model::find_count;
-use crate::study::resolve::numbers_of_balls::with_listed_balls;
 
 /// The swept parameters and values of a block, and the block in the form of a self-contained study
 /// file.
@@ -92,6 +92,16 @@ fn resolve_lists(
         columns.push((parameter, values));
     }
     Ok(columns)
+}
+
+/// Returns the base with the largest number of balls in a list. Other values have their own errors.
+fn with_listed_balls<'a>(base: &Base, listed: impl Iterator<Item = &'a Entry>) -> Base {
+    let number = |entry: &Entry| match entry {
+        Entry::Number(number) => check_number_of_balls(*number).ok().map(|()| *number as usize),
+        Entry::Text(_) => None,
+    };
+    let most = listed.filter_map(number).max();
+    most.map_or_else(|| base.clone(), |most| base.with_balls([most; 2]))
 }
 
 fn check_equal_lengths(

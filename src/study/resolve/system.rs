@@ -12,15 +12,16 @@ use crate::model::{
 use crate::study::error::{Fault, StudyError, list_names, shorten};
 use crate::study::file::decode::decode;
 use crate::study::file::key_path::Segment;
+use crate::study::file::key_units::split_unit;
 use crate::study::file::quantity::{convert, split_number, unit_of};
-use crate::study::file::source_path::SourcePath;
+use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::system_file::{
     BoundFile, CoordinateEntry, DerivedEntry, DerivedKeys, Ends, FormulaText, OutputKeys,
     ParameterKeys, SystemFile,
 };
 use crate::study::file::table_folders::TableFolders;
-use crate::study::file::unit_keys::{Names, split_unit};
-use crate::study::file::yaml_tree::{Content, Node, Source};
+use crate::study::file::unit_keys::Names;
+use crate::study::file::yaml_tree::{Content, Node};
 use crate::tabular::to_text;
 
 /// The largest number of bodies that an index counts.

@@ -7,7 +7,7 @@ use crate::model::{
     COEFFICIENT, FRICTION_LAWS, Formula, WrittenContact, WrittenFriction, WrittenNormal, law_key,
 };
 use crate::study::error::{Fault, StudyError, list_names, shorten};
-use crate::study::file::source_path::SourcePath;
+use crate::study::file::source::SourcePath;
 use crate::study::file::system_file::{ContactEntry, FormulaText, FrictionEntry, SystemFile};
 
 impl Reader<'_> {

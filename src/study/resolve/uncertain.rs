@@ -6,10 +6,11 @@ use indexmap::IndexMap;
 
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::distribution_file::DistributionFile;
-use crate::study::file::yaml_tree::{Source, describe_number};
+use crate::study::file::source::Source;
+use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, ParameterValue};
-use crate::study::plan::uncertain_draws::Uncertain;
+use crate::study::plan::uncertain_parameter::UncertainParameter;
 use crate::study::resolve::sweep::find_parameter;
 use crate::study::sampling::distribution::Distribution;
 use crate::study::sampling::draw::DrawKey;
@@ -25,7 +26,7 @@ pub(crate) fn resolve_uncertain(
     base: &Base,
     swept: &[Parameter],
     seed: u64,
-) -> Result<Vec<Uncertain>, StudyError> {
+) -> Result<Vec<UncertainParameter>, StudyError> {
     let mut all = Vec::new();
     for (name, distribution) in written.into_iter().flatten() {
         let path = source.path("uncertain").key(name);
@@ -55,7 +56,7 @@ pub(crate) fn resolve_uncertain(
             }
         }
         let key = DrawKey::new(seed, "uncertain", name);
-        all.push(Uncertain { parameter, distribution, factor, key });
+        all.push(UncertainParameter { parameter, distribution, factor, key });
     }
     all.extend(random_directions(base, swept, &all, seed));
     all.sort_by_key(|uncertain| uncertain.parameter.key());
@@ -66,9 +67,9 @@ pub(crate) fn resolve_uncertain(
 fn random_directions(
     base: &Base,
     swept: &[Parameter],
-    drawn: &[Uncertain],
+    drawn: &[UncertainParameter],
     seed: u64,
-) -> Vec<Uncertain> {
+) -> Vec<UncertainParameter> {
     let all_directions = Distribution::Uniform { min: 0.0, max: TAU };
     let direction = Parameter::find("kick_direction_rad", &base.model);
     let directions =
@@ -77,7 +78,7 @@ fn random_directions(
         swept.iter().copied().chain(drawn.iter().map(|one| one.parameter)).collect();
     let is_free =
         |own: &Parameter| !varied.iter().any(|other| other == own || own.general() == Some(*other));
-    let uncertain = |parameter: Parameter| Uncertain {
+    let uncertain = |parameter: Parameter| UncertainParameter {
         parameter,
         distribution: all_directions.clone(),
         factor: false,

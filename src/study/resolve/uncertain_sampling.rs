@@ -1,14 +1,14 @@
 //! Resolution of the joint sampling of the uncertain parameters: their design in each block, and their correlations.
 
 use crate::study::error::{Fault, StudyError, list_names};
-use crate::study::file::source_path::SourcePath;
+use crate::study::file::key_units::split_unit;
+use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::uncertain_sampling_file::{
     CorrelationFile, UncertainDesignKind, UncertainSamplingFile,
 };
-use crate::study::file::unit_keys::split_unit;
-use crate::study::file::yaml_tree::{Source, describe_number};
+use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::precision::{Precision, Sampling};
-use crate::study::plan::uncertain_draws::Uncertain;
+use crate::study::plan::uncertain_parameter::UncertainParameter;
 use crate::study::resolve::sampling::check_dimensions;
 use crate::study::sampling::correlation::{Contradiction, Copula, RankCorrelation};
 use crate::study::sampling::sampling_design::{Design, Layout, MAX_SOBOL_SAMPLES};
@@ -37,7 +37,7 @@ impl<'a> UncertainSampling<'a> {
     pub fn resolve(
         source: &'a Source,
         written: Option<&UncertainSamplingFile>,
-        uncertain: &[Uncertain],
+        uncertain: &[UncertainParameter],
         seed: u64,
     ) -> Result<UncertainSampling<'a>, StudyError> {
         let path = source.path("uncertain_sampling");
@@ -108,7 +108,10 @@ impl<'a> UncertainSampling<'a> {
                 )));
             }
             (UncertainDesignKind::Sobol, _) => UncertainDesign::own_sobol(self.seed),
-            (UncertainDesignKind::Joint, Layout::Sobol { .. }) => design.further_dimensions(),
+            (UncertainDesignKind::Joint, Layout::Sobol { .. }) => {
+                let (seed, first_dimension) = design.further_dimensions();
+                UncertainDesign::Sobol { seed, first_dimension }
+            }
             (UncertainDesignKind::Joint, _) => {
                 let found = format!("joint with the design {} of start states", design.kind());
                 let allowed = "latin_hypercube, sobol or monte_carlo for the start states, or \

@@ -4,10 +4,10 @@ use indexmap::IndexMap;
 
 use crate::model::ModelKind;
 use crate::study::error::{Fault, StudyError, list_names, shorten};
+use crate::study::file::key_units::split_unit;
+use crate::study::file::kind_parameters::parameters_of;
 use crate::study::file::quantity::convert;
-use crate::study::file::schema_parts::parameters_of;
-use crate::study::file::unit_keys::split_unit;
-use crate::study::file::yaml_tree::Source;
+use crate::study::file::source::Source;
 use crate::study::plan::units::{QUANTITIES, Unit, Units, quantity};
 
 /// Returns the units of a study of this kind of model.

@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 
 use crate::model::{Coordinate, Model};
 use crate::study::error::{Fault, StudyError, list_names};
-use crate::study::file::source_path::SourcePath;
+use crate::study::file::source::SourcePath;
 use crate::study::file::values::Range;
 use crate::study::file::yaml_tree::describe_number;
 

@@ -9,7 +9,6 @@ use crate::model::MAX_BALLS;
 use crate::study::file::values::MAX_COUNT;
 use crate::study::sampling::draw::{DrawKey, RandomOrder};
 use crate::study::sampling::initial_box::{BoxAxis, InitialBox};
-use crate::study::sampling::uncertain_design::UncertainDesign;
 
 /// The largest number of samples of a Sobol' design, which is the length of the library's sequence.
 pub(crate) const MAX_SOBOL_SAMPLES: u64 = 65_536;
@@ -102,13 +101,12 @@ impl Design {
         self.axes.iter().map(|AxisDraws { axis, .. }| [axis.low, axis.high]).collect()
     }
 
-    /// Returns dimensions of the same Sobol' sequence that no axis uses.
-    pub fn further_dimensions(&self) -> UncertainDesign {
+    /// Returns the seed of the scrambled Sobol' sequence, and its first dimension that no axis uses.
+    pub fn further_dimensions(&self) -> (u32, u32) {
         let taken = self.axes.iter().map(|draws| draws.dimension + 1).max().unwrap_or(0);
         // A further ball keeps the draws of the parameters.
         let of_balls = if taken > 4 { 4 + 2 * MAX_BALLS as u32 } else { 0 };
-        let first_dimension = taken.max(of_balls);
-        UncertainDesign::Sobol { seed: self.sobol_seed, first_dimension }
+        (self.sobol_seed, taken.max(of_balls))
     }
 
     /// Returns the factors whose product is the number of samples at one point.

@@ -9,7 +9,8 @@ use serde_json::Value;
 
 use crate::study::file::resolved_yaml::write_flow;
 use crate::study::file::schema_place::{SchemaKey, SchemaPlace};
-use crate::study::file::yaml_tree::{Content, Node, Source};
+use crate::study::file::source::Source;
+use crate::study::file::yaml_tree::{Content, Node};
 
 /// The width of the text.
 const WIDTH: usize = 100;

@@ -11,7 +11,7 @@ use crate::sanitize::shell_word;
 use crate::study::StudyError;
 use crate::study::defaults::defaults_of;
 use crate::study::file::resolved_yaml::write_text;
-use crate::study::file::yaml_tree::Source;
+use crate::study::file::source::Source;
 use crate::study::plan::planned_study::Study;
 use crate::study::resolve::names::check_study_name;
 use crate::study::schema::json_schema;
