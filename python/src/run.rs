@@ -121,7 +121,7 @@ impl Sink for InMemory<'_, '_> {
     type Error = ArrowError;
 
     fn run(&mut self, record: RunRecord) -> Result<(), ArrowError> {
-        self.2.add(record.outcome.evidence);
+        self.2.add(&record.outcome.evidence);
         self.0.run(record)
     }
 
