@@ -2,17 +2,14 @@
 
 use super::formula::Valued;
 use super::instance::{Instance, Member};
-use super::numeric::{NamedValues, NumberOrExpression};
+use super::numeric::{NamedValues, Scalar};
 
 /// The values of names of an instance.
 pub(super) type Coordinates<'a, T> = Vec<(&'a str, Option<i64>, [T; 3])>;
 
 impl Instance<'_> {
     /// Returns the coordinates by name, with their values and rates of change, and accelerations of 0.
-    pub fn named<T: NumberOrExpression>(
-        &self,
-        values: impl Fn(usize) -> [T; 2],
-    ) -> Coordinates<'_, T> {
+    pub fn named<T: Scalar>(&self, values: impl Fn(usize) -> [T; 2]) -> Coordinates<'_, T> {
         let members = self.coordinates.iter().enumerate();
         let named = |(number, member): (usize, &Member)| {
             let [position, rate] = values(number);
@@ -23,11 +20,7 @@ impl Instance<'_> {
     }
 
     /// Returns the parameters by name, and the angle that turns at constant speed at a time.
-    pub fn parameters<T: NumberOrExpression>(
-        &self,
-        values: &[T],
-        time: T,
-    ) -> Vec<(&str, usize, T)> {
+    pub fn parameters<T: Scalar>(&self, values: &[T], time: T) -> Vec<(&str, usize, T)> {
         let speed = self.definition.speed_place().map(|place| values[place]);
         let turned = speed.map(|speed| [speed * time, speed, T::constant(0.0)]);
         self.parameters_and_angle(values, turned)
@@ -48,7 +41,7 @@ impl Instance<'_> {
     }
 
     /// Returns the mass matrix, and the forces.
-    pub fn mass_and_forces<T: NumberOrExpression>(
+    pub fn mass_and_forces<T: Scalar>(
         &self,
         values: &mut NamedValues<'_, T>,
     ) -> Valued<(Vec<Vec<T>>, Vec<T>)> {

@@ -3,7 +3,7 @@
 use super::evaluate::FormulaValues;
 use super::formula::{Dimension, FormulaFunction, Name, Valued};
 use super::instance::Instance;
-use super::numeric::{NamedValues, NumberOrExpression};
+use super::numeric::{NamedValues, Scalar};
 
 /// A constant and the factors of rates of change, by the numbers of their coordinates.
 #[derive(Clone, Debug)]
@@ -12,7 +12,7 @@ pub(super) struct LinearForm<T> {
     pub factors: Vec<(usize, T)>,
 }
 
-impl<T: NumberOrExpression> LinearForm<T> {
+impl<T: Scalar> LinearForm<T> {
     fn constant(constant: T) -> Self {
         LinearForm { constant, factors: Vec::new() }
     }
@@ -40,7 +40,7 @@ pub(super) struct Linearised<'a, 'd, T> {
     pub numeric: NamedValues<'a, T>,
 }
 
-impl<T: NumberOrExpression> FormulaValues for Linearised<'_, '_, T> {
+impl<T: Scalar> FormulaValues for Linearised<'_, '_, T> {
     type Value = LinearForm<T>;
 
     fn number(&mut self, value: f64, dimension: Dimension, place: usize) -> LinearForm<T> {

@@ -9,14 +9,14 @@ use super::scales::Scales;
 use crate::model::{Bounded, Elementary, Expression, Function, Number};
 
 /// A number or an expression.
-pub(super) trait NumberOrExpression: Number + Div<Output = Self> {
+pub(super) trait Scalar: Number + Div<Output = Self> {
     fn root(self) -> Self;
     fn exponential(self) -> Self;
     fn arc_tangent(self) -> Self;
     fn logarithm(self) -> Self;
 }
 
-impl NumberOrExpression for f64 {
+impl Scalar for f64 {
     fn root(self) -> Self {
         Elementary::sqrt(self)
     }
@@ -34,7 +34,7 @@ impl NumberOrExpression for f64 {
     }
 }
 
-impl NumberOrExpression for Bounded {
+impl Scalar for Bounded {
     fn root(self) -> Self {
         Elementary::sqrt(self)
     }
@@ -52,7 +52,7 @@ impl NumberOrExpression for Bounded {
     }
 }
 
-impl NumberOrExpression for Expression<'_> {
+impl Scalar for Expression<'_> {
     fn root(self) -> Self {
         self.sqrt()
     }
@@ -83,7 +83,7 @@ pub(super) struct NamedValues<'a, T> {
     pub time: T,
 }
 
-impl<T: NumberOrExpression> FormulaValues for NamedValues<'_, T> {
+impl<T: Scalar> FormulaValues for NamedValues<'_, T> {
     type Value = T;
 
     fn number(&mut self, value: f64, dimension: Dimension, _: usize) -> T {

@@ -8,7 +8,7 @@ use super::definition::WrittenNormal;
 use super::formula::{Valued, WHOLE};
 use super::instance::Instance;
 use super::measured::MeasuredQuantities;
-use super::numeric::{NamedValues, NumberOrExpression};
+use super::numeric::{NamedValues, Scalar};
 use super::scales::Scales;
 use super::velocities::{Rates, SpeedOf};
 use crate::model::{
@@ -208,7 +208,7 @@ impl WrittenSystem {
 
 impl WrittenSystem {
     /// Returns the parameters by name, and the angle that turns at a time.
-    pub fn parameters_at<T: NumberOrExpression>(
+    pub fn parameters_at<T: Scalar>(
         &self,
         values: &[T],
         stage: &[T],

@@ -9,7 +9,7 @@ use super::definition::WrittenNormal;
 use super::formula::{Valued, WHOLE};
 use super::instance::Instance;
 use super::linear::{LinearForm, Linearised};
-use super::numeric::{NamedValues, NumberOrExpression};
+use super::numeric::{NamedValues, Scalar};
 
 /// What elimination leaves of a factor that is 0, in units of the motion.
 const ROUNDING: f64 = 1e-12;
@@ -36,7 +36,7 @@ pub(super) struct Rates<T> {
     pub constants: Vec<T>,
 }
 
-impl<T: NumberOrExpression> Rates<T> {
+impl<T: Scalar> Rates<T> {
     fn identity(count: usize) -> Self {
         let [zero, one] = [0.0, 1.0].map(T::constant);
         let row =
@@ -102,7 +102,7 @@ impl<T: NumberOrExpression> Rates<T> {
 
 impl Instance<'_> {
     /// Returns the sliding speed of a contact as a linear function of the rates of change.
-    pub fn linear<T: NumberOrExpression>(
+    pub fn linear<T: Scalar>(
         &self,
         contact: usize,
         numeric: NamedValues<'_, T>,
@@ -201,7 +201,7 @@ impl Instance<'_> {
     }
 
     /// Returns the factor between a velocity and the sliding speed of a contact that is a multiple of it; `None` for other contacts.
-    pub fn multiple<T: NumberOrExpression>(
+    pub fn multiple<T: Scalar>(
         &self,
         (contact, speed): (usize, SpeedOf),
         rates: &Rates<T>,
@@ -213,7 +213,7 @@ impl Instance<'_> {
     }
 
     /// Returns the rates of change for chosen velocities.
-    pub fn rates<T: NumberOrExpression>(
+    pub fn rates<T: Scalar>(
         &self,
         chosen: &[SpeedOf],
         numeric: NamedValues<'_, T>,
