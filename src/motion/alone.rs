@@ -11,8 +11,9 @@
 
 use smallvec::SmallVec;
 
-use super::evaluator::{Entries, Forces, Unknowns, solved};
+use super::evaluator::Forces;
 use super::in_one_state::TOGETHER;
+use super::linear_system::{Entries, Unknowns, solved};
 use super::{Direction, InOneState, Phase, Phases};
 
 /// A contact that sets off has its static friction if its friction differs from that by at most this fraction.

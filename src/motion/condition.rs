@@ -1,7 +1,24 @@
-//! Tolerances of the conditions that hold during a smooth phase.
+//! The conditions that hold during a smooth phase, and their tolerances.
 
 use super::{Settings, event_driven, switch_model};
 use crate::model::Method;
+
+/// A condition of a smooth phase.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Condition {
+    /// Of a contact: its first, its second, or that the contact is closed.
+    Contact { contact: usize, which: usize },
+    /// An event that resets the state has not happened.
+    Event(usize),
+    /// An open gap has not closed.
+    Gap(usize),
+    /// A contact that is apart has not closed.
+    Landing(usize),
+    /// A closed gap is under pressure.
+    Pressed(usize),
+    /// Friction holds this contact and those that it touches.
+    Held(usize),
+}
 
 /// Tolerances of the conditions.
 #[derive(Clone, Copy, Debug)]

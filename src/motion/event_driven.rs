@@ -22,7 +22,8 @@
 
 use super::Failure;
 use super::evaluator::Forces;
-use super::modes::{InState, Open, resolve_modes, stick_reserve};
+use super::force_model::InState;
+use super::joint_decision::{Open, resolve_modes, stick_reserve};
 use super::{Direction, Phase, Phases};
 
 /// Rounding tolerance of a condition, over the size of the forces.

@@ -17,8 +17,8 @@
 
 use smallvec::{SmallVec, smallvec};
 
-use super::evaluator::Solved;
 use super::impulses::{GapLaw, Impulses, Meeting, Pairs};
+use super::linear_system::Solved;
 use super::response::Meets;
 use super::{Evaluator, Failure, Phase};
 use crate::model::{Components, Elementary, ImpactLaw};

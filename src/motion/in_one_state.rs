@@ -2,29 +2,17 @@
 
 use std::array::from_fn;
 use std::ops::{Add, Mul, Neg, Sub};
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 use smallvec::SmallVec;
 
-use super::evaluator::{Forces, GapForces, SMALL_PIVOT, Solution, Solved, Unknowns, forces};
+use super::evaluator::{Affected, Forces, GapForces, Solution, forces};
+use super::linear_system::{SMALL_PIVOT, Solved, Unknowns};
 use super::{Evaluator, Phase, Phases, SimdLevel};
-use crate::model::{Elementary, Function, Node, NodeId, Number};
+use crate::model::{Elementary, Function, NodeId, Number};
 
 /// The number of assumptions that are computed together.
 pub(super) const TOGETHER: usize = 8;
-
-/// The nodes that phases affect, as far as they are known.
-#[derive(Debug, Default)]
-pub(super) struct Affected {
-    /// Which inputs vary.
-    varying: Vec<bool>,
-    /// The nodes that depend on these inputs, operands first.
-    nodes: Vec<NodeId>,
-    /// Whether each node is one of them.
-    is_affected: Vec<bool>,
-    /// Their operands that do not depend on these inputs.
-    others: Vec<NodeId>,
-}
 
 impl Evaluator {
     /// Returns the equations in one state, for several assumptions about the phases.
@@ -37,28 +25,6 @@ impl Evaluator {
             together: Vec::new(),
             affected: self.affected(),
         }
-    }
-
-    fn affected(&self) -> Arc<Affected> {
-        // A panic while the nodes are locked leaves them complete.
-        Arc::clone(&self.affected.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-
-    /// Finds the nodes that depend on inputs that vary, and remembers them for other states.
-    fn affected_by(&self, varying: Vec<bool>) -> Arc<Affected> {
-        let graph = self.graph();
-        let varies = |node: &Node| matches!(node, Node::Input(index) if varying[*index as usize]);
-        let nodes = graph.depending_on(varies);
-        let mut is_affected = vec![false; graph.nodes.len()];
-        nodes.iter().for_each(|node| is_affected[*node as usize] = true);
-        let operands =
-            nodes.iter().flat_map(|node| graph.nodes[*node as usize].operands(&graph.solves));
-        let mut others: Vec<NodeId> = operands.filter(|one| !is_affected[*one as usize]).collect();
-        others.sort_unstable();
-        others.dedup();
-        let affected = Arc::new(Affected { varying, nodes, is_affected, others });
-        *self.affected.lock().unwrap_or_else(PoisonError::into_inner) = Arc::clone(&affected);
-        affected
     }
 }
 
@@ -328,7 +294,7 @@ mod tests {
 
     use super::TOGETHER;
     use crate::model::{BallContact, BallsInContact, Machine};
-    use crate::motion::modes::is_finite;
+    use crate::motion::joint_decision::is_finite;
     use crate::motion::{Direction, Evaluator, Phase, Phases};
 
     /// Several assumptions together have the forces of each alone, to the last bit, whatever rows each of them exchanges.

@@ -6,10 +6,14 @@ mod cluster;
 mod condition;
 mod evaluator;
 mod event_driven;
+mod failure;
+mod force_model;
 mod impact;
 mod impulses;
 mod in_one_state;
 mod instant;
+mod joint_decision;
+mod linear_system;
 pub(crate) mod lockstep;
 mod modes;
 mod phase;
@@ -26,6 +30,8 @@ mod touching_decision;
 pub(crate) use cancellation::unwind_if_cancelled;
 pub use cancellation::{Cancellation, is_cancelled};
 pub use evaluator::{ContactForces, Evaluator, Forces, GapForces};
+pub use failure::Failure;
+pub(crate) use failure::SINGULAR;
 pub(crate) use impact::Hit;
 pub use in_one_state::InOneState;
 pub use instant::Instant;
@@ -35,59 +41,8 @@ pub(crate) use phase::any_closed;
 pub use phase::{Direction, PerContact, Phase, Phases, all_stick};
 pub use response::{Meets, Response};
 pub use root::fall_through_zero;
-pub use settings::{Effort, Settings, Touches, most_steps_by};
-
-pub use crate::model::Tolerance;
+pub use settings::{Effort, SLOW, Settings, Touches, most_steps_by};
 pub use single::Motion;
 pub use switch_model::SLACK;
 
-use serde::{Deserialize, Serialize};
-use thiserror::Error;
-
-/// Speed, over `ω_n`, below which a contact counts as slow.
-pub const SLOW: f64 = 1e-6;
-
-/// A pivot of the mass matrix over the entry on its diagonal, below which the matrix counts as singular.
-pub(crate) const SINGULAR: f64 = 1e-12;
-
-/// The reason why a motion could not be continued.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error, Serialize, Deserialize)]
-pub enum Failure {
-    /// A state or force is infinite or not a number.
-    #[error("the state is no longer finite")]
-    NotFinite,
-    /// The mass matrix is singular or not positive definite.
-    #[error("the mass matrix is not positive definite: a motion would have no kinetic energy")]
-    IndefiniteMass,
-    /// A normal force is no longer positive: a ball would leave the ring, or a body its support, which the model has no
-    /// equations for.
-    #[error("the normal force of contact {ball} is not positive: its bodies would separate")]
-    ContactLost {
-        /// The contact, from 1.
-        ball: usize,
-    },
-    /// Bodies are inside each other at the start.
-    #[error("the bodies of contact {contact} overlap at the start: their gap is negative")]
-    Overlap {
-        /// The contact, from 1.
-        contact: usize,
-    },
-    /// The limit of steps and switches was reached, or the step length fell below the minimum.
-    #[error("more steps than the limit, or a step length below the smallest possible one")]
-    StepLimit,
-    /// Stick and slip cannot be decided: no combination meets all conditions, or several do.
-    #[error("{} all conditions", modes::combinations_meet("stick and slip", *.solutions))]
-    NoSolution {
-        /// Number of combinations with different accelerations that meet all conditions.
-        solutions: usize,
-    },
-    /// The impulses of an impact cannot be decided: none meet all conditions, or several do.
-    #[error("{} all conditions of an impact", modes::combinations_meet("impulses", *.solutions))]
-    UndecidedImpact {
-        /// Number of motions after the impact that meet all conditions.
-        solutions: usize,
-    },
-    /// So many contacts or gaps are open to decision at once that not all combinations can be tried.
-    #[error("stick, slip or impulses have more combinations than can be tried")]
-    TooManyCombinations,
-}
+pub use crate::model::Tolerance;

@@ -12,7 +12,7 @@
 use smallvec::{SmallVec, smallvec};
 
 use super::Evaluator;
-use super::evaluator::{Entries, Solved, Unknowns, solve_for_each};
+use super::linear_system::{Entries, Solved, Unknowns, solve_for_each};
 use crate::model::{ContactMode, Node, NodeId, Opening, Solve};
 
 /// A place where bodies hit each other.

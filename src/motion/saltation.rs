@@ -1,4 +1,4 @@
-//! The conditions of a phase, and the jump of neighbouring motions where one of them fails.
+//! The jump of neighbouring motions where a condition of a phase fails.
 //!
 //! In a smooth phase a small displacement follows the linearised equations. At a switch, which a neighbour meets
 //! slightly earlier or later, it jumps by the saltation matrix
@@ -28,7 +28,8 @@
 
 use smallvec::smallvec;
 
-use super::modes::InState;
+use super::condition::Condition;
+use super::force_model::InState;
 use super::touching::InTouch;
 use super::{Evaluator, Phase, Phases, Settings};
 use crate::model::{Components, Dual};
@@ -41,23 +42,6 @@ const GRAZING: f64 = 1e-12;
 /// breaks loose against friction that does not jump, within the width in which the instant is
 /// located.
 const NO_JUMP: f64 = 1e-8;
-
-/// A condition of a smooth phase.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Condition {
-    /// Of a contact: its first, its second, or that the contact is closed.
-    Contact { contact: usize, which: usize },
-    /// An event that resets the state has not happened.
-    Event(usize),
-    /// An open gap has not closed.
-    Gap(usize),
-    /// A contact that is apart has not closed.
-    Landing(usize),
-    /// A closed gap is under pressure.
-    Pressed(usize),
-    /// Friction holds this contact and those that it touches.
-    Held(usize),
-}
 
 /// Propagates a displacement over a switch at which the phases `before` ended because a condition of a contact
 /// failed and the phases `after` began. Returns whether the switch was met by grazing.

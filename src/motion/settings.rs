@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::{Method, Simulation, Tolerance};
 
+/// Speed, over `ω_n`, below which a contact counts as slow.
+pub const SLOW: f64 = 1e-6;
+
 /// Settings of the computation of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {

@@ -10,7 +10,8 @@
 
 use super::Failure;
 use super::evaluator::Forces;
-use super::modes::{InState, Open, resolve_modes, stick_reserve};
+use super::force_model::InState;
+use super::joint_decision::{Open, resolve_modes, stick_reserve};
 use super::{Direction, Phase, Phases, Settings};
 use crate::model::System;
 

@@ -10,8 +10,8 @@ use super::root_isolation::Polynomial;
 use super::{Lanes, ORDER};
 use crate::model::TOUCHING;
 use crate::motion::Phase;
+use crate::motion::condition::Condition;
 use crate::motion::lockstep::vector::Vector;
-use crate::motion::saltation::Condition;
 
 /// Opening speeds up to this, non-dimensional, are those of a gap that has just opened.
 const RELEASED: f64 = 1e-9;

@@ -9,9 +9,9 @@ use super::lane::Lane;
 use super::root_isolation::{Bounds, ConditionFate, Polynomial};
 use crate::model::{Components, System};
 use crate::motion::Evaluator;
+use crate::motion::condition::Condition;
+use crate::motion::force_model::InState;
 use crate::motion::lockstep::vector::{Vector, vectorized};
-use crate::motion::modes::InState;
-use crate::motion::saltation::Condition;
 
 /// The equations of motion of one kind of system, expanded into power series in all lanes.
 pub(super) trait Kernel<S: Vector>: Sized {

@@ -9,8 +9,9 @@ use super::root_isolation::width;
 use super::tuned;
 use crate::model::{Components, Method, System};
 use crate::motion::condition::Margins;
+use crate::motion::force_model::Evaluated;
 use crate::motion::impact::{Hit, Impact};
-use crate::motion::modes::{Evaluated, InState, decide_at_rest, first_phases};
+use crate::motion::modes::start_phases;
 use crate::motion::settings::MOST_EVENTS_AT_ONCE;
 use crate::motion::touching::InTouch;
 use crate::motion::{
@@ -273,16 +274,4 @@ impl Saved {
     pub(crate) fn system(&self) -> &Arc<dyn System> {
         &self.lane.system
     }
-}
-
-/// Returns the phases in which a motion starts from a state, by the sliding speeds there.
-pub(super) fn start_phases(
-    system: &dyn System,
-    settings: Settings,
-    at: &dyn InState,
-) -> Result<Phases, Failure> {
-    let contacts = (0..system.contacts()).map(|i| (system.friction(i), at.speed(i)));
-    let mut phases = first_phases(settings.method, settings.band, contacts);
-    decide_at_rest(settings.method, at, &mut phases, &[])?;
-    Ok(phases)
 }

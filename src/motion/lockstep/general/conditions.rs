@@ -19,6 +19,7 @@ use super::room::Room;
 use super::series::{Bound, Programs};
 use crate::motion::Phase;
 use crate::motion::cluster::HeldCluster;
+use crate::motion::condition::Condition;
 use crate::motion::lockstep::ORDER;
 use crate::motion::lockstep::held::held_until;
 use crate::motion::lockstep::kernel::Ends;
@@ -26,7 +27,6 @@ use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::pressure::Pressure;
 use crate::motion::lockstep::root_isolation::{ConditionFate, Polynomial};
 use crate::motion::lockstep::vector::Vector;
-use crate::motion::saltation::Condition;
 
 /// Bodies that touch have landed where their gap has become smaller by this, non-dimensional.
 const SUNK: f64 = 1e-13;

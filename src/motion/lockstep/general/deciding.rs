@@ -8,9 +8,9 @@ use super::{Compiled, General};
 use crate::graph::Program;
 use crate::model::{Components, Dual, System};
 use crate::motion::evaluator::{ContactForces, Evaluator, Forces};
+use crate::motion::force_model::{AHEAD, Evaluated, InState};
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::vector::Vector;
-use crate::motion::modes::{AHEAD, Evaluated, InState};
 use crate::motion::{Phase, Phases};
 
 /// The largest number of assumptions about the phases of a run whose inputs are remembered.

@@ -1,7 +1,7 @@
 //! The solution of a linear system as instructions: factors once, then any number of right-hand sides.
 
 use crate::graph::{Builder, Cell, Product};
-use crate::motion::evaluator::SMALL_PIVOT;
+use crate::motion::linear_system::SMALL_PIVOT;
 
 /// The factors `L U` of a matrix, whose rows with small pivots are exchanged ([`SMALL_PIVOT`]). Entries that are always zero
 /// are left out.

@@ -10,6 +10,7 @@ use crate::model::{
     Ball, BallContact, Components, Machine, Method, Model, ProfilePart, Ramp, RampShape,
     SpeedProfile, Start, System,
 };
+use crate::motion::condition::Condition;
 use crate::motion::lockstep::general::General;
 use crate::motion::lockstep::group::Group;
 use crate::motion::lockstep::kernel::{Ends, Kernel};
@@ -17,7 +18,6 @@ use crate::motion::lockstep::lane_group::LaneGroup;
 use crate::motion::lockstep::simd_level::tested_vectors;
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::lockstep::{LANES, Lanes, Saved};
-use crate::motion::saltation::Condition;
 use crate::motion::{Phase, Settings, Tolerance, any_closed};
 
 /// Length of the step.

@@ -7,13 +7,13 @@ use super::recurrence::DYING;
 use super::series::Series;
 use crate::model::Balancer;
 use crate::motion::Phase;
+use crate::motion::condition::Condition;
 use crate::motion::lockstep::held::held_until;
 use crate::motion::lockstep::kernel::Ends;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::root_isolation::Polynomial;
 use crate::motion::lockstep::vector::{Vector, vectorized};
 use crate::motion::lockstep::{Lanes, ORDER};
-use crate::motion::saltation::Condition;
 
 /// Returns the end of a step of one lane.
 #[inline(never)]

@@ -9,10 +9,10 @@ use super::while_apart;
 use crate::model::{Balancer, Components, Contact, Dual, Friction, State, System};
 use crate::motion::Phase;
 use crate::motion::evaluator::{ContactForces, Forces};
+use crate::motion::force_model::{AHEAD, InState};
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Vector, vectorized};
 use crate::motion::lockstep::{LANES, Lanes};
-use crate::motion::modes::{AHEAD, InState};
 
 /// A balancer in one state.
 pub(super) struct InPlace<'a, const N: usize> {

@@ -1,0 +1,167 @@
+//! The joint decision for several contacts: phases of which each meets its own condition. The method of the motion defines
+//! the conditions.
+
+use smallvec::SmallVec;
+
+use super::evaluator::{ContactForces, Forces};
+use super::force_model::InState;
+use super::{Failure, Phase, Phases};
+
+/// Which contacts' phases are open.
+pub(super) type Open = SmallVec<[bool; 8]>;
+
+/// Decides the phases of the open contacts so that all conditions hold, in one state.
+///
+/// Returns what `then` returns for the corresponding forces; the other contacts are unchanged. `better` returns the
+/// phase that a contact should have instead if the assumed one fails its condition.
+///
+/// The conditions are a linear complementarity problem. For light balls its matrix is nearly
+/// diagonal; exchanging all failing phases simultaneously then solves it in one or two iterations.
+/// If this does not converge, all `3^k` combinations of `choices` are tried. If the balls are so
+/// heavy and the friction so large that several solutions may exist, all of them are computed, and
+/// none is chosen silently ([`crate::model::ExistenceVerdict`]).
+///
+/// # Errors
+/// [`Failure::NoSolution`] if no combination meets all conditions, or if several different ones do, and the errors of
+/// `then`.
+pub(super) fn resolve_modes<R>(
+    system: &dyn InState,
+    phases: &mut Phases,
+    open: &Open,
+    choices: [Phase; 3],
+    better: impl Fn(&Forces, &[Phase], usize) -> Option<Phase>,
+    then: impl FnOnce(&Forces) -> Result<R, Failure>,
+) -> Result<R, Failure> {
+    if !system.has_one_solution() {
+        return then(&unique_or_refused(system, phases, open, choices, better)?);
+    }
+    let contacts = || (0..open.len()).filter(|&contact| open[contact]);
+    for _ in 0..phases.len() + 3 {
+        let forces = system.forces(phases);
+        let mut exchanged = phases.clone();
+        for contact in contacts() {
+            if let Some(phase) = better(&forces, phases, contact) {
+                exchanged[contact] = phase;
+            }
+        }
+        if exchanged == *phases {
+            return then(&forces);
+        }
+        *phases = exchanged;
+    }
+    for mut combination in 0..combinations(contacts().count())? {
+        for contact in contacts() {
+            phases[contact] = choices[combination % 3];
+            combination /= 3;
+        }
+        let forces = system.forces(phases);
+        if contacts().all(|contact| better(&forces, phases, contact).is_none()) {
+            return then(&forces);
+        }
+    }
+    Err(Failure::NoSolution { solutions: 0 })
+}
+
+/// The largest number of open contacts for which all combinations are tried.
+const MOST_OPEN: usize = 12;
+
+/// Returns the number of combinations of three phases.
+fn combinations(contacts: usize) -> Result<usize, Failure> {
+    let tried = contacts <= MOST_OPEN;
+    tried.then(|| 3_usize.pow(contacts as u32)).ok_or(Failure::TooManyCombinations)
+}
+
+/// Accelerations that differ by no more than this, over 1 and the largest of them, are the same
+/// motion: on the boundary between stick and transition both hold, to rounding or to the slack.
+const SAME: f64 = 1e-6;
+
+/// Decides the phases like [`resolve_modes`], by trying all `3^k` combinations of
+/// the open contacts. The current phases are preferred if they are among the solutions.
+fn unique_or_refused(
+    system: &dyn InState,
+    phases: &mut Phases,
+    open: &Open,
+    choices: [Phase; 3],
+    better: impl Fn(&Forces, &[Phase], usize) -> Option<Phase>,
+) -> Result<Forces, Failure> {
+    let given = phases.clone();
+    let number = open.iter().filter(|open| **open).count();
+    let combination = |mut combination: usize| -> Phases {
+        let phase = |(open, given): (&bool, &Phase)| {
+            if !open {
+                return *given;
+            }
+            let choice = choices[combination % 3];
+            combination /= 3;
+            choice
+        };
+        open.iter().zip(&given).map(phase).collect()
+    };
+    let all = (0..combinations(number)?).map(combination);
+    let (decided, forces) = only_motion(&given, all, |candidate| {
+        let forces = system.forces(candidate);
+        let fits = |contact: usize| !open[contact] || better(&forces, candidate, contact).is_none();
+        let fit = !forces.iter().all(is_finite) || (0..candidate.len()).all(fits);
+        fit.then_some(forces)
+    })?;
+    *phases = decided;
+    Ok(forces)
+}
+
+/// Returns the only motion among combinations of phases, with its forces. The combination `given` is tried first and
+/// preferred to others with the same motion. `fitting` returns the forces of a combination if it meets all conditions, or
+/// if its forces are not finite.
+///
+/// # Errors
+/// [`Failure::NoSolution`] unless all combinations that meet the conditions, with every contact closed, have the same
+/// accelerations. If all of them need a normal force that pulls, the first of them is returned: contact is lost.
+pub(super) fn only_motion(
+    given: &Phases,
+    others: impl Iterator<Item = Phases>,
+    mut fitting: impl FnMut(&Phases) -> Option<Forces>,
+) -> Result<(Phases, Forces), Failure> {
+    let mut solutions: Vec<(Phases, Forces)> = Vec::new();
+    let mut unsound = None;
+    let others = others.filter(|other| other != given);
+    for candidate in std::iter::once(given.clone()).chain(others) {
+        let Some(forces) = fitting(&candidate) else { continue };
+        if forces.iter().any(|contact| !is_finite(contact) || contact.normal <= 0.0) {
+            unsound.get_or_insert((candidate, forces));
+        } else if !solutions.iter().any(|(_, other)| same(other, &forces)) {
+            solutions.push((candidate, forces));
+        }
+    }
+    match (solutions.len(), unsound) {
+        (1, _) => Ok(solutions.swap_remove(0)),
+        (0, Some(unsound)) => Ok(unsound),
+        (several, _) => Err(Failure::NoSolution { solutions: several }),
+    }
+}
+
+/// Returns whether two solutions are the same motion.
+fn same(one: &Forces, other: &Forces) -> bool {
+    let pairs = || one.iter().zip(other).map(|(a, b)| (a.acceleration, b.acceleration));
+    let scale = pairs().fold(1.0, |most: f64, (a, b)| most.max(a.abs()).max(b.abs()));
+    pairs().all(|(a, b)| (a - b).abs() <= SAME * scale)
+}
+
+pub(super) fn is_finite(contact: &ContactForces) -> bool {
+    contact.acceleration.is_finite() && contact.normal.is_finite()
+}
+
+/// Returns the remaining friction of a sticking contact, `μ_s f_n - |f_w|`.
+pub(super) fn stick_reserve(system: &dyn InState, forces: &Forces, contact: usize) -> f64 {
+    let ContactForces { normal, friction, .. } = forces[contact];
+    system.limit(contact) * normal - friction.abs()
+}
+
+/// Returns an error for forces that are not finite and for normal forces that pull.
+pub(super) fn check_forces(forces: &Forces) -> Result<(), Failure> {
+    if !forces.iter().all(is_finite) {
+        return Err(Failure::NotFinite);
+    }
+    match forces.iter().position(|contact| contact.normal <= 0.0) {
+        Some(contact) => Err(Failure::ContactLost { ball: contact + 1 }),
+        None => Ok(()),
+    }
+}
