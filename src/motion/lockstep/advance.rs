@@ -10,7 +10,7 @@ use smallvec::SmallVec;
 use super::group::{Group, carry};
 use super::kernel::{Ends, Kernel};
 use super::lane::Lane;
-use super::lane_group::Happened;
+use super::step_report::Happened;
 use super::{LANES, Lanes, gaps};
 use crate::model::{Components, Method};
 use crate::motion::condition::Condition;
@@ -53,7 +53,7 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
     let mut length = within.min(left);
     let mut failed = [None; LANES];
     let mut looks = g.kernel.look_over(&mut g.room, length) & g.alive;
-    looks |= gaps::look_over(g, length);
+    looks |= g.gaps.look_over((&g.kernel, &g.room, &g.state), g.alive, length);
     while looks != 0 {
         let lane = looks.trailing_zeros() as usize;
         looks &= looks - 1;
@@ -191,7 +191,8 @@ fn first_event<S: Vector, K: Kernel<S>>(
     loop {
         let mut first = g.kernel.first_event(&g.room, own, lane, length, &ignored);
         if g.gaps.doubts & 1 << lane != 0 {
-            gaps::first_closing(g, (lane, own), length, &mut first);
+            let series = (g.simd, &g.kernel, &*g.room, &g.state);
+            gaps::first_closing(series, (lane, own), length, &mut first);
         }
         match first {
             Ends::Nothing => return Ok(None),

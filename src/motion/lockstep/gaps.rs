@@ -3,9 +3,9 @@
 use fearless_simd::prelude::*;
 use smallvec::SmallVec;
 
-use super::group::Group;
-use super::kernel::{Ends, Kernel, POWERS, Powers};
+use super::kernel::{Ends, Kernel};
 use super::lane::Lane;
+use super::powers::{POWERS, Powers};
 use super::root_isolation::Polynomial;
 use super::{Lanes, ORDER};
 use crate::model::TOUCHING;
@@ -59,6 +59,37 @@ impl<S: Vector> GapLanes<S> {
             }
         }
     }
+
+    /// Returns the lanes in which an open gap may close in a step of this length.
+    #[inline(always)]
+    pub(super) fn look_over<K: Kernel<S>>(
+        &mut self,
+        (kernel, room, state): (&K, &K::Room, &K::Flow),
+        alive: u64,
+        length: Lanes<S>,
+    ) -> u64 {
+        if self.any & alive == 0 {
+            self.doubts = 0;
+            return 0;
+        }
+        let simd = length.simd;
+        let zero = Lanes::splat(simd, 0.0);
+        let turn = Lanes::splat(simd, std::f64::consts::TAU);
+        let contacts = kernel.contacts();
+        let mut open = zero.simd_eq(zero);
+        // The two gaps between two contacts close and open together.
+        let pairs = if contacts == 2 { 1 } else { contacts };
+        for place in 0..contacts {
+            let next = (place + 1) % contacts;
+            let apart = kernel.position(state, next) - kernel.position(state, place);
+            let apart = apart.simd_lt(zero).select(apart + turn, apart);
+            let width = apart - self.distances[place];
+            let pair = [place % pairs, (place % pairs + 1) % contacts];
+            open &= width.simd_gt(kernel.relative_travel(room, pair, length));
+        }
+        self.doubts = (!open.to_bitmask() | self.irregular) & self.any & alive;
+        self.doubts
+    }
 }
 
 /// Returns whether any contacts of a run are at each other, by their positions.
@@ -70,51 +101,25 @@ pub(super) fn any_touch(own: &Lane, position: impl Fn(usize) -> f64) -> bool {
     gaps.iter().any(|gap| gap.width(gap.contacts.map(&position)) <= TOUCHING)
 }
 
-/// Returns the lanes in which an open gap may close in a step of this length.
-#[inline(always)]
-pub(super) fn look_over<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, length: Lanes<S>) -> u64 {
-    if g.gaps.any & g.alive == 0 {
-        g.gaps.doubts = 0;
-        return 0;
-    }
-    let simd = g.simd;
-    let zero = Lanes::splat(simd, 0.0);
-    let turn = Lanes::splat(simd, std::f64::consts::TAU);
-    let contacts = g.kernel.contacts();
-    let mut open = zero.simd_eq(zero);
-    // The two gaps between two contacts close and open together.
-    let pairs = if contacts == 2 { 1 } else { contacts };
-    for place in 0..contacts {
-        let next = (place + 1) % contacts;
-        let apart = g.kernel.position(&g.state, next) - g.kernel.position(&g.state, place);
-        let apart = apart.simd_lt(zero).select(apart + turn, apart);
-        let width = apart - g.gaps.distances[place];
-        let pair = [place % pairs, (place % pairs + 1) % contacts];
-        open &= width.simd_gt(g.kernel.relative_travel(&g.room, pair, length));
-    }
-    g.gaps.doubts = (!open.to_bitmask() | g.gaps.irregular) & g.gaps.any & g.alive;
-    g.gaps.doubts
-}
-
 /// Replaces the end of a step by the first closing of an open gap if that is earlier.
 pub(super) fn first_closing<S: Vector, K: Kernel<S>>(
-    g: &Group<S, K>,
+    (simd, kernel, room, flow): (S, &K, &K::Room, &K::Flow),
     (lane, own): (usize, &Lane),
     length: f64,
     first: &mut Ends,
 ) {
     let Some(touching) = own.system.touching() else { return };
-    let state = g.kernel.lane(&g.state, lane);
+    let state = kernel.lane(flow, lane);
     let aim = 0.5 * own.width;
-    let contacts = g.kernel.contacts();
+    let contacts = kernel.contacts();
     for (index, gap) in touching.gaps().iter().enumerate() {
         if own.phases[contacts + index] != Phase::Open {
             continue;
         }
-        let places = gap.contacts.map(|contact| g.kernel.coordinates(contact).0);
+        let places = gap.contacts.map(|contact| kernel.coordinates(contact).0);
         // No maps: they would copy the arrays.
-        let behind = g.kernel.component(&g.room, lane, places[0], state[places[0]]);
-        let mut powers: Powers = g.kernel.component(&g.room, lane, places[1], state[places[1]]);
+        let behind = kernel.component(room, lane, places[0], state[places[0]]);
+        let mut powers: Powers = kernel.component(room, lane, places[1], state[places[1]]);
         for (power, behind) in powers.iter_mut().zip(&behind) {
             *power -= behind;
         }
@@ -126,6 +131,6 @@ pub(super) fn first_closing<S: Vector, K: Kernel<S>>(
         // The highest power counts in full at the end of the step.
         const { assert!(POWERS == ORDER + 2) };
         coefficients[ORDER] += powers[ORDER + 1] * length;
-        first.or(g.simd, &Polynomial { coefficients, length }, None, Condition::Gap(index));
+        first.or(simd, &Polynomial { coefficients, length }, None, Condition::Gap(index));
     }
 }

@@ -6,6 +6,7 @@ use fearless_simd::mask64x8;
 
 use super::Lanes;
 use super::lane::Lane;
+use super::powers::Powers;
 use super::root_isolation::{Bounds, ConditionFate, Polynomial};
 use crate::model::{Components, System};
 use crate::motion::Evaluator;
@@ -123,12 +124,6 @@ pub(super) trait Kernel<S: Vector>: Sized {
         with: impl FnOnce(&dyn InState) -> R,
     ) -> R;
 }
-
-/// Coefficients of a power series in time.
-pub(super) type Powers = [f64; POWERS];
-
-/// The largest number of coefficients of a series.
-pub(super) const POWERS: usize = super::ORDER + 2;
 
 /// The end of a step of a lane.
 pub(super) enum Ends {

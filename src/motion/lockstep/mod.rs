@@ -19,63 +19,29 @@ mod general;
 mod group;
 mod held;
 mod kernel;
+mod kernel_choice;
 mod lane;
 mod lane_group;
 #[cfg(test)]
 mod leaving_the_ring;
 mod machine_code;
+mod powers;
 mod pressure;
 mod root_isolation;
 mod run;
+mod saved;
 mod simd_level;
 mod step_length;
+mod step_report;
 mod step_states;
 mod trigonometry;
 mod tuned;
 mod vector;
 
-use std::sync::Arc;
-
-use fearless_simd::f64x8;
-
-use crate::model::System;
-use crate::motion::lockstep::vector::Vector;
-use group::Group;
-pub(crate) use lane::Saved;
-pub(crate) use lane_group::{Happened, LaneGroup};
+pub(crate) use lane_group::LaneGroup;
+use powers::ORDER;
 pub(super) use root_isolation::width;
+pub(crate) use saved::Saved;
 pub use simd_level::SimdLevel;
-
-/// Runs side by side.
-pub(crate) const LANES: usize = 8;
-
-/// One number of each run.
-pub(crate) type Lanes<S> = f64x8<S>;
-
-/// The highest power of time in the series of speeds.
-const ORDER: usize = 16;
-
-/// Returns empty lanes for a system, computed with these instructions. The unit tests need two of the tuned kernels only,
-/// whose compilation takes long.
-fn lanes_with<S: Vector>(simd: S, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
-    let changes = system.speed_terms().is_some();
-    macro_rules! tuned {
-        ($($balls:literal)*) => {
-            $(
-                if tuned::Tuned::<S, $balls>::computes(system) {
-                    let kernel = tuned::Tuned::<S, $balls>::new(simd, changes);
-                    return Box::new(Group::new(simd, kernel));
-                }
-            )*
-        };
-    }
-    tuned!(1 2);
-    #[cfg(not(test))]
-    tuned!(3 4 5 6 7 8);
-    general_lanes(simd, system)
-}
-
-/// Returns empty lanes for a system, computed with these instructions by the general kernel.
-fn general_lanes<S: Vector>(simd: S, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
-    Box::new(Group::new(simd, general::General::new(simd, system)))
-}
+pub(crate) use step_report::Happened;
+pub(crate) use vector::{LANES, Lanes};

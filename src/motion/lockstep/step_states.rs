@@ -6,12 +6,45 @@ use fearless_simd::prelude::*;
 use smallvec::SmallVec;
 
 use super::group::Group;
-use super::kernel::{Kernel, POWERS, Powers};
+use super::kernel::Kernel;
+use super::powers::{POWERS, Powers};
 use super::root_isolation::{PolynomialPoint, guess};
 use crate::model::Components;
+use crate::motion::PerContact;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 use crate::motion::lockstep::{LANES, Lanes};
 use crate::motion::root::fall_of_smooth;
+
+/// The motion inside the latest step of each lane. Times are those after the start of the step.
+pub(crate) trait StepStates {
+    /// Returns the state at a time after the start of the latest step, with angles not yet reduced to one turn.
+    fn state_within(&self, lane: usize, after: f64) -> Components;
+    /// Returns the states at eight times after the start of the latest step, like [`StepStates::state_within`].
+    fn states_within(&self, lane: usize, after: [f64; LANES]) -> [Components; LANES];
+    /// Returns a component at a time after the start of the latest step, like [`StepStates::state_within`].
+    fn component_within(&self, lane: usize, component: usize, after: f64) -> f64;
+    /// Returns the rate of change of a component at a time after the start of the latest step.
+    fn rate_within(&self, lane: usize, component: usize, after: f64) -> f64;
+    /// Returns the positions of the contacts at a time after the start of the latest step, with the whole turns made
+    /// since the start of the run.
+    fn unwrapped_within(&self, lane: usize, after: f64) -> PerContact;
+    /// Returns the angle of the whole turns that each contact had made before the latest step; 0 for a contact without a ring.
+    fn turned_before(&self, lane: usize) -> PerContact;
+    /// Returns the squares of the displacement of `Layout::vibration` at times after the start of the latest step; 0
+    /// without such a displacement.
+    fn squares_within(&self, lane: usize, after: [f64; 5]) -> [f64; 5];
+    /// Returns some parts of the latest step with the squares of the displacement there. They contain each maximum whose
+    /// neighbours exceed the part `near` of `known`. The caller passes the largest square so far as `known`.
+    fn largest_squares_within(
+        &self,
+        lane: usize,
+        known: f64,
+        near: f64,
+    ) -> SmallVec<[(f64, f64); 8]>;
+    /// Returns time and state at which a contact's angle completed a turn, through the angle 0, in the latest step;
+    /// `None` if it did not.
+    fn passage(&self, lane: usize, contact: usize) -> Option<(f64, Components)>;
+}
 
 /// Parts of a step between which a displacement has one maximum at most.
 const PARTS: [f64; LANES] = {
@@ -76,36 +109,32 @@ fn value(powers: &Powers, time: f64) -> f64 {
 }
 
 impl<S: Vector, K: Kernel<S>> Group<S, K> {
-    /// Returns the rate of change of a component at a time after the start of the latest step.
-    pub(super) fn rate_at(&self, lane: usize, component: usize, after: f64) -> f64 {
-        let powers = self.kernel.component(&self.room, lane, component, 0.0);
-        vectorized!(self.simd, value_and_rate(&powers, after).1)
-    }
-
     /// Returns a component at a time after the start of the latest step; `start` is the state there.
-    pub(super) fn component_at(
-        &self,
-        lane: usize,
-        component: usize,
-        start: &[f64],
-        after: f64,
-    ) -> f64 {
+    fn component_at(&self, lane: usize, component: usize, start: &[f64], after: f64) -> f64 {
         let powers = self.kernel.component(&self.room, lane, component, start[component]);
         vectorized!(self.simd, value(&powers, after))
     }
 
     /// Returns the state at a time after the start of the latest step.
     #[inline(never)]
-    pub(super) fn state_at(&self, lane: usize, after: f64) -> Components {
+    fn state_at(&self, lane: usize, after: f64) -> Components {
         let time = Lanes::splat(self.simd, after);
         let mut state = self.kernel.flow(self.simd);
         vectorized!(self.simd, self.kernel.at(&self.room, &self.before, time, &mut state));
         self.kernel.lane(&state, lane)
     }
+}
 
-    /// Returns the states at eight times after the start of the latest step.
+impl<S: Vector, K: Kernel<S>> StepStates for Group<S, K> {
+    fn state_within(&self, lane: usize, after: f64) -> Components {
+        if after == 0.0 {
+            return self.kernel.lane(&self.before, lane);
+        }
+        self.state_at(lane, after)
+    }
+
     #[inline(never)]
-    pub(super) fn states_at(&self, lane: usize, after: [f64; LANES]) -> [Components; LANES] {
+    fn states_within(&self, lane: usize, after: [f64; LANES]) -> [Components; LANES] {
         let start = self.kernel.lane(&self.before, lane);
         let simd = self.simd;
         let mut states = std::array::from_fn(|_| start.clone());
@@ -119,11 +148,41 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         states
     }
 
-    /// Returns the squares of the measured displacement at up to eight times after the start of the latest step.
+    fn component_within(&self, lane: usize, component: usize, after: f64) -> f64 {
+        self.component_at(lane, component, &self.kernel.lane(&self.before, lane), after)
+    }
+
+    fn rate_within(&self, lane: usize, component: usize, after: f64) -> f64 {
+        let powers = self.kernel.component(&self.room, lane, component, 0.0);
+        vectorized!(self.simd, value_and_rate(&powers, after).1)
+    }
+
+    fn unwrapped_within(&self, lane: usize, after: f64) -> PerContact {
+        let start = self.kernel.lane(&self.before, lane);
+        let position = |(contact, turned): (usize, f64)| {
+            let (component, _) = self.kernel.coordinates(contact);
+            self.component_at(lane, component, &start, after) + turned
+        };
+        self.turned_before(lane).into_iter().enumerate().map(position).collect()
+    }
+
+    fn turned_before(&self, lane: usize) -> PerContact {
+        let contact = |contact: usize| {
+            if !self.kernel.is_angular(contact) {
+                return 0.0;
+            }
+            // Turns are counted at the step's end.
+            let end = self.kernel.position(&self.end, contact)[lane];
+            let reduced = self.kernel.position(&self.state, contact)[lane];
+            let counted = ((end - reduced) / TAU).round();
+            (self.turns[contact][lane] - counted) * TAU
+        };
+        (0..self.kernel.contacts()).map(contact).collect()
+    }
+
     #[inline(never)]
-    pub(super) fn squares_at<const P: usize>(&self, lane: usize, after: [f64; P]) -> [f64; P] {
-        const { assert!(P <= LANES) };
-        let Some([x, y]) = self.kernel.vibration() else { return [0.0; P] };
+    fn squares_within(&self, lane: usize, after: [f64; 5]) -> [f64; 5] {
+        let Some([x, y]) = self.kernel.vibration() else { return [0.0; 5] };
         // Not a map over both, which would copy the series.
         let x = self.kernel.component(&self.room, lane, x, 0.0);
         let y = self.kernel.component(&self.room, lane, y, 0.0);
@@ -135,13 +194,12 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         std::array::from_fn(|place| squares[place])
     }
 
-    /// Returns some parts of the latest step with the squares of the measured displacement there. The parts are eight nodes.
-    /// Between two nodes, the maximum follows if a square next to it exceeds the part `near` of `known`.
     #[inline(never)]
-    pub(super) fn largest_squares(
+    fn largest_squares_within(
         &self,
         lane: usize,
-        (known, near): (f64, f64),
+        known: f64,
+        near: f64,
     ) -> SmallVec<[(f64, f64); 8]> {
         let mut largest = SmallVec::new();
         let Some([x, y]) = self.kernel.vibration() else { return largest };
@@ -195,10 +253,8 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         largest
     }
 
-    /// Returns time and state at which the angle of a contact completed a turn, through the angle 0, in the latest
-    /// step of a lane; `None` if it did not.
     #[inline(never)]
-    pub(super) fn passage_in_step(&self, lane: usize, contact: usize) -> Option<(f64, Components)> {
+    fn passage(&self, lane: usize, contact: usize) -> Option<(f64, Components)> {
         if !self.kernel.is_angular(contact) {
             return None;
         }

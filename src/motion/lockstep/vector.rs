@@ -1,9 +1,14 @@
-//! Vector instructions with a fused multiply-add.
+//! Numbers of all lanes, and vector instructions with a fused multiply-add.
 
-use fearless_simd::Simd;
+use fearless_simd::{Simd, f64x8};
 
 use super::machine_code::Width;
-use super::{LANES, Lanes};
+
+/// Runs side by side.
+pub(crate) const LANES: usize = 8;
+
+/// One number of each run.
+pub(crate) type Lanes<S> = f64x8<S>;
 
 /// A level of vector instructions whose fused multiply-add is correctly rounded.
 pub(super) trait Vector: Simd {

@@ -22,8 +22,9 @@ use std::sync::Arc;
 use fearless_simd::{mask64x8, prelude::*};
 use smallvec::{SmallVec, smallvec};
 
-use super::kernel::{Ends, Kernel, POWERS, Powers};
+use super::kernel::{Ends, Kernel};
 use super::lane::Lane;
+use super::powers::{POWERS, Powers};
 use super::step_length::{longest_step, reciprocal};
 use super::{LANES, Lanes, ORDER};
 use crate::model::{Components, Graph, System};

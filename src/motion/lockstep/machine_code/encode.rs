@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use iced_x86::{Code, Encoder as Assembler, IcedError, Instruction, MemoryOperand, Register};
 
-use super::Width;
+use super::width::Width;
 use crate::graph::Cell;
 
 /// An operand.

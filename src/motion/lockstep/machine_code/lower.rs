@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::Width;
+use super::width::Width;
 use crate::graph::{Cell, Instruction, Product, Program};
 
 /// The number of a value.

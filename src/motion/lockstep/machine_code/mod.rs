@@ -7,6 +7,7 @@
 mod encode;
 mod lower;
 mod registers;
+mod width;
 
 use std::sync::OnceLock;
 
@@ -19,52 +20,7 @@ use crate::graph::{Cell, Instruction, Program};
 use crate::model::Function;
 use encode::Encoder;
 use lower::{Line, Operation};
-
-/// The widths of vector registers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Width {
-    /// AVX-512: all lanes in each of 32 registers.
-    Eight,
-    /// AVX2: half of the lanes in each of 16 registers; the code runs twice.
-    Four,
-    /// AVX2: one number in each of 16 registers, for the cells of one run.
-    One,
-}
-
-impl Width {
-    /// Returns the size of a cell.
-    const fn bytes(self) -> usize {
-        match self {
-            Width::Eight | Width::Four => 8 * LANES,
-            Width::One => 8,
-        }
-    }
-
-    /// Returns whether the processor has the instructions.
-    fn is_here(self) -> bool {
-        #[cfg(target_arch = "x86_64")]
-        return match self {
-            Width::Eight => is_x86_feature_detected!("avx512f"),
-            Width::Four | Width::One => {
-                is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
-            }
-        };
-        #[cfg(not(target_arch = "x86_64"))]
-        false
-    }
-
-    /// Returns the width of code that runs beside vector instructions with code of this width. Processors before Ice Lake
-    /// have AVX-512 without all of its parts: code needs the first part alone. The environment variable
-    /// `STICKSLIP_INSTRUCTIONS=avx2` prevents it.
-    pub(super) fn widest(self) -> Width {
-        static HAS_EIGHT: OnceLock<bool> = OnceLock::new();
-        let has_eight = HAS_EIGHT.get_or_init(|| {
-            let asked = std::env::var_os("STICKSLIP_INSTRUCTIONS");
-            Width::Eight.is_here() && asked.is_none_or(|value| value != "avx2")
-        });
-        if *has_eight { Width::Eight } else { self }
-    }
-}
+pub(super) use width::Width;
 
 /// The largest program with machine code, in bytes of code.
 const MOST_BYTES: usize = 1 << 24;

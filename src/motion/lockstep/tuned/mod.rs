@@ -26,8 +26,9 @@ use std::sync::Arc;
 
 use fearless_simd::{mask64x8, prelude::*};
 
-use super::kernel::{Ends, Kernel, Powers};
+use super::kernel::{Ends, Kernel};
 use super::lane::Lane;
+use super::powers::Powers;
 use super::{LANES, Lanes, ORDER};
 use crate::model::{Balancer, Components, State, System};
 use crate::motion::Evaluator;

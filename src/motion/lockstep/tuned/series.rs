@@ -31,7 +31,7 @@ use super::gap_forces::{Gaps, OfEach, Response};
 use super::recurrence::{Constants, RECIPROCALS, Solving, Sums, products, solve};
 use super::terms::{ResidualForce, Solver, TERMS, Term};
 use super::turning::{Drive, Turning};
-use crate::motion::lockstep::kernel::Powers;
+use crate::motion::lockstep::powers::Powers;
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 use crate::motion::lockstep::{Lanes, ORDER};
