@@ -8,7 +8,7 @@ use std::cell::{Cell, RefCell};
 
 use nalgebra::DMatrix;
 
-use super::period::Period;
+use super::period::{FollowedStep, Period};
 use super::section::Section;
 use super::system_view::SystemView;
 use crate::model::Components;
@@ -49,16 +49,6 @@ pub(super) struct Return {
     pub(super) time: f64,
     /// The number of steps since then.
     pub(super) steps: u64,
-}
-
-/// The latest step of the followed motion.
-pub(super) struct FollowedStep<'a> {
-    pub(super) motion: &'a mut Motion,
-    /// The difference between the contacts' positions with whole turns and those of the states
-    /// within the step.
-    pub(super) whole_turns: PerContact,
-    /// Time and state of the return, if it is in this step.
-    pub(super) end: Option<(f64, &'a [f64])>,
 }
 
 impl ReturnMap<'_> {

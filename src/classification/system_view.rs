@@ -63,7 +63,7 @@ impl SystemView {
             SystemView { free, contacts, vibration, evaluator, has_outputs, derived: None };
         // Without contacts, motions decay and nothing comes to rest at an instant.
         if view.system().rest_forms().is_none() && !view.contacts.is_empty() {
-            view.derived = DerivedRest::of(&view).map(Arc::new);
+            view.derived = DerivedRest::of(&view.evaluator, &view.free).map(Arc::new);
         }
         view
     }

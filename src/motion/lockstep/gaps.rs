@@ -5,8 +5,8 @@ use smallvec::SmallVec;
 
 use super::kernel::{Ends, Kernel};
 use super::lane::Lane;
-use super::powers::{POWERS, Powers};
 use super::root_isolation::Polynomial;
+use super::sizes::{Powers, TERMS};
 use super::{Lanes, ORDER};
 use crate::model::TOUCHING;
 use crate::motion::Phase;
@@ -129,7 +129,7 @@ pub(super) fn first_closing<S: Vector, K: Kernel<S>>(
         let mut coefficients = [0.0; ORDER + 1];
         coefficients.copy_from_slice(&powers[..=ORDER]);
         // The highest power counts in full at the end of the step.
-        const { assert!(POWERS == ORDER + 2) };
+        const { assert!(TERMS == ORDER + 2) };
         coefficients[ORDER] += powers[ORDER + 1] * length;
         first.or(simd, &Polynomial { coefficients, length }, None, Condition::Gap(index));
     }

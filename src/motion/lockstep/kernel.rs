@@ -6,8 +6,8 @@ use fearless_simd::mask64x8;
 
 use super::Lanes;
 use super::lane::Lane;
-use super::powers::Powers;
 use super::root_isolation::{Bounds, ConditionFate, Polynomial};
+use super::sizes::Powers;
 use crate::model::{Components, System};
 use crate::motion::Evaluator;
 use crate::motion::condition::Condition;

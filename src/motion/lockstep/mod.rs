@@ -25,12 +25,12 @@ mod lane_group;
 #[cfg(test)]
 mod leaving_the_ring;
 mod machine_code;
-mod powers;
 mod pressure;
 mod root_isolation;
 mod run;
 mod saved;
 mod simd_level;
+mod sizes;
 mod step_length;
 mod step_report;
 mod step_states;
@@ -39,9 +39,9 @@ mod tuned;
 mod vector;
 
 pub(crate) use lane_group::LaneGroup;
-use powers::ORDER;
 pub(super) use root_isolation::width;
 pub(crate) use saved::Saved;
 pub use simd_level::SimdLevel;
+pub(crate) use sizes::{LANES, Lanes};
+use sizes::{ORDER, TERMS};
 pub(crate) use step_report::Happened;
-pub(crate) use vector::{LANES, Lanes};

@@ -7,8 +7,8 @@ use smallvec::SmallVec;
 
 use super::group::Group;
 use super::kernel::Kernel;
-use super::powers::{POWERS, Powers};
 use super::root_isolation::{PolynomialPoint, guess};
+use super::sizes::{Powers, TERMS};
 use crate::model::Components;
 use crate::motion::PerContact;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
@@ -217,7 +217,7 @@ impl<S: Vector, K: Kernel<S>> StepStates for Group<S, K> {
             }
             let zero = Lanes::splat(simd, 0.0);
             let (mut places, mut rates) = ([zero; 2], [zero; 2]);
-            for k in (0..POWERS).rev() {
+            for k in (0..TERMS).rev() {
                 for axis in 0..2 {
                     rates[axis] = rates[axis].fused(times, places[axis]);
                     places[axis] = places[axis].fused(times, Lanes::splat(simd, powers[axis][k]));

@@ -1,14 +1,9 @@
-//! Numbers of all lanes, and vector instructions with a fused multiply-add.
+//! Vector instructions with a fused multiply-add.
 
-use fearless_simd::{Simd, f64x8};
+use fearless_simd::Simd;
 
 use super::machine_code::Width;
-
-/// Runs side by side.
-pub(crate) const LANES: usize = 8;
-
-/// One number of each run.
-pub(crate) type Lanes<S> = f64x8<S>;
+use super::sizes::{LANES, Lanes};
 
 /// A level of vector instructions whose fused multiply-add is correctly rounded.
 pub(super) trait Vector: Simd {

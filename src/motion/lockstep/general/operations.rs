@@ -4,15 +4,16 @@
 //! factors becomes one operation, a linear combination. Operations are sorted so that operands come first, and products
 //! that can be computed together stand together.
 
-use super::compiler::compile;
-use super::series::{Programs, TERMS};
 use super::statics::{StaticId, Statics};
-use super::turning::Turning;
-use crate::graph::{Cell, Program};
-use crate::model::{Function, Graph};
+use crate::graph::Cell;
+use crate::model::Function;
+use crate::motion::lockstep::TERMS;
 
 /// The place of a series.
 pub(super) type Slot = u32;
+
+/// The number of sums that are computed together.
+pub(super) const SIDE_BY_SIDE: usize = 4;
 
 /// An operation that computes the next coefficient of one or more series.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +44,21 @@ pub(super) enum Operation {
         out: Vec<Slot>,
         units: Vec<bool>,
     },
+}
+
+/// An angle whose rate is a speed.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Turning {
+    pub(super) angle: Slot,
+    pub(super) speed: Slot,
+    /// `κ`; `None` is 1.
+    pub(super) switch: Option<StaticId>,
+    pub(super) sine: Slot,
+    pub(super) cosine: Slot,
+    /// `s v`
+    pub(super) sine_speed: Slot,
+    /// `c v`
+    pub(super) cosine_speed: Slot,
 }
 
 /// Products of series with unknowns whose factors in a row of a linear system differ at most in their signs.
@@ -152,21 +168,5 @@ impl Operations {
     /// Returns the number of cells whose meaning is known before programs are made.
     pub(super) fn cells(&self) -> usize {
         self.of_gap(self.gaps.len(), OfGap::Weight) as usize
-    }
-
-    /// Returns the operations of a recorded system and their programs, with products of sums multiplied out if fewer products
-    /// remain.
-    pub(super) fn new(graph: &Graph) -> (Self, Programs) {
-        let forms = [true, false].map(|expands| {
-            let operations = compile(graph, expands);
-            let programs = operations.programs();
-            (operations, programs)
-        });
-        let [expanded, plain] = forms;
-        let cost = |programs: &Programs| {
-            let parts = [&programs.motion, &programs.normals];
-            parts.map(Program::cost).iter().sum::<u32>()
-        };
-        if cost(&expanded.1) <= cost(&plain.1) { expanded } else { plain }
     }
 }

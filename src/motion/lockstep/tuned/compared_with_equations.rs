@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use fearless_simd::SimdBase;
 
-use super::mode_selection::contact_along;
+use super::equations::contact_along;
+use super::kernel::{Room, Tuned};
 use super::step::within_tolerance;
 use super::tangent::carry;
-use super::{LANES, Lanes, Room, Tuned};
 use crate::model::{Balancer, Dual, FrictionLaw, Machine, Method, Number, State, System};
 use crate::motion::lockstep::Saved;
 use crate::motion::lockstep::group::Group;
@@ -16,6 +16,7 @@ use crate::motion::lockstep::kernel::Kernel;
 use crate::motion::lockstep::lane_group::LaneGroup;
 use crate::motion::lockstep::simd_level::tested_vectors;
 use crate::motion::lockstep::vector::Vector;
+use crate::motion::lockstep::{LANES, Lanes};
 use crate::motion::{Phase, Settings, Tolerance};
 
 /// Number of intervals in the tableau of extrapolation: Gragg's method has an expansion in even powers, so that eight

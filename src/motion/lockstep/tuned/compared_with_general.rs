@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use fearless_simd::SimdBase;
 
-use super::Tuned;
+use super::kernel::Tuned;
 use crate::model::{
     Ball, BallContact, Components, Machine, Method, Model, ProfilePart, Ramp, RampShape,
     SpeedProfile, Start, System,

@@ -3,10 +3,11 @@
 //! The equations are those of `model::equations`, solved by power series (`series`). Friction is
 //! `p f_n + q β̇`: Coulomb friction, viscous drag, or both.
 
+use std::sync::Arc;
+
 use fearless_simd::SimdBase;
 
-use super::mode_selection::contact;
-use crate::model::{Balancer, Contact};
+use crate::model::{Balancer, Contact, Dual, Friction, System};
 use crate::motion::Phase;
 use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::Vector;
@@ -144,4 +145,31 @@ impl<S: Vector, const N: usize> Equations<S, N> {
         of_ball.held[1][lane] = mobility * linear;
         of_ball.held[2][lane] = mobility * (friction * (1.0 - ball.rolling_quadratic));
     }
+}
+
+/// Returns how friction acts on a contact in a phase.
+pub(super) fn contact(phase: Phase, friction: &Friction, speed: f64) -> Contact {
+    match phase {
+        Phase::Stick | Phase::Apart | Phase::Open | Phase::Closed => Contact::STICK,
+        Phase::Slip(direction) => friction.slip(direction.sign(), speed),
+        Phase::Transition(direction) => friction.slip(direction.sign(), 0.0),
+        Phase::Free => friction.slip(0.0, speed),
+    }
+}
+
+/// Returns [`contact`] to first order in the speed.
+pub(super) fn contact_along(phase: Phase, friction: &Friction, speed: Dual) -> Contact<Dual> {
+    match phase {
+        Phase::Stick | Phase::Apart | Phase::Open | Phase::Closed => Contact::STICK.lifted(),
+        Phase::Slip(direction) => friction.slip_along(direction.sign(), speed),
+        Phase::Transition(direction) => {
+            friction.slip_along(direction.sign(), Dual { value: 0.0, slope: 0.0 })
+        }
+        Phase::Free => friction.slip_along(0.0, speed),
+    }
+}
+
+/// Returns the balancer that a system is while no balls touch.
+pub(super) fn while_apart<const N: usize>(system: &Arc<dyn System>) -> Option<&Balancer<N>> {
+    system.while_apart().downcast_ref()
 }

@@ -1,10 +1,10 @@
 //! The condition that fails first in a step of one lane, located on the series.
 
+use super::equations::contact;
 use super::event_functions::Doubts;
 use super::gap_forces::{Gap, Gaps};
-use super::mode_selection::contact;
-use super::recurrence::DYING;
 use super::series::Series;
+use super::terms::DYING;
 use crate::model::Balancer;
 use crate::motion::Phase;
 use crate::motion::condition::Condition;

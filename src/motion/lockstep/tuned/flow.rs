@@ -83,3 +83,8 @@ impl<S: Vector, const N: usize> Flow<S, N> {
         self.elapsed[lane] = components.get(4 + 2 * N).copied().unwrap_or(0.0);
     }
 }
+
+/// Returns the components of a balancer that are angles.
+pub(in crate::motion::lockstep) fn angles(balls: usize) -> std::ops::Range<usize> {
+    4..4 + balls
+}

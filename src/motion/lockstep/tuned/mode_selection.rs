@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use fearless_simd::SimdBase;
 
-use super::while_apart;
-use crate::model::{Balancer, Components, Contact, Dual, Friction, State, System};
+use super::equations::{contact, contact_along, while_apart};
+use crate::model::{Balancer, Components, Contact, Dual, State, System};
 use crate::motion::Phase;
 use crate::motion::evaluator::{ContactForces, Forces};
 use crate::motion::force_model::{AHEAD, InState};
@@ -43,28 +43,6 @@ impl<'a, const N: usize> InPlace<'a, N> {
         let contacts = self.contacts(phases, &self.state);
         let forces = self.balancer.forces_turned(&self.state, &contacts, &self.turned);
         self.balancer.derivative(&self.state, &contacts, &forces)
-    }
-}
-
-/// Returns how friction acts on a contact in a phase.
-pub(super) fn contact(phase: Phase, friction: &Friction, speed: f64) -> Contact {
-    match phase {
-        Phase::Stick | Phase::Apart | Phase::Open | Phase::Closed => Contact::STICK,
-        Phase::Slip(direction) => friction.slip(direction.sign(), speed),
-        Phase::Transition(direction) => friction.slip(direction.sign(), 0.0),
-        Phase::Free => friction.slip(0.0, speed),
-    }
-}
-
-/// Returns [`contact`] to first order in the speed.
-pub(super) fn contact_along(phase: Phase, friction: &Friction, speed: Dual) -> Contact<Dual> {
-    match phase {
-        Phase::Stick | Phase::Apart | Phase::Open | Phase::Closed => Contact::STICK.lifted(),
-        Phase::Slip(direction) => friction.slip_along(direction.sign(), speed),
-        Phase::Transition(direction) => {
-            friction.slip_along(direction.sign(), Dual { value: 0.0, slope: 0.0 })
-        }
-        Phase::Free => friction.slip_along(0.0, speed),
     }
 }
 

@@ -5,10 +5,10 @@ use fearless_simd::prelude::*;
 
 use super::equations::Equations;
 use super::gap_forces::{OfEach, Response};
-use super::terms::{ResidualForce, Solver, TERMS, Term};
+use super::terms::{DYING, ResidualForce, Solver, Term};
 use super::turning::{Drive, OwnForces, Turning};
-use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::{Lanes, TERMS};
 
 /// 1/k.
 pub(super) const RECIPROCALS: [f64; TERMS + 1] = {
@@ -16,17 +16,6 @@ pub(super) const RECIPROCALS: [f64; TERMS + 1] = {
     let mut k = 1;
     while k <= TERMS {
         all[k] = 1.0 / k as f64;
-        k += 1;
-    }
-    all
-};
-
-/// Coefficient `k` of exp(-t) and of exp(-2t).
-pub(super) const DYING: [[f64; 2]; TERMS] = {
-    let mut all = [[1.0; 2]; TERMS];
-    let mut k = 1;
-    while k < TERMS {
-        all[k] = [-all[k - 1][0] / k as f64, -2.0 * all[k - 1][1] / k as f64];
         k += 1;
     }
     all

@@ -29,12 +29,12 @@ use super::equations::Equations;
 use super::flow::Flow;
 use super::gap_forces::{Gaps, OfEach, Response};
 use super::recurrence::{Constants, RECIPROCALS, Solving, Sums, products, solve};
-use super::terms::{ResidualForce, Solver, TERMS, Term};
+use super::terms::{ResidualForce, Solver, Term};
 use super::turning::{Drive, Turning};
-use crate::motion::lockstep::powers::Powers;
+use crate::motion::lockstep::sizes::Powers;
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
-use crate::motion::lockstep::{Lanes, ORDER};
+use crate::motion::lockstep::{Lanes, ORDER, TERMS};
 
 /// The sums of the powers above those of the series, over the first of them.
 pub(super) struct Higher<S: Vector, const N: usize> {

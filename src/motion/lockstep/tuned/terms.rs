@@ -3,10 +3,18 @@
 use fearless_simd::prelude::*;
 
 use crate::motion::lockstep::vector::Vector;
-use crate::motion::lockstep::{Lanes, ORDER};
+use crate::motion::lockstep::{Lanes, TERMS};
 
-/// Coefficients of the series of positions.
-pub(super) const TERMS: usize = ORDER + 2;
+/// Coefficient `k` of exp(-t) and of exp(-2t).
+pub(super) const DYING: [[f64; 2]; TERMS] = {
+    let mut all = [[1.0; 2]; TERMS];
+    let mut k = 1;
+    while k < TERMS {
+        all[k] = [-all[k - 1][0] / k as f64, -2.0 * all[k - 1][1] / k as f64];
+        k += 1;
+    }
+    all
+};
 
 /// The coefficients of one power of time for one ball.
 #[derive(Clone, Copy)]

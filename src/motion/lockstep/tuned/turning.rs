@@ -6,11 +6,10 @@
 
 use fearless_simd::prelude::*;
 
-use super::recurrence::DYING;
-use super::terms::{TERMS, Term};
+use super::terms::{DYING, Term};
 use crate::model::{Balancer, BalancerBall, SPEED_TERMS};
-use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
+use crate::motion::lockstep::{Lanes, TERMS};
 
 /// The number of coefficients of the square of the speed.
 pub(super) const SQUARED_TERMS: usize = 2 * SPEED_TERMS - 1;

@@ -5,11 +5,10 @@ mod unknowns;
 
 use std::collections::HashMap;
 
-use super::SIDE_BY_SIDE;
-use super::operations::{Operation, Operations, RowProducts, Slot};
+use super::operations::{Operation, Operations, RowProducts, SIDE_BY_SIDE, Slot, Turning};
 use super::schedule::{reads_and_writes, sorted};
 use super::statics::{Static, StaticId, Statics};
-use super::turning::{Turning, TurningNodes};
+use super::turning::TurningNodes;
 use crate::model::{Function, Graph, Node, NodeId};
 
 /// A linear combination under construction.

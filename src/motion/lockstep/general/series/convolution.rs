@@ -3,44 +3,9 @@
 //! At the start of an order, most terms of all its sums are known, and at the start of an even order, most terms of the next
 //! order, too. Sums that are computed side by side share factors, which are loaded once: loads take longer than arithmetic.
 
-use super::Expansion;
+use super::expansion::{Convolution, Expansion, Running, Terms};
 use crate::graph::{Cell, Product};
 use crate::motion::lockstep::ORDER;
-use crate::motion::lockstep::general::operations::Slot;
-
-/// A sum of `a_j b_(n-j)`.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Convolution {
-    /// `a`, `b`, and whether their product is subtracted.
-    pub(super) factors: Vec<(Slot, Slot, bool)>,
-    pub(super) terms: Terms,
-    /// `n` less the order at which the sum is used.
-    pub(super) ahead: usize,
-}
-
-/// The terms of a sum.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Terms {
-    All,
-    /// Those without `a_0`.
-    Later,
-    /// Those with `j < n - j`: half of the terms of a square.
-    Half,
-}
-
-/// A sum with the terms that have been added.
-pub(super) struct Running {
-    of: Convolution,
-    /// For each `n`: the sum, and for each pair of factors the `j` of its terms as a bit mask.
-    sums: Vec<(Option<Cell>, Vec<u32>)>,
-}
-
-impl Convolution {
-    /// The product of two series.
-    pub(super) fn of(a: Slot, b: Slot, terms: Terms) -> Self {
-        Convolution { factors: vec![(a, b, false)], terms, ahead: 0 }
-    }
-}
 
 impl Expansion<'_> {
     /// Returns a sum; without terms, it is zero.

@@ -5,6 +5,7 @@
 //! are always zero take no part. In a sum, the coefficients that were computed last come last, to avoid waiting for them.
 
 mod convolution;
+mod expansion;
 mod rules;
 mod screen;
 mod tail;
@@ -12,17 +13,12 @@ mod unknowns;
 
 use std::collections::HashMap;
 
-use super::elimination::Elimination;
-use super::operations::{Operation, Operations, Slot};
+use super::operations::{Operations, Slot};
 use super::radius::radii;
-use super::statics::StaticId;
 use crate::graph::{Builder, Cell, Program, tangent};
-use crate::motion::lockstep::ORDER;
-use convolution::Running;
+use crate::motion::lockstep::{ORDER, TERMS};
+use expansion::{Expansion, Own};
 pub(super) use screen::{Bound, Screen};
-
-/// Coefficients of a series.
-pub(super) const TERMS: usize = ORDER + 2;
 
 /// The programs of a step; each runs after those before it, if at all.
 #[derive(Clone, Debug)]
@@ -145,125 +141,5 @@ impl Operations {
             decision,
             ahead,
         }
-    }
-}
-
-/// What an operation knows from lower orders.
-#[derive(Default)]
-struct Own {
-    /// One over the first coefficient of a divisor, or one over twice that of a root.
-    inverse: Option<Cell>,
-    /// Coefficients times their order.
-    rate: Vec<Option<Cell>>,
-    elimination: Option<Elimination>,
-    /// For each entry of a matrix, the factor of the square of a speed that is a residual.
-    residuals: Vec<Option<Cell>>,
-}
-
-struct Expansion<'o> {
-    of: &'o Operations,
-    builder: Builder,
-    /// Whether a coefficient may differ from zero.
-    not_zero: Vec<bool>,
-    own: Vec<Own>,
-    /// By the sine of a turning angle: the next coefficients of the products of sine and cosine with the speed, without
-    /// those that contain the coefficient of the speed.
-    ahead: HashMap<Slot, [Option<Cell>; 2]>,
-    /// The number of coefficients of each series that are known.
-    known: Vec<usize>,
-    running: Vec<Running>,
-}
-
-/// The pairs of a sum of `a_j b_(k-j)` for `j` in `orders`.
-fn pairs(
-    a: impl Fn(usize) -> Option<Cell>,
-    b: impl Fn(usize) -> Option<Cell>,
-    orders: impl IntoIterator<Item = usize>,
-    k: usize,
-) -> Vec<[Cell; 2]> {
-    let pair = |j: usize| Some([a(j)?, b(k - j)?]);
-    orders.into_iter().filter_map(pair).collect()
-}
-
-impl Expansion<'_> {
-    /// Returns a coefficient unless it is zero.
-    fn term(&self, slot: Slot, k: usize) -> Option<Cell> {
-        self.not_zero[slot as usize * TERMS + k].then(|| self.of.coefficient(slot, k))
-    }
-
-    /// Returns the place of a coefficient that is not zero.
-    fn place(&mut self, slot: Slot, k: usize) -> Cell {
-        self.not_zero[slot as usize * TERMS + k] = true;
-        self.known[slot as usize] = k + 1;
-        self.of.coefficient(slot, k)
-    }
-
-    /// Sets a coefficient to a start plus products; without any, it is zero.
-    fn set(&mut self, slot: Slot, k: usize, start: Option<Cell>, products: &[[Cell; 2]]) {
-        self.known[slot as usize] = k + 1;
-        if start.is_some() || !products.is_empty() {
-            let out = self.place(slot, k);
-            self.builder.set(out, start, false, products);
-        }
-    }
-
-    /// Sets the coefficient of order `k` to `factor (start - products)`; without any of both, it is zero.
-    fn set_rest(
-        &mut self,
-        (slot, k): (Slot, usize),
-        start: Option<Cell>,
-        products: &[[Cell; 2]],
-        factor: Cell,
-    ) {
-        if let Some(rest) = self.rest(start, products) {
-            self.set(slot, k, None, &[[rest, factor]]);
-        }
-    }
-
-    /// Returns a start minus products.
-    fn rest(&mut self, start: Option<Cell>, products: &[[Cell; 2]]) -> Option<Cell> {
-        if products.is_empty() { start } else { Some(self.builder.difference(start, products)) }
-    }
-
-    /// Sets the coefficients `k + 1` of the components from their rates of change.
-    fn next_state(&mut self, k: usize) {
-        let part = self.builder.number(1.0 / (k + 1) as f64);
-        for (component, &rate) in (0..).zip(&self.of.rates) {
-            // One product by a static number, which is computed once, instead of two.
-            let single = self.of.all.iter().find_map(|operation| match operation {
-                Operation::Linear { out, constant: None, terms } if *out == rate => match terms[..]
-                {
-                    [(slot, factor)] => Some((slot, factor)),
-                    _ => None,
-                },
-                _ => None,
-            });
-            let product = match single {
-                Some((slot, factor)) => self
-                    .term(slot, k)
-                    .map(|term| [self.builder.product(self.of.constant(factor), part), term]),
-                None => self.term(rate, k).map(|rate| [rate, part]),
-            };
-            self.set(component, k + 1, None, product.as_slice());
-        }
-    }
-
-    /// Sets the last coefficients of the components whose rates are sums of components.
-    fn last_of_positions(&mut self) {
-        let part = self.builder.number(1.0 / (ORDER + 1) as f64);
-        for (component, terms) in &self.of.kinematic {
-            let products = self.linear(terms, ORDER);
-            if !products.is_empty() {
-                let rate = self.builder.sum(None, &products);
-                self.set(*component, ORDER + 1, None, &[[rate, part]]);
-            }
-        }
-    }
-
-    fn linear(&self, terms: &[(Slot, StaticId)], k: usize) -> Vec<[Cell; 2]> {
-        let product = |(slot, factor): &(Slot, StaticId)| {
-            Some([self.of.constant(*factor), self.term(*slot, k)?])
-        };
-        terms.iter().filter_map(product).collect()
     }
 }

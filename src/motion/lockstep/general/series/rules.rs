@@ -1,11 +1,9 @@
 //! The rules of operations: the coefficient of order `k` of each result.
 
-use super::convolution::{Convolution, Terms};
-use super::{Expansion, pairs};
+use super::expansion::{Convolution, Expansion, Terms, pairs};
 use crate::graph::{Cell, Instruction};
 use crate::model::Function;
-use crate::motion::lockstep::general::operations::{Operation, Slot};
-use crate::motion::lockstep::general::turning::Turning;
+use crate::motion::lockstep::general::operations::{Operation, Slot, Turning};
 
 impl Expansion<'_> {
     /// Returns the coefficient of order `k` times `k`, which is kept.

@@ -3,12 +3,12 @@
 //! A condition is bounded by its values and slopes at both ends and by a bound of its fourth derivative
 //! ([`crate::motion::lockstep::root_isolation`]).
 
-use super::{Expansion, TERMS};
+use super::expansion::Expansion;
 use crate::graph::{Cell, Product};
-use crate::motion::lockstep::ORDER;
 use crate::motion::lockstep::general::operations::{OfContact, OfGap, Operations, Slot};
 use crate::motion::lockstep::general::radius::Rule;
 use crate::motion::lockstep::root_isolation::FOURTH;
+use crate::motion::lockstep::{ORDER, TERMS};
 
 /// The cells with lower bounds of conditions. Where a bound is negative or not a number, the condition may fail.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -7,8 +7,8 @@
 use std::collections::HashMap;
 
 use crate::graph::{Builder, Cell, Instruction, Product, Program, tangent};
+use crate::motion::lockstep::TERMS;
 use crate::motion::lockstep::general::operations::{Operations, Slot};
-use crate::motion::lockstep::general::series::TERMS;
 
 /// Number of additional powers, from the 17th to the 22nd. The 23rd power is left out: in the longest step, it is
 /// `5^23 / 23!`, 5e-7 of the displacement.

@@ -2,9 +2,9 @@
 
 use std::collections::HashMap;
 
-use super::convolution::{Convolution, Terms};
-use super::{Expansion, TERMS};
+use super::expansion::{Convolution, Expansion, Terms};
 use crate::graph::{Cell, Product};
+use crate::motion::lockstep::TERMS;
 use crate::motion::lockstep::general::elimination::Elimination;
 use crate::motion::lockstep::general::operations::{Entry, Operation};
 

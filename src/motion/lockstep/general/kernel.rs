@@ -1,0 +1,452 @@
+//! The kernel of any recorded system: the equations of all lanes, and their series in a step.
+
+use std::cell::RefCell;
+use std::sync::Arc;
+
+use fearless_simd::{mask64x8, prelude::*};
+use smallvec::smallvec;
+
+use super::compiled::{Compiled, compiled};
+use super::conditions;
+use super::deciding::{Deciding, Scratch};
+use super::flow::Flow;
+use super::operations::{OfContact, OfGap, SIDE_BY_SIDE, Slot};
+use super::room::{Room, Series};
+use super::series::{Bound, Programs};
+use crate::model::{Components, Graph, System};
+use crate::motion::all_stick;
+use crate::motion::cluster::{HeldCluster, held_clusters};
+use crate::motion::condition::Condition;
+use crate::motion::evaluator::Evaluator;
+use crate::motion::force_model::InState;
+use crate::motion::lockstep::kernel::{Ends, Kernel};
+use crate::motion::lockstep::lane::Lane;
+use crate::motion::lockstep::pressure::Pressure;
+use crate::motion::lockstep::sizes::Powers;
+use crate::motion::lockstep::step_length::{longest_step, reciprocal};
+use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::{LANES, Lanes, ORDER, TERMS};
+use crate::motion::touching::InTouch;
+
+/// Bound on every component of the rate of change if everything is slow.
+const STILL: f64 = 1e-6;
+
+/// The equations of a recorded system in all lanes.
+pub(in crate::motion::lockstep) struct General<S: Vector> {
+    simd: S,
+    graph: Arc<Graph>,
+    program: Arc<Compiled>,
+    /// The component that is the sliding speed of each contact, if it is one.
+    speeds: Vec<Option<usize>>,
+    /// The condition of each closed gap.
+    pressures: Vec<Pressure<S>>,
+    /// The contacts that stick and touch, in each lane.
+    held: [Vec<HeldCluster>; LANES],
+    evaluators: [Option<Evaluator>; LANES],
+    /// Bit mask of lanes in which all contacts stick.
+    stuck: u64,
+    /// For each lane, what its parameters determine ([`Compiled::parameters`]).
+    parameters: [Vec<f64>; LANES],
+    /// Bit mask of lanes whose parameters are not yet in the room.
+    is_new: u64,
+    scratch: [RefCell<Scratch>; LANES],
+}
+
+impl<S: Vector> General<S> {
+    /// Empty lanes for systems with these equations.
+    pub(in crate::motion::lockstep) fn new(simd: S, system: &Arc<dyn System>) -> Self {
+        let graph = Graph::of(system.as_ref());
+        let program = compiled(system.as_ref(), &graph);
+        let contacts = graph.contacts.len();
+        General {
+            simd,
+            speeds: (0..contacts).map(|contact| graph.speed_component(contact)).collect(),
+            pressures: vec![Pressure::none(simd); graph.gaps.len()],
+            held: std::array::from_fn(|_| Vec::new()),
+            evaluators: std::array::from_fn(|_| None),
+            stuck: 0,
+            parameters: std::array::from_fn(|_| Vec::new()),
+            is_new: 0,
+            scratch: Default::default(),
+            graph,
+            program,
+        }
+    }
+
+    /// Returns the value of a series a time after the start of its step.
+    #[inline(always)]
+    fn sum(&self, series: Series<'_, S>, slot: Slot, time: Lanes<S>) -> Lanes<S> {
+        let mut sum = Lanes::splat(self.simd, 0.0);
+        let terms = series.of(slot);
+        for k in (0..TERMS).rev() {
+            sum = sum.fused(time, terms[k]);
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn flow_at(&self, series: Series<'_, S>, time: Lanes<S>, into: &mut Flow<S>) {
+        // Loops, not closures: the fused multiply-add must be inlined. Several sums do not wait for each other.
+        let components = into.components.len();
+        for first in (0..components).step_by(SIDE_BY_SIDE) {
+            let mut sums = [Lanes::splat(self.simd, 0.0); SIDE_BY_SIDE];
+            for k in (0..TERMS).rev() {
+                let terms = &series.order(k)[first..first + SIDE_BY_SIDE];
+                for i in 0..SIDE_BY_SIDE {
+                    sums[i] = sums[i].fused(time, terms[i]);
+                }
+            }
+            let count = SIDE_BY_SIDE.min(components - first);
+            into.components[first..first + count].copy_from_slice(&sums[..count]);
+        }
+        for first in (0..into.speeds.len()).step_by(SIDE_BY_SIDE) {
+            let contacts = &self.program.operations.contacts[first..into.speeds.len()];
+            let mut sums = [Lanes::splat(self.simd, 0.0); SIDE_BY_SIDE];
+            for k in (0..TERMS).rev() {
+                let terms = series.order(k);
+                for (sum, contact) in sums.iter_mut().zip(contacts) {
+                    *sum = sum.fused(time, terms[contact[0] as usize]);
+                }
+            }
+            let count = SIDE_BY_SIDE.min(contacts.len());
+            into.speeds[first..first + count].copy_from_slice(&sums[..count]);
+        }
+    }
+}
+
+impl<S: Vector> Kernel<S> for General<S> {
+    /// 5 over the highest frequency.
+    const LONGEST: f64 = 5.0 / std::f64::consts::FRAC_PI_2;
+    type Flow = Flow<S>;
+    type Room = Room<S>;
+
+    fn fits(&self, system: &Arc<dyn System>) -> bool {
+        let graph = Graph::of(system.as_ref());
+        Arc::ptr_eq(&graph, &self.graph) || graph == self.graph
+    }
+
+    fn contacts(&self) -> usize {
+        self.speeds.len()
+    }
+
+    fn is_angular(&self, contact: usize) -> bool {
+        self.graph.layout.contacts[contact].angular
+    }
+
+    fn flow(&self, simd: S) -> Flow<S> {
+        let zero = Lanes::splat(simd, 0.0);
+        let direct = self.speeds.iter().all(Option::is_some);
+        Flow {
+            components: smallvec![zero; self.graph.derivative.len()],
+            speeds: smallvec![zero; if direct { 0 } else { self.speeds.len() }],
+        }
+    }
+
+    fn room(&self, simd: S) -> Room<S> {
+        let Compiled { operations, programs, .. } = &*self.program;
+        let Programs { motion, displacement, tail, .. } = programs;
+        let programs = [motion, displacement, tail].map(|runner| &runner.program);
+        Room::new(simd, operations, programs)
+    }
+
+    fn set_system(&mut self, lane: usize, own: &Lane) {
+        let graph = Arc::clone(&self.graph);
+        self.evaluators[lane] = Some(Evaluator::of_graph(Arc::clone(&own.system), graph));
+        let Compiled { operations, parameters, programs } = &*self.program;
+        let modes: Vec<_> = own.phases.iter().map(|phase| phase.mode()).collect();
+        let inputs = own.system.inputs(&modes);
+        let scratch = self.scratch[lane].get_mut();
+        scratch.begin(&programs.fixed.program);
+        let memory = &mut scratch.memory;
+        for (cell, input) in &operations.inputs[1] {
+            memory[*cell as usize] = inputs[*input as usize];
+        }
+        programs.fixed.run(self.simd, memory);
+        self.parameters[lane] = parameters.iter().map(|cell| memory[*cell as usize]).collect();
+        self.is_new |= 1 << lane;
+    }
+
+    fn set_phases(&mut self, room: &mut Room<S>, lane: usize, own: &Lane, state: &[f64]) {
+        let Compiled { operations, parameters, .. } = &*self.program;
+        if self.is_new & 1 << lane != 0 {
+            self.is_new &= !(1 << lane);
+            for (cell, value) in parameters.iter().zip(&self.parameters[lane]) {
+                room.set_constant(*cell, lane, *value);
+            }
+        }
+        let scratch = self.scratch[lane].get_mut();
+        let inputs = scratch.inputs(operations, own.system.as_ref(), &own.phases);
+        for ((cell, _), value) in operations.inputs[0].iter().zip(inputs) {
+            room.set_constant(*cell, lane, *value);
+        }
+        for (cell, component) in &operations.discrete {
+            room.set_constant(*cell, lane, state[*component as usize]);
+        }
+        let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
+        for contact in 0..self.speeds.len() {
+            let numbers = conditions::of_contact(own.phases[contact], own.limits[contact], margins);
+            let first = operations.of_contact(contact, OfContact::Sign);
+            for (cell, number) in (first..).zip(numbers) {
+                room.set(cell, lane, number);
+            }
+        }
+        let evaluator = self.evaluators[lane].as_ref().filter(|_| own.has_gaps);
+        let Some(in_touch) = evaluator.and_then(|one| InTouch::new(one, own.settings)) else {
+            return;
+        };
+        self.held[lane] = held_clusters(in_touch.gaps, &own.phases);
+        let gaps = in_touch.gaps.iter().zip(&own.phases[self.speeds.len()..]);
+        for (place, (pressure, (gap, phase))) in self.pressures.iter_mut().zip(gaps).enumerate() {
+            pressure.set(lane, own, (gap, *phase));
+            room.set(operations.of_gap(place, OfGap::Weight), lane, pressure.weight[lane]);
+            room.set(operations.of_gap(place, OfGap::Offset), lane, pressure.offset[lane]);
+        }
+    }
+
+    fn set_rest(&mut self, lane: usize, own: &Lane, _state: &[f64]) {
+        let bit = 1 << lane;
+        let sticks = all_stick(&own.phases);
+        self.stuck = self.stuck & !bit | if sticks { bit } else { 0 };
+    }
+
+    fn clear(&mut self, lane: usize) {
+        self.evaluators[lane] = None;
+        self.held[lane].clear();
+        for pressure in &mut self.pressures {
+            pressure.clear(lane);
+        }
+        self.stuck &= !(1 << lane);
+    }
+
+    fn lane(&self, flow: &Flow<S>, lane: usize) -> Components {
+        let mut components = Components::from_elem(0.0, flow.components.len());
+        for (component, of_all) in components.iter_mut().zip(&flow.components) {
+            *component = of_all[lane];
+        }
+        components
+    }
+
+    fn set_lane(&self, flow: &mut Flow<S>, lane: usize, components: &[f64]) {
+        for (of_all, value) in flow.components.iter_mut().zip(components) {
+            of_all[lane] = *value;
+        }
+        let evaluated = self.evaluators[lane].as_ref().filter(|_| !flow.speeds.is_empty());
+        if let Some(speeds) = evaluated.map(|evaluator| evaluator.speeds(components)) {
+            for (of_all, speed) in flow.speeds.iter_mut().zip(speeds) {
+                of_all[lane] = speed;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn select(&self, into: &mut Flow<S>, from: &Flow<S>, mask: mask64x8<S>) {
+        let all = into.components.iter_mut().chain(&mut into.speeds);
+        for (into, from) in all.zip(from.components.iter().chain(&from.speeds)) {
+            *into = mask.select(*from, *into);
+        }
+    }
+
+    #[inline(always)]
+    fn finite(&self, flow: &Flow<S>, start: Lanes<S>) -> Lanes<S> {
+        let zero = Lanes::splat(self.simd, 0.0);
+        let mut nought = start;
+        for value in &flow.components {
+            nought = value.fused(zero, nought);
+        }
+        nought
+    }
+
+    #[inline(always)]
+    fn square(&self, flow: &Flow<S>) -> Lanes<S> {
+        let mut sum = Lanes::splat(self.simd, 0.0);
+        for value in &flow.components {
+            sum = value.fused(*value, sum);
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn position(&self, flow: &Flow<S>, contact: usize) -> Lanes<S> {
+        flow.components[self.graph.layout.contacts[contact].position]
+    }
+
+    #[inline(always)]
+    fn set_position(&self, flow: &mut Flow<S>, contact: usize, position: Lanes<S>) {
+        flow.components[self.graph.layout.contacts[contact].position] = position;
+    }
+
+    #[inline(always)]
+    fn speed(&self, flow: &Flow<S>, contact: usize) -> Lanes<S> {
+        match self.speeds[contact] {
+            Some(component) => flow.components[component],
+            None => flow.speeds[contact],
+        }
+    }
+
+    #[inline(always)]
+    fn expand(&self, room: &mut Room<S>, start: &Flow<S>, displaced: bool) {
+        let Programs { modes, motion, displaced_motion, .. } = &self.program.programs;
+        room.start(&start.components, false);
+        if std::mem::take(&mut room.is_changed) {
+            modes.run(self.simd, &mut room.memory);
+        }
+        let motion = if displaced { displaced_motion } else { motion };
+        motion.run(self.simd, &mut room.memory);
+    }
+
+    #[inline(always)]
+    fn within_tolerance(
+        &self,
+        room: &Room<S>,
+        [relative, absolute]: [Lanes<S>; 2],
+        before: Lanes<S>,
+    ) -> Lanes<S> {
+        let zero = Lanes::splat(self.simd, 0.0);
+        let (mut last, mut last_but_one) = (zero, zero);
+        for group in &self.graph.layout.velocities {
+            let [mut size, mut ultimate, mut penultimate] = [zero; 3];
+            for &component in group {
+                let terms = room.series().of(component as Slot);
+                size = size.max(terms[0].abs());
+                ultimate = ultimate.max(terms[ORDER].abs());
+                penultimate = penultimate.max(terms[ORDER - 1].abs());
+            }
+            let scale = reciprocal(relative.fused(size, absolute));
+            last = last.max(ultimate * scale);
+            last_but_one = last_but_one.max(penultimate * scale);
+        }
+        longest_step([last, last_but_one], before)
+    }
+
+    #[inline(always)]
+    fn look_over(&self, room: &mut Room<S>, length: Lanes<S>) -> u64 {
+        let Programs { screen: (program, screen), normals, exact_screen, .. } =
+            &self.program.programs;
+        room.memory[self.program.operations.length() as usize] = length;
+        if screen.needs_normals {
+            normals.run(self.simd, &mut room.memory);
+        }
+        program.run(self.simd, &mut room.memory);
+        room.is_exact = false;
+        let any = room.screened(screen);
+        let Some((program, exact)) = exact_screen else { return any };
+        if any != 0 && room.below_zero(screen.forces.iter().copied()) != 0 {
+            // Lanes in doubt are examined with the series of the normal forces.
+            normals.run(self.simd, &mut room.memory);
+            let closed = screen.contacts.iter().map(|cells| cells[Bound::Closed as usize]);
+            if room.below_zero(closed) != 0 {
+                program.run(self.simd, &mut room.memory);
+                room.is_exact = true;
+                return room.screened(exact);
+            }
+        }
+        any
+    }
+
+    fn first_event(
+        &self,
+        room: &Room<S>,
+        own: &Lane,
+        lane: usize,
+        length: f64,
+        ignored: &[Condition],
+    ) -> Ends {
+        let in_lane = (own, lane, length);
+        let of_gaps = (&self.pressures[..], &self.held[lane][..]);
+        conditions::first_event(self.simd, room, &self.program, in_lane, of_gaps, ignored)
+    }
+
+    #[inline(always)]
+    fn at(&self, room: &Room<S>, _start: &Flow<S>, time: Lanes<S>, into: &mut Flow<S>) {
+        self.flow_at(room.series(), time, into);
+    }
+
+    #[inline(always)]
+    fn carry(&self, room: &mut Room<S>, displacement: &Flow<S>, length: Lanes<S>) -> Flow<S> {
+        room.start(&displacement.components, true);
+        room.memory[self.program.operations.length() as usize] = length;
+        self.program.programs.displacement.run(self.simd, &mut room.memory);
+        self.program.programs.tail.run(self.simd, &mut room.memory);
+        let mut moved = displacement.clone();
+        self.flow_at(room.changes(), length, &mut moved);
+        moved
+    }
+
+    fn rest(&self, _state: &Flow<S>) -> u64 {
+        self.stuck
+    }
+
+    #[inline(always)]
+    fn still(&self, room: &Room<S>) -> u64 {
+        let mut most = Lanes::splat(self.simd, 0.0);
+        for &rate in &self.program.operations.rates {
+            most = most.max(room.series().of(rate)[0].abs());
+        }
+        most.simd_le(Lanes::splat(self.simd, STILL)).to_bitmask() & !self.stuck
+    }
+
+    fn component(&self, room: &Room<S>, lane: usize, component: usize, _start: f64) -> Powers {
+        let mut powers = [0.0; TERMS];
+        let terms = room.series().of(component as Slot);
+        for (k, power) in powers.iter_mut().enumerate() {
+            *power = terms[k][lane];
+        }
+        powers
+    }
+
+    fn coordinates(&self, contact: usize) -> (usize, Option<usize>) {
+        (self.graph.layout.contacts[contact].position, self.speeds[contact])
+    }
+
+    fn shifted(&self, contact: usize) -> Option<usize> {
+        self.graph.shifted_component(contact)
+    }
+
+    fn vibration(&self) -> Option<[usize; 2]> {
+        self.graph.layout.vibration
+    }
+
+    #[inline(always)]
+    fn vibration_of(&self, flow: &Flow<S>) -> [Lanes<S>; 2] {
+        let zero = [Lanes::splat(self.simd, 0.0); 2];
+        self.graph.layout.vibration.map_or(zero, |places| places.map(|one| flow.components[one]))
+    }
+
+    #[inline(always)]
+    fn vibration_at(&self, room: &Room<S>, times: [Lanes<S>; 3]) -> [[Lanes<S>; 2]; 3] {
+        let zero = [Lanes::splat(self.simd, 0.0); 2];
+        times.map(|time| {
+            let places = self.graph.layout.vibration;
+            places.map_or(zero, |all| all.map(|one| self.sum(room.series(), one as Slot, time)))
+        })
+    }
+
+    #[inline(always)]
+    fn relative_travel(&self, room: &Room<S>, pair: [usize; 2], length: Lanes<S>) -> Lanes<S> {
+        let [one, other] = pair.map(|contact| {
+            let position = self.graph.layout.contacts[contact].position;
+            room.series().of(position as Slot)
+        });
+        let mut bound = Lanes::splat(length.simd, 0.0);
+        for k in (1..TERMS).rev() {
+            bound = bound.fused(length, (one[k] - other[k]).abs());
+        }
+        bound * length
+    }
+
+    fn evaluator(&self, lane: usize) -> Option<&Evaluator> {
+        self.evaluators[lane].as_ref()
+    }
+
+    fn in_state<R>(
+        &self,
+        lane: usize,
+        own: &Lane,
+        state: &[f64],
+        with: impl FnOnce(&dyn InState) -> R,
+    ) -> R {
+        let evaluator = self.evaluator(lane).expect("only lanes with a run are decided");
+        let scratch = &mut *self.scratch[lane].borrow_mut();
+        with(&Deciding::new((self.simd, &self.program), (own, evaluator), state, scratch))
+    }
+}

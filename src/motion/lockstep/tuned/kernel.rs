@@ -1,0 +1,372 @@
+//! The kernel of the balancer: the equations of all lanes, and their series in a step.
+
+use std::sync::Arc;
+
+use fearless_simd::{mask64x8, prelude::*};
+
+use super::equations::{Equations, while_apart};
+use super::event_functions::{Doubts, Watched};
+use super::flow::Flow;
+use super::gap_forces::Gaps;
+use super::mode_selection::{InPlace, called, turned};
+use super::recurrence::RECIPROCALS;
+use super::rest_ahead::RestAhead;
+use super::series::Series;
+use super::turning::Drive;
+use super::{event_functions, event_location, step, tangent};
+use crate::model::{Balancer, Components, State, System};
+use crate::motion::Evaluator;
+use crate::motion::condition::Condition;
+use crate::motion::force_model::{Evaluated, InState};
+use crate::motion::lockstep::kernel::{Ends, Kernel};
+use crate::motion::lockstep::lane::Lane;
+use crate::motion::lockstep::sizes::Powers;
+use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::{LANES, Lanes, ORDER};
+use crate::motion::{Phase, any_closed};
+
+/// Bound on every component of the rate of change if everything is slow.
+const STILL: f64 = 1e-6;
+
+/// The balancer's equations in all lanes.
+pub(in crate::motion::lockstep) struct Tuned<S: Vector, const N: usize> {
+    pub(super) equations: Equations<S, N>,
+    watched: [Watched<S>; N],
+    rest: RestAhead<S>,
+    balancers: [Option<Balancer<N>>; LANES],
+    /// The phases of the balls that the equations have.
+    phases: [[Option<Phase>; N]; LANES],
+    gaps: Gaps<S, N>,
+    /// The disc, if its speed changes.
+    drive: Option<Box<Drive<S, N>>>,
+    /// The recorded equations of systems with gaps or a disc whose speed changes, for the decisions that need them.
+    evaluators: [Option<Evaluator>; LANES],
+    /// The latest of them, for the next one.
+    latest: Option<Evaluator>,
+    /// Bit mask of lanes with a ball that cannot stick.
+    sliding: u64,
+}
+
+/// Work space of a step, with the results of the latest step.
+pub(in crate::motion::lockstep) struct Room<S: Vector, const N: usize> {
+    pub(super) series: Series<S, N>,
+    pub(super) displaced: Series<S, N>,
+    doubts: Doubts<S, N>,
+}
+
+impl<S: Vector, const N: usize> Tuned<S, N> {
+    /// Empty lanes, for discs whose speed changes or for others.
+    pub(in crate::motion::lockstep) fn new(simd: S, changes: bool) -> Self {
+        Tuned {
+            equations: Equations::blank(simd),
+            watched: [Watched::nothing(simd); N],
+            rest: RestAhead::none(simd),
+            balancers: [None; LANES],
+            phases: [[None; N]; LANES],
+            gaps: Gaps::none(simd),
+            drive: changes.then(|| Box::new(Drive::blank(simd))),
+            evaluators: std::array::from_fn(|_| None),
+            latest: None,
+            sliding: 0,
+        }
+    }
+
+    /// Returns whether a system is a balancer with this number of balls whose friction is independent of speed or
+    /// proportional to it. Of balls that may touch, all can stick or none can.
+    pub(in crate::motion::lockstep) fn computes(system: &Arc<dyn System>) -> bool {
+        let balancer = while_apart::<N>(system);
+        balancer.is_some_and(|own| {
+            let sticking = own.balls.iter().filter(|ball| ball.friction.can_stick()).count();
+            own.balls.iter().all(|ball| ball.friction.is_linear())
+                && (system.touching().is_none() || sticking == 0 || sticking == N)
+        })
+    }
+}
+
+impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
+    /// 5 over the highest frequency of the table in the turning frame, `1 + |ω|`. Hardly any step is as long.
+    const LONGEST: f64 = 5.0 / std::f64::consts::FRAC_PI_2;
+    type Flow = Flow<S, N>;
+    type Room = Room<S, N>;
+
+    fn fits(&self, system: &Arc<dyn System>) -> bool {
+        Self::computes(system) && system.speed_terms().is_some() == self.drive.is_some()
+    }
+
+    #[inline(always)]
+    fn contacts(&self) -> usize {
+        N
+    }
+
+    #[inline(always)]
+    fn is_angular(&self, _contact: usize) -> bool {
+        true
+    }
+
+    fn flow(&self, simd: S) -> Flow<S, N> {
+        Flow::zero(simd)
+    }
+
+    fn room(&self, simd: S) -> Room<S, N> {
+        Room {
+            series: Series::zero(simd),
+            displaced: Series::zero(simd),
+            doubts: Doubts::none(simd),
+        }
+    }
+
+    fn set_system(&mut self, lane: usize, own: &Lane) {
+        let Some(balancer) = while_apart(&own.system) else { return };
+        let mut balancer: Balancer<N> = *balancer;
+        if let (Some(drive), Some(speed)) = (&mut self.drive, own.system.speed_terms()) {
+            drive.set_machine(lane, &balancer, speed);
+            // Everything that depends on the speed is in `Drive`.
+            balancer.speed = 0.0;
+            balancer.balls.iter_mut().for_each(|ball| ball.rolling_linear = 0.0);
+        }
+        self.equations.set_machine(lane, &balancer);
+        for (watched, ball) in self.watched.iter_mut().zip(&balancer.balls) {
+            watched.limit[lane] = ball.friction.limit;
+        }
+        let bit = 1 << lane;
+        let slides = balancer.balls.iter().any(|ball| !ball.friction.can_stick());
+        self.sliding = self.sliding & !bit | if slides { bit } else { 0 };
+        self.balancers[lane] = Some(balancer);
+        self.phases[lane] = [None; N];
+        self.gaps.clear(lane);
+        let recorded = own.system.touching().is_some() || self.drive.is_some();
+        if recorded {
+            let new = || Evaluator::new(Arc::clone(&own.system));
+            let evaluator = self.latest.as_ref().map_or_else(new, |one| one.of(&own.system));
+            self.latest = Some(evaluator.clone());
+            self.evaluators[lane] = Some(evaluator);
+        } else {
+            self.evaluators[lane] = None;
+        }
+    }
+
+    fn set_phases(&mut self, _room: &mut Self::Room, lane: usize, own: &Lane, _state: &[f64]) {
+        let Some(balancer) = &self.balancers[lane] else { return };
+        let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
+        for (place, phase) in own.phases[..N].iter().enumerate() {
+            // Few balls change their phase at once.
+            if self.phases[lane][place].replace(*phase) == Some(*phase) {
+                continue;
+            }
+            self.equations.set_phase(lane, balancer, (place, *phase));
+            self.watched[place].set(lane, *phase, margins);
+            if let Some(drive) = &mut self.drive {
+                let ball = &self.equations.balls[place];
+                drive.set_ball(lane, place, [ball.mobility[lane], ball.friction[lane]]);
+            }
+        }
+        if let Some(touching) = own.system.touching() {
+            self.gaps.set(lane, own, touching.gaps(), &self.equations);
+        }
+    }
+
+    fn set_rest(&mut self, lane: usize, own: &Lane, state: &[f64]) {
+        self.rest.clear(lane);
+        // A run ends in its last stage, in which the speed is constant.
+        if self.drive.is_none()
+            && let Some(balancer) = &self.balancers[lane]
+        {
+            self.rest.set(lane, balancer, (&own.phases, state));
+        }
+    }
+
+    fn clear(&mut self, lane: usize) {
+        self.sliding &= !(1 << lane);
+        self.rest.clear(lane);
+        self.balancers[lane] = None;
+        self.gaps.clear(lane);
+        self.evaluators[lane] = None;
+    }
+
+    fn lane(&self, flow: &Flow<S, N>, lane: usize) -> Components {
+        let mut components = flow.lane(lane).components();
+        if self.drive.is_some() {
+            components.push(flow.elapsed[lane]);
+        }
+        components
+    }
+
+    fn set_lane(&self, flow: &mut Flow<S, N>, lane: usize, components: &[f64]) {
+        flow.set_lane(lane, components);
+    }
+
+    #[inline(always)]
+    fn select(&self, into: &mut Flow<S, N>, from: &Flow<S, N>, mask: mask64x8<S>) {
+        into.select(from, mask);
+    }
+
+    #[inline(always)]
+    fn finite(&self, flow: &Flow<S, N>, start: Lanes<S>) -> Lanes<S> {
+        flow.finite(start)
+    }
+
+    #[inline(always)]
+    fn square(&self, flow: &Flow<S, N>) -> Lanes<S> {
+        flow.square()
+    }
+
+    #[inline(always)]
+    fn position(&self, flow: &Flow<S, N>, contact: usize) -> Lanes<S> {
+        flow.angle[contact]
+    }
+
+    #[inline(always)]
+    fn set_position(&self, flow: &mut Flow<S, N>, contact: usize, position: Lanes<S>) {
+        flow.angle[contact] = position;
+    }
+
+    #[inline(always)]
+    fn speed(&self, flow: &Flow<S, N>, contact: usize) -> Lanes<S> {
+        flow.speed[contact]
+    }
+
+    #[inline(always)]
+    fn expand(&self, room: &mut Room<S, N>, start: &Flow<S, N>, _displaced: bool) {
+        room.series.expand(&self.equations, (self.drive.as_deref(), &self.gaps), start);
+    }
+
+    #[inline(always)]
+    fn within_tolerance(
+        &self,
+        room: &Room<S, N>,
+        tolerance: [Lanes<S>; 2],
+        before: Lanes<S>,
+    ) -> Lanes<S> {
+        step::within_tolerance(&room.series, tolerance, before)
+    }
+
+    #[inline(always)]
+    fn look_over(&self, room: &mut Room<S, N>, length: Lanes<S>) -> u64 {
+        let Room { series, doubts, .. } = room;
+        let watched = (&self.watched, &self.gaps);
+        event_functions::look_over(series, &self.equations, watched, length, doubts);
+        doubts.any()
+    }
+
+    fn first_event(
+        &self,
+        room: &Room<S, N>,
+        own: &Lane,
+        lane: usize,
+        length: f64,
+        ignored: &[Condition],
+    ) -> Ends {
+        let Some(balancer) = &self.balancers[lane] else { return Ends::Nothing };
+        let at = (lane, length);
+        let own = (own, balancer, &self.gaps);
+        event_location::first_event(&room.series, own, at, &room.doubts, ignored)
+    }
+
+    #[inline(always)]
+    fn at(&self, room: &Room<S, N>, start: &Flow<S, N>, time: Lanes<S>, into: &mut Flow<S, N>) {
+        *into = room.series.at(&self.equations, start, time);
+        if self.drive.is_some() {
+            into.elapsed += time;
+        }
+    }
+
+    #[inline(always)]
+    fn carry(
+        &self,
+        room: &mut Room<S, N>,
+        displacement: &Flow<S, N>,
+        length: Lanes<S>,
+    ) -> Flow<S, N> {
+        let Room { series, displaced, .. } = room;
+        let equations = (&self.equations, self.drive.as_deref());
+        tangent::carry(series, equations, displacement, length, displaced)
+    }
+
+    #[inline(always)]
+    fn rest(&self, state: &Flow<S, N>) -> u64 {
+        self.rest.is_near(self.equations.speed, &state.table)
+    }
+
+    #[inline(always)]
+    fn still(&self, room: &Room<S, N>) -> u64 {
+        if self.sliding == 0 || self.drive.is_some() {
+            return 0;
+        }
+        let [first, second, third, ..] = &room.series.terms;
+        let simd = self.equations.speed.simd;
+        let two = Lanes::splat(simd, 2.0);
+        let mut most = Lanes::splat(simd, 0.0);
+        for axis in 0..2 {
+            most = most.max(second.table[axis].abs()).max((two * third.table[axis]).abs());
+        }
+        for i in 0..N {
+            most = most.max(first.balls[i].speed.abs()).max(second.balls[i].speed.abs());
+        }
+        most.simd_le(Lanes::splat(simd, STILL)).to_bitmask() & self.sliding
+    }
+
+    fn component(&self, room: &Room<S, N>, lane: usize, component: usize, start: f64) -> Powers {
+        room.series.component(lane, component, start)
+    }
+
+    fn coordinates(&self, contact: usize) -> (usize, Option<usize>) {
+        (4 + contact, Some(4 + N + contact))
+    }
+
+    fn shifted(&self, _: usize) -> Option<usize> {
+        None
+    }
+
+    fn vibration(&self) -> Option<[usize; 2]> {
+        Some([0, 1])
+    }
+
+    #[inline(always)]
+    fn vibration_of(&self, flow: &Flow<S, N>) -> [Lanes<S>; 2] {
+        [flow.table[0], flow.table[1]]
+    }
+
+    #[inline(always)]
+    fn vibration_at(&self, room: &Room<S, N>, times: [Lanes<S>; 3]) -> [[Lanes<S>; 2]; 3] {
+        room.series.table_at(times)
+    }
+
+    #[inline(always)]
+    fn relative_travel(
+        &self,
+        room: &Room<S, N>,
+        [one, other]: [usize; 2],
+        length: Lanes<S>,
+    ) -> Lanes<S> {
+        let mut bound = Lanes::splat(length.simd, 0.0);
+        for (k, term) in room.series.terms[..=ORDER].iter().enumerate().rev() {
+            let relative = (term.balls[one].speed - term.balls[other].speed).abs();
+            bound = bound.fused(length, relative * Lanes::splat(length.simd, RECIPROCALS[k + 1]));
+        }
+        bound * length
+    }
+
+    fn evaluator(&self, lane: usize) -> Option<&Evaluator> {
+        self.evaluators[lane].as_ref()
+    }
+
+    fn in_state<R>(
+        &self,
+        lane: usize,
+        own: &Lane,
+        state: &[f64],
+        with: impl FnOnce(&dyn InState) -> R,
+    ) -> R {
+        let is_recorded = self.drive.is_some() || any_closed(&own.phases);
+        if let Some(evaluator) = self.evaluator(lane).filter(|_| is_recorded) {
+            // Not inlined a second time.
+            return called(with, &Evaluated::new(evaluator, state));
+        }
+        let balancer = self.balancers[lane].as_ref();
+        let balancer = balancer.expect("only lanes with a run are decided");
+        let state =
+            State::<N>::of_components(state).expect("the components are those of the lanes");
+        let turned = turned(self.equations.speed.simd, state.beta);
+        with(&InPlace::new(balancer, own.surely_one_solution, (state, turned)))
+    }
+}
