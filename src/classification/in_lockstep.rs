@@ -11,7 +11,7 @@ use super::lane_run::{LaneRun, Next};
 use super::outcome::{Evidence, Outcome};
 use super::recorder::Recorder;
 use crate::model::{Case, Components, Recorded, Stage, System};
-use crate::motion::lockstep::{Happened, LANES, LaneGroup, Saved};
+use crate::motion::lockstep::{LANES, LaneGroup, SavedRun, StepReport};
 use crate::motion::{SimdLevel, unwind_if_cancelled};
 
 /// Source of runs and sink of outcomes.
@@ -132,7 +132,7 @@ struct Team {
 
 /// A run that waits for a lane.
 struct Waiting {
-    saved: Saved,
+    saved: SavedRun,
     run: Box<LaneRun>,
 }
 
@@ -261,7 +261,7 @@ impl<'a> Lockstep<'a> {
 
     /// Passes the latest step to the recorder.
     #[inline(never)]
-    fn record(&mut self, team: usize, happened: &Happened) {
+    fn record(&mut self, team: usize, happened: &StepReport) {
         let Team { group: Some(group), members, .. } = &self.teams[team] else { return };
         let Some(recorder) = self.runs.recorder() else { return };
         for (lane, run) in members.iter().enumerate() {
@@ -306,7 +306,7 @@ impl Team {
 }
 
 /// Returns the team that a run belongs to.
-fn team_of(saved: &Saved, run: &LaneRun) -> usize {
+fn team_of(saved: &SavedRun, run: &LaneRun) -> usize {
     if run.stages.present().is_driven {
         return DRIVEN;
     }

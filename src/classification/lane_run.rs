@@ -17,7 +17,7 @@ use super::stages::Stages;
 use super::step_limit::effort_limit;
 use super::system_view::SystemView;
 use crate::model::{Case, Components, Endings, Extend, Stage, Units};
-use crate::motion::lockstep::{Happened, LaneGroup, Saved};
+use crate::motion::lockstep::{LaneGroup, SavedRun, StepReport};
 use crate::motion::{Evaluator, Failure, Settings, all_stick};
 
 /// Sizes of a displacement that need no renormalisation.
@@ -39,7 +39,7 @@ pub(super) struct LaneRun {
     pub(super) settled: SettledWatch,
     still: bool,
     /// The saved run before its end time had any effect, if the run may be continued.
-    kept: Option<Box<(Saved, LaneRun)>>,
+    kept: Option<Box<(SavedRun, LaneRun)>>,
     pub(super) extended: bool,
 }
 
@@ -50,9 +50,9 @@ pub(super) enum Next {
     /// The run moves to other lanes: with displacements or without.
     Move,
     /// The run enters its next stage from this saved state.
-    Enter(Box<Saved>),
+    Enter(Box<SavedRun>),
     /// The run continues later from this saved state.
-    Continue(Box<(Saved, LaneRun)>),
+    Continue(Box<(SavedRun, LaneRun)>),
     /// The run has ended.
     Done(Box<Outcome>),
 }
@@ -64,7 +64,7 @@ impl LaneRun {
         case: &Case,
         stages: Vec<Stage>,
         state: &Components,
-    ) -> Result<(Saved, Self), Failure> {
+    ) -> Result<(SavedRun, Self), Failure> {
         let simulation = &case.simulation;
         let units = case.model.units();
         let (first, last) = (&stages[0], &stages[stages.len() - 1]);
@@ -77,7 +77,7 @@ impl LaneRun {
         let settings =
             Settings::new(simulation, stages.iter().map(limit).max().unwrap_or_default());
         let (state, lifted) = first.entered(None, state);
-        let saved = Saved::start(&first.system, settings, &state)?;
+        let saved = SavedRun::start(&first.system, settings, &state)?;
         let watch = CycleWatch::new(simulation.endings, &settings, &view);
         let run = LaneRun {
             number,
@@ -141,7 +141,7 @@ impl LaneRun {
         &mut self,
         group: &mut dyn LaneGroup,
         lane: usize,
-        happened: &Happened,
+        happened: &StepReport,
     ) -> Next {
         let bit = 1 << lane;
         if let Some(failure) = happened.failure(lane) {

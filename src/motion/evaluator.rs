@@ -36,7 +36,7 @@ pub type Forces<T = f64> = SmallVec<[ContactForces<T>; 8]>;
 
 /// The nodes that phases affect, as far as they are known.
 #[derive(Debug, Default)]
-pub(super) struct Affected {
+pub(super) struct AffectedNodes {
     /// Which inputs vary.
     pub(super) varying: Vec<bool>,
     /// The nodes that depend on these inputs, operands first.
@@ -52,7 +52,7 @@ pub(super) struct Affected {
 pub struct Evaluator {
     system: Arc<dyn System>,
     graph: Arc<Graph>,
-    affected: Arc<Mutex<Arc<Affected>>>,
+    affected: Arc<Mutex<Arc<AffectedNodes>>>,
 }
 
 impl Evaluator {
@@ -86,13 +86,13 @@ impl Evaluator {
     }
 
     /// Returns the nodes that phases affect, as far as they are known.
-    pub(super) fn affected(&self) -> Arc<Affected> {
+    pub(super) fn affected(&self) -> Arc<AffectedNodes> {
         // A panic while the nodes are locked leaves them complete.
         Arc::clone(&self.affected.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Finds the nodes that depend on inputs that vary, and remembers them for other states.
-    pub(super) fn affected_by(&self, varying: Vec<bool>) -> Arc<Affected> {
+    pub(super) fn affected_by(&self, varying: Vec<bool>) -> Arc<AffectedNodes> {
         let graph = &self.graph;
         let varies = |node: &Node| matches!(node, Node::Input(index) if varying[*index as usize]);
         let nodes = graph.depending_on(varies);
@@ -103,7 +103,7 @@ impl Evaluator {
         let mut others: Vec<NodeId> = operands.filter(|one| !is_affected[*one as usize]).collect();
         others.sort_unstable();
         others.dedup();
-        let affected = Arc::new(Affected { varying, nodes, is_affected, others });
+        let affected = Arc::new(AffectedNodes { varying, nodes, is_affected, others });
         *self.affected.lock().unwrap_or_else(PoisonError::into_inner) = Arc::clone(&affected);
         affected
     }

@@ -7,7 +7,7 @@ use super::{Evaluator, Phase};
 use crate::model::{Components, Dual};
 
 /// A system in one state, for which the phases of its contacts are decided.
-pub(super) trait InState {
+pub(super) trait ForceModel {
     /// Returns the static coefficient of friction of a contact.
     fn limit(&self, contact: usize) -> f64;
     /// Returns the sliding speed of a contact.
@@ -32,19 +32,19 @@ pub(super) trait InState {
 pub(super) const AHEAD: f64 = 1e-6;
 
 /// A system in one state, by its recorded equations.
-pub(super) struct Evaluated<'a> {
+pub(super) struct RecordedForces<'a> {
     pub(super) evaluator: &'a Evaluator,
     pub(super) state: &'a [f64],
     pub(super) speeds: SmallVec<[f64; 8]>,
 }
 
-impl<'a> Evaluated<'a> {
+impl<'a> RecordedForces<'a> {
     pub(super) fn new(evaluator: &'a Evaluator, state: &'a [f64]) -> Self {
-        Evaluated { evaluator, state, speeds: evaluator.speeds(state) }
+        RecordedForces { evaluator, state, speeds: evaluator.speeds(state) }
     }
 }
 
-impl InState for Evaluated<'_> {
+impl ForceModel for RecordedForces<'_> {
     fn limit(&self, contact: usize) -> f64 {
         self.evaluator.system().friction(contact).limit
     }

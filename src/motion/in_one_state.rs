@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use smallvec::SmallVec;
 
-use super::evaluator::{Affected, Forces, GapForces, Solution, forces};
+use super::evaluator::{AffectedNodes, Forces, GapForces, Solution, forces};
 use super::linear_system::{SMALL_PIVOT, Solved, Unknowns};
 use super::{Evaluator, Phase, Phases, SimdLevel};
 use crate::model::{Elementary, Function, NodeId, Number};
@@ -16,8 +16,8 @@ pub(super) const TOGETHER: usize = 8;
 
 impl Evaluator {
     /// Returns the equations in one state, for several assumptions about the phases.
-    pub fn in_state<'a>(&'a self, state: &'a [f64]) -> InOneState<'a> {
-        InOneState {
+    pub fn in_state<'a>(&'a self, state: &'a [f64]) -> IncrementalForces<'a> {
+        IncrementalForces {
             evaluator: self,
             state,
             inputs: Vec::new(),
@@ -30,17 +30,17 @@ impl Evaluator {
 
 /// The recorded equations in one state. From one assumption about the phases to the next, only the nodes that depend on
 /// the inputs that vary are computed.
-pub struct InOneState<'a> {
+pub struct IncrementalForces<'a> {
     evaluator: &'a Evaluator,
     state: &'a [f64],
     inputs: Vec<f64>,
     values: Vec<f64>,
     /// The values of the nodes for several assumptions; only those of affected nodes and of their operands are known.
-    together: Vec<Several>,
-    affected: Arc<Affected>,
+    together: Vec<PerAssumption>,
+    affected: Arc<AffectedNodes>,
 }
 
-impl InOneState<'_> {
+impl IncrementalForces<'_> {
     /// Returns forces and accelerations of all contacts, and of all gaps with the openings behind them.
     pub fn forces_and_gaps(&mut self, phases: &[Phase]) -> (Forces, SmallVec<[GapForces; 8]>) {
         self.assume(phases);
@@ -61,20 +61,21 @@ impl InOneState<'_> {
         inputs.iter().for_each(|inputs| self.find_affected(inputs));
         let graph = self.evaluator.graph();
         if self.together.is_empty() {
-            self.together.resize(graph.nodes.len(), Several::constant(0.0));
+            self.together.resize(graph.nodes.len(), PerAssumption::constant(0.0));
             for &node in &self.affected.others {
-                self.together[node as usize] = Several::constant(self.values[node as usize]);
+                self.together[node as usize] = PerAssumption::constant(self.values[node as usize]);
             }
         }
-        let input =
-            |input: usize| Several(from_fn(|place| inputs[place.min(inputs.len() - 1)][input]));
+        let input = |input: usize| {
+            PerAssumption(from_fn(|place| inputs[place.min(inputs.len() - 1)][input]))
+        };
         SimdLevel::best().run(
             #[inline(always)]
             || {
                 let mut solution = Solution::new();
                 for &place in &self.affected.nodes {
                     let node = &graph.nodes[place as usize];
-                    let state = |component: usize| Several::constant(self.state[component]);
+                    let state = |component: usize| PerAssumption::constant(self.state[component]);
                     self.together[place as usize] =
                         self.evaluator.value(node, &self.together, input, state, &mut solution);
                 }
@@ -138,51 +139,51 @@ impl InOneState<'_> {
 
 /// A number for each of several assumptions.
 #[derive(Clone, Copy, Debug)]
-struct Several([f64; TOGETHER]);
+struct PerAssumption([f64; TOGETHER]);
 
-impl Several {
+impl PerAssumption {
     #[inline(always)]
     fn each(self, of: impl Fn(f64) -> f64) -> Self {
-        Several(self.0.map(of))
+        PerAssumption(self.0.map(of))
     }
 
     #[inline(always)]
     fn with(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
-        Several(from_fn(|place| of(self.0[place], other.0[place])))
+        PerAssumption(from_fn(|place| of(self.0[place], other.0[place])))
     }
 }
 
-impl Add for Several {
+impl Add for PerAssumption {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         self.with(other, |one, other| one + other)
     }
 }
 
-impl Sub for Several {
+impl Sub for PerAssumption {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         self.with(other, |one, other| one - other)
     }
 }
 
-impl Mul for Several {
+impl Mul for PerAssumption {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         self.with(other, |one, other| one * other)
     }
 }
 
-impl Neg for Several {
+impl Neg for PerAssumption {
     type Output = Self;
     fn neg(self) -> Self {
         self.each(|one| -one)
     }
 }
 
-impl Number for Several {
+impl Number for PerAssumption {
     fn constant(value: f64) -> Self {
-        Several([value; TOGETHER])
+        PerAssumption([value; TOGETHER])
     }
 
     fn sin_cos(self) -> (Self, Self) {
@@ -194,7 +195,7 @@ impl Number for Several {
     }
 }
 
-impl Elementary for Several {
+impl Elementary for PerAssumption {
     /// Returns the number of the first assumption.
     fn value(self) -> f64 {
         self.0[0]
@@ -213,7 +214,7 @@ impl Elementary for Several {
     }
 }
 
-impl Solved for Several {
+impl Solved for PerAssumption {
     /// Eliminates as [`solved`] does; each assumption exchanges the rows with its own small pivots.
     #[inline(always)]
     fn solve(
@@ -223,14 +224,16 @@ impl Solved for Several {
         unknowns: &mut Unknowns<Self>,
     ) {
         let size = right.len();
-        let mut matrix: Vec<Several> = matrix.iter().map(|node| at(*node)).collect();
+        let mut matrix: Vec<PerAssumption> = matrix.iter().map(|node| at(*node)).collect();
         *unknowns = right.iter().map(|node| at(*node)).collect();
         let right = unknowns;
-        let sizes = |one: Several| one.each(f64::abs);
-        let largest = |row: &[Several]| {
-            row.iter().fold(Several::constant(0.0), |most, one| most.with(sizes(*one), f64::max))
+        let sizes = |one: PerAssumption| one.each(f64::abs);
+        let largest = |row: &[PerAssumption]| {
+            row.iter()
+                .fold(PerAssumption::constant(0.0), |most, one| most.with(sizes(*one), f64::max))
         };
-        let mut scales: SmallVec<[Several; 16]> = matrix.chunks(size.max(1)).map(largest).collect();
+        let mut scales: SmallVec<[PerAssumption; 16]> =
+            matrix.chunks(size.max(1)).map(largest).collect();
         for column in 0..size {
             for row in column + 1..size {
                 let entry = matrix[row * size + column];
@@ -238,7 +241,7 @@ impl Solved for Several {
                     continue;
                 }
                 let own = sizes(matrix[column * size + column]) * scales[row];
-                let other = Several::constant(SMALL_PIVOT) * sizes(entry) * scales[column];
+                let other = PerAssumption::constant(SMALL_PIVOT) * sizes(entry) * scales[column];
                 let is_small = from_fn(|place| own.0[place] < other.0[place]);
                 if is_small.contains(&true) {
                     let (above, below) = matrix.split_at_mut(row * size);
@@ -283,7 +286,7 @@ impl Solved for Several {
 }
 
 /// Exchanges the numbers of the assumptions that are marked.
-fn exchange(marked: [bool; TOGETHER], one: &mut Several, other: &mut Several) {
+fn exchange(marked: [bool; TOGETHER], one: &mut PerAssumption, other: &mut PerAssumption) {
     let pairs = one.0.iter_mut().zip(&mut other.0).zip(marked);
     pairs.filter(|(_, marked)| *marked).for_each(|((one, other), _)| std::mem::swap(one, other));
 }

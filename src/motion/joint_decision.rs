@@ -4,7 +4,7 @@
 use smallvec::SmallVec;
 
 use super::evaluator::{ContactForces, Forces};
-use super::force_model::InState;
+use super::force_model::ForceModel;
 use super::{Failure, Phase, Phases};
 
 /// Which contacts' phases are open.
@@ -25,7 +25,7 @@ pub(super) type Open = SmallVec<[bool; 8]>;
 /// [`Failure::NoSolution`] if no combination meets all conditions, or if several different ones do, and the errors of
 /// `then`.
 pub(super) fn resolve_modes<R>(
-    system: &dyn InState,
+    system: &dyn ForceModel,
     phases: &mut Phases,
     open: &Open,
     choices: [Phase; 3],
@@ -78,7 +78,7 @@ const SAME: f64 = 1e-6;
 /// Decides the phases like [`resolve_modes`], by trying all `3^k` combinations of
 /// the open contacts. The current phases are preferred if they are among the solutions.
 fn unique_or_refused(
-    system: &dyn InState,
+    system: &dyn ForceModel,
     phases: &mut Phases,
     open: &Open,
     choices: [Phase; 3],
@@ -150,7 +150,7 @@ pub(super) fn is_finite(contact: &ContactForces) -> bool {
 }
 
 /// Returns the remaining friction of a sticking contact, `μ_s f_n - |f_w|`.
-pub(super) fn stick_reserve(system: &dyn InState, forces: &Forces, contact: usize) -> f64 {
+pub(super) fn stick_reserve(system: &dyn ForceModel, forces: &Forces, contact: usize) -> f64 {
     let ContactForces { normal, friction, .. } = forces[contact];
     system.limit(contact) * normal - friction.abs()
 }

@@ -1,7 +1,7 @@
 //! The decision between stick and slip by the method of the settings, at the start of a motion and at an instant.
 
 use super::evaluator::Forces;
-use super::force_model::{Evaluated, InState};
+use super::force_model::{ForceModel, RecordedForces};
 use super::joint_decision::check_forces;
 use super::{Direction, Evaluator, Failure, Phase, Phases, Settings, event_driven, switch_model};
 use crate::model::{Friction, Method, System};
@@ -24,7 +24,7 @@ pub(super) fn first_phases<'f>(
 /// Decides the phases of contacts at rest, or in the band. In the exact motion, the contacts `fixed` stay at rest.
 pub(super) fn decide_at_rest(
     method: Method,
-    system: &dyn InState,
+    system: &dyn ForceModel,
     phases: &mut Phases,
     fixed: &[usize],
 ) -> Result<(), Failure> {
@@ -44,7 +44,7 @@ pub(super) fn decide_at_rest(
 pub(super) fn start_phases(
     system: &dyn System,
     settings: Settings,
-    at: &dyn InState,
+    at: &dyn ForceModel,
 ) -> Result<Phases, Failure> {
     let contacts = (0..system.contacts()).map(|i| (system.friction(i), at.speed(i)));
     let mut phases = first_phases(settings.method, settings.band, contacts);
@@ -62,5 +62,9 @@ pub fn decide(
     state: &[f64],
     phases: &mut Phases,
 ) -> Result<Forces, Failure> {
-    switch_model::decide(&Evaluated::new(evaluator, state), phases, |forces| Ok(forces.clone()))
+    switch_model::decide(
+        &RecordedForces::new(evaluator, state),
+        phases,
+        |forces| Ok(forces.clone()),
+    )
 }

@@ -29,8 +29,8 @@
 use smallvec::smallvec;
 
 use super::condition::Condition;
-use super::force_model::InState;
-use super::touching::InTouch;
+use super::force_model::ForceModel;
+use super::touching::TouchingSystem;
 use super::{Evaluator, Phase, Phases, Settings};
 use crate::model::{Components, Dual};
 
@@ -46,7 +46,7 @@ const NO_JUMP: f64 = 1e-8;
 /// Propagates a displacement over a switch at which the phases `before` ended because a condition of a contact
 /// failed and the phases `after` began. Returns whether the switch was met by grazing.
 pub(super) fn saltation(
-    system: &dyn InState,
+    system: &dyn ForceModel,
     [before, after]: [&[Phase]; 2],
     (contact, which): (usize, usize),
     direction: &mut [f64],
@@ -91,7 +91,7 @@ pub(super) fn saltation_at_impact(
     begins: Condition,
     direction: &mut [f64],
 ) -> bool {
-    let Some(in_touch) = InTouch::new(evaluator, settings) else { return true };
+    let Some(in_touch) = TouchingSystem::new(evaluator, settings) else { return true };
     let (phases, state) = sides[0];
     let guard = |direction: &[f64]| match begins {
         Condition::Gap(gap) => {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::cancellation::unwind_if_cancelled;
-use super::lockstep::{LANES, LaneGroup, Saved};
+use super::lockstep::{LANES, LaneGroup, SavedRun};
 use super::root::fall_through_zero;
 use super::{Effort, Evaluator, Failure, Instant, PerContact, Phase, SLOW, Settings, SimdLevel};
 use crate::model::{Components, Method, System};
@@ -47,7 +47,7 @@ impl Motion {
         state: &[f64],
         directions: &[Components],
     ) -> Result<Self, Failure> {
-        let saved = Saved::start(system, settings, state)?;
+        let saved = SavedRun::start(system, settings, state)?;
         Ok(Motion::of(&saved, directions, Evaluator::new(Arc::clone(system)), Vec::new()))
     }
 
@@ -61,7 +61,7 @@ impl Motion {
         directions: &[Components],
     ) -> Result<Self, Failure> {
         let system = evaluator.system();
-        let saved = Saved::start_with(|| evaluator.clone(), system, settings, state)?;
+        let saved = SavedRun::start_with(|| evaluator.clone(), system, settings, state)?;
         let lanes = earlier.map_or_else(Vec::new, |Motion { mut groups, mut spare, .. }| {
             groups.append(&mut spare);
             groups
@@ -70,12 +70,12 @@ impl Motion {
     }
 
     /// Continues a saved run.
-    pub(crate) fn resume(saved: &Saved) -> Self {
+    pub(crate) fn resume(saved: &SavedRun) -> Self {
         Motion::of(saved, &[], Evaluator::new(Arc::clone(saved.system())), Vec::new())
     }
 
     fn of(
-        saved: &Saved,
+        saved: &SavedRun,
         directions: &[Components],
         evaluator: Evaluator,
         mut spare: Vec<Box<dyn LaneGroup>>,

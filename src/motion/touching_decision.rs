@@ -14,17 +14,17 @@
 
 use smallvec::SmallVec;
 
-use super::alone::Alone;
+use super::alone::SeparateContacts;
 use super::cluster::{HeldCluster, held_clusters};
 use super::evaluator::{ContactForces, Forces, GapForces};
-use super::force_model::Evaluated;
+use super::force_model::RecordedForces;
 use super::in_one_state::TOGETHER;
 use super::joint_decision::{check_forces, is_finite, only_motion};
 use super::lockstep::width;
 use super::modes::decide_at_rest;
 use super::phase::any_closed;
-use super::touching::InTouch;
-use super::{Direction, Failure, InOneState, Phase, Phases, event_driven, switch_model};
+use super::touching::TouchingSystem;
+use super::{Direction, Failure, IncrementalForces, Phase, Phases, event_driven, switch_model};
 use crate::model::{Holding, Method};
 
 /// The most combinations that are tried.
@@ -33,7 +33,7 @@ const MOST_TRIED: usize = 100_000;
 /// So few combinations are computed one by one.
 const FEW: usize = 3;
 
-impl InTouch<'_> {
+impl TouchingSystem<'_> {
     /// Decides the phases of contacts at rest or in the band, and of closed gaps. The contacts `fixed` stay as they are.
     pub(super) fn decide(
         &self,
@@ -42,7 +42,7 @@ impl InTouch<'_> {
         fixed: &[usize],
     ) -> Result<(), Failure> {
         if self.openings.is_empty() && !any_closed(phases) {
-            let in_state = Evaluated::new(self.evaluator, state);
+            let in_state = RecordedForces::new(self.evaluator, state);
             return decide_at_rest(self.settings.method, &in_state, phases, fixed);
         }
         let slack = self.slack();
@@ -92,7 +92,7 @@ impl InTouch<'_> {
     /// Returns whether the given phases are consistent, and all other combinations that may hold.
     fn candidates(
         &self,
-        equations: &mut InOneState,
+        equations: &mut IncrementalForces,
         given: &Phases,
         fixed: &[usize],
     ) -> Result<(bool, Vec<Phases>), Failure> {
@@ -117,7 +117,7 @@ impl InTouch<'_> {
 
     /// Returns the contacts at rest, except for those that are `fixed`, that touch no other. There are none in a system with
     /// contacts that open: which bodies these keep together is not known.
-    fn alone(&self, given: &Phases, fixed: &[usize]) -> Alone {
+    fn alone(&self, given: &Phases, fixed: &[usize]) -> SeparateContacts {
         let (of_contacts, of_gaps) = given.split_at(self.contacts());
         let touches = |contact: usize| {
             let gaps = self.gaps.iter().zip(of_gaps);
@@ -133,7 +133,7 @@ impl InTouch<'_> {
         let contacts: SmallVec<[usize; 8]> =
             of_contacts.iter().enumerate().filter(is_alone).map(|(contact, _)| contact).collect();
         let limit = |contact: &usize| self.evaluator.system().friction(*contact).limit;
-        Alone {
+        SeparateContacts {
             limits: contacts.iter().map(limit).collect(),
             contacts,
             sets_off: self.sets_off(),

@@ -7,10 +7,10 @@ use std::sync::Arc;
 use fearless_simd::{mask64x8, prelude::*};
 use smallvec::SmallVec;
 
-use super::group::{Group, carry};
-use super::kernel::{Ends, Kernel};
+use super::group::{KernelLanes, carry};
+use super::kernel::{Kernel, StepEnd};
 use super::lane::Lane;
-use super::step_report::Happened;
+use super::step_report::StepReport;
 use super::{LANES, Lanes, gaps};
 use crate::model::{Components, Method};
 use crate::motion::condition::Condition;
@@ -20,7 +20,7 @@ use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 use crate::motion::modes::start_phases;
 use crate::motion::saltation::{saltation, saltation_at_impact, saltation_at_reset};
 use crate::motion::settings::MOST_AT_ONCE;
-use crate::motion::touching::InTouch;
+use crate::motion::touching::TouchingSystem;
 use crate::motion::{Evaluator, Failure, Phase, Phases, any_closed, event_driven, switch_model};
 
 /// The shortest step, over the elapsed time, that still changes the time.
@@ -34,19 +34,22 @@ const LARGE: f64 = 1e200;
 const BETWEEN: f64 = 0.25;
 
 /// Takes a step in all lanes of a group. If `displaced`, a displacement of each lane is propagated.
-pub(super) fn advance<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happened {
+pub(super) fn advance<S: Vector, K: Kernel<S>>(
+    g: &mut KernelLanes<S, K>,
+    displaced: bool,
+) -> StepReport {
     vectorized!(g.simd, step(g, displaced))
 }
 
 #[inline(always)]
-fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happened {
+fn step<S: Vector, K: Kernel<S>>(g: &mut KernelLanes<S, K>, displaced: bool) -> StepReport {
     let simd = g.simd;
     macro_rules! c {
         ($value:expr) => {
             Lanes::splat(simd, $value)
         };
     }
-    let mut happened = Happened { told: g.told, ..Happened::default() };
+    let mut happened = StepReport { told: g.told, ..StepReport::default() };
     g.kernel.expand(&mut g.room, &g.state, displaced);
     let within = g.kernel.within_tolerance(&g.room, g.tolerance, g.next).min(g.longest);
     let left = g.until - g.time;
@@ -157,7 +160,7 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, displaced: bool) -> Happen
 
 /// Returns a bound of the square of the amplitude in a step, from its values at the ends of the quarters.
 #[inline(always)]
-fn largest_square<S: Vector, K: Kernel<S>>(g: &Group<S, K>, length: Lanes<S>) -> Lanes<S> {
+fn largest_square<S: Vector, K: Kernel<S>>(g: &KernelLanes<S, K>, length: Lanes<S>) -> Lanes<S> {
     let zero = Lanes::splat(g.simd, 0.0);
     let (mut least, mut most) = (Lanes::splat(g.simd, f64::INFINITY), zero);
     let ends = [&g.before, &g.end].map(|flow| g.kernel.vibration_of(flow));
@@ -172,7 +175,7 @@ fn largest_square<S: Vector, K: Kernel<S>>(g: &Group<S, K>, length: Lanes<S>) ->
 
 /// An event that ends a step.
 #[derive(Clone, Copy)]
-struct Event {
+struct StepEvent {
     failed: Condition,
     /// Whether the condition failed at the start of the step.
     at_once: bool,
@@ -182,10 +185,10 @@ struct Event {
 /// changes no phase; the next condition may.
 #[inline(never)]
 fn first_event<S: Vector, K: Kernel<S>>(
-    g: &Group<S, K>,
+    g: &KernelLanes<S, K>,
     lane: usize,
     length: f64,
-) -> Result<Option<(f64, Event)>, Failure> {
+) -> Result<Option<(f64, StepEvent)>, Failure> {
     let Some(own) = &g.lanes[lane] else { return Ok(None) };
     let mut ignored = SmallVec::<[Condition; 4]>::new();
     loop {
@@ -195,10 +198,12 @@ fn first_event<S: Vector, K: Kernel<S>>(
             gaps::first_closing(series, (lane, own), length, &mut first);
         }
         match first {
-            Ends::Nothing => return Ok(None),
-            Ends::At(part, failed) => return Ok(Some((part, Event { failed, at_once: false }))),
-            Ends::AtOnce(failed) => {
-                let event = Event { failed, at_once: true };
+            StepEnd::Nothing => return Ok(None),
+            StepEnd::At(part, failed) => {
+                return Ok(Some((part, StepEvent { failed, at_once: false })));
+            }
+            StepEnd::AtOnce(failed) => {
+                let event = StepEvent { failed, at_once: true };
                 if let Condition::Event(_) | Condition::Gap(_) | Condition::Landing(_) = failed {
                     return Ok(Some((0.0, event)));
                 }
@@ -218,10 +223,10 @@ fn first_event<S: Vector, K: Kernel<S>>(
 /// Replaces the phases in `phases`, which are those of the run, by those after an event. Contacts that stop lose their speed
 /// in `state`, and an event or an impact, which is returned, resets it.
 fn decide<S: Vector, K: Kernel<S>>(
-    (kernel, flow, time): (&K, &K::Flow, f64),
+    (kernel, flow, time): (&K, &K::LaneStates, f64),
     (lane, own): (usize, &Lane),
     (state, phases): (&mut Components, &mut Phases),
-    Event { failed, at_once }: Event,
+    StepEvent { failed, at_once }: StepEvent,
 ) -> Result<Option<Box<Impact>>, Failure> {
     // The contact set off at this instant and stops at this instant.
     let stops_at_once = |contact: usize| {
@@ -234,7 +239,7 @@ fn decide<S: Vector, K: Kernel<S>>(
             if let Some(evaluator) = kernel.evaluator(lane) {
                 *state = evaluator.reset(event, phases, state);
                 if own.has_openings
-                    && let Some(in_touch) = InTouch::new(evaluator, own.settings)
+                    && let Some(in_touch) = TouchingSystem::new(evaluator, own.settings)
                 {
                     let (after, impact) = in_touch.start(state)?;
                     *phases = after;
@@ -248,7 +253,7 @@ fn decide<S: Vector, K: Kernel<S>>(
         }
         Condition::Gap(_) | Condition::Landing(_) => {
             return with_evaluator(kernel, (lane, own), |evaluator| {
-                let Some(in_touch) = InTouch::new(evaluator, own.settings) else {
+                let Some(in_touch) = TouchingSystem::new(evaluator, own.settings) else {
                     return Ok(None);
                 };
                 Ok(Some(Box::new(in_touch.meet(state, phases)?)))
@@ -262,7 +267,7 @@ fn decide<S: Vector, K: Kernel<S>>(
     let position = |contact: usize| state[kernel.coordinates(contact).0];
     if own.has_openings || any_closed(phases) || gaps::any_touch(own, position) {
         return with_evaluator(kernel, (lane, own), |evaluator| {
-            if let Some(in_touch) = InTouch::new(evaluator, own.settings) {
+            if let Some(in_touch) = TouchingSystem::new(evaluator, own.settings) {
                 let failed = (contact < kernel.contacts()).then_some(contact);
                 let at_once = failed.and_then(stops_at_once);
                 in_touch.switch(state, phases, failed, at_once)?;
@@ -318,9 +323,9 @@ fn with_evaluator<S: Vector, K: Kernel<S>, R>(
 /// Decides the phases after an event.
 #[inline(never)]
 fn switch<S: Vector, K: Kernel<S>>(
-    g: &mut Group<S, K>,
+    g: &mut KernelLanes<S, K>,
     lane: usize,
-    event: Event,
+    event: StepEvent,
     displaced: bool,
 ) -> Result<(), Failure> {
     let time = g.time[lane];

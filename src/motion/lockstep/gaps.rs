@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use smallvec::SmallVec;
 
-use super::kernel::{Ends, Kernel};
+use super::kernel::{Kernel, StepEnd};
 use super::lane::Lane;
 use super::root_isolation::Polynomial;
 use super::sizes::{Powers, TERMS};
@@ -20,7 +20,7 @@ const RELEASED: f64 = 1e-9;
 const NEVER: f64 = -1e3;
 
 /// Where the lanes of a group have gaps.
-pub(super) struct GapLanes<S: Vector> {
+pub(super) struct OpenGaps<S: Vector> {
     /// Bit mask of lanes with gaps.
     any: u64,
     /// Bit mask of lanes whose gaps are not those between each contact and the next one on a circle; in these the gaps are
@@ -32,10 +32,10 @@ pub(super) struct GapLanes<S: Vector> {
     pub(super) doubts: u64,
 }
 
-impl<S: Vector> GapLanes<S> {
+impl<S: Vector> OpenGaps<S> {
     pub(super) fn none(simd: S, contacts: usize) -> Self {
         let distances = SmallVec::from_elem(Lanes::splat(simd, 0.0), contacts);
-        GapLanes { any: 0, irregular: 0, distances, doubts: 0 }
+        OpenGaps { any: 0, irregular: 0, distances, doubts: 0 }
     }
 
     /// Sets a lane by the phases of its run.
@@ -64,7 +64,7 @@ impl<S: Vector> GapLanes<S> {
     #[inline(always)]
     pub(super) fn look_over<K: Kernel<S>>(
         &mut self,
-        (kernel, room, state): (&K, &K::Room, &K::Flow),
+        (kernel, room, state): (&K, &K::Workspace, &K::LaneStates),
         alive: u64,
         length: Lanes<S>,
     ) -> u64 {
@@ -103,10 +103,10 @@ pub(super) fn any_touch(own: &Lane, position: impl Fn(usize) -> f64) -> bool {
 
 /// Replaces the end of a step by the first closing of an open gap if that is earlier.
 pub(super) fn first_closing<S: Vector, K: Kernel<S>>(
-    (simd, kernel, room, flow): (S, &K, &K::Room, &K::Flow),
+    (simd, kernel, room, flow): (S, &K, &K::Workspace, &K::LaneStates),
     (lane, own): (usize, &Lane),
     length: f64,
-    first: &mut Ends,
+    first: &mut StepEnd,
 ) {
     let Some(touching) = own.system.touching() else { return };
     let state = kernel.lane(flow, lane);

@@ -3,19 +3,19 @@
 use fearless_simd::prelude::*;
 use smallvec::SmallVec;
 
-use super::gaps::GapLanes;
+use super::gaps::OpenGaps;
 use super::kernel::Kernel;
 use super::lane::Lane;
 use super::{LANES, Lanes};
 use crate::motion::lockstep::vector::{Vector, vectorized};
 
 /// Eight lanes, some of them empty.
-pub(super) struct Group<S: Vector, K: Kernel<S>> {
+pub(super) struct KernelLanes<S: Vector, K: Kernel<S>> {
     pub(super) simd: S,
     pub(super) kernel: K,
-    pub(super) gaps: GapLanes<S>,
-    pub(super) room: Box<K::Room>,
-    pub(super) state: K::Flow,
+    pub(super) gaps: OpenGaps<S>,
+    pub(super) room: Box<K::Workspace>,
+    pub(super) state: K::LaneStates,
     pub(super) time: Lanes<S>,
     pub(super) until: Lanes<S>,
     pub(super) attention: Lanes<S>,
@@ -30,7 +30,7 @@ pub(super) struct Group<S: Vector, K: Kernel<S>> {
     pub(super) most: Lanes<S>,
     /// Number of steps allowed per unit of time.
     pub(super) most_per_time: Lanes<S>,
-    pub(super) displacement: K::Flow,
+    pub(super) displacement: K::LaneStates,
     pub(super) lanes: [Option<Lane>; LANES],
     /// Bit masks: lanes with a run, and lanes with a contact that cannot stick.
     pub(super) alive: u64,
@@ -45,24 +45,24 @@ pub(super) struct Group<S: Vector, K: Kernel<S>> {
     /// Lanes in which an event at the end of the latest step reset the state.
     pub(super) reset: u64,
     /// State, displacement and time before the latest step.
-    pub(super) before: K::Flow,
-    pub(super) displacement_before: K::Flow,
+    pub(super) before: K::LaneStates,
+    pub(super) displacement_before: K::LaneStates,
     pub(super) time_before: Lanes<S>,
     /// The step's end, with angles not yet reduced to one turn.
-    pub(super) end: K::Flow,
+    pub(super) end: K::LaneStates,
     pub(super) length: Lanes<S>,
 }
 
-impl<S: Vector, K: Kernel<S>> Group<S, K> {
+impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
     /// Empty lanes.
     pub(super) fn new(simd: S, kernel: K) -> Self {
         let constant = |value: f64| Lanes::splat(simd, value);
         let zero = constant(0.0);
         let flow = kernel.flow(simd);
         let of_contacts = SmallVec::from_elem(zero, kernel.contacts());
-        Group {
+        KernelLanes {
             simd,
-            gaps: GapLanes::none(simd, kernel.contacts()),
+            gaps: OpenGaps::none(simd, kernel.contacts()),
             room: Box::new(kernel.room(simd)),
             state: flow.clone(),
             time: zero,
@@ -110,9 +110,9 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
 pub(super) fn carry<S: Vector, K: Kernel<S>>(
     simd: S,
     kernel: &K,
-    room: &mut K::Room,
-    displacement: &K::Flow,
+    room: &mut K::Workspace,
+    displacement: &K::LaneStates,
     length: Lanes<S>,
-) -> K::Flow {
+) -> K::LaneStates {
     vectorized!(simd, kernel.carry(room, displacement, length))
 }

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use super::general::General;
-use super::group::Group;
+use super::general::GeneralKernel;
+use super::group::KernelLanes;
 use super::lane_group::LaneGroup;
 use super::simd_level::{Instructions, SimdLevel};
-use super::tuned::Tuned;
+use super::tuned::TunedKernel;
 use super::vector::{Baseline, Vector};
 use crate::model::System;
 
@@ -41,9 +41,9 @@ fn lanes_with<S: Vector>(simd: S, system: &Arc<dyn System>) -> Box<dyn LaneGroup
     macro_rules! tuned {
         ($($balls:literal)*) => {
             $(
-                if Tuned::<S, $balls>::computes(system) {
-                    let kernel = Tuned::<S, $balls>::new(simd, changes);
-                    return Box::new(Group::new(simd, kernel));
+                if TunedKernel::<S, $balls>::computes(system) {
+                    let kernel = TunedKernel::<S, $balls>::new(simd, changes);
+                    return Box::new(KernelLanes::new(simd, kernel));
                 }
             )*
         };
@@ -56,5 +56,5 @@ fn lanes_with<S: Vector>(simd: S, system: &Arc<dyn System>) -> Box<dyn LaneGroup
 
 /// Returns empty lanes for a system, computed with these instructions by the general kernel.
 pub(super) fn general_lanes<S: Vector>(simd: S, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
-    Box::new(Group::new(simd, General::new(simd, system)))
+    Box::new(KernelLanes::new(simd, GeneralKernel::new(simd, system)))
 }

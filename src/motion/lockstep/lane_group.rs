@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use fearless_simd::prelude::*;
 
-use super::group::{Group, carry};
+use super::group::{KernelLanes, carry};
 use super::kernel::Kernel;
-use super::saved::Saved;
-use super::step_report::Happened;
+use super::saved::SavedRun;
+use super::step_report::StepReport;
 use super::step_states::StepStates;
 use super::vector::Vector;
 use super::{LANES, Lanes, advance};
@@ -24,15 +24,15 @@ pub(crate) trait LaneGroup: StepStates {
     /// Returns the number of lanes with a run.
     fn runs(&self) -> u32;
     /// Puts a run into a lane, until a time at the latest.
-    fn put(&mut self, lane: usize, saved: &Saved, until: f64);
+    fn put(&mut self, lane: usize, saved: &SavedRun, until: f64);
     /// Changes the time at which a lane stops.
     fn set_until(&mut self, lane: usize, until: f64);
     /// Takes a run out of its lane.
-    fn take(&mut self, lane: usize) -> Option<Saved>;
+    fn take(&mut self, lane: usize) -> Option<SavedRun>;
     /// Returns a copy of the run in a lane.
-    fn copy(&self, lane: usize) -> Option<Saved>;
+    fn copy(&self, lane: usize) -> Option<SavedRun>;
     /// Takes a step in all lanes. If `displaced`, a displacement of each lane is propagated.
-    fn advance(&mut self, displaced: bool) -> Happened;
+    fn advance(&mut self, displaced: bool) -> StepReport;
 
     /// Requests that a lane be reported after each step from a time on.
     fn set_attention(&mut self, lane: usize, from: f64);
@@ -85,7 +85,7 @@ pub(crate) trait LaneGroup: StepStates {
     fn displacements_within(&mut self, after: f64) -> Vec<Components>;
 }
 
-impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
+impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
     fn fits(&self, system: &Arc<dyn System>) -> bool {
         self.kernel.fits(system)
     }
@@ -99,7 +99,7 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
         self.alive.count_ones()
     }
 
-    fn put(&mut self, lane: usize, saved: &Saved, until: f64) {
+    fn put(&mut self, lane: usize, saved: &SavedRun, until: f64) {
         let own = &saved.lane;
         for contact in 0..self.kernel.contacts() {
             self.turns[contact][lane] = saved.turns[contact];
@@ -136,7 +136,7 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
         self.until[lane] = until;
     }
 
-    fn take(&mut self, lane: usize) -> Option<Saved> {
+    fn take(&mut self, lane: usize) -> Option<SavedRun> {
         let saved = self.copy(lane);
         let bit = 1 << lane;
         self.alive &= !bit;
@@ -151,9 +151,9 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
         saved
     }
 
-    fn copy(&self, lane: usize) -> Option<Saved> {
+    fn copy(&self, lane: usize) -> Option<SavedRun> {
         let own = self.lanes[lane].as_ref()?;
-        Some(Saved {
+        Some(SavedRun {
             lane: own.clone(),
             time: self.time[lane],
             state: self.kernel.lane(&self.state, lane),
@@ -165,7 +165,7 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for Group<S, K> {
         })
     }
 
-    fn advance(&mut self, displaced: bool) -> Happened {
+    fn advance(&mut self, displaced: bool) -> StepReport {
         advance::advance(self, displaced)
     }
 

@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use fearless_simd::SimdBase;
 
-use super::general::General;
-use super::group::Group;
-use super::kernel::{Ends, Kernel};
+use super::general::GeneralKernel;
+use super::group::KernelLanes;
+use super::kernel::{Kernel, StepEnd};
 use super::lane_group::LaneGroup;
 use super::simd_level::{tested_vectors, with_each_level};
-use super::tuned::Tuned;
+use super::tuned::TunedKernel;
 use super::vector::Vector;
-use super::{LANES, Lanes, Saved};
+use super::{LANES, Lanes, SavedRun};
 use crate::model::{
     Balancer, Components, Contact, ContactMode, FrictionLaw, Machine, Method, NormalForce, State,
     System,
@@ -66,7 +66,7 @@ fn seen_in<S: Vector, K: Kernel<S>>(
     };
     let (mut left, mut stayed, mut unseen) = (0, 0, 0);
     for round in 0..100 {
-        let mut group = Group::new(simd, kernel(&system));
+        let mut group = KernelLanes::new(simd, kernel(&system));
         let value = |lane: usize, k: usize| {
             libm::sin((1 + 97 * round + 13 * lane) as f64 * (1.0 + 0.37 * k as f64))
         };
@@ -81,11 +81,11 @@ fn seen_in<S: Vector, K: Kernel<S>>(
                 ],
             };
             // Some have no positive normal force at the start.
-            if let Ok(saved) = Saved::start(&system, settings, &start.components()) {
+            if let Ok(saved) = SavedRun::start(&system, settings, &start.components()) {
                 group.put(lane, &saved, 10.0);
             }
         }
-        let Group { kernel, room, state, lanes, .. } = &mut group;
+        let KernelLanes { kernel, room, state, lanes, .. } = &mut group;
         kernel.expand(room, state, false);
         let doubts = kernel.look_over(room, Lanes::splat(simd, LENGTH));
         for (lane, own) in lanes.iter().enumerate() {
@@ -112,8 +112,8 @@ fn seen_in<S: Vector, K: Kernel<S>>(
             left += 1;
             assert!(doubted, "{round} {lane}: at {fails}");
             match kernel.first_event(room, own, lane, LENGTH, &[]) {
-                Ends::At(part, _) => assert!(part <= fails, "{part} {fails}"),
-                Ends::AtOnce(_) | Ends::Nothing => panic!("{round} {lane}: at {fails}"),
+                StepEnd::At(part, _) => assert!(part <= fails, "{part} {fails}"),
+                StepEnd::AtOnce(_) | StepEnd::Nothing => panic!("{round} {lane}: at {fails}"),
             }
         }
     }
@@ -123,14 +123,14 @@ fn seen_in<S: Vector, K: Kernel<S>>(
 #[test]
 fn balls_that_leave_the_ring_are_seen_by_the_tuned_kernel() {
     let Some(simd) = tested_vectors() else { return };
-    seen_in(simd, |_| Tuned::<_, 2>::new(simd, false), &machine(), 0.3);
-    seen_in(simd, |_| Tuned::<_, 2>::new(simd, false), &dragged(), 3e-3);
+    seen_in(simd, |_| TunedKernel::<_, 2>::new(simd, false), &machine(), 0.3);
+    seen_in(simd, |_| TunedKernel::<_, 2>::new(simd, false), &dragged(), 3e-3);
 }
 
 #[test]
 fn balls_that_leave_the_ring_are_seen_by_the_general_kernel() {
     with_each_level!(simd => {
-        seen_in(simd, |system| General::new(simd, system), &machine(), 0.3);
-        seen_in(simd, |system| General::new(simd, system), &dragged(), 3e-3);
+        seen_in(simd, |system| GeneralKernel::new(simd, system), &machine(), 0.3);
+        seen_in(simd, |system| GeneralKernel::new(simd, system), &dragged(), 3e-3);
     });
 }

@@ -40,8 +40,8 @@ mod vector;
 
 pub(crate) use lane_group::LaneGroup;
 pub(super) use root_isolation::width;
-pub(crate) use saved::Saved;
+pub(crate) use saved::SavedRun;
 pub use simd_level::SimdLevel;
 pub(crate) use sizes::{LANES, Lanes};
 use sizes::{ORDER, TERMS};
-pub(crate) use step_report::Happened;
+pub(crate) use step_report::StepReport;

@@ -10,16 +10,16 @@ use super::root_isolation::width;
 use super::tuned;
 use crate::model::{Components, Method, System};
 use crate::motion::condition::Margins;
-use crate::motion::force_model::Evaluated;
+use crate::motion::force_model::RecordedForces;
 use crate::motion::modes::start_phases;
-use crate::motion::touching::InTouch;
+use crate::motion::touching::TouchingSystem;
 use crate::motion::{
     Effort, Evaluator, Failure, PerContact, Phases, SINGULAR, SLOW, Settings, any_closed,
 };
 
 /// A run taken out of its lane, which can be put into any lane.
 #[derive(Clone, Debug)]
-pub(crate) struct Saved {
+pub(crate) struct SavedRun {
     pub(super) lane: Lane,
     pub(super) time: f64,
     pub(super) state: Components,
@@ -30,17 +30,17 @@ pub(crate) struct Saved {
     pub(super) displacement: Components,
 }
 
-impl Saved {
+impl SavedRun {
     /// Creates a run at its start.
     pub(crate) fn start(
         system: &Arc<dyn System>,
         settings: Settings,
         state: &[f64],
     ) -> Result<Self, Failure> {
-        Saved::start_with(|| Evaluator::new(Arc::clone(system)), system, settings, state)
+        SavedRun::start_with(|| Evaluator::new(Arc::clone(system)), system, settings, state)
     }
 
-    /// Creates a run at its start like [`Saved::start`], with known recorded equations.
+    /// Creates a run at its start like [`SavedRun::start`], with known recorded equations.
     pub(crate) fn start_with(
         evaluator: impl FnOnce() -> Evaluator,
         system: &Arc<dyn System>,
@@ -63,13 +63,13 @@ impl Saved {
         };
         let by_equations = || {
             let evaluator = evaluator();
-            let (phases, impact) = match InTouch::new(&evaluator, settings) {
+            let (phases, impact) = match TouchingSystem::new(&evaluator, settings) {
                 Some(in_touch) => {
                     let (phases, impact) = in_touch.start(&mut start)?;
                     (phases, Some(impact))
                 }
                 None => {
-                    let at = Evaluated::new(&evaluator, state);
+                    let at = RecordedForces::new(&evaluator, state);
                     (start_phases(system.as_ref(), settings, &at)?, None)
                 }
             };
@@ -120,7 +120,7 @@ impl Saved {
         };
         lane.take_in(impact.as_ref(), 0.0);
         let next = lane.longest_step;
-        Ok(Saved {
+        Ok(SavedRun {
             lane,
             time: 0.0,
             displacement: smallvec![0.0; start.len()],
@@ -139,7 +139,7 @@ impl Saved {
         state: &[f64],
         lifted: u32,
     ) -> Result<Self, Failure> {
-        let started = Saved::start(system, self.lane.settings, state)?;
+        let started = SavedRun::start(system, self.lane.settings, state)?;
         let before = &self.lane;
         let mut lane = Lane {
             last_switches: before.last_switches.clone(),
@@ -163,7 +163,7 @@ impl Saved {
             lane.touching_time += self.time - before.last_touch;
         }
         lane.last_touch = self.time;
-        Ok(Saved {
+        Ok(SavedRun {
             lane,
             time: self.time,
             turns: self.turns.clone(),

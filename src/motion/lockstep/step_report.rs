@@ -5,7 +5,7 @@ use crate::motion::Failure;
 
 /// The events of a step, as bit masks of lanes.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Happened {
+pub(crate) struct StepReport {
     /// The lane's step has been taken.
     pub(crate) taken: u64,
     /// A contact changed its phase, or came to rest.
@@ -29,7 +29,7 @@ pub(crate) struct Happened {
     pub(super) failures: [Option<Failure>; LANES],
 }
 
-impl Happened {
+impl StepReport {
     /// Returns the lanes with anything to report.
     pub(crate) fn any(&self) -> u64 {
         let happened = (self.event | self.round | self.turned) & self.told;

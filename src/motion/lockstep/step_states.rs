@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use fearless_simd::prelude::*;
 use smallvec::SmallVec;
 
-use super::group::Group;
+use super::group::KernelLanes;
 use super::kernel::Kernel;
 use super::root_isolation::{PolynomialPoint, guess};
 use super::sizes::{Powers, TERMS};
@@ -108,7 +108,7 @@ fn value(powers: &Powers, time: f64) -> f64 {
     powers.iter().rev().fold(0.0_f64, |sum, coefficient| sum.mul_add(time, *coefficient))
 }
 
-impl<S: Vector, K: Kernel<S>> Group<S, K> {
+impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
     /// Returns a component at a time after the start of the latest step; `start` is the state there.
     fn component_at(&self, lane: usize, component: usize, start: &[f64], after: f64) -> f64 {
         let powers = self.kernel.component(&self.room, lane, component, start[component]);
@@ -125,7 +125,7 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
     }
 }
 
-impl<S: Vector, K: Kernel<S>> StepStates for Group<S, K> {
+impl<S: Vector, K: Kernel<S>> StepStates for KernelLanes<S, K> {
     fn state_within(&self, lane: usize, after: f64) -> Components {
         if after == 0.0 {
             return self.kernel.lane(&self.before, lane);

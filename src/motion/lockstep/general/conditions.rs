@@ -15,14 +15,14 @@
 //! one at a time.
 
 use super::compiled::Compiled;
-use super::room::Room;
-use super::series::{Bound, Programs};
+use super::room::RecordedWorkspace;
+use super::series::{ConditionBound, Programs};
 use crate::motion::Phase;
 use crate::motion::cluster::HeldCluster;
 use crate::motion::condition::Condition;
 use crate::motion::lockstep::ORDER;
 use crate::motion::lockstep::held::held_until;
-use crate::motion::lockstep::kernel::Ends;
+use crate::motion::lockstep::kernel::StepEnd;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::pressure::Pressure;
 use crate::motion::lockstep::root_isolation::{ConditionFate, Polynomial};
@@ -31,7 +31,7 @@ use crate::motion::lockstep::vector::Vector;
 /// Bodies that touch have landed where their gap has become smaller by this, non-dimensional.
 const SUNK: f64 = 1e-13;
 
-/// Returns the numbers of a contact's conditions ([`super::operations::OfContact`]), in their order. A condition is satisfied while it is not
+/// Returns the numbers of a contact's conditions ([`super::operations::ContactCell`]), in their order. A condition is satisfied while it is not
 /// negative, and counts as failed if it is negative by `aim`.
 pub(super) fn of_contact(phase: Phase, limit: f64, [band, slack, aim]: [f64; 3]) -> [f64; 6] {
     let (sign, offset, stuck) = match phase {
@@ -50,13 +50,13 @@ pub(super) fn of_contact(phase: Phase, limit: f64, [band, slack, aim]: [f64; 3])
 #[inline(never)]
 pub(super) fn first_event<S: Vector>(
     simd: S,
-    room: &Room<S>,
+    room: &RecordedWorkspace<S>,
     program: &Compiled,
     (own, lane, length): (&Lane, usize, f64),
     (pressures, clusters): (&[Pressure<S>], &[HeldCluster]),
     ignored: &[Condition],
-) -> Ends {
-    let mut first = Ends::Nothing;
+) -> StepEnd {
+    let mut first = StepEnd::Nothing;
     let band = own.margins.band;
     let aim = 0.5 * own.width;
     let slack = own.margins.slack + aim;
@@ -84,7 +84,7 @@ pub(super) fn first_event<S: Vector>(
                 })
             };
             match held_until(simd, own, cluster, series, (length, slack)) {
-                Some(0.0) => first = Ends::AtOnce(failed),
+                Some(0.0) => first = StepEnd::AtOnce(failed),
                 Some(part) => first.earlier(part, failed),
                 None => {}
             }
@@ -96,7 +96,9 @@ pub(super) fn first_event<S: Vector>(
         }
         let [speed, acceleration, normal, friction] =
             slots.map(|slot| move |k: usize| series.of(slot)[k][lane]);
-        let mut examine = |bound: Bound, which: usize, condition: &dyn Fn() -> Polynomial| {
+        let mut examine = |bound: ConditionBound,
+                           which: usize,
+                           condition: &dyn Fn() -> Polynomial| {
             let failed = Condition::Contact { contact, which };
             if room.may_fail(&screen.contacts[contact], bound, lane) && !ignored.contains(&failed) {
                 first.or(simd, &condition(), None, failed);
@@ -105,20 +107,26 @@ pub(super) fn first_event<S: Vector>(
         match own.phases[contact] {
             Phase::Slip(direction) => {
                 let slips = |k| direction * speed(k);
-                examine(Bound::Slips, 0, &|| polynomial(length, aim - band, ORDER, slips));
+                examine(ConditionBound::Slips, 0, &|| polynomial(length, aim - band, ORDER, slips));
             }
             Phase::Transition(direction) => {
                 let inside = |k| -(direction * speed(k));
-                examine(Bound::Slips, 0, &|| polynomial(length, aim + band, ORDER, inside));
+                examine(ConditionBound::Slips, 0, &|| {
+                    polynomial(length, aim + band, ORDER, inside)
+                });
                 let forwards = |k| direction * acceleration(k);
-                examine(Bound::Slips, 1, &|| polynomial(length, slack, ORDER - 1, forwards));
+                examine(ConditionBound::Slips, 1, &|| {
+                    polynomial(length, slack, ORDER - 1, forwards)
+                });
             }
             // Contacts that touch are held together.
             Phase::Stick if clusters.iter().any(|one| one.contacts.contains(&contact)) => {}
             Phase::Stick => {
                 let limit = own.limits[contact];
                 let held = |sign: f64| move |k| limit * normal(k) - sign * friction(k);
-                for (which, bound, sign) in [(0, Bound::Forward, 1.0), (1, Bound::Backward, -1.0)] {
+                for (which, bound, sign) in
+                    [(0, ConditionBound::Forward, 1.0), (1, ConditionBound::Backward, -1.0)]
+                {
                     examine(bound, which, &|| polynomial(length, slack, ORDER - 1, held(sign)));
                 }
             }
@@ -135,7 +143,7 @@ pub(super) fn first_event<S: Vector>(
             let offset = if lands_at_once { SUNK - normal(0) } else { 0.0 };
             first.or(simd, &gap(offset), None, failed);
         } else {
-            examine(Bound::Closed, 2, &|| polynomial(length, aim, ORDER - 1, normal));
+            examine(ConditionBound::Closed, 2, &|| polynomial(length, aim, ORDER - 1, normal));
         }
     }
     for (event, guard) in operations.guards.iter().enumerate() {

@@ -8,7 +8,7 @@ use super::operations::Operations;
 use crate::graph::Program;
 use crate::model::{Components, Dual, System};
 use crate::motion::evaluator::{ContactForces, Evaluator, Forces};
-use crate::motion::force_model::{AHEAD, Evaluated, InState};
+use crate::motion::force_model::{AHEAD, ForceModel, RecordedForces};
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::{Phase, Phases};
@@ -18,7 +18,7 @@ const MOST_KNOWN: usize = 64;
 
 /// What decisions in one lane of a group need.
 #[derive(Default)]
-pub(super) struct Scratch {
+pub(super) struct DecisionMemory {
     /// The cells of the programs, with the parameters of the run.
     pub(super) memory: Vec<f64>,
     /// Phases with the inputs that depend on them.
@@ -27,7 +27,7 @@ pub(super) struct Scratch {
     latest: Option<Phases>,
 }
 
-impl Scratch {
+impl DecisionMemory {
     /// Prepares the decisions of another run.
     pub(super) fn begin(&mut self, program: &Program) {
         self.known.clear();
@@ -76,22 +76,22 @@ impl Scratch {
 }
 
 /// A run at one instant. Friction forces are those that contacts require to stick.
-pub(super) struct Deciding<'a, S: Vector> {
+pub(super) struct ProgramForces<'a, S: Vector> {
     simd: S,
     program: &'a Compiled,
     own: &'a Lane,
     evaluator: &'a Evaluator,
     state: &'a [f64],
-    scratch: RefCell<&'a mut Scratch>,
+    scratch: RefCell<&'a mut DecisionMemory>,
 }
 
-impl<'a, S: Vector> Deciding<'a, S> {
+impl<'a, S: Vector> ProgramForces<'a, S> {
     /// Returns the run of a lane in a state.
     pub(super) fn new(
         (simd, program): (S, &'a Compiled),
         (own, evaluator): (&'a Lane, &'a Evaluator),
         state: &'a [f64],
-        scratch: &'a mut Scratch,
+        scratch: &'a mut DecisionMemory,
     ) -> Self {
         let Compiled { operations, programs, .. } = program;
         let first = operations.coefficient(0, 0) as usize;
@@ -101,7 +101,7 @@ impl<'a, S: Vector> Deciding<'a, S> {
         }
         programs.instant.run(simd, &mut scratch.memory);
         scratch.latest = None;
-        Deciding { simd, program, own, evaluator, state, scratch: RefCell::new(scratch) }
+        ProgramForces { simd, program, own, evaluator, state, scratch: RefCell::new(scratch) }
     }
 
     /// Computes rates and forces for assumed phases.
@@ -112,7 +112,7 @@ impl<'a, S: Vector> Deciding<'a, S> {
         }
         let Compiled { operations, programs, .. } = self.program;
         let place = scratch.place(operations, self.own.system.as_ref(), phases);
-        let Scratch { memory, known, .. } = scratch;
+        let DecisionMemory { memory, known, .. } = scratch;
         for ((cell, _), value) in operations.inputs[0].iter().zip(&known[place].1) {
             memory[*cell as usize] = *value;
         }
@@ -134,7 +134,7 @@ impl<'a, S: Vector> Deciding<'a, S> {
     }
 }
 
-impl<S: Vector> InState for Deciding<'_, S> {
+impl<S: Vector> ForceModel for ProgramForces<'_, S> {
     fn limit(&self, contact: usize) -> f64 {
         self.own.limits[contact]
     }
@@ -175,7 +175,7 @@ impl<S: Vector> InState for Deciding<'_, S> {
     fn speed_along(&self, contact: usize, direction: &[f64]) -> f64 {
         match self.evaluator.graph().speed_component(contact) {
             Some(component) => direction[component],
-            None => Evaluated::new(self.evaluator, self.state).speed_along(contact, direction),
+            None => RecordedForces::new(self.evaluator, self.state).speed_along(contact, direction),
         }
     }
 

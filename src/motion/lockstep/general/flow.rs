@@ -6,15 +6,15 @@ use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::Vector;
 
 /// The components of a state in all lanes, with the sliding speeds.
-pub(in crate::motion::lockstep) struct Flow<S: Vector> {
+pub(in crate::motion::lockstep) struct RecordedLaneStates<S: Vector> {
     pub(super) components: SmallVec<[Lanes<S>; 12]>,
     /// Those of all contacts, unless each speed is a component.
     pub(super) speeds: SmallVec<[Lanes<S>; 2]>,
 }
 
-impl<S: Vector> Clone for Flow<S> {
+impl<S: Vector> Clone for RecordedLaneStates<S> {
     fn clone(&self) -> Self {
-        Flow { components: self.components.clone(), speeds: self.speeds.clone() }
+        RecordedLaneStates { components: self.components.clone(), speeds: self.speeds.clone() }
     }
 
     /// Copies a state of the same system.

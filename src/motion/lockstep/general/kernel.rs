@@ -8,31 +8,31 @@ use smallvec::smallvec;
 
 use super::compiled::{Compiled, compiled};
 use super::conditions;
-use super::deciding::{Deciding, Scratch};
-use super::flow::Flow;
-use super::operations::{OfContact, OfGap, SIDE_BY_SIDE, Slot};
-use super::room::{Room, Series};
-use super::series::{Bound, Programs};
+use super::deciding::{DecisionMemory, ProgramForces};
+use super::flow::RecordedLaneStates;
+use super::operations::{ContactCell, GapCell, SIDE_BY_SIDE, Slot};
+use super::room::{RecordedWorkspace, SeriesView};
+use super::series::{ConditionBound, Programs};
 use crate::model::{Components, Graph, System};
 use crate::motion::all_stick;
 use crate::motion::cluster::{HeldCluster, held_clusters};
 use crate::motion::condition::Condition;
 use crate::motion::evaluator::Evaluator;
-use crate::motion::force_model::InState;
-use crate::motion::lockstep::kernel::{Ends, Kernel};
+use crate::motion::force_model::ForceModel;
+use crate::motion::lockstep::kernel::{Kernel, StepEnd};
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::pressure::Pressure;
 use crate::motion::lockstep::sizes::Powers;
 use crate::motion::lockstep::step_length::{longest_step, reciprocal};
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::lockstep::{LANES, Lanes, ORDER, TERMS};
-use crate::motion::touching::InTouch;
+use crate::motion::touching::TouchingSystem;
 
 /// Bound on every component of the rate of change if everything is slow.
 const STILL: f64 = 1e-6;
 
 /// The equations of a recorded system in all lanes.
-pub(in crate::motion::lockstep) struct General<S: Vector> {
+pub(in crate::motion::lockstep) struct GeneralKernel<S: Vector> {
     simd: S,
     graph: Arc<Graph>,
     program: Arc<Compiled>,
@@ -49,16 +49,16 @@ pub(in crate::motion::lockstep) struct General<S: Vector> {
     parameters: [Vec<f64>; LANES],
     /// Bit mask of lanes whose parameters are not yet in the room.
     is_new: u64,
-    scratch: [RefCell<Scratch>; LANES],
+    scratch: [RefCell<DecisionMemory>; LANES],
 }
 
-impl<S: Vector> General<S> {
+impl<S: Vector> GeneralKernel<S> {
     /// Empty lanes for systems with these equations.
     pub(in crate::motion::lockstep) fn new(simd: S, system: &Arc<dyn System>) -> Self {
         let graph = Graph::of(system.as_ref());
         let program = compiled(system.as_ref(), &graph);
         let contacts = graph.contacts.len();
-        General {
+        GeneralKernel {
             simd,
             speeds: (0..contacts).map(|contact| graph.speed_component(contact)).collect(),
             pressures: vec![Pressure::none(simd); graph.gaps.len()],
@@ -75,7 +75,7 @@ impl<S: Vector> General<S> {
 
     /// Returns the value of a series a time after the start of its step.
     #[inline(always)]
-    fn sum(&self, series: Series<'_, S>, slot: Slot, time: Lanes<S>) -> Lanes<S> {
+    fn sum(&self, series: SeriesView<'_, S>, slot: Slot, time: Lanes<S>) -> Lanes<S> {
         let mut sum = Lanes::splat(self.simd, 0.0);
         let terms = series.of(slot);
         for k in (0..TERMS).rev() {
@@ -85,7 +85,7 @@ impl<S: Vector> General<S> {
     }
 
     #[inline(always)]
-    fn flow_at(&self, series: Series<'_, S>, time: Lanes<S>, into: &mut Flow<S>) {
+    fn flow_at(&self, series: SeriesView<'_, S>, time: Lanes<S>, into: &mut RecordedLaneStates<S>) {
         // Loops, not closures: the fused multiply-add must be inlined. Several sums do not wait for each other.
         let components = into.components.len();
         for first in (0..components).step_by(SIDE_BY_SIDE) {
@@ -114,11 +114,11 @@ impl<S: Vector> General<S> {
     }
 }
 
-impl<S: Vector> Kernel<S> for General<S> {
+impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     /// 5 over the highest frequency.
     const LONGEST: f64 = 5.0 / std::f64::consts::FRAC_PI_2;
-    type Flow = Flow<S>;
-    type Room = Room<S>;
+    type LaneStates = RecordedLaneStates<S>;
+    type Workspace = RecordedWorkspace<S>;
 
     fn fits(&self, system: &Arc<dyn System>) -> bool {
         let graph = Graph::of(system.as_ref());
@@ -133,20 +133,20 @@ impl<S: Vector> Kernel<S> for General<S> {
         self.graph.layout.contacts[contact].angular
     }
 
-    fn flow(&self, simd: S) -> Flow<S> {
+    fn flow(&self, simd: S) -> RecordedLaneStates<S> {
         let zero = Lanes::splat(simd, 0.0);
         let direct = self.speeds.iter().all(Option::is_some);
-        Flow {
+        RecordedLaneStates {
             components: smallvec![zero; self.graph.derivative.len()],
             speeds: smallvec![zero; if direct { 0 } else { self.speeds.len() }],
         }
     }
 
-    fn room(&self, simd: S) -> Room<S> {
+    fn room(&self, simd: S) -> RecordedWorkspace<S> {
         let Compiled { operations, programs, .. } = &*self.program;
         let Programs { motion, displacement, tail, .. } = programs;
         let programs = [motion, displacement, tail].map(|runner| &runner.program);
-        Room::new(simd, operations, programs)
+        RecordedWorkspace::new(simd, operations, programs)
     }
 
     fn set_system(&mut self, lane: usize, own: &Lane) {
@@ -166,7 +166,13 @@ impl<S: Vector> Kernel<S> for General<S> {
         self.is_new |= 1 << lane;
     }
 
-    fn set_phases(&mut self, room: &mut Room<S>, lane: usize, own: &Lane, state: &[f64]) {
+    fn set_phases(
+        &mut self,
+        room: &mut RecordedWorkspace<S>,
+        lane: usize,
+        own: &Lane,
+        state: &[f64],
+    ) {
         let Compiled { operations, parameters, .. } = &*self.program;
         if self.is_new & 1 << lane != 0 {
             self.is_new &= !(1 << lane);
@@ -185,21 +191,22 @@ impl<S: Vector> Kernel<S> for General<S> {
         let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
         for contact in 0..self.speeds.len() {
             let numbers = conditions::of_contact(own.phases[contact], own.limits[contact], margins);
-            let first = operations.of_contact(contact, OfContact::Sign);
+            let first = operations.of_contact(contact, ContactCell::Sign);
             for (cell, number) in (first..).zip(numbers) {
                 room.set(cell, lane, number);
             }
         }
         let evaluator = self.evaluators[lane].as_ref().filter(|_| own.has_gaps);
-        let Some(in_touch) = evaluator.and_then(|one| InTouch::new(one, own.settings)) else {
+        let Some(in_touch) = evaluator.and_then(|one| TouchingSystem::new(one, own.settings))
+        else {
             return;
         };
         self.held[lane] = held_clusters(in_touch.gaps, &own.phases);
         let gaps = in_touch.gaps.iter().zip(&own.phases[self.speeds.len()..]);
         for (place, (pressure, (gap, phase))) in self.pressures.iter_mut().zip(gaps).enumerate() {
             pressure.set(lane, own, (gap, *phase));
-            room.set(operations.of_gap(place, OfGap::Weight), lane, pressure.weight[lane]);
-            room.set(operations.of_gap(place, OfGap::Offset), lane, pressure.offset[lane]);
+            room.set(operations.of_gap(place, GapCell::Weight), lane, pressure.weight[lane]);
+            room.set(operations.of_gap(place, GapCell::Offset), lane, pressure.offset[lane]);
         }
     }
 
@@ -218,7 +225,7 @@ impl<S: Vector> Kernel<S> for General<S> {
         self.stuck &= !(1 << lane);
     }
 
-    fn lane(&self, flow: &Flow<S>, lane: usize) -> Components {
+    fn lane(&self, flow: &RecordedLaneStates<S>, lane: usize) -> Components {
         let mut components = Components::from_elem(0.0, flow.components.len());
         for (component, of_all) in components.iter_mut().zip(&flow.components) {
             *component = of_all[lane];
@@ -226,7 +233,7 @@ impl<S: Vector> Kernel<S> for General<S> {
         components
     }
 
-    fn set_lane(&self, flow: &mut Flow<S>, lane: usize, components: &[f64]) {
+    fn set_lane(&self, flow: &mut RecordedLaneStates<S>, lane: usize, components: &[f64]) {
         for (of_all, value) in flow.components.iter_mut().zip(components) {
             of_all[lane] = *value;
         }
@@ -239,7 +246,12 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     #[inline(always)]
-    fn select(&self, into: &mut Flow<S>, from: &Flow<S>, mask: mask64x8<S>) {
+    fn select(
+        &self,
+        into: &mut RecordedLaneStates<S>,
+        from: &RecordedLaneStates<S>,
+        mask: mask64x8<S>,
+    ) {
         let all = into.components.iter_mut().chain(&mut into.speeds);
         for (into, from) in all.zip(from.components.iter().chain(&from.speeds)) {
             *into = mask.select(*from, *into);
@@ -247,7 +259,7 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     #[inline(always)]
-    fn finite(&self, flow: &Flow<S>, start: Lanes<S>) -> Lanes<S> {
+    fn finite(&self, flow: &RecordedLaneStates<S>, start: Lanes<S>) -> Lanes<S> {
         let zero = Lanes::splat(self.simd, 0.0);
         let mut nought = start;
         for value in &flow.components {
@@ -257,7 +269,7 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     #[inline(always)]
-    fn square(&self, flow: &Flow<S>) -> Lanes<S> {
+    fn square(&self, flow: &RecordedLaneStates<S>) -> Lanes<S> {
         let mut sum = Lanes::splat(self.simd, 0.0);
         for value in &flow.components {
             sum = value.fused(*value, sum);
@@ -266,17 +278,17 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     #[inline(always)]
-    fn position(&self, flow: &Flow<S>, contact: usize) -> Lanes<S> {
+    fn position(&self, flow: &RecordedLaneStates<S>, contact: usize) -> Lanes<S> {
         flow.components[self.graph.layout.contacts[contact].position]
     }
 
     #[inline(always)]
-    fn set_position(&self, flow: &mut Flow<S>, contact: usize, position: Lanes<S>) {
+    fn set_position(&self, flow: &mut RecordedLaneStates<S>, contact: usize, position: Lanes<S>) {
         flow.components[self.graph.layout.contacts[contact].position] = position;
     }
 
     #[inline(always)]
-    fn speed(&self, flow: &Flow<S>, contact: usize) -> Lanes<S> {
+    fn speed(&self, flow: &RecordedLaneStates<S>, contact: usize) -> Lanes<S> {
         match self.speeds[contact] {
             Some(component) => flow.components[component],
             None => flow.speeds[contact],
@@ -284,7 +296,12 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     #[inline(always)]
-    fn expand(&self, room: &mut Room<S>, start: &Flow<S>, displaced: bool) {
+    fn expand(
+        &self,
+        room: &mut RecordedWorkspace<S>,
+        start: &RecordedLaneStates<S>,
+        displaced: bool,
+    ) {
         let Programs { modes, motion, displaced_motion, .. } = &self.program.programs;
         room.start(&start.components, false);
         if std::mem::take(&mut room.is_changed) {
@@ -297,7 +314,7 @@ impl<S: Vector> Kernel<S> for General<S> {
     #[inline(always)]
     fn within_tolerance(
         &self,
-        room: &Room<S>,
+        room: &RecordedWorkspace<S>,
         [relative, absolute]: [Lanes<S>; 2],
         before: Lanes<S>,
     ) -> Lanes<S> {
@@ -319,7 +336,7 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     #[inline(always)]
-    fn look_over(&self, room: &mut Room<S>, length: Lanes<S>) -> u64 {
+    fn look_over(&self, room: &mut RecordedWorkspace<S>, length: Lanes<S>) -> u64 {
         let Programs { screen: (program, screen), normals, exact_screen, .. } =
             &self.program.programs;
         room.memory[self.program.operations.length() as usize] = length;
@@ -333,7 +350,7 @@ impl<S: Vector> Kernel<S> for General<S> {
         if any != 0 && room.below_zero(screen.forces.iter().copied()) != 0 {
             // Lanes in doubt are examined with the series of the normal forces.
             normals.run(self.simd, &mut room.memory);
-            let closed = screen.contacts.iter().map(|cells| cells[Bound::Closed as usize]);
+            let closed = screen.contacts.iter().map(|cells| cells[ConditionBound::Closed as usize]);
             if room.below_zero(closed) != 0 {
                 program.run(self.simd, &mut room.memory);
                 room.is_exact = true;
@@ -345,24 +362,35 @@ impl<S: Vector> Kernel<S> for General<S> {
 
     fn first_event(
         &self,
-        room: &Room<S>,
+        room: &RecordedWorkspace<S>,
         own: &Lane,
         lane: usize,
         length: f64,
         ignored: &[Condition],
-    ) -> Ends {
+    ) -> StepEnd {
         let in_lane = (own, lane, length);
         let of_gaps = (&self.pressures[..], &self.held[lane][..]);
         conditions::first_event(self.simd, room, &self.program, in_lane, of_gaps, ignored)
     }
 
     #[inline(always)]
-    fn at(&self, room: &Room<S>, _start: &Flow<S>, time: Lanes<S>, into: &mut Flow<S>) {
+    fn at(
+        &self,
+        room: &RecordedWorkspace<S>,
+        _start: &RecordedLaneStates<S>,
+        time: Lanes<S>,
+        into: &mut RecordedLaneStates<S>,
+    ) {
         self.flow_at(room.series(), time, into);
     }
 
     #[inline(always)]
-    fn carry(&self, room: &mut Room<S>, displacement: &Flow<S>, length: Lanes<S>) -> Flow<S> {
+    fn carry(
+        &self,
+        room: &mut RecordedWorkspace<S>,
+        displacement: &RecordedLaneStates<S>,
+        length: Lanes<S>,
+    ) -> RecordedLaneStates<S> {
         room.start(&displacement.components, true);
         room.memory[self.program.operations.length() as usize] = length;
         self.program.programs.displacement.run(self.simd, &mut room.memory);
@@ -372,12 +400,12 @@ impl<S: Vector> Kernel<S> for General<S> {
         moved
     }
 
-    fn rest(&self, _state: &Flow<S>) -> u64 {
+    fn rest(&self, _state: &RecordedLaneStates<S>) -> u64 {
         self.stuck
     }
 
     #[inline(always)]
-    fn still(&self, room: &Room<S>) -> u64 {
+    fn still(&self, room: &RecordedWorkspace<S>) -> u64 {
         let mut most = Lanes::splat(self.simd, 0.0);
         for &rate in &self.program.operations.rates {
             most = most.max(room.series().of(rate)[0].abs());
@@ -385,7 +413,13 @@ impl<S: Vector> Kernel<S> for General<S> {
         most.simd_le(Lanes::splat(self.simd, STILL)).to_bitmask() & !self.stuck
     }
 
-    fn component(&self, room: &Room<S>, lane: usize, component: usize, _start: f64) -> Powers {
+    fn component(
+        &self,
+        room: &RecordedWorkspace<S>,
+        lane: usize,
+        component: usize,
+        _start: f64,
+    ) -> Powers {
         let mut powers = [0.0; TERMS];
         let terms = room.series().of(component as Slot);
         for (k, power) in powers.iter_mut().enumerate() {
@@ -407,13 +441,17 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     #[inline(always)]
-    fn vibration_of(&self, flow: &Flow<S>) -> [Lanes<S>; 2] {
+    fn vibration_of(&self, flow: &RecordedLaneStates<S>) -> [Lanes<S>; 2] {
         let zero = [Lanes::splat(self.simd, 0.0); 2];
         self.graph.layout.vibration.map_or(zero, |places| places.map(|one| flow.components[one]))
     }
 
     #[inline(always)]
-    fn vibration_at(&self, room: &Room<S>, times: [Lanes<S>; 3]) -> [[Lanes<S>; 2]; 3] {
+    fn vibration_at(
+        &self,
+        room: &RecordedWorkspace<S>,
+        times: [Lanes<S>; 3],
+    ) -> [[Lanes<S>; 2]; 3] {
         let zero = [Lanes::splat(self.simd, 0.0); 2];
         times.map(|time| {
             let places = self.graph.layout.vibration;
@@ -422,7 +460,12 @@ impl<S: Vector> Kernel<S> for General<S> {
     }
 
     #[inline(always)]
-    fn relative_travel(&self, room: &Room<S>, pair: [usize; 2], length: Lanes<S>) -> Lanes<S> {
+    fn relative_travel(
+        &self,
+        room: &RecordedWorkspace<S>,
+        pair: [usize; 2],
+        length: Lanes<S>,
+    ) -> Lanes<S> {
         let [one, other] = pair.map(|contact| {
             let position = self.graph.layout.contacts[contact].position;
             room.series().of(position as Slot)
@@ -443,10 +486,10 @@ impl<S: Vector> Kernel<S> for General<S> {
         lane: usize,
         own: &Lane,
         state: &[f64],
-        with: impl FnOnce(&dyn InState) -> R,
+        with: impl FnOnce(&dyn ForceModel) -> R,
     ) -> R {
         let evaluator = self.evaluator(lane).expect("only lanes with a run are decided");
         let scratch = &mut *self.scratch[lane].borrow_mut();
-        with(&Deciding::new((self.simd, &self.program), (own, evaluator), state, scratch))
+        with(&ProgramForces::new((self.simd, &self.program), (own, evaluator), state, scratch))
     }
 }

@@ -18,4 +18,4 @@ mod series;
 mod statics;
 mod turning;
 
-pub(super) use kernel::General;
+pub(super) use kernel::GeneralKernel;

@@ -5,7 +5,7 @@ use std::ops::Index;
 use fearless_simd::prelude::*;
 
 use super::operations::{Operations, Slot};
-use super::series::{Bound, Screen};
+use super::series::{ConditionBound, Screen};
 use crate::graph::{Cell, Program};
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::lockstep::{LANES, Lanes};
@@ -14,7 +14,7 @@ use crate::motion::lockstep::{LANES, Lanes};
 const ALL_LANES: u64 = (1 << LANES) - 1;
 
 /// Work space of a step, with the results of the latest step.
-pub(in crate::motion::lockstep) struct Room<S: Vector> {
+pub(in crate::motion::lockstep) struct RecordedWorkspace<S: Vector> {
     /// The cells of the programs.
     pub(super) memory: Vec<Lanes<S>>,
     /// Whether inputs have changed since the numbers that depend on modes were computed.
@@ -30,7 +30,7 @@ pub(in crate::motion::lockstep) struct Room<S: Vector> {
     pub(super) is_exact: bool,
 }
 
-impl<S: Vector> Room<S> {
+impl<S: Vector> RecordedWorkspace<S> {
     /// Returns the memory of the programs of a step.
     pub(super) fn new(simd: S, operations: &Operations, programs: [&Program; 3]) -> Self {
         let [motion, _, tail] = programs;
@@ -40,7 +40,7 @@ impl<S: Vector> Room<S> {
         }
         let conditions =
             [operations.contacts.len(), operations.guards.len(), operations.gaps.len()];
-        Room {
+        RecordedWorkspace {
             memory,
             is_changed: true,
             displaced: motion.cells,
@@ -82,21 +82,21 @@ impl<S: Vector> Room<S> {
 
     /// Returns whether a condition of a contact may fail in a lane.
     #[inline(always)]
-    pub(super) fn may_fail(&self, cells: &[Cell; 4], bound: Bound, lane: usize) -> bool {
+    pub(super) fn may_fail(&self, cells: &[Cell; 4], bound: ConditionBound, lane: usize) -> bool {
         let least = self.memory[cells[bound as usize] as usize][lane];
         least < 0.0 || least.is_nan()
     }
 
     /// Returns the series of the motion.
     #[inline(always)]
-    pub(super) fn series(&self) -> Series<'_, S> {
-        Series { memory: &self.memory[self.first..], slots: self.slots }
+    pub(super) fn series(&self) -> SeriesView<'_, S> {
+        SeriesView { memory: &self.memory[self.first..], slots: self.slots }
     }
 
     /// Returns the changes of the series along a displacement.
     #[inline(always)]
-    pub(super) fn changes(&self) -> Series<'_, S> {
-        Series { memory: &self.memory[self.displaced + self.first..], slots: self.slots }
+    pub(super) fn changes(&self) -> SeriesView<'_, S> {
+        SeriesView { memory: &self.memory[self.displaced + self.first..], slots: self.slots }
     }
 
     /// Sets the state at the start of a step, or a displacement of it.
@@ -114,16 +114,16 @@ fn below_zero<S: Vector>(number: Lanes<S>) -> u64 {
 
 /// Power series in time in all lanes. The coefficients of one order stand side by side.
 #[derive(Clone, Copy)]
-pub(super) struct Series<'m, S: Vector> {
+pub(super) struct SeriesView<'m, S: Vector> {
     memory: &'m [Lanes<S>],
     slots: usize,
 }
 
-impl<'m, S: Vector> Series<'m, S> {
+impl<'m, S: Vector> SeriesView<'m, S> {
     /// Returns the coefficients of a series.
     #[inline(always)]
-    pub(super) fn of(self, slot: Slot) -> Terms<'m, S> {
-        Terms { memory: &self.memory[slot as usize..], slots: self.slots }
+    pub(super) fn of(self, slot: Slot) -> SeriesCoefficients<'m, S> {
+        SeriesCoefficients { memory: &self.memory[slot as usize..], slots: self.slots }
     }
 
     /// Returns the coefficients of all series of one order.
@@ -135,12 +135,12 @@ impl<'m, S: Vector> Series<'m, S> {
 
 /// The coefficients of a series, from order zero.
 #[derive(Clone, Copy)]
-pub(super) struct Terms<'m, S: Vector> {
+pub(super) struct SeriesCoefficients<'m, S: Vector> {
     memory: &'m [Lanes<S>],
     slots: usize,
 }
 
-impl<S: Vector> Index<usize> for Terms<'_, S> {
+impl<S: Vector> Index<usize> for SeriesCoefficients<'_, S> {
     type Output = Lanes<S>;
 
     #[inline(always)]

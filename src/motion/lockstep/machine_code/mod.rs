@@ -19,7 +19,7 @@ use super::vector::{Vector, vectorized};
 use crate::graph::{Cell, Instruction, Program};
 use crate::model::Function;
 use encode::Encoder;
-use lower::{Line, Operation};
+use lower::{Line, MachineOperation};
 pub(super) use width::Width;
 
 /// The largest program with machine code, in bytes of code.
@@ -38,7 +38,7 @@ pub(super) fn is_allowed() -> bool {
 
 /// A part of a program.
 #[derive(Clone, Debug)]
-enum Part {
+enum CodePart {
     /// Machine code, by its place.
     Code(usize),
     /// Sines and cosines: their cells, and those of the angles.
@@ -49,14 +49,14 @@ enum Part {
 
 /// The machine code of a program.
 #[derive(Debug)]
-pub(super) struct Code {
+pub(super) struct MachineCode {
     code: Mmap,
-    parts: Vec<Part>,
+    parts: Vec<CodePart>,
     cells: usize,
     width: Width,
 }
 
-impl Code {
+impl MachineCode {
     /// Returns the machine code of a program; `None` where the processor lacks its instructions or the system refuses
     /// executable memory, and for a program that is too large.
     pub(super) fn new(program: &Program, width: Width) -> Option<Self> {
@@ -72,7 +72,7 @@ impl Code {
         // The memory is first writable, then executable, never both.
         let mut memory = MmapMut::map_anon(bytes.len().max(1)).ok()?;
         memory[..bytes.len()].copy_from_slice(&bytes);
-        Some(Code { code: memory.make_exec().ok()?, parts, cells: program.cells, width })
+        Some(MachineCode { code: memory.make_exec().ok()?, parts, cells: program.cells, width })
     }
 
     /// Runs the program on its cells.
@@ -82,9 +82,9 @@ impl Code {
     pub(super) fn run<S: Vector, T: Numbers<S>>(&self, simd: S, memory: &mut [T]) {
         for part in &self.parts {
             match part {
-                Part::Code(place) => self.call(*place, memory),
-                Part::Turns(turns) => vectorized!(simd, T::sines_cosines(simd, memory, turns)),
-                Part::Function { out, function, of } => {
+                CodePart::Code(place) => self.call(*place, memory),
+                CodePart::Turns(turns) => vectorized!(simd, T::sines_cosines(simd, memory, turns)),
+                CodePart::Function { out, function, of } => {
                     memory[*out as usize] = memory[*of as usize].image(*function);
                 }
             }
@@ -118,11 +118,11 @@ impl Code {
 }
 
 /// Writes the code of a program, and returns its parts.
-fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<Part>> {
+fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<CodePart>> {
     let is_call = |instruction: &Instruction| {
         matches!(instruction, Instruction::SineCosine { .. } | Instruction::Function { .. })
     };
-    let mut parts: Vec<Part> = Vec::new();
+    let mut parts: Vec<CodePart> = Vec::new();
     let mut rest = &program.instructions[..];
     // The last read of each cell, counted in instructions that are left.
     let mut last_read = vec![usize::MAX; program.cells];
@@ -137,16 +137,16 @@ fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<Part>> {
                 let turn = [sine, cosine, of];
                 match parts.last_mut() {
                     // Sines and cosines do not depend on each other, unless one is the angle of the next.
-                    Some(Part::Turns(turns))
+                    Some(CodePart::Turns(turns))
                         if turns.iter().all(|[s, c, _]| *s != of && *c != of) =>
                     {
                         turns.push(turn);
                     }
-                    _ => parts.push(Part::Turns(vec![turn])),
+                    _ => parts.push(CodePart::Turns(vec![turn])),
                 }
             }
             Instruction::Function { out, function, of } => {
-                parts.push(Part::Function { out, function, of });
+                parts.push(CodePart::Function { out, function, of });
             }
             _ => {}
         }
@@ -161,9 +161,9 @@ fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<Part>> {
             |cell: u32| program.kept[cell as usize] || last_read[cell as usize] <= later.len();
         let lowered = lower::lower(program, own, stored, encoder.width);
         let cells = lowered.values.iter().map(|value| value.cell);
-        let is_size = |line: &Line| matches!(line.operation, Operation::Size(_));
+        let is_size = |line: &Line| matches!(line.operation, MachineOperation::Size(_));
         let has_sizes = lowered.lines.iter().any(is_size);
-        parts.push(Part::Code(encoder.begin(cells, has_sizes).ok()?));
+        parts.push(CodePart::Code(encoder.begin(cells, has_sizes).ok()?));
         registers::assign(lowered, encoder, program.cells).ok()?;
         encoder.end().ok()?;
         rest = later;

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use fearless_simd::SimdBase;
 
 use super::equations::contact_along;
-use super::kernel::{Room, Tuned};
+use super::kernel::{BalancerWorkspace, TunedKernel};
 use super::step::within_tolerance;
 use super::tangent::carry;
 use crate::model::{Balancer, Dual, FrictionLaw, Machine, Method, Number, State, System};
-use crate::motion::lockstep::Saved;
-use crate::motion::lockstep::group::Group;
+use crate::motion::lockstep::SavedRun;
+use crate::motion::lockstep::group::KernelLanes;
 use crate::motion::lockstep::kernel::Kernel;
 use crate::motion::lockstep::lane_group::LaneGroup;
 use crate::motion::lockstep::simd_level::tested_vectors;
@@ -125,7 +125,7 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
         tolerance: Tolerance { relative: 1e-6, absolute: 1e-8 },
         effort_limit: 1000,
     };
-    let mut group = Group::new(simd, Tuned::<_, N>::new(simd, false));
+    let mut group = KernelLanes::new(simd, TunedKernel::<_, N>::new(simd, false));
     let balancers: Vec<Balancer<N>> =
         (0..LANES).map(|lane| Balancer::new(&machine(lane, N)).expect("N balls")).collect();
     let mut longest = Lanes::splat(simd, 0.0);
@@ -135,7 +135,7 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
         let [x, y] = rest.position;
         (start.position, start.velocity) = ([x, y], [balancer.speed * y, -balancer.speed * x]);
         let system: Arc<dyn System> = Arc::new(*balancer);
-        let saved = Saved::start(&system, settings, &start.components()).expect("starts");
+        let saved = SavedRun::start(&system, settings, &start.components()).expect("starts");
         group.put(lane, &saved, 100.0);
         let mut displaced: State<N> = state(lane + 100, |_| 0.3);
         for axis in 0..2 {
@@ -146,10 +146,10 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
         group.displace(lane, &displaced.components());
         longest[lane] = group.longest(lane);
     }
-    let Group { kernel, room, state, displacement, tolerance, next, .. } = &mut group;
+    let KernelLanes { kernel, room, state, displacement, tolerance, next, .. } = &mut group;
     kernel.expand(room, state, false);
     let lengths = within_tolerance(&room.series, *tolerance, *next).min(longest);
-    let Room { series, displaced, .. } = &mut **room;
+    let BalancerWorkspace { series, displaced, .. } = &mut **room;
     let moved = carry(series, (&kernel.equations, None), displacement, lengths, displaced);
     for (lane, balancer) in balancers.iter().enumerate() {
         let start = group.state.lane(lane).along(&group.displacement.lane(lane));

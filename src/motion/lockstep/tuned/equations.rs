@@ -14,7 +14,7 @@ use crate::motion::lockstep::vector::Vector;
 
 /// The coefficients of a ball's equation in its current phase.
 #[derive(Clone, Copy)]
-pub(crate) struct Ball<S: Vector> {
+pub(crate) struct BallEquation<S: Vector> {
     /// m
     pub(super) mass: Lanes<S>,
     /// 1 if it may move, 0 if it sticks.
@@ -57,14 +57,14 @@ pub(crate) struct Equations<S: Vector, const N: usize> {
     pub(super) constant: [Lanes<S>; 2],
     /// The acceleration of the table without that of the ring's centre, `S`: ω² times the runout.
     pub(super) runout: [Lanes<S>; 2],
-    pub(super) balls: [Ball<S>; N],
+    pub(super) balls: [BallEquation<S>; N],
 }
 
 impl<S: Vector, const N: usize> Equations<S, N> {
     /// Zero in all lanes; never used for a run.
     pub(super) fn blank(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
-        let ball = Ball {
+        let ball = BallEquation {
             mass: zero,
             free: zero,
             stuck: zero,

@@ -1,15 +1,15 @@
 //! The condition that fails first in a step of one lane, located on the series.
 
 use super::equations::contact;
-use super::event_functions::Doubts;
-use super::gap_forces::{Gap, Gaps};
-use super::series::Series;
+use super::event_functions::LanesToExamine;
+use super::gap_forces::{GapForceEquation, GapForceEquations};
+use super::series::BalancerSeries;
 use super::terms::DYING;
 use crate::model::Balancer;
 use crate::motion::Phase;
 use crate::motion::condition::Condition;
 use crate::motion::lockstep::held::held_until;
-use crate::motion::lockstep::kernel::Ends;
+use crate::motion::lockstep::kernel::StepEnd;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::root_isolation::Polynomial;
 use crate::motion::lockstep::vector::{Vector, vectorized};
@@ -18,12 +18,12 @@ use crate::motion::lockstep::{Lanes, ORDER};
 /// Returns the end of a step of one lane.
 #[inline(never)]
 pub(super) fn first_event<S: Vector, const N: usize>(
-    series: &Series<S, N>,
-    (own, balancer, gaps): (&Lane, &Balancer<N>, &Gaps<S, N>),
+    series: &BalancerSeries<S, N>,
+    (own, balancer, gaps): (&Lane, &Balancer<N>, &GapForceEquations<S, N>),
     (lane, length): (usize, f64),
-    doubts: &Doubts<S, N>,
+    doubts: &LanesToExamine<S, N>,
     ignored: &[Condition],
-) -> Ends {
+) -> StepEnd {
     let simd = series.terms[0].table[0].simd;
     // The fused multiply-add is an instruction in this closure.
     vectorized!(
@@ -35,13 +35,13 @@ pub(super) fn first_event<S: Vector, const N: usize>(
 #[inline(always)]
 fn first_of_all<S: Vector, const N: usize>(
     simd: S,
-    series: &Series<S, N>,
-    (own, balancer, gaps): (&Lane, &Balancer<N>, &Gaps<S, N>),
+    series: &BalancerSeries<S, N>,
+    (own, balancer, gaps): (&Lane, &Balancer<N>, &GapForceEquations<S, N>),
     (lane, length): (usize, f64),
-    doubts: &Doubts<S, N>,
+    doubts: &LanesToExamine<S, N>,
     ignored: &[Condition],
-) -> Ends {
-    let mut first = Ends::Nothing;
+) -> StepEnd {
+    let mut first = StepEnd::Nothing;
     let band = own.margins.band;
     let aim = 0.5 * own.width;
     let slack = own.margins.slack + aim;
@@ -64,7 +64,7 @@ fn first_of_all<S: Vector, const N: usize>(
         if cluster.contacts.iter().any(is_doubtful) && !ignored.contains(&failed) {
             let forces = |ball: usize| forces_if_stuck(series, balancer, lane, ball);
             match held_until(simd, own, cluster, forces, (length, slack)) {
-                Some(0.0) => first = Ends::AtOnce(failed),
+                Some(0.0) => first = StepEnd::AtOnce(failed),
                 Some(part) => first.earlier(part, failed),
                 None => {}
             }
@@ -132,7 +132,7 @@ fn polynomial(length: f64, offset: f64, of: impl Fn(usize) -> f64) -> Polynomial
 /// direction: μ times the normal force minus the force required to stick.
 #[inline(always)]
 fn held<S: Vector, const N: usize>(
-    series: &Series<S, N>,
+    series: &BalancerSeries<S, N>,
     balancer: &Balancer<N>,
     lane: usize,
     ball: usize,
@@ -147,7 +147,7 @@ fn held<S: Vector, const N: usize>(
 /// gaps.
 #[inline(always)]
 fn forces_if_stuck<S: Vector, const N: usize>(
-    series: &Series<S, N>,
+    series: &BalancerSeries<S, N>,
     balancer: &Balancer<N>,
     lane: usize,
     ball: usize,
@@ -176,7 +176,7 @@ fn forces_if_stuck<S: Vector, const N: usize>(
 /// Returns the normal force on a ball without the table's acceleration.
 #[inline(always)]
 fn pressed<S: Vector, const N: usize>(
-    series: &Series<S, N>,
+    series: &BalancerSeries<S, N>,
     balancer: &Balancer<N>,
     lane: usize,
     ball: usize,
@@ -206,8 +206,8 @@ fn pressed<S: Vector, const N: usize>(
 /// Returns the series of the normal force on a ball of a lane.
 #[inline(never)]
 fn normal_force<S: Vector, const N: usize>(
-    series: &Series<S, N>,
-    (balancer, gaps, phase): (&Balancer<N>, &Gaps<S, N>, Phase),
+    series: &BalancerSeries<S, N>,
+    (balancer, gaps, phase): (&Balancer<N>, &GapForceEquations<S, N>, Phase),
     lane: usize,
     ball: usize,
 ) -> [f64; ORDER + 1] {
@@ -225,8 +225,9 @@ fn normal_force<S: Vector, const N: usize>(
         }
         let pulled: f64 = (0..=k).map(|j| along(k, j)).sum();
         let pushed: f64 = if series.response.active {
-            let by_gap =
-                |(gap, force): (&Gap<S, N>, &Lanes<S>)| gap.outward[ball][lane] * force[lane];
+            let by_gap = |(gap, force): (&GapForceEquation<S, N>, &Lanes<S>)| {
+                gap.outward[ball][lane] * force[lane]
+            };
             gaps.gaps.iter().zip(&series.forces[k]).map(by_gap).sum()
         } else {
             0.0

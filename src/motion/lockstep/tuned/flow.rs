@@ -8,7 +8,7 @@ use crate::motion::lockstep::vector::{Fused, Vector};
 
 /// The components of a state, or of its rate of change, of each run.
 #[derive(Clone, Copy)]
-pub(in crate::motion::lockstep) struct Flow<S: Vector, const N: usize> {
+pub(in crate::motion::lockstep) struct BalancerLaneStates<S: Vector, const N: usize> {
     /// x, y, ẋ, ẏ.
     pub(super) table: [Lanes<S>; 4],
     /// Angles of the balls.
@@ -19,12 +19,12 @@ pub(in crate::motion::lockstep) struct Flow<S: Vector, const N: usize> {
     pub(super) elapsed: Lanes<S>,
 }
 
-impl<S: Vector, const N: usize> Flow<S, N> {
+impl<S: Vector, const N: usize> BalancerLaneStates<S, N> {
     /// Zero in all lanes.
     #[inline(always)]
     pub(super) fn zero(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
-        Flow { table: [zero; 4], angle: [zero; N], speed: [zero; N], elapsed: zero }
+        BalancerLaneStates { table: [zero; 4], angle: [zero; N], speed: [zero; N], elapsed: zero }
     }
 
     /// Replaces the components in the lanes of a mask.

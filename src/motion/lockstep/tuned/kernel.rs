@@ -5,20 +5,20 @@ use std::sync::Arc;
 use fearless_simd::{mask64x8, prelude::*};
 
 use super::equations::{Equations, while_apart};
-use super::event_functions::{Doubts, Watched};
-use super::flow::Flow;
-use super::gap_forces::Gaps;
-use super::mode_selection::{InPlace, called, turned};
+use super::event_functions::{ConditionCoefficients, LanesToExamine};
+use super::flow::BalancerLaneStates;
+use super::gap_forces::GapForceEquations;
+use super::mode_selection::{BalancerForces, called, turned};
 use super::recurrence::RECIPROCALS;
 use super::rest_ahead::RestAhead;
-use super::series::Series;
+use super::series::BalancerSeries;
 use super::turning::Drive;
 use super::{event_functions, event_location, step, tangent};
 use crate::model::{Balancer, Components, State, System};
 use crate::motion::Evaluator;
 use crate::motion::condition::Condition;
-use crate::motion::force_model::{Evaluated, InState};
-use crate::motion::lockstep::kernel::{Ends, Kernel};
+use crate::motion::force_model::{ForceModel, RecordedForces};
+use crate::motion::lockstep::kernel::{Kernel, StepEnd};
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::sizes::Powers;
 use crate::motion::lockstep::vector::{Fused, Vector};
@@ -29,14 +29,14 @@ use crate::motion::{Phase, any_closed};
 const STILL: f64 = 1e-6;
 
 /// The balancer's equations in all lanes.
-pub(in crate::motion::lockstep) struct Tuned<S: Vector, const N: usize> {
+pub(in crate::motion::lockstep) struct TunedKernel<S: Vector, const N: usize> {
     pub(super) equations: Equations<S, N>,
-    watched: [Watched<S>; N],
+    watched: [ConditionCoefficients<S>; N],
     rest: RestAhead<S>,
     balancers: [Option<Balancer<N>>; LANES],
     /// The phases of the balls that the equations have.
     phases: [[Option<Phase>; N]; LANES],
-    gaps: Gaps<S, N>,
+    gaps: GapForceEquations<S, N>,
     /// The disc, if its speed changes.
     drive: Option<Box<Drive<S, N>>>,
     /// The recorded equations of systems with gaps or a disc whose speed changes, for the decisions that need them.
@@ -48,22 +48,22 @@ pub(in crate::motion::lockstep) struct Tuned<S: Vector, const N: usize> {
 }
 
 /// Work space of a step, with the results of the latest step.
-pub(in crate::motion::lockstep) struct Room<S: Vector, const N: usize> {
-    pub(super) series: Series<S, N>,
-    pub(super) displaced: Series<S, N>,
-    doubts: Doubts<S, N>,
+pub(in crate::motion::lockstep) struct BalancerWorkspace<S: Vector, const N: usize> {
+    pub(super) series: BalancerSeries<S, N>,
+    pub(super) displaced: BalancerSeries<S, N>,
+    doubts: LanesToExamine<S, N>,
 }
 
-impl<S: Vector, const N: usize> Tuned<S, N> {
+impl<S: Vector, const N: usize> TunedKernel<S, N> {
     /// Empty lanes, for discs whose speed changes or for others.
     pub(in crate::motion::lockstep) fn new(simd: S, changes: bool) -> Self {
-        Tuned {
+        TunedKernel {
             equations: Equations::blank(simd),
-            watched: [Watched::nothing(simd); N],
+            watched: [ConditionCoefficients::nothing(simd); N],
             rest: RestAhead::none(simd),
             balancers: [None; LANES],
             phases: [[None; N]; LANES],
-            gaps: Gaps::none(simd),
+            gaps: GapForceEquations::none(simd),
             drive: changes.then(|| Box::new(Drive::blank(simd))),
             evaluators: std::array::from_fn(|_| None),
             latest: None,
@@ -83,11 +83,11 @@ impl<S: Vector, const N: usize> Tuned<S, N> {
     }
 }
 
-impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
+impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     /// 5 over the highest frequency of the table in the turning frame, `1 + |ω|`. Hardly any step is as long.
     const LONGEST: f64 = 5.0 / std::f64::consts::FRAC_PI_2;
-    type Flow = Flow<S, N>;
-    type Room = Room<S, N>;
+    type LaneStates = BalancerLaneStates<S, N>;
+    type Workspace = BalancerWorkspace<S, N>;
 
     fn fits(&self, system: &Arc<dyn System>) -> bool {
         Self::computes(system) && system.speed_terms().is_some() == self.drive.is_some()
@@ -103,15 +103,15 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         true
     }
 
-    fn flow(&self, simd: S) -> Flow<S, N> {
-        Flow::zero(simd)
+    fn flow(&self, simd: S) -> BalancerLaneStates<S, N> {
+        BalancerLaneStates::zero(simd)
     }
 
-    fn room(&self, simd: S) -> Room<S, N> {
-        Room {
-            series: Series::zero(simd),
-            displaced: Series::zero(simd),
-            doubts: Doubts::none(simd),
+    fn room(&self, simd: S) -> BalancerWorkspace<S, N> {
+        BalancerWorkspace {
+            series: BalancerSeries::zero(simd),
+            displaced: BalancerSeries::zero(simd),
+            doubts: LanesToExamine::none(simd),
         }
     }
 
@@ -145,7 +145,7 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         }
     }
 
-    fn set_phases(&mut self, _room: &mut Self::Room, lane: usize, own: &Lane, _state: &[f64]) {
+    fn set_phases(&mut self, _room: &mut Self::Workspace, lane: usize, own: &Lane, _state: &[f64]) {
         let Some(balancer) = &self.balancers[lane] else { return };
         let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
         for (place, phase) in own.phases[..N].iter().enumerate() {
@@ -183,7 +183,7 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         self.evaluators[lane] = None;
     }
 
-    fn lane(&self, flow: &Flow<S, N>, lane: usize) -> Components {
+    fn lane(&self, flow: &BalancerLaneStates<S, N>, lane: usize) -> Components {
         let mut components = flow.lane(lane).components();
         if self.drive.is_some() {
             components.push(flow.elapsed[lane]);
@@ -191,49 +191,64 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         components
     }
 
-    fn set_lane(&self, flow: &mut Flow<S, N>, lane: usize, components: &[f64]) {
+    fn set_lane(&self, flow: &mut BalancerLaneStates<S, N>, lane: usize, components: &[f64]) {
         flow.set_lane(lane, components);
     }
 
     #[inline(always)]
-    fn select(&self, into: &mut Flow<S, N>, from: &Flow<S, N>, mask: mask64x8<S>) {
+    fn select(
+        &self,
+        into: &mut BalancerLaneStates<S, N>,
+        from: &BalancerLaneStates<S, N>,
+        mask: mask64x8<S>,
+    ) {
         into.select(from, mask);
     }
 
     #[inline(always)]
-    fn finite(&self, flow: &Flow<S, N>, start: Lanes<S>) -> Lanes<S> {
+    fn finite(&self, flow: &BalancerLaneStates<S, N>, start: Lanes<S>) -> Lanes<S> {
         flow.finite(start)
     }
 
     #[inline(always)]
-    fn square(&self, flow: &Flow<S, N>) -> Lanes<S> {
+    fn square(&self, flow: &BalancerLaneStates<S, N>) -> Lanes<S> {
         flow.square()
     }
 
     #[inline(always)]
-    fn position(&self, flow: &Flow<S, N>, contact: usize) -> Lanes<S> {
+    fn position(&self, flow: &BalancerLaneStates<S, N>, contact: usize) -> Lanes<S> {
         flow.angle[contact]
     }
 
     #[inline(always)]
-    fn set_position(&self, flow: &mut Flow<S, N>, contact: usize, position: Lanes<S>) {
+    fn set_position(
+        &self,
+        flow: &mut BalancerLaneStates<S, N>,
+        contact: usize,
+        position: Lanes<S>,
+    ) {
         flow.angle[contact] = position;
     }
 
     #[inline(always)]
-    fn speed(&self, flow: &Flow<S, N>, contact: usize) -> Lanes<S> {
+    fn speed(&self, flow: &BalancerLaneStates<S, N>, contact: usize) -> Lanes<S> {
         flow.speed[contact]
     }
 
     #[inline(always)]
-    fn expand(&self, room: &mut Room<S, N>, start: &Flow<S, N>, _displaced: bool) {
+    fn expand(
+        &self,
+        room: &mut BalancerWorkspace<S, N>,
+        start: &BalancerLaneStates<S, N>,
+        _displaced: bool,
+    ) {
         room.series.expand(&self.equations, (self.drive.as_deref(), &self.gaps), start);
     }
 
     #[inline(always)]
     fn within_tolerance(
         &self,
-        room: &Room<S, N>,
+        room: &BalancerWorkspace<S, N>,
         tolerance: [Lanes<S>; 2],
         before: Lanes<S>,
     ) -> Lanes<S> {
@@ -241,8 +256,8 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     }
 
     #[inline(always)]
-    fn look_over(&self, room: &mut Room<S, N>, length: Lanes<S>) -> u64 {
-        let Room { series, doubts, .. } = room;
+    fn look_over(&self, room: &mut BalancerWorkspace<S, N>, length: Lanes<S>) -> u64 {
+        let BalancerWorkspace { series, doubts, .. } = room;
         let watched = (&self.watched, &self.gaps);
         event_functions::look_over(series, &self.equations, watched, length, doubts);
         doubts.any()
@@ -250,20 +265,26 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
 
     fn first_event(
         &self,
-        room: &Room<S, N>,
+        room: &BalancerWorkspace<S, N>,
         own: &Lane,
         lane: usize,
         length: f64,
         ignored: &[Condition],
-    ) -> Ends {
-        let Some(balancer) = &self.balancers[lane] else { return Ends::Nothing };
+    ) -> StepEnd {
+        let Some(balancer) = &self.balancers[lane] else { return StepEnd::Nothing };
         let at = (lane, length);
         let own = (own, balancer, &self.gaps);
         event_location::first_event(&room.series, own, at, &room.doubts, ignored)
     }
 
     #[inline(always)]
-    fn at(&self, room: &Room<S, N>, start: &Flow<S, N>, time: Lanes<S>, into: &mut Flow<S, N>) {
+    fn at(
+        &self,
+        room: &BalancerWorkspace<S, N>,
+        start: &BalancerLaneStates<S, N>,
+        time: Lanes<S>,
+        into: &mut BalancerLaneStates<S, N>,
+    ) {
         *into = room.series.at(&self.equations, start, time);
         if self.drive.is_some() {
             into.elapsed += time;
@@ -273,22 +294,22 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     #[inline(always)]
     fn carry(
         &self,
-        room: &mut Room<S, N>,
-        displacement: &Flow<S, N>,
+        room: &mut BalancerWorkspace<S, N>,
+        displacement: &BalancerLaneStates<S, N>,
         length: Lanes<S>,
-    ) -> Flow<S, N> {
-        let Room { series, displaced, .. } = room;
+    ) -> BalancerLaneStates<S, N> {
+        let BalancerWorkspace { series, displaced, .. } = room;
         let equations = (&self.equations, self.drive.as_deref());
         tangent::carry(series, equations, displacement, length, displaced)
     }
 
     #[inline(always)]
-    fn rest(&self, state: &Flow<S, N>) -> u64 {
+    fn rest(&self, state: &BalancerLaneStates<S, N>) -> u64 {
         self.rest.is_near(self.equations.speed, &state.table)
     }
 
     #[inline(always)]
-    fn still(&self, room: &Room<S, N>) -> u64 {
+    fn still(&self, room: &BalancerWorkspace<S, N>) -> u64 {
         if self.sliding == 0 || self.drive.is_some() {
             return 0;
         }
@@ -305,7 +326,13 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         most.simd_le(Lanes::splat(simd, STILL)).to_bitmask() & self.sliding
     }
 
-    fn component(&self, room: &Room<S, N>, lane: usize, component: usize, start: f64) -> Powers {
+    fn component(
+        &self,
+        room: &BalancerWorkspace<S, N>,
+        lane: usize,
+        component: usize,
+        start: f64,
+    ) -> Powers {
         room.series.component(lane, component, start)
     }
 
@@ -322,19 +349,23 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
     }
 
     #[inline(always)]
-    fn vibration_of(&self, flow: &Flow<S, N>) -> [Lanes<S>; 2] {
+    fn vibration_of(&self, flow: &BalancerLaneStates<S, N>) -> [Lanes<S>; 2] {
         [flow.table[0], flow.table[1]]
     }
 
     #[inline(always)]
-    fn vibration_at(&self, room: &Room<S, N>, times: [Lanes<S>; 3]) -> [[Lanes<S>; 2]; 3] {
+    fn vibration_at(
+        &self,
+        room: &BalancerWorkspace<S, N>,
+        times: [Lanes<S>; 3],
+    ) -> [[Lanes<S>; 2]; 3] {
         room.series.table_at(times)
     }
 
     #[inline(always)]
     fn relative_travel(
         &self,
-        room: &Room<S, N>,
+        room: &BalancerWorkspace<S, N>,
         [one, other]: [usize; 2],
         length: Lanes<S>,
     ) -> Lanes<S> {
@@ -355,18 +386,18 @@ impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
         lane: usize,
         own: &Lane,
         state: &[f64],
-        with: impl FnOnce(&dyn InState) -> R,
+        with: impl FnOnce(&dyn ForceModel) -> R,
     ) -> R {
         let is_recorded = self.drive.is_some() || any_closed(&own.phases);
         if let Some(evaluator) = self.evaluator(lane).filter(|_| is_recorded) {
             // Not inlined a second time.
-            return called(with, &Evaluated::new(evaluator, state));
+            return called(with, &RecordedForces::new(evaluator, state));
         }
         let balancer = self.balancers[lane].as_ref();
         let balancer = balancer.expect("only lanes with a run are decided");
         let state =
             State::<N>::of_components(state).expect("the components are those of the lanes");
         let turned = turned(self.equations.speed.simd, state.beta);
-        with(&InPlace::new(balancer, own.surely_one_solution, (state, turned)))
+        with(&BalancerForces::new(balancer, own.surely_one_solution, (state, turned)))
     }
 }

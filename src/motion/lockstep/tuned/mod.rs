@@ -24,5 +24,5 @@ mod terms;
 mod turning;
 
 pub(super) use flow::angles;
-pub(super) use kernel::Tuned;
+pub(super) use kernel::TunedKernel;
 pub(super) use mode_selection::in_state;

@@ -9,13 +9,13 @@ use super::equations::{contact, contact_along, while_apart};
 use crate::model::{Balancer, Components, Contact, Dual, State, System};
 use crate::motion::Phase;
 use crate::motion::evaluator::{ContactForces, Forces};
-use crate::motion::force_model::{AHEAD, InState};
+use crate::motion::force_model::{AHEAD, ForceModel};
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Vector, vectorized};
 use crate::motion::lockstep::{LANES, Lanes};
 
 /// A balancer in one state.
-pub(super) struct InPlace<'a, const N: usize> {
+pub(super) struct BalancerForces<'a, const N: usize> {
     balancer: &'a Balancer<N>,
     state: State<N>,
     /// Sine and cosine of the angles.
@@ -23,14 +23,14 @@ pub(super) struct InPlace<'a, const N: usize> {
     surely_one_solution: bool,
 }
 
-impl<'a, const N: usize> InPlace<'a, N> {
+impl<'a, const N: usize> BalancerForces<'a, N> {
     /// Creates it from the state and the sine and cosine of each angle.
     pub(super) fn new(
         balancer: &'a Balancer<N>,
         surely_one_solution: bool,
         (state, turned): (State<N>, [(f64, f64); N]),
     ) -> Self {
-        InPlace { balancer, state, turned, surely_one_solution }
+        BalancerForces { balancer, state, turned, surely_one_solution }
     }
 
     fn contacts(&self, phases: &[Phase], state: &State<N>) -> [Contact; N] {
@@ -59,7 +59,7 @@ fn of_contacts<const N: usize, T: Copy>(
     Forces::from_slice(&std::array::from_fn::<_, N, _>(contact))
 }
 
-impl<const N: usize> InState for InPlace<'_, N> {
+impl<const N: usize> ForceModel for BalancerForces<'_, N> {
     fn limit(&self, contact: usize) -> f64 {
         self.balancer.balls[contact].friction.limit
     }
@@ -124,7 +124,7 @@ pub(super) fn turned<S: Vector, const N: usize>(simd: S, angles: [f64; N]) -> [(
 /// Calls a function that is large, without inlining it a second time.
 #[cold]
 #[inline(never)]
-pub(super) fn called<R>(with: impl FnOnce(&dyn InState) -> R, at: &dyn InState) -> R {
+pub(super) fn called<R>(with: impl FnOnce(&dyn ForceModel) -> R, at: &dyn ForceModel) -> R {
     with(at)
 }
 
@@ -133,7 +133,7 @@ pub(in crate::motion::lockstep) fn in_state<R>(
     system: &Arc<dyn System>,
     surely_one_solution: bool,
     state: &[f64],
-    with: impl FnOnce(&dyn InState) -> R,
+    with: impl FnOnce(&dyn ForceModel) -> R,
 ) -> Option<R> {
     if system.speed_terms().is_some() {
         return None;
@@ -144,7 +144,7 @@ pub(in crate::motion::lockstep) fn in_state<R>(
                 if let Some(balancer) = while_apart::<$balls>(system) {
                     let state = State::<$balls>::of_components(state)?;
                     let turned = state.beta.map(libm::sincos);
-                    return Some(with(&InPlace::new(
+                    return Some(with(&BalancerForces::new(
                         balancer,
                         surely_one_solution,
                         (state, turned),

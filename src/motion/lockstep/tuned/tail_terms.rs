@@ -11,7 +11,7 @@
 use fearless_simd::prelude::*;
 
 use super::equations::Equations;
-use super::series::{Higher, Series};
+use super::series::{BalancerSeries, HigherPowers};
 use super::tangent::LINEAR;
 use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::{Fused, Vector};
@@ -30,7 +30,7 @@ const FACTORIALS: [f64; LINEAR + BEYOND + 2] = {
     all
 };
 
-impl<S: Vector, const N: usize> Series<S, N> {
+impl<S: Vector, const N: usize> BalancerSeries<S, N> {
     /// Returns the powers of a displacement above those of its series, for steps of this length.
     #[inline(always)]
     pub(super) fn beyond(
@@ -38,7 +38,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
         equations: &Equations<S, N>,
         displaced: &Self,
         length: Lanes<S>,
-    ) -> Higher<S, N> {
+    ) -> HigherPowers<S, N> {
         let number = |value: f64| Lanes::splat(length.simd, value);
         let [a, b, c, d] = self.solver.inverse;
         // z̈ from position, velocity and the turning frame.
@@ -95,7 +95,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
             (place, speed) = (speed, acceleration);
             table[at] = acceleration;
         }
-        let mut higher = Higher::none(length.simd);
+        let mut higher = HigherPowers::none(length.simd);
         for (at, (table, speeds)) in table.iter().zip(&speeds).enumerate().rev() {
             let part = number(1.0 / FACTORIALS[LINEAR + at + 2]);
             for (axis, derivative) in table.iter().enumerate() {

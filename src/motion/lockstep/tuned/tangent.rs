@@ -3,9 +3,9 @@
 use fearless_simd::prelude::*;
 
 use super::equations::Equations;
-use super::flow::Flow;
+use super::flow::BalancerLaneStates;
 use super::recurrence::{Constants, Solving, products, solve};
-use super::series::{Higher, Series, with_drive};
+use super::series::{BalancerSeries, HigherPowers, with_drive};
 use super::turning::Drive;
 use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
@@ -13,13 +13,13 @@ use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 /// The highest power of time in the series of a displacement's speeds.
 pub(super) const LINEAR: usize = 14;
 
-impl<S: Vector, const N: usize> Series<S, N> {
+impl<S: Vector, const N: usize> BalancerSeries<S, N> {
     /// Expands a displacement from the expanded motion: the same equations to first order.
     #[inline(always)]
     pub(super) fn expand_displacement(
         &self,
         (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
-        start: &Flow<S, N>,
+        start: &BalancerLaneStates<S, N>,
         displaced: &mut Self,
     ) {
         let [x, y, x_dot, y_dot] = start.table;
@@ -89,7 +89,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
         displaced: &mut Self,
         k: usize,
     ) {
-        let Series { terms, residual, sums, .. } = displaced;
+        let BalancerSeries { terms, residual, sums, .. } = displaced;
         let [all, others] = sums;
         products(&self.terms, terms, k, all);
         products(terms, &self.terms, k, others);
@@ -121,15 +121,15 @@ impl<S: Vector, const N: usize> Series<S, N> {
 /// shift the time, and has no higher powers if the speed of the disc changes.
 #[inline(always)]
 pub(super) fn carry<S: Vector, const N: usize>(
-    series: &Series<S, N>,
+    series: &BalancerSeries<S, N>,
     (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
-    displacement: &Flow<S, N>,
+    displacement: &BalancerLaneStates<S, N>,
     length: Lanes<S>,
-    displaced: &mut Series<S, N>,
-) -> Flow<S, N> {
+    displaced: &mut BalancerSeries<S, N>,
+) -> BalancerLaneStates<S, N> {
     series.expand_displacement((equations, drive), displacement, displaced);
     let higher = match drive {
-        Some(_) => Higher::none(length.simd),
+        Some(_) => HigherPowers::none(length.simd),
         None => series.beyond(equations, displaced, length),
     };
     displaced.at_with(equations, displacement, length, LINEAR, higher)

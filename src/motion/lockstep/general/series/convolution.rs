@@ -3,7 +3,7 @@
 //! At the start of an order, most terms of all its sums are known, and at the start of an even order, most terms of the next
 //! order, too. Sums that are computed side by side share factors, which are loaded once: loads take longer than arithmetic.
 
-use super::expansion::{Convolution, Expansion, Running, Terms};
+use super::expansion::{Convolution, ConvolutionTerms, Expansion, RunningSum};
 use crate::graph::{Cell, Product};
 use crate::motion::lockstep::ORDER;
 
@@ -14,11 +14,12 @@ impl Expansion<'_> {
             Some(place) => place,
             None => {
                 let sums = vec![(None, vec![0; of.factors.len()]); ORDER + 2];
-                self.running.push(Running { of: of.clone(), sums });
+                self.running.push(RunningSum { of: of.clone(), sums });
                 // Sums with a factor in common stand together.
-                let factors = |one: &Running| one.of.factors[0];
-                let key =
-                    |one: &Running| (one.of.terms == Terms::Half, factors(one).1, factors(one).0);
+                let factors = |one: &RunningSum| one.of.factors[0];
+                let key = |one: &RunningSum| {
+                    (one.of.terms == ConvolutionTerms::Half, factors(one).1, factors(one).0)
+                };
                 self.running.sort_by_key(key);
                 self.running.iter().position(|running| running.of == of).unwrap_or(0)
             }
@@ -40,12 +41,12 @@ impl Expansion<'_> {
 
     /// Adds the terms that have become known, those with the lowest `n - j` first.
     fn add_known(&mut self, place: usize, n: usize) {
-        let Running { of: Convolution { factors, terms, .. }, sums } = &self.running[place];
+        let RunningSum { of: Convolution { factors, terms, .. }, sums } = &self.running[place];
         let (start, mut added) = sums[n].clone();
         let orders = match terms {
-            Terms::All => 0..n + 1,
-            Terms::Later => 1..n + 1,
-            Terms::Half => 0..n.div_ceil(2),
+            ConvolutionTerms::All => 0..n + 1,
+            ConvolutionTerms::Later => 1..n + 1,
+            ConvolutionTerms::Half => 0..n.div_ceil(2),
         };
         let mut products = Vec::new();
         for j in orders.rev() {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::graph::{Builder, Cell};
-use crate::motion::lockstep::general::elimination::Elimination;
+use crate::motion::lockstep::general::elimination::LuFactors;
 use crate::motion::lockstep::general::operations::{Operation, Operations, Slot};
 use crate::motion::lockstep::general::statics::StaticId;
 use crate::motion::lockstep::{ORDER, TERMS};
@@ -13,14 +13,14 @@ use crate::motion::lockstep::{ORDER, TERMS};
 pub(super) struct Convolution {
     /// `a`, `b`, and whether their product is subtracted.
     pub(super) factors: Vec<(Slot, Slot, bool)>,
-    pub(super) terms: Terms,
+    pub(super) terms: ConvolutionTerms,
     /// `n` less the order at which the sum is used.
     pub(super) ahead: usize,
 }
 
 /// The terms of a sum.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Terms {
+pub(super) enum ConvolutionTerms {
     All,
     /// Those without `a_0`.
     Later,
@@ -29,7 +29,7 @@ pub(super) enum Terms {
 }
 
 /// A sum with the terms that have been added.
-pub(super) struct Running {
+pub(super) struct RunningSum {
     pub(super) of: Convolution,
     /// For each `n`: the sum, and for each pair of factors the `j` of its terms as a bit mask.
     pub(super) sums: Vec<(Option<Cell>, Vec<u32>)>,
@@ -37,19 +37,19 @@ pub(super) struct Running {
 
 impl Convolution {
     /// The product of two series.
-    pub(super) fn of(a: Slot, b: Slot, terms: Terms) -> Self {
+    pub(super) fn of(a: Slot, b: Slot, terms: ConvolutionTerms) -> Self {
         Convolution { factors: vec![(a, b, false)], terms, ahead: 0 }
     }
 }
 
 /// What an operation knows from lower orders.
 #[derive(Default)]
-pub(super) struct Own {
+pub(super) struct LowerOrders {
     /// One over the first coefficient of a divisor, or one over twice that of a root.
     pub(super) inverse: Option<Cell>,
     /// Coefficients times their order.
     pub(super) rate: Vec<Option<Cell>>,
-    pub(super) elimination: Option<Elimination>,
+    pub(super) elimination: Option<LuFactors>,
     /// For each entry of a matrix, the factor of the square of a speed that is a residual.
     pub(super) residuals: Vec<Option<Cell>>,
 }
@@ -59,13 +59,13 @@ pub(super) struct Expansion<'o> {
     pub(super) builder: Builder,
     /// Whether a coefficient may differ from zero.
     pub(super) not_zero: Vec<bool>,
-    pub(super) own: Vec<Own>,
+    pub(super) own: Vec<LowerOrders>,
     /// By the sine of a turning angle: the next coefficients of the products of sine and cosine with the speed, without
     /// those that contain the coefficient of the speed.
     pub(super) ahead: HashMap<Slot, [Option<Cell>; 2]>,
     /// The number of coefficients of each series that are known.
     pub(super) known: Vec<usize>,
-    pub(super) running: Vec<Running>,
+    pub(super) running: Vec<RunningSum>,
 }
 
 /// The pairs of a sum of `a_j b_(k-j)` for `j` in `orders`.

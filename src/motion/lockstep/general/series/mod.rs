@@ -17,8 +17,8 @@ use super::operations::{Operations, Slot};
 use super::radius::radii;
 use crate::graph::{Builder, Cell, Program, tangent};
 use crate::motion::lockstep::{ORDER, TERMS};
-use expansion::{Expansion, Own};
-pub(super) use screen::{Bound, Screen};
+use expansion::{Expansion, LowerOrders};
+pub(super) use screen::{ConditionBound, Screen};
 
 /// The programs of a step; each runs after those before it, if at all.
 #[derive(Clone, Debug)]
@@ -57,7 +57,7 @@ impl Operations {
             of: self,
             builder: Builder::with_cells(self.cells()),
             not_zero: vec![false; self.slots * TERMS],
-            own: self.all.iter().map(|_| Own::default()).collect(),
+            own: self.all.iter().map(|_| LowerOrders::default()).collect(),
             ahead: HashMap::new(),
             known: vec![0; self.slots],
             running: Vec::new(),
