@@ -121,7 +121,7 @@ impl LaneRun {
         if self.stages.is_last() && self.rests(group, lane) {
             return (self.ends(group, lane, Ending::Rest), None);
         }
-        group.set_told(lane, !matches!(self.watch, CycleWatch::None));
+        group.set_reporting(lane, !matches!(self.watch, CycleWatch::None));
         self.stages.watch(group, lane);
         self.plan(group, lane);
         (Next::Stay, Some(self))

@@ -239,7 +239,7 @@ impl LaneRun {
         let gaps = self.view.system().touching()?.gaps();
         let state = step.group.state(step.lane);
         let phases = step.group.phases(step.lane);
-        let (_, forces) = self.view.evaluator.in_state(&state).forces_and_gaps(phases);
+        let (_, forces) = self.view.evaluator.incremental_forces(&state).forces_and_gaps(phases);
         let closed = gaps.iter().zip(&forces).zip(&phases[self.view.contacts.len()..]);
         let closed = closed.filter(|(_, phase)| **phase == Phase::Closed);
         let largest = closed.max_by(|one, other| one.0.1.force.total_cmp(&other.0.1.force));

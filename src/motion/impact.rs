@@ -17,9 +17,9 @@
 
 use smallvec::{SmallVec, smallvec};
 
+use super::impulse_response::ImpactPlace;
 use super::impulses::{GapLaw, ImpactEquations, Impulses, Pairs};
 use super::linear_system::Solved;
-use super::response::ImpactPlace;
 use super::{Evaluator, Failure, Phase};
 use crate::model::{Components, Elementary, ImpactLaw};
 

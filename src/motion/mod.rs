@@ -1,6 +1,5 @@
 //! How the system moves: integration of smooth phases, stick and slip, switches between them.
 
-mod alone;
 mod cancellation;
 mod cluster;
 mod condition;
@@ -9,23 +8,24 @@ mod event_driven;
 mod failure;
 mod force_model;
 mod impact;
+mod impulse_response;
 mod impulses;
-mod in_one_state;
+mod incremental_forces;
 mod instant;
 mod joint_decision;
 mod linear_system;
 pub(crate) mod lockstep;
-mod modes;
 mod phase;
 mod residual_speeds;
-mod response;
 mod root;
 mod saltation;
+mod separate_contacts;
 mod settings;
 mod single;
+mod stick_slip;
 mod switch_model;
-mod touching;
 mod touching_decision;
+mod touching_system;
 
 pub(crate) use cancellation::unwind_if_cancelled;
 pub use cancellation::{Cancellation, is_cancelled};
@@ -33,16 +33,16 @@ pub use evaluator::{ContactForces, Evaluator, Forces, GapForces};
 pub use failure::Failure;
 pub(crate) use failure::SINGULAR;
 pub(crate) use impact::Hit;
-pub use in_one_state::IncrementalForces;
+pub use impulse_response::{ImpactPlace, ImpulseResponse};
+pub use incremental_forces::IncrementalForces;
 pub use instant::Instant;
 pub use lockstep::SimdLevel;
-pub use modes::decide;
 pub(crate) use phase::any_closed;
 pub use phase::{Direction, PerContact, Phase, Phases, all_stick};
-pub use response::{ImpactPlace, ImpulseResponse};
 pub use root::fall_through_zero;
 pub use settings::{Effort, SLOW, Settings, Touches, most_steps_by};
 pub use single::Motion;
+pub use stick_slip::decide;
 pub use switch_model::SLACK;
 
 pub use crate::model::Tolerance;

@@ -3,8 +3,8 @@
 
 use smallvec::SmallVec;
 
-use super::response::ImpactPlace;
-use super::touching::TouchingSystem;
+use super::impulse_response::ImpactPlace;
+use super::touching_system::TouchingSystem;
 use super::{Phase, Phases};
 use crate::model::{Components, TOUCHING};
 

@@ -30,7 +30,7 @@ use smallvec::smallvec;
 
 use super::condition::Condition;
 use super::force_model::ForceModel;
-use super::touching::TouchingSystem;
+use super::touching_system::TouchingSystem;
 use super::{Evaluator, Phase, Phases, Settings};
 use crate::model::{Components, Dual};
 

@@ -14,16 +14,16 @@
 
 use smallvec::SmallVec;
 
-use super::alone::SeparateContacts;
 use super::cluster::{HeldCluster, held_clusters};
 use super::evaluator::{ContactForces, Forces, GapForces};
 use super::force_model::RecordedForces;
-use super::in_one_state::TOGETHER;
+use super::incremental_forces::TOGETHER;
 use super::joint_decision::{check_forces, is_finite, only_motion};
 use super::lockstep::width;
-use super::modes::decide_at_rest;
 use super::phase::any_closed;
-use super::touching::TouchingSystem;
+use super::separate_contacts::SeparateContacts;
+use super::stick_slip::decide_at_rest;
+use super::touching_system::TouchingSystem;
 use super::{Direction, Failure, IncrementalForces, Phase, Phases, event_driven, switch_model};
 use crate::model::{Holding, Method};
 
@@ -42,12 +42,12 @@ impl TouchingSystem<'_> {
         fixed: &[usize],
     ) -> Result<(), Failure> {
         if self.openings.is_empty() && !any_closed(phases) {
-            let in_state = RecordedForces::new(self.evaluator, state);
-            return decide_at_rest(self.settings.method, &in_state, phases, fixed);
+            let model = RecordedForces::new(self.evaluator, state);
+            return decide_at_rest(self.settings.method, &model, phases, fixed);
         }
         let slack = self.slack();
         let given = phases.clone();
-        let mut equations = self.evaluator.in_state(state);
+        let mut equations = self.evaluator.incremental_forces(state);
         type Found = (Forces, SmallVec<[GapForces; 8]>);
         let fits = |candidate: &Phases, (forces, gaps): &Found, least: f64| {
             let fit = || self.fits(candidate, &given, (forces, gaps), fixed, [slack, least]);

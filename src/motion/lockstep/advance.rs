@@ -7,20 +7,20 @@ use std::sync::Arc;
 use fearless_simd::{mask64x8, prelude::*};
 use smallvec::SmallVec;
 
-use super::group::{KernelLanes, carry};
 use super::kernel::{Kernel, StepEnd};
+use super::kernel_lanes::{KernelLanes, carry};
 use super::lane::Lane;
 use super::step_report::StepReport;
-use super::{LANES, Lanes, gaps};
+use super::{LANES, Lanes, open_gaps};
 use crate::model::{Components, Method};
 use crate::motion::condition::Condition;
 use crate::motion::impact::Impact;
 use crate::motion::joint_decision::check_forces;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
-use crate::motion::modes::start_phases;
 use crate::motion::saltation::{saltation, saltation_at_impact, saltation_at_reset};
 use crate::motion::settings::MOST_AT_ONCE;
-use crate::motion::touching::TouchingSystem;
+use crate::motion::stick_slip::start_phases;
+use crate::motion::touching_system::TouchingSystem;
 use crate::motion::{Evaluator, Failure, Phase, Phases, any_closed, event_driven, switch_model};
 
 /// The shortest step, over the elapsed time, that still changes the time.
@@ -49,14 +49,14 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut KernelLanes<S, K>, displaced: bool) -> 
             Lanes::splat(simd, $value)
         };
     }
-    let mut happened = StepReport { told: g.told, ..StepReport::default() };
-    g.kernel.expand(&mut g.room, &g.state, displaced);
-    let within = g.kernel.within_tolerance(&g.room, g.tolerance, g.next).min(g.longest);
+    let mut happened = StepReport { reporting_lanes: g.reporting_lanes, ..StepReport::default() };
+    g.kernel.expand(&mut g.workspace, &g.state, displaced);
+    let within = g.kernel.within_tolerance(&g.workspace, g.tolerance, g.next).min(g.longest);
     let left = g.until - g.time;
     let mut length = within.min(left);
     let mut failed = [None; LANES];
-    let mut looks = g.kernel.look_over(&mut g.room, length) & g.alive;
-    looks |= g.gaps.look_over((&g.kernel, &g.room, &g.state), g.alive, length);
+    let mut looks = g.kernel.screen_conditions(&mut g.workspace, length) & g.alive;
+    looks |= g.gaps.screen((&g.kernel, &g.workspace, &g.state), g.alive, length);
     while looks != 0 {
         let lane = looks.trailing_zeros() as usize;
         looks &= looks - 1;
@@ -70,7 +70,7 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut KernelLanes<S, K>, displaced: bool) -> 
             Err(failure) => happened.fail(lane, failure),
         }
     }
-    g.kernel.at(&g.room, &g.state, length, &mut g.end);
+    g.kernel.at(&g.workspace, &g.state, length, &mut g.end);
     // Zero, unless a component is infinite or NaN.
     let finite = g.kernel.finite(&g.end, within * c!(0.0)).simd_eq(c!(0.0));
     let moves = within.simd_ge(g.time.max(c!(1.0)) * c!(SHORTEST));
@@ -87,7 +87,7 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut KernelLanes<S, K>, displaced: bool) -> 
     let commits = mask64x8::from_bitmask(simd, commit);
     happened.taken = commit;
     g.taken += c!(1.0);
-    happened.still = g.kernel.still(&g.room) & commit;
+    happened.still = g.kernel.still(&g.workspace) & commit;
 
     g.next = commits.select(within, g.next);
     g.before.clone_from(&g.state);
@@ -116,7 +116,7 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut KernelLanes<S, K>, displaced: bool) -> 
     happened.round = round.to_bitmask();
     if displaced {
         g.displacement_before.clone_from(&g.displacement);
-        let moved = carry(simd, &g.kernel, &mut g.room, &g.displacement, length);
+        let moved = carry(simd, &g.kernel, &mut g.workspace, &g.displacement, length);
         g.kernel.select(&mut g.displacement, &moved, commits);
         let size = g.kernel.square(&g.displacement);
         let extreme = size.simd_gt(c!(LARGE)) | size.simd_lt(c!(1.0 / LARGE));
@@ -163,9 +163,9 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut KernelLanes<S, K>, displaced: bool) -> 
 fn largest_square<S: Vector, K: Kernel<S>>(g: &KernelLanes<S, K>, length: Lanes<S>) -> Lanes<S> {
     let zero = Lanes::splat(g.simd, 0.0);
     let (mut least, mut most) = (Lanes::splat(g.simd, f64::INFINITY), zero);
-    let ends = [&g.before, &g.end].map(|flow| g.kernel.vibration_of(flow));
+    let ends = [&g.before, &g.end].map(|states| g.kernel.vibration_of(states));
     let times = [0.25, 0.5, 0.75].map(|part| Lanes::splat(g.simd, part) * length);
-    for [x, y] in ends.into_iter().chain(g.kernel.vibration_at(&g.room, times)) {
+    for [x, y] in ends.into_iter().chain(g.kernel.vibration_at(&g.workspace, times)) {
         let square = x.fused(x, y * y);
         least = least.min(square);
         most = most.max(square);
@@ -192,10 +192,10 @@ fn first_event<S: Vector, K: Kernel<S>>(
     let Some(own) = &g.lanes[lane] else { return Ok(None) };
     let mut ignored = SmallVec::<[Condition; 4]>::new();
     loop {
-        let mut first = g.kernel.first_event(&g.room, own, lane, length, &ignored);
-        if g.gaps.doubts & 1 << lane != 0 {
-            let series = (g.simd, &g.kernel, &*g.room, &g.state);
-            gaps::first_closing(series, (lane, own), length, &mut first);
+        let mut first = g.kernel.first_event(&g.workspace, own, lane, length, &ignored);
+        if g.gaps.lanes_to_examine & 1 << lane != 0 {
+            let series = (g.simd, &g.kernel, &*g.workspace, &g.state);
+            open_gaps::first_closing(series, (lane, own), length, &mut first);
         }
         match first {
             StepEnd::Nothing => return Ok(None),
@@ -223,7 +223,7 @@ fn first_event<S: Vector, K: Kernel<S>>(
 /// Replaces the phases in `phases`, which are those of the run, by those after an event. Contacts that stop lose their speed
 /// in `state`, and an event or an impact, which is returned, resets it.
 fn decide<S: Vector, K: Kernel<S>>(
-    (kernel, flow, time): (&K, &K::LaneStates, f64),
+    (kernel, states, time): (&K, &K::LaneStates, f64),
     (lane, own): (usize, &Lane),
     (state, phases): (&mut Components, &mut Phases),
     StepEvent { failed, at_once }: StepEvent,
@@ -247,8 +247,8 @@ fn decide<S: Vector, K: Kernel<S>>(
                 }
             }
             let system = own.system.as_ref();
-            *phases =
-                kernel.in_state(lane, own, state, |at| start_phases(system, own.settings, at))?;
+            *phases = kernel
+                .with_force_model(lane, own, state, |at| start_phases(system, own.settings, at))?;
             return Ok(None);
         }
         Condition::Gap(_) | Condition::Landing(_) => {
@@ -265,7 +265,7 @@ fn decide<S: Vector, K: Kernel<S>>(
         return Err(Failure::ContactLost { ball: contact + 1 });
     }
     let position = |contact: usize| state[kernel.coordinates(contact).0];
-    if own.has_openings || any_closed(phases) || gaps::any_touch(own, position) {
+    if own.has_openings || any_closed(phases) || open_gaps::any_touch(own, position) {
         return with_evaluator(kernel, (lane, own), |evaluator| {
             if let Some(in_touch) = TouchingSystem::new(evaluator, own.settings) {
                 let failed = (contact < kernel.contacts()).then_some(contact);
@@ -277,13 +277,14 @@ fn decide<S: Vector, K: Kernel<S>>(
     }
     let speed = |contact: usize| match kernel.coordinates(contact) {
         (_, Some(component)) => state[component],
-        (_, None) => kernel.speed(flow, contact)[lane],
+        (_, None) => kernel.speed(states, contact)[lane],
     };
     match own.settings.method {
         Method::Switch => {
             switch_model::cross_band(own.settings.band, phases, speed);
-            kernel
-                .in_state(lane, own, state, |at| switch_model::decide(at, phases, check_forces))?;
+            kernel.with_force_model(lane, own, state, |at| {
+                switch_model::decide(at, phases, check_forces)
+            })?;
         }
         Method::Event => {
             let (at_rest, stopped) = event_driven::stop(phases, speed, stops_at_once(contact));
@@ -293,14 +294,14 @@ fn decide<S: Vector, K: Kernel<S>>(
                     (None, Some(component)) => {
                         let mut unit = Components::from_elem(0.0, state.len());
                         unit[component] = 1.0;
-                        state[component] -= kernel.in_state(lane, own, state, |at| {
+                        state[component] -= kernel.with_force_model(lane, own, state, |at| {
                             at.speed(contact) / at.speed_along(contact, &unit)
                         });
                     }
                     (None, None) => {}
                 }
             }
-            kernel.in_state(lane, own, state, |at| {
+            kernel.with_force_model(lane, own, state, |at| {
                 event_driven::decide(at, phases, &at_rest, check_forces)
             })?;
         }
@@ -344,7 +345,7 @@ fn switch<S: Vector, K: Kernel<S>>(
         let mut direction = kernel.lane(&g.displacement, lane);
         own.grazed |= match (event.failed, kernel.evaluator(lane)) {
             (Condition::Contact { contact, which }, _) => {
-                kernel.in_state(lane, own, &state, |at| {
+                kernel.with_force_model(lane, own, &state, |at| {
                     let sides: [&[Phase]; 2] = [&own.phases, &phases];
                     saltation(at, sides, (contact, which), &mut direction)
                 })

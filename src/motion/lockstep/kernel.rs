@@ -32,51 +32,57 @@ pub(super) trait Kernel<S: Vector>: Sized {
     /// Returns whether the position of a contact is an angle.
     fn is_angular(&self, contact: usize) -> bool;
     /// Returns the components of a state, zero in all lanes.
-    fn flow(&self, simd: S) -> Self::LaneStates;
+    fn lane_states(&self, simd: S) -> Self::LaneStates;
     /// Returns the work space of a step.
-    fn room(&self, simd: S) -> Self::Workspace;
+    fn workspace(&self, simd: S) -> Self::Workspace;
 
     /// Sets the parameters of a lane, without those that depend on phases.
     fn set_system(&mut self, lane: usize, own: &Lane);
     /// Sets the parameters of a lane that depend on its phases and on what only events change.
-    fn set_phases(&mut self, room: &mut Self::Workspace, lane: usize, own: &Lane, state: &[f64]);
+    fn set_phases(
+        &mut self,
+        workspace: &mut Self::Workspace,
+        lane: usize,
+        own: &Lane,
+        state: &[f64],
+    );
     /// Prepares the detection of rest from a state in which a lane begins a phase.
     fn set_rest(&mut self, lane: usize, own: &Lane, state: &[f64]);
     /// Forgets a lane.
     fn clear(&mut self, lane: usize);
 
     /// Returns the components of one lane.
-    fn lane(&self, flow: &Self::LaneStates, lane: usize) -> Components;
+    fn lane(&self, states: &Self::LaneStates, lane: usize) -> Components;
     /// Sets the components of one lane.
-    fn set_lane(&self, flow: &mut Self::LaneStates, lane: usize, components: &[f64]);
+    fn set_lane(&self, states: &mut Self::LaneStates, lane: usize, components: &[f64]);
     /// Replaces the components in the lanes of a mask.
     fn select(&self, into: &mut Self::LaneStates, from: &Self::LaneStates, mask: mask64x8<S>);
     /// Returns zero in the lanes in which all components are finite.
-    fn finite(&self, flow: &Self::LaneStates, start: Lanes<S>) -> Lanes<S>;
+    fn finite(&self, states: &Self::LaneStates, start: Lanes<S>) -> Lanes<S>;
     /// Returns the sum of the squares of all components.
-    fn square(&self, flow: &Self::LaneStates) -> Lanes<S>;
+    fn square(&self, states: &Self::LaneStates) -> Lanes<S>;
     /// Returns the position of a contact.
-    fn position(&self, flow: &Self::LaneStates, contact: usize) -> Lanes<S>;
+    fn position(&self, states: &Self::LaneStates, contact: usize) -> Lanes<S>;
     /// Replaces the position of a contact.
-    fn set_position(&self, flow: &mut Self::LaneStates, contact: usize, position: Lanes<S>);
+    fn set_position(&self, states: &mut Self::LaneStates, contact: usize, position: Lanes<S>);
     /// Returns the sliding speed of a contact.
-    fn speed(&self, flow: &Self::LaneStates, contact: usize) -> Lanes<S>;
+    fn speed(&self, states: &Self::LaneStates, contact: usize) -> Lanes<S>;
 
     /// Expands the motion from a state. If `displaced`, displacements of this motion can be propagated afterwards.
-    fn expand(&self, room: &mut Self::Workspace, start: &Self::LaneStates, displaced: bool);
+    fn expand(&self, workspace: &mut Self::Workspace, start: &Self::LaneStates, displaced: bool);
     /// Returns the longest step within the tolerance; `before` is that of the previous step.
     fn within_tolerance(
         &self,
-        room: &Self::Workspace,
+        workspace: &Self::Workspace,
         tolerance: [Lanes<S>; 2],
         before: Lanes<S>,
     ) -> Lanes<S>;
     /// Returns the lanes in which a condition may fail in a step of this length.
-    fn look_over(&self, room: &mut Self::Workspace, length: Lanes<S>) -> u64;
+    fn screen_conditions(&self, workspace: &mut Self::Workspace, length: Lanes<S>) -> u64;
     /// Returns the end of a step of one lane; a condition that `ignored` names is not examined.
     fn first_event(
         &self,
-        room: &Self::Workspace,
+        workspace: &Self::Workspace,
         own: &Lane,
         lane: usize,
         length: f64,
@@ -85,7 +91,7 @@ pub(super) trait Kernel<S: Vector>: Sized {
     /// Writes the state a time later to `into`.
     fn at(
         &self,
-        room: &Self::Workspace,
+        workspace: &Self::Workspace,
         start: &Self::LaneStates,
         time: Lanes<S>,
         into: &mut Self::LaneStates,
@@ -93,20 +99,20 @@ pub(super) trait Kernel<S: Vector>: Sized {
     /// Propagates displacements over a step of this length.
     fn carry(
         &self,
-        room: &mut Self::Workspace,
+        workspace: &mut Self::Workspace,
         displacement: &Self::LaneStates,
         length: Lanes<S>,
     ) -> Self::LaneStates;
     /// Returns the lanes that may rest for good.
     fn rest(&self, state: &Self::LaneStates) -> u64;
     /// Returns the lanes in which everything is slow at the start of the step.
-    fn still(&self, room: &Self::Workspace) -> u64;
+    fn still(&self, workspace: &Self::Workspace) -> u64;
 
     /// Returns the coefficients of a component in one lane, from order zero, as the series of the state in time. Missing
     /// coefficients are 0.
     fn component(
         &self,
-        room: &Self::Workspace,
+        workspace: &Self::Workspace,
         lane: usize,
         component: usize,
         start: f64,
@@ -118,14 +124,15 @@ pub(super) trait Kernel<S: Vector>: Sized {
     /// Returns the components whose displacement is measured.
     fn vibration(&self) -> Option<[usize; 2]>;
     /// Returns the measured displacement of a state; zero without one.
-    fn vibration_of(&self, flow: &Self::LaneStates) -> [Lanes<S>; 2];
+    fn vibration_of(&self, states: &Self::LaneStates) -> [Lanes<S>; 2];
     /// Returns the measured displacement at three times after the start of the step; zero without one.
-    fn vibration_at(&self, room: &Self::Workspace, times: [Lanes<S>; 3]) -> [[Lanes<S>; 2]; 3];
+    fn vibration_at(&self, workspace: &Self::Workspace, times: [Lanes<S>; 3])
+    -> [[Lanes<S>; 2]; 3];
 
     /// Returns a bound on how much the distance of two contacts changes in a step of this length.
     fn relative_travel(
         &self,
-        room: &Self::Workspace,
+        workspace: &Self::Workspace,
         pair: [usize; 2],
         length: Lanes<S>,
     ) -> Lanes<S>;
@@ -133,7 +140,7 @@ pub(super) trait Kernel<S: Vector>: Sized {
     /// Returns the equations of the system in a lane, for events that reset its state.
     fn evaluator(&self, lane: usize) -> Option<&Evaluator>;
     /// Calls `with` with the system in one state, for deciding its modes.
-    fn in_state<R>(
+    fn with_force_model<R>(
         &self,
         lane: usize,
         own: &Lane,

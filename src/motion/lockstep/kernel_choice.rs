@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::general::GeneralKernel;
-use super::group::KernelLanes;
+use super::kernel_lanes::KernelLanes;
 use super::lane_group::LaneGroup;
 use super::simd_level::{Instructions, SimdLevel};
 use super::tuned::TunedKernel;

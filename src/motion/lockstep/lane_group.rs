@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use fearless_simd::prelude::*;
 
-use super::group::{KernelLanes, carry};
 use super::kernel::Kernel;
-use super::saved::SavedRun;
+use super::kernel_lanes::{KernelLanes, carry};
+use super::saved_run::SavedRun;
 use super::step_report::StepReport;
 use super::step_states::StepStates;
 use super::vector::Vector;
@@ -40,7 +40,7 @@ pub(crate) trait LaneGroup: StepStates {
     /// `square`.
     fn watch_amplitude(&mut self, lane: usize, square: f64);
     /// Sets whether turns and switches of a lane are reported.
-    fn set_told(&mut self, lane: usize, told: bool);
+    fn set_reporting(&mut self, lane: usize, reports: bool);
     /// Returns whether a time may shorten the next step of a lane.
     fn reaches(&self, lane: usize, time: f64) -> bool;
     /// Returns the length of the longest possible step of a lane.
@@ -178,9 +178,9 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
         self.watched_square[lane] = square;
     }
 
-    fn set_told(&mut self, lane: usize, told: bool) {
+    fn set_reporting(&mut self, lane: usize, reports: bool) {
         let bit = 1 << lane;
-        self.told = self.told & !bit | if told { bit } else { 0 };
+        self.reporting_lanes = self.reporting_lanes & !bit | if reports { bit } else { 0 };
     }
 
     fn reaches(&self, lane: usize, time: f64) -> bool {
@@ -272,8 +272,8 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
 
     fn displacements_within(&mut self, after: f64) -> Vec<Components> {
         let length = Lanes::splat(self.simd, after);
-        let flow =
-            carry(self.simd, &self.kernel, &mut self.room, &self.displacement_before, length);
-        (0..LANES).map(|lane| self.kernel.lane(&flow, lane)).collect()
+        let states =
+            carry(self.simd, &self.kernel, &mut self.workspace, &self.displacement_before, length);
+        (0..LANES).map(|lane| self.kernel.lane(&states, lane)).collect()
     }
 }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use fearless_simd::SimdBase;
 
 use super::general::GeneralKernel;
-use super::group::KernelLanes;
 use super::kernel::{Kernel, StepEnd};
+use super::kernel_lanes::KernelLanes;
 use super::lane_group::LaneGroup;
 use super::simd_level::{tested_vectors, with_each_level};
 use super::tuned::TunedKernel;
@@ -85,14 +85,14 @@ fn seen_in<S: Vector, K: Kernel<S>>(
                 group.put(lane, &saved, 10.0);
             }
         }
-        let KernelLanes { kernel, room, state, lanes, .. } = &mut group;
-        kernel.expand(room, state, false);
-        let doubts = kernel.look_over(room, Lanes::splat(simd, LENGTH));
+        let KernelLanes { kernel, workspace, state, lanes, .. } = &mut group;
+        kernel.expand(workspace, state, false);
+        let lanes_to_examine = kernel.screen_conditions(workspace, Lanes::splat(simd, LENGTH));
         for (lane, own) in lanes.iter().enumerate() {
             let Some(own) = own else { continue };
             let start = kernel.lane(state, lane);
             let powers: Vec<_> = (0..start.len())
-                .map(|component| kernel.component(room, lane, component, start[component]))
+                .map(|component| kernel.component(workspace, lane, component, start[component]))
                 .collect();
             let fails =
                 (1..=PLACES).map(|place| f64::from(place) / f64::from(PLACES)).find(|part| {
@@ -103,7 +103,7 @@ fn seen_in<S: Vector, K: Kernel<S>>(
                     let state: Components = powers.iter().map(|powers| sum(powers)).collect();
                     leaves(&balancer, &own.phases, &state)
                 });
-            let doubted = doubts & 1 << lane != 0;
+            let doubted = lanes_to_examine & 1 << lane != 0;
             let Some(fails) = fails else {
                 stayed += 1;
                 unseen += usize::from(!doubted);
@@ -111,7 +111,7 @@ fn seen_in<S: Vector, K: Kernel<S>>(
             };
             left += 1;
             assert!(doubted, "{round} {lane}: at {fails}");
-            match kernel.first_event(room, own, lane, LENGTH, &[]) {
+            match kernel.first_event(workspace, own, lane, LENGTH, &[]) {
                 StepEnd::At(part, _) => assert!(part <= fails, "{part} {fails}"),
                 StepEnd::AtOnce(_) | StepEnd::Nothing => panic!("{round} {lane}: at {fails}"),
             }

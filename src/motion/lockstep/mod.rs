@@ -13,22 +13,22 @@
 //! for bit in any lane, beside any neighbours, and in vectors of any width.
 
 mod advance;
-mod curve;
-mod gaps;
 mod general;
-mod group;
 mod held;
 mod kernel;
 mod kernel_choice;
+mod kernel_lanes;
 mod lane;
+mod lane_bounds;
 mod lane_group;
 #[cfg(test)]
 mod leaving_the_ring;
 mod machine_code;
+mod open_gaps;
 mod pressure;
 mod root_isolation;
 mod run;
-mod saved;
+mod saved_run;
 mod simd_level;
 mod sizes;
 mod step_length;
@@ -40,7 +40,7 @@ mod vector;
 
 pub(crate) use lane_group::LaneGroup;
 pub(super) use root_isolation::width;
-pub(crate) use saved::SavedRun;
+pub(crate) use saved_run::SavedRun;
 pub use simd_level::SimdLevel;
 pub(crate) use sizes::{LANES, Lanes};
 use sizes::{ORDER, TERMS};

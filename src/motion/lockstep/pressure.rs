@@ -3,8 +3,8 @@
 use fearless_simd::SimdBase;
 
 use super::Lanes;
-use super::curve::LaneBounds;
 use super::lane::Lane;
+use super::lane_bounds::LaneBounds;
 use crate::model::Gap;
 use crate::motion::Phase;
 use crate::motion::lockstep::vector::Vector;

@@ -23,7 +23,7 @@ pub(crate) struct StepReport {
     /// Without dry friction: a contact has turned back, which no condition detects.
     pub(crate) turned: u64,
     /// The lanes for which events, completed turns and reversals are reported.
-    pub(crate) told: u64,
+    pub(crate) reporting_lanes: u64,
     /// Lanes that cannot continue.
     pub(crate) failed: u64,
     pub(super) failures: [Option<Failure>; LANES],
@@ -32,7 +32,7 @@ pub(crate) struct StepReport {
 impl StepReport {
     /// Returns the lanes with anything to report.
     pub(crate) fn any(&self) -> u64 {
-        let happened = (self.event | self.round | self.turned) & self.told;
+        let happened = (self.event | self.round | self.turned) & self.reporting_lanes;
         happened | self.attention | self.larger | self.rest | self.still | self.failed
     }
 

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use fearless_simd::prelude::*;
 use smallvec::SmallVec;
 
-use super::group::KernelLanes;
 use super::kernel::Kernel;
+use super::kernel_lanes::KernelLanes;
 use super::root_isolation::{PolynomialPoint, guess};
 use super::sizes::{Powers, TERMS};
 use crate::model::Components;
@@ -111,7 +111,7 @@ fn value(powers: &Powers, time: f64) -> f64 {
 impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
     /// Returns a component at a time after the start of the latest step; `start` is the state there.
     fn component_at(&self, lane: usize, component: usize, start: &[f64], after: f64) -> f64 {
-        let powers = self.kernel.component(&self.room, lane, component, start[component]);
+        let powers = self.kernel.component(&self.workspace, lane, component, start[component]);
         vectorized!(self.simd, value(&powers, after))
     }
 
@@ -119,8 +119,8 @@ impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
     #[inline(never)]
     fn state_at(&self, lane: usize, after: f64) -> Components {
         let time = Lanes::splat(self.simd, after);
-        let mut state = self.kernel.flow(self.simd);
-        vectorized!(self.simd, self.kernel.at(&self.room, &self.before, time, &mut state));
+        let mut state = self.kernel.lane_states(self.simd);
+        vectorized!(self.simd, self.kernel.at(&self.workspace, &self.before, time, &mut state));
         self.kernel.lane(&state, lane)
     }
 }
@@ -139,7 +139,7 @@ impl<S: Vector, K: Kernel<S>> StepStates for KernelLanes<S, K> {
         let simd = self.simd;
         let mut states = std::array::from_fn(|_| start.clone());
         for component in 0..start.len() {
-            let powers = self.kernel.component(&self.room, lane, component, start[component]);
+            let powers = self.kernel.component(&self.workspace, lane, component, start[component]);
             let values = vectorized!(simd, along(simd, after, &powers));
             for (place, state) in states.iter_mut().enumerate() {
                 state[component] = values[place];
@@ -153,7 +153,7 @@ impl<S: Vector, K: Kernel<S>> StepStates for KernelLanes<S, K> {
     }
 
     fn rate_within(&self, lane: usize, component: usize, after: f64) -> f64 {
-        let powers = self.kernel.component(&self.room, lane, component, 0.0);
+        let powers = self.kernel.component(&self.workspace, lane, component, 0.0);
         vectorized!(self.simd, value_and_rate(&powers, after).1)
     }
 
@@ -184,8 +184,8 @@ impl<S: Vector, K: Kernel<S>> StepStates for KernelLanes<S, K> {
     fn squares_within(&self, lane: usize, after: [f64; 5]) -> [f64; 5] {
         let Some([x, y]) = self.kernel.vibration() else { return [0.0; 5] };
         // Not a map over both, which would copy the series.
-        let x = self.kernel.component(&self.room, lane, x, 0.0);
-        let y = self.kernel.component(&self.room, lane, y, 0.0);
+        let x = self.kernel.component(&self.workspace, lane, x, 0.0);
+        let y = self.kernel.component(&self.workspace, lane, y, 0.0);
         let simd = self.simd;
         let squares = vectorized!(simd, {
             let [x, y] = [along(simd, after, &x), along(simd, after, &y)];
@@ -204,8 +204,8 @@ impl<S: Vector, K: Kernel<S>> StepStates for KernelLanes<S, K> {
         let mut largest = SmallVec::new();
         let Some([x, y]) = self.kernel.vibration() else { return largest };
         let powers = [
-            self.kernel.component(&self.room, lane, x, 0.0),
-            self.kernel.component(&self.room, lane, y, 0.0),
+            self.kernel.component(&self.workspace, lane, x, 0.0),
+            self.kernel.component(&self.workspace, lane, y, 0.0),
         ];
         let length = self.length[lane];
         let simd = self.simd;
@@ -269,7 +269,7 @@ impl<S: Vector, K: Kernel<S>> StepStates for KernelLanes<S, K> {
             return None;
         };
         let length = self.length[lane];
-        let powers = self.kernel.component(&self.room, lane, component, start);
+        let powers = self.kernel.component(&self.workspace, lane, component, start);
         let part = vectorized!(self.simd, {
             // Not a map over both ends: the fused multiply-add must be inlined.
             let (value, slope) = ahead(&powers, 0.0, length, (mark, sign));

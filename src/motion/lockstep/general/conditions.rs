@@ -15,8 +15,8 @@
 //! one at a time.
 
 use super::compiled::Compiled;
-use super::room::RecordedWorkspace;
 use super::series::{ConditionBound, Programs};
+use super::workspace::RecordedWorkspace;
 use crate::motion::Phase;
 use crate::motion::cluster::HeldCluster;
 use crate::motion::condition::Condition;
@@ -50,7 +50,7 @@ pub(super) fn of_contact(phase: Phase, limit: f64, [band, slack, aim]: [f64; 3])
 #[inline(never)]
 pub(super) fn first_event<S: Vector>(
     simd: S,
-    room: &RecordedWorkspace<S>,
+    workspace: &RecordedWorkspace<S>,
     program: &Compiled,
     (own, lane, length): (&Lane, usize, f64),
     (pressures, clusters): (&[Pressure<S>], &[HeldCluster]),
@@ -60,10 +60,10 @@ pub(super) fn first_event<S: Vector>(
     let band = own.margins.band;
     let aim = 0.5 * own.width;
     let slack = own.margins.slack + aim;
-    let series = room.series();
+    let series = workspace.series();
     let Compiled { operations, programs: Programs { screen, exact_screen, .. }, .. } = program;
-    let (_, screen) = exact_screen.as_ref().filter(|_| room.is_exact).unwrap_or(screen);
-    let (of_contacts, others) = room.doubts.split_at(operations.contacts.len());
+    let (_, screen) = exact_screen.as_ref().filter(|_| workspace.is_exact).unwrap_or(screen);
+    let (of_contacts, others) = workspace.lanes_to_examine.split_at(operations.contacts.len());
     let (of_events, of_gaps) = others.split_at(operations.guards.len());
     for (gap, (force, pressure)) in operations.gaps.iter().zip(pressures).enumerate() {
         let failed = Condition::Pressed(gap);
@@ -96,14 +96,15 @@ pub(super) fn first_event<S: Vector>(
         }
         let [speed, acceleration, normal, friction] =
             slots.map(|slot| move |k: usize| series.of(slot)[k][lane]);
-        let mut examine = |bound: ConditionBound,
-                           which: usize,
-                           condition: &dyn Fn() -> Polynomial| {
-            let failed = Condition::Contact { contact, which };
-            if room.may_fail(&screen.contacts[contact], bound, lane) && !ignored.contains(&failed) {
-                first.or(simd, &condition(), None, failed);
-            }
-        };
+        let mut examine =
+            |bound: ConditionBound, which: usize, condition: &dyn Fn() -> Polynomial| {
+                let failed = Condition::Contact { contact, which };
+                if workspace.may_fail(&screen.contacts[contact], bound, lane)
+                    && !ignored.contains(&failed)
+                {
+                    first.or(simd, &condition(), None, failed);
+                }
+            };
         match own.phases[contact] {
             Phase::Slip(direction) => {
                 let slips = |k| direction * speed(k);

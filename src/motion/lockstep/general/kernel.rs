@@ -8,11 +8,11 @@ use smallvec::smallvec;
 
 use super::compiled::{Compiled, compiled};
 use super::conditions;
-use super::deciding::{DecisionMemory, ProgramForces};
-use super::flow::RecordedLaneStates;
+use super::lane_states::RecordedLaneStates;
 use super::operations::{ContactCell, GapCell, SIDE_BY_SIDE, Slot};
-use super::room::{RecordedWorkspace, SeriesView};
+use super::program_forces::{DecisionMemory, ProgramForces};
 use super::series::{ConditionBound, Programs};
+use super::workspace::{RecordedWorkspace, SeriesView};
 use crate::model::{Components, Graph, System};
 use crate::motion::all_stick;
 use crate::motion::cluster::{HeldCluster, held_clusters};
@@ -26,7 +26,7 @@ use crate::motion::lockstep::sizes::Powers;
 use crate::motion::lockstep::step_length::{longest_step, reciprocal};
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::lockstep::{LANES, Lanes, ORDER, TERMS};
-use crate::motion::touching::TouchingSystem;
+use crate::motion::touching_system::TouchingSystem;
 
 /// Bound on every component of the rate of change if everything is slow.
 const STILL: f64 = 1e-6;
@@ -47,7 +47,7 @@ pub(in crate::motion::lockstep) struct GeneralKernel<S: Vector> {
     stuck: u64,
     /// For each lane, what its parameters determine ([`Compiled::parameters`]).
     parameters: [Vec<f64>; LANES],
-    /// Bit mask of lanes whose parameters are not yet in the room.
+    /// Bit mask of lanes whose parameters are not yet in the workspace.
     is_new: u64,
     scratch: [RefCell<DecisionMemory>; LANES],
 }
@@ -133,7 +133,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         self.graph.layout.contacts[contact].angular
     }
 
-    fn flow(&self, simd: S) -> RecordedLaneStates<S> {
+    fn lane_states(&self, simd: S) -> RecordedLaneStates<S> {
         let zero = Lanes::splat(simd, 0.0);
         let direct = self.speeds.iter().all(Option::is_some);
         RecordedLaneStates {
@@ -142,7 +142,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         }
     }
 
-    fn room(&self, simd: S) -> RecordedWorkspace<S> {
+    fn workspace(&self, simd: S) -> RecordedWorkspace<S> {
         let Compiled { operations, programs, .. } = &*self.program;
         let Programs { motion, displacement, tail, .. } = programs;
         let programs = [motion, displacement, tail].map(|runner| &runner.program);
@@ -168,7 +168,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
 
     fn set_phases(
         &mut self,
-        room: &mut RecordedWorkspace<S>,
+        workspace: &mut RecordedWorkspace<S>,
         lane: usize,
         own: &Lane,
         state: &[f64],
@@ -177,23 +177,23 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         if self.is_new & 1 << lane != 0 {
             self.is_new &= !(1 << lane);
             for (cell, value) in parameters.iter().zip(&self.parameters[lane]) {
-                room.set_constant(*cell, lane, *value);
+                workspace.set_constant(*cell, lane, *value);
             }
         }
         let scratch = self.scratch[lane].get_mut();
         let inputs = scratch.inputs(operations, own.system.as_ref(), &own.phases);
         for ((cell, _), value) in operations.inputs[0].iter().zip(inputs) {
-            room.set_constant(*cell, lane, *value);
+            workspace.set_constant(*cell, lane, *value);
         }
         for (cell, component) in &operations.discrete {
-            room.set_constant(*cell, lane, state[*component as usize]);
+            workspace.set_constant(*cell, lane, state[*component as usize]);
         }
         let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
         for contact in 0..self.speeds.len() {
             let numbers = conditions::of_contact(own.phases[contact], own.limits[contact], margins);
             let first = operations.of_contact(contact, ContactCell::Sign);
             for (cell, number) in (first..).zip(numbers) {
-                room.set(cell, lane, number);
+                workspace.set(cell, lane, number);
             }
         }
         let evaluator = self.evaluators[lane].as_ref().filter(|_| own.has_gaps);
@@ -205,8 +205,8 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         let gaps = in_touch.gaps.iter().zip(&own.phases[self.speeds.len()..]);
         for (place, (pressure, (gap, phase))) in self.pressures.iter_mut().zip(gaps).enumerate() {
             pressure.set(lane, own, (gap, *phase));
-            room.set(operations.of_gap(place, GapCell::Weight), lane, pressure.weight[lane]);
-            room.set(operations.of_gap(place, GapCell::Offset), lane, pressure.offset[lane]);
+            workspace.set(operations.of_gap(place, GapCell::Weight), lane, pressure.weight[lane]);
+            workspace.set(operations.of_gap(place, GapCell::Offset), lane, pressure.offset[lane]);
         }
     }
 
@@ -225,21 +225,21 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         self.stuck &= !(1 << lane);
     }
 
-    fn lane(&self, flow: &RecordedLaneStates<S>, lane: usize) -> Components {
-        let mut components = Components::from_elem(0.0, flow.components.len());
-        for (component, of_all) in components.iter_mut().zip(&flow.components) {
+    fn lane(&self, states: &RecordedLaneStates<S>, lane: usize) -> Components {
+        let mut components = Components::from_elem(0.0, states.components.len());
+        for (component, of_all) in components.iter_mut().zip(&states.components) {
             *component = of_all[lane];
         }
         components
     }
 
-    fn set_lane(&self, flow: &mut RecordedLaneStates<S>, lane: usize, components: &[f64]) {
-        for (of_all, value) in flow.components.iter_mut().zip(components) {
+    fn set_lane(&self, states: &mut RecordedLaneStates<S>, lane: usize, components: &[f64]) {
+        for (of_all, value) in states.components.iter_mut().zip(components) {
             of_all[lane] = *value;
         }
-        let evaluated = self.evaluators[lane].as_ref().filter(|_| !flow.speeds.is_empty());
+        let evaluated = self.evaluators[lane].as_ref().filter(|_| !states.speeds.is_empty());
         if let Some(speeds) = evaluated.map(|evaluator| evaluator.speeds(components)) {
-            for (of_all, speed) in flow.speeds.iter_mut().zip(speeds) {
+            for (of_all, speed) in states.speeds.iter_mut().zip(speeds) {
                 of_all[lane] = speed;
             }
         }
@@ -259,62 +259,62 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     }
 
     #[inline(always)]
-    fn finite(&self, flow: &RecordedLaneStates<S>, start: Lanes<S>) -> Lanes<S> {
+    fn finite(&self, states: &RecordedLaneStates<S>, start: Lanes<S>) -> Lanes<S> {
         let zero = Lanes::splat(self.simd, 0.0);
         let mut nought = start;
-        for value in &flow.components {
+        for value in &states.components {
             nought = value.fused(zero, nought);
         }
         nought
     }
 
     #[inline(always)]
-    fn square(&self, flow: &RecordedLaneStates<S>) -> Lanes<S> {
+    fn square(&self, states: &RecordedLaneStates<S>) -> Lanes<S> {
         let mut sum = Lanes::splat(self.simd, 0.0);
-        for value in &flow.components {
+        for value in &states.components {
             sum = value.fused(*value, sum);
         }
         sum
     }
 
     #[inline(always)]
-    fn position(&self, flow: &RecordedLaneStates<S>, contact: usize) -> Lanes<S> {
-        flow.components[self.graph.layout.contacts[contact].position]
+    fn position(&self, states: &RecordedLaneStates<S>, contact: usize) -> Lanes<S> {
+        states.components[self.graph.layout.contacts[contact].position]
     }
 
     #[inline(always)]
-    fn set_position(&self, flow: &mut RecordedLaneStates<S>, contact: usize, position: Lanes<S>) {
-        flow.components[self.graph.layout.contacts[contact].position] = position;
+    fn set_position(&self, states: &mut RecordedLaneStates<S>, contact: usize, position: Lanes<S>) {
+        states.components[self.graph.layout.contacts[contact].position] = position;
     }
 
     #[inline(always)]
-    fn speed(&self, flow: &RecordedLaneStates<S>, contact: usize) -> Lanes<S> {
+    fn speed(&self, states: &RecordedLaneStates<S>, contact: usize) -> Lanes<S> {
         match self.speeds[contact] {
-            Some(component) => flow.components[component],
-            None => flow.speeds[contact],
+            Some(component) => states.components[component],
+            None => states.speeds[contact],
         }
     }
 
     #[inline(always)]
     fn expand(
         &self,
-        room: &mut RecordedWorkspace<S>,
+        workspace: &mut RecordedWorkspace<S>,
         start: &RecordedLaneStates<S>,
         displaced: bool,
     ) {
         let Programs { modes, motion, displaced_motion, .. } = &self.program.programs;
-        room.start(&start.components, false);
-        if std::mem::take(&mut room.is_changed) {
-            modes.run(self.simd, &mut room.memory);
+        workspace.start(&start.components, false);
+        if std::mem::take(&mut workspace.is_changed) {
+            modes.run(self.simd, &mut workspace.memory);
         }
         let motion = if displaced { displaced_motion } else { motion };
-        motion.run(self.simd, &mut room.memory);
+        motion.run(self.simd, &mut workspace.memory);
     }
 
     #[inline(always)]
     fn within_tolerance(
         &self,
-        room: &RecordedWorkspace<S>,
+        workspace: &RecordedWorkspace<S>,
         [relative, absolute]: [Lanes<S>; 2],
         before: Lanes<S>,
     ) -> Lanes<S> {
@@ -323,7 +323,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         for group in &self.graph.layout.velocities {
             let [mut size, mut ultimate, mut penultimate] = [zero; 3];
             for &component in group {
-                let terms = room.series().of(component as Slot);
+                let terms = workspace.series().of(component as Slot);
                 size = size.max(terms[0].abs());
                 ultimate = ultimate.max(terms[ORDER].abs());
                 penultimate = penultimate.max(terms[ORDER - 1].abs());
@@ -336,25 +336,25 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     }
 
     #[inline(always)]
-    fn look_over(&self, room: &mut RecordedWorkspace<S>, length: Lanes<S>) -> u64 {
+    fn screen_conditions(&self, workspace: &mut RecordedWorkspace<S>, length: Lanes<S>) -> u64 {
         let Programs { screen: (program, screen), normals, exact_screen, .. } =
             &self.program.programs;
-        room.memory[self.program.operations.length() as usize] = length;
+        workspace.memory[self.program.operations.length() as usize] = length;
         if screen.needs_normals {
-            normals.run(self.simd, &mut room.memory);
+            normals.run(self.simd, &mut workspace.memory);
         }
-        program.run(self.simd, &mut room.memory);
-        room.is_exact = false;
-        let any = room.screened(screen);
+        program.run(self.simd, &mut workspace.memory);
+        workspace.is_exact = false;
+        let any = workspace.screened(screen);
         let Some((program, exact)) = exact_screen else { return any };
-        if any != 0 && room.below_zero(screen.forces.iter().copied()) != 0 {
+        if any != 0 && workspace.below_zero(screen.forces.iter().copied()) != 0 {
             // Lanes in doubt are examined with the series of the normal forces.
-            normals.run(self.simd, &mut room.memory);
+            normals.run(self.simd, &mut workspace.memory);
             let closed = screen.contacts.iter().map(|cells| cells[ConditionBound::Closed as usize]);
-            if room.below_zero(closed) != 0 {
-                program.run(self.simd, &mut room.memory);
-                room.is_exact = true;
-                return room.screened(exact);
+            if workspace.below_zero(closed) != 0 {
+                program.run(self.simd, &mut workspace.memory);
+                workspace.is_exact = true;
+                return workspace.screened(exact);
             }
         }
         any
@@ -362,7 +362,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
 
     fn first_event(
         &self,
-        room: &RecordedWorkspace<S>,
+        workspace: &RecordedWorkspace<S>,
         own: &Lane,
         lane: usize,
         length: f64,
@@ -370,33 +370,33 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     ) -> StepEnd {
         let in_lane = (own, lane, length);
         let of_gaps = (&self.pressures[..], &self.held[lane][..]);
-        conditions::first_event(self.simd, room, &self.program, in_lane, of_gaps, ignored)
+        conditions::first_event(self.simd, workspace, &self.program, in_lane, of_gaps, ignored)
     }
 
     #[inline(always)]
     fn at(
         &self,
-        room: &RecordedWorkspace<S>,
+        workspace: &RecordedWorkspace<S>,
         _start: &RecordedLaneStates<S>,
         time: Lanes<S>,
         into: &mut RecordedLaneStates<S>,
     ) {
-        self.flow_at(room.series(), time, into);
+        self.flow_at(workspace.series(), time, into);
     }
 
     #[inline(always)]
     fn carry(
         &self,
-        room: &mut RecordedWorkspace<S>,
+        workspace: &mut RecordedWorkspace<S>,
         displacement: &RecordedLaneStates<S>,
         length: Lanes<S>,
     ) -> RecordedLaneStates<S> {
-        room.start(&displacement.components, true);
-        room.memory[self.program.operations.length() as usize] = length;
-        self.program.programs.displacement.run(self.simd, &mut room.memory);
-        self.program.programs.tail.run(self.simd, &mut room.memory);
+        workspace.start(&displacement.components, true);
+        workspace.memory[self.program.operations.length() as usize] = length;
+        self.program.programs.displacement.run(self.simd, &mut workspace.memory);
+        self.program.programs.tail.run(self.simd, &mut workspace.memory);
         let mut moved = displacement.clone();
-        self.flow_at(room.changes(), length, &mut moved);
+        self.flow_at(workspace.changes(), length, &mut moved);
         moved
     }
 
@@ -405,23 +405,23 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     }
 
     #[inline(always)]
-    fn still(&self, room: &RecordedWorkspace<S>) -> u64 {
+    fn still(&self, workspace: &RecordedWorkspace<S>) -> u64 {
         let mut most = Lanes::splat(self.simd, 0.0);
         for &rate in &self.program.operations.rates {
-            most = most.max(room.series().of(rate)[0].abs());
+            most = most.max(workspace.series().of(rate)[0].abs());
         }
         most.simd_le(Lanes::splat(self.simd, STILL)).to_bitmask() & !self.stuck
     }
 
     fn component(
         &self,
-        room: &RecordedWorkspace<S>,
+        workspace: &RecordedWorkspace<S>,
         lane: usize,
         component: usize,
         _start: f64,
     ) -> Powers {
         let mut powers = [0.0; TERMS];
-        let terms = room.series().of(component as Slot);
+        let terms = workspace.series().of(component as Slot);
         for (k, power) in powers.iter_mut().enumerate() {
             *power = terms[k][lane];
         }
@@ -441,34 +441,35 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     }
 
     #[inline(always)]
-    fn vibration_of(&self, flow: &RecordedLaneStates<S>) -> [Lanes<S>; 2] {
+    fn vibration_of(&self, states: &RecordedLaneStates<S>) -> [Lanes<S>; 2] {
         let zero = [Lanes::splat(self.simd, 0.0); 2];
-        self.graph.layout.vibration.map_or(zero, |places| places.map(|one| flow.components[one]))
+        self.graph.layout.vibration.map_or(zero, |places| places.map(|one| states.components[one]))
     }
 
     #[inline(always)]
     fn vibration_at(
         &self,
-        room: &RecordedWorkspace<S>,
+        workspace: &RecordedWorkspace<S>,
         times: [Lanes<S>; 3],
     ) -> [[Lanes<S>; 2]; 3] {
         let zero = [Lanes::splat(self.simd, 0.0); 2];
         times.map(|time| {
             let places = self.graph.layout.vibration;
-            places.map_or(zero, |all| all.map(|one| self.sum(room.series(), one as Slot, time)))
+            places
+                .map_or(zero, |all| all.map(|one| self.sum(workspace.series(), one as Slot, time)))
         })
     }
 
     #[inline(always)]
     fn relative_travel(
         &self,
-        room: &RecordedWorkspace<S>,
+        workspace: &RecordedWorkspace<S>,
         pair: [usize; 2],
         length: Lanes<S>,
     ) -> Lanes<S> {
         let [one, other] = pair.map(|contact| {
             let position = self.graph.layout.contacts[contact].position;
-            room.series().of(position as Slot)
+            workspace.series().of(position as Slot)
         });
         let mut bound = Lanes::splat(length.simd, 0.0);
         for k in (1..TERMS).rev() {
@@ -481,7 +482,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         self.evaluators[lane].as_ref()
     }
 
-    fn in_state<R>(
+    fn with_force_model<R>(
         &self,
         lane: usize,
         own: &Lane,

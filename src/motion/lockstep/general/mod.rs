@@ -6,16 +6,16 @@
 mod compiled;
 mod compiler;
 mod conditions;
-mod deciding;
-mod elimination;
-mod flow;
 mod kernel;
+mod lane_states;
+mod lu_factors;
 mod operations;
+mod program_forces;
 mod radius;
-mod room;
 mod schedule;
 mod series;
 mod statics;
 mod turning;
+mod workspace;
 
 pub(super) use kernel::GeneralKernel;

@@ -11,8 +11,8 @@ use super::step::within_tolerance;
 use super::tangent::carry;
 use crate::model::{Balancer, Dual, FrictionLaw, Machine, Method, Number, State, System};
 use crate::motion::lockstep::SavedRun;
-use crate::motion::lockstep::group::KernelLanes;
 use crate::motion::lockstep::kernel::Kernel;
+use crate::motion::lockstep::kernel_lanes::KernelLanes;
 use crate::motion::lockstep::lane_group::LaneGroup;
 use crate::motion::lockstep::simd_level::tested_vectors;
 use crate::motion::lockstep::vector::Vector;
@@ -146,10 +146,10 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
         group.displace(lane, &displaced.components());
         longest[lane] = group.longest(lane);
     }
-    let KernelLanes { kernel, room, state, displacement, tolerance, next, .. } = &mut group;
-    kernel.expand(room, state, false);
-    let lengths = within_tolerance(&room.series, *tolerance, *next).min(longest);
-    let BalancerWorkspace { series, displaced, .. } = &mut **room;
+    let KernelLanes { kernel, workspace, state, displacement, tolerance, next, .. } = &mut group;
+    kernel.expand(workspace, state, false);
+    let lengths = within_tolerance(&workspace.series, *tolerance, *next).min(longest);
+    let BalancerWorkspace { series, displaced, .. } = &mut **workspace;
     let moved = carry(series, (&kernel.equations, None), displacement, lengths, displaced);
     for (lane, balancer) in balancers.iter().enumerate() {
         let start = group.state.lane(lane).along(&group.displacement.lane(lane));

@@ -12,8 +12,8 @@ use crate::model::{
 };
 use crate::motion::condition::Condition;
 use crate::motion::lockstep::general::GeneralKernel;
-use crate::motion::lockstep::group::KernelLanes;
 use crate::motion::lockstep::kernel::{Kernel, StepEnd};
+use crate::motion::lockstep::kernel_lanes::KernelLanes;
 use crate::motion::lockstep::lane_group::LaneGroup;
 use crate::motion::lockstep::simd_level::tested_vectors;
 use crate::motion::lockstep::vector::Vector;
@@ -86,7 +86,7 @@ struct Step {
     displacements: Vec<Components>,
     /// The series of all components in each lane, summed up at the end of the step.
     sums: Vec<Vec<f64>>,
-    doubts: u64,
+    lanes_to_examine: u64,
     events: Vec<StepEnd>,
 }
 
@@ -108,31 +108,31 @@ fn step<S: Vector, K: Kernel<S>>(simd: S, kernel: K, runs: &[SavedRun]) -> Step 
         group.displace(lane, &direction);
     }
     let length = Lanes::splat(simd, LENGTH);
-    let KernelLanes { kernel, room, state, displacement, lanes, .. } = &mut group;
-    kernel.expand(room, state, true);
-    let doubts = kernel.look_over(room, length);
+    let KernelLanes { kernel, workspace, state, displacement, lanes, .. } = &mut group;
+    kernel.expand(workspace, state, true);
+    let lanes_to_examine = kernel.screen_conditions(workspace, length);
     let mut end = state.clone();
-    kernel.at(room, state, length, &mut end);
+    kernel.at(workspace, state, length, &mut end);
     let first_event = |(lane, own): (usize, &Option<_>)| {
         let own = own.as_ref().expect("all lanes have runs");
-        kernel.first_event(room, own, lane, LENGTH, &[])
+        kernel.first_event(workspace, own, lane, LENGTH, &[])
     };
     let events = lanes.iter().enumerate().map(first_event).collect();
     let sums = (0..LANES).map(|lane| {
         let start = kernel.lane(state, lane);
         let sum = |component: usize| {
-            let powers = kernel.component(room, lane, component, start[component]);
+            let powers = kernel.component(workspace, lane, component, start[component]);
             powers.iter().rev().fold(0.0, |sum, power| sum * LENGTH + power)
         };
         (0..start.len()).map(sum).collect()
     });
     let sums = sums.collect();
-    let moved = kernel.carry(room, displacement, length);
+    let moved = kernel.carry(workspace, displacement, length);
     Step {
         ends: (0..LANES).map(|lane| kernel.lane(&end, lane)).collect(),
         displacements: (0..LANES).map(|lane| kernel.lane(&moved, lane)).collect(),
         sums,
-        doubts,
+        lanes_to_examine,
         events,
     }
 }
@@ -184,12 +184,12 @@ fn agree<const N: usize>(
             }
             (StepEnd::AtOnce(which), StepEnd::AtOnce(same)) => assert_eq!(which, same),
             (StepEnd::Nothing, StepEnd::Nothing) => {
-                obvious += usize::from(tuned.doubts & 1 << lane == 0);
+                obvious += usize::from(tuned.lanes_to_examine & 1 << lane == 0);
                 continue;
             }
             _ => panic!("another end of the step in {lane}"),
         }
-        assert!(tuned.doubts & 1 << lane != 0, "no doubt in {lane}");
+        assert!(tuned.lanes_to_examine & 1 << lane != 0, "no doubt in {lane}");
     }
     (located, obvious)
 }

@@ -13,13 +13,13 @@
 
 use fearless_simd::prelude::*;
 
+use super::drive::{BallOnDisc, DiscSpeedSeries, SQUARED_TERMS};
 use super::equations::Equations;
 use super::gap_forces::GapForceEquations;
 use super::series::{BalancerSeries, decay};
-use super::turning::{BallOnDisc, DiscSpeedSeries, SQUARED_TERMS};
 use crate::model::SPEED_TERMS;
 use crate::motion::Phase;
-use crate::motion::lockstep::curve::LaneBounds;
+use crate::motion::lockstep::lane_bounds::LaneBounds;
 use crate::motion::lockstep::root_isolation::FOURTH;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 use crate::motion::lockstep::{Lanes, ORDER};
@@ -89,7 +89,7 @@ pub(super) struct LanesToExamine<S: Vector, const N: usize> {
 }
 
 impl<S: Vector, const N: usize> LanesToExamine<S, N> {
-    /// No doubts.
+    /// No lanes.
     pub(super) fn none(simd: S) -> Self {
         let blank = LaneBounds::zero(simd);
         LanesToExamine {
@@ -104,25 +104,28 @@ impl<S: Vector, const N: usize> LanesToExamine<S, N> {
 
     /// Returns the lanes in which any condition may fail.
     pub(super) fn any(&self) -> u64 {
-        self.of_balls.iter().chain(&self.of_gaps).fold(self.loose, |any, doubts| any | doubts)
+        self.of_balls
+            .iter()
+            .chain(&self.of_gaps)
+            .fold(self.loose, |any, lanes_to_examine| any | lanes_to_examine)
     }
 }
 
 /// Reports where a condition may fail in a step of this length.
 #[inline(always)]
-pub(super) fn look_over<S: Vector, const N: usize>(
+pub(super) fn screen_conditions<S: Vector, const N: usize>(
     series: &BalancerSeries<S, N>,
     equations: &Equations<S, N>,
     (watched, gaps): (&[ConditionCoefficients<S>; N], &GapForceEquations<S, N>),
     length: Lanes<S>,
-    doubts: &mut LanesToExamine<S, N>,
+    lanes_to_examine: &mut LanesToExamine<S, N>,
 ) {
     let simd = length.simd;
     let number = |value: f64| Lanes::splat(simd, value);
     let zero = number(0.0);
     let [first, second, ..] = &series.terms;
     let square = length * length;
-    doubts.loose = 0;
+    lanes_to_examine.loose = 0;
     let mut sticks = zero.simd_gt(zero);
     for watched in watched {
         sticks |= watched.stuck.simd_gt(zero);
@@ -131,14 +134,14 @@ pub(super) fn look_over<S: Vector, const N: usize>(
     // Bound of the table's pull on a ball.
     let most = |[x, y]: [Lanes<S>; 2]| number(2.0) * (x.abs() + y.abs());
     let of_table = [most(first.pull), most(pull.end)];
-    doubts.of_gaps = [0; N];
+    lanes_to_examine.of_gaps = [0; N];
     if series.response.active {
-        look_over_gaps(series, gaps, length, doubts);
+        screen_gaps(series, gaps, length, lanes_to_examine);
     }
     for i in 0..N {
         let mut pulls = of_table;
         if series.response.active {
-            pulls = [pulls[0] + doubts.pushed[i], pulls[1] + doubts.pushed[i]];
+            pulls = [pulls[0] + lanes_to_examine.pushed[i], pulls[1] + lanes_to_examine.pushed[i]];
         }
         let ConditionCoefficients { sign, offset, .. } = watched[i];
         let (mut bound, mut speed, mut slope) = (zero, zero, zero);
@@ -159,7 +162,7 @@ pub(super) fn look_over<S: Vector, const N: usize>(
             bound: sign.abs() * bound * (square * square),
         };
         let mut holds = curve.holds();
-        doubts.slips[i] = curve;
+        lanes_to_examine.slips[i] = curve;
         let ball = &equations.balls[i];
         let mut least = ball.least_pressed;
         if let Some(turning) = &series.turning {
@@ -183,28 +186,28 @@ pub(super) fn look_over<S: Vector, const N: usize>(
             plain &= steepness[0].abs().min(steepness[1].abs()).simd_gt(reach);
             pressed |= plain;
         }
-        doubts.loose |= !pressed.to_bitmask();
+        lanes_to_examine.loose |= !pressed.to_bitmask();
         let stuck = watched[i].stuck.simd_gt(zero);
         if stuck.any_true() {
             let held = held(series, equations, watched, (i, &pull), length);
             holds &= held[0].holds() & held[1].holds() | !stuck;
-            doubts.held[i] = held;
+            lanes_to_examine.held[i] = held;
         }
-        doubts.of_balls[i] = !holds.to_bitmask();
+        lanes_to_examine.of_balls[i] = !holds.to_bitmask();
     }
 }
 
 /// Reports where a closed gap may open, and bounds the normal force on each ball by the forces in gaps. Not inlined, like
 /// everything that few steps need: it would take registers from the rest.
 #[inline(never)]
-fn look_over_gaps<S: Vector, const N: usize>(
+fn screen_gaps<S: Vector, const N: usize>(
     series: &BalancerSeries<S, N>,
     gaps: &GapForceEquations<S, N>,
     length: Lanes<S>,
-    doubts: &mut LanesToExamine<S, N>,
+    lanes_to_examine: &mut LanesToExamine<S, N>,
 ) {
     vectorized!(length.simd, {
-        doubts.pushed = [Lanes::splat(length.simd, 0.0); N];
+        lanes_to_examine.pushed = [Lanes::splat(length.simd, 0.0); N];
         for (g, gap) in gaps.gaps.iter().enumerate() {
             let force = LaneBounds::of_series(
                 length,
@@ -212,10 +215,10 @@ fn look_over_gaps<S: Vector, const N: usize>(
                 #[inline(always)]
                 |k| series.forces[k][g],
             );
-            doubts.of_gaps[g] = !gap.pressure.over(&force).holds().to_bitmask();
+            lanes_to_examine.of_gaps[g] = !gap.pressure.over(&force).holds().to_bitmask();
             let [start, end] = force.values;
             let most = Lanes::splat(length.simd, 2.0) * start.abs().max(end.abs());
-            for (pushed, outward) in doubts.pushed.iter_mut().zip(gap.outward) {
+            for (pushed, outward) in lanes_to_examine.pushed.iter_mut().zip(gap.outward) {
                 *pushed += outward.abs() * most;
             }
         }

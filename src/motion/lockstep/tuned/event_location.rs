@@ -21,14 +21,21 @@ pub(super) fn first_event<S: Vector, const N: usize>(
     series: &BalancerSeries<S, N>,
     (own, balancer, gaps): (&Lane, &Balancer<N>, &GapForceEquations<S, N>),
     (lane, length): (usize, f64),
-    doubts: &LanesToExamine<S, N>,
+    lanes_to_examine: &LanesToExamine<S, N>,
     ignored: &[Condition],
 ) -> StepEnd {
     let simd = series.terms[0].table[0].simd;
     // The fused multiply-add is an instruction in this closure.
     vectorized!(
         simd,
-        first_of_all(simd, series, (own, balancer, gaps), (lane, length), doubts, ignored)
+        first_of_all(
+            simd,
+            series,
+            (own, balancer, gaps),
+            (lane, length),
+            lanes_to_examine,
+            ignored
+        )
     )
 }
 
@@ -38,7 +45,7 @@ fn first_of_all<S: Vector, const N: usize>(
     series: &BalancerSeries<S, N>,
     (own, balancer, gaps): (&Lane, &Balancer<N>, &GapForceEquations<S, N>),
     (lane, length): (usize, f64),
-    doubts: &LanesToExamine<S, N>,
+    lanes_to_examine: &LanesToExamine<S, N>,
     ignored: &[Condition],
 ) -> StepEnd {
     let mut first = StepEnd::Nothing;
@@ -48,7 +55,7 @@ fn first_of_all<S: Vector, const N: usize>(
     let bit = 1 << lane;
     for (gap, of_all) in gaps.gaps.iter().enumerate() {
         let failed = Condition::Pressed(gap);
-        if doubts.of_gaps[gap] & bit != 0 && !ignored.contains(&failed) {
+        if lanes_to_examine.of_gaps[gap] & bit != 0 && !ignored.contains(&failed) {
             let (weight, offset) = (of_all.pressure.weight[lane], of_all.pressure.offset[lane]);
             let pressed = polynomial(length, offset, |k| match k {
                 ORDER => 0.0,
@@ -60,7 +67,7 @@ fn first_of_all<S: Vector, const N: usize>(
     let clusters = &gaps.held[lane];
     for cluster in clusters {
         let failed = Condition::Held(cluster.contacts[0]);
-        let is_doubtful = |ball: &usize| doubts.of_balls[*ball] & bit != 0;
+        let is_doubtful = |ball: &usize| lanes_to_examine.of_balls[*ball] & bit != 0;
         if cluster.contacts.iter().any(is_doubtful) && !ignored.contains(&failed) {
             let forces = |ball: usize| forces_if_stuck(series, balancer, lane, ball);
             match held_until(simd, own, cluster, forces, (length, slack)) {
@@ -71,8 +78,8 @@ fn first_of_all<S: Vector, const N: usize>(
         }
     }
     for (ball, phase) in own.phases[..N].iter().enumerate() {
-        let loose = doubts.loose & 1 << lane != 0;
-        if !loose && doubts.of_balls[ball] & 1 << lane == 0 {
+        let loose = lanes_to_examine.loose & 1 << lane != 0;
+        if !loose && lanes_to_examine.of_balls[ball] & 1 << lane == 0 {
             continue;
         }
         let speed = |k: usize| series.terms[k].balls[ball].speed[lane];
@@ -85,7 +92,7 @@ fn first_of_all<S: Vector, const N: usize>(
                     (polynomial(length, aim, |k| normal[k]), None)
                 }
                 (Phase::Slip(direction), 0) => {
-                    let bounds = doubts.slips[ball].outline(lane);
+                    let bounds = lanes_to_examine.slips[ball].outline(lane);
                     (polynomial(length, aim - band, |k| direction * speed(k)), Some(bounds))
                 }
                 (Phase::Transition(direction), 0) => {
@@ -101,7 +108,7 @@ fn first_of_all<S: Vector, const N: usize>(
                 (Phase::Stick, 0 | 1)
                     if !clusters.iter().any(|one| one.contacts.contains(&ball)) =>
                 {
-                    let bounds = doubts.held[ball][which].outline(lane);
+                    let bounds = lanes_to_examine.held[ball][which].outline(lane);
                     if bounds.holds() {
                         continue;
                     }

@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use fearless_simd::{mask64x8, prelude::*};
 
+use super::balancer_forces::{BalancerForces, called, turned};
+use super::drive::Drive;
 use super::equations::{Equations, while_apart};
 use super::event_functions::{ConditionCoefficients, LanesToExamine};
-use super::flow::BalancerLaneStates;
 use super::gap_forces::GapForceEquations;
-use super::mode_selection::{BalancerForces, called, turned};
+use super::lane_states::BalancerLaneStates;
 use super::recurrence::RECIPROCALS;
 use super::rest_ahead::RestAhead;
 use super::series::BalancerSeries;
-use super::turning::Drive;
 use super::{event_functions, event_location, step, tangent};
 use crate::model::{Balancer, Components, State, System};
 use crate::motion::Evaluator;
@@ -51,7 +51,7 @@ pub(in crate::motion::lockstep) struct TunedKernel<S: Vector, const N: usize> {
 pub(in crate::motion::lockstep) struct BalancerWorkspace<S: Vector, const N: usize> {
     pub(super) series: BalancerSeries<S, N>,
     pub(super) displaced: BalancerSeries<S, N>,
-    doubts: LanesToExamine<S, N>,
+    lanes_to_examine: LanesToExamine<S, N>,
 }
 
 impl<S: Vector, const N: usize> TunedKernel<S, N> {
@@ -103,15 +103,15 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         true
     }
 
-    fn flow(&self, simd: S) -> BalancerLaneStates<S, N> {
+    fn lane_states(&self, simd: S) -> BalancerLaneStates<S, N> {
         BalancerLaneStates::zero(simd)
     }
 
-    fn room(&self, simd: S) -> BalancerWorkspace<S, N> {
+    fn workspace(&self, simd: S) -> BalancerWorkspace<S, N> {
         BalancerWorkspace {
             series: BalancerSeries::zero(simd),
             displaced: BalancerSeries::zero(simd),
-            doubts: LanesToExamine::none(simd),
+            lanes_to_examine: LanesToExamine::none(simd),
         }
     }
 
@@ -183,16 +183,16 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         self.evaluators[lane] = None;
     }
 
-    fn lane(&self, flow: &BalancerLaneStates<S, N>, lane: usize) -> Components {
-        let mut components = flow.lane(lane).components();
+    fn lane(&self, states: &BalancerLaneStates<S, N>, lane: usize) -> Components {
+        let mut components = states.lane(lane).components();
         if self.drive.is_some() {
-            components.push(flow.elapsed[lane]);
+            components.push(states.elapsed[lane]);
         }
         components
     }
 
-    fn set_lane(&self, flow: &mut BalancerLaneStates<S, N>, lane: usize, components: &[f64]) {
-        flow.set_lane(lane, components);
+    fn set_lane(&self, states: &mut BalancerLaneStates<S, N>, lane: usize, components: &[f64]) {
+        states.set_lane(lane, components);
     }
 
     #[inline(always)]
@@ -206,66 +206,72 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     }
 
     #[inline(always)]
-    fn finite(&self, flow: &BalancerLaneStates<S, N>, start: Lanes<S>) -> Lanes<S> {
-        flow.finite(start)
+    fn finite(&self, states: &BalancerLaneStates<S, N>, start: Lanes<S>) -> Lanes<S> {
+        states.finite(start)
     }
 
     #[inline(always)]
-    fn square(&self, flow: &BalancerLaneStates<S, N>) -> Lanes<S> {
-        flow.square()
+    fn square(&self, states: &BalancerLaneStates<S, N>) -> Lanes<S> {
+        states.square()
     }
 
     #[inline(always)]
-    fn position(&self, flow: &BalancerLaneStates<S, N>, contact: usize) -> Lanes<S> {
-        flow.angle[contact]
+    fn position(&self, states: &BalancerLaneStates<S, N>, contact: usize) -> Lanes<S> {
+        states.angle[contact]
     }
 
     #[inline(always)]
     fn set_position(
         &self,
-        flow: &mut BalancerLaneStates<S, N>,
+        states: &mut BalancerLaneStates<S, N>,
         contact: usize,
         position: Lanes<S>,
     ) {
-        flow.angle[contact] = position;
+        states.angle[contact] = position;
     }
 
     #[inline(always)]
-    fn speed(&self, flow: &BalancerLaneStates<S, N>, contact: usize) -> Lanes<S> {
-        flow.speed[contact]
+    fn speed(&self, states: &BalancerLaneStates<S, N>, contact: usize) -> Lanes<S> {
+        states.speed[contact]
     }
 
     #[inline(always)]
     fn expand(
         &self,
-        room: &mut BalancerWorkspace<S, N>,
+        workspace: &mut BalancerWorkspace<S, N>,
         start: &BalancerLaneStates<S, N>,
         _displaced: bool,
     ) {
-        room.series.expand(&self.equations, (self.drive.as_deref(), &self.gaps), start);
+        workspace.series.expand(&self.equations, (self.drive.as_deref(), &self.gaps), start);
     }
 
     #[inline(always)]
     fn within_tolerance(
         &self,
-        room: &BalancerWorkspace<S, N>,
+        workspace: &BalancerWorkspace<S, N>,
         tolerance: [Lanes<S>; 2],
         before: Lanes<S>,
     ) -> Lanes<S> {
-        step::within_tolerance(&room.series, tolerance, before)
+        step::within_tolerance(&workspace.series, tolerance, before)
     }
 
     #[inline(always)]
-    fn look_over(&self, room: &mut BalancerWorkspace<S, N>, length: Lanes<S>) -> u64 {
-        let BalancerWorkspace { series, doubts, .. } = room;
+    fn screen_conditions(&self, workspace: &mut BalancerWorkspace<S, N>, length: Lanes<S>) -> u64 {
+        let BalancerWorkspace { series, lanes_to_examine, .. } = workspace;
         let watched = (&self.watched, &self.gaps);
-        event_functions::look_over(series, &self.equations, watched, length, doubts);
-        doubts.any()
+        event_functions::screen_conditions(
+            series,
+            &self.equations,
+            watched,
+            length,
+            lanes_to_examine,
+        );
+        lanes_to_examine.any()
     }
 
     fn first_event(
         &self,
-        room: &BalancerWorkspace<S, N>,
+        workspace: &BalancerWorkspace<S, N>,
         own: &Lane,
         lane: usize,
         length: f64,
@@ -274,18 +280,24 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         let Some(balancer) = &self.balancers[lane] else { return StepEnd::Nothing };
         let at = (lane, length);
         let own = (own, balancer, &self.gaps);
-        event_location::first_event(&room.series, own, at, &room.doubts, ignored)
+        event_location::first_event(
+            &workspace.series,
+            own,
+            at,
+            &workspace.lanes_to_examine,
+            ignored,
+        )
     }
 
     #[inline(always)]
     fn at(
         &self,
-        room: &BalancerWorkspace<S, N>,
+        workspace: &BalancerWorkspace<S, N>,
         start: &BalancerLaneStates<S, N>,
         time: Lanes<S>,
         into: &mut BalancerLaneStates<S, N>,
     ) {
-        *into = room.series.at(&self.equations, start, time);
+        *into = workspace.series.at(&self.equations, start, time);
         if self.drive.is_some() {
             into.elapsed += time;
         }
@@ -294,11 +306,11 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     #[inline(always)]
     fn carry(
         &self,
-        room: &mut BalancerWorkspace<S, N>,
+        workspace: &mut BalancerWorkspace<S, N>,
         displacement: &BalancerLaneStates<S, N>,
         length: Lanes<S>,
     ) -> BalancerLaneStates<S, N> {
-        let BalancerWorkspace { series, displaced, .. } = room;
+        let BalancerWorkspace { series, displaced, .. } = workspace;
         let equations = (&self.equations, self.drive.as_deref());
         tangent::carry(series, equations, displacement, length, displaced)
     }
@@ -309,11 +321,11 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     }
 
     #[inline(always)]
-    fn still(&self, room: &BalancerWorkspace<S, N>) -> u64 {
+    fn still(&self, workspace: &BalancerWorkspace<S, N>) -> u64 {
         if self.sliding == 0 || self.drive.is_some() {
             return 0;
         }
-        let [first, second, third, ..] = &room.series.terms;
+        let [first, second, third, ..] = &workspace.series.terms;
         let simd = self.equations.speed.simd;
         let two = Lanes::splat(simd, 2.0);
         let mut most = Lanes::splat(simd, 0.0);
@@ -328,12 +340,12 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
 
     fn component(
         &self,
-        room: &BalancerWorkspace<S, N>,
+        workspace: &BalancerWorkspace<S, N>,
         lane: usize,
         component: usize,
         start: f64,
     ) -> Powers {
-        room.series.component(lane, component, start)
+        workspace.series.component(lane, component, start)
     }
 
     fn coordinates(&self, contact: usize) -> (usize, Option<usize>) {
@@ -349,28 +361,28 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     }
 
     #[inline(always)]
-    fn vibration_of(&self, flow: &BalancerLaneStates<S, N>) -> [Lanes<S>; 2] {
-        [flow.table[0], flow.table[1]]
+    fn vibration_of(&self, states: &BalancerLaneStates<S, N>) -> [Lanes<S>; 2] {
+        [states.table[0], states.table[1]]
     }
 
     #[inline(always)]
     fn vibration_at(
         &self,
-        room: &BalancerWorkspace<S, N>,
+        workspace: &BalancerWorkspace<S, N>,
         times: [Lanes<S>; 3],
     ) -> [[Lanes<S>; 2]; 3] {
-        room.series.table_at(times)
+        workspace.series.table_at(times)
     }
 
     #[inline(always)]
     fn relative_travel(
         &self,
-        room: &BalancerWorkspace<S, N>,
+        workspace: &BalancerWorkspace<S, N>,
         [one, other]: [usize; 2],
         length: Lanes<S>,
     ) -> Lanes<S> {
         let mut bound = Lanes::splat(length.simd, 0.0);
-        for (k, term) in room.series.terms[..=ORDER].iter().enumerate().rev() {
+        for (k, term) in workspace.series.terms[..=ORDER].iter().enumerate().rev() {
             let relative = (term.balls[one].speed - term.balls[other].speed).abs();
             bound = bound.fused(length, relative * Lanes::splat(length.simd, RECIPROCALS[k + 1]));
         }
@@ -381,7 +393,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         self.evaluators[lane].as_ref()
     }
 
-    fn in_state<R>(
+    fn with_force_model<R>(
         &self,
         lane: usize,
         own: &Lane,

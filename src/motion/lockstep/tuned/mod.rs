@@ -3,17 +3,18 @@
 //! It gives the same series as the recorded equations (`general`) several times as fast: the products are chosen so
 //! that few remain, everything has a size known to the compiler, and bounds of the conditions come from few numbers.
 
+mod balancer_forces;
 #[cfg(test)]
 mod compared_with_equations;
 #[cfg(test)]
 mod compared_with_general;
+mod drive;
 mod equations;
 mod event_functions;
 mod event_location;
-mod flow;
 mod gap_forces;
 mod kernel;
-mod mode_selection;
+mod lane_states;
 mod recurrence;
 mod rest_ahead;
 mod series;
@@ -21,8 +22,7 @@ mod step;
 mod tail_terms;
 mod tangent;
 mod terms;
-mod turning;
 
-pub(super) use flow::angles;
+pub(super) use balancer_forces::with_balancer_forces;
 pub(super) use kernel::TunedKernel;
-pub(super) use mode_selection::in_state;
+pub(super) use lane_states::angles;

@@ -3,10 +3,10 @@
 
 use fearless_simd::prelude::*;
 
+use super::drive::{DiscForces, DiscSpeedSeries, Drive};
 use super::equations::Equations;
 use super::gap_forces::{GapForceEffect, OfEach};
 use super::terms::{DYING, PowerCoefficients, ResidualForce, Solver};
-use super::turning::{DiscForces, DiscSpeedSeries, Drive};
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::lockstep::{Lanes, TERMS};
 

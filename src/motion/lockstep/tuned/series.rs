@@ -25,12 +25,12 @@
 
 use fearless_simd::prelude::*;
 
+use super::drive::{DiscSpeedSeries, Drive};
 use super::equations::Equations;
-use super::flow::BalancerLaneStates;
 use super::gap_forces::{GapForceEffect, GapForceEquations, OfEach};
+use super::lane_states::BalancerLaneStates;
 use super::recurrence::{Constants, ProductSums, RECIPROCALS, Solving, products, solve};
 use super::terms::{PowerCoefficients, ResidualForce, Solver};
-use super::turning::{DiscSpeedSeries, Drive};
 use crate::motion::lockstep::sizes::Powers;
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
@@ -184,9 +184,9 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
         k: usize,
     ) {
         vectorized!(equations.speed.simd, {
-            let BalancerSeries { terms, sums: [room, _], .. } = self;
+            let BalancerSeries { terms, sums: [workspace, _], .. } = self;
             let mut few = [ProductSums::zero(equations.speed.simd); N];
-            let sums = if N <= FEW && !WHOLE { &mut few } else { room };
+            let sums = if N <= FEW && !WHOLE { &mut few } else { workspace };
             add_up(terms, k, sums);
             let gaps = if self.response.active { Some(&self.response) } else { None };
             let residual = self.residual.as_ref();

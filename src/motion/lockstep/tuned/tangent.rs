@@ -2,11 +2,11 @@
 
 use fearless_simd::prelude::*;
 
+use super::drive::Drive;
 use super::equations::Equations;
-use super::flow::BalancerLaneStates;
+use super::lane_states::BalancerLaneStates;
 use super::recurrence::{Constants, Solving, products, solve};
 use super::series::{BalancerSeries, HigherPowers, with_drive};
-use super::turning::Drive;
 use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 

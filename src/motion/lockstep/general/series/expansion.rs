@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::graph::{Builder, Cell};
-use crate::motion::lockstep::general::elimination::LuFactors;
+use crate::motion::lockstep::general::lu_factors::LuFactors;
 use crate::motion::lockstep::general::operations::{Operation, Operations, Slot};
 use crate::motion::lockstep::general::statics::StaticId;
 use crate::motion::lockstep::{ORDER, TERMS};

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::expansion::{Convolution, ConvolutionTerms, Expansion};
 use crate::graph::{Cell, Product};
 use crate::motion::lockstep::TERMS;
-use crate::motion::lockstep::general::elimination::LuFactors;
+use crate::motion::lockstep::general::lu_factors::LuFactors;
 use crate::motion::lockstep::general::operations::{MatrixEntry, Operation};
 
 impl Expansion<'_> {

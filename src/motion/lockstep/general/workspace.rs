@@ -25,7 +25,7 @@ pub(in crate::motion::lockstep) struct RecordedWorkspace<S: Vector> {
     first: usize,
     slots: usize,
     /// The lanes in which a condition of each contact may fail, then those in which each event may happen.
-    pub(super) doubts: Vec<u64>,
+    pub(super) lanes_to_examine: Vec<u64>,
     /// Whether the latest bounds of the conditions are those with the series of the normal forces.
     pub(super) is_exact: bool,
 }
@@ -46,7 +46,7 @@ impl<S: Vector> RecordedWorkspace<S> {
             displaced: motion.cells,
             first: operations.coefficient(0, 0) as usize,
             slots: operations.slots,
-            doubts: vec![0; conditions.into_iter().sum()],
+            lanes_to_examine: vec![0; conditions.into_iter().sum()],
             is_exact: false,
         }
     }
@@ -67,7 +67,7 @@ impl<S: Vector> RecordedWorkspace<S> {
     #[inline(always)]
     pub(super) fn screened(&mut self, screen: &Screen) -> u64 {
         let mut any = 0;
-        for (doubt, cell) in self.doubts.iter_mut().zip(&screen.all) {
+        for (doubt, cell) in self.lanes_to_examine.iter_mut().zip(&screen.all) {
             *doubt = below_zero(self.memory[*cell as usize]);
             any |= *doubt;
         }

@@ -78,8 +78,8 @@ impl<S: Vector, const N: usize> BalancerLaneStates<S, N> {
 
     /// Sets one run's components, which must be those of `N` balls, followed by the elapsed time if the speed changes.
     pub(super) fn set_lane(&mut self, lane: usize, components: &[f64]) {
-        let flow = self.table.iter_mut().chain(&mut self.angle).chain(&mut self.speed);
-        flow.zip(components).for_each(|(of_all, value)| of_all[lane] = *value);
+        let states = self.table.iter_mut().chain(&mut self.angle).chain(&mut self.speed);
+        states.zip(components).for_each(|(of_all, value)| of_all[lane] = *value);
         self.elapsed[lane] = components.get(4 + 2 * N).copied().unwrap_or(0.0);
     }
 }

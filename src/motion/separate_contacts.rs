@@ -12,7 +12,7 @@
 use smallvec::SmallVec;
 
 use super::evaluator::Forces;
-use super::in_one_state::TOGETHER;
+use super::incremental_forces::TOGETHER;
 use super::linear_system::{Entries, Unknowns, solved};
 use super::{Direction, IncrementalForces, Phase, Phases};
 
@@ -193,7 +193,7 @@ mod tests {
                     Phase::Open,
                     Phase::Open
                 ];
-                let mut equations = evaluator.in_state(&state);
+                let mut equations = evaluator.incremental_forces(&state);
                 let Some(found) = alone.decide(&mut equations, &assumed) else { continue };
                 decided += 1;
                 moving += found[2..4].iter().filter(|phase| **phase != Phase::Stick).count();

@@ -3,8 +3,8 @@
 use smallvec::SmallVec;
 
 use super::impact::{Impact, impact};
-use super::modes::first_phases;
-use super::response::ImpactPlace;
+use super::impulse_response::ImpactPlace;
+use super::stick_slip::first_phases;
 use super::{Direction, Evaluator, Failure, Phase, Phases, Settings, event_driven, switch_model};
 use crate::model::{Components, Dual, Gap, Method, Opening, TOUCHING};
 

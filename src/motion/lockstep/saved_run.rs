@@ -11,8 +11,8 @@ use super::tuned;
 use crate::model::{Components, Method, System};
 use crate::motion::condition::Margins;
 use crate::motion::force_model::RecordedForces;
-use crate::motion::modes::start_phases;
-use crate::motion::touching::TouchingSystem;
+use crate::motion::stick_slip::start_phases;
+use crate::motion::touching_system::TouchingSystem;
 use crate::motion::{
     Effort, Evaluator, Failure, PerContact, Phases, SINGULAR, SLOW, Settings, any_closed,
 };
@@ -56,7 +56,7 @@ impl SavedRun {
         let surely_one_solution = system.surely_one_solution();
         let contacts = system.contacts();
         let by_tuned = || {
-            let tuned = tuned::in_state(system, surely_one_solution, state, |at| {
+            let tuned = tuned::with_balancer_forces(system, surely_one_solution, state, |at| {
                 start_phases(system.as_ref(), settings, at)
             });
             tuned.map(|phases| Ok((phases?, None, tuned::angles(contacts).collect(), false)))

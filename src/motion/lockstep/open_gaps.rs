@@ -29,13 +29,13 @@ pub(super) struct OpenGaps<S: Vector> {
     /// The distance of a contact and the next one where they touch; [`NEVER`] while they do.
     distances: SmallVec<[Lanes<S>; 8]>,
     /// Bit mask of lanes in which a gap may close in the latest step.
-    pub(super) doubts: u64,
+    pub(super) lanes_to_examine: u64,
 }
 
 impl<S: Vector> OpenGaps<S> {
     pub(super) fn none(simd: S, contacts: usize) -> Self {
         let distances = SmallVec::from_elem(Lanes::splat(simd, 0.0), contacts);
-        OpenGaps { any: 0, irregular: 0, distances, doubts: 0 }
+        OpenGaps { any: 0, irregular: 0, distances, lanes_to_examine: 0 }
     }
 
     /// Sets a lane by the phases of its run.
@@ -62,14 +62,14 @@ impl<S: Vector> OpenGaps<S> {
 
     /// Returns the lanes in which an open gap may close in a step of this length.
     #[inline(always)]
-    pub(super) fn look_over<K: Kernel<S>>(
+    pub(super) fn screen<K: Kernel<S>>(
         &mut self,
-        (kernel, room, state): (&K, &K::Workspace, &K::LaneStates),
+        (kernel, workspace, state): (&K, &K::Workspace, &K::LaneStates),
         alive: u64,
         length: Lanes<S>,
     ) -> u64 {
         if self.any & alive == 0 {
-            self.doubts = 0;
+            self.lanes_to_examine = 0;
             return 0;
         }
         let simd = length.simd;
@@ -85,10 +85,10 @@ impl<S: Vector> OpenGaps<S> {
             let apart = apart.simd_lt(zero).select(apart + turn, apart);
             let width = apart - self.distances[place];
             let pair = [place % pairs, (place % pairs + 1) % contacts];
-            open &= width.simd_gt(kernel.relative_travel(room, pair, length));
+            open &= width.simd_gt(kernel.relative_travel(workspace, pair, length));
         }
-        self.doubts = (!open.to_bitmask() | self.irregular) & self.any & alive;
-        self.doubts
+        self.lanes_to_examine = (!open.to_bitmask() | self.irregular) & self.any & alive;
+        self.lanes_to_examine
     }
 }
 
@@ -103,13 +103,13 @@ pub(super) fn any_touch(own: &Lane, position: impl Fn(usize) -> f64) -> bool {
 
 /// Replaces the end of a step by the first closing of an open gap if that is earlier.
 pub(super) fn first_closing<S: Vector, K: Kernel<S>>(
-    (simd, kernel, room, flow): (S, &K, &K::Workspace, &K::LaneStates),
+    (simd, kernel, workspace, states): (S, &K, &K::Workspace, &K::LaneStates),
     (lane, own): (usize, &Lane),
     length: f64,
     first: &mut StepEnd,
 ) {
     let Some(touching) = own.system.touching() else { return };
-    let state = kernel.lane(flow, lane);
+    let state = kernel.lane(states, lane);
     let aim = 0.5 * own.width;
     let contacts = kernel.contacts();
     for (index, gap) in touching.gaps().iter().enumerate() {
@@ -118,8 +118,8 @@ pub(super) fn first_closing<S: Vector, K: Kernel<S>>(
         }
         let places = gap.contacts.map(|contact| kernel.coordinates(contact).0);
         // No maps: they would copy the arrays.
-        let behind = kernel.component(room, lane, places[0], state[places[0]]);
-        let mut powers: Powers = kernel.component(room, lane, places[1], state[places[1]]);
+        let behind = kernel.component(workspace, lane, places[0], state[places[0]]);
+        let mut powers: Powers = kernel.component(workspace, lane, places[1], state[places[1]]);
         for (power, behind) in powers.iter_mut().zip(&behind) {
             *power -= behind;
         }

@@ -3,9 +3,9 @@
 use fearless_simd::prelude::*;
 use smallvec::SmallVec;
 
-use super::gaps::OpenGaps;
 use super::kernel::Kernel;
 use super::lane::Lane;
+use super::open_gaps::OpenGaps;
 use super::{LANES, Lanes};
 use crate::motion::lockstep::vector::{Vector, vectorized};
 
@@ -14,7 +14,7 @@ pub(super) struct KernelLanes<S: Vector, K: Kernel<S>> {
     pub(super) simd: S,
     pub(super) kernel: K,
     pub(super) gaps: OpenGaps<S>,
-    pub(super) room: Box<K::Workspace>,
+    pub(super) workspace: Box<K::Workspace>,
     pub(super) state: K::LaneStates,
     pub(super) time: Lanes<S>,
     pub(super) until: Lanes<S>,
@@ -36,7 +36,7 @@ pub(super) struct KernelLanes<S: Vector, K: Kernel<S>> {
     pub(super) alive: u64,
     pub(super) sliding: u64,
     /// Lanes for which turns and switches are reported.
-    pub(super) told: u64,
+    pub(super) reporting_lanes: u64,
     /// Lanes whose amplitude is watched, with the square of the amplitude above which a step is reported.
     pub(super) watched: u64,
     pub(super) watched_square: Lanes<S>,
@@ -58,13 +58,13 @@ impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
     pub(super) fn new(simd: S, kernel: K) -> Self {
         let constant = |value: f64| Lanes::splat(simd, value);
         let zero = constant(0.0);
-        let flow = kernel.flow(simd);
+        let states = kernel.lane_states(simd);
         let of_contacts = SmallVec::from_elem(zero, kernel.contacts());
         KernelLanes {
             simd,
             gaps: OpenGaps::none(simd, kernel.contacts()),
-            room: Box::new(kernel.room(simd)),
-            state: flow.clone(),
+            workspace: Box::new(kernel.workspace(simd)),
+            state: states.clone(),
             time: zero,
             until: constant(1.0),
             attention: constant(f64::INFINITY),
@@ -77,19 +77,19 @@ impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
             taken: zero,
             most: constant(f64::INFINITY),
             most_per_time: zero,
-            displacement: flow.clone(),
+            displacement: states.clone(),
             lanes: std::array::from_fn(|_| None),
             alive: 0,
             sliding: 0,
-            told: 0,
+            reporting_lanes: 0,
             watched: 0,
             watched_square: zero,
             ended: 0,
             reset: 0,
-            before: flow.clone(),
-            displacement_before: flow.clone(),
+            before: states.clone(),
+            displacement_before: states.clone(),
             time_before: zero,
-            end: flow,
+            end: states,
             length: zero,
             kernel,
         }
@@ -99,7 +99,7 @@ impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
     pub(super) fn enter(&mut self, lane: usize, state: &[f64]) {
         let Some(own) = &self.lanes[lane] else { return };
         self.kernel.set_lane(&mut self.state, lane, state);
-        self.kernel.set_phases(&mut self.room, lane, own, state);
+        self.kernel.set_phases(&mut self.workspace, lane, own, state);
         self.kernel.set_rest(lane, own, state);
         self.gaps.set(lane, own);
     }
@@ -110,9 +110,9 @@ impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
 pub(super) fn carry<S: Vector, K: Kernel<S>>(
     simd: S,
     kernel: &K,
-    room: &mut K::Workspace,
+    workspace: &mut K::Workspace,
     displacement: &K::LaneStates,
     length: Lanes<S>,
 ) -> K::LaneStates {
-    vectorized!(simd, kernel.carry(room, displacement, length))
+    vectorized!(simd, kernel.carry(workspace, displacement, length))
 }

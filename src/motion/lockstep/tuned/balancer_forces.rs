@@ -129,7 +129,7 @@ pub(super) fn called<R>(with: impl FnOnce(&dyn ForceModel) -> R, at: &dyn ForceM
 }
 
 /// Calls `with` with a balancer at constant speed in one state; `None` for another system.
-pub(in crate::motion::lockstep) fn in_state<R>(
+pub(in crate::motion::lockstep) fn with_balancer_forces<R>(
     system: &Arc<dyn System>,
     surely_one_solution: bool,
     state: &[f64],

@@ -182,7 +182,7 @@ mod tests {
         Balancer, Ball, BallContact, BallsInContact, Dual, Machine, System, Touching,
     };
     use crate::motion::Evaluator;
-    use crate::motion::response::ImpactPlace;
+    use crate::motion::impulse_response::ImpactPlace;
 
     /// The equations of motion, integrated over an impact: `Σ_j A_ij Δβ̇_j` is the tangential impulse over the mass of ball
     /// `i` with `A_ij = (1 + 4J) δ_ij - m_j cos(β_i - β_j)`, and `Δẋ = Σ m s Δβ̇`, `Δẏ = -Σ m c Δβ̇`. The slopes are those of

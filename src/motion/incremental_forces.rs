@@ -16,7 +16,7 @@ pub(super) const TOGETHER: usize = 8;
 
 impl Evaluator {
     /// Returns the equations in one state, for several assumptions about the phases.
-    pub fn in_state<'a>(&'a self, state: &'a [f64]) -> IncrementalForces<'a> {
+    pub fn incremental_forces<'a>(&'a self, state: &'a [f64]) -> IncrementalForces<'a> {
         IncrementalForces {
             evaluator: self,
             state,
@@ -319,11 +319,11 @@ mod tests {
             (0..4).map(of_contact).chain((0..4).map(of_gap)).collect()
         };
         let all: Vec<Phases> = (0..1296).map(phases).collect();
-        let mut together = evaluator.in_state(&state);
+        let mut together = evaluator.incremental_forces(&state);
         let mut closed = 0;
         for some in all.chunks(TOGETHER - 1) {
             for (phases, found) in some.iter().zip(together.forces_of_several(some)) {
-                let alone = evaluator.in_state(&state).forces_and_gaps(phases);
+                let alone = evaluator.incremental_forces(&state).forces_and_gaps(phases);
                 closed += alone.1.iter().filter(|gap| gap.force != 0.0).count();
                 if alone.0.iter().all(is_finite) {
                     assert_eq!(found, alone, "{phases:?}");
