@@ -249,7 +249,7 @@ impl DerivedRest {
         let distance = motion.distance.size(&displaced) + push;
         let gaps = self.closed_gaps(state);
         if self.is_affine {
-            return motion.endures(&gaps, 1.0 + excess, distance, &residual);
+            return motion.holds_all_contacts(&gaps, 1.0 + excess, distance, &residual);
         }
         let curvature = self.curvature(motion, state, distance);
         motion.contracts(&gaps, 1.0 + excess, distance, &residual, &curvature)
@@ -270,7 +270,7 @@ impl RestForms for DerivedRest {
         let Some(motion) = self.motion(state) else { return false };
         let gaps = self.closed_gaps(state);
         let (displaced, push, residual) = self.displaced(&motion, state);
-        motion.endures(&gaps, 1.0, 0.0, &residual)
+        motion.holds_all_contacts(&gaps, 1.0, 0.0, &residual)
             && motion.followed_to_rest(&gaps, displaced, push, &residual)
     }
 

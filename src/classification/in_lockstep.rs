@@ -1,6 +1,6 @@
 //! Simulation of many runs in lockstep: a lane whose run has ended takes the next run.
 //!
-//! Two groups of lanes are advanced alternately, one with displacements (for Lyapunov exponents)
+//! Two groups of lanes are advanced alternately, one with perturbations (for Lyapunov exponents)
 //! and one without, and runs move between them. A run does not depend on its lane or its
 //! neighbours, so that the order of the work does not affect the results.
 
@@ -112,7 +112,7 @@ struct Lockstep<'a> {
     runs: &'a mut dyn Runs,
     /// The next run, whose system may need other lanes.
     upcoming: Option<Upcoming>,
-    /// Without displacements and with them; at last for runs in a stage with a system of its own, because the speed of the
+    /// Without perturbations and with them; at last for runs in a stage with a system of its own, because the speed of the
     /// disc changes.
     teams: [Team; 3],
     level: SimdLevel,
@@ -243,30 +243,30 @@ impl<'a> Lockstep<'a> {
     fn step(&mut self, team: usize) {
         unwind_if_cancelled();
         let Some(group) = &mut self.teams[team].group else { return };
-        let happened = group.advance(team % 2 == 1);
+        let report = group.advance(team % 2 == 1);
         if self.recorded {
-            self.record(team, &happened);
+            self.record(team, &report);
         }
-        let mut lanes = happened.any();
+        let mut lanes = report.any();
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
             let Team { group: Some(group), members, .. } = &mut self.teams[team] else { return };
             let Some(run) = &mut members[lane] else { continue };
             let number = run.number;
-            let next = run.look(group.as_mut(), lane, &happened);
+            let next = run.look(group.as_mut(), lane, &report);
             self.goes_on(team, lane, number, next);
         }
     }
 
     /// Passes the latest step to the recorder.
     #[inline(never)]
-    fn record(&mut self, team: usize, happened: &StepReport) {
+    fn record(&mut self, team: usize, report: &StepReport) {
         let Team { group: Some(group), members, .. } = &self.teams[team] else { return };
         let Some(recorder) = self.runs.recorder() else { return };
         for (lane, run) in members.iter().enumerate() {
             if let Some(run) = run
-                && happened.taken & 1 << lane != 0
+                && report.taken & 1 << lane != 0
             {
                 run.show(recorder, group.as_ref(), lane);
             }
@@ -310,5 +310,5 @@ fn team_of(saved: &SavedRun, run: &LaneRun) -> usize {
     if run.stages.present().is_driven {
         return DRIVEN;
     }
-    usize::from(run.is_displaced(saved.time()))
+    usize::from(run.is_perturbed(saved.time()))
 }

@@ -20,7 +20,7 @@ use crate::model::{Case, Components, Endings, Extend, Stage, Units};
 use crate::motion::lockstep::{LaneGroup, SavedRun, StepReport};
 use crate::motion::{Evaluator, Failure, Settings, all_stick};
 
-/// Sizes of a displacement that need no renormalisation.
+/// Sizes of a perturbation that need no renormalisation.
 const HANDY: std::ops::Range<f64> = 1e-99..1e99;
 
 /// A run in a lane.
@@ -47,7 +47,7 @@ pub(super) struct LaneRun {
 pub(super) enum Next {
     /// The run stays in its lane.
     Stay,
-    /// The run moves to other lanes: with displacements or without.
+    /// The run moves to other lanes: with perturbations or without.
     Move,
     /// The run enters its next stage from this saved state.
     Enter(Box<SavedRun>),
@@ -106,8 +106,8 @@ impl LaneRun {
         }
     }
 
-    /// Returns whether the run needs a displacement at a time.
-    pub(super) fn is_displaced(&self, time: f64) -> bool {
+    /// Returns whether the run needs a perturbation at a time.
+    pub(super) fn is_perturbed(&self, time: f64) -> bool {
         let separation = &self.horizons.now.window.separation;
         separation.has_begun() && separation.follows(time)
     }
@@ -141,14 +141,14 @@ impl LaneRun {
         &mut self,
         group: &mut dyn LaneGroup,
         lane: usize,
-        happened: &StepReport,
+        report: &StepReport,
     ) -> Next {
         let bit = 1 << lane;
-        if let Some(failure) = happened.failure(lane) {
+        if let Some(failure) = report.failure(lane) {
             return self.ends(group, lane, Ending::Failure(failure));
         }
         let time = group.time(lane);
-        if happened.larger & bit != 0 {
+        if report.larger & bit != 0 {
             self.stages.take_in(&LaneStep { group: &*group, lane, view: &self.view });
             self.stages.watch(group, lane);
         }
@@ -158,18 +158,18 @@ impl LaneRun {
             }
             return Next::Stay;
         }
-        let displaced = self.is_displaced(time);
+        let perturbed = self.is_perturbed(time);
         self.measure(&*group, lane);
         let separation = &mut self.horizons.now.window.separation;
-        if displaced {
-            self.separate(group, lane, time, happened.attention & bit != 0);
+        if perturbed {
+            self.separate(group, lane, time, report.attention & bit != 0);
         } else if separation.follows(time) && !separation.has_begun() {
-            let mut displacement = lyapunov::displacement(&self.view);
-            self.view.keep_together(group.phases(lane), &mut displacement);
-            group.displace(lane, &displacement);
+            let mut perturbation = lyapunov::perturbation(&self.view);
+            self.view.keep_together(group.phases(lane), &mut perturbation);
+            group.perturb(lane, &perturbation);
             separation.mark(time, lyapunov::course(&LaneStep { group, lane, view: &self.view }));
         }
-        let still = happened.still & bit != 0;
+        let still = report.still & bit != 0;
         if still || self.still {
             self.still = still;
             let since = if still { group.time_before(lane) } else { time };
@@ -178,7 +178,7 @@ impl LaneRun {
                 return self.ends(group, lane, Ending::Settled);
             }
         }
-        let may_close = (happened.event | happened.round | happened.turned) & bit != 0;
+        let may_close = (report.event | report.round | report.turned) & bit != 0;
         if may_close || self.watch.sees_each_step() {
             let step = LaneStep { group: &*group, lane, view: &self.view };
             if let Some(ending) = self.watch.closes(&self.settings, &step) {
@@ -188,11 +188,11 @@ impl LaneRun {
         if time >= self.horizons.now.end {
             return self.ends_in_time(group, lane);
         }
-        if happened.rest & bit != 0 && self.rests(group, lane) {
+        if report.rest & bit != 0 && self.rests(group, lane) {
             return self.ends(group, lane, Ending::Rest);
         }
         self.plan(group, lane);
-        if self.is_displaced(time) == displaced { Next::Stay } else { Next::Move }
+        if self.is_perturbed(time) == perturbed { Next::Stay } else { Next::Move }
     }
 
     /// Goes on to the next stage.
@@ -222,20 +222,20 @@ impl LaneRun {
         self.horizons.now.window.take_in(&step);
     }
 
-    /// Records the growth of the displacement when that is due or its size is out of range. Other
+    /// Records the growth of the perturbation when that is due or its size is out of range. Other
     /// inspections of the run do not affect the result.
     fn separate(&mut self, group: &mut dyn LaneGroup, lane: usize, time: f64, asked: bool) {
         if !asked {
             return;
         }
-        let (mut displacement, grazed) = group.displacement(lane);
-        let size = lyapunov::size(&self.view, &displacement);
+        let (mut perturbation, grazed) = group.perturbation(lane);
+        let size = lyapunov::size(&self.view, &perturbation);
         let due = time >= self.horizons.now.window.separation.next_mark();
         if !due && HANDY.contains(&size) {
             return;
         }
-        displacement.iter_mut().for_each(|component| *component *= 1.0 / size);
-        group.displace(lane, &displacement);
+        perturbation.iter_mut().for_each(|component| *component *= 1.0 / size);
+        group.perturb(lane, &perturbation);
         let course = lyapunov::course(&LaneStep { group, lane, view: &self.view });
         self.horizons.now.window.separation.grow(time, size, grazed, course);
     }
@@ -257,7 +257,7 @@ impl LaneRun {
         let mut attention = if self.watch.sees_each_step() { 0.0 } else { window.start };
         if !separation.has_begun() {
             attention = attention.min(separation.start);
-        } else if self.is_displaced(group.time(lane)) {
+        } else if self.is_perturbed(group.time(lane)) {
             attention = attention.min(separation.next_mark());
         }
         if let Some(later) = self.horizons.later.as_ref().map(|later| &later.window)

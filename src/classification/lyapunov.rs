@@ -1,6 +1,6 @@
 //! Irregular motion: neighbouring motions separate exponentially.
 //!
-//! A small displacement is carried along the motion by the linearised flow, through stick and slip,
+//! A small perturbation is carried along the motion by the linearised flow, through stick and slip,
 //! and rescaled whenever it has grown (G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn,
 //! Meccanica 15 (1980) 9, doi:10.1007/BF02128236; with saltation: P. C. Müller, Chaos Solitons
 //! Fractals 5 (1995) 1671, doi:10.1016/0960-0779(94)00170-U). The mean rate of growth over a window
@@ -20,7 +20,7 @@
 //!   does not count;
 //! - the interval is positive;
 //! - in the second half of the window, neighbours have separated by at least [`SEPARATED`]. This
-//!   excludes growth by a power of time: a displacement along a family of motions (a ball that rests
+//!   excludes growth by a power of time: a perturbation along a family of motions (a ball that rests
 //!   elsewhere, which changes the speed of another) grows in proportion to time; in the second half
 //!   of a window that is a factor of 2, and for the third power of time a factor of 8;
 //! - the motion itself does not grow: from the first to the second half of the window, the size of the velocity grows neither by
@@ -36,7 +36,7 @@ pub(super) const SEPARATION_WINDOW: f64 = 0.75;
 /// Number of equal parts of the window.
 const PARTS: usize = 10;
 /// Number of parts after which the measurement stops if neighbours have only converged: most
-/// motions are regular, and a displacement costs as much as the motion itself.
+/// motions are regular, and a perturbation costs as much as the motion itself.
 const PILOT: usize = 4;
 /// Minimum number of turns and switches in a block, in the mean over the contacts.
 const COURSES: f64 = 7.0;
@@ -71,7 +71,7 @@ pub(super) struct Separation {
     /// The growth at the start and at the end of each part.
     marks: Vec<Mark>,
     given_up: bool,
-    /// Whether a switch was met by grazing, so that the displacement is undefined.
+    /// Whether a switch was met by grazing, so that the perturbation is undefined.
     grazed: bool,
 }
 
@@ -97,7 +97,7 @@ impl Separation {
         Separation { start, end, growth: 0.0, marks: Vec::new(), given_up: false, grazed: false }
     }
 
-    /// Returns whether displacements are measured at a time: the window has begun and the
+    /// Returns whether perturbations are measured at a time: the window has begun and the
     /// measurement has not stopped.
     pub(super) fn follows(&self, time: f64) -> bool {
         time > self.start && !self.given_up
@@ -108,7 +108,7 @@ impl Separation {
         !self.marks.is_empty()
     }
 
-    /// Adds the growth of the displacement since the last call.
+    /// Adds the growth of the perturbation since the last call.
     pub(super) fn grow(&mut self, time: f64, factor: f64, grazed: bool, course: Course) {
         self.growth += factor.ln();
         self.grazed |= grazed;
@@ -132,7 +132,7 @@ impl Separation {
         }
     }
 
-    /// Marks a time: first the end of the first step that extends into the window, where the displacement has the size 1.
+    /// Marks a time: first the end of the first step that extends into the window, where the perturbation has the size 1.
     pub(super) fn mark(&mut self, time: f64, course: Course) {
         self.marks.push(Mark { time, growth: self.growth, course });
     }
@@ -207,22 +207,22 @@ impl Separation {
     }
 }
 
-/// Returns the initial displacement, of size 1. All contacts are displaced equally: exchanging two of
-/// them exchanges only the displacements. Balls that are exactly side by side stay so; the instability
-/// of their orbit shows in the multipliers. (Displaced speeds would separate contacts in proportion to
+/// Returns the initial perturbation, of size 1. All contacts are perturbed equally: exchanging two of
+/// them exchanges only the perturbations. Balls that are exactly side by side stay so; the instability
+/// of their orbit shows in the multipliers. (Perturbed speeds would separate contacts in proportion to
 /// time for a long period.)
-pub(super) fn displacement(view: &SystemView) -> Components {
-    let mut displaced = Components::from_elem(0.0, view.dimension());
+pub(super) fn perturbation(view: &SystemView) -> Components {
+    let mut perturbed = Components::from_elem(0.0, view.dimension());
     for contact in &view.contacts {
-        displaced[contact.position] = 1.0 / (view.contacts.len() as f64).sqrt();
+        perturbed[contact.position] = 1.0 / (view.contacts.len() as f64).sqrt();
     }
-    displaced
+    perturbed
 }
 
-/// Returns the size of a displacement.
-pub(super) fn size(view: &SystemView, displacement: &[f64]) -> f64 {
+/// Returns the size of a perturbation.
+pub(super) fn size(view: &SystemView, perturbation: &[f64]) -> f64 {
     let square = |components: &mut dyn Iterator<Item = usize>| {
-        components.map(|place| displacement[place] * displacement[place]).sum::<f64>()
+        components.map(|place| perturbation[place] * perturbation[place]).sum::<f64>()
     };
     let (positions, velocities) = view.free.split_at(view.free.len() / 2);
     let contacts = &view.contacts;

@@ -36,9 +36,9 @@ pub(super) struct ReturnMap<'a> {
     pub(super) latest: &'a RefCell<Option<Motion>>,
 }
 
-/// Returns what a step with displaced motions costs, in steps without: the motions of a group of lanes are displaced together.
-pub(super) fn cost_of_a_step(displaced: usize) -> u64 {
-    1 + 2 * displaced.div_ceil(LANES) as u64
+/// Returns what a step with perturbed motions costs, in steps without: the motions of a group of lanes are perturbed together.
+pub(super) fn cost_of_a_step(perturbed: usize) -> u64 {
+    1 + 2 * perturbed.div_ceil(LANES) as u64
 }
 
 /// The result of the return map.
@@ -69,7 +69,7 @@ impl ReturnMap<'_> {
             None => grazed = step.motion.grazed(),
             Some((time, state)) => {
                 let rate = self.view.evaluator.rates(step.motion.phases_during_step(), state);
-                let there = step.motion.displacements_within(time);
+                let there = step.motion.perturbations_within(time);
                 columns = there.iter().map(|one| self.section.on_section(one, &rate)).collect();
             }
         })?;
@@ -105,7 +105,7 @@ impl ReturnMap<'_> {
         })
     }
 
-    /// Follows the motion with displaced motions. `watch` receives each step.
+    /// Follows the motion with perturbed motions. `watch` receives each step.
     fn go(
         &self,
         start: &[f64],

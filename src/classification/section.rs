@@ -129,7 +129,7 @@ impl Section {
         }
     }
 
-    /// The coordinates of a state, or of a displacement.
+    /// The coordinates of a state, or of a perturbation.
     pub(super) fn coordinates(&self, state: &[f64]) -> DVector<f64> {
         let values = self.coordinates.iter().map(|(place, _)| state[*place]);
         DVector::from_iterator(self.coordinates.len(), values)
@@ -206,7 +206,7 @@ impl Section {
         positions.len()
     }
 
-    /// Unit displacements along the coordinates.
+    /// Unit perturbations along the coordinates.
     pub(super) fn directions(&self) -> Vec<Components> {
         let unit = |(place, _): &(usize, bool)| {
             let mut direction: Components = smallvec![0.0; self.dimension];
@@ -219,12 +219,12 @@ impl Section {
         self.coordinates.iter().map(unit).collect()
     }
 
-    /// Returns the projection on the section of a displacement of the motion, in a state with this
+    /// Returns the projection on the section of a perturbation of the motion, in a state with this
     /// time derivative: neighbours reach the section slightly earlier or later.
-    pub(super) fn on_section(&self, displacement: &[f64], rate: &[f64]) -> DVector<f64> {
+    pub(super) fn on_section(&self, perturbation: &[f64], rate: &[f64]) -> DVector<f64> {
         let (component, _) = self.marking;
-        let late = displacement[component] / rate[component];
-        self.coordinates(displacement) + self.coordinates(rate) * -late
+        let late = perturbation[component] / rate[component];
+        self.coordinates(perturbation) + self.coordinates(rate) * -late
     }
 
     /// The difference of two states' coordinates, angles modulo 2π.

@@ -1,6 +1,6 @@
 //! The jump of neighbouring motions where a condition of a phase fails.
 //!
-//! In a smooth phase a small displacement follows the linearised equations. At a switch, which a neighbour meets
+//! In a smooth phase a small perturbation follows the linearised equations. At a switch, which a neighbour meets
 //! slightly earlier or later, it jumps by the saltation matrix
 //!
 //! ```text
@@ -14,7 +14,7 @@
 //! to rest thereby loses its speed in every direction; where it breaks loose against friction that
 //! does not jump, nothing happens.
 //!
-//! Where an event resets the state to `R(x)`, a displacement `δ` becomes
+//! Where an event resets the state to `R(x)`, a perturbation `δ` becomes
 //!
 //! ```text
 //! ∇R (δ + f⁻ τ) - f⁺ τ,    τ = -∇hᵀ δ / (∇hᵀ f⁻)
@@ -43,7 +43,7 @@ const GRAZING: f64 = 1e-12;
 /// located.
 const NO_JUMP: f64 = 1e-8;
 
-/// Propagates a displacement over a switch at which the phases `before` ended because a condition of a contact
+/// Propagates a perturbation over a switch at which the phases `before` ended because a condition of a contact
 /// failed and the phases `after` began. Returns whether the switch was met by grazing.
 pub(super) fn saltation(
     system: &dyn ForceModel,
@@ -83,7 +83,7 @@ pub(super) fn saltation(
     rate.is_nan() || rate.abs() <= GRAZING * system.force_scale()
 }
 
-/// Propagates a displacement over an impact that a gap or a landing contact begins, like [`saltation_at_reset`].
+/// Propagates a perturbation over an impact that a gap or a landing contact begins, like [`saltation_at_reset`].
 pub(super) fn saltation_at_impact(
     evaluator: &Evaluator,
     settings: Settings,
@@ -120,7 +120,7 @@ pub(super) fn saltation_at_impact(
     saltation_at_reset(evaluator, sides, guard, reset, direction)
 }
 
-/// Propagates a displacement over an event that resets a state. `before` and `after` are the phases and the states on
+/// Propagates a perturbation over an event that resets a state. `before` and `after` are the phases and the states on
 /// both sides. `guard` and `reset` return the change of the guard, and that of the state after the event, along a direction.
 /// Returns whether the event was met by grazing.
 pub(super) fn saltation_at_reset(

@@ -11,7 +11,7 @@ use crate::model::{Components, Method, System};
 
 /// A motion in progress.
 pub struct Motion {
-    /// Lanes with the same run, each with a displacement of its own.
+    /// Lanes with the same run, each with a perturbation of its own.
     groups: Vec<Box<dyn LaneGroup>>,
     /// Lanes for a motion with more directions.
     spare: Vec<Box<dyn LaneGroup>>,
@@ -36,7 +36,7 @@ impl Motion {
         Motion::with_directions(system, settings, state, &[])
     }
 
-    /// Starts a motion with small displacements in these directions, which it propagates by the linearised equations
+    /// Starts a motion with small perturbations in these directions, which it propagates by the linearised equations
     /// and the saltation matrices of the switches.
     ///
     /// # Errors
@@ -90,7 +90,7 @@ impl Motion {
             for lane in 0..directions.len().max(1) {
                 group.put(lane, saved, saved.time());
                 if let Some(direction) = directions.get(lane) {
-                    group.displace(lane, direction);
+                    group.perturb(lane, direction);
                 }
             }
             group
@@ -190,12 +190,12 @@ impl Motion {
         if !self.stepped {
             return Ok(false);
         }
-        let displaced = self.directions > 0;
+        let perturbed = self.directions > 0;
         for group in &mut self.groups {
             for lane in 0..LANES {
                 group.set_until(lane, until);
             }
-            if let Some(failure) = group.advance(displaced).failure(0) {
+            if let Some(failure) = group.advance(perturbed).failure(0) {
                 return Err(failure);
             }
         }
@@ -254,23 +254,23 @@ impl Motion {
         Some(self.lane().state_within(0, part * length))
     }
 
-    /// Returns the displacements, in the order of their directions.
-    pub fn displacements(&self) -> Vec<Components> {
+    /// Returns the perturbations, in the order of their directions.
+    pub fn perturbations(&self) -> Vec<Components> {
         let lanes = (0..self.directions).map(|i| (&self.groups[i / LANES], i % LANES));
-        lanes.map(|(group, lane)| group.displacement(lane).0).collect()
+        lanes.map(|(group, lane)| group.perturbation(lane).0).collect()
     }
 
-    /// Returns the displacements at a time within the latest step.
-    pub fn displacements_within(&mut self, time: f64) -> Vec<Components> {
+    /// Returns the perturbations at a time within the latest step.
+    pub fn perturbations_within(&mut self, time: f64) -> Vec<Components> {
         let after = time - self.last_step_began();
-        let all = self.groups.iter_mut().flat_map(|group| group.displacements_within(after));
+        let all = self.groups.iter_mut().flat_map(|group| group.perturbations_within(after));
         all.take(self.directions).collect()
     }
 
-    /// Returns whether a displacement met a switch by grazing and is undefined since.
+    /// Returns whether a perturbation met a switch by grazing and is undefined since.
     pub fn grazed(&self) -> bool {
         let mut lanes = (0..self.directions).map(|i| (&self.groups[i / LANES], i % LANES));
-        lanes.any(|(group, lane)| group.displacement(lane).1)
+        lanes.any(|(group, lane)| group.perturbation(lane).1)
     }
 
     /// Returns the current instant, after a switch at the end of the latest step.

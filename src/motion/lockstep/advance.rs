@@ -25,7 +25,7 @@ use crate::motion::{Evaluator, Failure, Phase, Phases, any_closed, event_driven,
 
 /// The shortest step, over the elapsed time, that still changes the time.
 const SHORTEST: f64 = 1e-14;
-/// Square of the size above which a displacement must be rescaled.
+/// Square of the size above which a perturbation must be rescaled.
 const LARGE: f64 = 1e200;
 
 /// The square of the amplitude exceeds its values at the ends of the quarters of a step by less than this part of their
@@ -33,24 +33,24 @@ const LARGE: f64 = 1e200;
 /// 1 - cos 0.63 is 0.19.
 const BETWEEN: f64 = 0.25;
 
-/// Takes a step in all lanes of a group. If `displaced`, a displacement of each lane is propagated.
+/// Takes a step in all lanes of a group. If `perturbed`, a perturbation of each lane is propagated.
 pub(super) fn advance<S: Vector, K: Kernel<S>>(
     g: &mut KernelLanes<S, K>,
-    displaced: bool,
+    perturbed: bool,
 ) -> StepReport {
-    vectorized!(g.simd, step(g, displaced))
+    vectorized!(g.simd, step(g, perturbed))
 }
 
 #[inline(always)]
-fn step<S: Vector, K: Kernel<S>>(g: &mut KernelLanes<S, K>, displaced: bool) -> StepReport {
+fn step<S: Vector, K: Kernel<S>>(g: &mut KernelLanes<S, K>, perturbed: bool) -> StepReport {
     let simd = g.simd;
     macro_rules! c {
         ($value:expr) => {
             Lanes::splat(simd, $value)
         };
     }
-    let mut happened = StepReport { reporting_lanes: g.reporting_lanes, ..StepReport::default() };
-    g.kernel.expand(&mut g.workspace, &g.state, displaced);
+    let mut report = StepReport { reporting_lanes: g.reporting_lanes, ..StepReport::default() };
+    g.kernel.expand(&mut g.workspace, &g.state, perturbed);
     let within = g.kernel.within_tolerance(&g.workspace, g.tolerance, g.next).min(g.longest);
     let left = g.until - g.time;
     let mut length = within.min(left);
@@ -64,10 +64,10 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut KernelLanes<S, K>, displaced: bool) -> 
             Ok(Some((part, event))) => {
                 length[lane] *= part;
                 failed[lane] = Some(event);
-                happened.event |= 1 << lane;
+                report.event |= 1 << lane;
             }
             Ok(None) => {}
-            Err(failure) => happened.fail(lane, failure),
+            Err(failure) => report.fail(lane, failure),
         }
     }
     g.kernel.at(&g.workspace, &g.state, length, &mut g.end);
@@ -80,14 +80,14 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut KernelLanes<S, K>, displaced: bool) -> 
         let lane = stopped.trailing_zeros() as usize;
         stopped &= stopped - 1;
         let lasts = finite.to_bitmask() & 1 << lane != 0;
-        happened.fail(lane, if lasts { Failure::StepLimit } else { Failure::NotFinite });
-        happened.event &= !(1 << lane);
+        report.fail(lane, if lasts { Failure::StepLimit } else { Failure::NotFinite });
+        report.event &= !(1 << lane);
     }
-    let commit = g.alive & !happened.failed;
+    let commit = g.alive & !report.failed;
     let commits = mask64x8::from_bitmask(simd, commit);
-    happened.taken = commit;
+    report.taken = commit;
     g.taken += c!(1.0);
-    happened.still = g.kernel.still(&g.workspace) & commit;
+    report.still = g.kernel.still(&g.workspace) & commit;
 
     g.next = commits.select(within, g.next);
     g.before.clone_from(&g.state);
@@ -111,32 +111,32 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut KernelLanes<S, K>, displaced: bool) -> 
         g.slow_since[contact] = fast.select(g.time, g.slow_since[contact]);
     }
     g.length = length;
-    g.ended = happened.event;
+    g.ended = report.event;
     g.reset = 0;
-    happened.round = round.to_bitmask();
-    if displaced {
-        g.displacement_before.clone_from(&g.displacement);
-        let moved = carry(simd, &g.kernel, &mut g.workspace, &g.displacement, length);
-        g.kernel.select(&mut g.displacement, &moved, commits);
-        let size = g.kernel.square(&g.displacement);
+    report.round = round.to_bitmask();
+    if perturbed {
+        g.perturbation_before.clone_from(&g.perturbation);
+        let moved = carry(simd, &g.kernel, &mut g.workspace, &g.perturbation, length);
+        g.kernel.select(&mut g.perturbation, &moved, commits);
+        let size = g.kernel.square(&g.perturbation);
         let extreme = size.simd_gt(c!(LARGE)) | size.simd_lt(c!(1.0 / LARGE));
-        happened.attention |= extreme.to_bitmask() & commit;
+        report.attention |= extreme.to_bitmask() & commit;
     }
-    let mut events = happened.event;
+    let mut events = report.event;
     while events != 0 {
         let lane = events.trailing_zeros() as usize;
         events &= events - 1;
         let Some(event) = failed[lane] else { continue };
-        if let Err(trouble) = switch(g, lane, event, displaced) {
-            happened.fail(lane, trouble);
+        if let Err(trouble) = switch(g, lane, event, perturbed) {
+            report.fail(lane, trouble);
         }
     }
-    happened.rest = g.kernel.rest(&g.state) & commit;
+    report.rest = g.kernel.rest(&g.state) & commit;
     let due = g.time.simd_ge(g.attention) | g.time.simd_ge(g.until);
-    happened.attention |= due.to_bitmask() & commit;
+    report.attention |= due.to_bitmask() & commit;
     if g.watched != 0 {
         let larger = largest_square(g, length).simd_gt(g.watched_square);
-        happened.larger = larger.to_bitmask() & commit & g.watched;
+        report.larger = larger.to_bitmask() & commit & g.watched;
     }
     if g.sliding != 0 {
         let mut turned = g.time.simd_lt(g.time);
@@ -144,18 +144,18 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut KernelLanes<S, K>, displaced: bool) -> 
             let before = g.kernel.speed(&g.before, contact);
             turned |= (before * g.kernel.speed(&g.state, contact)).simd_le(c!(0.0));
         }
-        happened.turned = turned.to_bitmask() & commit & g.sliding;
+        report.turned = turned.to_bitmask() & commit & g.sliding;
     }
     let sound = g.most_per_time.fused(g.time, c!(MOST_AT_ONCE as f64));
     let mut overdone = g.taken.simd_ge(sound.min(g.most)).to_bitmask() & g.alive;
     while overdone != 0 {
         let lane = overdone.trailing_zeros() as usize;
         overdone &= overdone - 1;
-        if happened.failure(lane).is_none() {
-            happened.fail(lane, Failure::StepLimit);
+        if report.failure(lane).is_none() {
+            report.fail(lane, Failure::StepLimit);
         }
     }
-    happened
+    report
 }
 
 /// Returns a bound of the square of the amplitude in a step, from its values at the ends of the quarters.
@@ -327,7 +327,7 @@ fn switch<S: Vector, K: Kernel<S>>(
     g: &mut KernelLanes<S, K>,
     lane: usize,
     event: StepEvent,
-    displaced: bool,
+    perturbed: bool,
 ) -> Result<(), Failure> {
     let time = g.time[lane];
     let mut state = g.kernel.lane(&g.state, lane);
@@ -341,8 +341,8 @@ fn switch<S: Vector, K: Kernel<S>>(
     let mut phases = Phases::from_slice(&own.phases);
     let impact = decide((kernel, &g.state, time), (lane, own), (&mut state, &mut phases), event)?;
     own.take_in(impact.as_deref(), time);
-    if displaced {
-        let mut direction = kernel.lane(&g.displacement, lane);
+    if perturbed {
+        let mut direction = kernel.lane(&g.perturbation, lane);
         own.grazed |= match (event.failed, kernel.evaluator(lane)) {
             (Condition::Contact { contact, which }, _) => {
                 kernel.with_force_model(lane, own, &state, |at| {
@@ -371,7 +371,7 @@ fn switch<S: Vector, K: Kernel<S>>(
             // Accelerations do not jump where friction no longer holds contacts, or where a gap opens.
             (Condition::Event(_) | Condition::Pressed(_) | Condition::Held(_), _) => false,
         };
-        kernel.set_lane(&mut g.displacement, lane, &direction);
+        kernel.set_lane(&mut g.perturbation, lane, &direction);
     }
     g.reset |= u64::from(resets) << lane;
     for (contact, phase) in phases.iter().enumerate() {

@@ -17,12 +17,12 @@ use crate::motion::lockstep::vector::{Vector, vectorized};
 /// The equations of motion of one kind of system, expanded into power series in all lanes.
 pub(super) trait Kernel<S: Vector>: Sized {
     /// Ratio of the longest step to a system's own limit. The tolerance would allow longer steps, because errors become
-    /// visible in the next step, but displacements are not subject to the tolerance, and the terms of their series are
+    /// visible in the next step, but perturbations are not subject to the tolerance, and the terms of their series are
     /// accurate up to this length.
     const LONGEST: f64;
     /// The components of a state of each lane.
     type LaneStates: Clone;
-    /// The series of a step, of the motion and of a displacement.
+    /// The series of a step, of the motion and of a perturbation.
     type Workspace;
 
     /// Returns whether it computes a system.
@@ -68,8 +68,8 @@ pub(super) trait Kernel<S: Vector>: Sized {
     /// Returns the sliding speed of a contact.
     fn speed(&self, states: &Self::LaneStates, contact: usize) -> Lanes<S>;
 
-    /// Expands the motion from a state. If `displaced`, displacements of this motion can be propagated afterwards.
-    fn expand(&self, workspace: &mut Self::Workspace, start: &Self::LaneStates, displaced: bool);
+    /// Expands the motion from a state. If `perturbed`, perturbations of this motion can be propagated afterwards.
+    fn expand(&self, workspace: &mut Self::Workspace, start: &Self::LaneStates, perturbed: bool);
     /// Returns the longest step within the tolerance; `before` is that of the previous step.
     fn within_tolerance(
         &self,
@@ -96,11 +96,11 @@ pub(super) trait Kernel<S: Vector>: Sized {
         time: Lanes<S>,
         into: &mut Self::LaneStates,
     );
-    /// Propagates displacements over a step of this length.
+    /// Propagates perturbations over a step of this length.
     fn carry(
         &self,
         workspace: &mut Self::Workspace,
-        displacement: &Self::LaneStates,
+        perturbation: &Self::LaneStates,
         length: Lanes<S>,
     ) -> Self::LaneStates;
     /// Returns the lanes that may rest for good.

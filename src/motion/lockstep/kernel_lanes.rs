@@ -30,7 +30,7 @@ pub(super) struct KernelLanes<S: Vector, K: Kernel<S>> {
     pub(super) most: Lanes<S>,
     /// Number of steps allowed per unit of time.
     pub(super) most_per_time: Lanes<S>,
-    pub(super) displacement: K::LaneStates,
+    pub(super) perturbation: K::LaneStates,
     pub(super) lanes: [Option<Lane>; LANES],
     /// Bit masks: lanes with a run, and lanes with a contact that cannot stick.
     pub(super) alive: u64,
@@ -44,9 +44,9 @@ pub(super) struct KernelLanes<S: Vector, K: Kernel<S>> {
     pub(super) ended: u64,
     /// Lanes in which an event at the end of the latest step reset the state.
     pub(super) reset: u64,
-    /// State, displacement and time before the latest step.
+    /// State, perturbation and time before the latest step.
     pub(super) before: K::LaneStates,
-    pub(super) displacement_before: K::LaneStates,
+    pub(super) perturbation_before: K::LaneStates,
     pub(super) time_before: Lanes<S>,
     /// The step's end, with angles not yet reduced to one turn.
     pub(super) end: K::LaneStates,
@@ -77,7 +77,7 @@ impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
             taken: zero,
             most: constant(f64::INFINITY),
             most_per_time: zero,
-            displacement: states.clone(),
+            perturbation: states.clone(),
             lanes: std::array::from_fn(|_| None),
             alive: 0,
             sliding: 0,
@@ -87,7 +87,7 @@ impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
             ended: 0,
             reset: 0,
             before: states.clone(),
-            displacement_before: states.clone(),
+            perturbation_before: states.clone(),
             time_before: zero,
             end: states,
             length: zero,
@@ -105,14 +105,14 @@ impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
     }
 }
 
-/// Propagates displacements over a step of this length. Not inlined, because it is large and called twice.
+/// Propagates perturbations over a step of this length. Not inlined, because it is large and called twice.
 #[inline(never)]
 pub(super) fn carry<S: Vector, K: Kernel<S>>(
     simd: S,
     kernel: &K,
     workspace: &mut K::Workspace,
-    displacement: &K::LaneStates,
+    perturbation: &K::LaneStates,
     length: Lanes<S>,
 ) -> K::LaneStates {
-    vectorized!(simd, kernel.carry(workspace, displacement, length))
+    vectorized!(simd, kernel.carry(workspace, perturbation, length))
 }

@@ -27,7 +27,7 @@ pub(crate) struct Lane {
     /// Width within which events are located.
     pub(super) width: f64,
     pub(super) longest_step: f64,
-    pub(super) pace: f64,
+    pub(super) fastest_rate: f64,
     pub(super) phases: Phases,
     /// The phases in the latest step, before an event at its end.
     pub(super) during: Phases,
@@ -42,9 +42,9 @@ pub(crate) struct Lane {
     /// The time in which any gap was closed, until the latest change, and the time of that change.
     pub(super) touching_time: f64,
     pub(super) last_touch: f64,
-    /// Whether a displacement met a switch by grazing.
+    /// Whether a perturbation met a switch by grazing.
     pub(super) grazed: bool,
-    /// The events within a unit of time over the pace, and its begin.
+    /// The events within a unit of time over the fastest rate, and its begin.
     pub(super) events: u32,
     pub(super) events_since: f64,
 }
@@ -68,7 +68,7 @@ impl Lane {
 
     /// Counts an event.
     pub(super) fn count_event(&mut self, time: f64) -> Result<(), Failure> {
-        if time >= self.events_since + 1.0 / self.pace {
+        if time >= self.events_since + 1.0 / self.fastest_rate {
             (self.events, self.events_since) = (0, time);
         }
         self.events += 1;

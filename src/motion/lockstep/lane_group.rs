@@ -31,8 +31,8 @@ pub(crate) trait LaneGroup: StepStates {
     fn take(&mut self, lane: usize) -> Option<SavedRun>;
     /// Returns a copy of the run in a lane.
     fn copy(&self, lane: usize) -> Option<SavedRun>;
-    /// Takes a step in all lanes. If `displaced`, a displacement of each lane is propagated.
-    fn advance(&mut self, displaced: bool) -> StepReport;
+    /// Takes a step in all lanes. If `perturbed`, a perturbation of each lane is propagated.
+    fn advance(&mut self, perturbed: bool) -> StepReport;
 
     /// Requests that a lane be reported after each step from a time on.
     fn set_attention(&mut self, lane: usize, from: f64);
@@ -76,13 +76,13 @@ pub(crate) trait LaneGroup: StepStates {
     /// Returns the effort of the run in a lane.
     fn effort(&self, lane: usize) -> Effort;
 
-    /// Displaces a lane in a direction.
-    fn displace(&mut self, lane: usize, direction: &[f64]);
-    /// Returns the displacement of a lane, and whether it met a switch by grazing and is undefined since.
-    fn displacement(&self, lane: usize) -> (Components, bool);
-    /// Returns the displacements of all lanes at a time after the start of the latest step, which must have been
-    /// displaced.
-    fn displacements_within(&mut self, after: f64) -> Vec<Components>;
+    /// Perturbs a lane in a direction.
+    fn perturb(&mut self, lane: usize, direction: &[f64]);
+    /// Returns the perturbation of a lane, and whether it met a switch by grazing and is undefined since.
+    fn perturbation(&self, lane: usize) -> (Components, bool);
+    /// Returns the perturbations of all lanes at a time after the start of the latest step, which must have been
+    /// perturbed.
+    fn perturbations_within(&mut self, after: f64) -> Vec<Components>;
 }
 
 impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
@@ -117,8 +117,8 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
         self.slow[lane] = own.slow;
         self.taken[lane] = saved.taken;
         self.most[lane] = own.settings.effort_limit as f64;
-        self.most_per_time[lane] = MOST_PER_TIME * own.pace;
-        self.kernel.set_lane(&mut self.displacement, lane, &saved.displacement);
+        self.most_per_time[lane] = MOST_PER_TIME * own.fastest_rate;
+        self.kernel.set_lane(&mut self.perturbation, lane, &saved.perturbation);
         let bit = 1 << lane;
         self.alive |= bit;
         self.ended &= !bit;
@@ -161,12 +161,12 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
             slow_since: self.slow_since(lane),
             next: self.next[lane],
             taken: self.taken[lane],
-            displacement: self.kernel.lane(&self.displacement, lane),
+            perturbation: self.kernel.lane(&self.perturbation, lane),
         })
     }
 
-    fn advance(&mut self, displaced: bool) -> StepReport {
-        advance::advance(self, displaced)
+    fn advance(&mut self, perturbed: bool) -> StepReport {
+        advance::advance(self, perturbed)
     }
 
     fn set_attention(&mut self, lane: usize, from: f64) {
@@ -258,22 +258,22 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
         own.map_or_else(Effort::default, |own| own.effort(self.taken[lane]))
     }
 
-    fn displace(&mut self, lane: usize, direction: &[f64]) {
-        self.kernel.set_lane(&mut self.displacement, lane, direction);
+    fn perturb(&mut self, lane: usize, direction: &[f64]) {
+        self.kernel.set_lane(&mut self.perturbation, lane, direction);
         if let Some(own) = &mut self.lanes[lane] {
             own.grazed = false;
         }
     }
 
-    fn displacement(&self, lane: usize) -> (Components, bool) {
+    fn perturbation(&self, lane: usize) -> (Components, bool) {
         let grazed = self.lanes[lane].as_ref().is_some_and(|own| own.grazed);
-        (self.kernel.lane(&self.displacement, lane), grazed)
+        (self.kernel.lane(&self.perturbation, lane), grazed)
     }
 
-    fn displacements_within(&mut self, after: f64) -> Vec<Components> {
+    fn perturbations_within(&mut self, after: f64) -> Vec<Components> {
         let length = Lanes::splat(self.simd, after);
         let states =
-            carry(self.simd, &self.kernel, &mut self.workspace, &self.displacement_before, length);
+            carry(self.simd, &self.kernel, &mut self.workspace, &self.perturbation_before, length);
         (0..LANES).map(|lane| self.kernel.lane(&states, lane)).collect()
     }
 }

@@ -27,7 +27,7 @@ pub(crate) struct SavedRun {
     pub(super) slow_since: PerContact,
     pub(super) next: f64,
     pub(super) taken: f64,
-    pub(super) displacement: Components,
+    pub(super) perturbation: Components,
 }
 
 impl SavedRun {
@@ -102,7 +102,7 @@ impl SavedRun {
             },
             width: width(settings.tolerance.relative),
             longest_step: system.longest_step(),
-            pace: system.pace(),
+            fastest_rate: system.pace(),
             during: phases.clone(),
             last_switches: smallvec![0.0; phases.len()],
             switches: 0,
@@ -123,7 +123,7 @@ impl SavedRun {
         Ok(SavedRun {
             lane,
             time: 0.0,
-            displacement: smallvec![0.0; start.len()],
+            perturbation: smallvec![0.0; start.len()],
             state: start,
             turns: smallvec![0.0; contacts],
             slow_since: smallvec![0.0; contacts],

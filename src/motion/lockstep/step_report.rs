@@ -12,7 +12,7 @@ pub(crate) struct StepReport {
     pub(crate) event: u64,
     /// An angle passed through 0.
     pub(crate) round: u64,
-    /// The requested time or the end time was reached, or the displacement must be rescaled.
+    /// The requested time or the end time was reached, or the perturbation must be rescaled.
     pub(crate) attention: u64,
     /// The amplitude may have been larger than the watched one.
     pub(crate) larger: u64,
@@ -32,8 +32,8 @@ pub(crate) struct StepReport {
 impl StepReport {
     /// Returns the lanes with anything to report.
     pub(crate) fn any(&self) -> u64 {
-        let happened = (self.event | self.round | self.turned) & self.reporting_lanes;
-        happened | self.attention | self.larger | self.rest | self.still | self.failed
+        let events = (self.event | self.round | self.turned) & self.reporting_lanes;
+        events | self.attention | self.larger | self.rest | self.still | self.failed
     }
 
     /// Returns why a lane cannot continue.

@@ -144,8 +144,8 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
 
     fn workspace(&self, simd: S) -> RecordedWorkspace<S> {
         let Compiled { operations, programs, .. } = &*self.program;
-        let Programs { motion, displacement, tail, .. } = programs;
-        let programs = [motion, displacement, tail].map(|runner| &runner.program);
+        let Programs { motion, perturbation, tail, .. } = programs;
+        let programs = [motion, perturbation, tail].map(|runner| &runner.program);
         RecordedWorkspace::new(simd, operations, programs)
     }
 
@@ -300,14 +300,14 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         &self,
         workspace: &mut RecordedWorkspace<S>,
         start: &RecordedLaneStates<S>,
-        displaced: bool,
+        perturbed: bool,
     ) {
-        let Programs { modes, motion, displaced_motion, .. } = &self.program.programs;
+        let Programs { modes, motion, perturbed_motion, .. } = &self.program.programs;
         workspace.start(&start.components, false);
         if std::mem::take(&mut workspace.is_changed) {
             modes.run(self.simd, &mut workspace.memory);
         }
-        let motion = if displaced { displaced_motion } else { motion };
+        let motion = if perturbed { perturbed_motion } else { motion };
         motion.run(self.simd, &mut workspace.memory);
     }
 
@@ -388,14 +388,14 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     fn carry(
         &self,
         workspace: &mut RecordedWorkspace<S>,
-        displacement: &RecordedLaneStates<S>,
+        perturbation: &RecordedLaneStates<S>,
         length: Lanes<S>,
     ) -> RecordedLaneStates<S> {
-        workspace.start(&displacement.components, true);
+        workspace.start(&perturbation.components, true);
         workspace.memory[self.program.operations.length() as usize] = length;
-        self.program.programs.displacement.run(self.simd, &mut workspace.memory);
+        self.program.programs.perturbation.run(self.simd, &mut workspace.memory);
         self.program.programs.tail.run(self.simd, &mut workspace.memory);
-        let mut moved = displacement.clone();
+        let mut moved = perturbation.clone();
         self.flow_at(workspace.changes(), length, &mut moved);
         moved
     }

@@ -19,8 +19,8 @@ pub(in crate::motion::lockstep) struct RecordedWorkspace<S: Vector> {
     pub(super) memory: Vec<Lanes<S>>,
     /// Whether inputs have changed since the numbers that depend on modes were computed.
     pub(super) is_changed: bool,
-    /// Where the changes of the cells along a displacement begin.
-    pub(super) displaced: usize,
+    /// Where the changes of the cells along a perturbation begin.
+    pub(super) perturbed: usize,
     /// Where the series begin, and their number.
     first: usize,
     slots: usize,
@@ -43,7 +43,7 @@ impl<S: Vector> RecordedWorkspace<S> {
         RecordedWorkspace {
             memory,
             is_changed: true,
-            displaced: motion.cells,
+            perturbed: motion.cells,
             first: operations.coefficient(0, 0) as usize,
             slots: operations.slots,
             lanes_to_examine: vec![0; conditions.into_iter().sum()],
@@ -93,16 +93,16 @@ impl<S: Vector> RecordedWorkspace<S> {
         SeriesView { memory: &self.memory[self.first..], slots: self.slots }
     }
 
-    /// Returns the changes of the series along a displacement.
+    /// Returns the changes of the series along a perturbation.
     #[inline(always)]
     pub(super) fn changes(&self) -> SeriesView<'_, S> {
-        SeriesView { memory: &self.memory[self.displaced + self.first..], slots: self.slots }
+        SeriesView { memory: &self.memory[self.perturbed + self.first..], slots: self.slots }
     }
 
-    /// Sets the state at the start of a step, or a displacement of it.
+    /// Sets the state at the start of a step, or a perturbation of it.
     #[inline(always)]
-    pub(super) fn start(&mut self, components: &[Lanes<S>], displaced: bool) {
-        let first = self.first + if displaced { self.displaced } else { 0 };
+    pub(super) fn start(&mut self, components: &[Lanes<S>], perturbed: bool) {
+        let first = self.first + if perturbed { self.perturbed } else { 0 };
         self.memory[first..first + components.len()].copy_from_slice(components);
     }
 }

@@ -23,7 +23,7 @@ use crate::motion::{Phase, Settings, Tolerance};
 /// of them give order 16.
 const INTERVALS: [u32; 8] = [2, 4, 6, 8, 10, 12, 14, 16];
 
-/// Returns a balancer's state and a displacement after a time: Gragg's extrapolated midpoint rule on the hand-written
+/// Returns a balancer's state and a perturbation after a time: Gragg's extrapolated midpoint rule on the hand-written
 /// equations in dual numbers (E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, 2nd
 /// ed., Springer 1993, section II.9).
 fn integrated<const N: usize>(
@@ -116,8 +116,8 @@ fn largest<const N: usize>(state: &State<N>) -> f64 {
     all.fold(0.0, |most: f64, value| most.max(value.abs()))
 }
 
-/// Displacements over the longest steps of a coarse tolerance agree with the equations. The table moves
-/// slowly, as after some time, and is displaced in proportion to the balls.
+/// Perturbations over the longest steps of a coarse tolerance agree with the equations. The table moves
+/// slowly, as after some time, and is perturbed in proportion to the balls.
 fn over_longest_steps<const N: usize>(simd: impl Vector) {
     let settings = Settings {
         method: Method::Event,
@@ -137,22 +137,22 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
         let system: Arc<dyn System> = Arc::new(*balancer);
         let saved = SavedRun::start(&system, settings, &start.components()).expect("starts");
         group.put(lane, &saved, 100.0);
-        let mut displaced: State<N> = state(lane + 100, |_| 0.3);
+        let mut perturbed: State<N> = state(lane + 100, |_| 0.3);
         for axis in 0..2 {
-            displaced.position[axis] *= 1e-2;
-            displaced.velocity[axis] *= 1e-2;
+            perturbed.position[axis] *= 1e-2;
+            perturbed.velocity[axis] *= 1e-2;
         }
-        displaced.beta = displaced.beta.map(|angle| angle / 6.0);
-        group.displace(lane, &displaced.components());
+        perturbed.beta = perturbed.beta.map(|angle| angle / 6.0);
+        group.perturb(lane, &perturbed.components());
         longest[lane] = group.longest(lane);
     }
-    let KernelLanes { kernel, workspace, state, displacement, tolerance, next, .. } = &mut group;
+    let KernelLanes { kernel, workspace, state, perturbation, tolerance, next, .. } = &mut group;
     kernel.expand(workspace, state, false);
     let lengths = within_tolerance(&workspace.series, *tolerance, *next).min(longest);
-    let BalancerWorkspace { series, displaced, .. } = &mut **workspace;
-    let moved = carry(series, (&kernel.equations, None), displacement, lengths, displaced);
+    let BalancerWorkspace { series, perturbed, .. } = &mut **workspace;
+    let moved = carry(series, (&kernel.equations, None), perturbation, lengths, perturbed);
     for (lane, balancer) in balancers.iter().enumerate() {
-        let start = group.state.lane(lane).along(&group.displacement.lane(lane));
+        let start = group.state.lane(lane).along(&group.perturbation.lane(lane));
         let along = integrated(balancer, group.phases(lane), &start, (lengths[lane], 16));
         let mut difference = along.slope();
         difference.add_scaled(-1.0, &moved.lane(lane));

@@ -83,7 +83,7 @@ fn run(machine: &Machine, method: Method, lane: usize) -> SavedRun {
 /// What a kernel computes in a step.
 struct Step {
     ends: Vec<Components>,
-    displacements: Vec<Components>,
+    perturbations: Vec<Components>,
     /// The series of all components in each lane, summed up at the end of the step.
     sums: Vec<Vec<f64>>,
     lanes_to_examine: u64,
@@ -96,7 +96,7 @@ fn step<S: Vector, K: Kernel<S>>(simd: S, kernel: K, runs: &[SavedRun]) -> Step 
         group.put(lane, run, 100.0);
         let direction: Vec<f64> = (0..run.state().len()).map(|of| value(of, lane + 50)).collect();
         let mut direction = Components::from_vec(direction);
-        // Balls that touch move together, and time is not displaced.
+        // Balls that touch move together, and time is not perturbed.
         let balls = group.kernel.contacts();
         for ball in 1..balls {
             direction[4 + ball] = direction[4];
@@ -105,10 +105,10 @@ fn step<S: Vector, K: Kernel<S>>(simd: S, kernel: K, runs: &[SavedRun]) -> Step 
         if let Some(time) = direction.get_mut(4 + 2 * balls) {
             *time = 0.0;
         }
-        group.displace(lane, &direction);
+        group.perturb(lane, &direction);
     }
     let length = Lanes::splat(simd, LENGTH);
-    let KernelLanes { kernel, workspace, state, displacement, lanes, .. } = &mut group;
+    let KernelLanes { kernel, workspace, state, perturbation, lanes, .. } = &mut group;
     kernel.expand(workspace, state, true);
     let lanes_to_examine = kernel.screen_conditions(workspace, length);
     let mut end = state.clone();
@@ -127,10 +127,10 @@ fn step<S: Vector, K: Kernel<S>>(simd: S, kernel: K, runs: &[SavedRun]) -> Step 
         (0..start.len()).map(sum).collect()
     });
     let sums = sums.collect();
-    let moved = kernel.carry(workspace, displacement, length);
+    let moved = kernel.carry(workspace, perturbation, length);
     Step {
         ends: (0..LANES).map(|lane| kernel.lane(&end, lane)).collect(),
-        displacements: (0..LANES).map(|lane| kernel.lane(&moved, lane)).collect(),
+        perturbations: (0..LANES).map(|lane| kernel.lane(&moved, lane)).collect(),
         sums,
         lanes_to_examine,
         events,
@@ -166,7 +166,7 @@ fn agree<const N: usize>(
         close(&tuned.ends[lane], &general.ends[lane], 1e-13);
         close(&tuned.sums[lane], &general.sums[lane], 1e-13);
         // The reaction of the table on balls that touch is missing in the highest powers (`tail_terms`).
-        close(&tuned.displacements[lane], &general.displacements[lane], 1e-9);
+        close(&tuned.perturbations[lane], &general.perturbations[lane], 1e-9);
         match (&tuned.events[lane], &general.events[lane]) {
             (StepEnd::At(one, which), StepEnd::At(other, same)) => {
                 // Balls that touch stop together: rounding decides which of them is first.

@@ -50,7 +50,7 @@ pub(in crate::motion::lockstep) struct TunedKernel<S: Vector, const N: usize> {
 /// Work space of a step, with the results of the latest step.
 pub(in crate::motion::lockstep) struct BalancerWorkspace<S: Vector, const N: usize> {
     pub(super) series: BalancerSeries<S, N>,
-    pub(super) displaced: BalancerSeries<S, N>,
+    pub(super) perturbed: BalancerSeries<S, N>,
     lanes_to_examine: LanesToExamine<S, N>,
 }
 
@@ -110,7 +110,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     fn workspace(&self, simd: S) -> BalancerWorkspace<S, N> {
         BalancerWorkspace {
             series: BalancerSeries::zero(simd),
-            displaced: BalancerSeries::zero(simd),
+            perturbed: BalancerSeries::zero(simd),
             lanes_to_examine: LanesToExamine::none(simd),
         }
     }
@@ -240,7 +240,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         &self,
         workspace: &mut BalancerWorkspace<S, N>,
         start: &BalancerLaneStates<S, N>,
-        _displaced: bool,
+        _perturbed: bool,
     ) {
         workspace.series.expand(&self.equations, (self.drive.as_deref(), &self.gaps), start);
     }
@@ -307,12 +307,12 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     fn carry(
         &self,
         workspace: &mut BalancerWorkspace<S, N>,
-        displacement: &BalancerLaneStates<S, N>,
+        perturbation: &BalancerLaneStates<S, N>,
         length: Lanes<S>,
     ) -> BalancerLaneStates<S, N> {
-        let BalancerWorkspace { series, displaced, .. } = workspace;
+        let BalancerWorkspace { series, perturbed, .. } = workspace;
         let equations = (&self.equations, self.drive.as_deref());
-        tangent::carry(series, equations, displacement, length, displaced)
+        tangent::carry(series, equations, perturbation, length, perturbed)
     }
 
     #[inline(always)]

@@ -37,7 +37,7 @@ pub(super) struct ProductSums<S: Vector> {
 pub(super) enum Constants {
     /// The imbalance and the resistance at speed 0.
     Whole,
-    /// None: the equations for displacements.
+    /// None: the equations for perturbations.
     None,
 }
 

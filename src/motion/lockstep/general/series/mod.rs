@@ -29,17 +29,17 @@ pub(super) struct Programs<P = Program> {
     pub(super) modes: P,
     /// Expands the motion from the state, and the friction forces; it runs after `modes`.
     pub(super) motion: P,
-    /// Expands the motion and keeps what `displacement` needs.
-    pub(super) displaced_motion: P,
+    /// Expands the motion and keeps what `perturbation` needs.
+    pub(super) perturbed_motion: P,
     /// Expands the normal forces; it runs after `motion`.
     pub(super) normals: P,
     /// Bounds the conditions; it runs after `motion`, or after `normals` if [`Screen::needs_normals`].
     pub(super) screen: (P, Screen),
     /// Bounds the conditions with the series of the normal forces, if `screen` does not; it runs after `normals`.
     pub(super) exact_screen: Option<(P, Screen)>,
-    /// Expands a displacement of the state; it runs after `displaced_motion`.
-    pub(super) displacement: P,
-    /// Adds the highest powers of the displacement; it runs after `displacement`.
+    /// Expands a perturbation of the state; it runs after `perturbed_motion`.
+    pub(super) perturbation: P,
+    /// Adds the highest powers of the perturbation; it runs after `perturbation`.
     pub(super) tail: P,
     /// Computes what does not depend on the modes at one instant; it runs after `fixed`.
     pub(super) instant: P,
@@ -116,12 +116,12 @@ impl Operations {
         let highest = components.clone().map(|slot| self.coefficient(slot, TERMS - 1));
         let highest: Vec<Cell> = highest.collect();
         let series = moved.into_iter().flat_map(series).filter(|cell| !highest.contains(cell));
-        let displacement = tangent(&motion, states, series);
-        let mut displaced_motion = motion.clone();
+        let perturbation = tangent(&motion, states, series);
+        let mut perturbed_motion = motion.clone();
         let [of_rates] = expansion.parts([&rates.clone().collect::<Vec<_>>()]);
-        let tail = tail::tail(self, &of_rates, &displacement);
-        for program in [&mut fixed, &mut modes, &mut displaced_motion] {
-            program.keep_for(&displacement);
+        let tail = tail::tail(self, &of_rates, &perturbation);
+        for program in [&mut fixed, &mut modes, &mut perturbed_motion] {
+            program.keep_for(&perturbation);
             program.keep_for(&tail);
         }
         let at_instant = [forces(0), rates.collect()].concat();
@@ -131,11 +131,11 @@ impl Operations {
             fixed,
             modes,
             motion,
-            displaced_motion,
+            perturbed_motion,
             normals,
             screen,
             exact_screen,
-            displacement,
+            perturbation,
             tail,
             instant,
             decision,
