@@ -7,9 +7,9 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::lane_run::{LaneRun, Next};
+use super::lane_run::{LaneRun, NextAction};
 use super::outcome::{Evidence, Outcome};
-use super::recorder::Recorder;
+use super::run_recorder::RunRecorder;
 use crate::model::{Case, Components, Recorded, Stage, System};
 use crate::motion::lockstep::{LANES, LaneGroup, SavedRun, StepReport};
 use crate::motion::{SimdLevel, unwind_if_cancelled};
@@ -23,7 +23,7 @@ pub trait Runs {
     fn ended(&mut self, number: u64, outcome: Outcome);
 
     /// Returns the recorder of the run, if there is a single run that is to be recorded.
-    fn recorder(&mut self) -> Option<&mut Recorder> {
+    fn recorder(&mut self) -> Option<&mut RunRecorder> {
         None
     }
 }
@@ -274,8 +274,8 @@ impl<'a> Lockstep<'a> {
     }
 
     /// Continues, moves or ends a run in a lane.
-    fn goes_on(&mut self, team: usize, lane: usize, number: u64, next: Next) {
-        if matches!(next, Next::Stay) {
+    fn goes_on(&mut self, team: usize, lane: usize, number: u64, next: NextAction) {
+        if matches!(next, NextAction::Stay) {
             return;
         }
         self.moved = true;
@@ -283,11 +283,11 @@ impl<'a> Lockstep<'a> {
         let left = group.take(lane);
         let run = members[lane].take();
         let (saved, run) = match next {
-            Next::Stay => return,
-            Next::Done(outcome) => return self.runs.ended(number, *outcome),
-            Next::Move => (left, run),
-            Next::Enter(saved) => (Some(*saved), run),
-            Next::Continue(kept) => (Some(kept.0), Some(Box::new(kept.1))),
+            NextAction::Stay => return,
+            NextAction::Done(outcome) => return self.runs.ended(number, *outcome),
+            NextAction::Move => (left, run),
+            NextAction::Enter(saved) => (Some(*saved), run),
+            NextAction::Continue(kept) => (Some(kept.0), Some(Box::new(kept.1))),
         };
         if let (Some(saved), Some(run)) = (saved, run) {
             if let Some(recorder) = self.runs.recorder() {

@@ -7,15 +7,15 @@ use std::sync::Arc;
 use super::cycle_watch::CycleWatch;
 use super::follow::{Horizons, continues};
 use super::lane_step::LaneStep;
-use super::late::Late;
 use super::lyapunov;
 use super::outcome::Outcome;
-use super::recorder::Recorder;
 use super::run_outcome::Ending;
+use super::run_recorder::RunRecorder;
 use super::settled::SettledWatch;
 use super::stages::Stages;
 use super::step_limit::effort_limit;
 use super::system_view::SystemView;
+use super::tail_statistics::TailStatistics;
 use crate::model::{Case, Components, Endings, Extend, Stage, Units};
 use crate::motion::lockstep::{LaneGroup, SavedRun, StepReport};
 use crate::motion::{Evaluator, Failure, Settings, all_stick};
@@ -44,7 +44,7 @@ pub(super) struct LaneRun {
 }
 
 /// The action on a run after a step.
-pub(super) enum Next {
+pub(super) enum NextAction {
     /// The run stays in its lane.
     Stay,
     /// The run moves to other lanes: with perturbations or without.
@@ -70,7 +70,7 @@ impl LaneRun {
         let (first, last) = (&stages[0], &stages[stages.len() - 1]);
         let view = view_of(first);
         let begin = last.begins_s * units.natural_rad_s;
-        let late = |end: f64| Late::within([begin, end], simulation.endings, &view);
+        let late = |end: f64| TailStatistics::within([begin, end], simulation.endings, &view);
         let horizons = Horizons::new(simulation, units.natural_rad_s, late);
         let limit =
             |stage: &Stage| effort_limit(&case.model, stage.system.as_ref(), horizons.latest_end());
@@ -117,18 +117,18 @@ impl LaneRun {
         mut self: Box<Self>,
         group: &mut dyn LaneGroup,
         lane: usize,
-    ) -> (Next, Option<Box<Self>>) {
+    ) -> (NextAction, Option<Box<Self>>) {
         if self.stages.is_last() && self.rests(group, lane) {
             return (self.ends(group, lane, Ending::Rest), None);
         }
         group.set_reporting(lane, !matches!(self.watch, CycleWatch::None));
         self.stages.watch(group, lane);
         self.plan(group, lane);
-        (Next::Stay, Some(self))
+        (NextAction::Stay, Some(self))
     }
 
     /// Passes the latest step, or the start of a stage, to a recorder.
-    pub(super) fn show(&self, recorder: &mut Recorder, group: &dyn LaneGroup, lane: usize) {
+    pub(super) fn show(&self, recorder: &mut RunRecorder, group: &dyn LaneGroup, lane: usize) {
         let step = LaneStep { group, lane, view: &self.view };
         recorder.take_in(&step);
         if !self.stages.is_last() && step.time() >= self.end() {
@@ -142,7 +142,7 @@ impl LaneRun {
         group: &mut dyn LaneGroup,
         lane: usize,
         report: &StepReport,
-    ) -> Next {
+    ) -> NextAction {
         let bit = 1 << lane;
         if let Some(failure) = report.failure(lane) {
             return self.ends(group, lane, Ending::Failure(failure));
@@ -156,7 +156,7 @@ impl LaneRun {
             if time >= self.end() {
                 return self.enters(group, lane);
             }
-            return Next::Stay;
+            return NextAction::Stay;
         }
         let perturbed = self.is_perturbed(time);
         self.measure(&*group, lane);
@@ -167,7 +167,7 @@ impl LaneRun {
             let mut perturbation = lyapunov::perturbation(&self.view);
             self.view.keep_together(group.phases(lane), &mut perturbation);
             group.perturb(lane, &perturbation);
-            separation.mark(time, lyapunov::course(&LaneStep { group, lane, view: &self.view }));
+            separation.mark(time, lyapunov::progress(&LaneStep { group, lane, view: &self.view }));
         }
         let still = report.still & bit != 0;
         if still || self.still {
@@ -192,13 +192,13 @@ impl LaneRun {
             return self.ends(group, lane, Ending::Rest);
         }
         self.plan(group, lane);
-        if self.is_perturbed(time) == perturbed { Next::Stay } else { Next::Move }
+        if self.is_perturbed(time) == perturbed { NextAction::Stay } else { NextAction::Move }
     }
 
     /// Goes on to the next stage.
-    fn enters(&mut self, group: &dyn LaneGroup, lane: usize) -> Next {
+    fn enters(&mut self, group: &dyn LaneGroup, lane: usize) -> NextAction {
         let (Some(saved), Some(stage)) = (group.copy(lane), self.stages.upcoming()) else {
-            return Next::Stay;
+            return NextAction::Stay;
         };
         let (state, lifted) = stage.entered(Some(self.stages.present()), saved.state());
         let saved = match saved.enters(&stage.system, &state, lifted) {
@@ -212,7 +212,7 @@ impl LaneRun {
         if self.stages.is_last() {
             self.watch = CycleWatch::new(self.endings, &self.settings, &self.view);
         }
-        Next::Enter(Box::new(saved))
+        NextAction::Enter(Box::new(saved))
     }
 
     /// Adds the latest step to the statistics that have begun.
@@ -236,8 +236,8 @@ impl LaneRun {
         }
         perturbation.iter_mut().for_each(|component| *component *= 1.0 / size);
         group.perturb(lane, &perturbation);
-        let course = lyapunov::course(&LaneStep { group, lane, view: &self.view });
-        self.horizons.now.window.separation.grow(time, size, grazed, course);
+        let progress = lyapunov::progress(&LaneStep { group, lane, view: &self.view });
+        self.horizons.now.window.separation.grow(time, size, grazed, progress);
     }
 
     /// Returns whether all contacts stick and can never break loose again.
@@ -253,7 +253,7 @@ impl LaneRun {
         if !self.stages.is_last() {
             return;
         }
-        let Late { window, separation, .. } = &self.horizons.now.window;
+        let TailStatistics { window, separation, .. } = &self.horizons.now.window;
         let mut attention = if self.watch.sees_each_step() { 0.0 } else { window.start };
         if !separation.has_begun() {
             attention = attention.min(separation.start);
@@ -275,7 +275,7 @@ impl LaneRun {
     }
 
     /// Ends the run at its end time, or continues it to the later one.
-    fn ends_in_time(&mut self, group: &dyn LaneGroup, lane: usize) -> Next {
+    fn ends_in_time(&mut self, group: &dyn LaneGroup, lane: usize) -> NextAction {
         let forms = || self.view.rest_forms();
         let rests = all_stick(group.phases(lane))
             && forms().is_some_and(|forms| forms.rests(&group.state(lane)));
@@ -290,13 +290,13 @@ impl LaneRun {
         {
             kept.1.horizons.extend();
             kept.1.extended = true;
-            return Next::Continue(kept);
+            return NextAction::Continue(kept);
         }
-        Next::Done(Box::new(outcome))
+        NextAction::Done(Box::new(outcome))
     }
 
-    fn ends(&self, group: &dyn LaneGroup, lane: usize, ending: Ending) -> Next {
-        Next::Done(Box::new(self.outcome(group, lane, ending)))
+    fn ends(&self, group: &dyn LaneGroup, lane: usize, ending: Ending) -> NextAction {
+        NextAction::Done(Box::new(self.outcome(group, lane, ending)))
     }
 }
 

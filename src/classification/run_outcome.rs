@@ -6,12 +6,12 @@ use super::cycle::Cycle;
 use super::cycle_watch::CycleWatch;
 use super::lane_run::LaneRun;
 use super::lane_step::LaneStep;
-use super::late::Late;
 use super::outcome::{Evidence, LyapunovExponent, Outcome, TouchingOutcome};
 use super::output_watch::OutputOutcome;
 use super::periodic_creep::Creep;
 use super::rest_in_touch::friction_margin;
 use super::system_view::ContactPlace;
+use super::tail_statistics::TailStatistics;
 use crate::model::{ContactUnits, OutputValue};
 use crate::motion::lockstep::LaneGroup;
 use crate::motion::{Failure, Motion, Phase, SINGULAR, any_closed};
@@ -249,7 +249,7 @@ impl LaneRun {
     /// Returns the outcome of a run at its end time without another ending.
     fn at_end_time(&self, step: &LaneStep, base: Outcome) -> Outcome {
         let natural = self.units.natural_rad_s;
-        let Late { window, separation, .. } = &self.horizons.now.window;
+        let TailStatistics { window, separation, .. } = &self.horizons.now.window;
         let lyapunov = separation.exponent().map(|exponent| in_seconds(exponent, natural));
         let base = Outcome { lyapunov, ..base };
         let orbits = match &self.watch {
