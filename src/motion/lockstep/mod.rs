@@ -13,6 +13,7 @@
 //! for bit in any lane, beside any neighbours, and in vectors of any width.
 
 mod advance;
+mod events;
 mod general;
 mod held;
 mod kernel;
