@@ -6,8 +6,25 @@ use std::sync::Arc;
 use super::cancellation::unwind_if_cancelled;
 use super::lockstep::{LANES, LaneGroup, SavedRun};
 use super::root::fall_through_zero;
-use super::{Effort, Evaluator, Failure, Instant, PerContact, Phase, SLOW, Settings, SimdLevel};
+use super::{
+    Effort, Evaluator, Failure, Forces, PerContact, Phase, Phases, SLOW, Settings, SimdLevel,
+};
 use crate::model::{Components, Method, System};
+
+/// A motion at an instant.
+#[derive(Clone, Debug)]
+pub struct Instant {
+    /// Non-dimensional time.
+    pub time: f64,
+    /// The state. Angles lie within a step of [0, 2π).
+    pub state: Components,
+    /// Positions of the contacts; angles with the whole turns made since the start, rad.
+    pub unwrapped: PerContact,
+    /// The phase of each contact.
+    pub phases: Phases,
+    /// Speeds, accelerations and forces of the contacts.
+    pub forces: Forces,
+}
 
 /// A motion in progress.
 pub struct Motion {

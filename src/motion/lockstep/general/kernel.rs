@@ -8,11 +8,10 @@ use smallvec::smallvec;
 
 use super::compiled::{Compiled, compiled};
 use super::conditions;
-use super::lane_states::RecordedLaneStates;
 use super::operations::{ContactCell, GapCell, SIDE_BY_SIDE, Slot};
 use super::program_forces::{DecisionMemory, ProgramForces};
 use super::series::{ConditionBound, Programs};
-use super::workspace::{RecordedWorkspace, SeriesView};
+use super::workspace::{RecordedLaneStates, RecordedWorkspace, SeriesView};
 use crate::model::{Components, Graph, System};
 use crate::motion::all_stick;
 use crate::motion::cluster::{HeldCluster, held_clusters};
@@ -133,7 +132,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         self.graph.layout.contacts[contact].angular
     }
 
-    fn lane_states(&self, simd: S) -> RecordedLaneStates<S> {
+    fn lane_states(&self, simd: S) -> Self::LaneStates {
         let zero = Lanes::splat(simd, 0.0);
         let direct = self.speeds.iter().all(Option::is_some);
         RecordedLaneStates {
@@ -142,7 +141,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         }
     }
 
-    fn workspace(&self, simd: S) -> RecordedWorkspace<S> {
+    fn workspace(&self, simd: S) -> Self::Workspace {
         let Compiled { operations, programs, .. } = &*self.program;
         let Programs { motion, perturbation, tail, .. } = programs;
         let programs = [motion, perturbation, tail].map(|runner| &runner.program);
@@ -168,7 +167,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
 
     fn set_phases(
         &mut self,
-        workspace: &mut RecordedWorkspace<S>,
+        workspace: &mut Self::Workspace,
         lane: usize,
         own: &Lane,
         state: &[f64],
@@ -225,7 +224,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         self.stuck &= !(1 << lane);
     }
 
-    fn lane(&self, states: &RecordedLaneStates<S>, lane: usize) -> Components {
+    fn lane(&self, states: &Self::LaneStates, lane: usize) -> Components {
         let mut components = Components::from_elem(0.0, states.components.len());
         for (component, of_all) in components.iter_mut().zip(&states.components) {
             *component = of_all[lane];
@@ -233,7 +232,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         components
     }
 
-    fn set_lane(&self, states: &mut RecordedLaneStates<S>, lane: usize, components: &[f64]) {
+    fn set_lane(&self, states: &mut Self::LaneStates, lane: usize, components: &[f64]) {
         for (of_all, value) in states.components.iter_mut().zip(components) {
             of_all[lane] = *value;
         }
@@ -246,12 +245,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     }
 
     #[inline(always)]
-    fn select(
-        &self,
-        into: &mut RecordedLaneStates<S>,
-        from: &RecordedLaneStates<S>,
-        mask: mask64x8<S>,
-    ) {
+    fn select(&self, into: &mut Self::LaneStates, from: &Self::LaneStates, mask: mask64x8<S>) {
         let all = into.components.iter_mut().chain(&mut into.speeds);
         for (into, from) in all.zip(from.components.iter().chain(&from.speeds)) {
             *into = mask.select(*from, *into);
@@ -259,7 +253,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     }
 
     #[inline(always)]
-    fn finite(&self, states: &RecordedLaneStates<S>, start: Lanes<S>) -> Lanes<S> {
+    fn finite(&self, states: &Self::LaneStates, start: Lanes<S>) -> Lanes<S> {
         let zero = Lanes::splat(self.simd, 0.0);
         let mut nought = start;
         for value in &states.components {
@@ -269,7 +263,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     }
 
     #[inline(always)]
-    fn square(&self, states: &RecordedLaneStates<S>) -> Lanes<S> {
+    fn square(&self, states: &Self::LaneStates) -> Lanes<S> {
         let mut sum = Lanes::splat(self.simd, 0.0);
         for value in &states.components {
             sum = value.fused(*value, sum);
@@ -278,17 +272,17 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     }
 
     #[inline(always)]
-    fn position(&self, states: &RecordedLaneStates<S>, contact: usize) -> Lanes<S> {
+    fn position(&self, states: &Self::LaneStates, contact: usize) -> Lanes<S> {
         states.components[self.graph.layout.contacts[contact].position]
     }
 
     #[inline(always)]
-    fn set_position(&self, states: &mut RecordedLaneStates<S>, contact: usize, position: Lanes<S>) {
+    fn set_position(&self, states: &mut Self::LaneStates, contact: usize, position: Lanes<S>) {
         states.components[self.graph.layout.contacts[contact].position] = position;
     }
 
     #[inline(always)]
-    fn speed(&self, states: &RecordedLaneStates<S>, contact: usize) -> Lanes<S> {
+    fn speed(&self, states: &Self::LaneStates, contact: usize) -> Lanes<S> {
         match self.speeds[contact] {
             Some(component) => states.components[component],
             None => states.speeds[contact],
@@ -296,12 +290,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     }
 
     #[inline(always)]
-    fn expand(
-        &self,
-        workspace: &mut RecordedWorkspace<S>,
-        start: &RecordedLaneStates<S>,
-        perturbed: bool,
-    ) {
+    fn expand(&self, workspace: &mut Self::Workspace, start: &Self::LaneStates, perturbed: bool) {
         let Programs { modes, motion, perturbed_motion, .. } = &self.program.programs;
         workspace.start(&start.components, false);
         if std::mem::take(&mut workspace.is_changed) {
@@ -314,7 +303,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     #[inline(always)]
     fn within_tolerance(
         &self,
-        workspace: &RecordedWorkspace<S>,
+        workspace: &Self::Workspace,
         [relative, absolute]: [Lanes<S>; 2],
         before: Lanes<S>,
     ) -> Lanes<S> {
@@ -336,7 +325,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     }
 
     #[inline(always)]
-    fn screen_conditions(&self, workspace: &mut RecordedWorkspace<S>, length: Lanes<S>) -> u64 {
+    fn screen_conditions(&self, workspace: &mut Self::Workspace, length: Lanes<S>) -> u64 {
         let Programs { screen: (program, screen), normals, exact_screen, .. } =
             &self.program.programs;
         workspace.memory[self.program.operations.length() as usize] = length;
@@ -362,7 +351,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
 
     fn first_event(
         &self,
-        workspace: &RecordedWorkspace<S>,
+        workspace: &Self::Workspace,
         own: &Lane,
         lane: usize,
         length: f64,
@@ -376,10 +365,10 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     #[inline(always)]
     fn at(
         &self,
-        workspace: &RecordedWorkspace<S>,
-        _start: &RecordedLaneStates<S>,
+        workspace: &Self::Workspace,
+        _start: &Self::LaneStates,
         time: Lanes<S>,
-        into: &mut RecordedLaneStates<S>,
+        into: &mut Self::LaneStates,
     ) {
         self.flow_at(workspace.series(), time, into);
     }
@@ -387,10 +376,10 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     #[inline(always)]
     fn carry(
         &self,
-        workspace: &mut RecordedWorkspace<S>,
-        perturbation: &RecordedLaneStates<S>,
+        workspace: &mut Self::Workspace,
+        perturbation: &Self::LaneStates,
         length: Lanes<S>,
-    ) -> RecordedLaneStates<S> {
+    ) -> Self::LaneStates {
         workspace.start(&perturbation.components, true);
         workspace.memory[self.program.operations.length() as usize] = length;
         self.program.programs.perturbation.run(self.simd, &mut workspace.memory);
@@ -400,12 +389,12 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         moved
     }
 
-    fn rest(&self, _state: &RecordedLaneStates<S>) -> u64 {
+    fn rest(&self, _state: &Self::LaneStates) -> u64 {
         self.stuck
     }
 
     #[inline(always)]
-    fn still(&self, workspace: &RecordedWorkspace<S>) -> u64 {
+    fn still(&self, workspace: &Self::Workspace) -> u64 {
         let mut most = Lanes::splat(self.simd, 0.0);
         for &rate in &self.program.operations.rates {
             most = most.max(workspace.series().of(rate)[0].abs());
@@ -415,7 +404,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
 
     fn component(
         &self,
-        workspace: &RecordedWorkspace<S>,
+        workspace: &Self::Workspace,
         lane: usize,
         component: usize,
         _start: f64,
@@ -441,7 +430,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     }
 
     #[inline(always)]
-    fn vibration_of(&self, states: &RecordedLaneStates<S>) -> [Lanes<S>; 2] {
+    fn vibration_of(&self, states: &Self::LaneStates) -> [Lanes<S>; 2] {
         let zero = [Lanes::splat(self.simd, 0.0); 2];
         self.graph.layout.vibration.map_or(zero, |places| places.map(|one| states.components[one]))
     }
@@ -449,7 +438,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     #[inline(always)]
     fn vibration_at(
         &self,
-        workspace: &RecordedWorkspace<S>,
+        workspace: &Self::Workspace,
         times: [Lanes<S>; 3],
     ) -> [[Lanes<S>; 2]; 3] {
         let zero = [Lanes::splat(self.simd, 0.0); 2];
@@ -463,7 +452,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     #[inline(always)]
     fn relative_travel(
         &self,
-        workspace: &RecordedWorkspace<S>,
+        workspace: &Self::Workspace,
         pair: [usize; 2],
         length: Lanes<S>,
     ) -> Lanes<S> {

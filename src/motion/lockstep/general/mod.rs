@@ -7,7 +7,6 @@ mod compiled;
 mod compiler;
 mod conditions;
 mod kernel;
-mod lane_states;
 mod lu_factors;
 mod operations;
 mod program_forces;

@@ -1,8 +1,9 @@
-//! The memory of a step's programs, and the series in it.
+//! The states of all lanes, the memory of a step's programs, and the series in it.
 
 use std::ops::Index;
 
 use fearless_simd::prelude::*;
+use smallvec::SmallVec;
 
 use super::operations::{Operations, Slot};
 use super::series::{ConditionBound, Screen};
@@ -12,6 +13,25 @@ use crate::motion::lockstep::{LANES, Lanes};
 
 /// Bit mask of all lanes.
 const ALL_LANES: u64 = (1 << LANES) - 1;
+
+/// The components of a state in all lanes, with the sliding speeds.
+pub(in crate::motion::lockstep) struct RecordedLaneStates<S: Vector> {
+    pub(super) components: SmallVec<[Lanes<S>; 12]>,
+    /// Those of all contacts, unless each speed is a component.
+    pub(super) speeds: SmallVec<[Lanes<S>; 2]>,
+}
+
+impl<S: Vector> Clone for RecordedLaneStates<S> {
+    fn clone(&self) -> Self {
+        RecordedLaneStates { components: self.components.clone(), speeds: self.speeds.clone() }
+    }
+
+    /// Copies a state of the same system.
+    fn clone_from(&mut self, source: &Self) {
+        self.components.copy_from_slice(&source.components);
+        self.speeds.copy_from_slice(&source.speeds);
+    }
+}
 
 /// Work space of a step, with the results of the latest step.
 pub(in crate::motion::lockstep) struct RecordedWorkspace<S: Vector> {

@@ -103,11 +103,11 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         true
     }
 
-    fn lane_states(&self, simd: S) -> BalancerLaneStates<S, N> {
+    fn lane_states(&self, simd: S) -> Self::LaneStates {
         BalancerLaneStates::zero(simd)
     }
 
-    fn workspace(&self, simd: S) -> BalancerWorkspace<S, N> {
+    fn workspace(&self, simd: S) -> Self::Workspace {
         BalancerWorkspace {
             series: BalancerSeries::zero(simd),
             perturbed: BalancerSeries::zero(simd),
@@ -183,7 +183,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         self.evaluators[lane] = None;
     }
 
-    fn lane(&self, states: &BalancerLaneStates<S, N>, lane: usize) -> Components {
+    fn lane(&self, states: &Self::LaneStates, lane: usize) -> Components {
         let mut components = states.lane(lane).components();
         if self.drive.is_some() {
             components.push(states.elapsed[lane]);
@@ -191,64 +191,49 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         components
     }
 
-    fn set_lane(&self, states: &mut BalancerLaneStates<S, N>, lane: usize, components: &[f64]) {
+    fn set_lane(&self, states: &mut Self::LaneStates, lane: usize, components: &[f64]) {
         states.set_lane(lane, components);
     }
 
     #[inline(always)]
-    fn select(
-        &self,
-        into: &mut BalancerLaneStates<S, N>,
-        from: &BalancerLaneStates<S, N>,
-        mask: mask64x8<S>,
-    ) {
+    fn select(&self, into: &mut Self::LaneStates, from: &Self::LaneStates, mask: mask64x8<S>) {
         into.select(from, mask);
     }
 
     #[inline(always)]
-    fn finite(&self, states: &BalancerLaneStates<S, N>, start: Lanes<S>) -> Lanes<S> {
+    fn finite(&self, states: &Self::LaneStates, start: Lanes<S>) -> Lanes<S> {
         states.finite(start)
     }
 
     #[inline(always)]
-    fn square(&self, states: &BalancerLaneStates<S, N>) -> Lanes<S> {
+    fn square(&self, states: &Self::LaneStates) -> Lanes<S> {
         states.square()
     }
 
     #[inline(always)]
-    fn position(&self, states: &BalancerLaneStates<S, N>, contact: usize) -> Lanes<S> {
+    fn position(&self, states: &Self::LaneStates, contact: usize) -> Lanes<S> {
         states.angle[contact]
     }
 
     #[inline(always)]
-    fn set_position(
-        &self,
-        states: &mut BalancerLaneStates<S, N>,
-        contact: usize,
-        position: Lanes<S>,
-    ) {
+    fn set_position(&self, states: &mut Self::LaneStates, contact: usize, position: Lanes<S>) {
         states.angle[contact] = position;
     }
 
     #[inline(always)]
-    fn speed(&self, states: &BalancerLaneStates<S, N>, contact: usize) -> Lanes<S> {
+    fn speed(&self, states: &Self::LaneStates, contact: usize) -> Lanes<S> {
         states.speed[contact]
     }
 
     #[inline(always)]
-    fn expand(
-        &self,
-        workspace: &mut BalancerWorkspace<S, N>,
-        start: &BalancerLaneStates<S, N>,
-        _perturbed: bool,
-    ) {
+    fn expand(&self, workspace: &mut Self::Workspace, start: &Self::LaneStates, _perturbed: bool) {
         workspace.series.expand(&self.equations, (self.drive.as_deref(), &self.gaps), start);
     }
 
     #[inline(always)]
     fn within_tolerance(
         &self,
-        workspace: &BalancerWorkspace<S, N>,
+        workspace: &Self::Workspace,
         tolerance: [Lanes<S>; 2],
         before: Lanes<S>,
     ) -> Lanes<S> {
@@ -256,7 +241,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     }
 
     #[inline(always)]
-    fn screen_conditions(&self, workspace: &mut BalancerWorkspace<S, N>, length: Lanes<S>) -> u64 {
+    fn screen_conditions(&self, workspace: &mut Self::Workspace, length: Lanes<S>) -> u64 {
         let BalancerWorkspace { series, lanes_to_examine, .. } = workspace;
         let watched = (&self.watched, &self.gaps);
         event_functions::screen_conditions(
@@ -271,7 +256,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
 
     fn first_event(
         &self,
-        workspace: &BalancerWorkspace<S, N>,
+        workspace: &Self::Workspace,
         own: &Lane,
         lane: usize,
         length: f64,
@@ -292,10 +277,10 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     #[inline(always)]
     fn at(
         &self,
-        workspace: &BalancerWorkspace<S, N>,
-        start: &BalancerLaneStates<S, N>,
+        workspace: &Self::Workspace,
+        start: &Self::LaneStates,
         time: Lanes<S>,
-        into: &mut BalancerLaneStates<S, N>,
+        into: &mut Self::LaneStates,
     ) {
         *into = workspace.series.at(&self.equations, start, time);
         if self.drive.is_some() {
@@ -306,22 +291,22 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     #[inline(always)]
     fn carry(
         &self,
-        workspace: &mut BalancerWorkspace<S, N>,
-        perturbation: &BalancerLaneStates<S, N>,
+        workspace: &mut Self::Workspace,
+        perturbation: &Self::LaneStates,
         length: Lanes<S>,
-    ) -> BalancerLaneStates<S, N> {
+    ) -> Self::LaneStates {
         let BalancerWorkspace { series, perturbed, .. } = workspace;
         let equations = (&self.equations, self.drive.as_deref());
         tangent::carry(series, equations, perturbation, length, perturbed)
     }
 
     #[inline(always)]
-    fn rest(&self, state: &BalancerLaneStates<S, N>) -> u64 {
+    fn rest(&self, state: &Self::LaneStates) -> u64 {
         self.rest.is_near(self.equations.speed, &state.table)
     }
 
     #[inline(always)]
-    fn still(&self, workspace: &BalancerWorkspace<S, N>) -> u64 {
+    fn still(&self, workspace: &Self::Workspace) -> u64 {
         if self.sliding == 0 || self.drive.is_some() {
             return 0;
         }
@@ -340,7 +325,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
 
     fn component(
         &self,
-        workspace: &BalancerWorkspace<S, N>,
+        workspace: &Self::Workspace,
         lane: usize,
         component: usize,
         start: f64,
@@ -361,14 +346,14 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     }
 
     #[inline(always)]
-    fn vibration_of(&self, states: &BalancerLaneStates<S, N>) -> [Lanes<S>; 2] {
+    fn vibration_of(&self, states: &Self::LaneStates) -> [Lanes<S>; 2] {
         [states.table[0], states.table[1]]
     }
 
     #[inline(always)]
     fn vibration_at(
         &self,
-        workspace: &BalancerWorkspace<S, N>,
+        workspace: &Self::Workspace,
         times: [Lanes<S>; 3],
     ) -> [[Lanes<S>; 2]; 3] {
         workspace.series.table_at(times)
@@ -377,7 +362,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     #[inline(always)]
     fn relative_travel(
         &self,
-        workspace: &BalancerWorkspace<S, N>,
+        workspace: &Self::Workspace,
         [one, other]: [usize; 2],
         length: Lanes<S>,
     ) -> Lanes<S> {
