@@ -1,12 +1,4 @@
-//! The conditions of the phases as power series over a step:
-//!
-//! | | first | second | third |
-//! |---|---|---|---|
-//! | slip | out of the band | | closed |
-//! | stick | held against a forward force | held against a backward force | closed |
-//! | transition | in the band | accelerating in its direction | closed |
-//! | free | | | closed |
-//! | apart | | | apart |
+//! The conditions of the phases ([`crate::motion::condition`]) as power series over a step.
 //!
 //! The guard of an event is a condition, too, and so is the pressure in a closed gap. Contacts that stick and touch are held
 //! together ([`crate::motion::lockstep::held`]).
@@ -19,7 +11,7 @@ use super::series::{ConditionBound, Programs};
 use super::workspace::RecordedWorkspace;
 use crate::motion::Phase;
 use crate::motion::cluster::HeldCluster;
-use crate::motion::condition::Condition;
+use crate::motion::condition::{Condition, Margins};
 use crate::motion::lockstep::ORDER;
 use crate::motion::lockstep::held::held_until;
 use crate::motion::lockstep::kernel::StepEnd;
@@ -33,17 +25,11 @@ const SUNK: f64 = 1e-13;
 
 /// Returns the numbers of a contact's conditions ([`super::operations::ContactCell`]), in their order. A condition is satisfied while it is not
 /// negative, and counts as failed if it is negative by `aim`.
-pub(super) fn of_contact(phase: Phase, limit: f64, [band, slack, aim]: [f64; 3]) -> [f64; 6] {
-    let (sign, offset, stuck) = match phase {
-        Phase::Slip(direction) => (direction.sign(), aim - band, 0.0),
-        // A contact is in the band only briefly: always examined.
-        Phase::Transition(direction) => (-direction.sign(), -1.0, 0.0),
-        Phase::Stick => (0.0, 1.0, 1.0),
-        Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => (0.0, 1.0, 0.0),
-    };
+pub(super) fn of_contact(phase: Phase, limit: f64, (margins, aim): (&Margins, f64)) -> [f64; 6] {
+    let [sign, offset, stuck] = margins.first_condition(phase, aim);
     // The gap of a contact that is apart closes where it is zero.
     let aim = if phase == Phase::Apart { 0.0 } else { aim };
-    [sign, offset, stuck, limit, slack + aim, aim]
+    [sign, offset, stuck, limit, margins.slack + aim, aim]
 }
 
 /// Returns the end of a step of one lane.
@@ -70,7 +56,7 @@ pub(super) fn first_event<S: Vector>(
         if of_gaps[gap] & 1 << lane != 0 && !ignored.contains(&failed) {
             let (weight, offset) = (pressure.weight[lane], pressure.offset[lane]);
             let force = |k: usize| weight * series.of(*force)[k][lane];
-            first.or(simd, &polynomial(length, offset, ORDER - 1, force), None, failed);
+            first.or(simd, &Polynomial::of(length, offset, ORDER - 1, force), None, failed);
         }
     }
     let is_doubtful = |contact: &usize| of_contacts[*contact] & 1 << lane != 0;
@@ -108,16 +94,18 @@ pub(super) fn first_event<S: Vector>(
         match own.phases[contact] {
             Phase::Slip(direction) => {
                 let slips = |k| direction * speed(k);
-                examine(ConditionBound::Slips, 0, &|| polynomial(length, aim - band, ORDER, slips));
+                examine(ConditionBound::Slips, 0, &|| {
+                    Polynomial::of(length, aim - band, ORDER, slips)
+                });
             }
             Phase::Transition(direction) => {
                 let inside = |k| -(direction * speed(k));
                 examine(ConditionBound::Slips, 0, &|| {
-                    polynomial(length, aim + band, ORDER, inside)
+                    Polynomial::of(length, aim + band, ORDER, inside)
                 });
                 let forwards = |k| direction * acceleration(k);
                 examine(ConditionBound::Slips, 1, &|| {
-                    polynomial(length, slack, ORDER - 1, forwards)
+                    Polynomial::of(length, slack, ORDER - 1, forwards)
                 });
             }
             // Contacts that touch are held together.
@@ -128,14 +116,14 @@ pub(super) fn first_event<S: Vector>(
                 for (which, bound, sign) in
                     [(0, ConditionBound::Forward, 1.0), (1, ConditionBound::Backward, -1.0)]
                 {
-                    examine(bound, which, &|| polynomial(length, slack, ORDER - 1, held(sign)));
+                    examine(bound, which, &|| Polynomial::of(length, slack, ORDER - 1, held(sign)));
                 }
             }
             Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => {}
         }
         if own.phases[contact] == Phase::Apart {
             let failed = Condition::Landing(contact);
-            let gap = |offset: f64| polynomial(length, offset, ORDER - 1, normal);
+            let gap = |offset: f64| Polynomial::of(length, offset, ORDER - 1, normal);
             // Bodies that touch and move with each other, or stick, do not land: their gap is negative by rounding.
             let lands_at_once = normal(0) <= 0.0 && {
                 let gap = gap(0.0);
@@ -144,30 +132,14 @@ pub(super) fn first_event<S: Vector>(
             let offset = if lands_at_once { SUNK - normal(0) } else { 0.0 };
             first.or(simd, &gap(offset), None, failed);
         } else {
-            examine(ConditionBound::Closed, 2, &|| polynomial(length, aim, ORDER - 1, normal));
+            examine(ConditionBound::Closed, 2, &|| Polynomial::of(length, aim, ORDER - 1, normal));
         }
     }
     for (event, guard) in operations.guards.iter().enumerate() {
         if of_events[event] & 1 << lane != 0 {
-            let guard = polynomial(length, 0.0, ORDER - 1, |k| series.of(*guard)[k][lane]);
+            let guard = Polynomial::of(length, 0.0, ORDER - 1, |k| series.of(*guard)[k][lane]);
             first.or(simd, &guard, None, Condition::Event(event));
         }
     }
     first
-}
-
-/// Returns a polynomial of a degree, plus an offset.
-#[inline(always)]
-fn polynomial(
-    length: f64,
-    offset: f64,
-    degree: usize,
-    coefficient: impl Fn(usize) -> f64,
-) -> Polynomial {
-    let mut coefficients = [0.0; ORDER + 1];
-    for (k, of_power) in coefficients[..=degree].iter_mut().enumerate() {
-        *of_power = coefficient(k);
-    }
-    coefficients[0] += offset;
-    Polynomial { coefficients, length }
 }

@@ -187,7 +187,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         for (cell, component) in &operations.discrete {
             workspace.set_constant(*cell, lane, state[*component as usize]);
         }
-        let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
+        let margins = (&own.margins, 0.5 * own.width);
         for contact in 0..self.speeds.len() {
             let numbers = conditions::of_contact(own.phases[contact], own.limits[contact], margins);
             let first = operations.of_contact(contact, ContactCell::Sign);

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use iced_x86::{Code, Encoder as Assembler, IcedError, Instruction, MemoryOperand, Register};
 
-use super::width::Width;
 use crate::graph::Cell;
+use crate::motion::lockstep::vector::Width;
 
 /// An operand.
 #[derive(Clone, Copy, Debug)]

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::width::Width;
 use crate::graph::{Cell, Instruction, Product, Program};
+use crate::motion::lockstep::vector::Width;
 
 /// The number of a value.
 pub(super) type Id = u32;

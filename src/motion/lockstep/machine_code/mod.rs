@@ -7,7 +7,6 @@
 mod encode;
 mod lower;
 mod registers;
-mod width;
 
 use std::sync::OnceLock;
 
@@ -15,12 +14,11 @@ use memmap2::{Mmap, MmapMut};
 
 use super::LANES;
 use super::run::Numbers;
-use super::vector::{Vector, vectorized};
+use super::vector::{Vector, Width, vectorized};
 use crate::graph::{Cell, Instruction, Program};
 use crate::model::Function;
 use encode::Encoder;
 use lower::{Line, MachineOperation};
-pub(super) use width::Width;
 
 /// The largest program with machine code, in bytes of code.
 const MOST_BYTES: usize = 1 << 24;

@@ -1,12 +1,4 @@
-//! The conditions of the phases as power series over a step, with the same numbering as in
-//! `motion::guard`:
-//!
-//! | | first | second | third |
-//! |---|---|---|---|
-//! | slip | out of the band | | pressed to the ring |
-//! | stick | held against a forward force | held against a backward force | pressed |
-//! | transition | in the band | accelerating in its direction | pressed |
-//! | free | | | pressed |
+//! The conditions of the phases ([`crate::motion::condition`]) as power series over a step.
 //!
 //! For all lanes it is first shown which conditions obviously hold; the remaining lanes, in one
 //! step out of five, are examined one at a time (`first_event`).
@@ -19,6 +11,7 @@ use super::gap_forces::GapForceEquations;
 use super::series::{BalancerSeries, decay};
 use crate::model::SPEED_TERMS;
 use crate::motion::Phase;
+use crate::motion::condition::Margins;
 use crate::motion::lockstep::lane_bounds::LaneBounds;
 use crate::motion::lockstep::root_isolation::FOURTH;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
@@ -56,18 +49,12 @@ impl<S: Vector> ConditionCoefficients<S> {
     }
 
     /// Sets the conditions of a lane. A condition counts as failed if it is negative by `aim`.
-    pub(super) fn set(&mut self, lane: usize, phase: Phase, [band, slack, aim]: [f64; 3]) {
-        let (sign, offset, stuck) = match phase {
-            Phase::Slip(direction) => (direction.sign(), aim - band, 0.0),
-            // A ball is in the band only briefly: always examined.
-            Phase::Transition(direction) => (-direction.sign(), -1.0, 0.0),
-            Phase::Stick => (0.0, 1.0, 1.0),
-            Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => (0.0, 1.0, 0.0),
-        };
+    pub(super) fn set(&mut self, lane: usize, phase: Phase, (margins, aim): (&Margins, f64)) {
+        let [sign, offset, stuck] = margins.first_condition(phase, aim);
         self.sign[lane] = sign;
         self.offset[lane] = offset;
         self.stuck[lane] = stuck;
-        self.slack[lane] = slack + aim;
+        self.slack[lane] = margins.slack + aim;
     }
 }
 

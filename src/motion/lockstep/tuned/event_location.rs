@@ -57,10 +57,8 @@ fn first_of_all<S: Vector, const N: usize>(
         let failed = Condition::Pressed(gap);
         if lanes_to_examine.of_gaps[gap] & bit != 0 && !ignored.contains(&failed) {
             let (weight, offset) = (of_all.pressure.weight[lane], of_all.pressure.offset[lane]);
-            let pressed = polynomial(length, offset, |k| match k {
-                ORDER => 0.0,
-                _ => weight * series.forces[k][gap][lane],
-            });
+            let pressed =
+                Polynomial::of(length, offset, ORDER - 1, |k| weight * series.forces[k][gap][lane]);
             first.or(simd, &pressed, None, failed);
         }
     }
@@ -89,21 +87,21 @@ fn first_of_all<S: Vector, const N: usize>(
             let (condition, bounds) = match (*phase, which) {
                 (_, 2) if loose => {
                     let normal = normal_force(series, (balancer, gaps, *phase), lane, ball);
-                    (polynomial(length, aim, |k| normal[k]), None)
+                    (Polynomial::of(length, aim, ORDER, |k| normal[k]), None)
                 }
                 (Phase::Slip(direction), 0) => {
                     let bounds = lanes_to_examine.slips[ball].outline(lane);
-                    (polynomial(length, aim - band, |k| direction * speed(k)), Some(bounds))
+                    (
+                        Polynomial::of(length, aim - band, ORDER, |k| direction * speed(k)),
+                        Some(bounds),
+                    )
                 }
                 (Phase::Transition(direction), 0) => {
-                    (polynomial(length, aim + band, |k| -(direction * speed(k))), None)
+                    (Polynomial::of(length, aim + band, ORDER, |k| -(direction * speed(k))), None)
                 }
                 (Phase::Transition(direction), 1) => {
-                    let accelerating = |k| match k {
-                        ORDER => 0.0,
-                        _ => direction * ((k + 1) as f64 * speed(k + 1)),
-                    };
-                    (polynomial(length, slack, accelerating), None)
+                    let accelerating = |k| direction * ((k + 1) as f64 * speed(k + 1));
+                    (Polynomial::of(length, slack, ORDER - 1, accelerating), None)
                 }
                 (Phase::Stick, 0 | 1)
                     if !clusters.iter().any(|one| one.contacts.contains(&ball)) =>
@@ -113,7 +111,7 @@ fn first_of_all<S: Vector, const N: usize>(
                         continue;
                     }
                     let left = held(series, balancer, lane, ball, [1.0, -1.0][which]);
-                    (polynomial(length, slack, left), Some(bounds))
+                    (Polynomial::of(length, slack, ORDER, left), Some(bounds))
                 }
                 _ => continue,
             };
@@ -123,16 +121,6 @@ fn first_of_all<S: Vector, const N: usize>(
         }
     }
     first
-}
-
-#[inline(always)]
-fn polynomial(length: f64, offset: f64, of: impl Fn(usize) -> f64) -> Polynomial {
-    let mut coefficients = [0.0; ORDER + 1];
-    for (k, coefficient) in coefficients.iter_mut().enumerate() {
-        *coefficient = of(k);
-    }
-    coefficients[0] += offset;
-    Polynomial { coefficients, length }
 }
 
 /// Returns the series of the remaining friction of a sticking ball against a force in this

@@ -147,7 +147,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
 
     fn set_phases(&mut self, _room: &mut Self::Workspace, lane: usize, own: &Lane, _state: &[f64]) {
         let Some(balancer) = &self.balancers[lane] else { return };
-        let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
+        let margins = (&own.margins, 0.5 * own.width);
         for (place, phase) in own.phases[..N].iter().enumerate() {
             // Few balls change their phase at once.
             if self.phases[lane][place].replace(*phase) == Some(*phase) {
