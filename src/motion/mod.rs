@@ -1,4 +1,16 @@
 //! How the system moves: integration of smooth phases, stick and slip, switches between them.
+//!
+//! Read first `phase`, `settings` and `failure`, then `evaluator`, which computes rates and forces from the recorded
+//! equations with `linear_system`. The next files decide between stick and slip. `force_model` defines what a decision asks
+//! of a system, and `joint_decision` finds the phases that meet all conditions. `event_driven` and `switch_model` are the two
+//! methods, `stick_slip` chooses between them, and `condition` names the conditions of a phase.
+//!
+//! Then read about bodies that touch: `cluster`, the impulses of an impact (`impulse_response`, `impulses`, `impact`), and
+//! `touching_system` with `residual_speeds`. `touching_decision` decides their phases with `incremental_forces` and
+//! `separate_contacts`. `saltation` carries a perturbation over a switch.
+//!
+//! `lockstep` integrates the motions of eight runs side by side and uses all of these files. Read `single` last: it is one
+//! motion alone, in such a lane. `root` finds roots, and `cancellation` stops a motion from outside.
 
 mod cancellation;
 mod cluster;

@@ -14,6 +14,9 @@ use crate::motion::condition::Condition;
 use crate::motion::force_model::ForceModel;
 use crate::motion::lockstep::vector::{Vector, vectorized};
 
+/// Bound on every component of the rate of change if everything is slow.
+pub(super) const STILL: f64 = 1e-6;
+
 /// The equations of motion of one kind of system, expanded into power series in all lanes.
 pub(super) trait Kernel<S: Vector>: Sized {
     /// Ratio of the longest step to a system's own limit. The tolerance would allow longer steps, because errors become

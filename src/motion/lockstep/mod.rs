@@ -11,6 +11,15 @@
 //! A lane depends only on its own values: no operation mixes lanes, and all operations are
 //! correctly rounded (`+ - * /`, square root, fused multiply-add). A run is therefore the same bit
 //! for bit in any lane, beside any neighbours, and in vectors of any width.
+//!
+//! Read first `sizes` and `vector`, then the arithmetic of a step: `trigonometry`, `step_length`, `root_isolation` and
+//! `lane_bounds`. `machine_code` and `run` run programs, and `simd_level` finds the instructions of the processor. `lane` is
+//! the scalar part of a run. `kernel` defines what a kernel computes; `pressure`, `held` and `open_gaps` are conditions that
+//! both kernels share. Then read `tuned` and `general`. `saved_run` starts a run outside of a lane.
+//!
+//! `kernel_lanes` has the lanes with their runs. `events` decides the phases at the end of a step, `advance` takes the step in
+//! all lanes and makes a `step_report`, and `step_states` gives the motion inside the step. `lane_group` is the interface of
+//! all this for callers, and `kernel_choice` makes the lanes for a system.
 
 mod advance;
 mod events;

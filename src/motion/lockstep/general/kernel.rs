@@ -18,7 +18,7 @@ use crate::motion::cluster::{HeldCluster, held_clusters};
 use crate::motion::condition::Condition;
 use crate::motion::evaluator::Evaluator;
 use crate::motion::force_model::ForceModel;
-use crate::motion::lockstep::kernel::{Kernel, StepEnd};
+use crate::motion::lockstep::kernel::{Kernel, STILL, StepEnd};
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::pressure::Pressure;
 use crate::motion::lockstep::sizes::Powers;
@@ -26,9 +26,6 @@ use crate::motion::lockstep::step_length::{longest_step, reciprocal};
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::lockstep::{LANES, Lanes, ORDER, TERMS};
 use crate::motion::touching_system::TouchingSystem;
-
-/// Bound on every component of the rate of change if everything is slow.
-const STILL: f64 = 1e-6;
 
 /// The equations of a recorded system in all lanes.
 pub(in crate::motion::lockstep) struct GeneralKernel<S: Vector> {

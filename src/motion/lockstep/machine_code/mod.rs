@@ -1,8 +1,8 @@
 //! Machine code of programs, made when they first run (x86-64).
 //!
-//! `lower` numbers the values of a program and interleaves sums that do not depend on each other, `registers` keeps values in
-//! registers, and `encode` writes instructions. The code has no branches, and each of its memory operands is a cell below
-//! [`Program::cells`].
+//! Read first `lower`, which numbers the values of a program and interleaves sums that do not depend on each other, then
+//! `encode`, which writes instructions, and `registers`, which keeps values in registers. This file runs the code. The code
+//! has no branches, and each of its memory operands is a cell below [`Program::cells`].
 
 mod encode;
 mod lower;

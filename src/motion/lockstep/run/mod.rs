@@ -1,5 +1,5 @@
-//! Runs a program, in all lanes or for one run: as machine code where the processor and the system allow it, otherwise in an interpreter.
-//! Both compute the same bits.
+//! Runs a program, in all lanes or for one run: as machine code where the processor and the system allow it, otherwise in an
+//! interpreter. Both compute the same bits. Read first `numbers`, then `interpreter`, and this file last.
 
 mod interpreter;
 mod numbers;

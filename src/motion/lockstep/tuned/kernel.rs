@@ -18,15 +18,12 @@ use crate::model::{Balancer, Components, State, System};
 use crate::motion::Evaluator;
 use crate::motion::condition::Condition;
 use crate::motion::force_model::{ForceModel, RecordedForces};
-use crate::motion::lockstep::kernel::{Kernel, StepEnd};
+use crate::motion::lockstep::kernel::{Kernel, STILL, StepEnd};
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::sizes::Powers;
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::lockstep::{LANES, Lanes, ORDER};
 use crate::motion::{Phase, any_closed};
-
-/// Bound on every component of the rate of change if everything is slow.
-const STILL: f64 = 1e-6;
 
 /// The balancer's equations in all lanes.
 pub(in crate::motion::lockstep) struct TunedKernel<S: Vector, const N: usize> {

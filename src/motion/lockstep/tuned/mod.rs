@@ -2,6 +2,12 @@
 //!
 //! It gives the same series as the recorded equations (`general`) several times as fast: the products are chosen so
 //! that few remain, everything has a size known to the compiler, and bounds of the conditions come from few numbers.
+//!
+//! Read first `terms`, `lane_states` and `equations`, then what adds to the equations: `drive` and `gap_forces`.
+//! `recurrence` computes one order from those below, `series` expands the motion, and `step` finds how far the series is
+//! accurate. `tangent` and `tail_terms` carry perturbations. `event_functions` finds the lanes in which a condition may fail,
+//! and `event_location` the condition that fails first. `balancer_forces` decides stick and slip, `rest_ahead` detects rest,
+//! and `kernel` puts all of them together.
 
 mod balancer_forces;
 #[cfg(test)]

@@ -1,4 +1,6 @@
 //! Finds the operations on power series of the recorded equations of a system.
+//!
+//! Read this file first, then `linear` for sums and `unknowns` for linear systems.
 
 mod linear;
 mod unknowns;
