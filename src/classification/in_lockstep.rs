@@ -29,7 +29,7 @@ pub trait Runs {
 }
 
 /// Simulates runs in lockstep until there are none left. Each outcome is bit for bit that of
-/// [`super::simulate`].
+/// [`super::simulate()`].
 pub fn simulate_in_lockstep(level: SimdLevel, runs: &mut dyn Runs) {
     simulate_with(KernelChoice::Fastest, level, runs);
 }

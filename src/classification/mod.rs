@@ -24,13 +24,13 @@
 //! and `cycle`, `stages` and `outcome` are its results.
 //!
 //! The next files give the evidence: `rest_in_touch`, `settled` and `creep` for rest; `section`, `period`, `return_map`,
-//! `closed_orbit`, `torus`, `passages`, `periodic_creep` and `orbit` for motions that repeat, and `block_cycle` for those of
-//! a single body; `lyapunov` for irregular motions. `tail_statistics` measures the last part of a run, and `follow` has its end
-//! times.
+//! `closed_orbit`, `torus`, `passages`, `periodic_creep` and `orbit` for motions that repeat, and `block_cycle` for those
+//! of a single body; `lyapunov` for irregular motions. `tail_statistics` measures the last part of a run, and `follow`
+//! has its end times.
 //!
-//! `cycle_watch`, `lane_run` and `run_outcome` belong together: `lane_run` examines a run after each step, `cycle_watch` seeks
-//! its cycle, and `run_outcome` makes its outcome. `gap_sample` and `run_recorder` record its motion, and `step_limit` bounds
-//! its effort. Read `in_lockstep`, which simulates many runs, and `simulate` last.
+//! `cycle_watch`, `lane_run` and `run_outcome` belong together: `lane_run` examines a run after each step, `cycle_watch`
+//! seeks its cycle, and `run_outcome` makes its outcome. `gap_sample` and `run_recorder` record its motion, and
+//! `step_limit` bounds its effort. Read `in_lockstep`, which simulates many runs, and `simulate` last.
 
 mod block_cycle;
 mod closed_orbit;

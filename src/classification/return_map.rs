@@ -36,7 +36,8 @@ pub(super) struct ReturnMap<'a> {
     pub(super) latest: &'a RefCell<Option<Motion>>,
 }
 
-/// Returns what a step with perturbed motions costs, in steps without: the motions of a group of lanes are perturbed together.
+/// Returns what a step with perturbed motions costs, in steps without: the motions of a group of lanes are perturbed
+/// together.
 pub(super) fn cost_of_a_step(perturbed: usize) -> u64 {
     1 + 2 * perturbed.div_ceil(LANES) as u64
 }

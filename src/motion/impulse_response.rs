@@ -5,9 +5,9 @@
 //! accelerations, with contacts that slip without friction, a unit of the force in a gap contributes its column of `A` with
 //! the opposite sign to the right side.
 //!
-//! The friction force of a gap retards both bodies ([`Gap::lever`]). The contact force pushes the same two bodies apart, so
-//! that the contribution of friction follows from that of the contact force. The friction of a contact that opens is an unknown
-//! of its own, with a column of its own.
+//! The friction force of a gap retards both bodies ([`crate::model::Gap::lever`]). The contact force pushes the same two
+//! bodies apart, so that the contribution of friction follows from that of the contact force. The friction of a contact
+//! that opens is an unknown of its own, with a column of its own.
 
 use smallvec::{SmallVec, smallvec};
 

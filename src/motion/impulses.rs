@@ -193,9 +193,9 @@ impl<T: Number> ImpactEquations<T> {
 
 /// The equations of all gaps, whose impulses are eliminated one gap after the other.
 struct ImpulseElimination<T> {
-    /// For each gap, the equations of [`ImpactMode::Sticks`] of this gap and the gaps after it, without the impulses of the gaps before
-    /// it. Each gap has two rows, that of the contact and that of the friction; a row consists of the coefficients of the
-    /// impulses and the right side.
+    /// For each gap, the equations of [`ImpactMode::Sticks`] of this gap and the gaps after it, without the impulses of
+    /// the gaps before it. Each gap has two rows, that of the contact and that of the friction; a row consists of the
+    /// coefficients of the impulses and the right side.
     remaining: SmallVec<[Vec<T>; 8]>,
     /// For each gap, its two equations in its way, divided by their diagonal entries, which are not replaced by ones.
     solved: SmallVec<[[SmallVec<[T; 17]>; 2]; 8]>,

@@ -215,7 +215,7 @@ impl Elementary for PerAssumption {
 }
 
 impl Solved for PerAssumption {
-    /// Eliminates as [`solved`] does; each assumption exchanges the rows with its own small pivots.
+    /// Eliminates as [`super::linear_system::solved`] does; each assumption exchanges the rows with its own small pivots.
     #[inline(always)]
     fn solve(
         matrix: &[NodeId],

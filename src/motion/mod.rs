@@ -1,9 +1,9 @@
 //! How the system moves: integration of smooth phases, stick and slip, switches between them.
 //!
 //! Read first `phase`, `settings` and `failure`, then `evaluator`, which computes rates and forces from the recorded
-//! equations with `linear_system`. The next files decide between stick and slip. `force_model` defines what a decision asks
-//! of a system, and `joint_decision` finds the phases that meet all conditions. `event_driven` and `switch_model` are the two
-//! methods, `stick_slip` chooses between them, and `condition` names the conditions of a phase.
+//! equations with `linear_system`. The next files decide between stick and slip. `force_model` defines what a decision
+//! asks of a system, and `joint_decision` finds the phases that meet all conditions. `event_driven` and `switch_model`
+//! are the two methods, `stick_slip` chooses between them, and `condition` names the conditions of a phase.
 //!
 //! Then read about bodies that touch: `cluster`, the impulses of an impact (`impulse_response`, `impulses`, `impact`), and
 //! `touching_system` with `residual_speeds`. `touching_decision` decides their phases with `incremental_forces` and

@@ -41,8 +41,8 @@ pub fn most_steps_by(time: f64, fastest_rate: f64) -> u64 {
     MOST_AT_ONCE.saturating_add((MOST_PER_TIME * fastest_rate * time) as u64)
 }
 
-/// Number of events allowed within a unit of time over the fastest rate. A motion with more does not go on, and each event may take as long as a
-/// hundred steps.
+/// Number of events allowed within a unit of time over the fastest rate. A motion with more does not go on, and each
+/// event may take as long as a hundred steps.
 pub(super) const MOST_EVENTS_AT_ONCE: u32 = 10_000;
 /// Number of steps allowed at time 0.
 pub(super) const MOST_AT_ONCE: u64 = 100_000;

@@ -1,8 +1,9 @@
 //! The joint decision between stick and slip, closed and open, where contacts touch each other or may open.
 //!
-//! If no gap is closed and no contact may open, contacts at rest are decided as in any system ([`super::modes`]). Otherwise all
-//! combinations of the phases that are not known are tried. The phases of contacts that touch no other follow from the other
-//! phases, unless several motions may be possible ([`super::alone`]). A combination holds if
+//! If no gap is closed and no contact may open, contacts at rest are decided as in any system ([`super::stick_slip`]).
+//! Otherwise all combinations of the phases that are not known are tried. The phases of contacts that touch no other
+//! follow from the other phases, unless several motions may be possible ([`super::separate_contacts`]). A combination
+//! holds if
 //!
 //! - contacts that stick need no more friction than there is: each alone, or together with those that it touches and that
 //!   stick too, for some forces in the gaps between them ([`crate::model::held`]);

@@ -17,9 +17,9 @@
 //! the scalar part of a run. `kernel` defines what a kernel computes; `pressure`, `held` and `open_gaps` are conditions that
 //! both kernels share. Then read `tuned` and `general`. `saved_run` starts a run outside of a lane.
 //!
-//! `kernel_lanes` has the lanes with their runs. `events` decides the phases at the end of a step, `advance` takes the step in
-//! all lanes and makes a `step_report`, and `step_states` gives the motion inside the step. `lane_group` is the interface of
-//! all this for callers, and `kernel_choice` makes the lanes for a system.
+//! `kernel_lanes` has the lanes with their runs. `events` decides the phases at the end of a step, `advance` takes the
+//! step in all lanes and makes a `step_report`, and `step_states` gives the motion inside the step. `lane_group` is the
+//! interface of all this for callers, and `kernel_choice` makes the lanes for a system.
 
 mod advance;
 mod events;

@@ -28,7 +28,8 @@ pub(crate) trait StepStates {
     /// Returns the positions of the contacts at a time after the start of the latest step, with the whole turns made
     /// since the start of the run.
     fn unwrapped_within(&self, lane: usize, after: f64) -> PerContact;
-    /// Returns the angle of the whole turns that each contact had made before the latest step; 0 for a contact without a ring.
+    /// Returns the angle of the whole turns that each contact had made before the latest step; 0 for a contact without a
+    /// ring.
     fn turned_before(&self, lane: usize) -> PerContact;
     /// Returns the squares of the displacement of `Layout::vibration` at times after the start of the latest step; 0
     /// without such a displacement.

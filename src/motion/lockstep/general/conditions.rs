@@ -23,8 +23,8 @@ use crate::motion::lockstep::vector::Vector;
 /// Bodies that touch have landed where their gap has become smaller by this, non-dimensional.
 const SUNK: f64 = 1e-13;
 
-/// Returns the numbers of a contact's conditions ([`super::operations::ContactCell`]), in their order. A condition is satisfied while it is not
-/// negative, and counts as failed if it is negative by `aim`.
+/// Returns the numbers of a contact's conditions ([`super::operations::ContactCell`]), in their order. A condition is
+/// satisfied while it is not negative, and counts as failed if it is negative by `aim`.
 pub(super) fn of_contact(phase: Phase, limit: f64, (margins, aim): (&Margins, f64)) -> [f64; 6] {
     let [sign, offset, stuck] = margins.first_condition(phase, aim);
     // The gap of a contact that is apart closes where it is zero.

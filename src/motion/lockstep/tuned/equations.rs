@@ -53,7 +53,7 @@ pub(crate) struct Equations<S: Vector, const N: usize> {
     /// 2ζω
     pub(super) drag_speed: Lanes<S>,
     pub(super) minus_drag_speed: Lanes<S>,
-    /// The constant force on the table: m_I e ω², and with runout `-(1 - Σ m) S` ([`crate::model::equations`]).
+    /// The constant force on the table: m_I e ω², and with runout `-(1 - Σ m) S` (`model::equations`).
     pub(super) constant: [Lanes<S>; 2],
     /// The acceleration of the table without that of the ring's centre, `S`: ω² times the runout.
     pub(super) runout: [Lanes<S>; 2],

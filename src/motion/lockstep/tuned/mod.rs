@@ -5,9 +5,9 @@
 //!
 //! Read first `terms`, `lane_states` and `equations`, then what adds to the equations: `drive` and `gap_forces`.
 //! `recurrence` computes one order from those below, `series` expands the motion, and `step` finds how far the series is
-//! accurate. `tangent` and `tail_terms` carry perturbations. `event_functions` finds the lanes in which a condition may fail,
-//! and `event_location` the condition that fails first. `balancer_forces` decides stick and slip, `rest_ahead` detects rest,
-//! and `kernel` puts all of them together.
+//! accurate. `tangent` and `tail_terms` carry perturbations. `event_functions` finds the lanes in which a condition may
+//! fail, and `event_location` the condition that fails first. `balancer_forces` decides stick and slip, `rest_ahead`
+//! detects rest, and `kernel` puts all of them together.
 
 mod balancer_forces;
 #[cfg(test)]

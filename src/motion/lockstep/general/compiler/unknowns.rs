@@ -122,7 +122,7 @@ impl Compiler<'_> {
         (factor, slot)
     }
 
-    /// Returns the entry of a matrix whose product with an unknown is part of a total derivative ([`super::turning`]); the
+    /// Returns the entry of a matrix whose product with an unknown is part of a total derivative (`general::turning`); the
     /// other part leaves the right-hand side.
     pub(super) fn total_derivative(
         &mut self,
