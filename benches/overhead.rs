@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use stickslip::analysis::{EquilibriumSet, PointAccumulator, PointDetail, Resolution};
-use stickslip::classification::{Outcome, simulate};
+use stickslip::classification::{Evidence, Outcome, simulate};
 use stickslip::engine::{EngineOptions, Progress, Sink, compute, run_study_with};
 use stickslip::model::{Case, Machine};
 use stickslip::study::Study;
@@ -50,8 +50,10 @@ impl Stored {
         let bits = case.start.0.iter().fold(0, mix);
         let mut outcome = self.0[(bits >> 56) as usize % self.0.len()].clone();
         let factor = 1.0 + 1e-2 * (bits << 8 >> 8) as f64 / (1_u64 << 56) as f64;
-        let numbers =
-            [&mut outcome.time_to_rest_s, &mut outcome.amplitude_m, &mut outcome.friction_margin];
+        let mut numbers = vec![&mut outcome.amplitude_m];
+        if let Evidence::RestCertified(rest) = &mut outcome.evidence {
+            numbers.extend([&mut rest.since_s, &mut rest.friction_margin]);
+        }
         numbers.into_iter().flatten().for_each(|number| *number *= factor);
         outcome.position.iter_mut().flatten().for_each(|angle| *angle *= 1.005 / factor);
         outcome

@@ -38,7 +38,7 @@
 //! };
 //! let outcome = simulate(&case);
 //! assert_eq!(outcome.label(), Label::Equilibrium);
-//! assert!(outcome.time_to_rest_s < Some(16.5));
+//! assert!(outcome.time_to_rest_s() < Some(16.5));
 //! ```
 #![deny(unsafe_code)]
 #![deny(missing_docs)]

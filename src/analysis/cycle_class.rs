@@ -117,10 +117,8 @@ impl CycleClass {
 
     /// Returns the class of a run's limit cycle; `None` if the run has not been shown to be on one.
     pub fn of(model: &Model, outcome: &Outcome) -> Option<Self> {
-        if outcome.evidence != Evidence::ClosedOrbit {
-            return None;
-        }
-        let known = outcome.cycle.as_ref().and_then(|cycle| {
+        let Evidence::ClosedOrbit(orbit) = &outcome.evidence else { return None };
+        let known = orbit.cycle.as_ref().and_then(|cycle| {
             let angles = outcome.position.as_deref().unwrap_or_default();
             CycleForm::new(model, cycle, angles)
         });

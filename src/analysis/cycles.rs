@@ -165,13 +165,13 @@ impl CycleClasses {
 impl ClassRuns {
     fn add(&mut self, model: &Model, class: CycleClass, outcome: &Outcome) {
         self.runs += 1;
-        outcome.period_s.into_iter().for_each(|period| self.period.add(period));
+        outcome.evidence.period_s().into_iter().for_each(|period| self.period.add(period));
         outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitude.add(amplitude));
-        self.least_margin = [self.least_margin, outcome.friction_margin]
+        self.least_margin = [self.least_margin, outcome.evidence.friction_margin()]
             .into_iter()
             .flatten()
             .min_by(f64::total_cmp);
-        let Some(cycle) = &outcome.cycle else { return };
+        let Some(cycle) = outcome.evidence.cycle() else { return };
         let peaks = self.amplitude_peak.into_iter().chain([cycle.peak_amplitude_m]);
         self.amplitude_peak = peaks.max_by(f64::total_cmp);
         self.neutral_directions = self.neutral_directions.max(Some(cycle.neutral_directions));

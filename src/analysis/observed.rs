@@ -77,7 +77,7 @@ pub struct FailureCounts(BTreeMap<&'static str, u64>);
 
 impl FailureCounts {
     /// Counts a run if it failed.
-    pub fn add(&mut self, evidence: Evidence) {
+    pub fn add(&mut self, evidence: &Evidence) {
         if evidence.label() == Label::Failed {
             *self.0.entry(evidence.name()).or_default() += 1;
         }

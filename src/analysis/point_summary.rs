@@ -106,7 +106,7 @@ impl PointAccumulator {
         if label == Label::Failed {
             return;
         }
-        let (rest, end) = (outcome.time_to_rest_s, outcome.observed_s());
+        let (rest, end) = (outcome.time_to_rest_s(), outcome.observed_s());
         if let Some((time, kind)) = rest_or_stop_time(label, rest, end) {
             self.times.add(time, kind);
         }

@@ -9,7 +9,7 @@ use crate::analysis::set_fraction;
 use crate::model::{Machine, Model};
 use crate::numbers::short;
 use crate::optimize::Space;
-use crate::study::{ParameterValue, Study};
+use crate::study::{ParameterValue, Plan, Study};
 
 /// The largest number of points whose values are examined.
 const MOST_POINTS: u64 = 50;
@@ -20,9 +20,9 @@ const HELD_EVERYWHERE: f64 = 0.99;
 const DESIGNS: u32 = 8;
 
 /// Returns the models at the examined points, with uncertain parameters at their medians, without impossible models.
-pub(super) fn models(study: &Study) -> Vec<(u64, Model)> {
-    let points = points_to_examine(study.point_count(), MOST_POINTS);
-    let model = |point| Some((point, study.median_model(point).ok()?));
+pub(super) fn models(plan: &Plan) -> Vec<(u64, Model)> {
+    let points = points_to_examine(plan.point_count(), MOST_POINTS);
+    let model = |point| Some((point, plan.median_model(point).ok()?));
     points.into_iter().filter_map(model).collect()
 }
 
@@ -37,8 +37,8 @@ fn speed_ratio(machine: &Machine) -> f64 {
 }
 
 /// Returns the largest ratio of speed to natural frequency at the examined points; `None` if there is no disc.
-fn fastest(study: &Study) -> Option<f64> {
-    let models = models(study);
+fn fastest(plan: &Plan) -> Option<f64> {
+    let models = models(plan);
     let ratios: Option<Vec<f64>> =
         models.iter().map(|(_, model)| model.ball_balancer().map(speed_ratio)).collect();
     ratios?.into_iter().reduce(f64::max)
@@ -175,8 +175,8 @@ fn with_coefficient(machine: &Machine, coefficient: f64) -> Machine {
 }
 
 /// Returns the machines at the examined points, or `None` if friction leaves positions without rest at one of them.
-fn machines_held_everywhere(study: &Study) -> Option<Vec<Machine>> {
-    let models = models(study);
+fn machines_held_everywhere(plan: &Plan) -> Option<Vec<Machine>> {
+    let models = models(plan);
     let held = |(_, model): &(u64, Model)| {
         let machine = model.ball_balancer()?;
         let held = machine.friction.can_stick()

@@ -2,7 +2,7 @@
 //! quantity is smallest and largest.
 
 use crate::optimize::Space;
-use crate::study::{DesignValue, Study, Values, Variable};
+use crate::study::{DesignValue, Plan, Study, Values, Variable};
 
 /// Passes over the variables in the search for an extreme design; a second one finds what depends on a choice.
 const PASSES: usize = 2;
@@ -38,7 +38,7 @@ impl ExaminedDesign {
         let middle = (space.design_at(&middle), "the middle of the ranges");
         let others = (0..TRIED).map(|index| (space.space_filling(index, 0), "one of the designs"));
         reference.into_iter().chain([middle]).chain(others).find_map(|(values, name)| {
-            Some(ExaminedDesign { study: study.set(&values).ok()?, values, name })
+            Some(ExaminedDesign { study: study.of_design(&values).ok()?, values, name })
         })
     }
 
@@ -69,7 +69,7 @@ pub(super) struct ExtremeDesign {
 pub(super) fn extreme_designs(
     study: &Study,
     start: &[DesignValue],
-    quantity: impl Fn(&Study) -> Option<f64>,
+    quantity: impl Fn(&Plan) -> Option<f64>,
 ) -> Option<[ExtremeDesign; 2]> {
     let of = |values: &[DesignValue]| study.set(values).ok().and_then(|design| quantity(&design));
     let first = of(start)?;

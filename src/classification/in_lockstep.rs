@@ -90,7 +90,7 @@ fn next_sound(kernel: KernelChoice, runs: &mut dyn Runs) -> Option<Upcoming> {
                 return Some(Upcoming { number, case, stages, start });
             }
             Err(error) => {
-                runs.ended(number, Outcome::failed(Evidence::InvalidParameters, error));
+                runs.ended(number, Outcome::of(Evidence::InvalidParameters(error)));
             }
         }
     }
@@ -231,10 +231,7 @@ impl<'a> Lockstep<'a> {
             self.upcoming = next_sound(self.kernel, self.runs);
             match LaneRun::start(number, &case, stages, &start) {
                 Ok((saved, run)) => return Some(Waiting { saved, run: Box::new(run) }),
-                Err(failure) => {
-                    let evidence = Evidence::Failure(failure);
-                    self.runs.ended(number, Outcome::failed(evidence, failure.to_string()));
-                }
+                Err(failure) => self.runs.ended(number, Outcome::of(Evidence::Failure(failure))),
             }
         }
     }

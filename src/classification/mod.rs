@@ -68,14 +68,14 @@ mod window;
 
 /// Version of the computed outcomes, incremented with every change that alters an outcome; cached
 /// results of other versions are not reused. A test pins the outcomes of each version.
-pub const MODEL_VERSION: u32 = 21;
+pub const MODEL_VERSION: u32 = 22;
 
 pub use closed_orbit::Orbit;
 pub use cycle::{Cycle, CyclePhase, TouchingPair};
 pub use cycle_watch::{FoundEndings, found_endings};
 pub use gap_sample::{GapSample, Touch};
 pub use in_lockstep::{Runs, simulate_by_recorded_equations_in_lockstep, simulate_in_lockstep};
-pub use outcome::{Evidence, Label, LyapunovExponent, Outcome, TouchingOutcome};
+pub use outcome::{ClosedOrbit, Evidence, Label, LyapunovExponent, Outcome, Rest, TouchingOutcome};
 pub use output_watch::{OutputOutcome, OutputRange};
 pub use run_recorder::{ContactSample, Instants, MotionSample, RecordedRun, RunRecorder, Switch};
 pub use simulate::{simulate, simulate_by_recorded_equations, simulate_recorded};

@@ -57,25 +57,49 @@ impl Label {
     }
 }
 
-/// Why a run has its label.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Default)]
+/// A rest for good.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Default)]
+pub struct Rest {
+    /// The time since the start of the run at which the rest began, s; `None` if that is unknown.
+    pub since_s: Option<f64>,
+    /// The smallest friction margin of a resting contact; `None` if no contact sticks. 0 for creeping balls, which are on
+    /// the edge of the set within the accuracy of the run.
+    pub friction_margin: Option<f64>,
+}
+
+/// A stable periodic motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Default)]
+pub struct ClosedOrbit {
+    /// The period, s.
+    pub period_s: f64,
+    /// The smallest friction margin of a contact that sticks throughout the period; `None` if there is none.
+    pub friction_margin: Option<f64>,
+    /// The cycle; `None` if only its period is known.
+    pub cycle: Option<Box<Cycle>>,
+}
+
+/// Why a run has its label, with the values that only this evidence has.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Default)]
 pub enum Evidence {
     /// All balls stick and the closed form excludes that any ever breaks loose.
-    RestCertified,
+    RestCertified(Rest),
     /// All balls stick, and bounds show that the motion approaches its rest point without breaking any loose.
-    RestContracting,
+    RestContracting(Rest),
     /// Balls drift ever slower towards the edge of the equilibrium set.
-    Creep,
+    Creep(Rest),
     /// Without dry friction, the motion has approached a stable equilibrium.
-    Settled,
+    Settled(Rest),
     /// All contacts stick throughout a period of the forcing, which repeats.
-    PeriodicRest,
+    PeriodicRest(Rest),
     /// The orbit closes, is stable, and resting balls keep a margin.
-    ClosedOrbit,
+    ClosedOrbit(ClosedOrbit),
     /// The displacement in the latest periods of the forcing is small and the same.
-    PeriodicCreep,
-    /// The orbit closes but is unstable.
-    UnstableOrbit,
+    PeriodicCreep {
+        /// The period of the forcing, s.
+        period_s: f64,
+    },
+    /// The orbit near the run closes but is unstable.
+    UnstableOrbit(Box<Cycle>),
     /// Weighted averages of the returns to a section converge as on a torus.
     Torus,
     /// Neighbouring motions separate, and the confidence interval of the exponent, from enough blocks, is positive.
@@ -85,10 +109,10 @@ pub enum Evidence {
     EndTime,
     /// The motion could not be continued.
     Failure(Failure),
-    /// The sampled parameters of the run are physically invalid.
-    InvalidParameters,
-    /// The program itself failed in this run.
-    Panic,
+    /// The sampled parameters of the run are physically invalid, for this reason.
+    InvalidParameters(String),
+    /// The program itself failed in this run, with this message.
+    Panic(String),
 }
 
 impl Evidence {
@@ -117,16 +141,16 @@ impl Evidence {
     ];
 
     /// The evidence's name in tables.
-    pub fn name(self) -> &'static str {
+    pub fn name(&self) -> &'static str {
         match self {
-            Evidence::RestCertified => "rest_certified",
-            Evidence::RestContracting => "rest_contracting",
-            Evidence::Creep => "creep",
-            Evidence::Settled => "settled",
-            Evidence::PeriodicRest => "periodic_rest",
-            Evidence::ClosedOrbit => "closed_orbit",
-            Evidence::PeriodicCreep => "periodic_creep",
-            Evidence::UnstableOrbit => "unstable_orbit",
+            Evidence::RestCertified(_) => "rest_certified",
+            Evidence::RestContracting(_) => "rest_contracting",
+            Evidence::Creep(_) => "creep",
+            Evidence::Settled(_) => "settled",
+            Evidence::PeriodicRest(_) => "periodic_rest",
+            Evidence::ClosedOrbit(_) => "closed_orbit",
+            Evidence::PeriodicCreep { .. } => "periodic_creep",
+            Evidence::UnstableOrbit(_) => "unstable_orbit",
             Evidence::Torus => "torus",
             Evidence::Lyapunov => "lyapunov",
             Evidence::EndTime => "end_time",
@@ -139,25 +163,68 @@ impl Evidence {
                 "no_solution"
             }
             Evidence::Failure(Failure::TooManyCombinations) => "too_many_combinations",
-            Evidence::InvalidParameters => "invalid_parameters",
-            Evidence::Panic => "panic",
+            Evidence::InvalidParameters(_) => "invalid_parameters",
+            Evidence::Panic(_) => "panic",
         }
     }
 
     /// The label that the evidence supports.
-    pub fn label(self) -> Label {
+    pub fn label(&self) -> Label {
         match self {
-            Evidence::RestCertified
-            | Evidence::RestContracting
-            | Evidence::Creep
-            | Evidence::Settled
-            | Evidence::PeriodicRest => Label::Equilibrium,
-            Evidence::ClosedOrbit => Label::LimitCycle,
-            Evidence::PeriodicCreep => Label::Creep,
+            Evidence::ClosedOrbit(_) => Label::LimitCycle,
+            Evidence::PeriodicCreep { .. } => Label::Creep,
             Evidence::Torus => Label::QuasiPeriodic,
             Evidence::Lyapunov => Label::Irregular,
-            Evidence::UnstableOrbit | Evidence::EndTime => Label::Undecided,
-            Evidence::Failure(_) | Evidence::InvalidParameters | Evidence::Panic => Label::Failed,
+            Evidence::UnstableOrbit(_) | Evidence::EndTime => Label::Undecided,
+            _ if self.rest().is_some() => Label::Equilibrium,
+            _ => Label::Failed,
+        }
+    }
+
+    /// The rest of a run that is at rest for good.
+    pub fn rest(&self) -> Option<&Rest> {
+        match self {
+            Evidence::RestCertified(rest)
+            | Evidence::RestContracting(rest)
+            | Evidence::Creep(rest)
+            | Evidence::Settled(rest)
+            | Evidence::PeriodicRest(rest) => Some(rest),
+            _ => None,
+        }
+    }
+
+    /// The cycle that a run is on, or the unstable one near it.
+    pub fn cycle(&self) -> Option<&Cycle> {
+        match self {
+            Evidence::ClosedOrbit(orbit) => orbit.cycle.as_deref(),
+            Evidence::UnstableOrbit(cycle) => Some(cycle),
+            _ => None,
+        }
+    }
+
+    /// The period of the cycle, or of the forcing of a run that creeps, s.
+    pub fn period_s(&self) -> Option<f64> {
+        match self {
+            Evidence::ClosedOrbit(orbit) => Some(orbit.period_s),
+            Evidence::PeriodicCreep { period_s } => Some(*period_s),
+            _ => None,
+        }
+    }
+
+    /// The smallest friction margin of a contact at rest: at the rest point, or along the cycle.
+    pub fn friction_margin(&self) -> Option<f64> {
+        match self {
+            Evidence::ClosedOrbit(orbit) => orbit.friction_margin,
+            _ => self.rest()?.friction_margin,
+        }
+    }
+
+    /// Why the run failed.
+    pub fn error(&self) -> Option<String> {
+        match self {
+            Evidence::Failure(failure) => Some(failure.to_string()),
+            Evidence::InvalidParameters(error) | Evidence::Panic(error) => Some(error.clone()),
+            _ => None,
         }
     }
 }
@@ -194,12 +261,10 @@ pub struct TouchingOutcome {
 /// One run's result. Per-ball values are in the order of the balls.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Default)]
 pub struct Outcome {
-    /// The reason for the label.
+    /// The reason for the label, with the values that belong to it.
     pub evidence: Evidence,
     /// Number of balls that revolved in the ring in the last tenth of the time, or in the cycle.
     pub balls_running: Option<u8>,
-    /// Time at which the last ball stopped for good, s.
-    pub time_to_rest_s: Option<f64>,
     /// Simulated time at which the run was stopped, s.
     pub end_time_s: Option<f64>,
     /// Whether the run was continued past the study's end time; all other values are then those of
@@ -214,22 +279,11 @@ pub struct Outcome {
     /// or the last tenth of the time. For a block, half of the distance between the extremes of its
     /// position in that time; 0 at rest.
     pub amplitude_m: Option<f64>,
-    /// The smallest friction margin of a resting ball: at the rest point, or along the cycle. 0 for
-    /// creeping balls, which are on the edge of the set within the accuracy of the run.
-    pub friction_margin: Option<f64>,
-    /// The period of the cycle, or of the forcing of a run that creeps, s.
-    pub period_s: Option<f64>,
     /// Mean speed of each ball relative to the ring in the last tenth of the time or over the
     /// cycle, rad/s; 0 at rest.
     pub mean_speed: Option<Vec<f64>>,
-    /// The cycle that a run with evidence [`Evidence::ClosedOrbit`] is on, or the unstable one near
-    /// a run with evidence [`Evidence::UnstableOrbit`].
-    pub cycle: Option<Box<Cycle>>,
     /// Separation rate of neighbouring motions, if the run was still moving at its end time.
     pub lyapunov: Option<LyapunovExponent>,
-    /// The time since the start of the run at which the rest began, s. [`Outcome::time_to_rest_s`] counts from the begin of
-    /// the last stage.
-    pub rest_since_s: Option<f64>,
     /// The stages of a run whose disc changes its speed or whose table is kicked; none for other runs.
     pub stages: Vec<StageOutcome>,
     /// The largest amplitude of a run with stages.
@@ -238,8 +292,6 @@ pub struct Outcome {
     pub touching: Option<TouchingOutcome>,
     /// The computational effort of the run.
     pub effort: Effort,
-    /// Error message.
-    pub error: Option<String>,
 }
 
 impl Outcome {
@@ -248,11 +300,19 @@ impl Outcome {
         self.evidence.label()
     }
 
+    /// Returns the time from the begin of the last stage until the last ball stopped for good, s.
+    pub fn time_to_rest_s(&self) -> Option<f64> {
+        Some((self.evidence.rest()?.since_s? - self.last_stage_begin_s()).max(0.0))
+    }
+
     /// Returns how long the run was observed in its last stage, s, which is what [`Outcome::time_to_rest_s`] is compared
     /// with.
     pub fn observed_s(&self) -> Option<f64> {
-        let begin_s = self.stages.last().map_or(0.0, |stage| stage.time_s[0]);
-        self.end_time_s.map(|end_s| end_s - begin_s)
+        self.end_time_s.map(|end_s| end_s - self.last_stage_begin_s())
+    }
+
+    fn last_stage_begin_s(&self) -> f64 {
+        self.stages.last().map_or(0.0, |stage| stage.time_s[0])
     }
 
     /// Returns whether the outcome belongs to a system with this number of contacts: vectors with
@@ -260,15 +320,15 @@ impl Outcome {
     pub fn is_of(&self, contacts: usize) -> bool {
         let of_each =
             |values: &Option<Vec<f64>>| values.as_ref().is_none_or(|v| v.len() == contacts);
-        let cycle = self.cycle.as_ref().is_none_or(|cycle| cycle.is_of(contacts));
+        let cycle = self.evidence.cycle().is_none_or(|cycle| cycle.is_of(contacts));
         let stages = self.stages.iter().all(|stage| {
             stage.position.len() == contacts && stage.ball_speed_rad_s.len() == contacts
         });
         of_each(&self.position) && of_each(&self.mean_speed) && cycle && stages
     }
 
-    /// Returns the outcome of a failed run, with its evidence and message only.
-    pub fn failed(evidence: Evidence, error: String) -> Self {
-        Outcome { evidence, error: Some(error), ..Outcome::default() }
+    /// Returns the outcome of a run that has nothing but this evidence, such as a failure.
+    pub fn of(evidence: Evidence) -> Self {
+        Outcome { evidence, ..Outcome::default() }
     }
 }

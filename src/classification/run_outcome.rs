@@ -6,7 +6,7 @@ use super::cycle::Cycle;
 use super::cycle_watch::CycleWatch;
 use super::lane_run::LaneRun;
 use super::lane_step::LaneStep;
-use super::outcome::{Evidence, LyapunovExponent, Outcome, TouchingOutcome};
+use super::outcome::{ClosedOrbit, Evidence, LyapunovExponent, Outcome, Rest, TouchingOutcome};
 use super::output_watch::OutputOutcome;
 use super::periodic_creep::Creep;
 use super::rest_in_touch::friction_margin;
@@ -54,20 +54,7 @@ impl LaneRun {
         let position = self.view.wrapped(&group.state(lane));
         let position = self.units.of_contacts(&position, |unit| unit.position);
         let outputs = self.outputs(&ending, &step);
-        let begins_s = self.stages.present().begins_s;
         let amplitude_m = self.amplitude_of_outputs(&outputs);
-        let counted = |outcome: Outcome| Outcome {
-            amplitude_m: outcome.amplitude_m.or(amplitude_m),
-            cycle: outcome.cycle.map(|mut cycle| {
-                if let (Evidence::ClosedOrbit, Some(amplitude_m)) = (outcome.evidence, amplitude_m)
-                {
-                    cycle.peak_amplitude_m = amplitude_m;
-                }
-                cycle
-            }),
-            time_to_rest_s: outcome.rest_since_s.map(|since_s| (since_s - begins_s).max(0.0)),
-            ..outcome
-        };
         let base = Outcome {
             end_time_s: Some(step.time() / natural),
             extended: self.extended,
@@ -85,61 +72,61 @@ impl LaneRun {
             effort: step.effort(),
             ..Outcome::default()
         };
-        counted(match ending {
-            Ending::Rest => Outcome {
-                rest_since_s: Some(latest(group.last_switches(lane)) / natural),
-                ..self.at_rest(&step, self.rest_evidence(), base)
-            },
-            Ending::Settled => Outcome {
-                rest_since_s: self.slow_since(&step).map(|since| since / natural),
-                friction_margin: friction_margin(&self.view, step.phases(), &group.state(lane)),
-                touching: self.with_force(&base, self.force_in_gaps(&step)),
-                ..self.at_rest(&step, Evidence::Settled, base)
-            },
-            Ending::Orbit(orbit) if orbit.rests => Outcome {
-                rest_since_s: Some(latest(group.last_switches(lane)) / natural),
-                friction_margin: orbit.margin,
-                ..self.at_rest(&step, Evidence::PeriodicRest, base)
-            },
+        let rest = |since: Option<f64>, friction_margin: Option<f64>| Rest {
+            since_s: since.map(|since| since / natural),
+            friction_margin,
+        };
+        let stopped = || Some(latest(group.last_switches(lane)));
+        let outcome = match ending {
+            Ending::Rest => {
+                let certified = self.view.rest_forms().is_none_or(|forms| forms.are_closed());
+                let evidence =
+                    if certified { Evidence::RestCertified } else { Evidence::RestContracting };
+                self.at_rest(&step, base, |margin| evidence(rest(stopped(), margin)))
+            }
+            Ending::Settled => {
+                let margin = friction_margin(&self.view, step.phases(), &group.state(lane));
+                let settled = Evidence::Settled(rest(self.slow_since(&step), margin));
+                let touching = self.with_force(&base, self.force_in_gaps(&step));
+                Outcome { touching, ..self.at_rest(&step, base, |_| settled) }
+            }
+            Ending::Orbit(orbit) if orbit.rests => {
+                self.at_rest(&step, base, |_| Evidence::PeriodicRest(rest(stopped(), orbit.margin)))
+            }
             Ending::Orbit(orbit) => Outcome {
-                evidence: Evidence::ClosedOrbit,
+                evidence: Evidence::ClosedOrbit(ClosedOrbit {
+                    period_s: orbit.period / natural,
+                    friction_margin: orbit.margin,
+                    cycle: Some(self.cycle(&orbit, amplitude_m)),
+                }),
                 balls_running: self.view.revolves().then(|| running(&orbit)),
                 amplitude_m: self.amplitude_m(orbit.amplitude),
-                friction_margin: orbit.margin,
-                period_s: Some(orbit.period / natural),
                 mean_speed: self.view.moves_on().then(|| self.speeds(&orbit.speed)),
-                cycle: Some(Box::new(self.cycle(&orbit))),
                 ..base
             },
             Ending::BreakAways { period } => Outcome {
-                evidence: Evidence::ClosedOrbit,
-                period_s: Some(period / natural),
-                cycle: self.break_away_cycle().map(Box::new),
+                evidence: Evidence::ClosedOrbit(ClosedOrbit {
+                    period_s: period / natural,
+                    friction_margin: None,
+                    cycle: self.break_away_cycle(amplitude_m),
+                }),
                 ..base
             },
-            Ending::EndTime if self.creeps(&step) => {
-                // Without a rest certificate, rest begins when the contacts are slow. The contacts
-                // are on the edge of the set, approached from outside.
-                let slow = self.at_rest(&step, Evidence::Creep, base);
-                Outcome {
-                    rest_since_s: Some(latest(&group.slow_since(lane)) / natural),
-                    friction_margin: slow.friction_margin.map(|margin| margin.max(0.0)),
-                    ..slow
-                }
-            }
+            // Without a rest certificate, rest begins when the contacts are slow. The contacts are on the edge of the
+            // set, approached from outside.
+            Ending::EndTime if self.creeps(&step) => self.at_rest(&step, base, |margin| {
+                let margin = margin.map(|margin| margin.max(0.0));
+                Evidence::Creep(rest(Some(latest(&group.slow_since(lane))), margin))
+            }),
             Ending::Creep(creep) => Outcome {
-                evidence: Evidence::PeriodicCreep,
-                period_s: Some(creep.period / natural),
+                evidence: Evidence::PeriodicCreep { period_s: creep.period / natural },
                 mean_speed: self.view.moves_on().then(|| self.speeds(&creep.speed)),
                 ..self.at_end_time(&step, base)
             },
             Ending::EndTime => self.at_end_time(&step, base),
-            Ending::Failure(failure) => Outcome {
-                evidence: Evidence::Failure(failure),
-                error: Some(failure.to_string()),
-                ..base
-            },
-        })
+            Ending::Failure(failure) => Outcome { evidence: Evidence::Failure(failure), ..base },
+        };
+        Outcome { amplitude_m: outcome.amplitude_m.or(amplitude_m), ..outcome }
     }
 
     /// Returns the outputs of a run that ends after its latest step.
@@ -200,29 +187,24 @@ impl LaneRun {
         }
     }
 
-    /// Returns why a run in which all contacts stick for good is at rest.
-    fn rest_evidence(&self) -> Evidence {
-        match self.view.rest_forms().is_none_or(|forms| forms.are_closed()) {
-            true => Evidence::RestCertified,
-            false => Evidence::RestContracting,
-        }
-    }
-
-    /// Returns the outcome of a run at rest, except for the time at which the rest began.
-    fn at_rest(&self, step: &LaneStep, evidence: Evidence, base: Outcome) -> Outcome {
+    /// Returns the outcome of a run at rest; `evidence` makes the evidence from the friction margin at the rest point.
+    fn at_rest(
+        &self,
+        step: &LaneStep,
+        base: Outcome,
+        evidence: impl FnOnce(Option<f64>) -> Evidence,
+    ) -> Outcome {
         let state = step.group.state(step.lane);
         let rest = self.view.rest_forms().map(|forms| forms.at_rest(&state));
         let amplitude = rest.map_or_else(|| self.view.square(&state).sqrt(), |rest| rest.amplitude);
+        let margin = rest.map(|rest| rest.friction_margin).filter(|margin| margin.is_finite());
         let revolves = self.view.revolves();
         let force = || self.view.rest_forms()?.contact_force(&state);
         Outcome {
             touching: self.with_force(&base, base.touching.and_then(|_| force())),
-            evidence,
+            evidence: evidence(margin),
             balls_running: revolves.then_some(0),
             amplitude_m: self.amplitude_m(amplitude),
-            friction_margin: rest
-                .map(|rest| rest.friction_margin)
-                .filter(|margin| margin.is_finite()),
             mean_speed: revolves.then(|| vec![0.0; self.view.contacts.len()]),
             ..base
         }
@@ -256,10 +238,9 @@ impl LaneRun {
             CycleWatch::Orbits(watch) => Some(watch),
             CycleWatch::BreakAways(_) | CycleWatch::None => None,
         };
-        let unstable = orbits.and_then(|watch| watch.unstable_orbit());
         let base = Outcome {
-            evidence: if unstable.is_some() {
-                Evidence::UnstableOrbit
+            evidence: if let Some(orbit) = orbits.and_then(|watch| watch.unstable_orbit()) {
+                Evidence::UnstableOrbit(self.cycle(orbit, None))
             } else if separation.is_irregular() {
                 Evidence::Lyapunov
             } else if orbits.is_some_and(|watch| watch.fills_a_torus()) {
@@ -267,7 +248,6 @@ impl LaneRun {
             } else {
                 Evidence::EndTime
             },
-            cycle: unstable.map(|orbit| Box::new(self.cycle(orbit))),
             ..base
         };
         let Some(means) = window.means(step) else { return base };
@@ -310,7 +290,8 @@ impl LaneRun {
         self.view.vibration.map(|_| amplitude * self.units.length_m)
     }
 
-    fn cycle(&self, orbit: &Orbit) -> Cycle {
+    /// Returns a cycle with its largest displacement, or the amplitude of its outputs if they have one.
+    fn cycle(&self, orbit: &Orbit, amplitude_m: Option<f64>) -> Box<Cycle> {
         let units = &self.units;
         let contacts = self.view.contacts.iter().zip(&units.contacts);
         let position = |(((contact, unit), &turns), extremes): (
@@ -322,24 +303,25 @@ impl LaneRun {
         let positions = contacts.zip(&orbit.turns).zip(&orbit.position_extremes);
         let speeds = orbit.speed_extremes.iter().zip(&units.contacts);
         let speeds = speeds.map(|(two, unit)| two.map(|speed| speed * unit.sliding_speed));
-        Cycle {
+        let peak_m = amplitude_m.or_else(|| self.amplitude_m(orbit.peak));
+        Box::new(Cycle {
             turns: orbit.turns.clone(),
             configurations: orbit.configurations.clone(),
             touching: orbit.touching.clone(),
             speed_extremes: speeds.collect(),
             position_extremes: positions.map(position).collect(),
             stick_fraction: orbit.stick_fraction.clone(),
-            peak_amplitude_m: self.amplitude_m(orbit.peak).unwrap_or(0.0),
+            peak_amplitude_m: peak_m.unwrap_or(0.0),
             multipliers: orbit.multipliers.clone(),
             neutral_directions: orbit.neutral_directions as u8,
-        }
+        })
     }
 
-    fn break_away_cycle(&self) -> Option<Cycle> {
-        match &self.watch {
-            CycleWatch::BreakAways(watch) => watch.cycle(&self.units),
-            CycleWatch::Orbits(_) | CycleWatch::None => None,
-        }
+    fn break_away_cycle(&self, amplitude_m: Option<f64>) -> Option<Box<Cycle>> {
+        let CycleWatch::BreakAways(watch) = &self.watch else { return None };
+        let cycle = watch.cycle(&self.units)?;
+        let peak_amplitude_m = amplitude_m.unwrap_or(cycle.peak_amplitude_m);
+        Some(Box::new(Cycle { peak_amplitude_m, ..cycle }))
     }
 }
 

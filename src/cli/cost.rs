@@ -6,7 +6,7 @@ use crate::classification::{
     has_tuned_kernel, most_steps_of_a_run, most_steps_of_any_run, seconds_per_step,
 };
 use crate::model::{Model, Simulation};
-use crate::study::Study;
+use crate::study::{Plan, Study};
 
 /// The largest number of points that are evaluated; larger sweeps are sampled.
 const MOST_POINTS: u64 = 10_000;
@@ -35,7 +35,7 @@ impl Cost {
     /// their bounds.
     pub(super) fn of_a_design(study: &Study) -> Cost {
         let own = study.by_number_of_balls();
-        let all: Vec<Cost> = own.iter().map(|study| Cost::with(study, true)).collect();
+        let all: Vec<Cost> = own.iter().map(|plan| Cost::with(plan, true)).collect();
         let count = all.len() as f64;
         let total = all.into_iter().fold(Cost::default(), |sum, one| Cost {
             steps: sum.steps + one.steps / count,
@@ -73,20 +73,20 @@ impl Cost {
     }
 
     /// `of_a_design` says that the runs are those of a design, without an audit and with other parameters than the study.
-    fn with(study: &Study, of_a_design: bool) -> Cost {
-        let points = study.point_count();
+    fn with(plan: &Plan, of_a_design: bool) -> Cost {
+        let points = plan.point_count();
         let stride = points.div_ceil(MOST_POINTS).max(1);
         // Uncertain parameters and points outside the sample are unknown.
-        let all_known = study.uncertain().is_empty() && stride == 1 && !of_a_design;
+        let all_known = plan.uncertain().is_empty() && stride == 1 && !of_a_design;
         let (mut cost, mut runs) = (Cost::default(), 0.0);
         for number in (0..points).step_by(usize::try_from(stride).unwrap_or(usize::MAX)) {
-            let point = study.point(number);
+            let point = plan.point(number);
             let of_point = if of_a_design { point.sampling.first } else { point.sampling.most };
             runs += of_point as f64;
-            let audit = study.audit().filter(|_| !of_a_design).map(|audit| audit.fraction);
-            cost.add(study.simulation(), audit, point.model(), of_point, all_known);
+            let audit = plan.audit().filter(|_| !of_a_design).map(|audit| audit.fraction);
+            cost.add(plan.simulation(), audit, point.model(), of_point, all_known);
         }
-        let of_study = if of_a_design { study.least_run_count() } else { study.run_count() };
+        let of_study = if of_a_design { plan.least_run_count() } else { plan.run_count() };
         let all = of_study as f64 / f64::max(runs, 1.0);
         cost.times(all)
     }

@@ -7,7 +7,7 @@ use super::check::Facts;
 use super::cost::Cost;
 use crate::responses::merged;
 use crate::study::{
-    Limit, Objective, Optimization, OverPoints, SensitivityFrom, Study, describe_number,
+    Limit, Objective, Optimization, OverPoints, Plan, SensitivityFrom, Study, describe_number,
 };
 
 /// Returns the size and the cost of one design, and of the search if the study has one, with the keys `design_cost` and
@@ -18,7 +18,7 @@ pub(super) fn design_cost(study: &Study) -> Option<Facts> {
     }
     let of_balls = study.by_number_of_balls().iter();
     // The largest number of runs of a design, over all points together.
-    let runs = of_balls.map(Study::least_run_count).max().unwrap_or_default();
+    let runs = of_balls.map(Plan::least_run_count).max().unwrap_or_default();
     let cost = Cost::of_a_design(study);
     let mut words = vec![("one design", format!("{runs} runs; {}", cost.in_words()))];
     let mut json = json!({"design_cost": cost_json(runs, &cost)});

@@ -45,8 +45,8 @@ pub fn serve(study: &Study, workers: &WorkerPool, stop: &AtomicBool) -> Result<E
         let answer = match &request.design {
             Err(refusal) => json!({"id": request.id, "error": refusal}),
             Ok((values, set)) => {
-                let studies = vec![Cow::Borrowed(set.as_ref())];
-                let design = Design { number, values, studies };
+                let plans = vec![Cow::Borrowed(set.as_ref())];
+                let design = Design { number, values, plans };
                 let answers = respond(workers, study.responses(), design, stop, &|_| {});
                 let Some(mut answers) = answers else { return Ok(End::Interrupted) };
                 let counts = answers.iter().map(|answer| answer.counts).collect();

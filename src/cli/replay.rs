@@ -111,8 +111,8 @@ impl Report<'_> {
         let Report { directory, out, replay, model, files, .. } = self;
         let Replay { record, recording, differences, columns, times_s } = replay;
         say(&format!("run {}: {}", record.planned.run_id, ending(&record.outcome)));
-        if let Some(error) = &record.outcome.error {
-            say(&format!("  {}", one_line(error, LONGEST_ERROR)));
+        if let Some(error) = record.outcome.evidence.error() {
+            say(&format!("  {}", one_line(&error, LONGEST_ERROR)));
         }
         match differences.as_deref() {
             Some([]) => say(&format!("equal to its row in all {columns} columns, to the last bit")),
@@ -163,9 +163,9 @@ impl Report<'_> {
             "point_id": record.planned.point_id,
             "label": outcome.label().name(),
             "evidence": outcome.evidence.name(),
-            "time_to_rest_s": outcome.time_to_rest_s,
+            "time_to_rest_s": outcome.time_to_rest_s(),
             "end_time_s": outcome.end_time_s,
-            "error": outcome.error,
+            "error": outcome.evidence.error(),
             "same_as_row": differences.map(Vec::is_empty),
             "differences": differences.map(|all| all.iter().map(difference).collect::<Vec<_>>()),
             "rows": recording.samples.len(),
@@ -177,7 +177,7 @@ impl Report<'_> {
             json!({
                 "stages": outcome.stages.len(),
                 "stage_begins_s": stage.time_s[0],
-                "rest_since_s": outcome.rest_since_s,
+                "rest_since_s": outcome.evidence.rest().and_then(|rest| rest.since_s),
                 "peak_amplitude_m": outcome.peak.map(|peak| peak.amplitude_m),
                 "peak_time_s": outcome.peak.map(|peak| peak.time_s),
             })

@@ -139,7 +139,8 @@ fn stage_rows(
     let is_last = last.is_last;
     let name = if is_last { "last stage" } else { "stage" };
     let mut rows = vec![(name, format!("number {stages}, from {}", at(begin_s)))];
-    rows.extend(outcome.rest_since_s.zip(outcome.time_to_rest_s).map(|(since_s, after_s)| {
+    let since_s = outcome.evidence.rest().and_then(|rest| rest.since_s);
+    rows.extend(since_s.zip(outcome.time_to_rest_s()).map(|(since_s, after_s)| {
         let when = match since_s < begin_s {
             true => "before the last stage begins".to_owned(),
             false => format!("{after_s:.4} s after the begin of the last stage"),
@@ -232,7 +233,11 @@ mod tests {
             let text = shown(&study, &outcome, &recording);
             let stage = "\nlast stage         number 2, from 0.5000 s, at -216.3772 rad/s\n";
             assert!(text.contains(stage), "{text}");
-            let since = outcome.rest_since_s.expect("a run that comes to rest");
+            let since = outcome
+                .evidence
+                .rest()
+                .and_then(|rest| rest.since_s)
+                .expect("a run that comes to rest");
             let rest = match moves {
                 true => format!("{since:.4} s, {:.4} s after the begin of", since - 0.5),
                 false => "0.0000 s, before the last stage begins".to_owned(),

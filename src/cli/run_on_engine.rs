@@ -136,7 +136,7 @@ impl<S: Sink> Sink for Collector<'_, '_, S> {
     type Error = S::Error;
 
     fn run(&mut self, record: RunRecord) -> Result<(), S::Error> {
-        self.failures.add(record.outcome.evidence);
+        self.failures.add(&record.outcome.evidence);
         self.sink.run(record)
     }
 

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use crate::classification::{Evidence, Outcome, Runs, simulate, simulate_in_lockstep};
 use crate::model::Case;
 use crate::motion::{SimdLevel, is_cancelled};
-use crate::study::Study;
+use crate::study::Plan;
 use crate::table::RunRecord;
 
 thread_local! {
@@ -89,13 +89,14 @@ impl Runs for Tracked<'_> {
 
 /// Plans and simulates one run, and simulates an audited run a second time. Invalid parameters and panics become
 /// outcomes of the run.
-pub fn compute(study: &Study, run_id: u64, simulate: impl Fn(&Case) -> Outcome) -> RunRecord {
+pub fn compute(plan: &Plan, run_id: u64, simulate: impl Fn(&Case) -> Outcome) -> RunRecord {
     quieten_panics_in_runs();
-    let planned = study.planned_run(run_id);
+    let planned = plan.planned_run(run_id);
     let (outcome, again) = match &planned.case {
         Err(invalid) => {
-            let evidence = Evidence::InvalidParameters;
-            (Outcome::failed(evidence, invalid.to_string()), planned.audited.then_some(evidence))
+            let evidence = Evidence::InvalidParameters(invalid.to_string());
+            let again = planned.audited.then(|| evidence.clone());
+            (Outcome::of(evidence), again)
         }
         Ok(case) => {
             let again = || {
@@ -117,7 +118,7 @@ fn guarded(case: &Case, simulate: &impl Fn(&Case) -> Outcome) -> Outcome {
     match result {
         Ok(outcome) => outcome,
         Err(payload) if is_cancelled(payload.as_ref()) => panic::resume_unwind(payload),
-        Err(payload) => Outcome::failed(Evidence::Panic, panic_message(payload.as_ref())),
+        Err(payload) => Outcome::of(Evidence::Panic(panic_message(payload.as_ref()))),
     }
 }
 
@@ -157,7 +158,7 @@ pub fn quietly<T>(work: impl FnOnce() -> T) -> Option<T> {
 #[cfg(test)]
 mod tests {
     use super::together;
-    use crate::classification::{Evidence, Outcome, Runs};
+    use crate::classification::{Outcome, Runs};
     use crate::model::{Case, Machine, Simulation, Start};
 
     /// Twenty cases with different start states.
@@ -182,7 +183,7 @@ mod tests {
     }
 
     fn sound(case: &Case) -> Outcome {
-        Outcome::failed(Evidence::EndTime, format!("from {}", case.start.0[0]))
+        Outcome { end_time_s: Some(case.start.0[0]), ..Outcome::default() }
     }
 
     fn unless_bad(case: &Case) -> Outcome {
@@ -209,9 +210,9 @@ mod tests {
         assert!(runs.ended.iter().map(|(number, _)| *number).eq(0..20));
         for (number, outcome) in runs.ended {
             if number % 9 == 5 {
-                assert_eq!(outcome.evidence, Evidence::Panic, "run {number}");
+                assert_eq!(outcome.evidence.name(), "panic", "run {number}");
             } else {
-                assert_eq!(outcome.error, Some(format!("from {number}")));
+                assert_eq!(outcome.end_time_s, Some(number as f64));
             }
         }
     }

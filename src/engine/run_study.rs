@@ -23,7 +23,7 @@ use crate::analysis::{LabelCounts, PointAccumulator};
 use crate::classification::Outcome;
 use crate::model::{Case, Model, Simulation};
 use crate::motion::{Cancellation, SimdLevel};
-use crate::study::Study;
+use crate::study::{Plan, Study};
 use crate::table::{PointRow, ResponseSamples, RunRecord, Sink};
 
 /// The reason why a study could not be computed.
@@ -166,6 +166,7 @@ impl<'a> StudyRun<'a> {
         sink: &mut S,
     ) -> Result<RunTotals, EngineError<S::Error>> {
         let StudyRun { study, ref options, ref stop_condition, progress } = *self;
+        let plan: &Plan = study;
         let pool = WorkerPool::new(options.threads)?;
         let computed = |label| progress.finished(label);
         let reused = |label| progress.reused(label);
@@ -205,7 +206,7 @@ impl<'a> StudyRun<'a> {
                     });
                 let begun = AtomicU64::new(0);
                 let batch = RunQueue {
-                    runs: run_ids.into_iter().map(|run_id| (study, run_id)).collect(),
+                    runs: run_ids.into_iter().map(|run_id| (plan, run_id)).collect(),
                     begun,
                     audits: true,
                     stop_condition,

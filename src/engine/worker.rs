@@ -8,13 +8,13 @@ use super::stop::StopCondition;
 use super::store::{CaseKey, NewResult, ResultCache, StoredOutcome, StoredResult};
 use crate::classification::{Evidence, Label, Outcome, Runs};
 use crate::model::Case;
-use crate::study::{PlannedRun, Study};
+use crate::study::{Plan, PlannedRun};
 use crate::table::RunRecord;
 
 /// A batch of runs that the workers share.
 pub(super) struct RunQueue<'a> {
-    /// The runs: each has a study, and a number in it.
-    pub(super) runs: Vec<(&'a Study, u64)>,
+    /// The runs: each has a plan, and a number in it.
+    pub(super) runs: Vec<(&'a Plan, u64)>,
     /// Number of runs that have begun.
     pub(super) begun: AtomicU64,
     pub(super) stop_condition: &'a StopCondition<'a>,
@@ -151,9 +151,9 @@ impl Runs for Worker<'_> {
                     return Some((2 * place, case));
                 }
                 Err(invalid) => {
-                    let evidence = Evidence::InvalidParameters;
-                    let outcome = Some(Outcome::failed(evidence, invalid.to_string()));
-                    let again = planned.audited.then_some(evidence);
+                    let evidence = Evidence::InvalidParameters(invalid.to_string());
+                    let again = planned.audited.then(|| evidence.clone());
+                    let outcome = Some(Outcome::of(evidence));
                     self.add_result(place, Incomplete { planned, outcome, again });
                 }
             }

@@ -14,7 +14,7 @@ use super::stop::StopCondition;
 use super::worker::{RunQueue, Worker};
 use crate::classification::Label;
 use crate::motion::{Cancellation, SimdLevel};
-use crate::study::Study;
+use crate::study::Plan;
 use crate::table::RunRecord;
 
 /// The interval between two checks whether abandonable work has to stop.
@@ -66,19 +66,19 @@ impl WorkerPool {
         }
     }
 
-    /// Computes the first samples of some points, each a point of a study, in lockstep and each run once. Returns the
+    /// Computes the first samples of some points, each a point of a plan, in lockstep and each run once. Returns the
     /// runs of each point in the order of their numbers. Calls `finished` for each run. Returns `None` if `stop`
     /// becomes true before all runs have finished; runs in progress are then abandoned immediately.
     ///
     /// The runs of all these points are in one queue, so that workers and lanes are idle only at its end.
     pub fn sample(
         &self,
-        points: &[(&Study, u64)],
+        points: &[(&Plan, u64)],
         stop: &AtomicBool,
         finished: &(dyn Fn(Label) + Sync),
     ) -> Option<Vec<Vec<RunRecord>>> {
-        let run_ids = |&(study, point_id): &(&Study, u64)| {
-            let point = study.point(point_id);
+        let run_ids = |&(plan, point_id): &(&Plan, u64)| {
+            let point = plan.point(point_id);
             point.first_run..point.first_run + point.sampling.first
         };
         let of_point = |point| run_ids(point).map(|run_id| (point.0, run_id));

@@ -23,7 +23,7 @@ use crate::classification::Label;
 use crate::command_error::CommandError;
 use crate::engine::WorkerPool;
 use crate::optimize::Space;
-use crate::study::{DesignValue, Identification, Study};
+use crate::study::{DesignValue, Identification, Plan, Study};
 
 /// The number of parameter sets that are chosen and simulated at a time. Their runs are in one queue, so that vector lanes are
 /// idle only at its end.
@@ -154,10 +154,9 @@ fn simulated(
     }
     let missing = known.iter().zip(&all).filter(|(known, _)| known.is_none());
     // Values that are impossible together give a set without known ends.
-    let studies: Vec<Option<Study>> =
-        missing.map(|(_, values)| study_of_set(study, values)).collect();
-    let points_of = |own: &Study| 0..own.point_count();
-    let points: Vec<(&Study, u64)> = studies
+    let plans: Vec<Option<Plan>> = missing.map(|(_, values)| plan_of_set(study, values)).collect();
+    let points_of = |own: &Plan| 0..own.point_count();
+    let points: Vec<(&Plan, u64)> = plans
         .iter()
         .flatten()
         .flat_map(|own| points_of(own).map(move |point_id| (own, point_id)))
@@ -167,14 +166,14 @@ fn simulated(
     }
     let Some(runs) = workers.sample(&points, stop, finished) else { return Ok(None) };
     let mut runs = runs.into_iter();
-    let mut studies = studies.iter();
+    let mut plans = plans.iter();
     let mut simulated = Vec::with_capacity(all.len());
     for (known, values) in known.into_iter().zip(all) {
         if let Some(set) = known {
             simulated.push(set);
             continue;
         }
-        let points = studies.next().and_then(Option::as_ref).map_or(0..0, points_of);
+        let points = plans.next().and_then(Option::as_ref).map_or(0..0, points_of);
         let of_set = runs.by_ref().take(points.count());
         let set = ParameterSet {
             values,
@@ -186,9 +185,9 @@ fn simulated(
     Ok(Some(simulated))
 }
 
-/// Returns the study of a parameter set. Its start states and draws are its own: the errors of the densities of different
+/// Returns the plan of a parameter set. Its start states and draws are its own: the errors of the densities of different
 /// sets are then independent, and a regression over the sets makes them smaller. Returns `None` if the values are impossible.
-fn study_of_set(study: &Study, values: &[DesignValue]) -> Option<Study> {
+fn plan_of_set(study: &Study, values: &[DesignValue]) -> Option<Plan> {
     let own = study.with_seed(set_seed(study, values)).ok()?;
     own.for_identification()?.0.set(values).ok()
 }

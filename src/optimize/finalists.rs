@@ -169,8 +169,8 @@ fn respond_with_own_runs(
         let other = study.with_seed(study.derived_seed(purpose, number)).ok()?;
         Some(Cow::Owned(other.set(values).ok()?))
     };
-    let studies = (0..samples(search)).map(with).collect::<Option<_>>()?;
-    let design = Design { number: design.unwrap_or(0), values, studies };
+    let plans = (0..samples(search)).map(with).collect::<Option<_>>()?;
+    let design = Design { number: design.unwrap_or(0), values, plans };
     let name = String::new();
     let mut responses = study.responses().to_vec();
     let amplitude = AmplitudeKind::RelativeResidual;

@@ -11,7 +11,7 @@ use super::process::Hyperparameters;
 use super::proposal::Design;
 use super::space::Space;
 use super::suggest::{Proposer, TrainingData};
-use crate::study::{Optimization, Study};
+use crate::study::{Optimization, Plan, Study};
 
 /// Number of designs in a batch.
 const BATCH: u64 = 4;
@@ -25,7 +25,7 @@ const MAX_SKIPPED: u32 = 10_000;
 pub(super) struct NextDesign {
     pub origin: Origin,
     pub values: Design,
-    pub study: Study,
+    pub plan: Plan,
 }
 
 /// Returns the designs that are not in a list and whose values are consistent.
@@ -46,9 +46,9 @@ impl<'a> Chosen<'a> {
         if self.taken.contains(values) {
             return false;
         }
-        let Ok(study) = self.study.set(values) else { return false };
+        let Ok(plan) = self.study.set(values) else { return false };
         self.taken.push(values.clone());
-        self.next.push(NextDesign { origin, values: values.clone(), study });
+        self.next.push(NextDesign { origin, values: values.clone(), plan });
         true
     }
 

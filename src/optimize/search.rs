@@ -68,7 +68,7 @@ pub fn search<E>(
         }
         let first = evaluations.len() as u64;
         let designs = (first..).zip(&next).map(|(number, next)| {
-            Ok(Design { number, values: &next.values, studies: vec![Cow::Borrowed(&next.study)] })
+            Ok(Design { number, values: &next.values, plans: vec![Cow::Borrowed(&next.plan)] })
         });
         let mut origins = next.iter().map(|one| one.origin);
         let add = |design: &Design, answers| {

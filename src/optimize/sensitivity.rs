@@ -129,8 +129,8 @@ fn from_runs(
     let Search { study, workers, stop, .. } = *search;
     // A design that is inconsistent has no values.
     let consistent = (0..).zip(designs).filter_map(|(number, values)| {
-        let studies = vec![Cow::Owned(study.set(values).ok()?)];
-        Some(Ok(Design { number, values, studies }))
+        let plans = vec![Cow::Owned(study.set(values).ok()?)];
+        Some(Ok(Design { number, values, plans }))
     });
     let mut values = vec![vec![None; designs.len()]; goal.quantities.len()];
     let add = |design: &Design, answers: Vec<Answer>| {

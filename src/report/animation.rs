@@ -41,7 +41,7 @@ pub fn animate(
     };
     let [from, to] = interval_s.unwrap_or([0.0, end]);
     let to = to.min(end);
-    if outcome.evidence == Evidence::Panic || from >= to {
+    if matches!(outcome.evidence, Evidence::Panic(_)) || from >= to {
         return Ok(false);
     }
     let (Some(machine), Some(frames)) =

@@ -6,7 +6,7 @@ use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::study::{DesignValue, Study, list_names, shorten};
+use crate::study::{DesignValue, Plan, Study, list_names, shorten};
 use crate::tabular::Fault;
 
 /// A request of an optimiser.
@@ -14,8 +14,8 @@ use crate::tabular::Fault;
 pub struct Request {
     /// The request's `id`; null if it has none.
     pub id: Value,
-    /// One value per variable of the study, and the study with these values; or the reason why the request is invalid.
-    pub design: Result<(Vec<DesignValue>, Box<Study>), RequestError>,
+    /// One value per variable of the study, and the plan with these values; or the reason why the request is invalid.
+    pub design: Result<(Vec<DesignValue>, Box<Plan>), RequestError>,
 }
 
 /// The reason why a request is invalid.
@@ -91,7 +91,7 @@ impl<'de> Deserialize<'de> for Entries {
 fn read_design(
     study: &Study,
     given: &Entries,
-) -> Result<(Vec<DesignValue>, Box<Study>), RequestError> {
+) -> Result<(Vec<DesignValue>, Box<Plan>), RequestError> {
     let variables = study.variables();
     for (index, (name, value)) in given.0.iter().enumerate() {
         let about = |fault| Err(RequestError { variable: Some(shorten(name)), fault });

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use crate::analysis::{Estimate, LabelCounts};
 use crate::classification::Label;
 use crate::engine::WorkerPool;
-use crate::study::{DesignValue, ParameterValue, Response, Study};
+use crate::study::{DesignValue, ParameterValue, Plan, Response};
 use crate::table::{ResponseSamples, RunRecord};
 
 /// The responses of a design at one point of the sweep.
@@ -35,14 +35,14 @@ pub struct Design<'a> {
     pub number: u64,
     /// One value per variable of the study.
     pub values: &'a [DesignValue],
-    /// The study with its variables set to `values`, or several such studies with different master seeds, whose runs
-    /// are pooled.
-    pub studies: Vec<Cow<'a, Study>>,
+    /// The plan with the variables set to `values`, or several such plans with different master seeds, whose runs are
+    /// pooled.
+    pub plans: Vec<Cow<'a, Plan>>,
 }
 
 impl Design<'_> {
     fn run_count(&self) -> u64 {
-        self.studies.iter().map(|study| study.run_count()).sum()
+        self.plans.iter().map(|plan| plan.run_count()).sum()
     }
 }
 
@@ -94,10 +94,10 @@ pub fn respond(
     answers(workers, responses, &[design], stop, finished)?.pop()
 }
 
-/// The runs of a design at one point in one of its studies.
+/// The runs of a design at one point in one of its plans.
 struct PointRuns<'a> {
     design: usize,
-    study: &'a Study,
+    plan: &'a Plan,
     point_id: u64,
     /// Whether the design has no further runs at this point.
     last: bool,
@@ -113,9 +113,9 @@ fn answers(
 ) -> Option<Vec<Vec<Answer>>> {
     let mut all: Vec<PointRuns> = Vec::new();
     for (index, design) in designs.iter().enumerate() {
-        for point_id in 0..design.studies.first().map_or(0, |study| study.point_count()) {
-            let of_point = |study| PointRuns { design: index, study, point_id, last: false };
-            all.extend(design.studies.iter().map(|study| of_point(study)));
+        for point_id in 0..design.plans.first().map_or(0, |plan| plan.point_count()) {
+            let of_point = |plan| PointRuns { design: index, plan, point_id, last: false };
+            all.extend(design.plans.iter().map(|plan| of_point(plan)));
             all.last_mut()?.last = true;
         }
     }
@@ -125,8 +125,7 @@ fn answers(
     while !rest.is_empty() {
         let (queue, later) = rest.split_at(queue_length(rest));
         rest = later;
-        let points: Vec<(&Study, u64)> =
-            queue.iter().map(|one| (one.study, one.point_id)).collect();
+        let points: Vec<(&Plan, u64)> = queue.iter().map(|one| (one.plan, one.point_id)).collect();
         for (one, runs) in queue.iter().zip(workers.sample(&points, stop, finished)?) {
             pooled.extend(runs);
             if one.last {
@@ -144,7 +143,7 @@ fn answers(
 fn queue_length(points: &[PointRuns]) -> usize {
     let mut runs = 0;
     let fits = |one: &&PointRuns| {
-        runs += one.study.point(one.point_id).sampling.first;
+        runs += one.plan.point(one.point_id).sampling.first;
         runs <= RUNS_PER_QUEUE
     };
     points.iter().take_while(fits).count().max(1)
@@ -152,7 +151,7 @@ fn queue_length(points: &[PointRuns]) -> usize {
 
 /// Returns the answer of a design at a point from its runs there.
 fn answer(design: &Design, responses: &[Response], at: &PointRuns, runs: &[RunRecord]) -> Answer {
-    let point = at.study.point(at.point_id);
+    let point = at.plan.point(at.point_id);
     let mut samples = ResponseSamples::new(responses, point.cells);
     let mut counts = LabelCounts::default();
     for run in runs {

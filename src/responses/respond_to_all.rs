@@ -57,8 +57,8 @@ pub fn respond_to_all(
 ) -> Result<Option<Vec<Answer>>, String> {
     let mut answers: Vec<Answer> = Vec::new();
     let all = (0..).zip(designs).map(|(number, values)| {
-        let studies = vec![Cow::Owned(study.set(values)?)];
-        Ok::<_, String>(Design { number, values, studies })
+        let plans = vec![Cow::Owned(study.set(values)?)];
+        Ok::<_, String>(Design { number, values, plans })
     });
     let complete = respond_in_order(workers, study.responses(), all, stop, finished, |_, own| {
         answers.extend(own);

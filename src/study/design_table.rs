@@ -20,7 +20,7 @@ impl Study {
     ) -> Result<Vec<Vec<DesignValue>>, StudyError> {
         let allowed = "a name that ends in .csv or .parquet, or - for standard input";
         let (name, read) = table.into().open(allowed)?;
-        let names: Vec<String> = self.variables.iter().map(|one| one.name.clone()).collect();
+        let names: Vec<String> = self.variables().iter().map(|one| one.name.clone()).collect();
         let rows = Rows::in_file(name, read, &names, None)?;
         let missing = names.iter().find(|name| !rows.columns.contains(name));
         if let Some(name) = missing {
@@ -33,8 +33,8 @@ impl Study {
     }
 
     fn design_of(&self, rows: &Rows<'_>, row: usize) -> Result<Vec<DesignValue>, StudyError> {
-        let mut values = Vec::with_capacity(self.variables.len());
-        for variable in &self.variables {
+        let mut values = Vec::with_capacity(self.variables().len());
+        for variable in self.variables() {
             let column = rows.column(&variable.name);
             // The caller has checked that each variable has a column.
             let entry = column.and_then(|column| rows.rows[row].get(column));

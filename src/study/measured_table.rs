@@ -7,7 +7,7 @@ use super::file::table_input::Rows;
 use super::file::values::Entry;
 use super::file::yaml_tree::describe_number;
 use super::plan::parameter::{ParameterKind, ParameterValue};
-use super::plan::planned_study::Study;
+use super::plan::planned_runs::Plan;
 use super::table_source::TableSource;
 
 /// Swept values of the table and of the study agree if they differ by at most this part.
@@ -44,7 +44,7 @@ pub fn implausible_angle(runs: &[MeasuredRun]) -> Option<String> {
     })
 }
 
-impl Study {
+impl Plan {
     /// Reads measured runs from a table: columns of swept parameters, which select the point; `stage`; `beta_1_rad` and so
     /// on, empty where the balls were seen to move; and `std_dev_rad`.
     ///

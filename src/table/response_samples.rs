@@ -56,7 +56,7 @@ impl<'a> ResponseSamples<'a> {
                         outcome.outputs.get(*place).and_then(|output| output.value(*value))
                     }
                 },
-                time_to_rest_s: outcome.time_to_rest_s,
+                time_to_rest_s: outcome.time_to_rest_s(),
                 end_time_s: outcome.observed_s(),
             };
             if let (AmplitudeKind::Residual, Some(machine)) = (&*kind, machine) {

@@ -138,7 +138,7 @@ impl Sink for Results {
 
     fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
         self.counts.add(record.outcome.label());
-        self.failures.add(record.outcome.evidence);
+        self.failures.add(&record.outcome.evidence);
         Ok(self.tables.run(record)?)
     }
 

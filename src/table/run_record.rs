@@ -22,7 +22,7 @@ impl RunRecord {
             cell: self.planned.cell,
             case: self.planned.case.as_ref().ok(),
             outcome: &self.outcome,
-            audit: self.audit.map(Evidence::label),
+            audit: self.audit.as_ref().map(Evidence::label),
         }
     }
 

@@ -141,7 +141,7 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         list.small_count("balls_running", |row| row.outcome.balls_running)
             .meaning("balls that circulate in the ring");
     }
-    list.number("time_to_rest_s", "s", |row| row.outcome.time_to_rest_s).meaning(
+    list.number("time_to_rest_s", "s", |row| row.outcome.time_to_rest_s()).meaning(
         if study.has_stages() {
             "time from the begin of the last stage until the last ball stopped for good; null if it did not"
         } else {
@@ -176,11 +176,11 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
              that machine does not vibrate",
         );
     }
-    list.number("friction_margin", "1", |row| row.outcome.friction_margin).meaning(
+    list.number("friction_margin", "1", |row| row.outcome.evidence.friction_margin()).meaning(
         "smallest unused fraction of the friction limit at rest; 0 on the boundary of the \
          equilibrium set, where balls creep",
     );
-    list.number("period_s", "s", |row| row.outcome.period_s)
+    list.number("period_s", "s", |row| row.outcome.evidence.period_s())
         .meaning("period of the limit cycle, or of the forcing of a system that creeps");
     list.text("cycle_class", |RunRecord { planned, outcome, .. }| {
         let case = planned.case.as_ref().ok()?;
@@ -188,14 +188,14 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
     })
     .meaning(class_meaning(model));
     list.number("largest_multiplier", "1", |row| {
-        row.outcome.cycle.as_ref()?.multipliers.first().copied()
+        row.outcome.evidence.cycle()?.multipliers.first().copied()
     })
     .meaning(
         "largest modulus of the Floquet multipliers, without those of neutral directions, of the \
          limit cycle or of the unstable orbit near the run",
     );
     list.small_count("neutral_directions", |row| {
-        row.outcome.cycle.as_ref().map(|cycle| cycle.neutral_directions)
+        row.outcome.evidence.cycle().map(|cycle| cycle.neutral_directions)
     })
     .meaning(
         "dimension of the continuous family to which the limit cycle belongs; its members differ \
@@ -226,12 +226,13 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         .meaning("integration steps rejected by error control or by event location");
     list.count("switches", |row| row.outcome.effort.switches)
         .meaning("changes between stick, transition and slip");
-    list.text("error", |row| row.outcome.error.clone()).meaning("description of the failure");
-    list.word("audit_label", |row| row.audit.map(|evidence| evidence.label().name())).meaning(
-        "label of the audit: the run recomputed by the other method with a tenth of both \
+    list.text("error", |row| row.outcome.evidence.error()).meaning("description of the failure");
+    list.word("audit_label", |row| row.audit.as_ref().map(|evidence| evidence.label().name()))
+        .meaning(
+            "label of the audit: the run recomputed by the other method with a tenth of both \
          tolerances; null if the run was not audited",
-    );
-    list.word("audit_evidence", |row| row.audit.map(Evidence::name)).meaning(
+        );
+    list.word("audit_evidence", |row| row.audit.as_ref().map(Evidence::name)).meaning(
         "evidence for that label, or the kind of failure; null if the run was not audited",
     );
     list.finish()
@@ -259,7 +260,7 @@ fn add_outputs(list: &mut Columns<RunRecord>, model: &Model) {
 
 /// Adds the columns of runs with stages.
 fn add_stages(list: &mut Columns<RunRecord>, study: &Study) {
-    list.number("rest_since_s", "s", |row| row.outcome.rest_since_s)
+    list.number("rest_since_s", "s", |row| row.outcome.evidence.rest()?.since_s)
         .meaning("time from the start of the run until the last ball stopped for good");
     list.number("last_stage_begin_s", "s", |row| Some(row.outcome.stages.last()?.time_s[0]))
         .meaning("begin of the last stage that the run reached");
@@ -295,7 +296,7 @@ fn add_stick_fractions(list: &mut Columns<RunRecord>, model: &Model) {
     for contact in 0..model.contacts() {
         let suffix = model.contact_suffix(contact);
         list.number(format!("stick_fraction{suffix}"), "1", move |row| {
-            row.outcome.cycle.as_ref()?.stick_fraction.get(contact).copied()
+            row.outcome.evidence.cycle()?.stick_fraction.get(contact).copied()
         })
         .meaning("share of the period of the limit cycle for which the contact sticks");
     }

@@ -119,7 +119,7 @@ design: {speed_rad_s: {from: -220, to: -200}}
     let set = study.set(&design).expect("a design");
     let stop = AtomicBool::new(false);
     let workers = WorkerPool::new(1).expect("a worker");
-    let design = Design { number: 0, values: &design, studies: vec![Cow::Owned(set)] };
+    let design = Design { number: 0, values: &design, plans: vec![Cow::Owned(set)] };
     let answers = respond(&workers, study.responses(), design, &stop, &|_| {});
     let answers = answers.expect("not stopped");
     let [mean, relative, above] = &answers[0].estimates[..] else { panic!("{answers:?}") };

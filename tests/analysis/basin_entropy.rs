@@ -4,7 +4,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use stickslip::analysis::{Basins, Observed, PointAccumulator};
-use stickslip::classification::{Evidence, Label, Outcome};
+use stickslip::classification::{Evidence, Label, Outcome, Rest};
 
 use super::cycle_groups::falls_back;
 use crate::support::TestRng;
@@ -75,7 +75,7 @@ fn without_two_runs_in_a_cell_there_is_none() {
     basins.add(0, Label::Undecided, None);
     assert_near(basins.entropy(), 1.0);
     // Runs of a design without cells.
-    let rest = Outcome::failed(Evidence::RestCertified, String::new());
+    let rest = Outcome::of(Evidence::RestCertified(Rest::default()));
     let mut point = PointAccumulator::new(None);
     for _ in 0..3 {
         point.add(Observed { cell: 0, case: None, outcome: &rest, audit: None });

@@ -3,7 +3,9 @@
 use crate::support::Block;
 use proptest::prelude::*;
 use stickslip::analysis::{CycleClass, Role, groups_of_identical};
-use stickslip::classification::{Cycle, CyclePhase, Evidence, Outcome, TouchingPair};
+use stickslip::classification::{
+    ClosedOrbit, Cycle, CyclePhase, Evidence, Outcome, Rest, TouchingPair,
+};
 use stickslip::model::{Balancer, Ball, Machine, Model, State};
 use stickslip::motion::{Direction, Phase};
 
@@ -26,13 +28,14 @@ pub struct Sample {
     pub angles: Vec<f64>,
 }
 
+/// Returns the evidence of a run on a cycle.
+fn on(cycle: Cycle) -> Evidence {
+    Evidence::ClosedOrbit(ClosedOrbit { cycle: Some(Box::new(cycle)), ..ClosedOrbit::default() })
+}
+
 impl Sample {
     pub fn outcome(&self) -> Outcome {
-        Outcome {
-            position: Some(self.angles.clone()),
-            cycle: Some(Box::new(self.cycle.clone())),
-            ..Outcome::failed(Evidence::ClosedOrbit, String::new())
-        }
+        Outcome { position: Some(self.angles.clone()), ..Outcome::of(on(self.cycle.clone())) }
     }
 
     fn class(&self) -> CycleClass {
@@ -444,10 +447,12 @@ fn the_mirror_image_is_the_only_symmetry() {
 #[test]
 fn unknown_and_none() {
     let model: Model = Machine::default().into();
-    let bare = |evidence| Outcome::failed(evidence, String::new());
-    assert_eq!(CycleClass::of(&model, &bare(Evidence::UnstableOrbit)), None);
-    assert_eq!(CycleClass::of(&model, &bare(Evidence::RestCertified)), None);
-    let unknown = CycleClass::of(&model, &bare(Evidence::ClosedOrbit)).expect("a claim");
+    let unstable = Evidence::UnstableOrbit(Box::new(cycle(vec![0], Vec::new())));
+    assert_eq!(CycleClass::of(&model, &Outcome::of(unstable)), None);
+    let rest = Evidence::RestCertified(Rest::default());
+    assert_eq!(CycleClass::of(&model, &Outcome::of(rest)), None);
+    let bare = Outcome::of(Evidence::ClosedOrbit(ClosedOrbit::default()));
+    let unknown = CycleClass::of(&model, &bare).expect("a claim");
     assert_eq!((unknown.name.as_str(), unknown.roles.len()), (CycleClass::UNKNOWN, 0));
     let block = Block::on_belt();
     let phases = [CyclePhase::Backward, CyclePhase::Stick].map(|phase| vec![phase]);
@@ -456,11 +461,7 @@ fn unknown_and_none() {
         multipliers: vec![0.0],
         ..cycle(vec![0], phases.to_vec())
     };
-    let outcome = Outcome {
-        position: Some(vec![0.0]),
-        cycle: Some(Box::new(cycle)),
-        ..bare(Evidence::ClosedOrbit)
-    };
+    let outcome = Outcome { position: Some(vec![0.0]), ..Outcome::of(on(cycle)) };
     let of = |model: &Model| CycleClass::of(model, &outcome).expect("a claim").name;
     assert_eq!(of(&block.into()), "0:SB");
     assert_eq!(of(&model), CycleClass::UNKNOWN);

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use proptest::prelude::*;
 use stickslip::analysis::{CycleGroup, Observed, PointAccumulator, Z_95, wilson_with_failures};
-use stickslip::classification::{Cycle, CyclePhase, Evidence, Outcome};
+use stickslip::classification::{ClosedOrbit, Cycle, CyclePhase, Evidence, Outcome};
 use stickslip::model::{Case, Machine, Simulation, Start};
 
 use super::cycle_classes::{cycle, sample};
@@ -41,20 +41,21 @@ pub fn falls_back(turns: i32, period_s: f64, rests_at: f64, second_rests: bool) 
     };
     let outcome = Outcome {
         position: Some(in_order(second_rests, 1.0, rests_at)),
-        period_s: Some(period_s),
         amplitude_m: Some(period_s),
-        friction_margin: Some(period_s),
         end_time_s: Some(5.0),
-        cycle: Some(Box::new(cycle)),
-        ..Outcome::failed(Evidence::ClosedOrbit, String::new())
+        ..Outcome::of(Evidence::ClosedOrbit(ClosedOrbit {
+            period_s,
+            friction_margin: Some(period_s),
+            cycle: Some(Box::new(cycle)),
+        }))
     };
     (case(Machine { speed_rad_s: -247.3, ..Machine::default() }), outcome)
 }
 
 #[test]
 fn a_class_has_the_statistics_of_its_runs() {
-    let failed = Outcome::failed(Evidence::Panic, String::new());
-    let bare = Outcome::failed(Evidence::ClosedOrbit, String::new());
+    let failed = Outcome::of(Evidence::Panic(String::new()));
+    let bare = Outcome::of(Evidence::ClosedOrbit(ClosedOrbit::default()));
     let any = case(Machine::default());
     let runs = [
         falls_back(1, 0.25, 6.0, true),
@@ -138,11 +139,11 @@ proptest! {
         let mut runs: Vec<(Case, Outcome)> = samples
             .iter()
             .map(|(sample, period)| {
-                let outcome = Outcome {
-                    period_s: Some(*period),
-                    amplitude_m: Some(*period * 1e-3),
-                    ..sample.outcome()
-                };
+                let mut outcome = sample.outcome();
+                outcome.amplitude_m = Some(*period * 1e-3);
+                if let Evidence::ClosedOrbit(orbit) = &mut outcome.evidence {
+                    orbit.period_s = *period;
+                }
                 (case(sample.machine.clone()), outcome)
             })
             .collect();

@@ -1,25 +1,25 @@
 //! Summaries of points with runs of all labels.
 
 use stickslip::analysis::{Observed, PointAccumulator};
-use stickslip::classification::{Evidence, Outcome};
+use stickslip::classification::{ClosedOrbit, Evidence, Outcome, Rest};
 
 fn add(point: &mut PointAccumulator, outcome: &Outcome) {
     point.add(Observed { cell: 0, case: None, outcome, audit: None });
 }
 
+fn rest_since(time_s: f64) -> Evidence {
+    Evidence::RestCertified(Rest { since_s: Some(time_s), friction_margin: None })
+}
+
 #[test]
 fn cycles_never_rest_and_failures_are_not_counted() {
-    let run = |evidence, time_to_rest_s| Outcome {
-        time_to_rest_s,
-        end_time_s: Some(16.5),
-        ..Outcome::failed(evidence, String::new())
-    };
+    let run = |evidence| Outcome { end_time_s: Some(16.5), ..Outcome::of(evidence) };
     let mut point = PointAccumulator::default();
     for time in [1.0, 2.0, 3.0] {
-        add(&mut point, &run(Evidence::RestCertified, Some(time)));
+        add(&mut point, &run(rest_since(time)));
     }
-    add(&mut point, &run(Evidence::ClosedOrbit, None));
-    add(&mut point, &run(Evidence::Panic, None));
+    add(&mut point, &run(Evidence::ClosedOrbit(ClosedOrbit::default())));
+    add(&mut point, &run(Evidence::Panic(String::new())));
     // The cycle was shown at 16.5 s and stays at risk until the end, 20 s.
     let rows = point.detail([20.0; 2]).rest;
     let counts: Vec<(f64, u64, u64, u64)> =
@@ -44,18 +44,11 @@ fn runs_that_find_cycles_leave_the_exposure() {
     for i in 0..runs {
         // Ascending times at a total rate of 1; every second run ends on a cycle.
         let time = -(1.0 - (f64::from(i) + 0.5) / f64::from(runs)).ln();
-        let rests = i % 2 == 0;
-        add(
-            &mut point,
-            &Outcome {
-                time_to_rest_s: rests.then_some(time),
-                end_time_s: Some(time),
-                ..Outcome::failed(
-                    if rests { Evidence::RestCertified } else { Evidence::ClosedOrbit },
-                    String::new(),
-                )
-            },
-        );
+        let evidence = match i % 2 {
+            0 => rest_since(time),
+            _ => Evidence::ClosedOrbit(ClosedOrbit::default()),
+        };
+        add(&mut point, &Outcome { end_time_s: Some(time), ..Outcome::of(evidence) });
     }
     let escape = point.summary().escape.expect("an exponential tail");
     assert_eq!(escape.from_s, 0.0);

@@ -7,7 +7,7 @@ use crate::support::Block;
 use stickslip::analysis::{
     Observed, PointAccumulator, ResidualVibration, Z_95, reference_amplitude, wilson_with_failures,
 };
-use stickslip::classification::{Evidence, Outcome};
+use stickslip::classification::{ClosedOrbit, Evidence, Outcome, Rest};
 use stickslip::model::{Case, Machine, Model, Simulation, Start};
 
 use super::reference_amplitude::at_resonance;
@@ -21,11 +21,8 @@ fn add(
 ) {
     let start = Start(Vec::new());
     let case = Case { model: model.into(), start, simulation: Simulation::default() };
-    let outcome = Outcome {
-        amplitude_m,
-        position: Some(position.to_vec()),
-        ..Outcome::failed(evidence, String::new())
-    };
+    let outcome =
+        Outcome { amplitude_m, position: Some(position.to_vec()), ..Outcome::of(evidence) };
     point.add(Observed { cell: 0, case: Some(&case), outcome: &outcome, audit: None });
 }
 
@@ -34,13 +31,13 @@ fn each_run_is_compared_with_its_own_machine() {
     let light = Machine::default();
     let heavy = Machine { imbalance_mass_kg: 2.0 * light.imbalance_mass_kg, ..light.clone() };
     let without = reference_amplitude(&light).unwrap();
-    let cycle = Evidence::ClosedOrbit;
+    let cycle = || Evidence::ClosedOrbit(ClosedOrbit::default());
     let mut point = PointAccumulator::default();
-    add(&mut point, light.clone(), cycle, Some(1.1 * without), &[0.0; 2]);
-    add(&mut point, light.clone(), cycle, Some(without), &[0.0; 2]);
-    add(&mut point, light.clone(), cycle, Some(0.9 * without), &[0.0; 2]);
-    add(&mut point, heavy, cycle, Some(1.1 * without), &[0.0; 2]);
-    add(&mut point, light, Evidence::Panic, None, &[0.0; 2]);
+    add(&mut point, light.clone(), cycle(), Some(1.1 * without), &[0.0; 2]);
+    add(&mut point, light.clone(), cycle(), Some(without), &[0.0; 2]);
+    add(&mut point, light.clone(), cycle(), Some(0.9 * without), &[0.0; 2]);
+    add(&mut point, heavy, cycle(), Some(1.1 * without), &[0.0; 2]);
+    add(&mut point, light, Evidence::Panic(String::new()), None, &[0.0; 2]);
     let (low, high) = wilson_with_failures(1, 1, 5, Z_95);
     let found = point.summary().residual;
     let [_, median, p95] = found.relative_amplitude.map(Option::unwrap);
@@ -80,9 +77,9 @@ fn grades_and_overlaps_are_those_of_rests() {
     let grade = |balls: f64| 216_377.2 * unbalance(balls) / 0.324_336;
     let mut point = PointAccumulator::default();
     for (evidence, beta) in [
-        (Evidence::RestCertified, [FRAC_PI_2, 3.0 * FRAC_PI_2]),
-        (Evidence::Creep, [PI, PI]),
-        (Evidence::ClosedOrbit, [0.0, 0.0]),
+        (Evidence::RestCertified(Rest::default()), [FRAC_PI_2, 3.0 * FRAC_PI_2]),
+        (Evidence::Creep(Rest::default()), [PI, PI]),
+        (Evidence::ClosedOrbit(ClosedOrbit::default()), [0.0, 0.0]),
     ] {
         add(&mut point, machine.clone(), evidence, Some(1e-5), &beta);
     }
@@ -98,6 +95,12 @@ fn grades_and_overlaps_are_those_of_rests() {
 #[test]
 fn a_block_has_none_of_it() {
     let mut point = PointAccumulator::default();
-    add(&mut point, Block::on_spring(), Evidence::RestCertified, Some(0.0), &[0.0]);
+    add(
+        &mut point,
+        Block::on_spring(),
+        Evidence::RestCertified(Rest::default()),
+        Some(0.0),
+        &[0.0],
+    );
     assert_eq!(point.summary().residual, ResidualVibration::default());
 }

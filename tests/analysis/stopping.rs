@@ -2,7 +2,7 @@
 
 use crate::support::TestRng;
 use stickslip::analysis::{HalfWidths, Observed, PointAccumulator, StoppingRule, Z_95, wilson};
-use stickslip::classification::{Evidence, Outcome};
+use stickslip::classification::{Evidence, Outcome, Rest};
 
 const CELLS: u64 = 16;
 
@@ -20,8 +20,8 @@ fn sampled(
     spread: f64,
     stratified: bool,
 ) -> (u64, (f64, f64)) {
-    let outcome = |evidence| Outcome::failed(evidence, String::new());
-    let (rest, moving) = (outcome(Evidence::RestCertified), outcome(Evidence::EndTime));
+    let (rest, moving) =
+        (Outcome::of(Evidence::RestCertified(Rest::default())), Outcome::default());
     let mut point = PointAccumulator::new(stratified.then_some(CELLS));
     let (mut runs, mut more) = (0, Some(rule.replicate));
     while let Some(round) = more {
@@ -119,8 +119,7 @@ fn sampled_amplitude(
     while let Some(round) = more {
         for _ in 0..round {
             let amplitude_m = Some(quantile(draws.uniform()));
-            let failed = Outcome::failed(Evidence::EndTime, String::new());
-            let outcome = &Outcome { amplitude_m, ..failed };
+            let outcome = &Outcome { amplitude_m, ..Outcome::default() };
             point.add(Observed { cell: 0, case: None, outcome, audit: None });
         }
         runs += round;
@@ -179,8 +178,7 @@ fn the_interval_that_needs_the_most_runs_decides() {
     let mut point = PointAccumulator::new(None);
     let add = |point: &mut PointAccumulator, draws: &mut TestRng, runs: u64| {
         for _ in 0..runs {
-            let failed = Outcome::failed(Evidence::EndTime, String::new());
-            let outcome = &Outcome { amplitude_m: Some(draws.uniform()), ..failed };
+            let outcome = &Outcome { amplitude_m: Some(draws.uniform()), ..Outcome::default() };
             point.add(Observed { cell: 0, case: None, outcome, audit: None });
         }
     };

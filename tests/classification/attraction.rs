@@ -2,7 +2,7 @@
 //! passes ever more exactly one period later.
 
 use rayon::prelude::*;
-use stickslip::classification::{Evidence, Outcome};
+use stickslip::classification::Outcome;
 use stickslip::model::{Case, Method, Simulation};
 use stickslip::motion::{Motion, Settings};
 
@@ -33,7 +33,7 @@ fn drawn(case: &Case, outcome: &Outcome) -> ([f64; 2], f64) {
     let settings = Settings::new(&case.simulation, u64::MAX);
     let start = case.model.start_state(&case.start).expect("two balls");
     let mut motion = Motion::new(&system, settings, &start).expect("starts");
-    let period = outcome.period_s.expect("a cycle") * natural;
+    let period = outcome.evidence.period_s().expect("a cycle") * natural;
     let speeds = outcome.mean_speed.as_ref().expect("a cycle");
     let runs = usize::from(speeds[1].abs() > speeds[0].abs());
     let turns = (speeds[runs].abs() / natural * period / std::f64::consts::TAU).round() as usize;
@@ -66,7 +66,7 @@ fn claimed_cycles_attract_the_run_and_methods_agree() {
         let cases: Vec<Case> = cases.iter().map(|case| with(case, method)).collect();
         let outcomes = simulate_all(&cases);
         let claim = |(case, outcome): (Case, Outcome)| {
-            (outcome.evidence == Evidence::ClosedOrbit).then_some((case, outcome))
+            (outcome.evidence.name() == "closed_orbit").then_some((case, outcome))
         };
         cases.into_iter().zip(outcomes).map(claim).collect::<Vec<_>>()
     });
@@ -77,7 +77,8 @@ fn claimed_cycles_attract_the_run_and_methods_agree() {
             (Some((_, switch)), Some((_, event))) => {
                 claimed += 1;
                 assert_eq!(switch.balls_running, event.balls_running, "run {index}");
-                let ratio = switch.period_s.unwrap() / event.period_s.unwrap();
+                let ratio = switch.evidence.period_s().expect("a cycle")
+                    / event.evidence.period_s().expect("a cycle");
                 assert!((ratio - 1.0).abs() < 1e-4, "run {index}: {ratio}");
             }
             (None, None) => {}

@@ -1,9 +1,7 @@
 //! Runs with rest as the only detected ending: runs that come to rest are unchanged, and all others
 //! are undecided.
 
-use stickslip::classification::{
-    Evidence, Label, Outcome, simulate, simulate_by_recorded_equations,
-};
+use stickslip::classification::{Label, Outcome, simulate, simulate_by_recorded_equations};
 use stickslip::model::{
     Case, Endings, Extend, ExtendedLabels, Machine, Method, Model, Simulation, Start,
 };
@@ -39,8 +37,8 @@ fn compare([all, rest]: [Outcome; 2]) -> Label {
         | Label::QuasiPeriodic
         | Label::Irregular
         | Label::Undecided => {
-            assert_eq!((rest.evidence, rest.label()), (Evidence::EndTime, Label::Undecided));
-            assert!(rest.cycle.is_none() && rest.lyapunov.is_none());
+            assert_eq!((rest.evidence.name(), rest.label()), ("end_time", Label::Undecided));
+            assert!(rest.evidence.cycle().is_none() && rest.lyapunov.is_none());
             assert!(rest.amplitude_m.is_some(), "{rest:?}");
         }
     }

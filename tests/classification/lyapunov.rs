@@ -7,7 +7,7 @@ use std::sync::Arc;
 use nalgebra::DVector;
 use rayon::prelude::*;
 use stickslip::analysis::{RestForm, Stability, frictionless_equilibria, state_matrix};
-use stickslip::classification::{Evidence, Label, simulate};
+use stickslip::classification::{Label, simulate};
 use stickslip::model::{
     Balancer, Case, FrictionLaw, Machine, Method, Simulation, Start, State, System,
 };
@@ -49,7 +49,7 @@ fn the_exponent_at_an_unstable_equilibrium_is_that_of_the_linearised_equations()
                 start: Start::of_balancer(position, &beta, [0.0; 2], &[0.0; 2]),
                 simulation: Simulation { end_time_s: 24.0 / rate, ..Simulation::default() },
             });
-            assert_eq!(outcome.evidence, Evidence::EndTime, "{speed_rad_s} {:?}", one.kind);
+            assert_eq!(outcome.evidence.name(), "end_time", "{speed_rad_s} {:?}", one.kind);
             let found = outcome.lyapunov.expect("measured");
             let form = RestForm::new(&machine).expect("two balls");
             let matrix = state_matrix(&form, &beta, drag).expect("a rest point");

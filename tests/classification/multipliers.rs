@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use stickslip::classification::{Evidence, Outcome, simulate};
+use stickslip::classification::{Outcome, simulate};
 use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start, State, System};
 use stickslip::motion::{Phase, Settings, Tolerance};
 
@@ -56,7 +56,7 @@ fn settled(
     outcome: &Outcome,
     start: &State<2>,
 ) -> (State<2>, usize, f64) {
-    let turns = &outcome.cycle.as_ref().expect("a cycle").turns;
+    let turns = &outcome.evidence.cycle().expect("a cycle").turns;
     let ball = turns.iter().position(|&turns| turns != 0).expect("a ball runs");
     let mut motion = started(system, FINE, start);
     let (end, mut last) = (1e5, None);
@@ -125,8 +125,8 @@ fn multipliers_are_those_of_the_return_map() {
     ] {
         let case = case(speed, friction, [0.5, 0.0], Method::Event);
         let outcome = simulate(&case);
-        assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{speed} {friction:?}");
-        let cycle = outcome.cycle.clone().expect("a cycle");
+        assert_eq!(outcome.evidence.name(), "closed_orbit", "{speed} {friction:?}");
+        let cycle = outcome.evidence.cycle().expect("a cycle");
         assert_eq!(cycle.turns, [1, 0], "{speed}");
         assert_eq!(cycle.configurations.len(), configurations, "{:?}", cycle.configurations);
         assert_eq!(cycle.neutral_directions, neutral);
@@ -135,7 +135,7 @@ fn multipliers_are_those_of_the_return_map() {
         let system = shared(Balancer::<2>::new(machine).expect("two balls"));
         let start = start_of(&case.start);
         let (orbit, ball, period) = settled(&system, &outcome, &start);
-        let period_s = outcome.period_s.expect("a period");
+        let period_s = outcome.evidence.period_s().expect("a period");
         // With a neutral direction the period depends on where the other ball rests.
         assert!(
             (period / natural / period_s - 1.0).abs() < 1e-6,

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use stickslip::classification::{CyclePhase, Evidence, Label, Outcome, simulate};
+use stickslip::classification::{CyclePhase, Label, Outcome, simulate};
 use stickslip::model::{
     Expression, Friction, FrictionLaw, ImpactLaw, Mechanism, MechanismContact, MechanismNormal,
     Method, ModelKind, Number, OutputValue, OwnModel, ParameterDescriptor, Recorder, Simulation,
@@ -84,7 +84,7 @@ fn a_block_comes_to_rest_where_friction_holds_it() {
     for method in METHODS {
         let outcome = run([0.0, 0.2, 0.4, 0.3], [0.0, 1.0, 0.7, 0.0], method);
         assert_eq!(outcome.label(), Label::Equilibrium, "{outcome:?}");
-        let margin = outcome.friction_margin.expect("known");
+        let margin = outcome.evidence.friction_margin().expect("known");
         assert!((margin - (1.0 - 0.2 / 0.3)).abs() < 1e-6, "{margin}");
         let outcome = run([0.0, 0.35, 0.4, 0.3], [0.0, 1.0, 0.7, 0.0], method);
         assert_ne!(outcome.label(), Label::Equilibrium, "{outcome:?}");
@@ -98,10 +98,10 @@ fn a_block_that_a_plate_throws_once_per_period_forgets_its_start() {
     for method in METHODS {
         for height in [0.0, 0.3] {
             let outcome = run([1.3, 0.0, 0.4, 0.3], [0.0, height, 0.0, 0.0], method);
-            assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{method:?} {height} {outcome:?}");
-            let period_s = outcome.period_s.expect("a cycle has a period");
+            assert_eq!(outcome.evidence.name(), "closed_orbit", "{method:?} {height} {outcome:?}");
+            let period_s = outcome.evidence.period_s().expect("a cycle has a period");
             assert!((period_s - TAU).abs() < 1e-12, "{period_s}");
-            let cycle = outcome.cycle.expect("known");
+            let cycle = outcome.evidence.cycle().expect("known");
             assert!(cycle.multipliers.iter().all(|one| *one < 1e-6), "{cycle:?}");
             assert!(cycle.configurations.contains(&vec![CyclePhase::Apart]), "{cycle:?}");
             assert!(cycle.configurations.contains(&vec![CyclePhase::Stick]), "{cycle:?}");
@@ -132,7 +132,7 @@ contacts:
         for mut case in cases(&system, 32, 20.0) {
             case.simulation.method = method;
             let outcome = simulate(&case);
-            assert_eq!(outcome.evidence, Evidence::Settled, "{method:?} {outcome:?}");
+            assert_eq!(outcome.evidence.name(), "settled", "{method:?} {outcome:?}");
             let end = |output: usize| {
                 outcome.outputs[output].value(OutputValue::End).expect("a place of rest")
             };
@@ -142,7 +142,7 @@ contacts:
             let needed = (pulls[0] - force).abs().max((pulls[1] + force).abs());
             let needed = needed.max((stiffness * (end(2) - 1.0)).abs());
             let margin = 1.0 - needed / (coefficient * load);
-            let found = outcome.friction_margin.expect("a margin");
+            let found = outcome.evidence.friction_margin().expect("a margin");
             assert!((found - margin).abs() < 1e-9, "{found} {margin}");
         }
     }

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use stickslip::analysis::{Z_95, wilson};
-use stickslip::classification::{Evidence, Label, Outcome};
+use stickslip::classification::{Label, Outcome};
 use stickslip::model::{BallContact, Case, Machine, Simulation, Start};
 
 use super::reference::{Row, references, rows};
@@ -91,7 +91,7 @@ fn as_many_supercritical_runs_come_to_rest() {
         let found = computed.iter().filter(|run| run.label() == Label::Equilibrium).count() as f64;
         let all = recorded.len() as u64;
         let (low, high) = wilson(expected, all, Z_95);
-        let cycles = computed.iter().filter(|run| run.evidence == Evidence::ClosedOrbit).count();
+        let cycles = computed.iter().filter(|run| run.evidence.name() == "closed_orbit").count();
         println!("{law}: {found} at rest, {expected} in the reference, {cycles} cycles");
         assert!((low..=high).contains(&(found / all as f64)), "{law}: {found}, not {expected}");
         let speed = |outcome: &&Outcome| {

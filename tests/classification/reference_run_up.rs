@@ -63,7 +63,7 @@ impl Differences {
             }
         }
         if let Some(expected) = run.time_to_rest_s {
-            let found = outcome.time_to_rest_s.expect("rests");
+            let found = outcome.time_to_rest_s().expect("rests");
             include(&mut self.time_to_rest_s, (found - expected).abs());
         }
     }

@@ -45,8 +45,8 @@ fn a_machine_that_starts_ends_like_the_time_stepping() {
             assert_eq!(rests.label(), Label::Equilibrium, "{over_s} {beta:?}");
             in_touch += i32::from(rests.touching.expect("contact").at_end);
             assert!(rests.stages.len() == 2 && rests.stages[1].is_at_rest == Some(true));
-            let since = rests.rest_since_s.expect("rests");
-            assert_eq!(rests.time_to_rest_s, Some((since - over_s).max(0.0)));
+            let since = rests.evidence.rest().and_then(|rest| rest.since_s).expect("rests");
+            assert_eq!(rests.time_to_rest_s(), Some((since - over_s).max(0.0)));
             let runs = ended(-216.3772);
             let is_pair = |speed: &f64| (speed.abs() - 41.46).abs() < 0.05;
             let touches = runs.touching.expect("contact").at_end;

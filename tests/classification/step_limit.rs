@@ -1,7 +1,7 @@
 //! Runs that cannot reach their end are given up early, with a message.
 
 use crate::support::Block;
-use stickslip::classification::{Evidence, most_steps_of_a_run, seconds_per_step, simulate};
+use stickslip::classification::{most_steps_of_a_run, seconds_per_step, simulate};
 use stickslip::model::{Ball, Case, FrictionLaw, Machine, Model, Simulation, Start};
 
 #[test]
@@ -23,7 +23,6 @@ fn runs_with_too_many_steps_are_abandoned_soon() {
         let outcome = simulate(&Case { model, start: start.clone(), simulation });
         let taken = outcome.effort.total();
         assert_eq!(outcome.evidence.name(), "step_limit");
-        assert!(matches!(outcome.evidence, Evidence::Failure(_)));
         assert!((a_second..a_second + 200_000).contains(&taken), "{taken}");
         assert!(taken <= bound, "{taken} of {bound}");
     }

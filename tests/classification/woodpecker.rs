@@ -3,7 +3,7 @@
 //! dynamics of the woodpecker toy*, Proc. ASME DETC 2001, VIB-21608). Three contacts with friction: the beak, the lower and the
 //! upper edge of the sleeve.
 
-use stickslip::classification::{Evidence, simulate};
+use stickslip::classification::simulate;
 use stickslip::model::{Case, Method, Simulation};
 use stickslip::motion::{Motion, Phase, Settings, Tolerance};
 use stickslip::study::Study;
@@ -84,10 +84,10 @@ fn the_bird_comes_down_on_a_limit_cycle() {
             let simulation =
                 Simulation { method, band, end_time_s: 20.0, tolerance, ..Simulation::default() };
             let outcome = simulate(&Case { simulation, ..case(bird) });
-            assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{method:?} {bird}: {outcome:?}");
-            let period_s = outcome.period_s.expect("a cycle has a period");
+            assert_eq!(outcome.evidence.name(), "closed_orbit", "{method:?} {bird}: {outcome:?}");
+            let period_s = outcome.evidence.period_s().expect("a cycle has a period");
             assert!((period_s - 0.14600).abs() < 5e-5, "{period_s}");
-            let cycle = outcome.cycle.expect("known");
+            let cycle = outcome.evidence.cycle().expect("known");
             assert!((cycle.multipliers[0] + slope).abs() < 1e-4, "{slope} {cycle:?}");
             assert!(cycle.multipliers[1..].iter().all(|one| *one < 1e-6), "{cycle:?}");
             assert_eq!(cycle.neutral_directions, 1, "the height");

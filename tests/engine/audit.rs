@@ -110,8 +110,8 @@ fn failures_on_one_side_are_flips() {
     for record in &kept.runs {
         let start = &record.planned.start.0;
         let (first, second) = (start[0] > 0.0, start[1] > 0.0);
-        assert_eq!(record.outcome.evidence == Evidence::Panic, first);
-        assert_eq!(record.audit == Some(Evidence::Panic), second);
+        assert_eq!(record.outcome.evidence.name() == "panic", first);
+        assert_eq!(record.audit.as_ref().is_some_and(|again| again.name() == "panic"), second);
         flips += u64::from(first != second);
         both += u64::from(first && second);
     }
@@ -131,8 +131,8 @@ fn parameters_without_sense_do_not_flip() {
     let invalid = records.iter().filter(|record| record.planned.case.is_err());
     assert!(invalid.clone().count() > 3);
     for record in invalid {
-        assert_eq!(record.audit, Some(Evidence::InvalidParameters));
-        assert_eq!(record.outcome.evidence, Evidence::InvalidParameters);
+        assert_eq!(record.audit.as_ref().map(Evidence::name), Some("invalid_parameters"));
+        assert_eq!(record.outcome.evidence.name(), "invalid_parameters");
     }
 }
 

@@ -41,7 +41,7 @@ fn a_panic_is_a_row() {
                 "the program failed in this run: the ring is at {}",
                 record.planned.start.0[0]
             );
-            assert_eq!(record.outcome, Outcome::failed(Evidence::Panic, expected));
+            assert_eq!(record.outcome, Outcome::of(Evidence::Panic(expected)));
             assert_eq!(record.outcome.label().name(), "failed");
         }
     }

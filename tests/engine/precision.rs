@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use serde_json::Value;
 use stickslip::analysis::{HalfWidths, PointAccumulator, StoppingRule};
-use stickslip::classification::{Evidence, Outcome, simulate};
+use stickslip::classification::{Evidence, Outcome, Rest, simulate};
 use stickslip::model::Case;
 use stickslip::study::Study;
 
@@ -36,8 +36,8 @@ fn by_place(case: &Case) -> Outcome {
     let speed = case.model.ball_balancer().expect("a balancer").speed_rad_s;
     let fraction = (-speed - 160.0) / 100.0;
     let rests = case.start.0[2] < fraction * std::f64::consts::TAU;
-    let evidence = if rests { Evidence::RestCertified } else { Evidence::EndTime };
-    Outcome { error: None, ..Outcome::failed(evidence, String::new()) }
+    let rest = Evidence::RestCertified(Rest::default());
+    Outcome::of(if rests { rest } else { Evidence::EndTime })
 }
 
 fn sampled(study: &Study) -> Kept {
@@ -307,5 +307,5 @@ fn simulated_runs_are_kept() {
     assert!(new.len() > old.len(), "{} {}", new.len(), old.len());
     assert!(old.iter().all(|(key, row)| new[key] == *row));
     let study = parse(&text(0.12, 100, 3.0));
-    assert!(study.planned_run(0).case.is_ok_and(|case| simulate(&case).error.is_none()));
+    assert!(study.planned_run(0).case.is_ok_and(|case| simulate(&case).evidence.error().is_none()));
 }

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use crate::docs::generated::compare_or_write_part;
 use stickslip::engine::WorkerPool;
-use stickslip::study::{DesignValue, Study};
+use stickslip::study::{DesignValue, Plan, Study};
 
 fn study(text: &str) -> Study {
     Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap_or_else(|error| panic!("{error}"))
@@ -32,7 +32,7 @@ design:
     ))
 }
 
-fn set(study: &Study, stiffness: f64, balls: f64) -> Study {
+fn set(study: &Study, stiffness: f64, balls: f64) -> Plan {
     study.set(&[DesignValue::Number(stiffness), DesignValue::Number(balls)]).unwrap()
 }
 
@@ -71,9 +71,9 @@ fn designs_share_their_samples() {
 }
 
 /// Returns the amplitudes of all runs of a design.
-fn amplitudes(study: &Study) -> Vec<f64> {
+fn amplitudes(plan: &Plan) -> Vec<f64> {
     let workers = WorkerPool::new(2).unwrap();
-    let points = workers.sample(&[(study, 0)], &AtomicBool::new(false), &|_| {}).unwrap();
+    let points = workers.sample(&[(plan, 0)], &AtomicBool::new(false), &|_| {}).unwrap();
     points.concat().iter().map(|run| run.outcome.amplitude_m.expect("no failure")).collect()
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use stickslip::model::Machine;
-use stickslip::study::{ParameterValue, Study, StudyError};
+use stickslip::study::{ParameterValue, Plan, Study, StudyError};
 
 mod audit;
 mod bad_files;
@@ -86,8 +86,8 @@ fn coordinates(study: &Study, run: u64) -> Vec<f64> {
 }
 
 /// Returns the machine at a point.
-fn machine_at(study: &Study, point: u64) -> Machine {
-    study.point(point).model().ball_balancer().expect("a balancer").clone()
+fn machine_at(plan: &Plan, point: u64) -> Machine {
+    plan.point(point).model().ball_balancer().expect("a balancer").clone()
 }
 
 /// Returns coordinates as fractions of the default box for two balls.

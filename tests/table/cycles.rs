@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use crate::support::{Block, Ground};
 use arrow::array::{AsArray, RecordBatch};
 use arrow::datatypes::{Float64Type, Int32Type};
-use stickslip::classification::{Cycle, CyclePhase, Evidence, Outcome};
+use stickslip::classification::{ClosedOrbit, Cycle, CyclePhase, Evidence, Outcome};
 use stickslip::engine::{EngineOptions, Progress, run_study_with};
 use stickslip::model::{Case, FrictionLaw};
 use stickslip::study::Study;
@@ -119,13 +119,14 @@ fn constructed(case: &Case) -> Outcome {
         })
     });
     Outcome {
-        period_s: Some(0.1 + 1e-4 * own),
         amplitude_m: Some(1e-5 * own),
-        friction_margin: Some(0.1 * other),
         end_time_s: Some(4.0),
         position: Some(vec![own, own]),
-        cycle,
-        ..Outcome::failed(Evidence::ClosedOrbit, String::new())
+        ..Outcome::of(Evidence::ClosedOrbit(ClosedOrbit {
+            period_s: 0.1 + 1e-4 * own,
+            friction_margin: Some(0.1 * other),
+            cycle,
+        }))
     }
 }
 
@@ -185,10 +186,11 @@ fn constructed_cycles_of_balls_are_written() {
     // From the runs themselves.
     let runs: Vec<Outcome> = (0..3000)
         .map(|run| constructed(&study.planned_run(run).case.unwrap()))
-        .filter(|outcome| outcome.cycle.as_ref().is_some_and(|cycle| cycle.turns.contains(&0)))
+        .filter(|outcome| outcome.evidence.cycle().is_some_and(|cycle| cycle.turns.contains(&0)))
         .collect();
     assert_eq!(counts(&cycles, "runs")[0], runs.len() as u64);
-    let mut periods: Vec<f64> = runs.iter().filter_map(|outcome| outcome.period_s).collect();
+    let mut periods: Vec<f64> =
+        runs.iter().filter_map(|outcome| outcome.evidence.period_s()).collect();
     periods.sort_by(f64::total_cmp);
     let (low, high) = (periods[0], periods[periods.len() - 1]);
     let value = |name: &str| numbers(&cycles, name)[0].unwrap();
@@ -199,9 +201,9 @@ fn constructed_cycles_of_balls_are_written() {
     let widest = runs.iter().max_by(|a, b| own(a).total_cmp(&own(b))).unwrap();
     let multipliers = column(&cycles, "multipliers").as_list::<i32>().value(0);
     let multipliers = multipliers.as_primitive::<Float64Type>().values().to_vec();
-    assert_eq!(multipliers, widest.cycle.as_ref().unwrap().multipliers);
+    assert_eq!(multipliers, widest.evidence.cycle().expect("a cycle").multipliers);
     assert_eq!(value("largest_multiplier"), multipliers[0]);
-    let margins = runs.iter().filter_map(|outcome| outcome.friction_margin);
+    let margins = runs.iter().filter_map(|outcome| outcome.evidence.friction_margin());
     assert_eq!(value("min_friction_margin"), margins.fold(f64::MAX, f64::min));
     // Angles all around the circle: the arc excludes the longest gap between two of them.
     let mut angles: Vec<f64> = runs.iter().map(own).collect();

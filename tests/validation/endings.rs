@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::support::{Block, shipped_study};
 use stickslip::analysis::CycleClass;
-use stickslip::classification::{Evidence, Label, Outcome, simulate};
+use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Simulation, Start};
 use stickslip::study::Study;
 
@@ -51,7 +51,7 @@ independent prototype with other start states.
         let runs = replicate(&format!("speed_rad_s: {speed}"), 165.0);
         let at_rest = times.map(|time| {
             let rests = |(_, outcome): &&(Case, Outcome)| {
-                outcome.time_to_rest_s.is_some_and(|rest| rest <= time)
+                outcome.time_to_rest_s().is_some_and(|rest| rest <= time)
             };
             runs.iter().filter(rests).count()
         });
@@ -128,10 +128,10 @@ touched; the model excludes contact between balls.)
             })
         };
         let (together, apart) = (run(0.0, 55.0), run(1e-6, 165.0));
-        let cycle = together.cycle.as_ref().expect("a closed orbit");
+        let cycle = together.evidence.cycle().expect("a closed orbit");
         let moduli: Vec<String> =
             cycle.multipliers.iter().map(|modulus| format!("{modulus:.4}")).collect();
-        assert_eq!(together.evidence, Evidence::UnstableOrbit);
+        assert_eq!(together.evidence.name(), "unstable_orbit");
         assert!(cycle.multipliers[1] > 1.01 && cycle.multipliers[2] < 0.995);
         let _ = writeln!(
             text,
@@ -140,7 +140,7 @@ touched; the model excludes contact between balls.)
             together.label().name(),
             together.evidence.name(),
             moduli.join(", "),
-            apart.time_to_rest_s.expect("at rest by 165 s"),
+            apart.time_to_rest_s().expect("at rest by 165 s"),
         );
     }
     text
@@ -182,7 +182,7 @@ last row, where the ball with more friction rests: the orbits of these runs form
                         |[low, high], [least, greatest]| [low.min(least), high.max(greatest)],
                     )
                 };
-            let cycle = |outcome: &Outcome| outcome.cycle.clone().expect("a cycle");
+            let cycle = |outcome: &Outcome| outcome.evidence.cycle().cloned().expect("a cycle");
             let running = |outcome: &Outcome| {
                 let turns = cycle(outcome).turns;
                 turns.iter().position(|&turns| turns != 0).expect("one runs")
@@ -244,7 +244,9 @@ The table compares the runs of the study `block-on-belt` that reach the stick-sl
             .collect();
         let error = cycles
             .iter()
-            .map(|(_, outcome)| (outcome.period_s.expect("a period") / exact - 1.0).abs())
+            .map(|(_, outcome)| {
+                (outcome.evidence.period_s().expect("a period") / exact - 1.0).abs()
+            })
             .fold(0.0, f64::max);
         assert!(error < 1e-6, "{error}");
         let names: Vec<&str> = classes.keys().map(String::as_str).collect();

@@ -1,7 +1,6 @@
 //! The validated key `identify` of a study.
 
 use crate::study::file::identify_file::SpacingFile;
-use crate::study::plan::planned_study::Study;
 use crate::study::plan::variable::Variable;
 
 /// What is to be inferred from measurements, and the effort.
@@ -42,15 +41,5 @@ impl Identification {
             }
         };
         self.parameters.iter().zip(&self.spacings).zip(values).map(place).collect()
-    }
-}
-
-impl Study {
-    /// Returns this study with the parameters of `identify` as the variables of its designs, if it has this key. Runs, name
-    /// and hash are those of this study.
-    pub fn for_identification(&self) -> Option<(Study, Identification)> {
-        let identification = self.identification.clone()?;
-        let variables = identification.parameters.clone();
-        Some((Study { variables, by_balls: Vec::new(), ..self.clone() }, identification))
     }
 }

@@ -158,7 +158,7 @@ impl Study {
     }
 
     fn number_of_balls(&self) -> ListedParameter {
-        let numbers = self.variables.iter().find_map(|variable| variable.ball_numbers());
+        let numbers = self.variables().iter().find_map(|variable| variable.ball_numbers());
         ListedParameter {
             swept: self.swept_values(Parameter::BALLS),
             design: numbers.map(|numbers| [*numbers.start() as f64, *numbers.end() as f64]),
@@ -194,7 +194,7 @@ impl Study {
 
     /// Returns the smallest and the largest value that a design may set.
     fn design_range(&self, parameter: Parameter) -> Option<[f64; 2]> {
-        range(self.variables.iter().flat_map(|variable| match &variable.domain {
+        range(self.variables().iter().flat_map(|variable| match &variable.domain {
             Domain::Parameter { parameter: own, from, to } if *own == parameter => vec![*from, *to],
             Domain::Choices(choices) => {
                 let all = choices.iter().flat_map(|(_, values)| values);
@@ -225,7 +225,7 @@ impl Study {
                 let listed = listed.into_iter().find(|key| self.has_key(key));
                 return listed.unwrap_or_else(|| format!("sweep[{block}].table"));
             }
-            if let Some(variable) = self.variables.iter().find(|variable| variable.sets(name)) {
+            if let Some(variable) = self.variables().iter().find(|variable| variable.sets(name)) {
                 return format!("design.{}", variable.name());
             }
             if self.uncertain.iter().any(|column| column.name == *name) {

@@ -2,9 +2,9 @@
 
 use crate::model::{InvalidParameter, Model};
 use crate::study::plan::parameter::ParameterValue;
-use crate::study::plan::planned_study::Study;
+use crate::study::plan::planned_runs::Plan;
 
-impl Study {
+impl Plan {
     /// Returns the model at a point, with each uncertain parameter at the quantile of the fraction that `fraction`
     /// returns for its name; the fraction 0.5 gives the median.
     ///
@@ -12,7 +12,7 @@ impl Study {
     /// Returns the first parameter that is physically impossible, as a median may be.
     ///
     /// # Panics
-    /// If `point_id` is not below [`Study::point_count`].
+    /// If `point_id` is not below [`Plan::point_count`].
     pub fn model_at_quantiles(
         &self,
         point_id: u64,
@@ -35,7 +35,7 @@ impl Study {
     /// Returns the first parameter that is physically impossible.
     ///
     /// # Panics
-    /// If `point_id` is not below [`Study::point_count`].
+    /// If `point_id` is not below [`Plan::point_count`].
     pub fn median_model(&self, point_id: u64) -> Result<Model, InvalidParameter> {
         self.model_at_quantiles(point_id, |_| 0.5)
     }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::study::plan::parameter::ParameterValue;
-use crate::study::plan::planned_study::Study;
+use crate::study::plan::planned_runs::Plan;
 use crate::study::sampling::sampling_design::Design;
 
 /// The largest number of points that are compared.
@@ -20,7 +20,7 @@ pub struct RepeatedPoints {
     pub key: String,
 }
 
-impl Study {
+impl Plan {
     /// Returns the points that repeat an earlier point, if there are any.
     pub fn repeated_points(&self) -> Option<RepeatedPoints> {
         // Adding 0 turns -0 into 0.

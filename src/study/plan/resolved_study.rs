@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 use crate::study::error::StudyError;
 use crate::study::file::resolved_yaml::{to_value, to_yaml};
 use crate::study::file::study_file::StudyFile;
+use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::planned_study::Study;
 use crate::study::sampling::initial_box::general_axes;
 
@@ -20,7 +21,9 @@ impl Study {
         let file = StudyFile { seed, ..self.resolved.file.clone() };
         Study::parse(Path::new(self.name()), to_yaml(&file))
     }
+}
 
+impl Plan {
     /// Returns the complete study file as plain values.
     pub(crate) fn resolved_file(&self) -> Value {
         to_value(&self.resolved.file)

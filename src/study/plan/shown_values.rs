@@ -4,7 +4,7 @@
 use crate::numbers::to_digits;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::{Parameter, ParameterValue, VariedParameter};
-use crate::study::plan::planned_study::Study;
+use crate::study::plan::planned_runs::Plan;
 
 /// Numbers up to this length, in characters, are shown with all digits. Longer ones are results of a conversion, such
 /// as `314.1592653589793` for 3000 rpm, or of the spacing of a range.
@@ -14,7 +14,7 @@ const DIGITS: usize = 6;
 /// Significant digits that distinguish any two numbers.
 const ALL_DIGITS: usize = 17;
 
-impl Study {
+impl Plan {
     /// Returns the values of the swept parameters of a point as text for terminals and figures, in the units that the study
     /// chooses. Tables, JSON and the resolved file are in SI units and have all digits.
     pub fn shown(&self, swept: &[ParameterValue]) -> Vec<String> {

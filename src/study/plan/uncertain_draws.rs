@@ -1,7 +1,7 @@
 //! The values that a run draws for the uncertain parameters.
 
 use crate::study::plan::parameter::{Parameter, ParameterValue};
-use crate::study::plan::planned_study::Study;
+use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::sweep::PointSampling;
 use crate::study::sampling::distribution::Distribution;
 use crate::study::sampling::draw::DrawKey;
@@ -19,7 +19,7 @@ pub(crate) struct Uncertain {
     pub key: DrawKey,
 }
 
-impl Study {
+impl Plan {
     /// Returns the design of the uncertain parameters and the number of their rank correlations; `None` if all draws are
     /// independent.
     pub fn uncertain_sampling(&self) -> Option<(&'static str, usize)> {

@@ -6,9 +6,9 @@ use std::path::Path;
 
 use crate::study::file::key_path::KeyPath;
 use crate::study::file::yaml_tree::{Content, Node};
-use crate::study::plan::planned_study::Study;
+use crate::study::plan::planned_runs::Plan;
 
-impl Study {
+impl Plan {
     /// Returns the file that contains the study.
     pub fn file(&self) -> &Path {
         &self.source.file

@@ -7,8 +7,8 @@ use crate::study::file::study_file::ExpectationFile;
 use crate::study::file::values::Range;
 use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::expectation::Expectation;
-use crate::study::plan::parameter::{Parameter, ParameterValue};
-use crate::study::plan::planned_study::Study;
+use crate::study::plan::parameter::ParameterValue;
+use crate::study::plan::planned_runs::Plan;
 use crate::study::resolve::sweep::resolve_value;
 
 /// Validates the expectations of a study.
@@ -18,19 +18,18 @@ use crate::study::resolve::sweep::resolve_value;
 /// if an expectation has no range, or if a range is not within 0 and 1.
 pub(crate) fn resolve_expectations(
     source: &Source,
-    study: &Study,
-    parameters: &[Parameter],
+    plan: &Plan,
     written: &[ExpectationFile],
 ) -> Result<Vec<Expectation>, StudyError> {
     let resolve = |(index, file): (usize, &ExpectationFile)| {
         let path = source.path("expect").item(index);
-        let point = resolve_selector(study, parameters, &path.key("point"), file)?;
+        let point = resolve_selector(plan, &path.key("point"), file)?;
         let expectation = Expectation {
             point,
-            fractions: fractions(study, &path, file)?,
-            audit_flip_rate: audit_flip_rate(study, &path, file)?,
+            fractions: fractions(plan, &path, file)?,
+            audit_flip_rate: audit_flip_rate(plan, &path, file)?,
         };
-        if !study.has_point(&expectation) {
+        if !plan.has_point(&expectation) {
             let found: Vec<String> =
                 expectation.point.iter().map(|(name, value)| format!("{name} {value}")).collect();
             return Err(path.key("point").wrong_value(
@@ -45,14 +44,14 @@ pub(crate) fn resolve_expectations(
 }
 
 fn resolve_selector(
-    study: &Study,
-    parameters: &[Parameter],
+    plan: &Plan,
     path: &SourcePath<'_>,
     file: &ExpectationFile,
 ) -> Result<Vec<(String, ParameterValue)>, StudyError> {
     let mut point = Vec::new();
     for (name, entry) in file.point.iter().flatten() {
         let path = path.key(name);
+        let parameters = &plan.swept_parameters;
         let Some(parameter) = parameters.iter().find(|parameter| parameter.name() == *name) else {
             let names: Vec<String> = parameters.iter().map(|other| other.name()).collect();
             let allowed = match list_names(name, &names) {
@@ -61,7 +60,7 @@ fn resolve_selector(
             };
             return Err(path.wrong_key("not a swept parameter", shorten(name), allowed));
         };
-        let value = resolve_value(*parameter, entry, study.model())
+        let value = resolve_value(*parameter, entry, plan.model())
             .map_err(|fault| path.refuse_value(fault))?;
         point.push((name.clone(), value));
     }
@@ -69,7 +68,7 @@ fn resolve_selector(
 }
 
 fn fractions(
-    study: &Study,
+    plan: &Plan,
     path: &SourcePath<'_>,
     file: &ExpectationFile,
 ) -> Result<Vec<(&'static str, [f64; 2])>, StudyError> {
@@ -85,7 +84,7 @@ fn fractions(
     ] {
         let Some(range) = range else { continue };
         let path = path.key(&format!("{label}_fraction"));
-        let only_rest = study.simulation().endings == Endings::Rest;
+        let only_rest = plan.simulation().endings == Endings::Rest;
         if only_rest && ["limit_cycle", "creep", "quasi_periodic", "irregular"].contains(&label) {
             let allowed = "simulation: {endings: all}, or no expectation of this label";
             let found = "a study with `endings: rest`";
@@ -102,13 +101,13 @@ fn fractions(
 }
 
 fn audit_flip_rate(
-    study: &Study,
+    plan: &Plan,
     path: &SourcePath<'_>,
     file: &ExpectationFile,
 ) -> Result<Option<[f64; 2]>, StudyError> {
     let Some(range) = file.audit_flip_rate else { return Ok(None) };
     let path = path.key("audit_flip_rate");
-    if study.audit().is_none() {
+    if plan.audit().is_none() {
         let allowed =
             "an audit in the study, such as audit: {fraction: 0.05}, or no `audit_flip_rate`";
         return Err(path.wrong_key("the study has no audit", "a study without `audit`", allowed));

@@ -7,7 +7,8 @@ use crate::study::file::identify_file::{IdentifyFile, PriorFile, SpacingFile};
 use crate::study::file::values::Count;
 use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::identification::Identification;
-use crate::study::plan::planned_study::Study;
+use crate::study::plan::planned_runs::Plan;
+use crate::study::plan::response::Response;
 use crate::study::plan::variable::VariableFile;
 use crate::study::resolve::variables::resolve_variables;
 
@@ -23,12 +24,13 @@ const MOST_PARAMETERS: usize = 8;
 /// Validates the key `identify`.
 pub(crate) fn resolve_identification(
     source: &Source,
-    study: &Study,
+    plan: &Plan,
+    responses: &[Response],
     written: Option<&IdentifyFile>,
 ) -> Result<Option<Identification>, StudyError> {
     let Some(file) = written else { return Ok(None) };
     let path = source.path("identify");
-    if study.sweeps_balls() {
+    if plan.sweeps_balls() {
         let allowed =
             "a sweep without `balls`; compare the fit of two studies for numbers of balls";
         let fault = Fault::new("a sweep over the number of balls", "`balls` in `sweep`", allowed);
@@ -64,7 +66,7 @@ pub(crate) fn resolve_identification(
         let range = VariableFile { from: Some(*from), to: Some(*to), choices: None };
         ranges.insert(name.clone(), range);
     }
-    let parameters = resolve_variables(&own, study, Some(&ranges))?;
+    let parameters = resolve_variables(&own, plan, responses, Some(&ranges))?;
     let usual = USUAL_START[parameters.len().clamp(1, USUAL_START.len()) - 1];
     let usual = usual.min(Count::or(file.designs, MOST_DESIGNS));
     let start = Count::or(file.start_designs, usual);

@@ -9,9 +9,10 @@ use crate::study::file::optimize_file::{
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::values::{Count, Entry};
 use crate::study::file::yaml_tree::{Source, describe_number};
+use crate::study::plan::designs::Designs;
 use crate::study::plan::optimization::{Limit, Objective, Optimization};
-use crate::study::plan::planned_study::Study;
-use crate::study::plan::response::Measure;
+use crate::study::plan::planned_runs::Plan;
+use crate::study::plan::response::{Measure, Response};
 use crate::study::plan::variable::DesignValue;
 
 /// The largest number of designs in a search; surrogates of more designs take too long.
@@ -27,38 +28,40 @@ const MAX_VARIABLES: usize = 100;
 /// two, if no value meets a limit, or if the reference design is invalid.
 pub(crate) fn resolve_optimization(
     source: &Source,
-    study: &Study,
+    plan: &Plan,
+    designs: &Designs,
+    responses: &[Response],
     written: Option<&OptimizeFile>,
 ) -> Result<Option<Optimization>, StudyError> {
     let Some(file) = written else { return Ok(None) };
-    let setting = Setting { study, path: source.path("optimize") };
+    let goals = Goals { plan, designs, responses, path: source.path("optimize") };
     for (empty, key, example) in [
-        (study.variables.is_empty(), "design", "{speed_rad_s: {from: -260, to: -140}}"),
-        (study.responses.is_empty(), "responses", "{vibration: {amplitude_mean: {}}}"),
+        (designs.variables.is_empty(), "design", "{speed_rad_s: {from: -260, to: -140}}"),
+        (responses.is_empty(), "responses", "{vibration: {amplitude_mean: {}}}"),
     ] {
         if empty {
-            return Err(setting.path.wrong_key(
+            return Err(goals.path.wrong_key(
                 format!("`optimize` without `{key}`"),
                 format!("no `{key}`"),
                 format!("`{key}` in the study, such as {key}: {example}"),
             ));
         }
     }
-    if study.variables.len() > MAX_VARIABLES {
-        let found = format!("{} variables", study.variables.len());
+    if designs.variables.len() > MAX_VARIABLES {
+        let found = format!("{} variables", designs.variables.len());
         let fault = Fault::new("too many variables", found, format!("at most {MAX_VARIABLES}"));
         return Err(source.path("design").refuse_key(fault));
     }
-    let objectives = setting.objectives(file)?;
-    let limits = setting.limits(file.subject_to.as_ref())?;
-    let variables = study.variables.len() as u64;
+    let objectives = goals.objectives(file)?;
+    let limits = goals.limits(file.subject_to.as_ref())?;
+    let variables = designs.variables.len() as u64;
     let usual = (5 * variables).max(10).min(Count::or(file.designs, MAX_DESIGNS));
     let start_designs = Count::or(file.start_designs, usual);
     let designs = Count::or(file.designs, (4 * start_designs).min(MAX_DESIGNS));
     if start_designs > designs {
         let found = format!("{start_designs} of {designs} designs");
         let fault = Fault::new("more designs at the start than in all", found, "at most `designs`");
-        return Err(setting.path.key("start_designs").refuse_value(fault));
+        return Err(goals.path.key("start_designs").refuse_value(fault));
     }
     let sensitivity = file.sensitivity.unwrap_or(SensitivityFile { from: None, samples: None });
     let from = sensitivity.from.unwrap_or_default();
@@ -76,20 +79,22 @@ pub(crate) fn resolve_optimization(
         compare_with: file
             .compare_with
             .as_ref()
-            .map(|values| setting.compare_with(values))
+            .map(|values| goals.compare_with(values))
             .transpose()?,
     }))
 }
 
-#[derive(Clone)]
-struct Setting<'a> {
-    study: &'a Study,
+/// The objectives and limits, and the study that they belong to.
+struct Goals<'a> {
+    plan: &'a Plan,
+    designs: &'a Designs,
+    responses: &'a [Response],
     path: SourcePath<'a>,
 }
 
-impl Setting<'_> {
+impl Goals<'_> {
     fn response(&self, name: &str) -> Result<usize, Fault> {
-        let responses = &self.study.responses;
+        let responses = self.responses;
         responses.iter().position(|one| one.name == name).ok_or_else(|| {
             let names: Vec<&str> = responses.iter().map(|one| one.name.as_str()).collect();
             Fault::new("not a response", name, list_names(name, &names))
@@ -107,7 +112,7 @@ impl Setting<'_> {
                 if objectives.iter().any(|other| other.response == response) {
                     return Err(path.wrong_value("an objective twice", name.as_str(), "each once"));
                 }
-                let worst = self.study.responses.get(response).map(|one| one.measure);
+                let worst = self.responses.get(response).map(|one| one.measure);
                 if worst == Some(Measure::Worst) {
                     let problem = "an objective that is bounded from below only";
                     let allowed = "a quantile, such as amplitude_quantile: {fraction: 0.95}";
@@ -151,7 +156,7 @@ impl Setting<'_> {
                 _ => {}
             }
             let probability = matches!(
-                self.study.responses.get(response).map(|one| one.measure),
+                self.responses.get(response).map(|one| one.measure),
                 Some(Measure::Above(_) | Measure::AtRestBy(_))
             );
             let impossible = at_least.filter(|least| probability && *least > 1.0);
@@ -173,7 +178,7 @@ impl Setting<'_> {
         written: &IndexMap<String, Entry>,
     ) -> Result<Vec<DesignValue>, StudyError> {
         let path = self.path.key("compare_with");
-        let variables = &self.study.variables;
+        let variables = &self.designs.variables;
         let names: Vec<&str> = variables.iter().map(|one| one.name()).collect();
         if let Some(name) = written.keys().find(|name| !names.contains(&name.as_str())) {
             let fault = Fault::new("not a variable", name.as_str(), list_names(name, &names));
@@ -189,7 +194,7 @@ impl Setting<'_> {
             };
             values.push(value.map_err(|fault| path.refuse_value(fault))?);
         }
-        self.study.with_design(&values).map_err(|fault| path.refuse_value(fault))?;
+        self.designs.set(self.plan, &values).map_err(|fault| path.refuse_value(fault))?;
         Ok(values)
     }
 }

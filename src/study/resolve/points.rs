@@ -8,7 +8,7 @@ use crate::study::error::{Fault, StudyError};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::{BlockFile, StudyFile};
 use crate::study::file::yaml_tree::Source;
-use crate::study::plan::planned_study::{Point, Study};
+use crate::study::plan::planned_runs::{Plan, Point};
 use crate::study::plan::sweep::Listing;
 
 /// The largest number of points that are checked; in a larger sweep, the runs of an impossible
@@ -19,22 +19,22 @@ const MAX_CHECKED_POINTS: u64 = 100_000;
 pub(in crate::study) fn check_points(
     source: &Source,
     written: &StudyFile,
-    study: &Study,
+    plan: &Plan,
 ) -> Result<(), StudyError> {
-    let law = study.base.model.friction();
+    let law = plan.base.model.friction();
     let depends = |parameter: &LawParameter| parameter.lowest == Lowest::FrictionCoefficient;
     let joined = |name: &str| name.contains("friction_coefficient");
-    let drawn = study.uncertain.iter().any(|column| joined(&column.name));
+    let drawn = plan.uncertain.iter().any(|column| joined(&column.name));
     if drawn
         || !law.law().parameters().iter().any(depends)
-        || study.point_count() > MAX_CHECKED_POINTS
+        || plan.point_count() > MAX_CHECKED_POINTS
     {
         return Ok(());
     }
-    for point_id in 0..study.point_count() {
-        let point = study.point(point_id);
+    for point_id in 0..plan.point_count() {
+        let point = plan.point(point_id);
         if let Err(invalid) = point.model().validate() {
-            let columns = study.swept.iter().zip(&point.swept);
+            let columns = plan.swept.iter().zip(&point.swept);
             let values: Vec<String> = columns
                 .filter(|(column, _)| joined(&column.name))
                 .map(|(column, value)| format!("{} {value}", column.name))
@@ -42,7 +42,7 @@ pub(in crate::study) fn check_points(
             let InvalidParameter { name, found, allowed } = invalid;
             let found = format!("{name} {found} at point {point_id} ({})", values.join(", "));
             let fault = Fault::new("no physical meaning", found, allowed);
-            return Err(path(source, written, study, &point, &name).refuse_value(fault));
+            return Err(path(source, written, plan, &point, &name).refuse_value(fault));
         }
     }
     Ok(())
@@ -52,12 +52,12 @@ pub(in crate::study) fn check_points(
 fn path<'a>(
     source: &'a Source,
     written: &StudyFile,
-    study: &Study,
+    plan: &Plan,
     point: &Point,
     name: &str,
 ) -> SourcePath<'a> {
-    let index = study.blocks.partition_point(|block| block.first_point <= point.point_id) - 1;
-    let block = &study.blocks[index];
+    let index = plan.blocks.partition_point(|block| block.first_point <= point.point_id) - 1;
+    let block = &plan.blocks[index];
     let path = source.path("sweep").item(index);
     let listing = match written.sweep.as_deref().and_then(|blocks| blocks.get(index)) {
         Some(BlockFile { grid: Some(_), .. }) => path.key("grid"),

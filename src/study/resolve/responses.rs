@@ -8,7 +8,7 @@ use crate::model::{OutputName, OutputValue};
 use crate::study::error::{StudyError, list_names};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::yaml_tree::{Content, Source, describe_number};
-use crate::study::plan::planned_study::Study;
+use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::response::{
     Amplitude, AmplitudeKind, Measure, Response, ResponseFile, SUFFIXES, is_reserved,
 };
@@ -21,7 +21,7 @@ use crate::study::resolve::names::check_column_name;
 /// amplitude.
 pub(crate) fn resolve_responses(
     source: &Source,
-    study: &Study,
+    plan: &Plan,
     written: Option<&IndexMap<String, ResponseFile>>,
 ) -> Result<Vec<Response>, StudyError> {
     let path = source.path("responses");
@@ -31,12 +31,12 @@ pub(crate) fn resolve_responses(
         check_column_name(name).map_err(|fault| path.refuse_key(fault))?;
         let own = std::iter::once("").chain(SUFFIXES).map(|suffix| format!("{name}{suffix}"));
         for column in own {
-            let swept = study.swept().iter().any(|swept| swept.name == column);
+            let swept = plan.swept().iter().any(|swept| swept.name == column);
             if swept || is_reserved(&column) || !columns.insert(column.clone()) {
                 return Err(path.wrong_key("another column has this name", column, "another name"));
             }
         }
-        let (measure, amplitude, output) = quantity(study, &path, file)?;
+        let (measure, amplitude, output) = quantity(plan, &path, file)?;
         Ok(Response { name: name.clone(), measure, amplitude, output })
     };
     written.into_iter().flatten().map(resolve).collect()
@@ -47,7 +47,7 @@ type Quantity = (Measure, AmplitudeKind, Option<(String, String)>);
 
 /// Returns the measure of a response and the amplitude that it measures, with name and unit if that is one of an output.
 fn quantity(
-    study: &Study,
+    plan: &Plan,
     path: &SourcePath<'_>,
     file: &ResponseFile,
 ) -> Result<Quantity, StudyError> {
@@ -71,7 +71,7 @@ fn quantity(
             }
         }
         Measure::AtRestBy(time) => {
-            let [_, end] = study.simulation().end_times_s();
+            let [_, end] = plan.simulation().end_times_s();
             if time > end {
                 let allowed = format!("above 0, at most the end time, {}", describe_number(end));
                 return refuse(&own, "a time that no run reaches", describe_number(time), &allowed);
@@ -79,8 +79,8 @@ fn quantity(
         }
         _ => {}
     }
-    if relative && !study.model().kind().offers.vibration {
-        let found = format!("kind: {}", study.model().kind().name);
+    if relative && !plan.model().kind().offers.vibration {
+        let found = format!("kind: {}", plan.model().kind().name);
         return refuse(path, "only for a ball balancer", found, "relative: false");
     }
     let amplitude = match (of.0.as_str(), relative) {
@@ -91,14 +91,14 @@ fn quantity(
             let allowed = "of: residual, or relative: false";
             return refuse(&own.key("relative"), problem, "relative: true".to_owned(), allowed);
         }
-        ("peak", false) if study.model().kind().offers.vibration && !study.has_stages() => {
+        ("peak", false) if plan.model().kind().offers.vibration && !plan.has_stages() => {
             let problem = "no peak amplitude at constant speed without disturbances";
             let allowed = "of: residual, or a speed_profile or disturbances in the model";
             return refuse(&own.key("of"), problem, "of: peak".to_owned(), allowed);
         }
-        ("peak", false) if study.has_peaks() => AmplitudeKind::Peak,
+        ("peak", false) if plan.has_peaks() => AmplitudeKind::Peak,
         (name, _) => {
-            let outputs = study.model().output_names();
+            let outputs = plan.model().output_names();
             let each = outputs.iter().enumerate();
             let mut all = each.flat_map(|(place, OutputName { name, unit, .. })| {
                 let values = OutputValue::COLUMNS
@@ -112,7 +112,7 @@ fn quantity(
                 return Ok((measure, amplitude, Some((column, unit.clone()))));
             }
             let mut names = vec!["residual".to_owned()];
-            names.extend(study.has_peaks().then(|| "peak".to_owned()));
+            names.extend(plan.has_peaks().then(|| "peak".to_owned()));
             names.extend(outputs.iter().map(|output| output.name.clone()));
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             let (problem, allowed) = ("not a quantity of a run", list_names(name, &names));

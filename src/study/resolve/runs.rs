@@ -14,7 +14,7 @@ use crate::study::sampling::initial_box::InitialBox;
 use crate::study::sampling::sampling_design::Design;
 
 /// What determines the sampling of a point besides its design.
-pub(in crate::study) struct Setting<'a> {
+pub(in crate::study) struct PointSettings<'a> {
     /// The model.
     pub base: &'a Base,
     /// The ranges of all coordinates.
@@ -35,20 +35,20 @@ pub(in crate::study) struct Setting<'a> {
 pub(in crate::study) fn number_runs(
     resolved: Vec<ResolvedBlock>,
     designs: &[ResolvedDesign<'_>],
-    setting: &Setting<'_>,
+    settings: &PointSettings<'_>,
 ) -> Result<Vec<Block>, StudyError> {
     let mut blocks = Vec::with_capacity(resolved.len());
     let (mut first_point, mut first_run) = (0_u64, 0_u64);
     for (block, written) in resolved.into_iter().zip(designs) {
         let points = product(&block.listing.factors(&block.columns), MAX_COUNT);
-        let (pattern, repeats) = block.numbers_of_balls(points.unwrap_or(1), setting.base.balls());
+        let (pattern, repeats) = block.numbers_of_balls(points.unwrap_or(1), settings.base.balls());
         let mut balls: Vec<usize> = pattern.iter().map(|(_, balls)| *balls).collect();
         balls.sort_unstable();
         balls.dedup();
         let mut samplings = Vec::with_capacity(balls.len());
         let mut too_many = None;
         for number in &balls {
-            match setting.sampling(written, *number)? {
+            match settings.sampling(written, *number)? {
                 Ok(sampling) => samplings.push(sampling),
                 Err(large) => too_many = Some(f64::max(large, too_many.unwrap_or(0.0))),
             }
@@ -80,7 +80,7 @@ pub(in crate::study) fn number_runs(
     Ok(blocks)
 }
 
-impl Setting<'_> {
+impl PointSettings<'_> {
     /// Returns the sampling of a point with this number of balls, or the approximate number of samples if there are too
     /// many.
     fn sampling(

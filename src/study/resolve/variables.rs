@@ -7,8 +7,8 @@ use crate::study::error::{Fault, StudyError};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::{Parameter, check_number_of_balls};
-use crate::study::plan::planned_study::Study;
-use crate::study::plan::response::{SUFFIXES, is_reserved};
+use crate::study::plan::planned_runs::Plan;
+use crate::study::plan::response::{Response, SUFFIXES, is_reserved};
 use crate::study::plan::variable::{Domain, Variable, VariableFile};
 use crate::study::resolve::names::{check_column_name, check_name};
 use crate::study::resolve::sweep::find_parameter;
@@ -20,21 +20,22 @@ use crate::study::resolve::sweep::find_parameter;
 /// or if choices do not set the same parameters.
 pub(crate) fn resolve_variables(
     path: &SourcePath<'_>,
-    study: &Study,
+    plan: &Plan,
+    responses: &[Response],
     written: Option<&IndexMap<String, VariableFile>>,
 ) -> Result<Vec<Variable>, StudyError> {
     let min_balls = written
         .and_then(|named| named.get("balls"))
         .and_then(|balls| balls.from)
-        .map_or(study.base.fewest_balls, |from| from.max(0.0) as usize);
-    let setting = Setting { study, min_balls };
+        .map_or(plan.base.fewest_balls, |from| from.max(0.0) as usize);
+    let rules = VariableRules { plan, responses, min_balls };
     let mut variables: Vec<Variable> = Vec::new();
     let mut set: Vec<Parameter> = Vec::new();
     for (name, file) in written.into_iter().flatten() {
         let path = path.key(name);
         let refuse = |fault| path.refuse_key(fault);
-        check_column_name(name).and_then(|()| setting.check_no_column_has(name)).map_err(refuse)?;
-        let domain = setting.domain(&path, name, file)?;
+        check_column_name(name).and_then(|()| rules.check_no_column_has(name)).map_err(refuse)?;
+        let domain = rules.domain(&path, name, file)?;
         for parameter in domain.parameters() {
             if set.contains(&parameter) {
                 let problem = "two variables set the same parameter";
@@ -43,7 +44,7 @@ pub(crate) fn resolve_variables(
             set.push(parameter);
         }
         let shown = match &domain {
-            Domain::Parameter { parameter, .. } => parameter.column().shown_in(&study.units).shown,
+            Domain::Parameter { parameter, .. } => parameter.column().shown_in(&plan.units).shown,
             _ => None,
         };
         variables.push(Variable { name: name.clone(), domain, shown });
@@ -64,15 +65,17 @@ impl Domain {
     }
 }
 
-struct Setting<'a> {
-    study: &'a Study,
+/// What variables may set.
+struct VariableRules<'a> {
+    plan: &'a Plan,
+    responses: &'a [Response],
     /// The smallest number of balls of a design.
     min_balls: usize,
 }
 
-impl Setting<'_> {
+impl VariableRules<'_> {
     fn check_no_column_has(&self, name: &str) -> Result<(), Fault> {
-        let of_response = self.study.responses.iter().any(|response| {
+        let of_response = self.responses.iter().any(|response| {
             let rest = name.strip_prefix(response.name.as_str());
             rest.is_some_and(|rest| rest.is_empty() || SUFFIXES.contains(&rest))
         });
@@ -97,7 +100,7 @@ impl Setting<'_> {
                     "`choices`, or `from` and `to`",
                 ));
             }
-            let range = name == "balls" || find_parameter(name, self.study.model()).is_ok();
+            let range = name == "balls" || find_parameter(name, self.plan.model()).is_ok();
             if range {
                 let allowed = "`from` and `to`, or another name for the choices";
                 return Err(path.wrong_key("choices with the name of a parameter", name, allowed));
@@ -111,7 +114,7 @@ impl Setting<'_> {
         let parameter = self.parameter(name).map_err(|fault| path.refuse_key(fault))?;
         for (key, end) in [("from", from), ("to", to)] {
             let path = path.key(key);
-            parameter.check(end, self.study.model()).map_err(|fault| path.refuse_value(fault))?;
+            parameter.check(end, self.plan.model()).map_err(|fault| path.refuse_value(fault))?;
         }
         Ok(Domain::Parameter { parameter, from, to })
     }
@@ -130,12 +133,12 @@ impl Setting<'_> {
     }
 
     fn balls(&self, path: &SourcePath<'_>, from: f64, to: f64) -> Result<Domain, StudyError> {
-        if self.study.model().ball_balancer().is_none() {
-            let found = format!("kind: {}", self.study.model().kind().name);
+        if self.plan.model().ball_balancer().is_none() {
+            let found = format!("kind: {}", self.plan.model().kind().name);
             return Err(path.wrong_key("only for a ball balancer", found, "kind: ball_balancer"));
         }
-        self.study.base.check_number_varies().map_err(|fault| path.refuse_key(fault))?;
-        if self.study.sweeps_balls() {
+        self.plan.base.check_number_varies().map_err(|fault| path.refuse_key(fault))?;
+        if self.plan.sweeps_balls() {
             return Err(path.refuse_key(varied_twice("balls", "balls", "sweep")));
         }
         for (key, end) in [("from", from), ("to", to)] {
@@ -146,22 +149,22 @@ impl Setting<'_> {
 
     /// Returns the numeric parameter of this name if nothing else varies it.
     fn parameter(&self, name: &str) -> Result<Parameter, Fault> {
-        let parameter = find_parameter(name, self.study.model())?;
+        let parameter = find_parameter(name, self.plan.model())?;
         if !parameter.is_number() {
             return Err(Fault::new("not a number", name, "a numeric parameter"));
         }
-        self.study.base.check_varied(parameter)?;
+        self.plan.base.check_varied(parameter)?;
         let exists = |ball| parameter == parameter.of_one_member(ball);
         if parameter.is_of_balls() && (self.min_balls + 1..=MAX_BALLS).any(exists) {
             let allowed = format!("a ball that every design has, 1 to {}", self.min_balls);
             return Err(Fault::new("some designs do not have this ball", name, allowed));
         }
         // A factor does not set the parameter itself, so a design may vary it.
-        let drawn = self.study.uncertain_parameters.iter();
+        let drawn = self.plan.uncertain_parameters.iter();
         let drawn = drawn.filter(|one| !one.factor || one.parameter != parameter);
         let drawn = drawn.map(|one| one.parameter);
         for (place, mut others) in [
-            ("sweep", self.study.swept_parameters.clone()),
+            ("sweep", self.plan.swept_parameters.clone()),
             ("uncertain", drawn.collect::<Vec<_>>()),
         ] {
             others.retain(|other| {
@@ -189,7 +192,7 @@ impl Setting<'_> {
             for (key, value) in values {
                 let path = path.key(key);
                 let parameter = self.parameter(key).map_err(|fault| path.refuse_key(fault))?;
-                let checked = parameter.check(*value, self.study.model());
+                let checked = parameter.check(*value, self.plan.model());
                 checked.map_err(|fault| path.refuse_value(fault))?;
                 own.push((parameter, *value));
             }

@@ -1,0 +1,112 @@
+//! Reads study files: from text to a [`Study`].
+
+use crate::study::error::{Fault, StudyError};
+use crate::study::file::decode::decode;
+use crate::study::file::key_path::KeyPath;
+use crate::study::file::ranges::expand_ranges;
+use crate::study::file::read_file::read_text;
+use crate::study::file::resolved_yaml::block_text;
+use crate::study::file::schema_place::SchemaPlace;
+use crate::study::file::study_file::StudyFile;
+use crate::study::file::table_folders::TableFolders;
+use crate::study::file::unit_keys::{Names, add_restitution};
+use crate::study::file::yaml_tree::{Content, Source};
+use crate::study::plan::planned_study::Study;
+use crate::study::resolve::further_errors::{Found, leave_out, with_further_errors};
+use crate::study::resolve::model::check_parameters;
+use crate::study::resolve::system::read_system;
+use crate::study::resolve::whole_study::resolve;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The version of the study file's format that this program reads.
+const SCHEMA: u64 = 1;
+
+impl Study {
+    /// Reads and validates a study file and the tables that it names. Tables are in the directory
+    /// of the study file or below it.
+    pub fn load(path: &Path) -> Result<Study, StudyError> {
+        Study::load_with_tables(path, &[])
+    }
+
+    /// Reads a study file like [`Study::load`], and grants access to tables in further directories
+    /// and below them. The paths of tables stay relative to the study file, so that the directories
+    /// never change the meaning of a study.
+    pub fn load_with_tables(path: &Path, directories: &[PathBuf]) -> Result<Study, StudyError> {
+        let text = read_text(path).map_err(|fault| StudyError::about_file(path, fault))?;
+        Study::parse_with_tables(path, text, directories)
+    }
+
+    /// Parses a study from the text of a file of this name. The paths of tables are relative to
+    /// this file.
+    pub fn parse(file: &Path, text: String) -> Result<Study, StudyError> {
+        Study::parse_with_tables(file, text, &[])
+    }
+
+    /// Parses a study from the keys and values of a study file. Messages show them in the notation of a file of this name,
+    /// to which the paths of tables are relative, with access to tables in further directories.
+    pub fn from_value(
+        file: &Path,
+        value: &Value,
+        directories: &[PathBuf],
+    ) -> Result<Study, StudyError> {
+        Study::parse_with_tables(file, block_text(value), directories)
+    }
+
+    /// Parses a study like [`Study::parse`], and grants access to tables in further directories.
+    pub fn parse_with_tables(
+        file: &Path,
+        text: String,
+        directories: &[PathBuf],
+    ) -> Result<Study, StudyError> {
+        let is_short = text.len() <= MOST_REREAD;
+        let copy = if is_short { text.clone() } else { String::new() };
+        read(file, text, directories, &[]).map_err(|(_, error)| match is_short {
+            true => with_further_errors(error, |without| {
+                read(file, copy.clone(), directories, without).map(|_| ())
+            }),
+            false => error,
+        })
+    }
+}
+
+/// The longest study that is read again for further errors, in bytes.
+const MOST_REREAD: usize = 100_000;
+
+/// Reads a study without some of its keys.
+fn read(
+    file: &Path,
+    text: String,
+    directories: &[PathBuf],
+    without: &[KeyPath],
+) -> Result<Study, (Found, StudyError)> {
+    let in_key = |error| (Found::InKey, error);
+    let folders = TableFolders::new(file, directories).map_err(in_key)?;
+    let mut source = Source::new(file, text).map_err(in_key)?;
+    without.iter().for_each(|path| leave_out(&mut source.root, path));
+    check_schema(&source).map_err(in_key)?;
+    read_system(&mut source, &folders).map_err(in_key)?;
+    expand_ranges(&mut source).map_err(in_key)?;
+    add_restitution(&mut source.root);
+    let names = Names::of(&source.root);
+    check_parameters(&source, &names).map_err(in_key)?;
+    let written: StudyFile =
+        decode(&source, &names, Some(SchemaPlace::declared())).map_err(in_key)?;
+    source.units = names.into_units();
+    let between = |error| (Found::BetweenKeys, error);
+    resolve(&source, &Arc::new(source.outline()), &written, &folders).map_err(between)
+}
+
+/// Checks the version first, because the keys of another version may be unknown.
+fn check_schema(source: &Source) -> Result<(), StudyError> {
+    let Some(node) = source.root.get("schema") else { return Ok(()) };
+    match node.content {
+        Content::Natural(SCHEMA) => Ok(()),
+        _ => {
+            let allowed = format!("{SCHEMA}, the version that this program reads");
+            let fault = Fault::new("unknown version of the format", node.describe(), allowed);
+            Err(source.path("schema").refuse_value(fault))
+        }
+    }
+}
