@@ -53,7 +53,7 @@ pub(super) enum KernelChoice {
 pub(super) fn simulate_with(kernel: KernelChoice, level: SimdLevel, runs: &mut dyn Runs) {
     let mut upcoming = next_sound(kernel, runs);
     while let Some(first) = upcoming {
-        upcoming = Lockstep::new((kernel, level), runs, first).go();
+        upcoming = Lockstep::new((kernel, level), runs, first).compute();
     }
 }
 
@@ -154,7 +154,7 @@ impl<'a> Lockstep<'a> {
     }
 
     /// Computes runs until none is left that fits the lanes. Returns the next run after those.
-    fn go(mut self) -> Option<Upcoming> {
+    fn compute(mut self) -> Option<Upcoming> {
         let mut fullest = 0;
         loop {
             while std::mem::take(&mut self.moved) {
@@ -179,12 +179,12 @@ impl<'a> Lockstep<'a> {
             let Some(lane) = group.empty_lane() else { return };
             group.put(lane, &saved, run.end());
             if let Some(recorder) = self.runs.recorder() {
-                run.show(recorder, group.as_ref(), lane);
+                run.record(recorder, group.as_ref(), lane);
             }
             let number = run.number;
-            let (next, run) = run.begins(group.as_mut(), lane);
+            let (next, run) = run.begin(group.as_mut(), lane);
             members[lane] = run;
-            self.goes_on(team, lane, number, next);
+            self.apply(team, lane, number, next);
         }
     }
 
@@ -251,8 +251,8 @@ impl<'a> Lockstep<'a> {
             let Team { group: Some(group), members, .. } = &mut self.teams[team] else { return };
             let Some(run) = &mut members[lane] else { continue };
             let number = run.number;
-            let next = run.look(group.as_mut(), lane, &report);
-            self.goes_on(team, lane, number, next);
+            let next = run.examine(group.as_mut(), lane, &report);
+            self.apply(team, lane, number, next);
         }
     }
 
@@ -265,13 +265,13 @@ impl<'a> Lockstep<'a> {
             if let Some(run) = run
                 && report.taken & 1 << lane != 0
             {
-                run.show(recorder, group.as_ref(), lane);
+                run.record(recorder, group.as_ref(), lane);
             }
         }
     }
 
     /// Continues, moves or ends a run in a lane.
-    fn goes_on(&mut self, team: usize, lane: usize, number: u64, next: NextAction) {
+    fn apply(&mut self, team: usize, lane: usize, number: u64, next: NextAction) {
         if matches!(next, NextAction::Stay) {
             return;
         }

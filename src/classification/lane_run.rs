@@ -113,22 +113,22 @@ impl LaneRun {
     }
 
     /// Must be called when the run has been put into a lane: it may be at rest already.
-    pub(super) fn begins(
+    pub(super) fn begin(
         mut self: Box<Self>,
         group: &mut dyn LaneGroup,
         lane: usize,
     ) -> (NextAction, Option<Box<Self>>) {
         if self.stages.is_last() && self.rests(group, lane) {
-            return (self.ends(group, lane, Ending::Rest), None);
+            return (self.end_with(group, lane, Ending::Rest), None);
         }
         group.set_reporting(lane, !matches!(self.watch, CycleWatch::None));
         self.stages.watch(group, lane);
-        self.plan(group, lane);
+        self.schedule_inspection(group, lane);
         (NextAction::Stay, Some(self))
     }
 
     /// Passes the latest step, or the start of a stage, to a recorder.
-    pub(super) fn show(&self, recorder: &mut RunRecorder, group: &dyn LaneGroup, lane: usize) {
+    pub(super) fn record(&self, recorder: &mut RunRecorder, group: &dyn LaneGroup, lane: usize) {
         let step = LaneStep { group, lane, view: &self.view };
         recorder.take_in(&step);
         if !self.stages.is_last() && step.time() >= self.end() {
@@ -137,7 +137,7 @@ impl LaneRun {
     }
 
     /// Evaluates the latest step.
-    pub(super) fn look(
+    pub(super) fn examine(
         &mut self,
         group: &mut dyn LaneGroup,
         lane: usize,
@@ -145,7 +145,7 @@ impl LaneRun {
     ) -> NextAction {
         let bit = 1 << lane;
         if let Some(failure) = report.failure(lane) {
-            return self.ends(group, lane, Ending::Failure(failure));
+            return self.end_with(group, lane, Ending::Failure(failure));
         }
         let time = group.time(lane);
         if report.larger & bit != 0 {
@@ -154,7 +154,7 @@ impl LaneRun {
         }
         if !self.stages.is_last() {
             if time >= self.end() {
-                return self.enters(group, lane);
+                return self.enter_next_stage(group, lane);
             }
             return NextAction::Stay;
         }
@@ -162,7 +162,7 @@ impl LaneRun {
         self.measure(&*group, lane);
         let separation = &mut self.horizons.now.window.separation;
         if perturbed {
-            self.separate(group, lane, time, report.attention & bit != 0);
+            self.track_separation(group, lane, time, report.attention & bit != 0);
         } else if separation.follows(time) && !separation.has_begun() {
             let mut perturbation = lyapunov::perturbation(&self.view);
             self.view.keep_together(group.phases(lane), &mut perturbation);
@@ -175,35 +175,35 @@ impl LaneRun {
             let since = if still { group.time_before(lane) } else { time };
             let at = (group.phases(lane), &*group.state(lane));
             if self.settled.look(&self.view, at, [since, time, self.horizons.now.end]) {
-                return self.ends(group, lane, Ending::Settled);
+                return self.end_with(group, lane, Ending::Settled);
             }
         }
         let may_close = (report.event | report.round | report.turned) & bit != 0;
         if may_close || self.watch.sees_each_step() {
             let step = LaneStep { group: &*group, lane, view: &self.view };
             if let Some(ending) = self.watch.closes(&self.settings, &step) {
-                return self.ends(group, lane, ending);
+                return self.end_with(group, lane, ending);
             }
         }
         if time >= self.horizons.now.end {
-            return self.ends_in_time(group, lane);
+            return self.end_or_extend(group, lane);
         }
         if report.rest & bit != 0 && self.rests(group, lane) {
-            return self.ends(group, lane, Ending::Rest);
+            return self.end_with(group, lane, Ending::Rest);
         }
-        self.plan(group, lane);
+        self.schedule_inspection(group, lane);
         if self.is_perturbed(time) == perturbed { NextAction::Stay } else { NextAction::Move }
     }
 
     /// Goes on to the next stage.
-    fn enters(&mut self, group: &dyn LaneGroup, lane: usize) -> NextAction {
+    fn enter_next_stage(&mut self, group: &dyn LaneGroup, lane: usize) -> NextAction {
         let (Some(saved), Some(stage)) = (group.copy(lane), self.stages.upcoming()) else {
             return NextAction::Stay;
         };
         let (state, lifted) = stage.entered(Some(self.stages.present()), saved.state());
         let saved = match saved.enters(&stage.system, &state, lifted) {
             Ok(saved) => saved,
-            Err(failure) => return self.ends(group, lane, Ending::Failure(failure)),
+            Err(failure) => return self.end_with(group, lane, Ending::Failure(failure)),
         };
         let view = view_of(stage);
         let ended = self.stages.outcome(&LaneStep { group, lane, view: &self.view }, &self.units);
@@ -224,7 +224,7 @@ impl LaneRun {
 
     /// Records the growth of the perturbation when that is due or its size is out of range. Other
     /// inspections of the run do not affect the result.
-    fn separate(&mut self, group: &mut dyn LaneGroup, lane: usize, time: f64, asked: bool) {
+    fn track_separation(&mut self, group: &mut dyn LaneGroup, lane: usize, time: f64, asked: bool) {
         if !asked {
             return;
         }
@@ -249,7 +249,7 @@ impl LaneRun {
 
     /// Schedules the next inspection of the run, and saves the run if its end time may affect the
     /// next step.
-    fn plan(&mut self, group: &mut dyn LaneGroup, lane: usize) {
+    fn schedule_inspection(&mut self, group: &mut dyn LaneGroup, lane: usize) {
         if !self.stages.is_last() {
             return;
         }
@@ -275,7 +275,7 @@ impl LaneRun {
     }
 
     /// Ends the run at its end time, or continues it to the later one.
-    fn ends_in_time(&mut self, group: &dyn LaneGroup, lane: usize) -> NextAction {
+    fn end_or_extend(&mut self, group: &dyn LaneGroup, lane: usize) -> NextAction {
         let forms = || self.view.rest_forms();
         let rests = all_stick(group.phases(lane))
             && forms().is_some_and(|forms| forms.rests(&group.state(lane)));
@@ -295,7 +295,7 @@ impl LaneRun {
         NextAction::Done(Box::new(outcome))
     }
 
-    fn ends(&self, group: &dyn LaneGroup, lane: usize, ending: Ending) -> NextAction {
+    fn end_with(&self, group: &dyn LaneGroup, lane: usize, ending: Ending) -> NextAction {
         NextAction::Done(Box::new(self.outcome(group, lane, ending)))
     }
 }

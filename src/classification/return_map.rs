@@ -56,7 +56,7 @@ impl ReturnMap<'_> {
     /// Returns one return; `None` if a contact that should rest moves, or the marking contact stops
     /// or does not return.
     pub(super) fn follow(&self, start: &[f64]) -> Option<Return> {
-        self.go(start, &[], |_| {})
+        self.follow_steps(start, &[], |_| {})
     }
 
     /// Returns one return with the derivative of the map.
@@ -66,7 +66,7 @@ impl ReturnMap<'_> {
         }
         let mut columns = Vec::new();
         let mut grazed = false;
-        let end = self.go(start, &self.section.directions(), |step| match step.end {
+        let end = self.follow_steps(start, &self.section.directions(), |step| match step.end {
             None => grazed = step.motion.grazed(),
             Some((time, state)) => {
                 let rate = self.view.evaluator.rates(step.motion.phases_during_step(), state);
@@ -82,7 +82,7 @@ impl ReturnMap<'_> {
     /// Returns one return with the properties of the period.
     pub(super) fn follow_closely(&self, start: &[f64]) -> Option<(Return, Period)> {
         let mut period = Period::new(self.view, self.section, start);
-        let end = self.go(start, &[], |step| period.take_in(self.view, step))?;
+        let end = self.follow_steps(start, &[], |step| period.take_in(self.view, step))?;
         Some((end, period))
     }
 
@@ -97,7 +97,7 @@ impl ReturnMap<'_> {
             let begun = motion.unwrapped();
             let mut since = 0.0;
             loop {
-                let end = self.come_back(motion, (start, &begun), since, |_| {})?;
+                let end = self.follow_to_return(motion, (start, &begun), since, |_| {})?;
                 since = end.time;
                 if let Some(verdict) = judge(&end.state) {
                     return Some(verdict);
@@ -107,7 +107,7 @@ impl ReturnMap<'_> {
     }
 
     /// Follows the motion with perturbed motions. `watch` receives each step.
-    fn go(
+    fn follow_steps(
         &self,
         start: &[f64],
         directions: &[Components],
@@ -115,7 +115,7 @@ impl ReturnMap<'_> {
     ) -> Option<Return> {
         self.with_motion(start, directions, |motion, start| {
             let begun = motion.unwrapped();
-            self.come_back(motion, (start, &begun), 0.0, watch)
+            self.follow_to_return(motion, (start, &begun), 0.0, watch)
         })
     }
 
@@ -143,7 +143,7 @@ impl ReturnMap<'_> {
 
     /// Follows a motion from the time `since` of its start or latest return until it comes back to the section. The positions
     /// of the contacts at its start are those of `start`, and with whole turns those of `begun`.
-    fn come_back(
+    fn follow_to_return(
         &self,
         motion: &mut Motion,
         (start, begun): (&[f64], &[f64]),

@@ -48,6 +48,7 @@ impl Margins {
 
     /// Returns the sign and the offset of the first condition of a contact that does not stick, `sign v + offset` with its
     /// sliding speed `v`, and 1 if the contact sticks, else 0. The condition counts as failed if it is negative by `aim`.
+    #[inline]
     pub(super) fn first_condition(&self, phase: Phase, aim: f64) -> [f64; 3] {
         match phase {
             Phase::Slip(direction) => [direction.sign(), aim - self.band, 0.0],

@@ -7,7 +7,7 @@ use fearless_simd::{mask64x8, prelude::*};
 
 use super::events::{first_event, switch};
 use super::kernel::Kernel;
-use super::kernel_lanes::{KernelLanes, carry};
+use super::kernel_lanes::{KernelLanes, propagate};
 use super::step_report::StepReport;
 use super::{LANES, Lanes};
 use crate::motion::Failure;
@@ -107,7 +107,7 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut KernelLanes<S, K>, perturbed: bool) -> 
     report.round = round.to_bitmask();
     if perturbed {
         g.perturbation_before.clone_from(&g.perturbation);
-        let moved = carry(simd, &g.kernel, &mut g.workspace, &g.perturbation, length);
+        let moved = propagate(simd, &g.kernel, &mut g.workspace, &g.perturbation, length);
         g.kernel.select(&mut g.perturbation, &moved, commits);
         let size = g.kernel.square(&g.perturbation);
         let extreme = size.simd_gt(c!(LARGE)) | size.simd_lt(c!(1.0 / LARGE));

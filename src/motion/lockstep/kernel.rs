@@ -100,7 +100,7 @@ pub(super) trait Kernel<S: Vector>: Sized {
         into: &mut Self::LaneStates,
     );
     /// Propagates perturbations over a step of this length.
-    fn carry(
+    fn propagate(
         &self,
         workspace: &mut Self::Workspace,
         perturbation: &Self::LaneStates,

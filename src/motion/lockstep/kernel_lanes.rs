@@ -107,12 +107,12 @@ impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
 
 /// Propagates perturbations over a step of this length. Not inlined, because it is large and called twice.
 #[inline(never)]
-pub(super) fn carry<S: Vector, K: Kernel<S>>(
+pub(super) fn propagate<S: Vector, K: Kernel<S>>(
     simd: S,
     kernel: &K,
     workspace: &mut K::Workspace,
     perturbation: &K::LaneStates,
     length: Lanes<S>,
 ) -> K::LaneStates {
-    vectorized!(simd, kernel.carry(workspace, perturbation, length))
+    vectorized!(simd, kernel.propagate(workspace, perturbation, length))
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fearless_simd::prelude::*;
 
 use super::kernel::Kernel;
-use super::kernel_lanes::{KernelLanes, carry};
+use super::kernel_lanes::{KernelLanes, propagate};
 use super::saved_run::SavedRun;
 use super::step_report::StepReport;
 use super::step_states::StepStates;
@@ -272,8 +272,13 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
 
     fn perturbations_within(&mut self, after: f64) -> Vec<Components> {
         let length = Lanes::splat(self.simd, after);
-        let states =
-            carry(self.simd, &self.kernel, &mut self.workspace, &self.perturbation_before, length);
+        let states = propagate(
+            self.simd,
+            &self.kernel,
+            &mut self.workspace,
+            &self.perturbation_before,
+            length,
+        );
         (0..LANES).map(|lane| self.kernel.lane(&states, lane)).collect()
     }
 }

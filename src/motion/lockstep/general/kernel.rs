@@ -371,7 +371,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     }
 
     #[inline(always)]
-    fn carry(
+    fn propagate(
         &self,
         workspace: &mut Self::Workspace,
         perturbation: &Self::LaneStates,

@@ -8,7 +8,7 @@ use fearless_simd::SimdBase;
 use super::equations::contact_along;
 use super::kernel::{BalancerWorkspace, TunedKernel};
 use super::step::within_tolerance;
-use super::tangent::carry;
+use super::tangent::propagate;
 use crate::model::{Balancer, Dual, FrictionLaw, Machine, Method, Number, State, System};
 use crate::motion::lockstep::SavedRun;
 use crate::motion::lockstep::kernel::Kernel;
@@ -150,7 +150,7 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
     kernel.expand(workspace, state, false);
     let lengths = within_tolerance(&workspace.series, *tolerance, *next).min(longest);
     let BalancerWorkspace { series, perturbed, .. } = &mut **workspace;
-    let moved = carry(series, (&kernel.equations, None), perturbation, lengths, perturbed);
+    let moved = propagate(series, (&kernel.equations, None), perturbation, lengths, perturbed);
     for (lane, balancer) in balancers.iter().enumerate() {
         let start = group.state.lane(lane).along(&group.perturbation.lane(lane));
         let along = integrated(balancer, group.phases(lane), &start, (lengths[lane], 16));

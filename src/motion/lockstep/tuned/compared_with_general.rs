@@ -127,7 +127,7 @@ fn step<S: Vector, K: Kernel<S>>(simd: S, kernel: K, runs: &[SavedRun]) -> Step 
         (0..start.len()).map(sum).collect()
     });
     let sums = sums.collect();
-    let moved = kernel.carry(workspace, perturbation, length);
+    let moved = kernel.propagate(workspace, perturbation, length);
     Step {
         ends: (0..LANES).map(|lane| kernel.lane(&end, lane)).collect(),
         perturbations: (0..LANES).map(|lane| kernel.lane(&moved, lane)).collect(),

@@ -148,6 +148,7 @@ impl<S: Vector, const N: usize> Equations<S, N> {
 }
 
 /// Returns how friction acts on a contact in a phase.
+#[inline]
 pub(super) fn contact(phase: Phase, friction: &Friction, speed: f64) -> Contact {
     match phase {
         Phase::Stick | Phase::Apart | Phase::Open | Phase::Closed => Contact::STICK,

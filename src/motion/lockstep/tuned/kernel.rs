@@ -286,7 +286,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     }
 
     #[inline(always)]
-    fn carry(
+    fn propagate(
         &self,
         workspace: &mut Self::Workspace,
         perturbation: &Self::LaneStates,
@@ -294,7 +294,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     ) -> Self::LaneStates {
         let BalancerWorkspace { series, perturbed, .. } = workspace;
         let equations = (&self.equations, self.drive.as_deref());
-        tangent::carry(series, equations, perturbation, length, perturbed)
+        tangent::propagate(series, equations, perturbation, length, perturbed)
     }
 
     #[inline(always)]

@@ -120,7 +120,7 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
 /// Propagates perturbations over a step of this length, in all lanes; `perturbed` is work space. A perturbation does not
 /// shift the time, and has no higher powers if the speed of the disc changes.
 #[inline(always)]
-pub(super) fn carry<S: Vector, const N: usize>(
+pub(super) fn propagate<S: Vector, const N: usize>(
     series: &BalancerSeries<S, N>,
     (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
     perturbation: &BalancerLaneStates<S, N>,
