@@ -22,7 +22,7 @@ use crate::study::Study;
 use crate::table::{Circumstances, PointRow, ResultsError, RunRecord};
 
 /// A study that has been computed.
-pub struct RunReport<'a> {
+pub struct Ran<'a> {
     /// The counts of runs, and why the computation stopped.
     pub totals: RunTotals,
     /// The facts for the manifest.
@@ -31,7 +31,7 @@ pub struct RunReport<'a> {
     table: PointsTable<'a>,
 }
 
-impl RunReport<'_> {
+impl Ran<'_> {
     /// Returns how the command ends.
     pub fn end(&self) -> End {
         match self.totals.stopped {
@@ -156,7 +156,7 @@ pub fn run_on_engine<'a>(
     arguments: &EngineArguments,
     store: Option<&mut Store>,
     sink: &mut impl Sink<Error = ResultsError>,
-) -> Result<RunReport<'a>, CliError> {
+) -> Result<Ran<'a>, CliError> {
     let begun = Circumstances::begin(options.shard.to_string(), options.shard.most_runs(study));
     let stop = stop_on_signals();
     let planned = Planned {
@@ -174,7 +174,7 @@ pub fn run_on_engine<'a>(
     let wall = progress.close();
     let totals = ended?;
     progress.ended(totals.interrupted());
-    Ok(RunReport {
+    Ok(Ran {
         circumstances: Circumstances {
             runs_kept: totals.reused,
             wall_s: wall.as_secs_f64(),
