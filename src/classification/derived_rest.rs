@@ -44,7 +44,7 @@ impl DerivedRest {
     /// Returns the forms of a system with these components that belong to no contact, if its contacts can rest.
     pub(super) fn of(evaluator: &Evaluator, free: &[usize]) -> Option<Self> {
         let graph = evaluator.graph();
-        let contacts = 0..graph.contacts.len();
+        let contacts = 0..graph.layout.contacts.len();
         let speeds: Option<Vec<usize>> =
             contacts.map(|contact| graph.speed_component(contact)).collect();
         let mut forms = DerivedRest {

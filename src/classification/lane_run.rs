@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use super::cycle_watch::CycleWatch;
-use super::follow::{Horizons, continues};
+use super::horizons::{Horizons, continues};
 use super::lane_step::LaneStep;
 use super::lyapunov;
 use super::outcome::Outcome;
@@ -108,7 +108,7 @@ impl LaneRun {
 
     /// Returns whether the run needs a perturbation at a time.
     pub(super) fn is_perturbed(&self, time: f64) -> bool {
-        let separation = &self.horizons.now.window.separation;
+        let separation = &self.horizons.now.statistics.separation;
         separation.has_begun() && separation.follows(time)
     }
 
@@ -160,7 +160,7 @@ impl LaneRun {
         }
         let perturbed = self.is_perturbed(time);
         self.measure(&*group, lane);
-        let separation = &mut self.horizons.now.window.separation;
+        let separation = &mut self.horizons.now.statistics.separation;
         if perturbed {
             self.track_separation(group, lane, time, report.attention & bit != 0);
         } else if separation.follows(time) && !separation.has_begun() {
@@ -219,7 +219,7 @@ impl LaneRun {
     fn measure(&mut self, group: &dyn LaneGroup, lane: usize) {
         let step = LaneStep { group, lane, view: &self.view };
         self.watch.take_in(&step);
-        self.horizons.now.window.take_in(&step);
+        self.horizons.now.statistics.take_in(&step);
     }
 
     /// Records the growth of the perturbation when that is due or its size is out of range. Other
@@ -230,14 +230,14 @@ impl LaneRun {
         }
         let (mut perturbation, grazed) = group.perturbation(lane);
         let size = lyapunov::size(&self.view, &perturbation);
-        let due = time >= self.horizons.now.window.separation.next_mark();
+        let due = time >= self.horizons.now.statistics.separation.next_mark();
         if !due && HANDY.contains(&size) {
             return;
         }
         perturbation.iter_mut().for_each(|component| *component *= 1.0 / size);
         group.perturb(lane, &perturbation);
         let progress = lyapunov::progress(&LaneStep { group, lane, view: &self.view });
-        self.horizons.now.window.separation.grow(time, size, grazed, progress);
+        self.horizons.now.statistics.separation.grow(time, size, grazed, progress);
     }
 
     /// Returns whether all contacts stick and can never break loose again.
@@ -253,14 +253,14 @@ impl LaneRun {
         if !self.stages.is_last() {
             return;
         }
-        let TailStatistics { window, separation, .. } = &self.horizons.now.window;
+        let TailStatistics { window, separation, .. } = &self.horizons.now.statistics;
         let mut attention = if self.watch.sees_each_step() { 0.0 } else { window.start };
         if !separation.has_begun() {
             attention = attention.min(separation.start);
         } else if self.is_perturbed(group.time(lane)) {
             attention = attention.min(separation.next_mark());
         }
-        if let Some(later) = self.horizons.later.as_ref().map(|later| &later.window)
+        if let Some(later) = self.horizons.later.as_ref().map(|later| &later.statistics)
             && self.kept.is_none()
         {
             let depends = later.start().min(self.horizons.now.end);

@@ -17,15 +17,15 @@
 //! | `undecided` | `end_time` | none of the above until the end time |
 //! | `failed` | the failure's kind | the motion could not be continued |
 //!
-//! A run with no such ending at its end time may be continued to a later one (`follow`).
+//! A run with no such ending at its end time may be continued to a later one (`horizons`).
 //!
 //! Read first `stuck_motion` and `derived_rest`, which prove that contacts never break loose, then `system_view`, the system
-//! as the other files see it, and `lane_step`, the latest step of a run. `peak`, `window` and `output_watch` measure a run,
+//! as the other files see it, and `lane_step`, the latest step of a run. `window` and `output_watch` measure a run,
 //! and `cycle`, `stages` and `outcome` are its results.
 //!
 //! The next files give the evidence: `rest_in_touch`, `settled` and `creep` for rest; `section`, `period`, `return_map`,
 //! `closed_orbit`, `torus`, `passages`, `periodic_creep` and `orbit` for motions that repeat, and `block_cycle` for those
-//! of a single body; `lyapunov` for irregular motions. `tail_statistics` measures the last part of a run, and `follow`
+//! of a single body; `lyapunov` for irregular motions. `tail_statistics` measures the last part of a run, and `horizons`
 //! has its end times.
 //!
 //! `cycle_watch`, `lane_run` and `run_outcome` belong together: `lane_run` examines a run after each step, `cycle_watch`
@@ -38,8 +38,8 @@ mod creep;
 mod cycle;
 mod cycle_watch;
 mod derived_rest;
-mod follow;
 mod gap_sample;
+mod horizons;
 mod in_lockstep;
 mod lane_run;
 mod lane_step;
@@ -48,7 +48,6 @@ mod orbit;
 mod outcome;
 mod output_watch;
 mod passages;
-mod peak;
 mod period;
 mod periodic_creep;
 mod rest_in_touch;

@@ -149,7 +149,7 @@ impl LaneRun {
                 }
                 CycleWatch::Orbits(_) | CycleWatch::None => Vec::new(),
             },
-            Ending::EndTime => self.horizons.now.window.outputs.measured(false),
+            Ending::EndTime => self.horizons.now.statistics.outputs.measured(false),
             Ending::Failure(_) => Vec::new(),
         };
         let measured = measured.into_iter().chain(std::iter::repeat(OutputOutcome::at(0.0)));
@@ -231,7 +231,7 @@ impl LaneRun {
     /// Returns the outcome of a run at its end time without another ending.
     fn at_end_time(&self, step: &LaneStep, base: Outcome) -> Outcome {
         let natural = self.units.natural_rad_s;
-        let TailStatistics { window, separation, .. } = &self.horizons.now.window;
+        let TailStatistics { window, separation, .. } = &self.horizons.now.statistics;
         let lyapunov = separation.exponent().map(|exponent| in_seconds(exponent, natural));
         let base = Outcome { lyapunov, ..base };
         let orbits = match &self.watch {
