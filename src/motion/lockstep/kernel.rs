@@ -17,12 +17,13 @@ use crate::motion::lockstep::vector::{Vector, vectorized};
 /// Bound on every component of the rate of change if everything is slow.
 pub(super) const STILL: f64 = 1e-6;
 
+/// Ratio of the longest step to a system's own limit: 5 over the highest frequency, that of the balancer's table in the
+/// turning frame, `1 + |ω|`. The tolerance would allow longer steps, because errors become visible in the next step, but
+/// perturbations are not subject to the tolerance, and the terms of their series are accurate up to this length.
+pub(super) const LONGEST: f64 = 5.0 / std::f64::consts::FRAC_PI_2;
+
 /// The equations of motion of one kind of system, expanded into power series in all lanes.
 pub(super) trait Kernel<S: Vector>: Sized {
-    /// Ratio of the longest step to a system's own limit. The tolerance would allow longer steps, because errors become
-    /// visible in the next step, but perturbations are not subject to the tolerance, and the terms of their series are
-    /// accurate up to this length.
-    const LONGEST: f64;
     /// The components of a state of each lane.
     type LaneStates: Clone;
     /// The series of a step, of the motion and of a perturbation.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use fearless_simd::prelude::*;
 
-use super::kernel::Kernel;
+use super::kernel::{Kernel, LONGEST};
 use super::kernel_lanes::{KernelLanes, propagate};
 use super::saved_run::SavedRun;
 use super::step_report::StepReport;
@@ -112,7 +112,7 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
         self.time_before[lane] = saved.time;
         self.until[lane] = until;
         self.attention[lane] = f64::INFINITY;
-        self.longest[lane] = K::LONGEST * own.longest_step;
+        self.longest[lane] = LONGEST * own.longest_step;
         self.next[lane] = saved.next;
         self.slow[lane] = own.slow;
         self.taken[lane] = saved.taken;
@@ -189,7 +189,7 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
 
     fn longest(&self, lane: usize) -> f64 {
         let own = self.lanes[lane].as_ref();
-        own.map_or(f64::INFINITY, |own| K::LONGEST * own.longest_step)
+        own.map_or(f64::INFINITY, |own| LONGEST * own.longest_step)
     }
 
     fn time(&self, lane: usize) -> f64 {

@@ -111,8 +111,6 @@ impl<S: Vector> GeneralKernel<S> {
 }
 
 impl<S: Vector> Kernel<S> for GeneralKernel<S> {
-    /// 5 over the highest frequency.
-    const LONGEST: f64 = 5.0 / std::f64::consts::FRAC_PI_2;
     type LaneStates = RecordedLaneStates<S>;
     type Workspace = RecordedWorkspace<S>;
 

@@ -81,8 +81,6 @@ impl<S: Vector, const N: usize> TunedKernel<S, N> {
 }
 
 impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
-    /// 5 over the highest frequency of the table in the turning frame, `1 + |ω|`. Hardly any step is as long.
-    const LONGEST: f64 = 5.0 / std::f64::consts::FRAC_PI_2;
     type LaneStates = BalancerLaneStates<S, N>;
     type Workspace = BalancerWorkspace<S, N>;
 
