@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::block_cycle::BreakAwayWatch;
+use super::ending::Ending;
 use super::lane_step::LaneStep;
 use super::orbit::OrbitWatch;
-use super::run_outcome::Ending;
 use super::section::{SectionMark, marks};
 use super::system_view::SystemView;
 use crate::model::{Endings, Model};

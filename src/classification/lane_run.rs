@@ -5,11 +5,11 @@
 use std::sync::Arc;
 
 use super::cycle_watch::CycleWatch;
+use super::ending::Ending;
 use super::horizons::{Horizons, continues};
 use super::lane_step::LaneStep;
 use super::lyapunov;
 use super::outcome::Outcome;
-use super::run_outcome::Ending;
 use super::run_recorder::RunRecorder;
 use super::settled::SettledWatch;
 use super::stages::Stages;

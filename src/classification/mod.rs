@@ -28,8 +28,8 @@
 //! of a single body; `lyapunov` for irregular motions. `tail_statistics` measures the last part of a run, and `horizons`
 //! has its end times.
 //!
-//! `cycle_watch`, `lane_run` and `run_outcome` belong together: `lane_run` examines a run after each step, `cycle_watch`
-//! seeks its cycle, and `run_outcome` makes its outcome. `gap_sample` and `run_recorder` record its motion, and
+//! `ending` names how a run ends. `cycle_watch` seeks its cycle, `lane_run` examines it after each step, and
+//! `run_outcome` makes its outcome. `gap_sample` and `run_recorder` record its motion, and
 //! `step_limit` bounds its effort. Read `in_lockstep`, which simulates many runs, and `simulate` last.
 
 mod block_cycle;
@@ -38,6 +38,7 @@ mod creep;
 mod cycle;
 mod cycle_watch;
 mod derived_rest;
+mod ending;
 mod gap_sample;
 mod horizons;
 mod in_lockstep;

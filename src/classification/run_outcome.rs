@@ -4,11 +4,11 @@ use super::closed_orbit::Orbit;
 use super::creep::{creeps, may_creep};
 use super::cycle::Cycle;
 use super::cycle_watch::CycleWatch;
+use super::ending::Ending;
 use super::lane_run::LaneRun;
 use super::lane_step::LaneStep;
 use super::outcome::{ClosedOrbit, Evidence, LyapunovExponent, Outcome, Rest, TouchingOutcome};
 use super::output_watch::OutputOutcome;
-use super::periodic_creep::Creep;
 use super::rest_in_touch::friction_margin;
 use super::system_view::ContactPlace;
 use super::tail_statistics::TailStatistics;
@@ -21,24 +21,6 @@ const NEARLY_SINGULAR: f64 = 1e-3;
 
 /// The time over which rates of change of outputs are differences.
 const AHEAD: f64 = 1e-6;
-
-/// How the simulation ended.
-pub(super) enum Ending {
-    /// All contacts stick for good.
-    Rest,
-    /// An equilibrium without dry friction is near.
-    Settled,
-    /// The run is on a cycle of revolving contacts.
-    Orbit(Box<Orbit>),
-    /// The run is on a cycle between break-aways of its single contact.
-    BreakAways { period: f64 },
-    /// The run creeps under a periodic force.
-    Creep(Box<Creep>),
-    /// The end time was reached.
-    EndTime,
-    /// The motion could not be continued.
-    Failure(Failure),
-}
 
 /// Returns the latest of some times.
 fn latest(times: &[f64]) -> f64 {
