@@ -11,7 +11,7 @@ use super::cycle::{CyclePhase, TouchingPair};
 use super::output_watch::OutputOutcome;
 use super::period::Period;
 use super::return_map::{Return, ReturnMap, cost_of_a_step};
-use super::section::Mark;
+use super::section::SectionMark;
 use super::settled::SLOW;
 use super::system_view::ContactPlace;
 use crate::model::Components;
@@ -101,11 +101,11 @@ struct Closed<'a> {
 }
 
 /// Phases and state of a run at a passage through the section.
-pub(super) type Passed<'a> = (&'a Phases, &'a Components);
+pub(super) type PassageState<'a> = (&'a Phases, &'a Components);
 
 /// Refines the orbit near the latest passage of a run, the first one of `passed`, and classifies it. An orbit counts as
 /// closed if its closing error is at most `closure`; the refinement aims for less.
-pub(super) fn examine(map: ReturnMap, passed: &[Passed], closure: f64) -> Option<Verdict> {
+pub(super) fn examine(map: ReturnMap, passed: &[PassageState], closure: f64) -> Option<Verdict> {
     let (_, run) = passed.first()?;
     let closed = in_fewest_turns(shoot(map, run, closure)?, closure);
     if is_equilibrium(&closed) {
@@ -214,7 +214,7 @@ fn in_fewest_turns(closed: Closed, closure: f64) -> Closed {
 /// Returns whether the run has approached the orbit in its latest returns, for which its motion need not be followed further:
 /// in the later half of them, the greatest distance is smaller than in the earlier half, by a part of what the largest
 /// multiplier gives.
-fn has_attracted(closed: &Closed, passed: &[Passed], largest_multiplier: f64) -> bool {
+fn has_attracted(closed: &Closed, passed: &[PassageState], largest_multiplier: f64) -> bool {
     let Closed { map, state: orbit, .. } = closed;
     let returns = passed.iter().step_by(map.turns);
     let distances: Vec<f64> = returns
@@ -262,7 +262,7 @@ fn orbit(closed: &Closed, end: &Return, period: Period, multipliers: Vec<f64>) -
     let turned: Vec<f64> = contacts
         .clone()
         .map(|(index, contact)| match section.mark {
-            Mark::Round { contact, direction, may_stop: false } if contact == index => {
+            SectionMark::Round { contact, direction, may_stop: false } if contact == index => {
                 direction * turns as f64 * std::f64::consts::TAU
             }
             _ => end.state[contact.position] - closed.state[contact.position],
@@ -272,7 +272,7 @@ fn orbit(closed: &Closed, end: &Return, period: Period, multipliers: Vec<f64>) -
         let turns = if contact.angular { turned[index] / std::f64::consts::TAU } else { 0.0 };
         turns.round() as i32
     };
-    let is_forced = matches!(section.mark, Mark::Period(_));
+    let is_forced = matches!(section.mark, SectionMark::Period(_));
     let rests = section.rests.contains(&true)
         && (0..section.rests.len())
             .all(|index| section.rests[index] || is_forced && period.is_idle(index));

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::block_cycle::BreakAwayWatch;
+use super::ending::Ending;
 use super::lane_step::LaneStep;
 use super::orbit::OrbitWatch;
-use super::run_outcome::Ending;
-use super::section::{Mark, marks};
+use super::section::{SectionMark, marks};
 use super::system_view::SystemView;
 use crate::model::{Endings, Model};
 use crate::motion::{Evaluator, Settings};
@@ -42,7 +42,7 @@ pub fn found_endings(model: &Model) -> FoundEndings {
 /// Returns whether periods of a forcing, or turning points of several bodies or of one body with several contacts, can mark cycles.
 fn has_orbits(view: &SystemView) -> bool {
     match marks(view).first() {
-        Some(Mark::Period(_)) => true,
+        Some(SectionMark::Period(_)) => true,
         Some(_) => view.dimension() > 2 || view.contacts.len() > 1 && !BreakAwayWatch::suits(view),
         None => false,
     }

@@ -12,7 +12,6 @@ use nalgebra::{DMatrix, DVector};
 use smallvec::SmallVec;
 
 use super::stuck_motion::{AffineForce, Curvature, Distance, StuckContact, StuckMotion};
-use super::system_view::SystemView;
 use crate::model::{
     Bounded, Components, Degree, Dual, Gap, Interval, NodeId, RestAmplitude, RestForms, TOUCHING,
     strength_that_holds,
@@ -42,16 +41,17 @@ pub(super) struct DerivedRest {
 }
 
 impl DerivedRest {
-    /// Returns the forms of a system, if its contacts can rest.
-    pub(super) fn of(view: &SystemView) -> Option<Self> {
-        let graph = view.evaluator.graph();
+    /// Returns the forms of a system with these components that belong to no contact, if its contacts can rest.
+    pub(super) fn of(evaluator: &Evaluator, free: &[usize]) -> Option<Self> {
+        let graph = evaluator.graph();
+        let contacts = 0..graph.layout.contacts.len();
         let speeds: Option<Vec<usize>> =
-            view.contacts.iter().map(|contact| contact.speed).collect();
+            contacts.map(|contact| graph.speed_component(contact)).collect();
         let mut forms = DerivedRest {
-            evaluator: view.evaluator.clone(),
+            evaluator: evaluator.clone(),
             is_affine: false,
-            free: view.free.clone(),
-            positions: view.contacts.iter().map(|contact| contact.position).collect(),
+            free: free.to_vec(),
+            positions: graph.layout.contacts.iter().map(|contact| contact.position).collect(),
             speeds: speeds?,
             vibration: graph.layout.vibration,
             latest: Mutex::default(),
@@ -249,7 +249,7 @@ impl DerivedRest {
         let distance = motion.distance.size(&displaced) + push;
         let gaps = self.closed_gaps(state);
         if self.is_affine {
-            return motion.endures(&gaps, 1.0 + excess, distance, &residual);
+            return motion.holds_all_contacts(&gaps, 1.0 + excess, distance, &residual);
         }
         let curvature = self.curvature(motion, state, distance);
         motion.contracts(&gaps, 1.0 + excess, distance, &residual, &curvature)
@@ -270,7 +270,7 @@ impl RestForms for DerivedRest {
         let Some(motion) = self.motion(state) else { return false };
         let gaps = self.closed_gaps(state);
         let (displaced, push, residual) = self.displaced(&motion, state);
-        motion.endures(&gaps, 1.0, 0.0, &residual)
+        motion.holds_all_contacts(&gaps, 1.0, 0.0, &residual)
             && motion.followed_to_rest(&gaps, displaced, push, &residual)
     }
 
@@ -328,7 +328,7 @@ mod tests {
         let balancer = Balancer::<2>::new(&machine).expect("two balls");
         let system: Arc<dyn System> = Arc::new(balancer);
         let view = SystemView::new(Evaluator::new(Arc::clone(&system)));
-        let derived = DerivedRest::of(&view).expect("affine equations");
+        let derived = DerivedRest::of(&view.evaluator, &view.free).expect("affine equations");
         let mut draws = ChaCha8Rng::seed_from_u64(45);
         let (mut by_both, mut by_one) = ([0; 2], [0; 2]);
         for _ in 0..4000 {
@@ -404,7 +404,7 @@ mod tests {
         let own =
             BallsInContact::<2>::new(&machine, &contact, &[1.0, 1.0 + apart]).expect("two balls");
         let view = SystemView::new(Evaluator::new(Arc::new(own.clone())));
-        let derived = DerivedRest::of(&view).expect("affine equations");
+        let derived = DerivedRest::of(&view.evaluator, &view.free).expect("affine equations");
         let (mut rest, mut helped) = (0, 0);
         for k in 0..2000 {
             let behind = std::f64::consts::TAU * f64::from(k) / 2000.0;

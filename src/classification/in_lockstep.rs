@@ -1,17 +1,17 @@
 //! Simulation of many runs in lockstep: a lane whose run has ended takes the next run.
 //!
-//! Two groups of lanes are advanced alternately, one with displacements (for Lyapunov exponents)
+//! Two groups of lanes are advanced alternately, one with perturbations (for Lyapunov exponents)
 //! and one without, and runs move between them. A run does not depend on its lane or its
 //! neighbours, so that the order of the work does not affect the results.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::lane_run::{LaneRun, Next};
+use super::lane_run::{LaneRun, NextAction};
 use super::outcome::{Evidence, Outcome};
-use super::recorder::Recorder;
+use super::run_recorder::RunRecorder;
 use crate::model::{Case, Components, Recorded, Stage, System};
-use crate::motion::lockstep::{Happened, LANES, LaneGroup, Saved};
+use crate::motion::lockstep::{LANES, LaneGroup, SavedRun, StepReport};
 use crate::motion::{SimdLevel, unwind_if_cancelled};
 
 /// Source of runs and sink of outcomes.
@@ -23,13 +23,13 @@ pub trait Runs {
     fn ended(&mut self, number: u64, outcome: Outcome);
 
     /// Returns the recorder of the run, if there is a single run that is to be recorded.
-    fn recorder(&mut self) -> Option<&mut Recorder> {
+    fn recorder(&mut self) -> Option<&mut RunRecorder> {
         None
     }
 }
 
 /// Simulates runs in lockstep until there are none left. Each outcome is bit for bit that of
-/// [`super::simulate`].
+/// [`super::simulate()`].
 pub fn simulate_in_lockstep(level: SimdLevel, runs: &mut dyn Runs) {
     simulate_with(KernelChoice::Fastest, level, runs);
 }
@@ -53,7 +53,7 @@ pub(super) enum KernelChoice {
 pub(super) fn simulate_with(kernel: KernelChoice, level: SimdLevel, runs: &mut dyn Runs) {
     let mut upcoming = next_sound(kernel, runs);
     while let Some(first) = upcoming {
-        upcoming = Lockstep::new((kernel, level), runs, first).go();
+        upcoming = Lockstep::new((kernel, level), runs, first).compute();
     }
 }
 
@@ -112,7 +112,7 @@ struct Lockstep<'a> {
     runs: &'a mut dyn Runs,
     /// The next run, whose system may need other lanes.
     upcoming: Option<Upcoming>,
-    /// Without displacements and with them; at last for runs in a stage with a system of its own, because the speed of the
+    /// Without perturbations and with them; at last for runs in a stage with a system of its own, because the speed of the
     /// disc changes.
     teams: [Team; 3],
     level: SimdLevel,
@@ -132,7 +132,7 @@ struct Team {
 
 /// A run that waits for a lane.
 struct Waiting {
-    saved: Saved,
+    saved: SavedRun,
     run: Box<LaneRun>,
 }
 
@@ -154,7 +154,7 @@ impl<'a> Lockstep<'a> {
     }
 
     /// Computes runs until none is left that fits the lanes. Returns the next run after those.
-    fn go(mut self) -> Option<Upcoming> {
+    fn compute(mut self) -> Option<Upcoming> {
         let mut fullest = 0;
         loop {
             while std::mem::take(&mut self.moved) {
@@ -179,12 +179,12 @@ impl<'a> Lockstep<'a> {
             let Some(lane) = group.empty_lane() else { return };
             group.put(lane, &saved, run.end());
             if let Some(recorder) = self.runs.recorder() {
-                run.show(recorder, group.as_ref(), lane);
+                run.record(recorder, group.as_ref(), lane);
             }
             let number = run.number;
-            let (next, run) = run.begins(group.as_mut(), lane);
+            let (next, run) = run.begin(group.as_mut(), lane);
             members[lane] = run;
-            self.goes_on(team, lane, number, next);
+            self.apply(team, lane, number, next);
         }
     }
 
@@ -240,39 +240,39 @@ impl<'a> Lockstep<'a> {
     fn step(&mut self, team: usize) {
         unwind_if_cancelled();
         let Some(group) = &mut self.teams[team].group else { return };
-        let happened = group.advance(team % 2 == 1);
+        let report = group.advance(team % 2 == 1);
         if self.recorded {
-            self.record(team, &happened);
+            self.record(team, &report);
         }
-        let mut lanes = happened.any();
+        let mut lanes = report.any();
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
             let Team { group: Some(group), members, .. } = &mut self.teams[team] else { return };
             let Some(run) = &mut members[lane] else { continue };
             let number = run.number;
-            let next = run.look(group.as_mut(), lane, &happened);
-            self.goes_on(team, lane, number, next);
+            let next = run.examine(group.as_mut(), lane, &report);
+            self.apply(team, lane, number, next);
         }
     }
 
     /// Passes the latest step to the recorder.
     #[inline(never)]
-    fn record(&mut self, team: usize, happened: &Happened) {
+    fn record(&mut self, team: usize, report: &StepReport) {
         let Team { group: Some(group), members, .. } = &self.teams[team] else { return };
         let Some(recorder) = self.runs.recorder() else { return };
         for (lane, run) in members.iter().enumerate() {
             if let Some(run) = run
-                && happened.taken & 1 << lane != 0
+                && report.taken & 1 << lane != 0
             {
-                run.show(recorder, group.as_ref(), lane);
+                run.record(recorder, group.as_ref(), lane);
             }
         }
     }
 
     /// Continues, moves or ends a run in a lane.
-    fn goes_on(&mut self, team: usize, lane: usize, number: u64, next: Next) {
-        if matches!(next, Next::Stay) {
+    fn apply(&mut self, team: usize, lane: usize, number: u64, next: NextAction) {
+        if matches!(next, NextAction::Stay) {
             return;
         }
         self.moved = true;
@@ -280,11 +280,11 @@ impl<'a> Lockstep<'a> {
         let left = group.take(lane);
         let run = members[lane].take();
         let (saved, run) = match next {
-            Next::Stay => return,
-            Next::Done(outcome) => return self.runs.ended(number, *outcome),
-            Next::Move => (left, run),
-            Next::Enter(saved) => (Some(*saved), run),
-            Next::Continue(kept) => (Some(kept.0), Some(Box::new(kept.1))),
+            NextAction::Stay => return,
+            NextAction::Done(outcome) => return self.runs.ended(number, *outcome),
+            NextAction::Move => (left, run),
+            NextAction::Enter(saved) => (Some(*saved), run),
+            NextAction::Continue(kept) => (Some(kept.0), Some(Box::new(kept.1))),
         };
         if let (Some(saved), Some(run)) = (saved, run) {
             if let Some(recorder) = self.runs.recorder() {
@@ -303,9 +303,9 @@ impl Team {
 }
 
 /// Returns the team that a run belongs to.
-fn team_of(saved: &Saved, run: &LaneRun) -> usize {
+fn team_of(saved: &SavedRun, run: &LaneRun) -> usize {
     if run.stages.present().is_driven {
         return DRIVEN;
     }
-    usize::from(run.is_displaced(saved.time()))
+    usize::from(run.is_perturbed(saved.time()))
 }

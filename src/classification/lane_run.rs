@@ -5,22 +5,22 @@
 use std::sync::Arc;
 
 use super::cycle_watch::CycleWatch;
-use super::follow::{Horizons, continues};
+use super::ending::Ending;
+use super::horizons::{Horizons, continues};
 use super::lane_step::LaneStep;
-use super::late::Late;
 use super::lyapunov;
 use super::outcome::Outcome;
-use super::recorder::Recorder;
-use super::run_outcome::Ending;
+use super::run_recorder::RunRecorder;
 use super::settled::SettledWatch;
 use super::stages::Stages;
 use super::step_limit::effort_limit;
 use super::system_view::SystemView;
+use super::tail_statistics::TailStatistics;
 use crate::model::{Case, Components, Endings, Extend, Stage, Units};
-use crate::motion::lockstep::{Happened, LaneGroup, Saved};
+use crate::motion::lockstep::{LaneGroup, SavedRun, StepReport};
 use crate::motion::{Evaluator, Failure, Settings, all_stick};
 
-/// Sizes of a displacement that need no renormalisation.
+/// Sizes of a perturbation that need no renormalisation.
 const HANDY: std::ops::Range<f64> = 1e-99..1e99;
 
 /// A run in a lane.
@@ -39,20 +39,20 @@ pub(super) struct LaneRun {
     pub(super) settled: SettledWatch,
     still: bool,
     /// The saved run before its end time had any effect, if the run may be continued.
-    kept: Option<Box<(Saved, LaneRun)>>,
+    kept: Option<Box<(SavedRun, LaneRun)>>,
     pub(super) extended: bool,
 }
 
 /// The action on a run after a step.
-pub(super) enum Next {
+pub(super) enum NextAction {
     /// The run stays in its lane.
     Stay,
-    /// The run moves to other lanes: with displacements or without.
+    /// The run moves to other lanes: with perturbations or without.
     Move,
     /// The run enters its next stage from this saved state.
-    Enter(Box<Saved>),
+    Enter(Box<SavedRun>),
     /// The run continues later from this saved state.
-    Continue(Box<(Saved, LaneRun)>),
+    Continue(Box<(SavedRun, LaneRun)>),
     /// The run has ended.
     Done(Box<Outcome>),
 }
@@ -64,20 +64,20 @@ impl LaneRun {
         case: &Case,
         stages: Vec<Stage>,
         state: &Components,
-    ) -> Result<(Saved, Self), Failure> {
+    ) -> Result<(SavedRun, Self), Failure> {
         let simulation = &case.simulation;
         let units = case.model.units();
         let (first, last) = (&stages[0], &stages[stages.len() - 1]);
         let view = view_of(first);
         let begin = last.begins_s * units.natural_rad_s;
-        let late = |end: f64| Late::within([begin, end], simulation.endings, &view);
+        let late = |end: f64| TailStatistics::within([begin, end], simulation.endings, &view);
         let horizons = Horizons::new(simulation, units.natural_rad_s, late);
         let limit =
             |stage: &Stage| effort_limit(&case.model, stage.system.as_ref(), horizons.latest_end());
         let settings =
             Settings::new(simulation, stages.iter().map(limit).max().unwrap_or_default());
         let (state, lifted) = first.entered(None, state);
-        let saved = Saved::start(&first.system, settings, &state)?;
+        let saved = SavedRun::start(&first.system, settings, &state)?;
         let watch = CycleWatch::new(simulation.endings, &settings, &view);
         let run = LaneRun {
             number,
@@ -106,29 +106,29 @@ impl LaneRun {
         }
     }
 
-    /// Returns whether the run needs a displacement at a time.
-    pub(super) fn is_displaced(&self, time: f64) -> bool {
-        let separation = &self.horizons.now.window.separation;
+    /// Returns whether the run needs a perturbation at a time.
+    pub(super) fn is_perturbed(&self, time: f64) -> bool {
+        let separation = &self.horizons.now.statistics.separation;
         separation.has_begun() && separation.follows(time)
     }
 
     /// Must be called when the run has been put into a lane: it may be at rest already.
-    pub(super) fn begins(
+    pub(super) fn begin(
         mut self: Box<Self>,
         group: &mut dyn LaneGroup,
         lane: usize,
-    ) -> (Next, Option<Box<Self>>) {
+    ) -> (NextAction, Option<Box<Self>>) {
         if self.stages.is_last() && self.rests(group, lane) {
-            return (self.ends(group, lane, Ending::Rest), None);
+            return (self.end_with(group, lane, Ending::Rest), None);
         }
-        group.set_told(lane, !matches!(self.watch, CycleWatch::None));
+        group.set_reporting(lane, !matches!(self.watch, CycleWatch::None));
         self.stages.watch(group, lane);
-        self.plan(group, lane);
-        (Next::Stay, Some(self))
+        self.schedule_inspection(group, lane);
+        (NextAction::Stay, Some(self))
     }
 
     /// Passes the latest step, or the start of a stage, to a recorder.
-    pub(super) fn show(&self, recorder: &mut Recorder, group: &dyn LaneGroup, lane: usize) {
+    pub(super) fn record(&self, recorder: &mut RunRecorder, group: &dyn LaneGroup, lane: usize) {
         let step = LaneStep { group, lane, view: &self.view };
         recorder.take_in(&step);
         if !self.stages.is_last() && step.time() >= self.end() {
@@ -137,73 +137,73 @@ impl LaneRun {
     }
 
     /// Evaluates the latest step.
-    pub(super) fn look(
+    pub(super) fn examine(
         &mut self,
         group: &mut dyn LaneGroup,
         lane: usize,
-        happened: &Happened,
-    ) -> Next {
+        report: &StepReport,
+    ) -> NextAction {
         let bit = 1 << lane;
-        if let Some(failure) = happened.failure(lane) {
-            return self.ends(group, lane, Ending::Failure(failure));
+        if let Some(failure) = report.failure(lane) {
+            return self.end_with(group, lane, Ending::Failure(failure));
         }
         let time = group.time(lane);
-        if happened.larger & bit != 0 {
+        if report.larger & bit != 0 {
             self.stages.take_in(&LaneStep { group: &*group, lane, view: &self.view });
             self.stages.watch(group, lane);
         }
         if !self.stages.is_last() {
             if time >= self.end() {
-                return self.enters(group, lane);
+                return self.enter_next_stage(group, lane);
             }
-            return Next::Stay;
+            return NextAction::Stay;
         }
-        let displaced = self.is_displaced(time);
+        let perturbed = self.is_perturbed(time);
         self.measure(&*group, lane);
-        let separation = &mut self.horizons.now.window.separation;
-        if displaced {
-            self.separate(group, lane, time, happened.attention & bit != 0);
+        let separation = &mut self.horizons.now.statistics.separation;
+        if perturbed {
+            self.track_separation(group, lane, time, report.attention & bit != 0);
         } else if separation.follows(time) && !separation.has_begun() {
-            let mut displacement = lyapunov::displacement(&self.view);
-            self.view.keep_together(group.phases(lane), &mut displacement);
-            group.displace(lane, &displacement);
-            separation.mark(time, lyapunov::course(&LaneStep { group, lane, view: &self.view }));
+            let mut perturbation = lyapunov::perturbation(&self.view);
+            self.view.keep_together(group.phases(lane), &mut perturbation);
+            group.perturb(lane, &perturbation);
+            separation.mark(time, lyapunov::progress(&LaneStep { group, lane, view: &self.view }));
         }
-        let still = happened.still & bit != 0;
+        let still = report.still & bit != 0;
         if still || self.still {
             self.still = still;
             let since = if still { group.time_before(lane) } else { time };
             let at = (group.phases(lane), &*group.state(lane));
             if self.settled.look(&self.view, at, [since, time, self.horizons.now.end]) {
-                return self.ends(group, lane, Ending::Settled);
+                return self.end_with(group, lane, Ending::Settled);
             }
         }
-        let may_close = (happened.event | happened.round | happened.turned) & bit != 0;
+        let may_close = (report.event | report.round | report.turned) & bit != 0;
         if may_close || self.watch.sees_each_step() {
             let step = LaneStep { group: &*group, lane, view: &self.view };
             if let Some(ending) = self.watch.closes(&self.settings, &step) {
-                return self.ends(group, lane, ending);
+                return self.end_with(group, lane, ending);
             }
         }
         if time >= self.horizons.now.end {
-            return self.ends_in_time(group, lane);
+            return self.end_or_extend(group, lane);
         }
-        if happened.rest & bit != 0 && self.rests(group, lane) {
-            return self.ends(group, lane, Ending::Rest);
+        if report.rest & bit != 0 && self.rests(group, lane) {
+            return self.end_with(group, lane, Ending::Rest);
         }
-        self.plan(group, lane);
-        if self.is_displaced(time) == displaced { Next::Stay } else { Next::Move }
+        self.schedule_inspection(group, lane);
+        if self.is_perturbed(time) == perturbed { NextAction::Stay } else { NextAction::Move }
     }
 
     /// Goes on to the next stage.
-    fn enters(&mut self, group: &dyn LaneGroup, lane: usize) -> Next {
+    fn enter_next_stage(&mut self, group: &dyn LaneGroup, lane: usize) -> NextAction {
         let (Some(saved), Some(stage)) = (group.copy(lane), self.stages.upcoming()) else {
-            return Next::Stay;
+            return NextAction::Stay;
         };
         let (state, lifted) = stage.entered(Some(self.stages.present()), saved.state());
         let saved = match saved.enters(&stage.system, &state, lifted) {
             Ok(saved) => saved,
-            Err(failure) => return self.ends(group, lane, Ending::Failure(failure)),
+            Err(failure) => return self.end_with(group, lane, Ending::Failure(failure)),
         };
         let view = view_of(stage);
         let ended = self.stages.outcome(&LaneStep { group, lane, view: &self.view }, &self.units);
@@ -212,32 +212,32 @@ impl LaneRun {
         if self.stages.is_last() {
             self.watch = CycleWatch::new(self.endings, &self.settings, &self.view);
         }
-        Next::Enter(Box::new(saved))
+        NextAction::Enter(Box::new(saved))
     }
 
     /// Adds the latest step to the statistics that have begun.
     fn measure(&mut self, group: &dyn LaneGroup, lane: usize) {
         let step = LaneStep { group, lane, view: &self.view };
         self.watch.take_in(&step);
-        self.horizons.now.window.take_in(&step);
+        self.horizons.now.statistics.take_in(&step);
     }
 
-    /// Records the growth of the displacement when that is due or its size is out of range. Other
+    /// Records the growth of the perturbation when that is due or its size is out of range. Other
     /// inspections of the run do not affect the result.
-    fn separate(&mut self, group: &mut dyn LaneGroup, lane: usize, time: f64, asked: bool) {
+    fn track_separation(&mut self, group: &mut dyn LaneGroup, lane: usize, time: f64, asked: bool) {
         if !asked {
             return;
         }
-        let (mut displacement, grazed) = group.displacement(lane);
-        let size = lyapunov::size(&self.view, &displacement);
-        let due = time >= self.horizons.now.window.separation.next_mark();
+        let (mut perturbation, grazed) = group.perturbation(lane);
+        let size = lyapunov::size(&self.view, &perturbation);
+        let due = time >= self.horizons.now.statistics.separation.next_mark();
         if !due && HANDY.contains(&size) {
             return;
         }
-        displacement.iter_mut().for_each(|component| *component *= 1.0 / size);
-        group.displace(lane, &displacement);
-        let course = lyapunov::course(&LaneStep { group, lane, view: &self.view });
-        self.horizons.now.window.separation.grow(time, size, grazed, course);
+        perturbation.iter_mut().for_each(|component| *component *= 1.0 / size);
+        group.perturb(lane, &perturbation);
+        let progress = lyapunov::progress(&LaneStep { group, lane, view: &self.view });
+        self.horizons.now.statistics.separation.grow(time, size, grazed, progress);
     }
 
     /// Returns whether all contacts stick and can never break loose again.
@@ -249,18 +249,18 @@ impl LaneRun {
 
     /// Schedules the next inspection of the run, and saves the run if its end time may affect the
     /// next step.
-    fn plan(&mut self, group: &mut dyn LaneGroup, lane: usize) {
+    fn schedule_inspection(&mut self, group: &mut dyn LaneGroup, lane: usize) {
         if !self.stages.is_last() {
             return;
         }
-        let Late { window, separation, .. } = &self.horizons.now.window;
+        let TailStatistics { window, separation, .. } = &self.horizons.now.statistics;
         let mut attention = if self.watch.sees_each_step() { 0.0 } else { window.start };
         if !separation.has_begun() {
             attention = attention.min(separation.start);
-        } else if self.is_displaced(group.time(lane)) {
+        } else if self.is_perturbed(group.time(lane)) {
             attention = attention.min(separation.next_mark());
         }
-        if let Some(later) = self.horizons.later.as_ref().map(|later| &later.window)
+        if let Some(later) = self.horizons.later.as_ref().map(|later| &later.statistics)
             && self.kept.is_none()
         {
             let depends = later.start().min(self.horizons.now.end);
@@ -275,7 +275,7 @@ impl LaneRun {
     }
 
     /// Ends the run at its end time, or continues it to the later one.
-    fn ends_in_time(&mut self, group: &dyn LaneGroup, lane: usize) -> Next {
+    fn end_or_extend(&mut self, group: &dyn LaneGroup, lane: usize) -> NextAction {
         let forms = || self.view.rest_forms();
         let rests = all_stick(group.phases(lane))
             && forms().is_some_and(|forms| forms.rests(&group.state(lane)));
@@ -290,13 +290,13 @@ impl LaneRun {
         {
             kept.1.horizons.extend();
             kept.1.extended = true;
-            return Next::Continue(kept);
+            return NextAction::Continue(kept);
         }
-        Next::Done(Box::new(outcome))
+        NextAction::Done(Box::new(outcome))
     }
 
-    fn ends(&self, group: &dyn LaneGroup, lane: usize, ending: Ending) -> Next {
-        Next::Done(Box::new(self.outcome(group, lane, ending)))
+    fn end_with(&self, group: &dyn LaneGroup, lane: usize, ending: Ending) -> NextAction {
+        NextAction::Done(Box::new(self.outcome(group, lane, ending)))
     }
 }
 

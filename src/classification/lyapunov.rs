@@ -1,6 +1,6 @@
 //! Irregular motion: neighbouring motions separate exponentially.
 //!
-//! A small displacement is carried along the motion by the linearised flow, through stick and slip,
+//! A small perturbation is carried along the motion by the linearised flow, through stick and slip,
 //! and rescaled whenever it has grown (G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn,
 //! Meccanica 15 (1980) 9, doi:10.1007/BF02128236; with saltation: P. C. Müller, Chaos Solitons
 //! Fractals 5 (1995) 1671, doi:10.1016/0960-0779(94)00170-U). The mean rate of growth over a window
@@ -9,7 +9,7 @@
 //! The confidence interval of the exponent comes from the scatter of the rates in successive blocks
 //! of the window (batch means: B. Schmeiser, Operations Research 30 (1982) 556,
 //! doi:10.1287/opre.30.3.556). A block consists of one or more of [`PARTS`] equal parts of the window
-//! and contains at least [`COURSES`] turns and switches per contact, so that the rates of successive
+//! and contains at least [`LEAST_TURNS_AND_SWITCHES`] turns and switches per contact, so that the rates of successive
 //! blocks are not positively correlated and the interval is not too narrow. A window with fewer turns
 //! and switches has fewer blocks and a wider interval; one block has no interval.
 //!
@@ -20,7 +20,7 @@
 //!   does not count;
 //! - the interval is positive;
 //! - in the second half of the window, neighbours have separated by at least [`SEPARATED`]. This
-//!   excludes growth by a power of time: a displacement along a family of motions (a ball that rests
+//!   excludes growth by a power of time: a perturbation along a family of motions (a ball that rests
 //!   elsewhere, which changes the speed of another) grows in proportion to time; in the second half
 //!   of a window that is a factor of 2, and for the third power of time a factor of 8;
 //! - the motion itself does not grow: from the first to the second half of the window, the size of the velocity grows neither by
@@ -36,10 +36,10 @@ pub(super) const SEPARATION_WINDOW: f64 = 0.75;
 /// Number of equal parts of the window.
 const PARTS: usize = 10;
 /// Number of parts after which the measurement stops if neighbours have only converged: most
-/// motions are regular, and a displacement costs as much as the motion itself.
+/// motions are regular, and a perturbation costs as much as the motion itself.
 const PILOT: usize = 4;
 /// Minimum number of turns and switches in a block, in the mean over the contacts.
-const COURSES: f64 = 7.0;
+const LEAST_TURNS_AND_SWITCHES: f64 = 7.0;
 /// Minimum number of blocks of an irregular motion.
 const BLOCKS: u8 = 6;
 /// The two-sided 95 % points of Student's distribution for 2 to 10 blocks (1 to 9 degrees of freedom).
@@ -69,24 +69,24 @@ pub(super) struct Separation {
     /// Logarithm of the growth so far.
     growth: f64,
     /// The growth at the start and at the end of each part.
-    marks: Vec<Mark>,
+    marks: Vec<GrowthMark>,
     given_up: bool,
-    /// Whether a switch was met by grazing, so that the displacement is undefined.
+    /// Whether a switch was met by grazing, so that the perturbation is undefined.
     grazed: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Mark {
+struct GrowthMark {
     time: f64,
     growth: f64,
-    course: Course,
+    progress: RunProgress,
 }
 
 /// How far a run has come.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Course {
+pub(super) struct RunProgress {
     /// Turns and switches per contact since the start of the run.
-    pub(super) courses: f64,
+    pub(super) turns_and_switches: f64,
     /// The size of the velocity.
     pub(super) speed: f64,
 }
@@ -97,7 +97,7 @@ impl Separation {
         Separation { start, end, growth: 0.0, marks: Vec::new(), given_up: false, grazed: false }
     }
 
-    /// Returns whether displacements are measured at a time: the window has begun and the
+    /// Returns whether perturbations are measured at a time: the window has begun and the
     /// measurement has not stopped.
     pub(super) fn follows(&self, time: f64) -> bool {
         time > self.start && !self.given_up
@@ -108,11 +108,11 @@ impl Separation {
         !self.marks.is_empty()
     }
 
-    /// Adds the growth of the displacement since the last call.
-    pub(super) fn grow(&mut self, time: f64, factor: f64, grazed: bool, course: Course) {
+    /// Adds the growth of the perturbation since the last call.
+    pub(super) fn grow(&mut self, time: f64, factor: f64, grazed: bool, progress: RunProgress) {
         self.growth += factor.ln();
         self.grazed |= grazed;
-        self.mark_if_due(time, course);
+        self.mark_if_due(time, progress);
         self.given_up |= !self.growth.is_finite();
     }
 
@@ -125,24 +125,27 @@ impl Separation {
         (self.end - self.start) / PARTS as f64
     }
 
-    fn mark_if_due(&mut self, time: f64, course: Course) {
+    fn mark_if_due(&mut self, time: f64, progress: RunProgress) {
         if time >= self.start + self.part() * self.marks.len() as f64 || time >= self.end {
-            self.mark(time, course);
+            self.mark(time, progress);
             self.given_up = self.marks.len() == PILOT + 1 && self.growth < 0.0;
         }
     }
 
-    /// Marks a time: first the end of the first step that extends into the window, where the displacement has the size 1.
-    pub(super) fn mark(&mut self, time: f64, course: Course) {
-        self.marks.push(Mark { time, growth: self.growth, course });
+    /// Marks a time: first the end of the first step that extends into the window, where the perturbation has the size 1.
+    pub(super) fn mark(&mut self, time: f64, progress: RunProgress) {
+        self.marks.push(GrowthMark { time, growth: self.growth, progress });
     }
 
     /// Returns the start of the first block and the end of each block. What remains after the last
     /// full block belongs to it.
-    fn blocks(&self) -> Vec<Mark> {
-        let mut ends: Vec<Mark> = Vec::new();
+    fn blocks(&self) -> Vec<GrowthMark> {
+        let mut ends: Vec<GrowthMark> = Vec::new();
         for mark in &self.marks {
-            if ends.last().is_none_or(|end| mark.course.courses - end.course.courses >= COURSES) {
+            if ends.last().is_none_or(|end| {
+                mark.progress.turns_and_switches - end.progress.turns_and_switches
+                    >= LEAST_TURNS_AND_SWITCHES
+            }) {
                 ends.push(*mark);
             }
         }
@@ -165,7 +168,7 @@ impl Separation {
         if self.grazed || !exponent.is_finite() {
             return None;
         }
-        let excess = |pair: &[Mark]| {
+        let excess = |pair: &[GrowthMark]| {
             pair[1].growth - pair[0].growth - exponent * (pair[1].time - pair[0].time)
         };
         let squares: f64 = ends.windows(2).map(|pair| excess(pair).powi(2)).sum();
@@ -200,29 +203,29 @@ impl Separation {
     fn grows(&self) -> bool {
         let (early, late) = self.marks.split_at(self.marks.len() / 2);
         let [early, late] = [early, late].map(|marks| {
-            marks.iter().map(|mark| mark.course.speed).fold(f64::MIN_POSITIVE, f64::max)
+            marks.iter().map(|mark| mark.progress.speed).fold(f64::MIN_POSITIVE, f64::max)
         });
         let growth = self.marks.last().map_or(0.0, |last| last.growth);
         (late / early).ln() > GROWS.max(0.25 * growth)
     }
 }
 
-/// Returns the initial displacement, of size 1. All contacts are displaced equally: exchanging two of
-/// them exchanges only the displacements. Balls that are exactly side by side stay so; the instability
-/// of their orbit shows in the multipliers. (Displaced speeds would separate contacts in proportion to
+/// Returns the initial perturbation, of size 1. All contacts are perturbed equally: exchanging two of
+/// them exchanges only the perturbations. Balls that are exactly side by side stay so; the instability
+/// of their orbit shows in the multipliers. (Perturbed speeds would separate contacts in proportion to
 /// time for a long period.)
-pub(super) fn displacement(view: &SystemView) -> Components {
-    let mut displaced = Components::from_elem(0.0, view.dimension());
+pub(super) fn perturbation(view: &SystemView) -> Components {
+    let mut perturbed = Components::from_elem(0.0, view.dimension());
     for contact in &view.contacts {
-        displaced[contact.position] = 1.0 / (view.contacts.len() as f64).sqrt();
+        perturbed[contact.position] = 1.0 / (view.contacts.len() as f64).sqrt();
     }
-    displaced
+    perturbed
 }
 
-/// Returns the size of a displacement.
-pub(super) fn size(view: &SystemView, displacement: &[f64]) -> f64 {
+/// Returns the size of a perturbation.
+pub(super) fn size(view: &SystemView, perturbation: &[f64]) -> f64 {
     let square = |components: &mut dyn Iterator<Item = usize>| {
-        components.map(|place| displacement[place] * displacement[place]).sum::<f64>()
+        components.map(|place| perturbation[place] * perturbation[place]).sum::<f64>()
     };
     let (positions, velocities) = view.free.split_at(view.free.len() / 2);
     let contacts = &view.contacts;
@@ -235,30 +238,35 @@ pub(super) fn size(view: &SystemView, displacement: &[f64]) -> f64 {
 
 /// Returns the size of the velocity, and the number of turns of balls, in both directions, and switches since the start of a run,
 /// in the mean over the contacts.
-pub(super) fn course(step: &LaneStep) -> Course {
+pub(super) fn progress(step: &LaneStep) -> RunProgress {
     let LaneStep { group, lane, view } = *step;
     let (state, turns) = (group.state(lane), group.turns(lane));
     let balls = view.contacts.iter().zip(&turns).filter(|(contact, _)| contact.angular);
     let turned = balls
         .map(|(contact, turns)| (turns + state[contact.position] / std::f64::consts::TAU).abs());
-    let courses = turned.sum::<f64>() + step.effort().switches as f64;
+    let turns_and_switches = turned.sum::<f64>() + step.effort().switches as f64;
     let velocities = view.evaluator.graph().layout.velocities.iter().flatten();
     let speed = velocities.map(|one| state[*one] * state[*one]).sum::<f64>().sqrt();
-    Course { courses: courses / view.contacts.len() as f64, speed }
+    RunProgress { turns_and_switches: turns_and_switches / view.contacts.len() as f64, speed }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{COURSES, Course, PARTS, STUDENT, Separation};
+    use super::{LEAST_TURNS_AND_SWITCHES, PARTS, RunProgress, STUDENT, Separation};
 
     /// Returns a measurement with rates of 1 and 3 in turn and as many turns and switches per part.
-    fn in_turn(courses: f64) -> Separation {
+    fn in_turn(turns_and_switches: f64) -> Separation {
         let mut separation = Separation::new(0.0, PARTS as f64);
-        let course = |courses: f64| Course { courses, speed: 1.0 };
-        separation.mark(0.0, course(0.0));
+        let progress = |turns_and_switches: f64| RunProgress { turns_and_switches, speed: 1.0 };
+        separation.mark(0.0, progress(0.0));
         for part in 1..=PARTS {
             let rate: f64 = if part % 2 == 1 { 1.0 } else { 3.0 };
-            separation.grow(part as f64, rate.exp(), false, course(part as f64 * courses));
+            separation.grow(
+                part as f64,
+                rate.exp(),
+                false,
+                progress(part as f64 * turns_and_switches),
+            );
         }
         separation
     }
@@ -268,18 +276,18 @@ mod tests {
     /// turns there is no interval.
     #[test]
     fn blocks_are_as_long_as_some_turns() {
-        let many = in_turn(COURSES).exponent().expect("measured");
+        let many = in_turn(LEAST_TURNS_AND_SWITCHES).exponent().expect("measured");
         let doubt = STUDENT[8] * (10.0_f64 / 9.0 / 10.0).sqrt();
         let [low, high] = many.interval_1_s.expect("ten blocks");
         assert!((low - 2.0 + doubt).abs() < 1e-12 && (high - 2.0 - doubt).abs() < 1e-12);
         assert_eq!(many.blocks, 10);
-        assert!(in_turn(COURSES).is_irregular());
+        assert!(in_turn(LEAST_TURNS_AND_SWITCHES).is_irregular());
 
-        let few = in_turn(COURSES / 2.0).exponent().expect("measured");
+        let few = in_turn(LEAST_TURNS_AND_SWITCHES / 2.0).exponent().expect("measured");
         let [low, high] = few.interval_1_s.expect("five blocks");
         assert!((low - 2.0).abs() < 1e-12 && (high - 2.0).abs() < 1e-12);
         assert_eq!(few.blocks, 5);
-        assert!(!in_turn(COURSES / 2.0).is_irregular());
+        assert!(!in_turn(LEAST_TURNS_AND_SWITCHES / 2.0).is_irregular());
 
         let none = in_turn(0.0).exponent().expect("measured");
         assert_eq!((none.exponent_1_s, none.interval_1_s, none.blocks), (2.0, None, 1));

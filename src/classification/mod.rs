@@ -17,7 +17,20 @@
 //! | `undecided` | `end_time` | none of the above until the end time |
 //! | `failed` | the failure's kind | the motion could not be continued |
 //!
-//! A run with no such ending at its end time may be continued to a later one (`follow`).
+//! A run with no such ending at its end time may be continued to a later one (`horizons`).
+//!
+//! Read first `stuck_motion` and `derived_rest`, which prove that contacts never break loose, then `system_view`, the system
+//! as the other files see it, and `lane_step`, the latest step of a run. `window` and `output_watch` measure a run,
+//! and `cycle`, `stages` and `outcome` are its results.
+//!
+//! The next files give the evidence: `rest_in_touch`, `settled` and `creep` for rest; `section`, `period`, `return_map`,
+//! `closed_orbit`, `torus`, `passages`, `periodic_creep` and `orbit` for motions that repeat, and `block_cycle` for those
+//! of a single body; `lyapunov` for irregular motions. `tail_statistics` measures the last part of a run, and `horizons`
+//! has its end times.
+//!
+//! `ending` names how a run ends. `cycle_watch` seeks its cycle, `lane_run` examines it after each step, and
+//! `run_outcome` makes its outcome. `gap_sample` and `run_recorder` record its motion, and
+//! `step_limit` bounds its effort. Read `in_lockstep`, which simulates many runs, and `simulate` last.
 
 mod block_cycle;
 mod closed_orbit;
@@ -25,24 +38,23 @@ mod creep;
 mod cycle;
 mod cycle_watch;
 mod derived_rest;
-mod follow;
+mod ending;
 mod gap_sample;
+mod horizons;
 mod in_lockstep;
 mod lane_run;
 mod lane_step;
-mod late;
 mod lyapunov;
 mod orbit;
 mod outcome;
 mod output_watch;
 mod passages;
-mod peak;
 mod period;
 mod periodic_creep;
-mod recorder;
 mod rest_in_touch;
 mod return_map;
 mod run_outcome;
+mod run_recorder;
 mod section;
 mod settled;
 mod simulate;
@@ -50,6 +62,7 @@ mod stages;
 mod step_limit;
 mod stuck_motion;
 mod system_view;
+mod tail_statistics;
 mod torus;
 mod window;
 
@@ -64,7 +77,7 @@ pub use gap_sample::{GapSample, Touch};
 pub use in_lockstep::{Runs, simulate_by_recorded_equations_in_lockstep, simulate_in_lockstep};
 pub use outcome::{ClosedOrbit, Evidence, Label, LyapunovExponent, Outcome, Rest, TouchingOutcome};
 pub use output_watch::{OutputOutcome, OutputRange};
-pub use recorder::{ContactSample, Instants, Recorder, Recording, Sample, Switch};
+pub use run_recorder::{ContactSample, Instants, MotionSample, RecordedRun, RunRecorder, Switch};
 pub use simulate::{simulate, simulate_by_recorded_equations, simulate_recorded};
 pub use stages::{PeakAmplitude, StageOutcome};
 pub use step_limit::{

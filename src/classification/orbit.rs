@@ -18,12 +18,12 @@
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
-use super::closed_orbit::{Orbit, Passed, Verdict, examine};
+use super::closed_orbit::{Orbit, PassageState, Verdict, examine};
 use super::lane_step::LaneStep;
 use super::passages::{Passage, Passages};
 use super::periodic_creep::{Creep, creep};
 use super::return_map::ReturnMap;
-use super::section::{Mark, RESOLVED, Section, marks, next_period};
+use super::section::{RESOLVED, Section, SectionMark, marks, next_period};
 use super::step_limit::{MOST_LOOKS, MOST_STEPS_OF_A_LOOK};
 use super::system_view::SystemView;
 use crate::model::Components;
@@ -45,7 +45,7 @@ pub(super) struct OrbitWatch {
     view: Arc<SystemView>,
     closure: f64,
     /// What marks the section if no contact goes round, each with its passages: periods of the forcing, or turning points.
-    marked: Vec<(Mark, Passages)>,
+    marked: Vec<(SectionMark, Passages)>,
     /// The passages of a contact that goes round without stopping.
     unbroken: Passages,
     /// For each contact, which may stop, its passages in one direction, and the number of passages in the other direction since
@@ -90,18 +90,18 @@ impl OrbitWatch {
 
     /// Returns the mark of a contact that has gone round in a step, if it marks the section or may do so.
     /// `phases` and `state` are those at the step's end, with angles not yet reduced to one turn.
-    fn goes_round(&mut self, phases: &[Phase], state: &[f64]) -> Option<Mark> {
+    fn goes_round(&mut self, phases: &[Phase], state: &[f64]) -> Option<SectionMark> {
         let view = &self.view;
         let speed = |contact: usize| view.speed(phases, state, contact);
-        let goes_on = |mark: &Mark| match *mark {
-            Mark::Round { contact, direction, .. } => {
+        let goes_on = |mark: &SectionMark| match *mark {
+            SectionMark::Round { contact, direction, .. } => {
                 !phases[contact].in_band() && direction * speed(contact) > 0.0
             }
-            Mark::TurningPoint { .. } | Mark::Period(_) => true,
+            SectionMark::TurningPoint { .. } | SectionMark::Period(_) => true,
         };
         let round = |contact: usize| {
             let direction = speed(contact).signum();
-            let mark = || Mark::Round { contact, direction, may_stop: false };
+            let mark = || SectionMark::Round { contact, direction, may_stop: false };
             view.completes_turn(state, contact).is_some().then(mark)
         };
         let own = self.unbroken.mark.filter(goes_on);
@@ -137,7 +137,7 @@ impl OrbitWatch {
         &mut self,
         settings: &Settings,
         step: &LaneStep,
-        mark: Mark,
+        mark: SectionMark,
         passage: Option<(f64, Components)>,
     ) -> Option<Orbit> {
         let Some(passage) = passage else {
@@ -169,7 +169,7 @@ impl OrbitWatch {
                 }
                 continue;
             }
-            let mark = Mark::Round { contact, direction, may_stop: true };
+            let mark = SectionMark::Round { contact, direction, may_stop: true };
             if passages.mark.is_some_and(|own| own != mark) {
                 *against += 1;
                 if *against < 2 {
@@ -206,7 +206,7 @@ impl OrbitWatch {
     /// Returns how a run with a forcing creeps at its end.
     pub(super) fn creep(&self, settings: &Settings) -> Option<Creep> {
         let mut marked = self.marked.iter();
-        let (_, passages) = marked.find(|(mark, _)| matches!(mark, Mark::Period(_)))?;
+        let (_, passages) = marked.find(|(mark, _)| matches!(mark, SectionMark::Period(_)))?;
         if passages.unstable_orbit().is_some() {
             return None;
         }
@@ -252,14 +252,14 @@ impl OrbitWatch {
 }
 
 /// Returns time and state of the passage of a mark in the latest step: the beginning of a period, or a turning point.
-fn passage_of(mark: Mark, step: &LaneStep) -> Option<(f64, Components)> {
+fn passage_of(mark: SectionMark, step: &LaneStep) -> Option<(f64, Components)> {
     let within = |after: f64| step.group.state_within(step.lane, after);
     let begun = within(0.0);
     let (component, value) = mark.component(step.view);
     let (target, from_above) = match mark {
-        Mark::Period(forcing) => (next_period(forcing, &begun), false),
-        Mark::TurningPoint { falls, .. } => (value, falls),
-        Mark::Round { .. } => return None,
+        SectionMark::Period(forcing) => (next_period(forcing, &begun), false),
+        SectionMark::TurningPoint { falls, .. } => (value, falls),
+        SectionMark::Round { .. } => return None,
     };
     if (begun[component] > target) != from_above {
         return None;
@@ -327,7 +327,7 @@ fn examine_orbit(
 }
 
 /// Returns the latest passages, the latest one first.
-fn passed(passages: &Passages) -> Vec<Passed<'_>> {
+fn passed(passages: &Passages) -> Vec<PassageState<'_>> {
     passages.backwards().map(|passage| (&passage.phases, &passage.state)).collect()
 }
 

@@ -84,12 +84,12 @@ pub(super) struct OutputWatch {
     start: f64,
     /// The time covered.
     span: f64,
-    outputs: Vec<Watched>,
+    outputs: Vec<WatchedOutput>,
 }
 
 /// What is known of an output.
 #[derive(Clone, Copy, Debug)]
-struct Watched {
+struct WatchedOutput {
     /// The values at the start and at the end.
     ends: [f64; 2],
     integral: f64,
@@ -104,8 +104,8 @@ impl OutputWatch {
     /// Returns the outputs; nothing before the start. An output of a motion that `repeats` after this time drifts if its value
     /// does not repeat.
     pub(super) fn measured(&self, repeats: bool) -> Vec<OutputOutcome> {
-        let measured = |one: &Watched| {
-            let Watched { ends: [start, end], integral, extremes } = *one;
+        let measured = |one: &WatchedOutput| {
+            let WatchedOutput { ends: [start, end], integral, extremes } = *one;
             let drifts = repeats && (end - start).abs() > DRIFT * (1.0 + start.abs());
             let range = OutputRange { mean: integral / self.span, extremes };
             OutputOutcome {
@@ -148,13 +148,16 @@ impl OutputWatch {
         let times = [from, first, second, third, fourth, fifth, to];
         let values = at_nodes(times);
         if self.outputs.is_empty() {
-            let begun =
-                |first: &f64| Watched { ends: [*first; 2], integral: 0.0, extremes: [*first; 2] };
+            let begun = |first: &f64| WatchedOutput {
+                ends: [*first; 2],
+                integral: 0.0,
+                extremes: [*first; 2],
+            };
             self.outputs = values[0].iter().map(begun).collect();
         }
         self.span += length;
         for (which, watched) in self.outputs.iter_mut().enumerate() {
-            let Watched { ends: [_, end], integral, extremes: [low, high] } = watched;
+            let WatchedOutput { ends: [_, end], integral, extremes: [low, high] } = watched;
             *end = values[values.len() - 1][which];
             let inside = values[1..=NODES.len()].iter().zip(WEIGHTS);
             *integral += length * inside.map(|(one, weight)| weight * one[which]).sum::<f64>();

@@ -4,9 +4,9 @@
 use std::collections::VecDeque;
 
 use super::closed_orbit::{Orbit, REACH};
-use super::section::{Mark, Section};
+use super::section::{Section, SectionMark};
 use super::system_view::{ContactPlace, SystemView};
-use super::torus::Returns;
+use super::torus::ReturnSeries;
 use crate::model::{Components, wrap_to_pi};
 use crate::motion::{Phase, Phases};
 
@@ -30,10 +30,10 @@ const NEAR_AT_END: f64 = 1e-2;
 const FAR: f64 = MOST_TURNS as f64 * NEAR_AT_END;
 
 /// Returns the maximum number of returns to the section of a mark after which an orbit may close.
-fn most_turns(mark: Mark) -> usize {
+fn most_turns(mark: SectionMark) -> usize {
     match mark {
-        Mark::Round { .. } => MOST_ROUNDS,
-        Mark::TurningPoint { .. } | Mark::Period(_) => MOST_TURNS,
+        SectionMark::Round { .. } => MOST_ROUNDS,
+        SectionMark::TurningPoint { .. } | SectionMark::Period(_) => MOST_TURNS,
     }
 }
 
@@ -63,10 +63,10 @@ impl Passage {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Passages {
     /// What marks the section, once it is known.
-    pub(super) mark: Option<Mark>,
+    pub(super) mark: Option<SectionMark>,
     latest: VecDeque<Passage>,
     /// A smooth function of the state at all passages.
-    returns: Returns,
+    returns: ReturnSeries,
     near_in_a_row: [usize; MOST_TURNS + 1],
     close_in_a_row: [usize; MOST_TURNS + 1],
     /// An unstable closed orbit that the run has approached, and the number of turns after which it
@@ -114,7 +114,7 @@ impl Passages {
     pub(super) fn record(
         &mut self,
         (view, closure): (&SystemView, f64),
-        mark: Mark,
+        mark: SectionMark,
         mut passage: Passage,
     ) -> Option<usize> {
         self.mark = Some(mark);
@@ -173,8 +173,10 @@ impl Passages {
         let nearly = |turns: &usize| passage.differences[*turns] <= NEAR_AT_END;
         let mut closing = (1..=MOST_TURNS).filter(has_phases);
         let turns = match self.mark? {
-            Mark::Round { may_stop: true, .. } => closing.find(nearly),
-            Mark::Round { .. } | Mark::TurningPoint { .. } | Mark::Period(_) => {
+            SectionMark::Round { may_stop: true, .. } => closing.find(nearly),
+            SectionMark::Round { .. }
+            | SectionMark::TurningPoint { .. }
+            | SectionMark::Period(_) => {
                 closing.min_by(|one, other| rank(one).total_cmp(&rank(other))).filter(nearly)
             }
         }?;
@@ -198,7 +200,7 @@ impl Passages {
 
 /// Returns a smooth function of a passage, in which all of its coordinates occur. The residual speed of a sticking ball does not
 /// count.
-fn observed(view: &SystemView, passage: &Passage, mark: Mark) -> f64 {
+fn observed(view: &SystemView, passage: &Passage, mark: SectionMark) -> f64 {
     let (marking, _) = mark.component(view);
     let of_contact = |(contact, phase): (&ContactPlace, &Phase)| {
         let position = passage.state[contact.position];
@@ -216,7 +218,7 @@ fn observed(view: &SystemView, passage: &Passage, mark: Mark) -> f64 {
 
 /// Returns the largest difference of two passages, with angles modulo 2π. If a difference is above [`FAR`], the function may
 /// return this difference instead. The residual speed of a sticking ball does not count.
-fn difference(view: &SystemView, a: &Passage, b: &Passage, mark: Mark) -> f64 {
+fn difference(view: &SystemView, a: &Passage, b: &Passage, mark: SectionMark) -> f64 {
     let (marking, _) = mark.component(view);
     let change = |place: usize| a.state[place] - b.state[place];
     let mut largest: f64 = 0.0;

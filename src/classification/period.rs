@@ -2,15 +2,24 @@
 
 use super::cycle::{CyclePhase, TouchingPair};
 use super::output_watch::{OutputWatch, maximum};
-use super::return_map::FollowedStep;
 use super::section::Section;
 use super::system_view::SystemView;
 use super::window::{NODES, WEIGHTS};
 use crate::model::{Components, TOUCHING};
-use crate::motion::Phase;
+use crate::motion::{Motion, PerContact, Phase};
 
 /// Number of instants inside a step at which a resting contact's margin is evaluated.
 const LOOKS: usize = 8;
+
+/// The latest step of the followed motion.
+pub(super) struct FollowedStep<'a> {
+    pub(super) motion: &'a mut Motion,
+    /// The difference between the contacts' positions with whole turns and those of the states
+    /// within the step.
+    pub(super) whole_turns: PerContact,
+    /// Time and state of the return, if it is in this step.
+    pub(super) end: Option<(f64, &'a [f64])>,
+}
 
 /// One period, accumulated step by step.
 pub(super) struct Period {

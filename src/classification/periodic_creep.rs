@@ -10,7 +10,7 @@
 
 use nalgebra::DVector;
 
-use super::closed_orbit::Passed;
+use super::closed_orbit::PassageState;
 use super::output_watch::OutputOutcome;
 use super::return_map::ReturnMap;
 
@@ -35,7 +35,7 @@ pub(super) struct Creep {
 
 /// Returns how a run creeps that has passed these states at the begins of its latest periods, the latest one first; `None` if it
 /// does not creep. `map` goes through one period.
-pub(super) fn creep(map: ReturnMap, passed: &[Passed]) -> Option<Creep> {
+pub(super) fn creep(map: ReturnMap, passed: &[PassageState]) -> Option<Creep> {
     let ReturnMap { section, view, .. } = map;
     if passed.len() <= PERIODS {
         return None;

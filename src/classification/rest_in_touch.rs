@@ -44,7 +44,7 @@ pub(super) fn at_rest(view: &SystemView, phases: &[Phase], state: &[f64]) -> Pha
     for (opening, _) in touching.clone() {
         resting[opening.contact] = Phase::Apart;
     }
-    let (_, forces) = view.evaluator.in_state(state).forces_and_gaps(&resting);
+    let (_, forces) = view.evaluator.incremental_forces(state).forces_and_gaps(&resting);
     let without_force = &forces[forces.len() - openings.len()..];
     let is_determined = openings.iter().zip(without_force).any(|(opening, without)| {
         touching.clone().any(|(one, _)| one.contact == opening.contact)
@@ -58,7 +58,7 @@ pub(super) fn at_rest(view: &SystemView, phases: &[Phase], state: &[f64]) -> Pha
 fn pressed(view: &SystemView, resting: &[Phase], state: &[f64]) -> Option<Forces> {
     let openings = &view.evaluator.graph().openings;
     let gaps = view.evaluator.openings(|component| state[component]);
-    let mut equations = view.evaluator.in_state(state);
+    let mut equations = view.evaluator.incremental_forces(state);
     for (place, (opening, at)) in openings.iter().zip(&gaps).enumerate() {
         if resting[opening.contact] != Phase::Apart || !lies(at) {
             continue;

@@ -8,7 +8,7 @@ use std::cell::{Cell, RefCell};
 
 use nalgebra::DMatrix;
 
-use super::period::Period;
+use super::period::{FollowedStep, Period};
 use super::section::Section;
 use super::system_view::SystemView;
 use crate::model::Components;
@@ -36,9 +36,10 @@ pub(super) struct ReturnMap<'a> {
     pub(super) latest: &'a RefCell<Option<Motion>>,
 }
 
-/// Returns what a step with displaced motions costs, in steps without: the motions of a group of lanes are displaced together.
-pub(super) fn cost_of_a_step(displaced: usize) -> u64 {
-    1 + 2 * displaced.div_ceil(LANES) as u64
+/// Returns what a step with perturbed motions costs, in steps without: the motions of a group of lanes are perturbed
+/// together.
+pub(super) fn cost_of_a_step(perturbed: usize) -> u64 {
+    1 + 2 * perturbed.div_ceil(LANES) as u64
 }
 
 /// The result of the return map.
@@ -51,21 +52,11 @@ pub(super) struct Return {
     pub(super) steps: u64,
 }
 
-/// The latest step of the followed motion.
-pub(super) struct FollowedStep<'a> {
-    pub(super) motion: &'a mut Motion,
-    /// The difference between the contacts' positions with whole turns and those of the states
-    /// within the step.
-    pub(super) whole_turns: PerContact,
-    /// Time and state of the return, if it is in this step.
-    pub(super) end: Option<(f64, &'a [f64])>,
-}
-
 impl ReturnMap<'_> {
     /// Returns one return; `None` if a contact that should rest moves, or the marking contact stops
     /// or does not return.
     pub(super) fn follow(&self, start: &[f64]) -> Option<Return> {
-        self.go(start, &[], |_| {})
+        self.follow_steps(start, &[], |_| {})
     }
 
     /// Returns one return with the derivative of the map.
@@ -75,11 +66,11 @@ impl ReturnMap<'_> {
         }
         let mut columns = Vec::new();
         let mut grazed = false;
-        let end = self.go(start, &self.section.directions(), |step| match step.end {
+        let end = self.follow_steps(start, &self.section.directions(), |step| match step.end {
             None => grazed = step.motion.grazed(),
             Some((time, state)) => {
                 let rate = self.view.evaluator.rates(step.motion.phases_during_step(), state);
-                let there = step.motion.displacements_within(time);
+                let there = step.motion.perturbations_within(time);
                 columns = there.iter().map(|one| self.section.on_section(one, &rate)).collect();
             }
         })?;
@@ -91,7 +82,7 @@ impl ReturnMap<'_> {
     /// Returns one return with the properties of the period.
     pub(super) fn follow_closely(&self, start: &[f64]) -> Option<(Return, Period)> {
         let mut period = Period::new(self.view, self.section, start);
-        let end = self.go(start, &[], |step| period.take_in(self.view, step))?;
+        let end = self.follow_steps(start, &[], |step| period.take_in(self.view, step))?;
         Some((end, period))
     }
 
@@ -106,7 +97,7 @@ impl ReturnMap<'_> {
             let begun = motion.unwrapped();
             let mut since = 0.0;
             loop {
-                let end = self.come_back(motion, (start, &begun), since, |_| {})?;
+                let end = self.follow_to_return(motion, (start, &begun), since, |_| {})?;
                 since = end.time;
                 if let Some(verdict) = judge(&end.state) {
                     return Some(verdict);
@@ -115,8 +106,8 @@ impl ReturnMap<'_> {
         })
     }
 
-    /// Follows the motion with displaced motions. `watch` receives each step.
-    fn go(
+    /// Follows the motion with perturbed motions. `watch` receives each step.
+    fn follow_steps(
         &self,
         start: &[f64],
         directions: &[Components],
@@ -124,7 +115,7 @@ impl ReturnMap<'_> {
     ) -> Option<Return> {
         self.with_motion(start, directions, |motion, start| {
             let begun = motion.unwrapped();
-            self.come_back(motion, (start, &begun), 0.0, watch)
+            self.follow_to_return(motion, (start, &begun), 0.0, watch)
         })
     }
 
@@ -152,7 +143,7 @@ impl ReturnMap<'_> {
 
     /// Follows a motion from the time `since` of its start or latest return until it comes back to the section. The positions
     /// of the contacts at its start are those of `start`, and with whole turns those of `begun`.
-    fn come_back(
+    fn follow_to_return(
         &self,
         motion: &mut Motion,
         (start, begun): (&[f64], &[f64]),

@@ -4,14 +4,14 @@ use super::closed_orbit::Orbit;
 use super::creep::{creeps, may_creep};
 use super::cycle::Cycle;
 use super::cycle_watch::CycleWatch;
+use super::ending::Ending;
 use super::lane_run::LaneRun;
 use super::lane_step::LaneStep;
-use super::late::Late;
 use super::outcome::{ClosedOrbit, Evidence, LyapunovExponent, Outcome, Rest, TouchingOutcome};
 use super::output_watch::OutputOutcome;
-use super::periodic_creep::Creep;
 use super::rest_in_touch::friction_margin;
 use super::system_view::ContactPlace;
+use super::tail_statistics::TailStatistics;
 use crate::model::{ContactUnits, OutputValue};
 use crate::motion::lockstep::LaneGroup;
 use crate::motion::{Failure, Motion, Phase, SINGULAR, any_closed};
@@ -21,24 +21,6 @@ const NEARLY_SINGULAR: f64 = 1e-3;
 
 /// The time over which rates of change of outputs are differences.
 const AHEAD: f64 = 1e-6;
-
-/// How the simulation ended.
-pub(super) enum Ending {
-    /// All contacts stick for good.
-    Rest,
-    /// An equilibrium without dry friction is near.
-    Settled,
-    /// The run is on a cycle of revolving contacts.
-    Orbit(Box<Orbit>),
-    /// The run is on a cycle between break-aways of its single contact.
-    BreakAways { period: f64 },
-    /// The run creeps under a periodic force.
-    Creep(Box<Creep>),
-    /// The end time was reached.
-    EndTime,
-    /// The motion could not be continued.
-    Failure(Failure),
-}
 
 /// Returns the latest of some times.
 fn latest(times: &[f64]) -> f64 {
@@ -149,7 +131,7 @@ impl LaneRun {
                 }
                 CycleWatch::Orbits(_) | CycleWatch::None => Vec::new(),
             },
-            Ending::EndTime => self.horizons.now.window.outputs.measured(false),
+            Ending::EndTime => self.horizons.now.statistics.outputs.measured(false),
             Ending::Failure(_) => Vec::new(),
         };
         let measured = measured.into_iter().chain(std::iter::repeat(OutputOutcome::at(0.0)));
@@ -221,7 +203,7 @@ impl LaneRun {
         let gaps = self.view.system().touching()?.gaps();
         let state = step.group.state(step.lane);
         let phases = step.group.phases(step.lane);
-        let (_, forces) = self.view.evaluator.in_state(&state).forces_and_gaps(phases);
+        let (_, forces) = self.view.evaluator.incremental_forces(&state).forces_and_gaps(phases);
         let closed = gaps.iter().zip(&forces).zip(&phases[self.view.contacts.len()..]);
         let closed = closed.filter(|(_, phase)| **phase == Phase::Closed);
         let largest = closed.max_by(|one, other| one.0.1.force.total_cmp(&other.0.1.force));
@@ -231,7 +213,7 @@ impl LaneRun {
     /// Returns the outcome of a run at its end time without another ending.
     fn at_end_time(&self, step: &LaneStep, base: Outcome) -> Outcome {
         let natural = self.units.natural_rad_s;
-        let Late { window, separation, .. } = &self.horizons.now.window;
+        let TailStatistics { window, separation, .. } = &self.horizons.now.statistics;
         let lyapunov = separation.exponent().map(|exponent| in_seconds(exponent, natural));
         let base = Outcome { lyapunov, ..base };
         let orbits = match &self.watch {

@@ -23,7 +23,7 @@ pub(super) const RESOLVED: f64 = 1e-9;
 
 /// What marks a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Mark {
+pub(super) enum SectionMark {
     /// A contact passes through the angle 0 in this direction. `may_stop` states whether it may stop or turn back on its way.
     Round { contact: usize, direction: f64, may_stop: bool },
     /// A position, of this contact if it is one, turns back where this component of the state, its velocity or sliding speed,
@@ -33,22 +33,22 @@ pub(super) enum Mark {
     Period(ForcingLayout),
 }
 
-impl Mark {
+impl SectionMark {
     /// Returns the contact that marks the section, if it is one.
     pub(super) fn contact(self) -> Option<usize> {
         match self {
-            Mark::Round { contact, .. } => Some(contact),
-            Mark::TurningPoint { contact, .. } => contact,
-            Mark::Period(_) => None,
+            SectionMark::Round { contact, .. } => Some(contact),
+            SectionMark::TurningPoint { contact, .. } => contact,
+            SectionMark::Period(_) => None,
         }
     }
 
     /// Returns the component that marks the section, and its value there.
     pub(super) fn component(self, view: &SystemView) -> (usize, f64) {
         match self {
-            Mark::Round { contact, .. } => (view.contacts[contact].position, 0.0),
-            Mark::TurningPoint { component, value, .. } => (component, value),
-            Mark::Period(forcing) => (forcing.component, 0.0),
+            SectionMark::Round { contact, .. } => (view.contacts[contact].position, 0.0),
+            SectionMark::TurningPoint { component, value, .. } => (component, value),
+            SectionMark::Period(forcing) => (forcing.component, 0.0),
         }
     }
 }
@@ -62,7 +62,7 @@ pub(super) fn next_period(forcing: ForcingLayout, state: &[f64]) -> f64 {
 #[derive(Clone, Debug)]
 pub(super) struct Section {
     /// What marks it.
-    pub(super) mark: Mark,
+    pub(super) mark: SectionMark,
     /// The phases of the contacts there.
     pub(super) phases: Phases,
     /// Which contacts rest throughout the orbit.
@@ -81,7 +81,7 @@ pub(super) struct Section {
 impl Section {
     pub(super) fn new(
         view: &SystemView,
-        mark: Mark,
+        mark: SectionMark,
         phases: &[Phase],
         rests: SmallVec<[bool; 8]>,
     ) -> Self {
@@ -129,7 +129,7 @@ impl Section {
         }
     }
 
-    /// The coordinates of a state, or of a displacement.
+    /// The coordinates of a state, or of a perturbation.
     pub(super) fn coordinates(&self, state: &[f64]) -> DVector<f64> {
         let values = self.coordinates.iter().map(|(place, _)| state[*place]);
         DVector::from_iterator(self.coordinates.len(), values)
@@ -161,8 +161,10 @@ impl Section {
     pub(super) fn allows(&self, phases: &[Phase]) -> bool {
         let mut rests = self.rests.iter().zip(phases);
         let stops = match self.mark {
-            Mark::Round { contact, may_stop: false, .. } => phases[contact].in_band(),
-            Mark::Round { .. } | Mark::TurningPoint { .. } | Mark::Period(_) => false,
+            SectionMark::Round { contact, may_stop: false, .. } => phases[contact].in_band(),
+            SectionMark::Round { .. }
+            | SectionMark::TurningPoint { .. }
+            | SectionMark::Period(_) => false,
         };
         !stops && rests.all(|(rests, phase)| !rests || *phase == Phase::Stick)
     }
@@ -171,10 +173,10 @@ impl Section {
     pub(super) fn passage(&self, motion: &Motion) -> Option<(f64, Components)> {
         let (component, value) = self.marking;
         match self.mark {
-            Mark::Round { contact, direction, .. } => motion
+            SectionMark::Round { contact, direction, .. } => motion
                 .passage(contact)
                 .filter(|(_, state)| direction * motion.evaluator().speeds(state)[contact] > 0.0),
-            Mark::TurningPoint { falls, .. } => {
+            SectionMark::TurningPoint { falls, .. } => {
                 let sign = if falls { 1.0 } else { -1.0 };
                 let passed =
                     motion.falls_through_zero(|state| sign * (state[component] - value))?;
@@ -183,7 +185,7 @@ impl Section {
                 let is_resolved = |end: &Components| (end[component] - value).abs() > RESOLVED;
                 ends.iter().flatten().any(is_resolved).then_some(passed)
             }
-            Mark::Period(forcing) => {
+            SectionMark::Period(forcing) => {
                 let begun = motion.within_last_step(motion.last_step_began())?;
                 let next = next_period(forcing, &begun);
                 let (time, mut state) =
@@ -206,7 +208,7 @@ impl Section {
         positions.len()
     }
 
-    /// Unit displacements along the coordinates.
+    /// Unit perturbations along the coordinates.
     pub(super) fn directions(&self) -> Vec<Components> {
         let unit = |(place, _): &(usize, bool)| {
             let mut direction: Components = smallvec![0.0; self.dimension];
@@ -219,12 +221,12 @@ impl Section {
         self.coordinates.iter().map(unit).collect()
     }
 
-    /// Returns the projection on the section of a displacement of the motion, in a state with this
+    /// Returns the projection on the section of a perturbation of the motion, in a state with this
     /// time derivative: neighbours reach the section slightly earlier or later.
-    pub(super) fn on_section(&self, displacement: &[f64], rate: &[f64]) -> DVector<f64> {
+    pub(super) fn on_section(&self, perturbation: &[f64], rate: &[f64]) -> DVector<f64> {
         let (component, _) = self.marking;
-        let late = displacement[component] / rate[component];
-        self.coordinates(displacement) + self.coordinates(rate) * -late
+        let late = perturbation[component] / rate[component];
+        self.coordinates(perturbation) + self.coordinates(rate) * -late
     }
 
     /// The difference of two states' coordinates, angles modulo 2π.
@@ -241,9 +243,9 @@ impl Section {
 
 /// Returns what marks the section of a system if no contact that goes round does: the periods of its forcing, the maxima of
 /// positions on a moving support, or the turning points of all coordinates.
-pub(super) fn marks(view: &SystemView) -> Vec<Mark> {
+pub(super) fn marks(view: &SystemView) -> Vec<SectionMark> {
     match view.evaluator.graph().layout.forcing {
-        Some(forcing) => vec![Mark::Period(forcing)],
+        Some(forcing) => vec![SectionMark::Period(forcing)],
         None if view.revolves() => Vec::new(),
         None => {
             let maxima = maxima(view);
@@ -253,19 +255,24 @@ pub(super) fn marks(view: &SystemView) -> Vec<Mark> {
 }
 
 /// Returns the marks at the turning points of coordinates, in either direction: an impact may leave only one of them smooth.
-fn turning_points(view: &SystemView) -> Vec<Mark> {
+fn turning_points(view: &SystemView) -> Vec<SectionMark> {
     let velocities = view.evaluator.graph().layout.velocities.iter().flatten();
     let both = velocities.flat_map(|component| [true, false].map(|falls| (*component, falls)));
     both.map(|(component, falls)| {
         let contact = view.contacts.iter().position(|contact| contact.speed == Some(component));
-        Mark::TurningPoint { contact, component, value: smooth_speed(view, component, 0.0), falls }
+        SectionMark::TurningPoint {
+            contact,
+            component,
+            value: smooth_speed(view, component, 0.0),
+            falls,
+        }
     })
     .collect()
 }
 
 /// Returns the marks at the maxima of positions. The contact must slip there: the speed of its position differs from its
 /// sliding speed, always by the same amount, as on a belt.
-fn maxima(view: &SystemView) -> Vec<Mark> {
+fn maxima(view: &SystemView) -> Vec<SectionMark> {
     let phases = Phases::from_elem(Phase::Slip(Direction::Forward), view.contacts.len());
     let gaps = view.evaluator.graph().gaps.len();
     let phases: Phases = phases.into_iter().chain((0..gaps).map(|_| Phase::Open)).collect();
@@ -280,7 +287,8 @@ fn maxima(view: &SystemView) -> Vec<Mark> {
         });
         let same = (one - other).abs() <= 1e-12 * one.abs();
         let value = smooth_speed(view, component, one);
-        let mark = Mark::TurningPoint { contact: Some(contact), component, value, falls: true };
+        let mark =
+            SectionMark::TurningPoint { contact: Some(contact), component, value, falls: true };
         (same && one != 0.0).then_some(mark)
     };
     view.contacts.iter().enumerate().filter_map(mark).collect()

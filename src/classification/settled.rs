@@ -168,7 +168,7 @@ impl<'a> ReducedCoordinates<'a> {
         if margin.is_some_and(|margin| margin.is_nan() || margin <= RESERVE) {
             return false;
         }
-        let (_, gaps) = self.view.evaluator.in_state(&state).forces_and_gaps(self.phases);
+        let (_, gaps) = self.view.evaluator.incremental_forces(&state).forces_and_gaps(self.phases);
         let closed = self.phases[self.view.contacts.len()..].iter().zip(&gaps);
         closed.filter(|(phase, _)| **phase == Phase::Closed).all(|(_, gap)| gap.force > 0.0)
     }

@@ -2,7 +2,7 @@
 
 use super::in_lockstep::{KernelChoice, Runs, simulate_with};
 use super::outcome::Outcome;
-use super::recorder::Recorder;
+use super::run_recorder::RunRecorder;
 use crate::model::Case;
 use crate::motion::SimdLevel;
 
@@ -19,24 +19,24 @@ pub fn simulate_by_recorded_equations(case: &Case) -> Outcome {
 }
 
 /// Simulates a case like [`simulate`], with bit for bit the same outcome, and records its motion.
-pub fn simulate_recorded(case: &Case, recorder: &mut Recorder) -> Outcome {
+pub fn simulate_recorded(case: &Case, recorder: &mut RunRecorder) -> Outcome {
     recorder.restart();
     single(case, KernelChoice::Fastest, Some(recorder))
 }
 
-fn single(case: &Case, kernel: KernelChoice, recorder: Option<&mut Recorder>) -> Outcome {
-    let mut runs = Single { case: Some(case.clone()), outcome: None, recorder };
+fn single(case: &Case, kernel: KernelChoice, recorder: Option<&mut RunRecorder>) -> Outcome {
+    let mut runs = SingleRun { case: Some(case.clone()), outcome: None, recorder };
     simulate_with(kernel, SimdLevel::best(), &mut runs);
     runs.outcome.expect("every run ends")
 }
 
-struct Single<'a> {
+struct SingleRun<'a> {
     case: Option<Case>,
     outcome: Option<Outcome>,
-    recorder: Option<&'a mut Recorder>,
+    recorder: Option<&'a mut RunRecorder>,
 }
 
-impl Runs for Single<'_> {
+impl Runs for SingleRun<'_> {
     fn next(&mut self) -> Option<(u64, Case)> {
         self.case.take().map(|case| (0, case))
     }
@@ -45,7 +45,7 @@ impl Runs for Single<'_> {
         self.outcome = Some(outcome);
     }
 
-    fn recorder(&mut self) -> Option<&mut Recorder> {
+    fn recorder(&mut self) -> Option<&mut RunRecorder> {
         self.recorder.as_deref_mut()
     }
 }

@@ -14,7 +14,7 @@ const LONGEST_S: f64 = 300.0;
 /// Longest computing time of a run that cannot reach its end time, s.
 const IN_VAIN_S: f64 = 1.0;
 /// Maximum number of steps of one search for a closed orbit, counting the steps of the motion and
-/// of displaced motions.
+/// of perturbed motions.
 pub(super) const MOST_STEPS_OF_A_LOOK: u64 = 5_000_000;
 /// Maximum number of searches for a closed orbit per run, of each kind: with a mark that may stop, and with any other mark.
 pub(super) const MOST_LOOKS: u32 = 4;

@@ -140,7 +140,7 @@ impl StuckMotion {
     }
 
     /// Returns whether friction holds all contacts if the motion is at most at a distance from the rest point.
-    pub(super) fn endures(
+    pub(super) fn holds_all_contacts(
         &self,
         gaps: &[Gap],
         strength: f64,
@@ -171,7 +171,8 @@ impl StuckMotion {
             [of(0), of(1)]
         });
         let bent: SmallVec<[[f64; 2]; 8]> = bent.collect();
-        self.distance.falls(&curvature.rates) && self.endures(gaps, strength, distance, &bent)
+        self.distance.falls(&curvature.rates)
+            && self.holds_all_contacts(gaps, strength, distance, &bent)
     }
 
     /// Follows the motion until friction certainly holds all contacts. `false` means that a contact breaks loose, or that the
@@ -187,7 +188,7 @@ impl StuckMotion {
         let step = (&self.matrix * interval).exp();
         for _ in 0..MOST_FOLLOWED {
             let distance = self.distance.size(&displaced) + push;
-            if self.endures(gaps, 1.0, distance, residual) {
+            if self.holds_all_contacts(gaps, 1.0, distance, residual) {
                 return true;
             }
             let mut contacts =

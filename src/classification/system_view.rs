@@ -63,7 +63,7 @@ impl SystemView {
             SystemView { free, contacts, vibration, evaluator, has_outputs, derived: None };
         // Without contacts, motions decay and nothing comes to rest at an instant.
         if view.system().rest_forms().is_none() && !view.contacts.is_empty() {
-            view.derived = DerivedRest::of(&view).map(Arc::new);
+            view.derived = DerivedRest::of(&view.evaluator, &view.free).map(Arc::new);
         }
         view
     }
@@ -106,13 +106,13 @@ impl SystemView {
         followers
     }
 
-    /// Makes a displacement one in which contacts that touch move together.
-    pub(super) fn keep_together(&self, phases: &[Phase], displacement: &mut [f64]) {
+    /// Makes a perturbation one in which contacts that touch move together.
+    pub(super) fn keep_together(&self, phases: &[Phase], perturbation: &mut [f64]) {
         for (follower, leader) in self.followers(phases, None) {
             let (follower, leader) = (self.contacts[follower], self.contacts[leader]);
-            displacement[follower.position] = displacement[leader.position];
+            perturbation[follower.position] = perturbation[leader.position];
             if let (Some(follower), Some(leader)) = (follower.speed, leader.speed) {
-                displacement[follower] = displacement[leader];
+                perturbation[follower] = perturbation[leader];
             }
         }
     }

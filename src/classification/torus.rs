@@ -33,9 +33,9 @@ const LASTS: (f64, f64) = (0.85, 1.0 / 0.85);
 
 /// A smooth function of the latest returns of a run.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Returns(Vec<f64>);
+pub(super) struct ReturnSeries(Vec<f64>);
 
-impl Returns {
+impl ReturnSeries {
     /// Adds a return.
     pub(super) fn add(&mut self, value: f64) {
         if self.0.len() == MOST_RETURNS {
@@ -112,11 +112,15 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    use super::Returns;
+    use super::ReturnSeries;
 
     /// Returns of a map whose state is observed smoothly, after a transient.
-    fn returns(number: usize, state: &mut [f64; 2], map: impl Fn([f64; 2]) -> [f64; 2]) -> Returns {
-        let mut returns = Returns::default();
+    fn returns(
+        number: usize,
+        state: &mut [f64; 2],
+        map: impl Fn([f64; 2]) -> [f64; 2],
+    ) -> ReturnSeries {
+        let mut returns = ReturnSeries::default();
         for _ in 0..number {
             *state = map(*state);
             returns.add((TAU * state[0]).cos() + 0.3 * (2.0 * TAU * state[0]).sin() + state[1]);
@@ -160,16 +164,16 @@ mod tests {
     #[test]
     fn closed_orbits_spirals_and_noise_are_no_tori() {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
-        let mut noise = Returns::default();
+        let mut noise = ReturnSeries::default();
         (0..2000).for_each(|_| noise.add(rng.random()));
         assert!(!noise.fill_a_torus());
         for turns in [1.0, 7.0, 36.0] {
-            let mut closed = Returns::default();
+            let mut closed = ReturnSeries::default();
             (0..2000).for_each(|n| closed.add((TAU * f64::from(n) / turns).cos() + 0.1 / turns));
             assert!(!closed.fill_a_torus(), "{turns}");
         }
         for rate in [1e-2, 1e-4, 1e-6] {
-            let mut spiral = Returns::default();
+            let mut spiral = ReturnSeries::default();
             (0..2000).for_each(|n| {
                 let n = f64::from(n);
                 spiral.add((-rate * n).exp() * (TAU * 0.618_034 * n).cos());
@@ -178,14 +182,14 @@ mod tests {
         }
         // It locks to an orbit of 36 returns.
         for rate in [3e-3, 1e-3, 5e-4] {
-            let mut locks = Returns::default();
+            let mut locks = ReturnSeries::default();
             (0..1400).for_each(|n| {
                 let n = f64::from(n);
                 locks.add((TAU * 5.0 / 36.0 * n + 0.3 * (-rate * n).exp()).cos());
             });
             assert!(!locks.fill_a_torus(), "{rate}");
         }
-        let mut torus = Returns::default();
+        let mut torus = ReturnSeries::default();
         (0..2000).for_each(|n| torus.add((TAU * 0.618_034 * f64::from(n)).cos()));
         assert!(torus.fill_a_torus());
     }

@@ -30,11 +30,11 @@ pub(super) const WEIGHTS: [f64; 5] = [
 pub(super) struct Window {
     /// The start, non-dimensional.
     pub(super) start: f64,
-    opened: Option<Opened>,
+    opened: Option<WindowSums>,
 }
 
 #[derive(Clone, Debug)]
-struct Opened {
+struct WindowSums {
     time: f64,
     positions: PerContact,
     square_time: f64,
@@ -69,7 +69,7 @@ impl Window {
         }
         let opened = self.opened.get_or_insert_with(|| {
             let positions = step.unwrapped_at(from);
-            Opened { time: from, positions, square_time: 0.0 }
+            WindowSums { time: from, positions, square_time: 0.0 }
         });
         let length = ended - from;
         if step.view.vibration.is_none() {

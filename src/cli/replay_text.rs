@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::classification::{Outcome, Recording, StageOutcome, Switch, Touch, TouchingOutcome};
+use crate::classification::{Outcome, RecordedRun, StageOutcome, Switch, Touch, TouchingOutcome};
 use crate::counted::counted;
 use crate::model::{DiscMotion, Model, SlidingSpeed};
 use crate::printed_table::{fact_table, text_table};
@@ -16,7 +16,7 @@ const MOST_ON_TERMINAL: usize = 20;
 
 /// Returns the first `most` switches as a table; for contacts with gaps, the first `most` of switches and touches in the
 /// order of time.
-pub fn switch_log(model: &Model, recording: &Recording, most: usize) -> String {
+pub fn switch_log(model: &Model, recording: &RecordedRun, most: usize) -> String {
     let units = model.units();
     let mut header = vec![
         "time_s",
@@ -83,7 +83,7 @@ pub fn ending(outcome: &Outcome) -> String {
 pub fn terminal_text(
     (model, units): (&Model, &Units),
     outcome: &Outcome,
-    recording: &Recording,
+    recording: &RecordedRun,
     file: &Path,
 ) -> String {
     let mut rows = vec![("ending", ending(outcome))];
@@ -183,12 +183,12 @@ mod tests {
     use std::path::Path;
 
     use super::{switch_log, terminal_text, touching_words};
-    use crate::classification::{Outcome, Recording, TouchingOutcome};
+    use crate::classification::{Outcome, RecordedRun, TouchingOutcome};
     use crate::engine::record;
     use crate::study::Study;
 
     /// Returns the study of two balls with these keys of the model, its first run and the motion of that.
-    fn first_run(model: &str) -> (Study, Outcome, Recording) {
+    fn first_run(model: &str) -> (Study, Outcome, RecordedRun) {
         let text = format!(
             "schema: 1\nname: a\nseed: 5\nmodel: {{kind: ball_balancer{model}}}\n\
              initial_conditions: {{design: {{monte_carlo: {{samples: 2}}}}}}\nsimulation: {{end_time_s: 4.5}}\n"
@@ -198,7 +198,7 @@ mod tests {
         (study, record.outcome, recording)
     }
 
-    fn shown(study: &Study, outcome: &Outcome, recording: &Recording) -> String {
+    fn shown(study: &Study, outcome: &Outcome, recording: &RecordedRun) -> String {
         let file = Path::new("b/switches.parquet");
         terminal_text((study.model(), study.units()), outcome, recording, file)
     }

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use super::compute;
-use crate::classification::{Instants, Recorder, Recording, simulate, simulate_recorded};
+use crate::classification::{Instants, RecordedRun, RunRecorder, simulate, simulate_recorded};
 use crate::model::Case;
 use crate::study::Study;
 use crate::table::RunRecord;
@@ -16,10 +16,10 @@ pub const MOST_INSTANTS: usize = 1_000_000;
 ///
 /// # Panics
 /// If `run_id` is not below [`crate::study::Plan::run_count`].
-pub fn record(study: &Study, run_id: u64, times_s: Option<&[f64]>) -> (RunRecord, Recording) {
+pub fn record(study: &Study, run_id: u64, times_s: Option<&[f64]>) -> (RunRecord, RecordedRun) {
     let natural = |case: &Case| case.model.natural_frequency_rad_s();
     // An audited run is simulated twice; only the first simulation is recorded.
-    let recorder: RefCell<Option<Recorder>> = RefCell::new(None);
+    let recorder: RefCell<Option<RunRecorder>> = RefCell::new(None);
     let simulated = |case: &Case| {
         if recorder.borrow().is_some() {
             return simulate(case);
@@ -29,9 +29,9 @@ pub fn record(study: &Study, run_id: u64, times_s: Option<&[f64]>) -> (RunRecord
             Some(times) => Instants::At(times.iter().map(|time| time * natural(case)).collect()),
         };
         let mut slot = recorder.borrow_mut();
-        simulate_recorded(case, slot.insert(Recorder::new(instants, MOST_INSTANTS)))
+        simulate_recorded(case, slot.insert(RunRecorder::new(instants, MOST_INSTANTS)))
     };
     let record = compute(study, run_id, simulated);
-    let recording = recorder.into_inner().map(Recorder::finish).unwrap_or_default();
+    let recording = recorder.into_inner().map(RunRecorder::finish).unwrap_or_default();
     (record, recording)
 }

@@ -22,7 +22,8 @@
 
 use super::Failure;
 use super::evaluator::Forces;
-use super::modes::{InState, Open, resolve_modes, stick_reserve};
+use super::force_model::ForceModel;
+use super::joint_decision::{Open, resolve_modes, stick_reserve};
 use super::{Direction, Phase, Phases};
 
 /// Rounding tolerance of a condition, over the size of the forces.
@@ -44,7 +45,7 @@ pub(super) fn release_slack(force_scale: f64) -> f64 {
 /// Decides jointly for all contacts `at_rest` whether they stick or in which direction they set
 /// off, and returns what `then` returns for the corresponding forces.
 pub(super) fn decide<R>(
-    system: &dyn InState,
+    system: &dyn ForceModel,
     phases: &mut Phases,
     at_rest: &Open,
     then: impl FnOnce(&Forces) -> Result<R, Failure>,
@@ -71,7 +72,7 @@ pub(super) fn decide<R>(
 
 /// Returns whether a contact would rest if it stuck, with the assumed phases of the others: by the
 /// value of the condition, and within rounding of zero by its rate of change.
-fn rests(system: &dyn InState, phases: &[Phase], contact: usize, tie: f64) -> bool {
+fn rests(system: &dyn ForceModel, phases: &[Phase], contact: usize, tie: f64) -> bool {
     let mut stuck = Phases::from(phases);
     stuck[contact] = Phase::Stick;
     let reserve = stick_reserve(system, &system.forces(&stuck), contact);
@@ -80,7 +81,7 @@ fn rests(system: &dyn InState, phases: &[Phase], contact: usize, tie: f64) -> bo
 
 /// Returns whether a contact would rest like [`rests`], given its remaining friction in stick.
 fn rests_with(
-    system: &dyn InState,
+    system: &dyn ForceModel,
     phases: &[Phase],
     contact: usize,
     (value, tie): (f64, f64),

@@ -17,9 +17,9 @@
 
 use smallvec::{SmallVec, smallvec};
 
-use super::evaluator::Solved;
-use super::impulses::{GapLaw, Impulses, Meeting, Pairs};
-use super::response::Meets;
+use super::impulse_response::ImpactPlace;
+use super::impulses::{GapLaw, ImpactEquations, Impulses, Pairs};
+use super::linear_system::Solved;
 use super::{Evaluator, Failure, Phase};
 use crate::model::{Components, Elementary, ImpactLaw};
 
@@ -33,7 +33,7 @@ const UNRESOLVED: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub(super) struct Impact {
     /// The places whose bodies stay together.
-    pub(super) together: SmallVec<[Meets; 8]>,
+    pub(super) together: SmallVec<[ImpactPlace; 8]>,
     /// The gaps that were open and have closed.
     pub(super) hits: SmallVec<[Hit; 2]>,
     /// The number of contacts that were apart and have hit.
@@ -56,7 +56,7 @@ pub(crate) struct Hit {
 pub(super) fn impact<T: Solved>(
     evaluator: &Evaluator,
     state: &mut [T],
-    touching: &[Meets],
+    touching: &[ImpactPlace],
     phases: &[Phase],
 ) -> Result<Impact, Failure> {
     let (system, graph) = (evaluator.system(), evaluator.graph());
@@ -79,8 +79,8 @@ pub(super) fn impact<T: Solved>(
     let before: Pairs<T> = touching
         .iter()
         .flat_map(|place| match *place {
-            Meets::Gap(gap) => in_gap(gap, state),
-            Meets::Opening(one) => [openings[one][1], openings[one][2]],
+            ImpactPlace::Gap(gap) => in_gap(gap, state),
+            ImpactPlace::Opening(one) => [openings[one][1], openings[one][2]],
         })
         .collect();
     let responses = evaluator.responses(state, touching);
@@ -88,22 +88,22 @@ pub(super) fn impact<T: Solved>(
     let answers: Vec<T> = rows
         .flat_map(|(place, speed)| {
             responses.iter().map(move |by| match place {
-                Meets::Gap(gap) => in_gap(gap, &by.components)[speed],
-                Meets::Opening(one) => by.openings[one][speed],
+                ImpactPlace::Gap(gap) => in_gap(gap, &by.components)[speed],
+                ImpactPlace::Opening(one) => by.openings[one][speed],
             })
         })
         .collect();
-    let law = |(row, place): (usize, &Meets)| {
+    let law = |(row, place): (usize, &ImpactPlace)| {
         let answer = answers[2 * row * (before.len() + 1)].value();
         let (law, friction_coefficient, mass) = match (*place, between) {
-            (Meets::Gap(gap), Some(between)) => {
+            (ImpactPlace::Gap(gap), Some(between)) => {
                 let gap = &between.gaps()[gap];
                 let restitution = between.restitution();
                 let lasting_approach = between.lasting_approach();
                 let law = ImpactLaw { restitution, tangential_restitution: 0.0, lasting_approach };
                 (law, gap.friction_coefficient, gap.reduced_mass())
             }
-            (Meets::Gap(one) | Meets::Opening(one), _) => {
+            (ImpactPlace::Gap(one) | ImpactPlace::Opening(one), _) => {
                 let contact = graph.openings[one].contact;
                 (system.impact_law(contact), system.friction(contact).coefficient, 1.0 / answer)
             }
@@ -123,10 +123,10 @@ pub(super) fn impact<T: Solved>(
         }
     });
     let masses = touching.iter().zip(&laws).flat_map(|(place, (_, _, mass))| match *place {
-        Meets::Gap(gap) => all_gaps[gap].masses,
-        Meets::Opening(_) => [*mass; 2],
+        ImpactPlace::Gap(gap) => all_gaps[gap].masses,
+        ImpactPlace::Opening(_) => [*mass; 2],
     });
-    let meeting = Meeting {
+    let meeting = ImpactEquations {
         laws: gap_laws.collect(),
         fastest: before.iter().map(|speed| speed.value().abs()).fold(0.0, f64::max),
         heaviest: masses.fold(0.0, f64::max),
@@ -137,8 +137,8 @@ pub(super) fn impact<T: Solved>(
     let arms: SmallVec<[f64; 8]> = touching
         .iter()
         .map(|place| match *place {
-            Meets::Gap(gap) => all_gaps[gap].lever,
-            Meets::Opening(_) => 1.0,
+            ImpactPlace::Gap(gap) => all_gaps[gap].lever,
+            ImpactPlace::Opening(_) => 1.0,
         })
         .collect();
     let Impulses { impulses, after } = passive(&meeting, &arms)?;
@@ -147,7 +147,7 @@ pub(super) fn impact<T: Solved>(
     for (place, (impulse, response)) in impulses.iter().zip(&responses).enumerate() {
         let components = state.iter_mut().zip(&response.components);
         components.for_each(|(to, by)| *to = *to + *impulse * *by);
-        if let Meets::Gap(gap) = touching[place / 2] {
+        if let ImpactPlace::Gap(gap) = touching[place / 2] {
             let gap = &all_gaps[gap];
             for (contact, [_, outward]) in gap.contacts.into_iter().zip(gap.pushes()[place % 2]) {
                 pressed[contact] += outward * impulse.value();
@@ -161,18 +161,20 @@ pub(super) fn impact<T: Solved>(
     };
     let places = || touching.iter().zip(&laws).zip(after.iter().step_by(2));
     let together = places().filter(|((_, (law, ..)), opening)| opening.value() <= slow(law));
-    let together: SmallVec<[Meets; 8]> = together.map(|((place, _), _)| *place).collect();
-    let closes = |place: &Meets, opening: &T| {
+    let together: SmallVec<[ImpactPlace; 8]> = together.map(|((place, _), _)| *place).collect();
+    let closes = |place: &ImpactPlace, opening: &T| {
         opening.value() < -meeting.tolerance || together.contains(place)
     };
     let mut hits = SmallVec::new();
     let mut landed = 0;
     for (place, opening) in touching.iter().zip(meeting.before.iter().step_by(2)) {
         match *place {
-            Meets::Gap(gap) if phases[contacts + gap] == Phase::Open && closes(place, opening) => {
+            ImpactPlace::Gap(gap)
+                if phases[contacts + gap] == Phase::Open && closes(place, opening) =>
+            {
                 hits.push(Hit { gap, opening_speed: opening.value() });
             }
-            Meets::Opening(one) if phases[graph.openings[one].contact] == Phase::Apart => {
+            ImpactPlace::Opening(one) if phases[graph.openings[one].contact] == Phase::Apart => {
                 landed += usize::from(closes(place, opening));
             }
             _ => {}
@@ -184,8 +186,11 @@ pub(super) fn impact<T: Solved>(
 
 /// Returns the impulses of both laws or, where these would add energy, those that conserve it. There are none unless
 /// contacts approach each other.
-fn passive<T: Elementary>(meeting: &Meeting<T>, arms: &[f64]) -> Result<Impulses<T>, Failure> {
-    let Meeting { laws, before, tolerance, .. } = meeting;
+fn passive<T: Elementary>(
+    meeting: &ImpactEquations<T>,
+    arms: &[f64],
+) -> Result<Impulses<T>, Failure> {
+    let ImpactEquations { laws, before, tolerance, .. } = meeting;
     if before.iter().step_by(2).all(|opening| opening.value() >= -tolerance) {
         let impulses = smallvec![T::constant(0.0); before.len()];
         return Ok(Impulses { impulses, after: before.clone() });
@@ -213,7 +218,7 @@ fn passive<T: Elementary>(meeting: &Meeting<T>, arms: &[f64]) -> Result<Impulses
     }
     let plastic = |law: &GapLaw| GapLaw { restitution: 0.0, tangential_restitution: 0.0, ..*law };
     let laws = laws.iter().map(plastic).collect();
-    let inelastic = Meeting { laws, ..meeting.clone() }.impulses()?;
+    let inelastic = ImpactEquations { laws, ..meeting.clone() }.impulses()?;
     let impulses = sum(&newton.impulses, -one, &inelastic.impulses);
     let after = sum(&newton.after, -one, &inelastic.after);
     // Twice the added energy as a polynomial of the share of the difference.

@@ -32,7 +32,7 @@ pub(super) type Pairs<T> = SmallVec<[T; 16]>;
 
 /// How a gap takes part in an impact.
 #[derive(Clone, Copy, Debug)]
-enum Way {
+enum ImpactMode {
     /// No impulse.
     None,
     /// An impulse with full friction against this direction of rolling.
@@ -55,7 +55,7 @@ pub(super) struct GapLaw {
 
 /// Gaps whose contacts are at each other, and how they answer to impulses.
 #[derive(Clone)]
-pub(super) struct Meeting<T> {
+pub(super) struct ImpactEquations<T> {
     /// The law of each gap.
     pub(super) laws: SmallVec<[GapLaw; 8]>,
     /// The opening speed and the rolling speed of each gap before the impact.
@@ -77,14 +77,14 @@ pub(super) struct Impulses<T> {
     pub(super) after: Pairs<T>,
 }
 
-impl<T: Elementary> Meeting<T> {
+impl<T: Elementary> ImpactEquations<T> {
     /// Returns the impulses that obey both laws.
     ///
     /// # Errors
     /// [`Failure::UndecidedImpact`] unless all combinations that hold lead to the same speeds, and
     /// [`Failure::TooManyCombinations`] for so many gaps that they cannot be tried.
     pub(super) fn impulses(&self) -> Result<Impulses<T>, Failure> {
-        let values = Meeting {
+        let values = ImpactEquations {
             laws: self.laws.clone(),
             before: self.before.iter().map(|speed| speed.value()).collect(),
             answers: self.answers.iter().map(|answer| answer.value()).collect(),
@@ -97,11 +97,11 @@ impl<T: Elementary> Meeting<T> {
             return Err(Failure::TooManyCombinations);
         }
         let mut found = Vec::new();
-        values.search(&mut Elimination::new(&values), &mut Vec::new(), &mut found);
+        values.search(&mut ImpulseElimination::new(&values), &mut Vec::new(), &mut found);
         let [(ways, _)] = &found[..] else {
             return Err(Failure::UndecidedImpact { solutions: found.len() });
         };
-        let mut elimination = Elimination::new(self);
+        let mut elimination = ImpulseElimination::new(self);
         for (gap, way) in ways.iter().enumerate() {
             elimination.eliminate(&self.laws, gap, *way);
         }
@@ -110,21 +110,26 @@ impl<T: Elementary> Meeting<T> {
     }
 }
 
-impl Meeting<f64> {
+impl ImpactEquations<f64> {
     /// Returns the ways in which a gap may take part: first that in which the bodies slide as before.
-    fn ways(&self, gap: usize) -> impl Iterator<Item = Way> + use<> {
+    fn ways(&self, gap: usize) -> impl Iterator<Item = ImpactMode> + use<> {
         let rolling = if self.before[2 * gap + 1] < 0.0 { -1.0 } else { 1.0 };
         let rough = self.laws[gap].friction_coefficient > 0.0;
-        let all = [Way::Slides(rolling), Way::None, Way::Sticks, Way::Slides(-rolling)];
+        let all = [
+            ImpactMode::Slides(rolling),
+            ImpactMode::None,
+            ImpactMode::Sticks,
+            ImpactMode::Slides(-rolling),
+        ];
         all.into_iter().take(if rough { 4 } else { 2 })
     }
 
     /// Adds all combinations that hold, of those that begin with `ways`, to `found`: one of each motion.
     fn search(
         &self,
-        elimination: &mut Elimination<f64>,
-        ways: &mut Vec<Way>,
-        found: &mut Vec<(Vec<Way>, Pairs<f64>)>,
+        elimination: &mut ImpulseElimination<f64>,
+        ways: &mut Vec<ImpactMode>,
+        found: &mut Vec<(Vec<ImpactMode>, Pairs<f64>)>,
     ) {
         let gap = ways.len();
         if gap < self.laws.len() {
@@ -152,30 +157,30 @@ impl Meeting<f64> {
     }
 
     /// Returns whether a contact impulse and a friction impulse meet the conditions of a way.
-    fn are_allowed(&self, gap: usize, way: Way, [force, friction]: [f64; 2]) -> bool {
+    fn are_allowed(&self, gap: usize, way: ImpactMode, [force, friction]: [f64; 2]) -> bool {
         // An impulse over the mass that it meets is a speed.
         let slack = self.tolerance * self.laws[gap].mass;
         let most = self.laws[gap].friction_coefficient * force + slack;
         let sticks = friction.abs() <= most.min(LARGEST * self.heaviest * self.fastest);
-        (-slack..f64::INFINITY).contains(&force) && (sticks || !matches!(way, Way::Sticks))
+        (-slack..f64::INFINITY).contains(&force) && (sticks || !matches!(way, ImpactMode::Sticks))
     }
 
     /// Returns whether an opening speed and a rolling speed after the impact meet the conditions of a way.
-    fn follow(&self, gap: usize, way: Way, [opening, rolling]: [f64; 2]) -> bool {
+    fn follow(&self, gap: usize, way: ImpactMode, [opening, rolling]: [f64; 2]) -> bool {
         let law = self.laws[gap];
         let rough = law.friction_coefficient > 0.0;
         match way {
-            Way::None => opening + law.restitution * self.before[2 * gap] >= -self.tolerance,
-            Way::Slides(direction) => {
+            ImpactMode::None => opening + law.restitution * self.before[2 * gap] >= -self.tolerance,
+            ImpactMode::Slides(direction) => {
                 let least = -law.tangential_restitution * self.before[2 * gap + 1];
                 !rough || direction * (rolling - least) >= -self.tolerance
             }
-            Way::Sticks => true,
+            ImpactMode::Sticks => true,
         }
     }
 }
 
-impl<T: Number> Meeting<T> {
+impl<T: Number> ImpactEquations<T> {
     /// Returns the opening speeds and the rolling speeds after impulses.
     fn after(&self, impulses: &[T]) -> Pairs<T> {
         let rows = self.before.iter().zip(self.answers.chunks(impulses.len()));
@@ -187,17 +192,17 @@ impl<T: Number> Meeting<T> {
 }
 
 /// The equations of all gaps, whose impulses are eliminated one gap after the other.
-struct Elimination<T> {
-    /// For each gap, the equations of [`Way::Sticks`] of this gap and the gaps after it, without the impulses of the gaps before
-    /// it. Each gap has two rows, that of the contact and that of the friction; a row consists of the coefficients of the
-    /// impulses and the right side.
+struct ImpulseElimination<T> {
+    /// For each gap, the equations of [`ImpactMode::Sticks`] of this gap and the gaps after it, without the impulses of
+    /// the gaps before it. Each gap has two rows, that of the contact and that of the friction; a row consists of the
+    /// coefficients of the impulses and the right side.
     remaining: SmallVec<[Vec<T>; 8]>,
     /// For each gap, its two equations in its way, divided by their diagonal entries, which are not replaced by ones.
     solved: SmallVec<[[SmallVec<[T; 17]>; 2]; 8]>,
 }
 
-impl<T: Number> Elimination<T> {
-    fn new(meeting: &Meeting<T>) -> Self {
+impl<T: Number> ImpulseElimination<T> {
+    fn new(meeting: &ImpactEquations<T>) -> Self {
         let size = meeting.before.len();
         let mut first = Vec::with_capacity(size * (size + 1));
         for (row, answers) in meeting.answers.chunks(size).enumerate() {
@@ -219,11 +224,11 @@ impl<T: Number> Elimination<T> {
             *all = first;
         }
         let solved = gaps.map(|gap| [zero(size - 2 * gap + 1), zero(size - 2 * gap + 1)]).collect();
-        Elimination { remaining, solved }
+        ImpulseElimination { remaining, solved }
     }
 
     /// Eliminates the impulses of a gap that takes part in a way from the equations of the gaps after it.
-    fn eliminate(&mut self, laws: &[GapLaw], gap: usize, way: Way) {
+    fn eliminate(&mut self, laws: &[GapLaw], gap: usize, way: ImpactMode) {
         let (known, later) = self.remaining.split_at_mut(gap + 1);
         let known = &known[gap][..];
         let [contact, friction] = &mut self.solved[gap];
@@ -241,11 +246,11 @@ impl<T: Number> Elimination<T> {
         contact.fill(T::constant(0.0));
         friction.fill(T::constant(0.0));
         friction[1] = T::constant(1.0);
-        if !matches!(way, Way::None) {
+        if !matches!(way, ImpactMode::None) {
             contact.copy_from_slice(&known[..width]);
             scale(contact, 0);
             match way {
-                Way::Slides(rolling) => {
+                ImpactMode::Slides(rolling) => {
                     friction[0] = T::constant(-rolling * laws[gap].friction_coefficient);
                 }
                 // Most bodies that stick do not slide afterwards.
@@ -257,7 +262,7 @@ impl<T: Number> Elimination<T> {
         let Some(later) = later.first_mut() else { return };
         let mut row: SmallVec<[T; 17]> = SmallVec::new();
         for (from, to) in known.chunks(width).skip(2).zip(later.chunks_mut(width - 2)) {
-            if matches!(way, Way::None) {
+            if matches!(way, ImpactMode::None) {
                 to.copy_from_slice(&from[2..]);
                 continue;
             }

@@ -1,93 +1,58 @@
 //! How the system moves: integration of smooth phases, stick and slip, switches between them.
+//!
+//! Read first `phase`, `settings` and `failure`, then `evaluator`, which computes rates and forces from the recorded
+//! equations with `linear_system`. The next files decide between stick and slip. `force_model` defines what a decision
+//! asks of a system, and `joint_decision` finds the phases that meet all conditions. `event_driven` and `switch_model`
+//! are the two methods, `stick_slip` chooses between them, and `condition` names the conditions of a phase.
+//!
+//! Then read about bodies that touch: `cluster`, the impulses of an impact (`impulse_response`, `impulses`, `impact`), and
+//! `touching_system` with `residual_speeds`. `touching_decision` decides their phases with `incremental_forces` and
+//! `separate_contacts`. `saltation` carries a perturbation over a switch.
+//!
+//! `lockstep` integrates the motions of eight runs side by side and uses all of these files. Read `single` last: it is one
+//! motion alone, in such a lane. `root` finds roots, and `cancellation` stops a motion from outside.
 
-mod alone;
 mod cancellation;
 mod cluster;
 mod condition;
 mod evaluator;
 mod event_driven;
+mod failure;
+mod force_model;
 mod impact;
+mod impulse_response;
 mod impulses;
-mod in_one_state;
-mod instant;
+mod incremental_forces;
+mod joint_decision;
+mod linear_system;
 pub(crate) mod lockstep;
-mod modes;
 mod phase;
 mod residual_speeds;
-mod response;
 mod root;
 mod saltation;
+mod separate_contacts;
 mod settings;
 mod single;
+mod stick_slip;
 mod switch_model;
-mod touching;
 mod touching_decision;
+mod touching_system;
 
 pub(crate) use cancellation::unwind_if_cancelled;
 pub use cancellation::{Cancellation, is_cancelled};
 pub use evaluator::{ContactForces, Evaluator, Forces, GapForces};
+pub use failure::Failure;
+pub(crate) use failure::SINGULAR;
 pub(crate) use impact::Hit;
-pub use in_one_state::InOneState;
-pub use instant::Instant;
+pub use impulse_response::{ImpactPlace, ImpulseResponse};
+pub use incremental_forces::IncrementalForces;
 pub use lockstep::SimdLevel;
-pub use modes::decide;
 pub(crate) use phase::any_closed;
 pub use phase::{Direction, PerContact, Phase, Phases, all_stick};
-pub use response::{Meets, Response};
 pub use root::fall_through_zero;
-pub use settings::{Effort, Settings, Touches, most_steps_by};
-
-pub use crate::model::Tolerance;
-pub use single::Motion;
+pub use settings::{Effort, SLOW, Settings, Touches, most_steps_by};
+pub use single::{Instant, Motion};
+pub use stick_slip::decide;
 pub use switch_model::SLACK;
 
-use serde::{Deserialize, Serialize};
-use thiserror::Error;
-
-/// Speed, over `ω_n`, below which a contact counts as slow.
-pub const SLOW: f64 = 1e-6;
-
-/// A pivot of the mass matrix over the entry on its diagonal, below which the matrix counts as singular.
-pub(crate) const SINGULAR: f64 = 1e-12;
-
-/// The reason why a motion could not be continued.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error, Serialize, Deserialize)]
-pub enum Failure {
-    /// A state or force is infinite or not a number.
-    #[error("the state is no longer finite")]
-    NotFinite,
-    /// The mass matrix is singular or not positive definite.
-    #[error("the mass matrix is not positive definite: a motion would have no kinetic energy")]
-    IndefiniteMass,
-    /// A normal force is no longer positive: a ball would leave the ring, or a body its support, which the model has no
-    /// equations for.
-    #[error("the normal force of contact {ball} is not positive: its bodies would separate")]
-    ContactLost {
-        /// The contact, from 1.
-        ball: usize,
-    },
-    /// Bodies are inside each other at the start.
-    #[error("the bodies of contact {contact} overlap at the start: their gap is negative")]
-    Overlap {
-        /// The contact, from 1.
-        contact: usize,
-    },
-    /// The limit of steps and switches was reached, or the step length fell below the minimum.
-    #[error("more steps than the limit, or a step length below the smallest possible one")]
-    StepLimit,
-    /// Stick and slip cannot be decided: no combination meets all conditions, or several do.
-    #[error("{} all conditions", modes::combinations_meet("stick and slip", *.solutions))]
-    NoSolution {
-        /// Number of combinations with different accelerations that meet all conditions.
-        solutions: usize,
-    },
-    /// The impulses of an impact cannot be decided: none meet all conditions, or several do.
-    #[error("{} all conditions of an impact", modes::combinations_meet("impulses", *.solutions))]
-    UndecidedImpact {
-        /// Number of motions after the impact that meet all conditions.
-        solutions: usize,
-    },
-    /// So many contacts or gaps are open to decision at once that not all combinations can be tried.
-    #[error("stick, slip or impulses have more combinations than can be tried")]
-    TooManyCombinations,
-}
+pub use crate::model::Tolerance;

@@ -3,15 +3,15 @@
 
 use smallvec::SmallVec;
 
-use super::response::Meets;
-use super::touching::InTouch;
+use super::impulse_response::ImpactPlace;
+use super::touching_system::TouchingSystem;
 use super::{Phase, Phases};
 use crate::model::{Components, TOUCHING};
 
 /// The number of times that all speeds at rest are removed in turn.
 const MOST_SWEEPS: usize = 20;
 
-impl InTouch<'_> {
+impl TouchingSystem<'_> {
     /// Stops a contact, if its speed is a component.
     pub(super) fn stop(&self, contact: usize, state: &mut [f64]) {
         if let Some(speed) = self.speed_component(contact) {
@@ -56,8 +56,8 @@ impl InTouch<'_> {
         if touching.is_empty() {
             return;
         }
-        let places: SmallVec<[Meets; 4]> =
-            touching.iter().map(|one| Meets::Opening(*one)).collect();
+        let places: SmallVec<[ImpactPlace; 4]> =
+            touching.iter().map(|one| ImpactPlace::Opening(*one)).collect();
         let responses = self.evaluator.responses(&state[..], &places);
         let mut speeds = self.evaluator.openings(|place| state[place]);
         for _ in 0..MOST_SWEEPS {

@@ -1,6 +1,6 @@
-//! The conditions of a phase, and the jump of neighbouring motions where one of them fails.
+//! The jump of neighbouring motions where a condition of a phase fails.
 //!
-//! In a smooth phase a small displacement follows the linearised equations. At a switch, which a neighbour meets
+//! In a smooth phase a small perturbation follows the linearised equations. At a switch, which a neighbour meets
 //! slightly earlier or later, it jumps by the saltation matrix
 //!
 //! ```text
@@ -14,7 +14,7 @@
 //! to rest thereby loses its speed in every direction; where it breaks loose against friction that
 //! does not jump, nothing happens.
 //!
-//! Where an event resets the state to `R(x)`, a displacement `δ` becomes
+//! Where an event resets the state to `R(x)`, a perturbation `δ` becomes
 //!
 //! ```text
 //! ∇R (δ + f⁻ τ) - f⁺ τ,    τ = -∇hᵀ δ / (∇hᵀ f⁻)
@@ -28,8 +28,9 @@
 
 use smallvec::smallvec;
 
-use super::modes::InState;
-use super::touching::InTouch;
+use super::condition::Condition;
+use super::force_model::ForceModel;
+use super::touching_system::TouchingSystem;
 use super::{Evaluator, Phase, Phases, Settings};
 use crate::model::{Components, Dual};
 
@@ -42,27 +43,10 @@ const GRAZING: f64 = 1e-12;
 /// located.
 const NO_JUMP: f64 = 1e-8;
 
-/// A condition of a smooth phase.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Condition {
-    /// Of a contact: its first, its second, or that the contact is closed.
-    Contact { contact: usize, which: usize },
-    /// An event that resets the state has not happened.
-    Event(usize),
-    /// An open gap has not closed.
-    Gap(usize),
-    /// A contact that is apart has not closed.
-    Landing(usize),
-    /// A closed gap is under pressure.
-    Pressed(usize),
-    /// Friction holds this contact and those that it touches.
-    Held(usize),
-}
-
-/// Propagates a displacement over a switch at which the phases `before` ended because a condition of a contact
+/// Propagates a perturbation over a switch at which the phases `before` ended because a condition of a contact
 /// failed and the phases `after` began. Returns whether the switch was met by grazing.
 pub(super) fn saltation(
-    system: &dyn InState,
+    system: &dyn ForceModel,
     [before, after]: [&[Phase]; 2],
     (contact, which): (usize, usize),
     direction: &mut [f64],
@@ -99,7 +83,7 @@ pub(super) fn saltation(
     rate.is_nan() || rate.abs() <= GRAZING * system.force_scale()
 }
 
-/// Propagates a displacement over an impact that a gap or a landing contact begins, like [`saltation_at_reset`].
+/// Propagates a perturbation over an impact that a gap or a landing contact begins, like [`saltation_at_reset`].
 pub(super) fn saltation_at_impact(
     evaluator: &Evaluator,
     settings: Settings,
@@ -107,7 +91,7 @@ pub(super) fn saltation_at_impact(
     begins: Condition,
     direction: &mut [f64],
 ) -> bool {
-    let Some(in_touch) = InTouch::new(evaluator, settings) else { return true };
+    let Some(in_touch) = TouchingSystem::new(evaluator, settings) else { return true };
     let (phases, state) = sides[0];
     let guard = |direction: &[f64]| match begins {
         Condition::Gap(gap) => {
@@ -136,7 +120,7 @@ pub(super) fn saltation_at_impact(
     saltation_at_reset(evaluator, sides, guard, reset, direction)
 }
 
-/// Propagates a displacement over an event that resets a state. `before` and `after` are the phases and the states on
+/// Propagates a perturbation over an event that resets a state. `before` and `after` are the phases and the states on
 /// both sides. `guard` and `reset` return the change of the guard, and that of the state after the event, along a direction.
 /// Returns whether the event was met by grazing.
 pub(super) fn saltation_at_reset(

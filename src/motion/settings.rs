@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::{Method, Simulation, Tolerance};
 
+/// Speed, over `ω_n`, below which a contact counts as slow.
+pub const SLOW: f64 = 1e-6;
+
 /// Settings of the computation of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -30,20 +33,20 @@ impl Settings {
     }
 }
 
-/// Returns the maximum number of steps and switches until a time, at the pace of a system: a
+/// Returns the maximum number of steps and switches until a time, at the fastest rate of a system: a
 /// hundred times the number of a well-behaved motion, which takes about ten steps per unit of time
-/// and pace. The limit grows with time, so that a motion whose steps shrink without bound is given
+/// and fastest rate. The limit grows with time, so that a motion whose steps shrink without bound is given
 /// up early, and a long one is not.
-pub fn most_steps_by(time: f64, pace: f64) -> u64 {
-    MOST_AT_ONCE.saturating_add((MOST_PER_TIME * pace * time) as u64)
+pub fn most_steps_by(time: f64, fastest_rate: f64) -> u64 {
+    MOST_AT_ONCE.saturating_add((MOST_PER_TIME * fastest_rate * time) as u64)
 }
 
-/// Number of events allowed within a unit of time over the pace. A motion with more does not go on, and each event may take as long as a
-/// hundred steps.
+/// Number of events allowed within a unit of time over the fastest rate. A motion with more does not go on, and each
+/// event may take as long as a hundred steps.
 pub(super) const MOST_EVENTS_AT_ONCE: u32 = 10_000;
 /// Number of steps allowed at time 0.
 pub(super) const MOST_AT_ONCE: u64 = 100_000;
-/// Number of steps allowed per unit of time and pace.
+/// Number of steps allowed per unit of time and fastest rate.
 pub(super) const MOST_PER_TIME: f64 = 1000.0;
 
 /// How the contacts of a system with gaps have touched so far.

@@ -4,14 +4,31 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::cancellation::unwind_if_cancelled;
-use super::lockstep::{LANES, LaneGroup, Saved};
+use super::lockstep::{LANES, LaneGroup, SavedRun};
 use super::root::fall_through_zero;
-use super::{Effort, Evaluator, Failure, Instant, PerContact, Phase, SLOW, Settings, SimdLevel};
+use super::{
+    Effort, Evaluator, Failure, Forces, PerContact, Phase, Phases, SLOW, Settings, SimdLevel,
+};
 use crate::model::{Components, Method, System};
+
+/// A motion at an instant.
+#[derive(Clone, Debug)]
+pub struct Instant {
+    /// Non-dimensional time.
+    pub time: f64,
+    /// The state. Angles lie within a step of [0, 2π).
+    pub state: Components,
+    /// Positions of the contacts; angles with the whole turns made since the start, rad.
+    pub unwrapped: PerContact,
+    /// The phase of each contact.
+    pub phases: Phases,
+    /// Speeds, accelerations and forces of the contacts.
+    pub forces: Forces,
+}
 
 /// A motion in progress.
 pub struct Motion {
-    /// Lanes with the same run, each with a displacement of its own.
+    /// Lanes with the same run, each with a perturbation of its own.
     groups: Vec<Box<dyn LaneGroup>>,
     /// Lanes for a motion with more directions.
     spare: Vec<Box<dyn LaneGroup>>,
@@ -36,7 +53,7 @@ impl Motion {
         Motion::with_directions(system, settings, state, &[])
     }
 
-    /// Starts a motion with small displacements in these directions, which it propagates by the linearised equations
+    /// Starts a motion with small perturbations in these directions, which it propagates by the linearised equations
     /// and the saltation matrices of the switches.
     ///
     /// # Errors
@@ -47,7 +64,7 @@ impl Motion {
         state: &[f64],
         directions: &[Components],
     ) -> Result<Self, Failure> {
-        let saved = Saved::start(system, settings, state)?;
+        let saved = SavedRun::start(system, settings, state)?;
         Ok(Motion::of(&saved, directions, Evaluator::new(Arc::clone(system)), Vec::new()))
     }
 
@@ -61,7 +78,7 @@ impl Motion {
         directions: &[Components],
     ) -> Result<Self, Failure> {
         let system = evaluator.system();
-        let saved = Saved::start_with(|| evaluator.clone(), system, settings, state)?;
+        let saved = SavedRun::start_with(|| evaluator.clone(), system, settings, state)?;
         let lanes = earlier.map_or_else(Vec::new, |Motion { mut groups, mut spare, .. }| {
             groups.append(&mut spare);
             groups
@@ -70,12 +87,12 @@ impl Motion {
     }
 
     /// Continues a saved run.
-    pub(crate) fn resume(saved: &Saved) -> Self {
+    pub(crate) fn resume(saved: &SavedRun) -> Self {
         Motion::of(saved, &[], Evaluator::new(Arc::clone(saved.system())), Vec::new())
     }
 
     fn of(
-        saved: &Saved,
+        saved: &SavedRun,
         directions: &[Components],
         evaluator: Evaluator,
         mut spare: Vec<Box<dyn LaneGroup>>,
@@ -90,7 +107,7 @@ impl Motion {
             for lane in 0..directions.len().max(1) {
                 group.put(lane, saved, saved.time());
                 if let Some(direction) = directions.get(lane) {
-                    group.displace(lane, direction);
+                    group.perturb(lane, direction);
                 }
             }
             group
@@ -190,12 +207,12 @@ impl Motion {
         if !self.stepped {
             return Ok(false);
         }
-        let displaced = self.directions > 0;
+        let perturbed = self.directions > 0;
         for group in &mut self.groups {
             for lane in 0..LANES {
                 group.set_until(lane, until);
             }
-            if let Some(failure) = group.advance(displaced).failure(0) {
+            if let Some(failure) = group.advance(perturbed).failure(0) {
                 return Err(failure);
             }
         }
@@ -254,23 +271,23 @@ impl Motion {
         Some(self.lane().state_within(0, part * length))
     }
 
-    /// Returns the displacements, in the order of their directions.
-    pub fn displacements(&self) -> Vec<Components> {
+    /// Returns the perturbations, in the order of their directions.
+    pub fn perturbations(&self) -> Vec<Components> {
         let lanes = (0..self.directions).map(|i| (&self.groups[i / LANES], i % LANES));
-        lanes.map(|(group, lane)| group.displacement(lane).0).collect()
+        lanes.map(|(group, lane)| group.perturbation(lane).0).collect()
     }
 
-    /// Returns the displacements at a time within the latest step.
-    pub fn displacements_within(&mut self, time: f64) -> Vec<Components> {
+    /// Returns the perturbations at a time within the latest step.
+    pub fn perturbations_within(&mut self, time: f64) -> Vec<Components> {
         let after = time - self.last_step_began();
-        let all = self.groups.iter_mut().flat_map(|group| group.displacements_within(after));
+        let all = self.groups.iter_mut().flat_map(|group| group.perturbations_within(after));
         all.take(self.directions).collect()
     }
 
-    /// Returns whether a displacement met a switch by grazing and is undefined since.
+    /// Returns whether a perturbation met a switch by grazing and is undefined since.
     pub fn grazed(&self) -> bool {
         let mut lanes = (0..self.directions).map(|i| (&self.groups[i / LANES], i % LANES));
-        lanes.any(|(group, lane)| group.displacement(lane).1)
+        lanes.any(|(group, lane)| group.perturbation(lane).1)
     }
 
     /// Returns the current instant, after a switch at the end of the latest step.

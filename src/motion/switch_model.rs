@@ -10,7 +10,8 @@
 
 use super::Failure;
 use super::evaluator::Forces;
-use super::modes::{InState, Open, resolve_modes, stick_reserve};
+use super::force_model::ForceModel;
+use super::joint_decision::{Open, resolve_modes, stick_reserve};
 use super::{Direction, Phase, Phases, Settings};
 use crate::model::System;
 
@@ -42,7 +43,7 @@ impl Settings {
 /// Decides stick or transition jointly for all contacts in the band and returns what `then` returns for the
 /// corresponding forces. Slipping contacts are unchanged.
 pub(super) fn decide<R>(
-    system: &dyn InState,
+    system: &dyn ForceModel,
     phases: &mut Phases,
     then: impl FnOnce(&Forces) -> Result<R, Failure>,
 ) -> Result<R, Failure> {

@@ -1,8 +1,9 @@
 //! The joint decision between stick and slip, closed and open, where contacts touch each other or may open.
 //!
-//! If no gap is closed and no contact may open, contacts at rest are decided as in any system ([`super::modes`]). Otherwise all
-//! combinations of the phases that are not known are tried. The phases of contacts that touch no other follow from the other
-//! phases, unless several motions may be possible ([`super::alone`]). A combination holds if
+//! If no gap is closed and no contact may open, contacts at rest are decided as in any system ([`super::stick_slip`]).
+//! Otherwise all combinations of the phases that are not known are tried. The phases of contacts that touch no other
+//! follow from the other phases, unless several motions may be possible ([`super::separate_contacts`]). A combination
+//! holds if
 //!
 //! - contacts that stick need no more friction than there is: each alone, or together with those that it touches and that
 //!   stick too, for some forces in the gaps between them ([`crate::model::held`]);
@@ -14,15 +15,17 @@
 
 use smallvec::SmallVec;
 
-use super::alone::Alone;
 use super::cluster::{HeldCluster, held_clusters};
 use super::evaluator::{ContactForces, Forces, GapForces};
-use super::in_one_state::TOGETHER;
+use super::force_model::RecordedForces;
+use super::incremental_forces::TOGETHER;
+use super::joint_decision::{check_forces, is_finite, only_motion};
 use super::lockstep::width;
-use super::modes::{Evaluated, check_forces, decide_at_rest, is_finite, only_motion};
 use super::phase::any_closed;
-use super::touching::InTouch;
-use super::{Direction, Failure, InOneState, Phase, Phases, event_driven, switch_model};
+use super::separate_contacts::SeparateContacts;
+use super::stick_slip::decide_at_rest;
+use super::touching_system::TouchingSystem;
+use super::{Direction, Failure, IncrementalForces, Phase, Phases, event_driven, switch_model};
 use crate::model::{Holding, Method};
 
 /// The most combinations that are tried.
@@ -31,7 +34,7 @@ const MOST_TRIED: usize = 100_000;
 /// So few combinations are computed one by one.
 const FEW: usize = 3;
 
-impl InTouch<'_> {
+impl TouchingSystem<'_> {
     /// Decides the phases of contacts at rest or in the band, and of closed gaps. The contacts `fixed` stay as they are.
     pub(super) fn decide(
         &self,
@@ -40,12 +43,12 @@ impl InTouch<'_> {
         fixed: &[usize],
     ) -> Result<(), Failure> {
         if self.openings.is_empty() && !any_closed(phases) {
-            let in_state = Evaluated::new(self.evaluator, state);
-            return decide_at_rest(self.settings.method, &in_state, phases, fixed);
+            let model = RecordedForces::new(self.evaluator, state);
+            return decide_at_rest(self.settings.method, &model, phases, fixed);
         }
         let slack = self.slack();
         let given = phases.clone();
-        let mut equations = self.evaluator.in_state(state);
+        let mut equations = self.evaluator.incremental_forces(state);
         type Found = (Forces, SmallVec<[GapForces; 8]>);
         let fits = |candidate: &Phases, (forces, gaps): &Found, least: f64| {
             let fit = || self.fits(candidate, &given, (forces, gaps), fixed, [slack, least]);
@@ -90,7 +93,7 @@ impl InTouch<'_> {
     /// Returns whether the given phases are consistent, and all other combinations that may hold.
     fn candidates(
         &self,
-        equations: &mut InOneState,
+        equations: &mut IncrementalForces,
         given: &Phases,
         fixed: &[usize],
     ) -> Result<(bool, Vec<Phases>), Failure> {
@@ -115,7 +118,7 @@ impl InTouch<'_> {
 
     /// Returns the contacts at rest, except for those that are `fixed`, that touch no other. There are none in a system with
     /// contacts that open: which bodies these keep together is not known.
-    fn alone(&self, given: &Phases, fixed: &[usize]) -> Alone {
+    fn alone(&self, given: &Phases, fixed: &[usize]) -> SeparateContacts {
         let (of_contacts, of_gaps) = given.split_at(self.contacts());
         let touches = |contact: usize| {
             let gaps = self.gaps.iter().zip(of_gaps);
@@ -131,7 +134,7 @@ impl InTouch<'_> {
         let contacts: SmallVec<[usize; 8]> =
             of_contacts.iter().enumerate().filter(is_alone).map(|(contact, _)| contact).collect();
         let limit = |contact: &usize| self.evaluator.system().friction(*contact).limit;
-        Alone {
+        SeparateContacts {
             limits: contacts.iter().map(limit).collect(),
             contacts,
             sets_off: self.sets_off(),

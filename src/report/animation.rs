@@ -4,7 +4,9 @@ use std::path::Path;
 
 use serde_json::json;
 
-use crate::classification::{Evidence, Instants, Recorder, Recording, Sample, simulate_recorded};
+use crate::classification::{
+    Evidence, Instants, MotionSample, RecordedRun, RunRecorder, simulate_recorded,
+};
 use crate::engine::{CommandError, MOST_INSTANTS};
 use crate::model::{Machine, Model, SPEED_TERMS};
 use crate::motion::Phase;
@@ -57,7 +59,8 @@ pub fn animate(
     let natural = case.model.natural_frequency_rad_s();
     let last = f64::from(frames - 1);
     let time = |frame: u32| natural * (from + (to - from) * (f64::from(frame) / last));
-    let mut recorder = Recorder::new(Instants::At((0..frames).map(time).collect()), MOST_INSTANTS);
+    let mut recorder =
+        RunRecorder::new(Instants::At((0..frames).map(time).collect()), MOST_INSTANTS);
     simulate_recorded(case, &mut recorder);
     let page = animation(machine, &recorder.finish(), &title);
     list.write_once(out, ANIMATION, page.as_bytes())
@@ -75,7 +78,7 @@ pub fn frames(model: &Model, seconds: f64) -> Option<u32> {
 
 /// Returns the animation of a balancer from equally spaced samples, with the touches between them; `title` is the
 /// heading.
-pub fn animation(machine: &Machine, recording: &Recording, title: &str) -> String {
+pub fn animation(machine: &Machine, recording: &RecordedRun, title: &str) -> String {
     let samples = &recording.samples;
     let model = Model::from(machine.clone());
     let units = model.units();
@@ -94,7 +97,7 @@ pub fn animation(machine: &Machine, recording: &Recording, title: &str) -> Strin
         })
         .collect();
     // One character per sample, whether something holds.
-    let flags = |holds: &dyn Fn(&Sample) -> bool| -> String {
+    let flags = |holds: &dyn Fn(&MotionSample) -> bool| -> String {
         samples.iter().map(|sample| if holds(sample) { '1' } else { '0' }).collect()
     };
     let stick = |ball: usize| flags(&|sample| sample.contacts[ball].phase == Phase::Stick);

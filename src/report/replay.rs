@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::animation::{ANIMATION, animate};
 use super::stored_run::stored_run;
-use crate::classification::Recording;
+use crate::classification::RecordedRun;
 use crate::engine::{CommandError, ExclusiveDirectory, MOST_INSTANTS, record};
 use crate::study::Study;
 use crate::table::{
@@ -26,7 +26,7 @@ pub struct Replay {
     /// The run.
     pub record: RunRecord,
     /// Its motion.
-    pub recording: Recording,
+    pub recording: RecordedRun,
     /// The differences from the stored row; `None` if there is no stored row.
     pub differences: Option<Vec<Difference>>,
     /// The number of compared columns.

@@ -1,6 +1,6 @@
 //! The values of a recorded motion in SI units and in words.
 
-use crate::classification::{ContactSample, GapSample, Sample};
+use crate::classification::{ContactSample, GapSample, MotionSample};
 use crate::model::{DiscMotion, Units};
 use crate::motion::{Direction, Phase};
 
@@ -20,7 +20,7 @@ impl Units {
 
     /// Returns position and velocity of the disc's centre in the inertial frame, m and m/s, for this motion of the disc. At
     /// time 0, the axes of the disc and of the inertial frame coincide.
-    pub fn in_space(&self, disc: &DiscMotion, sample: &Sample) -> Option<[f64; 4]> {
+    pub fn in_space(&self, disc: &DiscMotion, sample: &MotionSample) -> Option<[f64; 4]> {
         let [x, y, x_dot, y_dot] = sample.table?;
         let time_s = self.seconds(sample.time);
         let omega = disc.speed_rad_s(time_s) / self.natural_rad_s;

@@ -4,7 +4,7 @@
 use super::column::{Column, Columns, NON_DIMENSIONAL};
 use super::motion_values::phase_name;
 use super::touches::add_gaps;
-use crate::classification::{ContactSample, Sample, Switch};
+use crate::classification::{ContactSample, MotionSample, Switch};
 use crate::model::{DiscMotion, Model, OutputName, Units, unit_ending, wrap_to_two_pi};
 
 const PHASE: &str = "phase: stick; slip_forward or slip_backward; transition_forward or \
@@ -15,10 +15,10 @@ const FRICTION: &str = "friction force, positive against positive speed; during 
 const LIMIT: &str = "friction limit: static coefficient times normal force";
 
 /// Returns the columns of `trajectory.parquet` of a run with these gaps ([`Model::gaps`]).
-pub fn trajectory_columns(model: &Model, gaps: &[[usize; 2]]) -> Vec<Column<Sample>> {
+pub fn trajectory_columns(model: &Model, gaps: &[[usize; 2]]) -> Vec<Column<MotionSample>> {
     let units = model.units();
     let natural = units.natural_rad_s;
-    let mut list = Columns::<Sample>::new();
+    let mut list = Columns::<MotionSample>::new();
     list.number("time_s", "s", move |row| row.time / natural).meaning("time since the start");
     list.count("step", |row| row.step).meaning(
         "number of the integration step that contains the row or ends there; 0 at the start",
@@ -65,17 +65,17 @@ pub fn trajectory_columns(model: &Model, gaps: &[[usize; 2]]) -> Vec<Column<Samp
 
 /// Adds a column of a contact.
 fn of_contact<'a>(
-    list: &'a mut Columns<Sample>,
+    list: &'a mut Columns<MotionSample>,
     contact: usize,
     name: impl Into<String>,
     unit: &str,
     value: impl Fn(&ContactSample) -> f64 + Send + Sync + 'static,
-) -> &'a mut Column<Sample> {
+) -> &'a mut Column<MotionSample> {
     list.number(name, unit, move |row| row.contacts.get(contact).map(&value))
 }
 
 /// Adds position and velocity of the disc's centre.
-fn add_table(list: &mut Columns<Sample>, units: &Units, disc: &DiscMotion) {
+fn add_table(list: &mut Columns<MotionSample>, units: &Units, disc: &DiscMotion) {
     let (length, speed) = (units.length_m, units.length_m * units.natural_rad_s);
     for (axis, name, unit, factor, meaning) in [
         (0, "x_m", "m", length, "position of the disc's centre towards the imbalance"),
@@ -99,7 +99,7 @@ fn add_table(list: &mut Columns<Sample>, units: &Units, disc: &DiscMotion) {
     }
 }
 
-fn add_ball(list: &mut Columns<Sample>, model: &Model, ball: usize) {
+fn add_ball(list: &mut Columns<MotionSample>, model: &Model, ball: usize) {
     let number = ball + 1;
     let natural = model.natural_frequency_rad_s();
     of_contact(list, ball, format!("beta_{number}_rad"), "rad", |ball| {
@@ -116,7 +116,7 @@ fn add_ball(list: &mut Columns<Sample>, model: &Model, ball: usize) {
 }
 
 /// Adds speed and forces of a contact of a system of one's own.
-fn add_body(list: &mut Columns<Sample>, model: &Model, contact: usize) {
+fn add_body(list: &mut Columns<MotionSample>, model: &Model, contact: usize) {
     let (units, suffix) = (model.units(), model.contact_suffix(contact));
     let Some(unit) = units.contacts.get(contact).copied() else { return };
     let body = model.contact_in_words(contact);
@@ -129,7 +129,7 @@ fn add_body(list: &mut Columns<Sample>, model: &Model, contact: usize) {
 }
 
 /// Adds the phase of a contact, and its forces in N.
-fn add_forces(list: &mut Columns<Sample>, model: &Model, contact: usize, suffix: &str) {
+fn add_forces(list: &mut Columns<MotionSample>, model: &Model, contact: usize, suffix: &str) {
     let (units, symbol) = (model.units(), model.force_unit(contact));
     let ending = unit_ending(&symbol);
     let force = units.contacts.get(contact).map_or(f64::NAN, |one| one.force_n);
@@ -152,7 +152,7 @@ fn add_forces(list: &mut Columns<Sample>, model: &Model, contact: usize, suffix:
 }
 
 /// Adds the non-dimensional speed and forces of a ball.
-fn add_non_dimensional(list: &mut Columns<Sample>, ball: usize) {
+fn add_non_dimensional(list: &mut Columns<MotionSample>, ball: usize) {
     let mut number = |name: &str, value: fn(&ContactSample) -> f64, meaning: &str| {
         of_contact(list, ball, format!("{name}_{}", ball + 1), NON_DIMENSIONAL, value)
             .meaning(meaning);

@@ -2,18 +2,18 @@
 
 use super::column::{Column, Columns, NON_DIMENSIONAL};
 use super::motion_values::phase_name;
-use crate::classification::{Sample, Touch};
+use crate::classification::{MotionSample, Touch};
 use crate::model::{Model, SlidingSpeed, wrap_to_two_pi};
 use crate::motion::Phase;
 
 /// Adds width and contact of each gap, between the contacts `[behind, ahead]`.
-pub(super) fn add_gaps(list: &mut Columns<Sample>, model: &Model, gaps: &[[usize; 2]]) {
+pub(super) fn add_gaps(list: &mut Columns<MotionSample>, model: &Model, gaps: &[[usize; 2]]) {
     let factor = model.units().contacts.first().map_or(f64::NAN, |one| one.position);
     let unit = position_unit(model);
     let body = model.kind().body;
     for (index, &contacts) in gaps.iter().enumerate() {
         let [behind, ahead] = contacts.map(|contact| contact + 1);
-        let gap = move |row: &Sample| row.gaps.get(index).copied();
+        let gap = move |row: &MotionSample| row.gaps.get(index).copied();
         list.number(format!("gap_{behind}_{ahead}_{unit}"), unit, move |row| {
             gap(row).map(|gap| gap.width * factor)
         })

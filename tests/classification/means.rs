@@ -2,7 +2,7 @@
 
 use stickslip::classification::simulate_recorded;
 use stickslip::classification::{
-    Instants, Outcome, Recorder, Recording, simulate, simulate_by_recorded_equations,
+    Instants, Outcome, RecordedRun, RunRecorder, simulate, simulate_by_recorded_equations,
 };
 use stickslip::model::Case;
 
@@ -11,11 +11,11 @@ use super::recorder::cases;
 /// Number of intervals between instants in the last tenth.
 const TIMES: u32 = 40_000;
 
-fn recorded(case: &Case) -> (Outcome, Recording) {
+fn recorded(case: &Case) -> (Outcome, RecordedRun) {
     let end = case.simulation.end_time_s * case.model.natural_frequency_rad_s();
     let time =
         |k: u32| if k == TIMES { end } else { end * (0.9 + 0.1 * f64::from(k) / f64::from(TIMES)) };
-    let mut recorder = Recorder::new(Instants::At((0..=TIMES).map(time).collect()), 1_000_000);
+    let mut recorder = RunRecorder::new(Instants::At((0..=TIMES).map(time).collect()), 1_000_000);
     let outcome = simulate_recorded(case, &mut recorder);
     (outcome, recorder.finish())
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use stickslip::classification::{
-    Instants, Label, Outcome, Recorder, Recording, simulate, simulate_recorded,
+    Instants, Label, Outcome, RecordedRun, RunRecorder, simulate, simulate_recorded,
 };
 use stickslip::model::{Balancer, Case, Simulation, State, Tolerance};
 use stickslip::motion::{Phase, SLACK, Settings};
@@ -47,13 +47,13 @@ fn all_kinds() -> Vec<Case> {
     .concat()
 }
 
-fn recorded(case: &Case, instants: Instants) -> (Outcome, Recording) {
-    let mut recorder = Recorder::new(instants, 1_000_000);
+fn recorded(case: &Case, instants: Instants) -> (Outcome, RecordedRun) {
+    let mut recorder = RunRecorder::new(instants, 1_000_000);
     let outcome = simulate_recorded(case, &mut recorder);
     (outcome, recorder.finish())
 }
 
-fn every_step(case: &Case) -> (Outcome, Recording) {
+fn every_step(case: &Case) -> (Outcome, RecordedRun) {
     recorded(case, Instants::EveryStep { inside: 0 })
 }
 
@@ -84,7 +84,7 @@ fn recording_changes_nothing() {
 fn a_record_is_whole() {
     let mut switches = 0;
     for case in all_kinds() {
-        let (outcome, Recording { samples, switches: log, cut_off, .. }) = every_step(&case);
+        let (outcome, RecordedRun { samples, switches: log, cut_off, .. }) = every_step(&case);
         assert!(!cut_off);
         assert_eq!(log.len() as u64, outcome.effort.switches, "{case:?}");
         switches += log.len();
@@ -206,7 +206,7 @@ fn times_agree_with_motions_at_tighter_tolerances() {
 #[test]
 fn too_long_a_motion_is_cut_off_and_says_so() {
     let case = &cases("{kind: ball_balancer}", 1, "{end_time_s: 0.2}")[0];
-    let mut recorder = Recorder::new(Instants::EveryStep { inside: 0 }, 10);
+    let mut recorder = RunRecorder::new(Instants::EveryStep { inside: 0 }, 10);
     let outcome = simulate_recorded(case, &mut recorder);
     let recording = recorder.finish();
     assert_eq!(outcome, simulate(case));

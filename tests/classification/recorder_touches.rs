@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use stickslip::classification::{
-    ContactSample, Instants, Outcome, Recorder, Recording, Touch, TouchingOutcome, simulate,
+    ContactSample, Instants, Outcome, RecordedRun, RunRecorder, Touch, TouchingOutcome, simulate,
     simulate_recorded,
 };
 use stickslip::model::{Case, Start, TOUCHING, wrap_to_pi};
@@ -34,8 +34,8 @@ fn in_contact() -> Vec<Case> {
     .concat()
 }
 
-fn recorded(case: &Case) -> (Outcome, TouchingOutcome, Recording) {
-    let mut recorder = Recorder::new(Instants::EveryStep { inside: 1 }, 1_000_000);
+fn recorded(case: &Case) -> (Outcome, TouchingOutcome, RecordedRun) {
+    let mut recorder = RunRecorder::new(Instants::EveryStep { inside: 1 }, 1_000_000);
     let outcome = simulate_recorded(case, &mut recorder);
     assert_eq!(outcome, simulate(case));
     let touching = outcome.touching.expect("contact between balls");
@@ -48,7 +48,7 @@ fn touches_are_those_of_the_outcome() {
     let (mut impacts, mut lasting, mut separations, mut extended) = (0, 0, 0, 0);
     let inelastic = cases(&model("balls: 3", 0.0), 4, "{end_time_s: 4}");
     for case in in_contact().into_iter().chain(inelastic) {
-        let (outcome, touching, Recording { samples, touches, .. }) = recorded(&case);
+        let (outcome, touching, RecordedRun { samples, touches, .. }) = recorded(&case);
         let counted = touches.iter().filter(|touch| touch.is_impact()).count();
         assert_eq!(counted as u64, touching.impacts, "{case:?}");
         impacts += counted;
@@ -86,7 +86,7 @@ fn touches_are_those_of_the_outcome() {
 fn gaps_and_impacts_obey_their_laws() {
     let (mut touching, mut bounces) = (0, 0);
     for case in in_contact() {
-        let mut recorder = Recorder::new(Instants::EveryStep { inside: 1 }, 1_000_000);
+        let mut recorder = RunRecorder::new(Instants::EveryStep { inside: 1 }, 1_000_000);
         simulate_recorded(&case, &mut recorder);
         let recording = recorder.finish();
         let machine = case.model.ball_balancer().expect("balls");
@@ -157,9 +157,9 @@ fn an_impact_at_the_start_is_counted_and_recorded() {
 fn without_contact_there_are_no_gaps() {
     for model in ["{kind: ball_balancer}", "{kind: block_on_spring}"] {
         for case in cases(model, 2, "{end_time_s: 0.5}") {
-            let mut recorder = Recorder::new(Instants::EveryStep { inside: 0 }, 1_000_000);
+            let mut recorder = RunRecorder::new(Instants::EveryStep { inside: 0 }, 1_000_000);
             simulate_recorded(&case, &mut recorder);
-            let Recording { samples, touches, .. } = recorder.finish();
+            let RecordedRun { samples, touches, .. } = recorder.finish();
             assert!(samples.len() > 1 && samples.iter().all(|sample| sample.gaps.is_empty()));
             assert!(touches.is_empty() && case.model.gaps(&case.start).is_none());
         }
@@ -173,7 +173,7 @@ fn too_many_touches_are_cut_off() {
         .into_iter()
         .find(|case| recorded(case).2.touches.len() > 3)
         .expect("a run with impacts");
-    let mut recorder = Recorder::new(Instants::At(vec![0.0]), 3);
+    let mut recorder = RunRecorder::new(Instants::At(vec![0.0]), 3);
     simulate_recorded(&case, &mut recorder);
     let recording = recorder.finish();
     assert!(recording.cut_off && recording.touches.len() == 3, "{recording:?}");

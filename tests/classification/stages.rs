@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use stickslip::classification::{Instants, Label, Outcome, Recorder, simulate, simulate_recorded};
+use stickslip::classification::{
+    Instants, Label, Outcome, RunRecorder, simulate, simulate_recorded,
+};
 use stickslip::model::{
     Balancer, Ball, BallContact, Case, Kick, Machine, Model, ProfilePart, Ramp, RampShape,
     Simulation, SpeedProfile, Start,
@@ -149,7 +151,7 @@ fn the_peak_is_the_largest_amplitude() {
         vec![Kick { at_s: 2.5, speed_m_s: 0.3, direction_rad: 0.0 }],
     );
     let case = case(&machine, [1.0, 4.0], 4.0);
-    let mut recorder = Recorder::new(Instants::EveryStep { inside: 20 }, 10_000_000);
+    let mut recorder = RunRecorder::new(Instants::EveryStep { inside: 20 }, 10_000_000);
     let outcome = simulate_recorded(&case, &mut recorder);
     let natural = machine.natural_frequency_rad_s();
     let amplitude = |table: [f64; 4]| table[0].hypot(table[1]) * machine.ring_radius_m;

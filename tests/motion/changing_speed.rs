@@ -9,7 +9,7 @@
 
 use std::f64::consts::TAU;
 
-use stickslip::classification::{Instants, Recorder, Recording, simulate, simulate_recorded};
+use stickslip::classification::{Instants, RecordedRun, RunRecorder, simulate, simulate_recorded};
 use stickslip::model::{
     Balancer, Ball, BallContact, Case, Machine, Method, Model, ProfilePart, Ramp, RampShape,
     Simulation, SpeedProfile, Stage, Start, State,
@@ -150,14 +150,14 @@ fn the_motors_work_accounts_for_the_energy_through_a_ramp() {
     }
 }
 
-fn recorded(machine: &Machine, start: &Start, end_time_s: f64, times: Vec<f64>) -> Recording {
+fn recorded(machine: &Machine, start: &Start, end_time_s: f64, times: Vec<f64>) -> RecordedRun {
     let simulation = Simulation {
         end_time_s,
         tolerance: Tolerance { relative: 1e-11, absolute: 1e-13 },
         ..Simulation::default()
     };
     let case = Case { model: machine.clone().into(), start: start.clone(), simulation };
-    let mut recorder = Recorder::new(Instants::At(times), 1_000_000);
+    let mut recorder = RunRecorder::new(Instants::At(times), 1_000_000);
     simulate_recorded(&case, &mut recorder);
     recorder.finish()
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use stickslip::model::{
     Ball, BallContact, BallsInContact, Components, Dual, Machine, Method, Model, Start, System,
 };
-use stickslip::motion::{Evaluator, Meets, Motion, Phase, Settings, Tolerance};
+use stickslip::motion::{Evaluator, ImpactPlace, Motion, Phase, Settings, Tolerance};
 
 use super::samples::Sampler;
 use crate::support::rest_margin;
@@ -184,7 +184,7 @@ fn impacts_lose_the_energy_of_the_closed_form() {
             assert!((separation + restitution * approach).abs() < 1e-13, "{separation:e}");
             let dual: Vec<Dual> =
                 before.iter().map(|value| Dual { value: *value, slope: 0.0 }).collect();
-            let response = &evaluator.responses(&dual, &[Meets::Gap(index)])[0].components;
+            let response = &evaluator.responses(&dual, &[ImpactPlace::Gap(index)])[0].components;
             let gap = contact.gaps()[index];
             let answer =
                 response[speeds + gap.contacts[1]].value - response[speeds + gap.contacts[0]].value;

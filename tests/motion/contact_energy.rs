@@ -38,7 +38,7 @@ fn powers<const N: usize>(
     let (x, y, x_dot, y_dot) = (state[0], state[1], state[2], state[3]);
     let omega = balancer.speed;
     let against = x_dot * (x_dot - omega * y) + y_dot * (y_dot + omega * x);
-    let (forces, gaps) = motion.evaluator().in_state(state).forces_and_gaps(phases);
+    let (forces, gaps) = motion.evaluator().incremental_forces(state).forces_and_gaps(phases);
     let speed = |ball: usize| state[4 + N + ball];
     let ring = balancer.balls.iter().zip(&forces).enumerate();
     let ring: f64 = ring.map(|(i, (ball, own))| ball.mass * own.friction * speed(i)).sum();

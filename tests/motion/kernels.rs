@@ -134,7 +134,7 @@ fn kernels_carry_the_same_displacements() {
                     while motion.time() < until {
                         motion.advance(until).ok()?;
                     }
-                    Some(motion.displacements())
+                    Some(motion.perturbations())
                 });
                 let [Some(found), Some(expected)] = all else { break };
                 if one.grazed() || other.grazed() {

@@ -86,7 +86,7 @@ fn series_and_displacements_of_functions() {
             motion.advance(1.0).expect("continues");
             let end = start + motion.time();
             let state = motion.state();
-            let changes = motion.displacements().remove(0);
+            let changes = motion.perturbations().remove(0);
             for (index, (from, to)) in integrals(start).iter().zip(integrals(end)).enumerate() {
                 let found = state[1 + index];
                 assert!((found - (to - from)).abs() < 1e-13, "{index} at {end}: {found}");
@@ -157,7 +157,7 @@ fn solves(parameters: Vec<f64>, end: f64) {
         motion.advance(end).unwrap_or_else(|failure| panic!("{failure}: {what}"));
         let t = motion.time();
         state.copy_from_slice(&motion.state());
-        let changes = motion.displacements().remove(0);
+        let changes = motion.perturbations().remove(0);
         let found = motion.evaluator().rates(&[], &state);
         for (one, expected) in [t, t * t, t.sin()].into_iter().enumerate() {
             let own = 1 + one;

@@ -127,7 +127,7 @@ pub fn compare_displacements(
     let directions: Vec<Components> = places.iter().map(unit).collect();
     let (motion, events) = follow(start, &directions);
     assert!(!motion.grazed());
-    for (direction, displaced) in directions.iter().zip(motion.displacements()) {
+    for (direction, displaced) in directions.iter().zip(motion.perturbations()) {
         let ends = [size, -size].map(|size| {
             let moved = start.iter().zip(direction).map(|(value, by)| value + size * by);
             follow(&moved.collect::<Vec<f64>>(), &[]).0.state()

@@ -54,7 +54,7 @@ fn compare(
     if low.1 != phases || high.1 != phases || motion.grazed() {
         return None;
     }
-    let carried = &motion.displacements()[0];
+    let carried = &motion.perturbations()[0];
     let size = carried.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
     let difference = low
         .0

@@ -60,7 +60,7 @@ pub(super) fn held_until<S: Vector>(
         if span <= WIDTH {
             return fails.then_some(to);
         }
-        let course = Course { from: &now.forces, to: &later.forces, part: span };
+        let course = LinearGapForces { from: &now.forces, to: &later.forces, part: span };
         let fall = conditions(cluster, &contacts, &course)
             .filter_map(|condition| {
                 let fate = vectorized!(simd, {
@@ -88,7 +88,7 @@ pub(super) fn held_until<S: Vector>(
 }
 
 /// Forces in gaps that are linear in time.
-struct Course<'a> {
+struct LinearGapForces<'a> {
     from: &'a [[f64; 2]],
     to: &'a [[f64; 2]],
     /// The part of the step from the first to the last.
@@ -109,7 +109,7 @@ struct HeldCondition {
 fn conditions<'a>(
     cluster: &'a HeldCluster,
     contacts: &'a [HeldContact],
-    course: &'a Course<'a>,
+    course: &'a LinearGapForces<'a>,
 ) -> impl Iterator<Item = HeldCondition> + 'a {
     let columns: Vec<[GapColumn; 2]> =
         cluster.gaps.iter().map(|gap| gap_columns(gap, contacts)).collect();

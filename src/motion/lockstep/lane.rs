@@ -1,21 +1,14 @@
-//! One of the runs in lockstep: its scalar part, and the complete run outside of a lane.
+//! The scalar part of one of the runs in lockstep.
 
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use smallvec::{SmallVec, smallvec};
+use smallvec::SmallVec;
 
-use super::root_isolation::width;
-use super::tuned;
-use crate::model::{Components, Method, System};
+use crate::model::System;
 use crate::motion::condition::Margins;
 use crate::motion::impact::{Hit, Impact};
-use crate::motion::modes::{Evaluated, InState, decide_at_rest, first_phases};
 use crate::motion::settings::MOST_EVENTS_AT_ONCE;
-use crate::motion::touching::InTouch;
-use crate::motion::{
-    Effort, Evaluator, Failure, PerContact, Phases, SINGULAR, SLOW, Settings, Touches, any_closed,
-};
+use crate::motion::{Effort, Failure, PerContact, Phases, Settings, Touches, any_closed};
 
 /// The scalar part of a run.
 #[derive(Clone, Debug)]
@@ -34,7 +27,7 @@ pub(crate) struct Lane {
     /// Width within which events are located.
     pub(super) width: f64,
     pub(super) longest_step: f64,
-    pub(super) pace: f64,
+    pub(super) fastest_rate: f64,
     pub(super) phases: Phases,
     /// The phases in the latest step, before an event at its end.
     pub(super) during: Phases,
@@ -49,9 +42,9 @@ pub(crate) struct Lane {
     /// The time in which any gap was closed, until the latest change, and the time of that change.
     pub(super) touching_time: f64,
     pub(super) last_touch: f64,
-    /// Whether a displacement met a switch by grazing.
+    /// Whether a perturbation met a switch by grazing.
     pub(super) grazed: bool,
-    /// The events within a unit of time over the pace, and its begin.
+    /// The events within a unit of time over the fastest rate, and its begin.
     pub(super) events: u32,
     pub(super) events_since: f64,
 }
@@ -75,7 +68,7 @@ impl Lane {
 
     /// Counts an event.
     pub(super) fn count_event(&mut self, time: f64) -> Result<(), Failure> {
-        if time >= self.events_since + 1.0 / self.pace {
+        if time >= self.events_since + 1.0 / self.fastest_rate {
             (self.events, self.events_since) = (0, time);
         }
         self.events += 1;
@@ -91,198 +84,4 @@ impl Lane {
             (self.hits, self.hit_at) = (impact.hits.clone(), time);
         }
     }
-}
-
-/// A run taken out of its lane, which can be put into any lane.
-#[derive(Clone, Debug)]
-pub(crate) struct Saved {
-    pub(super) lane: Lane,
-    pub(super) time: f64,
-    pub(super) state: Components,
-    pub(super) turns: PerContact,
-    pub(super) slow_since: PerContact,
-    pub(super) next: f64,
-    pub(super) taken: f64,
-    pub(super) displacement: Components,
-}
-
-impl Saved {
-    /// Creates a run at its start.
-    pub(crate) fn start(
-        system: &Arc<dyn System>,
-        settings: Settings,
-        state: &[f64],
-    ) -> Result<Self, Failure> {
-        Saved::start_with(|| Evaluator::new(Arc::clone(system)), system, settings, state)
-    }
-
-    /// Creates a run at its start like [`Saved::start`], with known recorded equations.
-    pub(crate) fn start_with(
-        evaluator: impl FnOnce() -> Evaluator,
-        system: &Arc<dyn System>,
-        settings: Settings,
-        state: &[f64],
-    ) -> Result<Self, Failure> {
-        let mut start: Components = state.into();
-        if system.smallest_inertia(state) < SINGULAR {
-            return Err(Failure::IndefiniteMass);
-        }
-        let settings = settings.narrowed(system.as_ref());
-        let force_scale = system.force_scale();
-        let surely_one_solution = system.surely_one_solution();
-        let contacts = system.contacts();
-        let by_tuned = || {
-            let tuned = tuned::in_state(system, surely_one_solution, state, |at| {
-                start_phases(system.as_ref(), settings, at)
-            });
-            tuned.map(|phases| Ok((phases?, None, tuned::angles(contacts).collect(), false)))
-        };
-        let by_equations = || {
-            let evaluator = evaluator();
-            let (phases, impact) = match InTouch::new(&evaluator, settings) {
-                Some(in_touch) => {
-                    let (phases, impact) = in_touch.start(&mut start)?;
-                    (phases, Some(impact))
-                }
-                None => {
-                    let at = Evaluated::new(&evaluator, state);
-                    (start_phases(system.as_ref(), settings, &at)?, None)
-                }
-            };
-            let layout = evaluator.graph().layout.contacts.iter();
-            let angles = layout.filter(|contact| contact.angular);
-            let angles = angles.map(|contact| contact.position).collect();
-            Ok((phases, impact, angles, !evaluator.graph().openings.is_empty()))
-        };
-        let without_gaps = system.touching().is_none();
-        let tuned = if without_gaps { by_tuned() } else { None };
-        let (phases, impact, angles, has_openings): (Phases, _, SmallVec<[usize; 8]>, bool) =
-            tuned.unwrap_or_else(by_equations)?;
-        for component in angles {
-            let angle = &mut start[component];
-            if !(0.0..TAU).contains(angle) {
-                *angle -= (*angle / TAU).floor() * TAU;
-            }
-        }
-        let mut lane = Lane {
-            margins: Margins::new(&settings, force_scale),
-            limits: (0..contacts).map(|contact| system.friction(contact).limit).collect(),
-            force_scale,
-            has_gaps: !without_gaps,
-            has_openings,
-            settings,
-            surely_one_solution,
-            slow: match settings.method {
-                Method::Switch => SLOW.max(settings.band),
-                Method::Event => SLOW,
-            },
-            width: width(settings.tolerance.relative),
-            longest_step: system.longest_step(),
-            pace: system.pace(),
-            during: phases.clone(),
-            last_switches: smallvec![0.0; phases.len()],
-            switches: 0,
-            impacts: 0,
-            lifted: 0,
-            hits: SmallVec::new(),
-            hit_at: 0.0,
-            touching_time: 0.0,
-            last_touch: 0.0,
-            phases,
-            grazed: false,
-            events: 0,
-            events_since: 0.0,
-            system: Arc::clone(system),
-        };
-        lane.take_in(impact.as_ref(), 0.0);
-        let next = lane.longest_step;
-        Ok(Saved {
-            lane,
-            time: 0.0,
-            displacement: smallvec![0.0; start.len()],
-            state: start,
-            turns: smallvec![0.0; contacts],
-            slow_since: smallvec![0.0; contacts],
-            next,
-            taken: 0.0,
-        })
-    }
-
-    /// Continues the run with another system from a state, in which a blow has lifted balls off their support.
-    pub(crate) fn enters(
-        &self,
-        system: &Arc<dyn System>,
-        state: &[f64],
-        lifted: u32,
-    ) -> Result<Self, Failure> {
-        let started = Saved::start(system, self.lane.settings, state)?;
-        let before = &self.lane;
-        let mut lane = Lane {
-            last_switches: before.last_switches.clone(),
-            switches: before.switches,
-            impacts: before.impacts,
-            lifted: before.lifted + u64::from(lifted),
-            // A kick separates contacts that touch, but it is no impact between them.
-            hits: SmallVec::new(),
-            touching_time: before.touching_time,
-            last_touch: before.last_touch,
-            ..started.lane
-        };
-        let contacts = system.contacts();
-        for (contact, last) in lane.last_switches.iter_mut().enumerate() {
-            if lane.phases[contact] != before.phases[contact] {
-                *last = self.time;
-                lane.switches += u64::from(contact < contacts);
-            }
-        }
-        if any_closed(&before.phases) {
-            lane.touching_time += self.time - before.last_touch;
-        }
-        lane.last_touch = self.time;
-        Ok(Saved {
-            lane,
-            time: self.time,
-            turns: self.turns.clone(),
-            slow_since: self.slow_since.clone(),
-            taken: self.taken,
-            ..started
-        })
-    }
-
-    /// Returns the state.
-    pub(crate) fn state(&self) -> &[f64] {
-        &self.state
-    }
-
-    /// Returns the time.
-    pub(crate) fn time(&self) -> f64 {
-        self.time
-    }
-
-    /// Returns the effort so far.
-    pub(crate) fn effort(&self) -> Effort {
-        self.lane.effort(self.taken)
-    }
-
-    /// Returns the settings.
-    pub(crate) fn settings(&self) -> Settings {
-        self.lane.settings
-    }
-
-    /// Returns the system.
-    pub(crate) fn system(&self) -> &Arc<dyn System> {
-        &self.lane.system
-    }
-}
-
-/// Returns the phases in which a motion starts from a state, by the sliding speeds there.
-pub(super) fn start_phases(
-    system: &dyn System,
-    settings: Settings,
-    at: &dyn InState,
-) -> Result<Phases, Failure> {
-    let contacts = (0..system.contacts()).map(|i| (system.friction(i), at.speed(i)));
-    let mut phases = first_phases(settings.method, settings.band, contacts);
-    decide_at_rest(settings.method, at, &mut phases, &[])?;
-    Ok(phases)
 }

@@ -2,60 +2,21 @@
 
 use std::sync::Arc;
 
-use smallvec::SmallVec;
+use fearless_simd::prelude::*;
 
-use super::LANES;
-use super::lane::Saved;
+use super::kernel::{Kernel, LONGEST};
+use super::kernel_lanes::{KernelLanes, propagate};
+use super::saved_run::SavedRun;
+use super::step_report::StepReport;
+use super::step_states::StepStates;
+use super::vector::Vector;
+use super::{LANES, Lanes, advance};
 use crate::model::{Components, System};
-use crate::motion::{Effort, Failure, Hit, PerContact, Phase, Touches};
-
-/// The events of a step, as bit masks of lanes.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Happened {
-    /// The lane's step has been taken.
-    pub(crate) taken: u64,
-    /// A contact changed its phase, or came to rest.
-    pub(crate) event: u64,
-    /// An angle passed through 0.
-    pub(crate) round: u64,
-    /// The requested time or the end time was reached, or the displacement must be rescaled.
-    pub(crate) attention: u64,
-    /// The amplitude may have been larger than the watched one.
-    pub(crate) larger: u64,
-    /// All contacts stick, perhaps for good.
-    pub(crate) rest: u64,
-    /// Everything is slow while a contact slides.
-    pub(crate) still: u64,
-    /// Without dry friction: a contact has turned back, which no condition detects.
-    pub(crate) turned: u64,
-    /// The lanes for which events, completed turns and reversals are reported.
-    pub(crate) told: u64,
-    /// Lanes that cannot continue.
-    pub(crate) failed: u64,
-    pub(super) failures: [Option<Failure>; LANES],
-}
-
-impl Happened {
-    /// Returns the lanes with anything to report.
-    pub(crate) fn any(&self) -> u64 {
-        let happened = (self.event | self.round | self.turned) & self.told;
-        happened | self.attention | self.larger | self.rest | self.still | self.failed
-    }
-
-    /// Returns why a lane cannot continue.
-    pub(crate) fn failure(&self, lane: usize) -> Option<Failure> {
-        self.failures[lane]
-    }
-
-    /// Notes that a lane cannot continue.
-    pub(super) fn fail(&mut self, lane: usize, failure: Failure) {
-        self.failed |= 1 << lane;
-        self.failures[lane] = Some(failure);
-    }
-}
+use crate::motion::settings::MOST_PER_TIME;
+use crate::motion::{Effort, Hit, PerContact, Phase, Touches};
 
 /// Eight lanes, some of them empty. States are in the components of the system.
-pub(crate) trait LaneGroup {
+pub(crate) trait LaneGroup: StepStates {
     /// Returns whether runs of a system can be put into these lanes.
     fn fits(&self, system: &Arc<dyn System>) -> bool;
     /// Returns an empty lane, or `None` if all lanes have a run.
@@ -63,15 +24,15 @@ pub(crate) trait LaneGroup {
     /// Returns the number of lanes with a run.
     fn runs(&self) -> u32;
     /// Puts a run into a lane, until a time at the latest.
-    fn put(&mut self, lane: usize, saved: &Saved, until: f64);
+    fn put(&mut self, lane: usize, saved: &SavedRun, until: f64);
     /// Changes the time at which a lane stops.
     fn set_until(&mut self, lane: usize, until: f64);
     /// Takes a run out of its lane.
-    fn take(&mut self, lane: usize) -> Option<Saved>;
+    fn take(&mut self, lane: usize) -> Option<SavedRun>;
     /// Returns a copy of the run in a lane.
-    fn copy(&self, lane: usize) -> Option<Saved>;
-    /// Takes a step in all lanes. If `displaced`, a displacement of each lane is propagated.
-    fn advance(&mut self, displaced: bool) -> Happened;
+    fn copy(&self, lane: usize) -> Option<SavedRun>;
+    /// Takes a step in all lanes. If `perturbed`, a perturbation of each lane is propagated.
+    fn advance(&mut self, perturbed: bool) -> StepReport;
 
     /// Requests that a lane be reported after each step from a time on.
     fn set_attention(&mut self, lane: usize, from: f64);
@@ -79,7 +40,7 @@ pub(crate) trait LaneGroup {
     /// `square`.
     fn watch_amplitude(&mut self, lane: usize, square: f64);
     /// Sets whether turns and switches of a lane are reported.
-    fn set_told(&mut self, lane: usize, told: bool);
+    fn set_reporting(&mut self, lane: usize, reports: bool);
     /// Returns whether a time may shorten the next step of a lane.
     fn reaches(&self, lane: usize, time: f64) -> bool;
     /// Returns the length of the longest possible step of a lane.
@@ -94,33 +55,6 @@ pub(crate) trait LaneGroup {
     /// Returns the state at the end of the latest step, before an event that resets it, with angles not yet reduced to
     /// one turn.
     fn end_of_step(&self, lane: usize) -> Components;
-    /// Returns the state at a time after the start of the latest step, with angles not yet reduced to one turn.
-    fn state_within(&self, lane: usize, after: f64) -> Components;
-    /// Returns the states at eight times after the start of the latest step, like [`LaneGroup::state_within`].
-    fn states_within(&self, lane: usize, after: [f64; LANES]) -> [Components; LANES];
-    /// Returns a component at a time after the start of the latest step, like [`LaneGroup::state_within`].
-    fn component_within(&self, lane: usize, component: usize, after: f64) -> f64;
-    /// Returns the rate of change of a component at a time after the start of the latest step.
-    fn rate_within(&self, lane: usize, component: usize, after: f64) -> f64;
-    /// Returns the positions of the contacts at a time after the start of the latest step, with the whole turns made
-    /// since the start of the run.
-    fn unwrapped_within(&self, lane: usize, after: f64) -> PerContact;
-    /// Returns the angle of the whole turns that each contact had made before the latest step; 0 for a contact without a ring.
-    fn turned_before(&self, lane: usize) -> PerContact;
-    /// Returns the squares of the displacement of `StateLayout::vibration` at times after the start of the latest step; 0
-    /// without such a displacement.
-    fn squares_within(&self, lane: usize, after: [f64; 5]) -> [f64; 5];
-    /// Returns some parts of the latest step with the squares of the displacement there. They contain each maximum whose
-    /// neighbours exceed the part `near` of `known`. The caller passes the largest square so far as `known`.
-    fn largest_squares_within(
-        &self,
-        lane: usize,
-        known: f64,
-        near: f64,
-    ) -> SmallVec<[(f64, f64); 8]>;
-    /// Returns time and state at which a contact's angle completed a turn, through the angle 0, in the latest step;
-    /// `None` if it did not.
-    fn passage(&self, lane: usize, contact: usize) -> Option<(f64, Components)>;
     /// Returns the whole turns of the contacts since the start of the run.
     fn turns(&self, lane: usize) -> PerContact;
 
@@ -142,11 +76,209 @@ pub(crate) trait LaneGroup {
     /// Returns the effort of the run in a lane.
     fn effort(&self, lane: usize) -> Effort;
 
-    /// Displaces a lane in a direction.
-    fn displace(&mut self, lane: usize, direction: &[f64]);
-    /// Returns the displacement of a lane, and whether it met a switch by grazing and is undefined since.
-    fn displacement(&self, lane: usize) -> (Components, bool);
-    /// Returns the displacements of all lanes at a time after the start of the latest step, which must have been
-    /// displaced.
-    fn displacements_within(&mut self, after: f64) -> Vec<Components>;
+    /// Perturbs a lane in a direction.
+    fn perturb(&mut self, lane: usize, direction: &[f64]);
+    /// Returns the perturbation of a lane, and whether it met a switch by grazing and is undefined since.
+    fn perturbation(&self, lane: usize) -> (Components, bool);
+    /// Returns the perturbations of all lanes at a time after the start of the latest step, which must have been
+    /// perturbed.
+    fn perturbations_within(&mut self, after: f64) -> Vec<Components>;
+}
+
+impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
+    fn fits(&self, system: &Arc<dyn System>) -> bool {
+        self.kernel.fits(system)
+    }
+
+    fn empty_lane(&self) -> Option<usize> {
+        let lane = (!self.alive).trailing_zeros() as usize;
+        (lane < LANES).then_some(lane)
+    }
+
+    fn runs(&self) -> u32 {
+        self.alive.count_ones()
+    }
+
+    fn put(&mut self, lane: usize, saved: &SavedRun, until: f64) {
+        let own = &saved.lane;
+        for contact in 0..self.kernel.contacts() {
+            self.turns[contact][lane] = saved.turns[contact];
+            self.slow_since[contact][lane] = saved.slow_since[contact];
+        }
+        let tolerance = own.settings.tolerance;
+        self.tolerance[0][lane] = tolerance.relative;
+        self.tolerance[1][lane] = tolerance.absolute;
+        self.time[lane] = saved.time;
+        self.time_before[lane] = saved.time;
+        self.until[lane] = until;
+        self.attention[lane] = f64::INFINITY;
+        self.longest[lane] = LONGEST * own.longest_step;
+        self.next[lane] = saved.next;
+        self.slow[lane] = own.slow;
+        self.taken[lane] = saved.taken;
+        self.most[lane] = own.settings.effort_limit as f64;
+        self.most_per_time[lane] = MOST_PER_TIME * own.fastest_rate;
+        self.kernel.set_lane(&mut self.perturbation, lane, &saved.perturbation);
+        let bit = 1 << lane;
+        self.alive |= bit;
+        self.ended &= !bit;
+        self.reset &= !bit;
+        self.watched &= !bit;
+        let slides =
+            (0..self.kernel.contacts()).any(|contact| !own.system.friction(contact).can_stick());
+        self.sliding = self.sliding & !bit | if slides { bit } else { 0 };
+        self.kernel.set_system(lane, own);
+        self.lanes[lane] = Some(own.clone());
+        self.enter(lane, &saved.state);
+    }
+
+    fn set_until(&mut self, lane: usize, until: f64) {
+        self.until[lane] = until;
+    }
+
+    fn take(&mut self, lane: usize) -> Option<SavedRun> {
+        let saved = self.copy(lane);
+        let bit = 1 << lane;
+        self.alive &= !bit;
+        self.sliding &= !bit;
+        self.watched &= !bit;
+        self.lanes[lane] = None;
+        self.kernel.clear(lane);
+        // The lane takes steps of length 0 until it has a run again.
+        self.until[lane] = self.time[lane];
+        self.attention[lane] = f64::INFINITY;
+        self.most[lane] = f64::INFINITY;
+        saved
+    }
+
+    fn copy(&self, lane: usize) -> Option<SavedRun> {
+        let own = self.lanes[lane].as_ref()?;
+        Some(SavedRun {
+            lane: own.clone(),
+            time: self.time[lane],
+            state: self.kernel.lane(&self.state, lane),
+            turns: self.turns(lane),
+            slow_since: self.slow_since(lane),
+            next: self.next[lane],
+            taken: self.taken[lane],
+            perturbation: self.kernel.lane(&self.perturbation, lane),
+        })
+    }
+
+    fn advance(&mut self, perturbed: bool) -> StepReport {
+        advance::advance(self, perturbed)
+    }
+
+    fn set_attention(&mut self, lane: usize, from: f64) {
+        self.attention[lane] = from;
+    }
+
+    fn watch_amplitude(&mut self, lane: usize, square: f64) {
+        self.watched |= 1 << lane;
+        self.watched_square[lane] = square;
+    }
+
+    fn set_reporting(&mut self, lane: usize, reports: bool) {
+        let bit = 1 << lane;
+        self.reporting_lanes = self.reporting_lanes & !bit | if reports { bit } else { 0 };
+    }
+
+    fn reaches(&self, lane: usize, time: f64) -> bool {
+        self.longest[lane] >= time - self.time[lane]
+    }
+
+    fn longest(&self, lane: usize) -> f64 {
+        let own = self.lanes[lane].as_ref();
+        own.map_or(f64::INFINITY, |own| LONGEST * own.longest_step)
+    }
+
+    fn time(&self, lane: usize) -> f64 {
+        self.time[lane]
+    }
+
+    fn time_before(&self, lane: usize) -> f64 {
+        self.time_before[lane]
+    }
+
+    fn state(&self, lane: usize) -> Components {
+        self.kernel.lane(&self.state, lane)
+    }
+
+    fn end_of_step(&self, lane: usize) -> Components {
+        let end = self.kernel.lane(&self.end, lane);
+        if self.was_reset(lane) {
+            return end;
+        }
+        // A switch may have changed speeds.
+        let mut state = self.kernel.lane(&self.state, lane);
+        for contact in 0..self.kernel.contacts() {
+            let (position, _) = self.kernel.coordinates(contact);
+            state[position] = end[position];
+        }
+        state
+    }
+
+    fn turns(&self, lane: usize) -> PerContact {
+        self.turns.iter().map(|turns| turns[lane]).collect()
+    }
+
+    fn phases(&self, lane: usize) -> &[Phase] {
+        self.lanes[lane].as_ref().map_or(&[], |own| &own.phases)
+    }
+
+    fn phases_during_step(&self, lane: usize) -> &[Phase] {
+        let had_event = self.ended & 1 << lane != 0;
+        let own = self.lanes[lane].as_ref();
+        own.map_or(&[], |own| if had_event { &own.during } else { &own.phases })
+    }
+
+    fn was_reset(&self, lane: usize) -> bool {
+        self.reset & 1 << lane != 0
+    }
+
+    fn last_switches(&self, lane: usize) -> &[f64] {
+        self.lanes[lane].as_ref().map_or(&[], |own| &own.last_switches)
+    }
+
+    fn slow_since(&self, lane: usize) -> PerContact {
+        self.slow_since.iter().map(|since| since[lane]).collect()
+    }
+
+    fn hits(&self, lane: usize) -> &[Hit] {
+        let latest = self.lanes[lane].as_ref().filter(|own| own.hit_at == self.time[lane]);
+        latest.map_or(&[], |own| &own.hits)
+    }
+
+    fn touches(&self, lane: usize) -> Option<Touches> {
+        self.lanes[lane].as_ref()?.touches(self.time[lane])
+    }
+
+    fn effort(&self, lane: usize) -> Effort {
+        let own = self.lanes[lane].as_ref();
+        own.map_or_else(Effort::default, |own| own.effort(self.taken[lane]))
+    }
+
+    fn perturb(&mut self, lane: usize, direction: &[f64]) {
+        self.kernel.set_lane(&mut self.perturbation, lane, direction);
+        if let Some(own) = &mut self.lanes[lane] {
+            own.grazed = false;
+        }
+    }
+
+    fn perturbation(&self, lane: usize) -> (Components, bool) {
+        let grazed = self.lanes[lane].as_ref().is_some_and(|own| own.grazed);
+        (self.kernel.lane(&self.perturbation, lane), grazed)
+    }
+
+    fn perturbations_within(&mut self, after: f64) -> Vec<Components> {
+        let length = Lanes::splat(self.simd, after);
+        let states = propagate(
+            self.simd,
+            &self.kernel,
+            &mut self.workspace,
+            &self.perturbation_before,
+            length,
+        );
+        (0..LANES).map(|lane| self.kernel.lane(&states, lane)).collect()
+    }
 }

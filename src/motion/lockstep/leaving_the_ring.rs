@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use fearless_simd::SimdBase;
 
-use super::general::General;
-use super::group::Group;
-use super::kernel::{Ends, Kernel};
+use super::general::GeneralKernel;
+use super::kernel::{Kernel, StepEnd};
+use super::kernel_lanes::KernelLanes;
 use super::lane_group::LaneGroup;
 use super::simd_level::{tested_vectors, with_each_level};
-use super::tuned::Tuned;
+use super::tuned::TunedKernel;
 use super::vector::Vector;
-use super::{LANES, Lanes, Saved};
+use super::{LANES, Lanes, SavedRun};
 use crate::model::{
     Balancer, Components, Contact, ContactMode, FrictionLaw, Machine, Method, NormalForce, State,
     System,
@@ -66,7 +66,7 @@ fn seen_in<S: Vector, K: Kernel<S>>(
     };
     let (mut left, mut stayed, mut unseen) = (0, 0, 0);
     for round in 0..100 {
-        let mut group = Group::new(simd, kernel(&system));
+        let mut group = KernelLanes::new(simd, kernel(&system));
         let value = |lane: usize, k: usize| {
             libm::sin((1 + 97 * round + 13 * lane) as f64 * (1.0 + 0.37 * k as f64))
         };
@@ -81,18 +81,18 @@ fn seen_in<S: Vector, K: Kernel<S>>(
                 ],
             };
             // Some have no positive normal force at the start.
-            if let Ok(saved) = Saved::start(&system, settings, &start.components()) {
+            if let Ok(saved) = SavedRun::start(&system, settings, &start.components()) {
                 group.put(lane, &saved, 10.0);
             }
         }
-        let Group { kernel, room, state, lanes, .. } = &mut group;
-        kernel.expand(room, state, false);
-        let doubts = kernel.look_over(room, Lanes::splat(simd, LENGTH));
+        let KernelLanes { kernel, workspace, state, lanes, .. } = &mut group;
+        kernel.expand(workspace, state, false);
+        let lanes_to_examine = kernel.screen_conditions(workspace, Lanes::splat(simd, LENGTH));
         for (lane, own) in lanes.iter().enumerate() {
             let Some(own) = own else { continue };
             let start = kernel.lane(state, lane);
             let powers: Vec<_> = (0..start.len())
-                .map(|component| kernel.component(room, lane, component, start[component]))
+                .map(|component| kernel.component(workspace, lane, component, start[component]))
                 .collect();
             let fails =
                 (1..=PLACES).map(|place| f64::from(place) / f64::from(PLACES)).find(|part| {
@@ -103,7 +103,7 @@ fn seen_in<S: Vector, K: Kernel<S>>(
                     let state: Components = powers.iter().map(|powers| sum(powers)).collect();
                     leaves(&balancer, &own.phases, &state)
                 });
-            let doubted = doubts & 1 << lane != 0;
+            let doubted = lanes_to_examine & 1 << lane != 0;
             let Some(fails) = fails else {
                 stayed += 1;
                 unseen += usize::from(!doubted);
@@ -111,9 +111,9 @@ fn seen_in<S: Vector, K: Kernel<S>>(
             };
             left += 1;
             assert!(doubted, "{round} {lane}: at {fails}");
-            match kernel.first_event(room, own, lane, LENGTH, &[]) {
-                Ends::At(part, _) => assert!(part <= fails, "{part} {fails}"),
-                Ends::AtOnce(_) | Ends::Nothing => panic!("{round} {lane}: at {fails}"),
+            match kernel.first_event(workspace, own, lane, LENGTH, &[]) {
+                StepEnd::At(part, _) => assert!(part <= fails, "{part} {fails}"),
+                StepEnd::AtOnce(_) | StepEnd::Nothing => panic!("{round} {lane}: at {fails}"),
             }
         }
     }
@@ -123,14 +123,14 @@ fn seen_in<S: Vector, K: Kernel<S>>(
 #[test]
 fn balls_that_leave_the_ring_are_seen_by_the_tuned_kernel() {
     let Some(simd) = tested_vectors() else { return };
-    seen_in(simd, |_| Tuned::<_, 2>::new(simd, false), &machine(), 0.3);
-    seen_in(simd, |_| Tuned::<_, 2>::new(simd, false), &dragged(), 3e-3);
+    seen_in(simd, |_| TunedKernel::<_, 2>::new(simd, false), &machine(), 0.3);
+    seen_in(simd, |_| TunedKernel::<_, 2>::new(simd, false), &dragged(), 3e-3);
 }
 
 #[test]
 fn balls_that_leave_the_ring_are_seen_by_the_general_kernel() {
     with_each_level!(simd => {
-        seen_in(simd, |system| General::new(simd, system), &machine(), 0.3);
-        seen_in(simd, |system| General::new(simd, system), &dragged(), 3e-3);
+        seen_in(simd, |system| GeneralKernel::new(simd, system), &machine(), 0.3);
+        seen_in(simd, |system| GeneralKernel::new(simd, system), &dragged(), 3e-3);
     });
 }

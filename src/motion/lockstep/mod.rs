@@ -11,71 +11,47 @@
 //! A lane depends only on its own values: no operation mixes lanes, and all operations are
 //! correctly rounded (`+ - * /`, square root, fused multiply-add). A run is therefore the same bit
 //! for bit in any lane, beside any neighbours, and in vectors of any width.
+//!
+//! Read first `sizes` and `vector`, then the arithmetic of a step: `trigonometry`, `step_length`, `root_isolation` and
+//! `lane_bounds`. `machine_code` and `run` run programs, and `simd_level` finds the instructions of the processor. `lane` is
+//! the scalar part of a run. `kernel` defines what a kernel computes; `pressure`, `held` and `open_gaps` are conditions that
+//! both kernels share. Then read `tuned` and `general`. `saved_run` starts a run outside of a lane.
+//!
+//! `kernel_lanes` has the lanes with their runs. `events` decides the phases at the end of a step, `advance` takes the
+//! step in all lanes and makes a `step_report`, and `step_states` gives the motion inside the step. `lane_group` is the
+//! interface of all this for callers, and `kernel_choice` makes the lanes for a system.
 
 mod advance;
-mod curve;
-mod gaps;
+mod events;
 mod general;
-mod group;
 mod held;
 mod kernel;
+mod kernel_choice;
+mod kernel_lanes;
 mod lane;
+mod lane_bounds;
 mod lane_group;
 #[cfg(test)]
 mod leaving_the_ring;
 mod machine_code;
+mod open_gaps;
 mod pressure;
 mod root_isolation;
 mod run;
+mod saved_run;
 mod simd_level;
+mod sizes;
 mod step_length;
+mod step_report;
 mod step_states;
 mod trigonometry;
 mod tuned;
 mod vector;
 
-use std::sync::Arc;
-
-use fearless_simd::f64x8;
-
-use crate::model::System;
-use crate::motion::lockstep::vector::Vector;
-use group::Group;
-pub(crate) use lane::Saved;
-pub(crate) use lane_group::{Happened, LaneGroup};
+pub(crate) use lane_group::LaneGroup;
 pub(super) use root_isolation::width;
+pub(crate) use saved_run::SavedRun;
 pub use simd_level::SimdLevel;
-
-/// Runs side by side.
-pub(crate) const LANES: usize = 8;
-
-/// One number of each run.
-pub(crate) type Lanes<S> = f64x8<S>;
-
-/// The highest power of time in the series of speeds.
-const ORDER: usize = 16;
-
-/// Returns empty lanes for a system, computed with these instructions. The unit tests need two of the tuned kernels only,
-/// whose compilation takes long.
-fn lanes_with<S: Vector>(simd: S, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
-    let changes = system.speed_terms().is_some();
-    macro_rules! tuned {
-        ($($balls:literal)*) => {
-            $(
-                if tuned::Tuned::<S, $balls>::computes(system) {
-                    let kernel = tuned::Tuned::<S, $balls>::new(simd, changes);
-                    return Box::new(Group::new(simd, kernel));
-                }
-            )*
-        };
-    }
-    tuned!(1 2);
-    #[cfg(not(test))]
-    tuned!(3 4 5 6 7 8);
-    general_lanes(simd, system)
-}
-
-/// Returns empty lanes for a system, computed with these instructions by the general kernel.
-fn general_lanes<S: Vector>(simd: S, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
-    Box::new(Group::new(simd, general::General::new(simd, system)))
-}
+pub(crate) use sizes::{LANES, Lanes};
+use sizes::{ORDER, TERMS};
+pub(crate) use step_report::StepReport;

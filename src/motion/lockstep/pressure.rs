@@ -3,8 +3,8 @@
 use fearless_simd::SimdBase;
 
 use super::Lanes;
-use super::curve::Curve;
 use super::lane::Lane;
+use super::lane_bounds::LaneBounds;
 use crate::model::Gap;
 use crate::motion::Phase;
 use crate::motion::lockstep::vector::Vector;
@@ -42,11 +42,11 @@ impl<S: Vector> Pressure<S> {
 
     /// Returns the bounds of the condition from those of the force.
     #[inline(always)]
-    pub(super) fn over(&self, force: &Curve<S>) -> Curve<S> {
+    pub(super) fn over(&self, force: &LaneBounds<S>) -> LaneBounds<S> {
         let [start, end] = force.values;
         let [first, last] = force.changes;
         let Pressure { weight, offset } = *self;
-        Curve {
+        LaneBounds {
             values: [weight * start + offset, weight * end + offset],
             changes: [weight * first, weight * last],
             bound: weight * force.bound,

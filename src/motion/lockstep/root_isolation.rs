@@ -84,6 +84,22 @@ impl Bounds {
 }
 
 impl Polynomial {
+    /// Returns the polynomial with these coefficients up to a degree, plus an offset.
+    #[inline(always)]
+    pub(super) fn of(
+        length: f64,
+        offset: f64,
+        degree: usize,
+        coefficient: impl Fn(usize) -> f64,
+    ) -> Self {
+        let mut coefficients = [0.0; ORDER + 1];
+        for (k, of_power) in coefficients[..=degree].iter_mut().enumerate() {
+            *of_power = coefficient(k);
+        }
+        coefficients[0] += offset;
+        Polynomial { coefficients, length }
+    }
+
     /// Returns value and slope at a fraction of the step.
     #[inline(always)]
     fn place(&self, at: f64) -> PolynomialPoint {

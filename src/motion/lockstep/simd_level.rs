@@ -1,21 +1,18 @@
 //! The vector instruction set, detected at run time.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use fearless_simd::{Level, Simd};
 
-use super::lane_group::LaneGroup;
-use super::lanes_with;
 use super::machine_code;
 use super::vector::{Baseline, Vector, vectorized};
-use crate::model::System;
 
 /// The vector instructions of the lockstep engine. Results do not depend on them.
 #[derive(Clone, Copy, Debug)]
-pub struct SimdLevel(Instructions);
+pub struct SimdLevel(pub(super) Instructions);
 
 #[derive(Clone, Copy, Debug)]
-enum Instructions {
+pub(super) enum Instructions {
     #[cfg(target_arch = "x86_64")]
     Avx512(fearless_simd::Avx512),
     #[cfg(target_arch = "x86_64")]
@@ -106,19 +103,6 @@ impl SimdLevel {
             Instructions::Baseline(_) => work(),
         }
     }
-
-    /// Returns empty lanes for a system.
-    pub(crate) fn lanes(self, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
-        match self.0 {
-            #[cfg(target_arch = "x86_64")]
-            Instructions::Avx512(simd) => lanes_with(simd, system),
-            #[cfg(target_arch = "x86_64")]
-            Instructions::Avx2(simd) => lanes_with(simd, system),
-            #[cfg(target_arch = "aarch64")]
-            Instructions::Neon(simd) => lanes_with(simd, system),
-            Instructions::Baseline(simd) => baseline_lanes(simd, system),
-        }
-    }
 }
 
 /// Returns the instructions of every processor of this kind.
@@ -170,13 +154,4 @@ pub(super) fn tested_vectors() -> Option<impl super::vector::Vector> {
         let _ = std::io::Write::write_all(&mut std::io::stderr(), line.as_bytes());
     }
     vectors
-}
-
-/// Returns empty lanes for processors without a vectorised fused multiply-add. Builds with debug assertions have no tuned
-/// kernels for them, which take half of the compiler's time; their results agree with the others within the tolerances.
-fn baseline_lanes(simd: Baseline, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
-    #[cfg(not(debug_assertions))]
-    return lanes_with(simd, system);
-    #[cfg(debug_assertions)]
-    super::general_lanes(simd, system)
 }

@@ -5,13 +5,47 @@ use std::f64::consts::TAU;
 use fearless_simd::prelude::*;
 use smallvec::SmallVec;
 
-use super::group::Group;
-use super::kernel::{Kernel, POWERS, Powers};
+use super::kernel::Kernel;
+use super::kernel_lanes::KernelLanes;
 use super::root_isolation::{PolynomialPoint, guess};
+use super::sizes::{Powers, TERMS};
 use crate::model::Components;
+use crate::motion::PerContact;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 use crate::motion::lockstep::{LANES, Lanes};
 use crate::motion::root::fall_of_smooth;
+
+/// The motion inside the latest step of each lane. Times are those after the start of the step.
+pub(crate) trait StepStates {
+    /// Returns the state at a time after the start of the latest step, with angles not yet reduced to one turn.
+    fn state_within(&self, lane: usize, after: f64) -> Components;
+    /// Returns the states at eight times after the start of the latest step, like [`StepStates::state_within`].
+    fn states_within(&self, lane: usize, after: [f64; LANES]) -> [Components; LANES];
+    /// Returns a component at a time after the start of the latest step, like [`StepStates::state_within`].
+    fn component_within(&self, lane: usize, component: usize, after: f64) -> f64;
+    /// Returns the rate of change of a component at a time after the start of the latest step.
+    fn rate_within(&self, lane: usize, component: usize, after: f64) -> f64;
+    /// Returns the positions of the contacts at a time after the start of the latest step, with the whole turns made
+    /// since the start of the run.
+    fn unwrapped_within(&self, lane: usize, after: f64) -> PerContact;
+    /// Returns the angle of the whole turns that each contact had made before the latest step; 0 for a contact without a
+    /// ring.
+    fn turned_before(&self, lane: usize) -> PerContact;
+    /// Returns the squares of the displacement of `StateLayout::vibration` at times after the start of the latest step; 0
+    /// without such a displacement.
+    fn squares_within(&self, lane: usize, after: [f64; 5]) -> [f64; 5];
+    /// Returns some parts of the latest step with the squares of the displacement there. They contain each maximum whose
+    /// neighbours exceed the part `near` of `known`. The caller passes the largest square so far as `known`.
+    fn largest_squares_within(
+        &self,
+        lane: usize,
+        known: f64,
+        near: f64,
+    ) -> SmallVec<[(f64, f64); 8]>;
+    /// Returns time and state at which a contact's angle completed a turn, through the angle 0, in the latest step;
+    /// `None` if it did not.
+    fn passage(&self, lane: usize, contact: usize) -> Option<(f64, Components)>;
+}
 
 /// Parts of a step between which a displacement has one maximum at most.
 const PARTS: [f64; LANES] = {
@@ -75,42 +109,38 @@ fn value(powers: &Powers, time: f64) -> f64 {
     powers.iter().rev().fold(0.0_f64, |sum, coefficient| sum.mul_add(time, *coefficient))
 }
 
-impl<S: Vector, K: Kernel<S>> Group<S, K> {
-    /// Returns the rate of change of a component at a time after the start of the latest step.
-    pub(super) fn rate_at(&self, lane: usize, component: usize, after: f64) -> f64 {
-        let powers = self.kernel.component(&self.room, lane, component, 0.0);
-        vectorized!(self.simd, value_and_rate(&powers, after).1)
-    }
-
+impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
     /// Returns a component at a time after the start of the latest step; `start` is the state there.
-    pub(super) fn component_at(
-        &self,
-        lane: usize,
-        component: usize,
-        start: &[f64],
-        after: f64,
-    ) -> f64 {
-        let powers = self.kernel.component(&self.room, lane, component, start[component]);
+    fn component_at(&self, lane: usize, component: usize, start: &[f64], after: f64) -> f64 {
+        let powers = self.kernel.component(&self.workspace, lane, component, start[component]);
         vectorized!(self.simd, value(&powers, after))
     }
 
     /// Returns the state at a time after the start of the latest step.
     #[inline(never)]
-    pub(super) fn state_at(&self, lane: usize, after: f64) -> Components {
+    fn state_at(&self, lane: usize, after: f64) -> Components {
         let time = Lanes::splat(self.simd, after);
-        let mut state = self.kernel.flow(self.simd);
-        vectorized!(self.simd, self.kernel.at(&self.room, &self.before, time, &mut state));
+        let mut state = self.kernel.lane_states(self.simd);
+        vectorized!(self.simd, self.kernel.at(&self.workspace, &self.before, time, &mut state));
         self.kernel.lane(&state, lane)
     }
+}
 
-    /// Returns the states at eight times after the start of the latest step.
+impl<S: Vector, K: Kernel<S>> StepStates for KernelLanes<S, K> {
+    fn state_within(&self, lane: usize, after: f64) -> Components {
+        if after == 0.0 {
+            return self.kernel.lane(&self.before, lane);
+        }
+        self.state_at(lane, after)
+    }
+
     #[inline(never)]
-    pub(super) fn states_at(&self, lane: usize, after: [f64; LANES]) -> [Components; LANES] {
+    fn states_within(&self, lane: usize, after: [f64; LANES]) -> [Components; LANES] {
         let start = self.kernel.lane(&self.before, lane);
         let simd = self.simd;
         let mut states = std::array::from_fn(|_| start.clone());
         for component in 0..start.len() {
-            let powers = self.kernel.component(&self.room, lane, component, start[component]);
+            let powers = self.kernel.component(&self.workspace, lane, component, start[component]);
             let values = vectorized!(simd, along(simd, after, &powers));
             for (place, state) in states.iter_mut().enumerate() {
                 state[component] = values[place];
@@ -119,14 +149,44 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         states
     }
 
-    /// Returns the squares of the measured displacement at up to eight times after the start of the latest step.
+    fn component_within(&self, lane: usize, component: usize, after: f64) -> f64 {
+        self.component_at(lane, component, &self.kernel.lane(&self.before, lane), after)
+    }
+
+    fn rate_within(&self, lane: usize, component: usize, after: f64) -> f64 {
+        let powers = self.kernel.component(&self.workspace, lane, component, 0.0);
+        vectorized!(self.simd, value_and_rate(&powers, after).1)
+    }
+
+    fn unwrapped_within(&self, lane: usize, after: f64) -> PerContact {
+        let start = self.kernel.lane(&self.before, lane);
+        let position = |(contact, turned): (usize, f64)| {
+            let (component, _) = self.kernel.coordinates(contact);
+            self.component_at(lane, component, &start, after) + turned
+        };
+        self.turned_before(lane).into_iter().enumerate().map(position).collect()
+    }
+
+    fn turned_before(&self, lane: usize) -> PerContact {
+        let contact = |contact: usize| {
+            if !self.kernel.is_angular(contact) {
+                return 0.0;
+            }
+            // Turns are counted at the step's end.
+            let end = self.kernel.position(&self.end, contact)[lane];
+            let reduced = self.kernel.position(&self.state, contact)[lane];
+            let counted = ((end - reduced) / TAU).round();
+            (self.turns[contact][lane] - counted) * TAU
+        };
+        (0..self.kernel.contacts()).map(contact).collect()
+    }
+
     #[inline(never)]
-    pub(super) fn squares_at<const P: usize>(&self, lane: usize, after: [f64; P]) -> [f64; P] {
-        const { assert!(P <= LANES) };
-        let Some([x, y]) = self.kernel.vibration() else { return [0.0; P] };
+    fn squares_within(&self, lane: usize, after: [f64; 5]) -> [f64; 5] {
+        let Some([x, y]) = self.kernel.vibration() else { return [0.0; 5] };
         // Not a map over both, which would copy the series.
-        let x = self.kernel.component(&self.room, lane, x, 0.0);
-        let y = self.kernel.component(&self.room, lane, y, 0.0);
+        let x = self.kernel.component(&self.workspace, lane, x, 0.0);
+        let y = self.kernel.component(&self.workspace, lane, y, 0.0);
         let simd = self.simd;
         let squares = vectorized!(simd, {
             let [x, y] = [along(simd, after, &x), along(simd, after, &y)];
@@ -135,19 +195,18 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         std::array::from_fn(|place| squares[place])
     }
 
-    /// Returns some parts of the latest step with the squares of the measured displacement there. The parts are eight nodes.
-    /// Between two nodes, the maximum follows if a square next to it exceeds the part `near` of `known`.
     #[inline(never)]
-    pub(super) fn largest_squares(
+    fn largest_squares_within(
         &self,
         lane: usize,
-        (known, near): (f64, f64),
+        known: f64,
+        near: f64,
     ) -> SmallVec<[(f64, f64); 8]> {
         let mut largest = SmallVec::new();
         let Some([x, y]) = self.kernel.vibration() else { return largest };
         let powers = [
-            self.kernel.component(&self.room, lane, x, 0.0),
-            self.kernel.component(&self.room, lane, y, 0.0),
+            self.kernel.component(&self.workspace, lane, x, 0.0),
+            self.kernel.component(&self.workspace, lane, y, 0.0),
         ];
         let length = self.length[lane];
         let simd = self.simd;
@@ -159,7 +218,7 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
             }
             let zero = Lanes::splat(simd, 0.0);
             let (mut places, mut rates) = ([zero; 2], [zero; 2]);
-            for k in (0..POWERS).rev() {
+            for k in (0..TERMS).rev() {
                 for axis in 0..2 {
                     rates[axis] = rates[axis].fused(times, places[axis]);
                     places[axis] = places[axis].fused(times, Lanes::splat(simd, powers[axis][k]));
@@ -195,10 +254,8 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
         largest
     }
 
-    /// Returns time and state at which the angle of a contact completed a turn, through the angle 0, in the latest
-    /// step of a lane; `None` if it did not.
     #[inline(never)]
-    pub(super) fn passage_in_step(&self, lane: usize, contact: usize) -> Option<(f64, Components)> {
+    fn passage(&self, lane: usize, contact: usize) -> Option<(f64, Components)> {
         if !self.kernel.is_angular(contact) {
             return None;
         }
@@ -213,7 +270,7 @@ impl<S: Vector, K: Kernel<S>> Group<S, K> {
             return None;
         };
         let length = self.length[lane];
-        let powers = self.kernel.component(&self.room, lane, component, start);
+        let powers = self.kernel.component(&self.workspace, lane, component, start);
         let part = vectorized!(self.simd, {
             // Not a map over both ends: the fused multiply-add must be inlined.
             let (value, slope) = ahead(&powers, 0.0, length, (mark, sign));

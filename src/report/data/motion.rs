@@ -1,6 +1,6 @@
 //! The motion of a run that is computed again: speed of the disc, amplitude and speeds of the balls over time.
 
-use crate::classification::{Instants, Recorder, Sample, simulate_recorded};
+use crate::classification::{Instants, MotionSample, RunRecorder, simulate_recorded};
 use crate::model::{Case, DiscMotion};
 use crate::study::Study;
 
@@ -59,7 +59,7 @@ pub fn motion(study: &Study, run_id: u64, end_s: f64) -> Option<SampledMotion> {
     let instants = intervals.iter().flat_map(TimeInterval::instants_s);
     let times: Vec<f64> = instants.map(|time| time * units.natural_rad_s).collect();
     let most = times.len();
-    let mut recorder = Recorder::new(Instants::At(times), most);
+    let mut recorder = RunRecorder::new(Instants::At(times), most);
     simulate_recorded(&case, &mut recorder);
     let samples = recorder.finish().samples;
     let mut samples = samples.iter();
@@ -72,7 +72,7 @@ pub fn motion(study: &Study, run_id: u64, end_s: f64) -> Option<SampledMotion> {
         kicks_s: machine.kicks.iter().map(|kick| kick.at_s).collect(),
     };
     for interval in intervals {
-        let samples: Vec<&Sample> = samples.by_ref().take(interval.instants).collect();
+        let samples: Vec<&MotionSample> = samples.by_ref().take(interval.instants).collect();
         if samples.is_empty() {
             break;
         }

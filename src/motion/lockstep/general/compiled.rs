@@ -2,9 +2,10 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::compiler::compile;
 use super::operations::Operations;
 use super::series::Programs;
-use crate::graph::{Cell, Instruction};
+use crate::graph::{Cell, Instruction, Program};
 use crate::model::{Graph, PerStructure, System};
 use crate::motion::lockstep::run::Runner;
 
@@ -41,7 +42,7 @@ pub(super) fn compiled(system: &dyn System, graph: &Arc<Graph>) -> Arc<Compiled>
 
 impl Compiled {
     fn new(graph: &Graph) -> Self {
-        let (operations, programs) = Operations::new(graph);
+        let (operations, programs) = cheapest(graph);
         let parameters = operations.inputs[1].iter().map(|(cell, _)| *cell);
         let computed = programs.fixed.instructions.iter().flat_map(Instruction::writes);
         let read = computed.filter(|cell| programs.fixed.kept[*cell as usize]);
@@ -51,11 +52,11 @@ impl Compiled {
             fixed: Runner::new(programs.fixed),
             modes: Runner::new(programs.modes),
             motion: Runner::new(programs.motion),
-            displaced_motion: Runner::new(programs.displaced_motion),
+            perturbed_motion: Runner::new(programs.perturbed_motion),
             screen: screen(programs.screen),
             exact_screen: programs.exact_screen.map(screen),
             normals: Runner::new(programs.normals),
-            displacement: Runner::new(programs.displacement),
+            perturbation: Runner::new(programs.perturbation),
             tail: Runner::new(programs.tail),
             instant: Runner::new(programs.instant),
             decision: Runner::new(programs.decision),
@@ -63,4 +64,20 @@ impl Compiled {
         };
         Compiled { operations, parameters, programs }
     }
+}
+
+/// Returns the operations of a recorded system and their programs, with products of sums multiplied out if fewer products
+/// remain.
+fn cheapest(graph: &Graph) -> (Operations, Programs) {
+    let forms = [true, false].map(|expands| {
+        let operations = compile(graph, expands);
+        let programs = operations.programs();
+        (operations, programs)
+    });
+    let [expanded, plain] = forms;
+    let cost = |programs: &Programs| {
+        let parts = [&programs.motion, &programs.normals];
+        parts.map(Program::cost).iter().sum::<u32>()
+    };
+    if cost(&expanded.1) <= cost(&plain.1) { expanded } else { plain }
 }

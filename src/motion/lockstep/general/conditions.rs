@@ -1,12 +1,4 @@
-//! The conditions of the phases as power series over a step:
-//!
-//! | | first | second | third |
-//! |---|---|---|---|
-//! | slip | out of the band | | closed |
-//! | stick | held against a forward force | held against a backward force | closed |
-//! | transition | in the band | accelerating in its direction | closed |
-//! | free | | | closed |
-//! | apart | | | apart |
+//! The conditions of the phases ([`crate::motion::condition`]) as power series over a step.
 //!
 //! The guard of an event is a condition, too, and so is the pressure in a closed gap. Contacts that stick and touch are held
 //! together ([`crate::motion::lockstep::held`]).
@@ -15,62 +7,56 @@
 //! one at a time.
 
 use super::compiled::Compiled;
-use super::room::Room;
-use super::series::{Bound, Programs};
+use super::series::{ConditionBound, Programs};
+use super::workspace::RecordedWorkspace;
 use crate::motion::Phase;
 use crate::motion::cluster::HeldCluster;
+use crate::motion::condition::{Condition, Margins};
 use crate::motion::lockstep::ORDER;
 use crate::motion::lockstep::held::held_until;
-use crate::motion::lockstep::kernel::Ends;
+use crate::motion::lockstep::kernel::StepEnd;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::pressure::Pressure;
 use crate::motion::lockstep::root_isolation::{ConditionFate, Polynomial};
 use crate::motion::lockstep::vector::Vector;
-use crate::motion::saltation::Condition;
 
 /// Bodies that touch have landed where their gap has become smaller by this, non-dimensional.
 const SUNK: f64 = 1e-13;
 
-/// Returns the numbers of a contact's conditions ([`super::operations::OfContact`]), in their order. A condition is satisfied while it is not
-/// negative, and counts as failed if it is negative by `aim`.
-pub(super) fn of_contact(phase: Phase, limit: f64, [band, slack, aim]: [f64; 3]) -> [f64; 6] {
-    let (sign, offset, stuck) = match phase {
-        Phase::Slip(direction) => (direction.sign(), aim - band, 0.0),
-        // A contact is in the band only briefly: always examined.
-        Phase::Transition(direction) => (-direction.sign(), -1.0, 0.0),
-        Phase::Stick => (0.0, 1.0, 1.0),
-        Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => (0.0, 1.0, 0.0),
-    };
+/// Returns the numbers of a contact's conditions ([`super::operations::ContactCell`]), in their order. A condition is
+/// satisfied while it is not negative, and counts as failed if it is negative by `aim`.
+pub(super) fn of_contact(phase: Phase, limit: f64, (margins, aim): (&Margins, f64)) -> [f64; 6] {
+    let [sign, offset, stuck] = margins.first_condition(phase, aim);
     // The gap of a contact that is apart closes where it is zero.
     let aim = if phase == Phase::Apart { 0.0 } else { aim };
-    [sign, offset, stuck, limit, slack + aim, aim]
+    [sign, offset, stuck, limit, margins.slack + aim, aim]
 }
 
 /// Returns the end of a step of one lane.
 #[inline(never)]
 pub(super) fn first_event<S: Vector>(
     simd: S,
-    room: &Room<S>,
+    workspace: &RecordedWorkspace<S>,
     program: &Compiled,
     (own, lane, length): (&Lane, usize, f64),
     (pressures, clusters): (&[Pressure<S>], &[HeldCluster]),
     ignored: &[Condition],
-) -> Ends {
-    let mut first = Ends::Nothing;
+) -> StepEnd {
+    let mut first = StepEnd::Nothing;
     let band = own.margins.band;
     let aim = 0.5 * own.width;
     let slack = own.margins.slack + aim;
-    let series = room.series();
+    let series = workspace.series();
     let Compiled { operations, programs: Programs { screen, exact_screen, .. }, .. } = program;
-    let (_, screen) = exact_screen.as_ref().filter(|_| room.is_exact).unwrap_or(screen);
-    let (of_contacts, others) = room.doubts.split_at(operations.contacts.len());
+    let (_, screen) = exact_screen.as_ref().filter(|_| workspace.is_exact).unwrap_or(screen);
+    let (of_contacts, others) = workspace.lanes_to_examine.split_at(operations.contacts.len());
     let (of_events, of_gaps) = others.split_at(operations.guards.len());
     for (gap, (force, pressure)) in operations.gaps.iter().zip(pressures).enumerate() {
         let failed = Condition::Pressed(gap);
         if of_gaps[gap] & 1 << lane != 0 && !ignored.contains(&failed) {
             let (weight, offset) = (pressure.weight[lane], pressure.offset[lane]);
             let force = |k: usize| weight * series.of(*force)[k][lane];
-            first.or(simd, &polynomial(length, offset, ORDER - 1, force), None, failed);
+            first.or(simd, &Polynomial::of(length, offset, ORDER - 1, force), None, failed);
         }
     }
     let is_doubtful = |contact: &usize| of_contacts[*contact] & 1 << lane != 0;
@@ -84,7 +70,7 @@ pub(super) fn first_event<S: Vector>(
                 })
             };
             match held_until(simd, own, cluster, series, (length, slack)) {
-                Some(0.0) => first = Ends::AtOnce(failed),
+                Some(0.0) => first = StepEnd::AtOnce(failed),
                 Some(part) => first.earlier(part, failed),
                 None => {}
             }
@@ -96,37 +82,48 @@ pub(super) fn first_event<S: Vector>(
         }
         let [speed, acceleration, normal, friction] =
             slots.map(|slot| move |k: usize| series.of(slot)[k][lane]);
-        let mut examine = |bound: Bound, which: usize, condition: &dyn Fn() -> Polynomial| {
-            let failed = Condition::Contact { contact, which };
-            if room.may_fail(&screen.contacts[contact], bound, lane) && !ignored.contains(&failed) {
-                first.or(simd, &condition(), None, failed);
-            }
-        };
+        let mut examine =
+            |bound: ConditionBound, which: usize, condition: &dyn Fn() -> Polynomial| {
+                let failed = Condition::Contact { contact, which };
+                if workspace.may_fail(&screen.contacts[contact], bound, lane)
+                    && !ignored.contains(&failed)
+                {
+                    first.or(simd, &condition(), None, failed);
+                }
+            };
         match own.phases[contact] {
             Phase::Slip(direction) => {
                 let slips = |k| direction * speed(k);
-                examine(Bound::Slips, 0, &|| polynomial(length, aim - band, ORDER, slips));
+                examine(ConditionBound::Slips, 0, &|| {
+                    Polynomial::of(length, aim - band, ORDER, slips)
+                });
             }
             Phase::Transition(direction) => {
                 let inside = |k| -(direction * speed(k));
-                examine(Bound::Slips, 0, &|| polynomial(length, aim + band, ORDER, inside));
+                examine(ConditionBound::Slips, 0, &|| {
+                    Polynomial::of(length, aim + band, ORDER, inside)
+                });
                 let forwards = |k| direction * acceleration(k);
-                examine(Bound::Slips, 1, &|| polynomial(length, slack, ORDER - 1, forwards));
+                examine(ConditionBound::Slips, 1, &|| {
+                    Polynomial::of(length, slack, ORDER - 1, forwards)
+                });
             }
             // Contacts that touch are held together.
             Phase::Stick if clusters.iter().any(|one| one.contacts.contains(&contact)) => {}
             Phase::Stick => {
                 let limit = own.limits[contact];
                 let held = |sign: f64| move |k| limit * normal(k) - sign * friction(k);
-                for (which, bound, sign) in [(0, Bound::Forward, 1.0), (1, Bound::Backward, -1.0)] {
-                    examine(bound, which, &|| polynomial(length, slack, ORDER - 1, held(sign)));
+                for (which, bound, sign) in
+                    [(0, ConditionBound::Forward, 1.0), (1, ConditionBound::Backward, -1.0)]
+                {
+                    examine(bound, which, &|| Polynomial::of(length, slack, ORDER - 1, held(sign)));
                 }
             }
             Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => {}
         }
         if own.phases[contact] == Phase::Apart {
             let failed = Condition::Landing(contact);
-            let gap = |offset: f64| polynomial(length, offset, ORDER - 1, normal);
+            let gap = |offset: f64| Polynomial::of(length, offset, ORDER - 1, normal);
             // Bodies that touch and move with each other, or stick, do not land: their gap is negative by rounding.
             let lands_at_once = normal(0) <= 0.0 && {
                 let gap = gap(0.0);
@@ -135,30 +132,14 @@ pub(super) fn first_event<S: Vector>(
             let offset = if lands_at_once { SUNK - normal(0) } else { 0.0 };
             first.or(simd, &gap(offset), None, failed);
         } else {
-            examine(Bound::Closed, 2, &|| polynomial(length, aim, ORDER - 1, normal));
+            examine(ConditionBound::Closed, 2, &|| Polynomial::of(length, aim, ORDER - 1, normal));
         }
     }
     for (event, guard) in operations.guards.iter().enumerate() {
         if of_events[event] & 1 << lane != 0 {
-            let guard = polynomial(length, 0.0, ORDER - 1, |k| series.of(*guard)[k][lane]);
+            let guard = Polynomial::of(length, 0.0, ORDER - 1, |k| series.of(*guard)[k][lane]);
             first.or(simd, &guard, None, Condition::Event(event));
         }
     }
     first
-}
-
-/// Returns a polynomial of a degree, plus an offset.
-#[inline(always)]
-fn polynomial(
-    length: f64,
-    offset: f64,
-    degree: usize,
-    coefficient: impl Fn(usize) -> f64,
-) -> Polynomial {
-    let mut coefficients = [0.0; ORDER + 1];
-    for (k, of_power) in coefficients[..=degree].iter_mut().enumerate() {
-        *of_power = coefficient(k);
-    }
-    coefficients[0] += offset;
-    Polynomial { coefficients, length }
 }

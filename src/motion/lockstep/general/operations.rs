@@ -4,15 +4,16 @@
 //! factors becomes one operation, a linear combination. Operations are sorted so that operands come first, and products
 //! that can be computed together stand together.
 
-use super::compiler::compile;
-use super::series::{Programs, TERMS};
 use super::statics::{StaticId, Statics};
-use super::turning::Turning;
-use crate::graph::{Cell, Program};
-use crate::model::{Function, Graph};
+use crate::graph::Cell;
+use crate::model::Function;
+use crate::motion::lockstep::TERMS;
 
 /// The place of a series.
 pub(super) type Slot = u32;
+
+/// The number of sums that are computed together.
+pub(super) const SIDE_BY_SIDE: usize = 4;
 
 /// An operation that computes the next coefficient of one or more series.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +27,7 @@ pub(super) enum Operation {
     /// Sine and cosine.
     SineCosine { sine: Slot, cosine: Slot, angle: Slot },
     /// Sine and cosine of an angle whose rate is a speed, one order ahead, and their products with the speed.
-    Turning(Turning),
+    Turning(TurningAngle),
     /// Square root.
     SquareRoot { out: Slot, a: Slot },
     /// Exponential.
@@ -36,13 +37,28 @@ pub(super) enum Operation {
     /// A linear system; the matrix row by row. The unknowns of `units` have the factor 1 on the diagonal and may be
     /// eliminated first.
     Solve {
-        matrix: Vec<Entry>,
+        matrix: Vec<MatrixEntry>,
         /// The products of series with unknowns in each row.
         products: Vec<Vec<RowProducts>>,
         right: Vec<Slot>,
         out: Vec<Slot>,
         units: Vec<bool>,
     },
+}
+
+/// An angle whose rate is a speed.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct TurningAngle {
+    pub(super) angle: Slot,
+    pub(super) speed: Slot,
+    /// `κ`; `None` is 1.
+    pub(super) switch: Option<StaticId>,
+    pub(super) sine: Slot,
+    pub(super) cosine: Slot,
+    /// `s v`
+    pub(super) sine_speed: Slot,
+    /// `c v`
+    pub(super) cosine_speed: Slot,
 }
 
 /// Products of series with unknowns whose factors in a row of a linear system differ at most in their signs.
@@ -57,7 +73,7 @@ pub(super) struct RowProducts {
 
 /// An entry of the matrix of a linear system.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Entry {
+pub(super) enum MatrixEntry {
     Zero,
     Constant(StaticId),
     /// A constant factor times a series.
@@ -68,7 +84,7 @@ pub(super) enum Entry {
     /// `factor` times sine or cosine. The entry stands for its part of a total derivative
     /// ([`super::turning`]); `residual` is `σ`, and `square` the square of the speed.
     Turned {
-        turning: Turning,
+        turning: TurningAngle,
         is_sine: bool,
         factor: StaticId,
         residual: Option<StaticId>,
@@ -102,7 +118,7 @@ pub(super) struct Operations {
 
 /// A number of a contact that its conditions contain.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum OfContact {
+pub(super) enum ContactCell {
     /// The first condition of a contact that does not stick is `sign v + offset` with its sliding speed `v`.
     Sign,
     Offset,
@@ -118,7 +134,7 @@ pub(super) enum OfContact {
 
 /// The condition that a closed gap is under pressure is `weight λ + offset`, with the force `λ` in it.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum OfGap {
+pub(super) enum GapCell {
     Weight,
     Offset,
 }
@@ -140,33 +156,17 @@ impl Operations {
     }
 
     /// Returns the place of a number of a contact.
-    pub(super) fn of_contact(&self, contact: usize, which: OfContact) -> Cell {
+    pub(super) fn of_contact(&self, contact: usize, which: ContactCell) -> Cell {
         self.length() + 1 + (contact * 6) as Cell + which as Cell
     }
 
     /// Returns the place of a number of a gap.
-    pub(super) fn of_gap(&self, gap: usize, which: OfGap) -> Cell {
-        self.of_contact(self.contacts.len() + gap, OfContact::Sign) + which as Cell
+    pub(super) fn of_gap(&self, gap: usize, which: GapCell) -> Cell {
+        self.of_contact(self.contacts.len() + gap, ContactCell::Sign) + which as Cell
     }
 
     /// Returns the number of cells whose meaning is known before programs are made.
     pub(super) fn cells(&self) -> usize {
-        self.of_gap(self.gaps.len(), OfGap::Weight) as usize
-    }
-
-    /// Returns the operations of a recorded system and their programs, with products of sums multiplied out if fewer products
-    /// remain.
-    pub(super) fn new(graph: &Graph) -> (Self, Programs) {
-        let forms = [true, false].map(|expands| {
-            let operations = compile(graph, expands);
-            let programs = operations.programs();
-            (operations, programs)
-        });
-        let [expanded, plain] = forms;
-        let cost = |programs: &Programs| {
-            let parts = [&programs.motion, &programs.normals];
-            parts.map(Program::cost).iter().sum::<u32>()
-        };
-        if cost(&expanded.1) <= cost(&plain.1) { expanded } else { plain }
+        self.of_gap(self.gaps.len(), GapCell::Weight) as usize
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::operations::{Entry, Operation, Slot};
+use super::operations::{MatrixEntry, Operation, Slot};
 
 /// Returns the slots that an operation reads at the order that it computes, and those that it writes.
 pub(super) fn reads_and_writes(operation: &Operation) -> (Vec<Slot>, Vec<Slot>) {
@@ -23,9 +23,9 @@ pub(super) fn reads_and_writes(operation: &Operation) -> (Vec<Slot>, Vec<Slot>) 
         Operation::Function { out, a, slope, .. } => (vec![*a, *slope], vec![*out]),
         Operation::Solve { matrix, products, right, out, .. } => {
             let entries = matrix.iter().flat_map(|entry| match entry {
-                Entry::Series { slot, .. } => vec![*slot],
-                Entry::Turned { turning, square, .. } => vec![turning.sine_speed, *square],
-                Entry::Zero | Entry::Constant(_) => Vec::new(),
+                MatrixEntry::Series { slot, .. } => vec![*slot],
+                MatrixEntry::Turned { turning, square, .. } => vec![turning.sine_speed, *square],
+                MatrixEntry::Zero | MatrixEntry::Constant(_) => Vec::new(),
             });
             let sums = products.iter().flatten().map(|products| products.sum);
             let writes = out.iter().copied().chain(sums).collect();

@@ -11,24 +11,7 @@
 //! without `(s v)' = κ c v² + s (u - σ v)`'s own products. This holds for `κ = 1`, `σ = 0`, and for a switch `κ` of 0 or 1
 //! with `σ = 1 - κ`, where the angle is constant while `κ = 0`.
 
-use super::operations::Slot;
-use super::statics::StaticId;
 use crate::model::{Graph, Node, NodeId};
-
-/// An angle whose rate is a speed.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Turning {
-    pub(super) angle: Slot,
-    pub(super) speed: Slot,
-    /// `κ`; `None` is 1.
-    pub(super) switch: Option<StaticId>,
-    pub(super) sine: Slot,
-    pub(super) cosine: Slot,
-    /// `s v`
-    pub(super) sine_speed: Slot,
-    /// `c v`
-    pub(super) cosine_speed: Slot,
-}
 
 /// An angle whose rate is a speed, in a graph.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use iced_x86::{Code, Encoder as Assembler, IcedError, Instruction, MemoryOperand, Register};
 
-use super::Width;
 use crate::graph::Cell;
+use crate::motion::lockstep::vector::Width;
 
 /// An operand.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Place {
+pub(super) enum Operand {
     Register(usize),
     Cell(Cell),
 }
@@ -56,7 +56,7 @@ const LESS: u32 = 0x11;
 macro_rules! three {
     ($($(#[$doc:meta])* $name:ident: $eight:ident, $four:ident, $one:ident;)*) => {
         $($(#[$doc])*
-        pub(super) fn $name(&mut self, to: usize, a: usize, b: Place) -> Encoded {
+        pub(super) fn $name(&mut self, to: usize, a: usize, b: Operand) -> Encoded {
             self.three(self.pick([Code::$eight, Code::$four, Code::$one]), to, a, b)
         })*
     };
@@ -205,11 +205,11 @@ impl Encoder {
         self.put(Instruction::with2(code, self.memory(cell), self.register(from)))
     }
 
-    fn three(&mut self, code: Code, to: usize, a: usize, b: Place) -> Encoded {
+    fn three(&mut self, code: Code, to: usize, a: usize, b: Operand) -> Encoded {
         let [to, a] = [to, a].map(|number| self.register(number));
         self.put(match b {
-            Place::Register(b) => Instruction::with3(code, to, a, self.register(b)),
-            Place::Cell(cell) => Instruction::with3(code, to, a, self.memory(cell)),
+            Operand::Register(b) => Instruction::with3(code, to, a, self.register(b)),
+            Operand::Cell(cell) => Instruction::with3(code, to, a, self.memory(cell)),
         })
     }
 
@@ -229,13 +229,13 @@ impl Encoder {
             Code::VEX_Vsqrtsd_xmm_xmm_xmmm64,
         ]);
         if self.width == Width::One {
-            return self.three(code, to, of, Place::Register(of));
+            return self.three(code, to, of, Operand::Register(of));
         }
         self.put(Instruction::with2(code, self.register(to), self.register(of)))
     }
 
     /// Clears the sign of each number.
-    pub(super) fn size(&mut self, to: usize, of: Place) -> Encoded {
+    pub(super) fn size(&mut self, to: usize, of: Operand) -> Encoded {
         let code = self.pick([
             Code::EVEX_Vpandq_zmm_k1z_zmm_zmmm512b64,
             Code::VEX_Vandpd_ymm_ymm_ymmm256,
@@ -254,7 +254,7 @@ impl Encoder {
     }
 
     /// Adds `a b` to a register, or subtracts it.
-    pub(super) fn fused(&mut self, sum: usize, a: usize, b: Place, subtracts: bool) -> Encoded {
+    pub(super) fn fused(&mut self, sum: usize, a: usize, b: Operand, subtracts: bool) -> Encoded {
         let codes = if subtracts {
             [
                 Code::EVEX_Vfnmadd231pd_zmm_k1z_zmm_zmmm512b64_er,

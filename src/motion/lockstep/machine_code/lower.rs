@@ -2,15 +2,15 @@
 
 use std::collections::HashMap;
 
-use super::Width;
 use crate::graph::{Cell, Instruction, Product, Program};
+use crate::motion::lockstep::vector::Width;
 
 /// The number of a value.
 pub(super) type Id = u32;
 
 /// An operation of one machine instruction, or of two.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Operation {
+pub(super) enum MachineOperation {
     /// `a b`
     Product([Id; 2]),
     /// `c + a b`, or `c - a b`
@@ -31,19 +31,21 @@ pub(super) enum Operation {
     Copy(Id),
 }
 
-impl Operation {
+impl MachineOperation {
     /// Returns the values that the operation reads.
     pub(super) fn reads(&self) -> impl Iterator<Item = Id> + use<> {
         let all: [Option<Id>; 4] = match *self {
-            Operation::Product([a, b])
-            | Operation::Quotient([a, b])
-            | Operation::Smaller([a, b])
-            | Operation::Larger([a, b]) => [Some(a), Some(b), None, None],
-            Operation::Fused { factors: [a, b], sum, .. } => [Some(a), Some(b), Some(sum), None],
-            Operation::SquareRoot(a) | Operation::Size(a) | Operation::Copy(a) => {
-                [Some(a), None, None, None]
+            MachineOperation::Product([a, b])
+            | MachineOperation::Quotient([a, b])
+            | MachineOperation::Smaller([a, b])
+            | MachineOperation::Larger([a, b]) => [Some(a), Some(b), None, None],
+            MachineOperation::Fused { factors: [a, b], sum, .. } => {
+                [Some(a), Some(b), Some(sum), None]
             }
-            Operation::Choice(all) => all.map(Some),
+            MachineOperation::SquareRoot(a)
+            | MachineOperation::Size(a)
+            | MachineOperation::Copy(a) => [Some(a), None, None, None],
+            MachineOperation::Choice(all) => all.map(Some),
         };
         all.into_iter().flatten()
     }
@@ -51,7 +53,7 @@ impl Operation {
 
 /// An operation with its result.
 pub(super) struct Line {
-    pub(super) operation: Operation,
+    pub(super) operation: MachineOperation,
     pub(super) result: Id,
     /// Whether the result is stored in its cell.
     pub(super) stores: bool,
@@ -152,7 +154,7 @@ impl<F: Fn(Cell) -> bool> Lowering<F> {
             None => {
                 if let Some(of) = self.sizes.remove(&cell) {
                     let of = self.at(of);
-                    return self.line(Operation::Size(of), cell, true);
+                    return self.line(MachineOperation::Size(of), cell, true);
                 }
                 let id = self.value(cell, true);
                 self.value_of[cell as usize] = Some(id);
@@ -162,7 +164,7 @@ impl<F: Fn(Cell) -> bool> Lowering<F> {
     }
 
     /// Adds a line that computes a value of a cell, or if not `last`, a part of it.
-    fn line(&mut self, operation: Operation, cell: Cell, last: bool) -> Id {
+    fn line(&mut self, operation: MachineOperation, cell: Cell, last: bool) -> Id {
         let line = self.lowered.lines.len() as u32;
         for id in operation.reads() {
             self.lowered.values[id as usize].reads.push(line);
@@ -179,22 +181,22 @@ impl<F: Fn(Cell) -> bool> Lowering<F> {
     fn single(&mut self, instruction: &Instruction) {
         let (out, operation) = match *instruction {
             Instruction::Quotient { out, of, by } => {
-                (out, Operation::Quotient([of, by].map(|cell| self.at(cell))))
+                (out, MachineOperation::Quotient([of, by].map(|cell| self.at(cell))))
             }
             Instruction::Size { out, of } if !(self.stored)(out) => {
                 self.sizes.insert(out, of);
                 return;
             }
-            Instruction::Size { out, of } => (out, Operation::Size(self.at(of))),
-            Instruction::SquareRoot { out, of } => (out, Operation::SquareRoot(self.at(of))),
+            Instruction::Size { out, of } => (out, MachineOperation::Size(self.at(of))),
+            Instruction::SquareRoot { out, of } => (out, MachineOperation::SquareRoot(self.at(of))),
             Instruction::Choice { out, less: [a, b], then, other } => {
                 let of = [a, b, then, other].map(|cell| self.at(cell));
                 let operation = if [then, other] == [a, b] {
-                    Operation::Smaller([of[0], of[1]])
+                    MachineOperation::Smaller([of[0], of[1]])
                 } else if [then, other] == [b, a] {
-                    Operation::Larger([of[1], of[0]])
+                    MachineOperation::Larger([of[1], of[0]])
                 } else {
-                    Operation::Choice(of)
+                    MachineOperation::Choice(of)
                 };
                 (out, operation)
             }
@@ -222,15 +224,15 @@ impl<F: Fn(Cell) -> bool> Lowering<F> {
                 let Product { factors, subtracts } = products[place];
                 let factors = factors.map(|cell| self.at(cell));
                 let operation = match *sum {
-                    None => Operation::Product(factors),
-                    Some(sum) => Operation::Fused { factors, sum, subtracts },
+                    None => MachineOperation::Product(factors),
+                    Some(sum) => MachineOperation::Fused { factors, sum, subtracts },
                 };
                 *sum = Some(self.line(operation, *out, left == 0));
             }
         }
         for Partial { out, products, sum, .. } in sums {
             if let (Some(sum), true) = (sum, products.is_empty()) {
-                self.line(Operation::Copy(sum), out, true);
+                self.line(MachineOperation::Copy(sum), out, true);
             }
         }
     }

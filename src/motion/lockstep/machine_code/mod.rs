@@ -1,8 +1,8 @@
 //! Machine code of programs, made when they first run (x86-64).
 //!
-//! `lower` numbers the values of a program and interleaves sums that do not depend on each other, `registers` keeps values in
-//! registers, and `encode` writes instructions. The code has no branches, and each of its memory operands is a cell below
-//! [`Program::cells`].
+//! Read first `lower`, which numbers the values of a program and interleaves sums that do not depend on each other, then
+//! `encode`, which writes instructions, and `registers`, which keeps values in registers. This file runs the code. The code
+//! has no branches, and each of its memory operands is a cell below [`Program::cells`].
 
 mod encode;
 mod lower;
@@ -14,57 +14,11 @@ use memmap2::{Mmap, MmapMut};
 
 use super::LANES;
 use super::run::Numbers;
-use super::vector::{Vector, vectorized};
+use super::vector::{Vector, Width, vectorized};
 use crate::graph::{Cell, Instruction, Program};
 use crate::model::Function;
 use encode::Encoder;
-use lower::{Line, Operation};
-
-/// The widths of vector registers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Width {
-    /// AVX-512: all lanes in each of 32 registers.
-    Eight,
-    /// AVX2: half of the lanes in each of 16 registers; the code runs twice.
-    Four,
-    /// AVX2: one number in each of 16 registers, for the cells of one run.
-    One,
-}
-
-impl Width {
-    /// Returns the size of a cell.
-    const fn bytes(self) -> usize {
-        match self {
-            Width::Eight | Width::Four => 8 * LANES,
-            Width::One => 8,
-        }
-    }
-
-    /// Returns whether the processor has the instructions.
-    fn is_here(self) -> bool {
-        #[cfg(target_arch = "x86_64")]
-        return match self {
-            Width::Eight => is_x86_feature_detected!("avx512f"),
-            Width::Four | Width::One => {
-                is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
-            }
-        };
-        #[cfg(not(target_arch = "x86_64"))]
-        false
-    }
-
-    /// Returns the width of code that runs beside vector instructions with code of this width. Processors before Ice Lake
-    /// have AVX-512 without all of its parts: code needs the first part alone. The environment variable
-    /// `STICKSLIP_INSTRUCTIONS=avx2` prevents it.
-    pub(super) fn widest(self) -> Width {
-        static HAS_EIGHT: OnceLock<bool> = OnceLock::new();
-        let has_eight = HAS_EIGHT.get_or_init(|| {
-            let asked = std::env::var_os("STICKSLIP_INSTRUCTIONS");
-            Width::Eight.is_here() && asked.is_none_or(|value| value != "avx2")
-        });
-        if *has_eight { Width::Eight } else { self }
-    }
-}
+use lower::{Line, MachineOperation};
 
 /// The largest program with machine code, in bytes of code.
 const MOST_BYTES: usize = 1 << 24;
@@ -82,7 +36,7 @@ pub(super) fn is_allowed() -> bool {
 
 /// A part of a program.
 #[derive(Clone, Debug)]
-enum Part {
+enum CodePart {
     /// Machine code, by its place.
     Code(usize),
     /// Sines and cosines: their cells, and those of the angles.
@@ -93,14 +47,14 @@ enum Part {
 
 /// The machine code of a program.
 #[derive(Debug)]
-pub(super) struct Code {
+pub(super) struct MachineCode {
     code: Mmap,
-    parts: Vec<Part>,
+    parts: Vec<CodePart>,
     cells: usize,
     width: Width,
 }
 
-impl Code {
+impl MachineCode {
     /// Returns the machine code of a program; `None` where the processor lacks its instructions or the system refuses
     /// executable memory, and for a program that is too large.
     pub(super) fn new(program: &Program, width: Width) -> Option<Self> {
@@ -116,7 +70,7 @@ impl Code {
         // The memory is first writable, then executable, never both.
         let mut memory = MmapMut::map_anon(bytes.len().max(1)).ok()?;
         memory[..bytes.len()].copy_from_slice(&bytes);
-        Some(Code { code: memory.make_exec().ok()?, parts, cells: program.cells, width })
+        Some(MachineCode { code: memory.make_exec().ok()?, parts, cells: program.cells, width })
     }
 
     /// Runs the program on its cells.
@@ -126,9 +80,9 @@ impl Code {
     pub(super) fn run<S: Vector, T: Numbers<S>>(&self, simd: S, memory: &mut [T]) {
         for part in &self.parts {
             match part {
-                Part::Code(place) => self.call(*place, memory),
-                Part::Turns(turns) => vectorized!(simd, T::sines_cosines(simd, memory, turns)),
-                Part::Function { out, function, of } => {
+                CodePart::Code(place) => self.call(*place, memory),
+                CodePart::Turns(turns) => vectorized!(simd, T::sines_cosines(simd, memory, turns)),
+                CodePart::Function { out, function, of } => {
                     memory[*out as usize] = memory[*of as usize].image(*function);
                 }
             }
@@ -162,11 +116,11 @@ impl Code {
 }
 
 /// Writes the code of a program, and returns its parts.
-fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<Part>> {
+fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<CodePart>> {
     let is_call = |instruction: &Instruction| {
         matches!(instruction, Instruction::SineCosine { .. } | Instruction::Function { .. })
     };
-    let mut parts: Vec<Part> = Vec::new();
+    let mut parts: Vec<CodePart> = Vec::new();
     let mut rest = &program.instructions[..];
     // The last read of each cell, counted in instructions that are left.
     let mut last_read = vec![usize::MAX; program.cells];
@@ -181,16 +135,16 @@ fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<Part>> {
                 let turn = [sine, cosine, of];
                 match parts.last_mut() {
                     // Sines and cosines do not depend on each other, unless one is the angle of the next.
-                    Some(Part::Turns(turns))
+                    Some(CodePart::Turns(turns))
                         if turns.iter().all(|[s, c, _]| *s != of && *c != of) =>
                     {
                         turns.push(turn);
                     }
-                    _ => parts.push(Part::Turns(vec![turn])),
+                    _ => parts.push(CodePart::Turns(vec![turn])),
                 }
             }
             Instruction::Function { out, function, of } => {
-                parts.push(Part::Function { out, function, of });
+                parts.push(CodePart::Function { out, function, of });
             }
             _ => {}
         }
@@ -205,9 +159,9 @@ fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<Part>> {
             |cell: u32| program.kept[cell as usize] || last_read[cell as usize] <= later.len();
         let lowered = lower::lower(program, own, stored, encoder.width);
         let cells = lowered.values.iter().map(|value| value.cell);
-        let is_size = |line: &Line| matches!(line.operation, Operation::Size(_));
+        let is_size = |line: &Line| matches!(line.operation, MachineOperation::Size(_));
         let has_sizes = lowered.lines.iter().any(is_size);
-        parts.push(Part::Code(encoder.begin(cells, has_sizes).ok()?));
+        parts.push(CodePart::Code(encoder.begin(cells, has_sizes).ok()?));
         registers::assign(lowered, encoder, program.cells).ok()?;
         encoder.end().ok()?;
         rest = later;

@@ -3,8 +3,8 @@
 
 use std::collections::BTreeSet;
 
-use super::encode::{Encoded, Encoder, NotEncoded, Place};
-use super::lower::{Id, Line, Lowered, Operation, Value};
+use super::encode::{Encoded, Encoder, NotEncoded, Operand};
+use super::lower::{Id, Line, Lowered, MachineOperation, Value};
 use crate::graph::Cell;
 
 /// A value that is read again within this number of lines is loaded into a register, if one is free.
@@ -128,7 +128,7 @@ impl Registers<'_> {
     }
 
     /// Returns where an instruction reads a value that it can read in memory.
-    fn place(&mut self, id: Id, line: u32, keep: &mut Vec<usize>) -> Encoded<Place> {
+    fn place(&mut self, id: Id, line: u32, keep: &mut Vec<usize>) -> Encoded<Operand> {
         let value = self.of(id);
         let later = value.reads[value.past..].iter().find(|read| **read > line);
         let later = later.copied().filter(|read| read - line < SOON);
@@ -142,9 +142,9 @@ impl Registers<'_> {
             self.holds.iter().enumerate().any(|(at, held)| !keep.contains(&at) && makes_way(held))
         };
         if value.register.is_none() && !later.is_some_and(is_sooner) {
-            return Ok(Place::Cell(value.cell));
+            return Ok(Operand::Cell(value.cell));
         }
-        self.load(id, keep).map(Place::Register)
+        self.load(id, keep).map(Operand::Register)
     }
 
     /// Returns two factors, the first in a register.
@@ -153,7 +153,7 @@ impl Registers<'_> {
         [a, b]: [Id; 2],
         line: u32,
         keep: &mut Vec<usize>,
-    ) -> Encoded<(usize, Place)> {
+    ) -> Encoded<(usize, Operand)> {
         let swaps = self.of(a).register.is_none() && self.of(b).register.is_some();
         let [a, b] = if swaps { [b, a] } else { [a, b] };
         Ok((self.load(a, keep)?, self.place(b, line, keep)?))
@@ -172,26 +172,26 @@ impl Registers<'_> {
         let mut keep: Vec<usize> =
             line.operation.reads().filter_map(|id| self.of(id).register).collect();
         let result = match line.operation {
-            Operation::Product(of) => {
+            MachineOperation::Product(of) => {
                 let (a, b) = self.factors(of, at, &mut keep)?;
                 let result = self.result(&of, at, &keep)?;
                 self.encoder.product(result, a, b)?;
                 result
             }
-            Operation::Quotient([of, by])
-            | Operation::Smaller([of, by])
-            | Operation::Larger([of, by]) => {
+            MachineOperation::Quotient([of, by])
+            | MachineOperation::Smaller([of, by])
+            | MachineOperation::Larger([of, by]) => {
                 let of_in = self.load(of, &mut keep)?;
                 let by_at = self.place(by, at, &mut keep)?;
                 let result = self.result(&[of, by], at, &keep)?;
                 match line.operation {
-                    Operation::Smaller(_) => self.encoder.smaller(result, of_in, by_at)?,
-                    Operation::Larger(_) => self.encoder.larger(result, of_in, by_at)?,
+                    MachineOperation::Smaller(_) => self.encoder.smaller(result, of_in, by_at)?,
+                    MachineOperation::Larger(_) => self.encoder.larger(result, of_in, by_at)?,
                     _ => self.encoder.quotient(result, of_in, by_at)?,
                 }
                 result
             }
-            Operation::Fused { factors, sum, subtracts } => {
+            MachineOperation::Fused { factors, sum, subtracts } => {
                 let (a, b) = self.factors(factors, at, &mut keep)?;
                 let held = self.of(sum);
                 let is_last = held.ends_at(at) && !factors.contains(&sum);
@@ -211,19 +211,19 @@ impl Registers<'_> {
                 self.encoder.fused(result, a, b, subtracts)?;
                 result
             }
-            Operation::SquareRoot(of) => {
+            MachineOperation::SquareRoot(of) => {
                 let register = self.load(of, &mut keep)?;
                 let result = self.result(&[of], at, &keep)?;
                 self.encoder.square_root(result, register)?;
                 result
             }
-            Operation::Size(of) => {
-                let register = Place::Register(self.load(of, &mut keep)?);
+            MachineOperation::Size(of) => {
+                let register = Operand::Register(self.load(of, &mut keep)?);
                 let result = self.result(&[of], at, &keep)?;
                 self.encoder.size(result, register)?;
                 result
             }
-            Operation::Copy(of) => {
+            MachineOperation::Copy(of) => {
                 let register = self.load(of, &mut keep)?;
                 let result = self.result(&[of], at, &keep)?;
                 if result != register {
@@ -231,7 +231,7 @@ impl Registers<'_> {
                 }
                 result
             }
-            Operation::Choice(all) => {
+            MachineOperation::Choice(all) => {
                 let mut of = [0; 4];
                 for (register, id) in of.iter_mut().zip(all) {
                     *register = self.load(id, &mut keep)?;

@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::{Code, Width};
+use super::{MachineCode, Width};
 use crate::graph::{Builder, Cell, Instruction, Product, Program, tangent};
 use crate::model::{Dual, Elementary, Number};
 use crate::motion::lockstep::run::interpret;
@@ -87,7 +87,7 @@ fn agree_with_the_interpreter(simd: impl Vector) {
         interpret(simd, &program, &mut expected);
         for width in &widths {
             let mut found = start.clone();
-            let code = Code::new(&program, *width).expect("this system allows machine code");
+            let code = MachineCode::new(&program, *width).expect("this system allows machine code");
             code.run(simd, &mut found);
             for cell in (0..program.cells).filter(|cell| program.kept[*cell]) {
                 for lane in 0..LANES {
@@ -101,7 +101,7 @@ fn agree_with_the_interpreter(simd: impl Vector) {
         let mut interpreted: Vec<f64> = start.iter().map(|all| all[0]).collect();
         let mut found = interpreted.clone();
         interpret(simd, &program, &mut interpreted);
-        if let Some(code) = Code::new(&program, Width::One) {
+        if let Some(code) = MachineCode::new(&program, Width::One) {
             code.run(simd, &mut found);
         } else {
             found.clone_from(&interpreted);

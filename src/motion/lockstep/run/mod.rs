@@ -1,5 +1,5 @@
-//! Runs a program, in all lanes or for one run: as machine code where the processor and the system allow it, otherwise in an interpreter.
-//! Both compute the same bits.
+//! Runs a program, in all lanes or for one run: as machine code where the processor and the system allow it, otherwise in an
+//! interpreter. Both compute the same bits. Read first `numbers`, then `interpreter`, and this file last.
 
 mod interpreter;
 mod numbers;
@@ -7,7 +7,7 @@ mod numbers;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use super::machine_code::Code;
+use super::machine_code::MachineCode;
 use super::vector::Vector;
 use crate::graph::Program;
 #[cfg(test)]
@@ -23,7 +23,7 @@ pub(super) struct Runner {
     /// The program.
     pub(super) program: Program,
     /// The machine code for each width, where it is possible.
-    code: [OnceLock<Option<Code>>; 3],
+    code: [OnceLock<Option<MachineCode>>; 3],
     /// The number of runs in the interpreter, up to [`FIRST_RUNS`].
     runs: AtomicU32,
 }
@@ -41,7 +41,7 @@ impl Runner {
         let is_new = self.runs.load(Ordering::Relaxed) < FIRST_RUNS;
         let code = T::width().filter(|_| !is_new).and_then(|width| {
             let code = &self.code[width as usize];
-            code.get_or_init(|| Code::new(&self.program, width)).as_ref()
+            code.get_or_init(|| MachineCode::new(&self.program, width)).as_ref()
         });
         if let Some(code) = code {
             return code.run(simd, memory);

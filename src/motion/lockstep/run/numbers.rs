@@ -6,9 +6,8 @@ use fearless_simd::prelude::*;
 
 use crate::graph::Cell;
 use crate::model::Function;
-use crate::motion::lockstep::machine_code::Width;
 use crate::motion::lockstep::trigonometry::sin_cos;
-use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::vector::{Fused, Vector, Width};
 use crate::motion::lockstep::{LANES, Lanes};
 
 /// The operations of programs. Each is correctly rounded, or computed by the same operations for all kinds of numbers.

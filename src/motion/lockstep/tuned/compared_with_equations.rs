@@ -5,24 +5,25 @@ use std::sync::Arc;
 
 use fearless_simd::SimdBase;
 
-use super::mode_selection::contact_along;
+use super::equations::contact_along;
+use super::kernel::{BalancerWorkspace, TunedKernel};
 use super::step::within_tolerance;
-use super::tangent::carry;
-use super::{LANES, Lanes, Room, Tuned};
+use super::tangent::propagate;
 use crate::model::{Balancer, Dual, FrictionLaw, Machine, Method, Number, State, System};
-use crate::motion::lockstep::Saved;
-use crate::motion::lockstep::group::Group;
+use crate::motion::lockstep::SavedRun;
 use crate::motion::lockstep::kernel::Kernel;
+use crate::motion::lockstep::kernel_lanes::KernelLanes;
 use crate::motion::lockstep::lane_group::LaneGroup;
 use crate::motion::lockstep::simd_level::tested_vectors;
 use crate::motion::lockstep::vector::Vector;
+use crate::motion::lockstep::{LANES, Lanes};
 use crate::motion::{Phase, Settings, Tolerance};
 
 /// Number of intervals in the tableau of extrapolation: Gragg's method has an expansion in even powers, so that eight
 /// of them give order 16.
 const INTERVALS: [u32; 8] = [2, 4, 6, 8, 10, 12, 14, 16];
 
-/// Returns a balancer's state and a displacement after a time: Gragg's extrapolated midpoint rule on the hand-written
+/// Returns a balancer's state and a perturbation after a time: Gragg's extrapolated midpoint rule on the hand-written
 /// equations in dual numbers (E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, 2nd
 /// ed., Springer 1993, section II.9).
 fn integrated<const N: usize>(
@@ -115,8 +116,8 @@ fn largest<const N: usize>(state: &State<N>) -> f64 {
     all.fold(0.0, |most: f64, value| most.max(value.abs()))
 }
 
-/// Displacements over the longest steps of a coarse tolerance agree with the equations. The table moves
-/// slowly, as after some time, and is displaced in proportion to the balls.
+/// Perturbations over the longest steps of a coarse tolerance agree with the equations. The table moves
+/// slowly, as after some time, and is perturbed in proportion to the balls.
 fn over_longest_steps<const N: usize>(simd: impl Vector) {
     let settings = Settings {
         method: Method::Event,
@@ -124,7 +125,7 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
         tolerance: Tolerance { relative: 1e-6, absolute: 1e-8 },
         effort_limit: 1000,
     };
-    let mut group = Group::new(simd, Tuned::<_, N>::new(simd, false));
+    let mut group = KernelLanes::new(simd, TunedKernel::<_, N>::new(simd, false));
     let balancers: Vec<Balancer<N>> =
         (0..LANES).map(|lane| Balancer::new(&machine(lane, N)).expect("N balls")).collect();
     let mut longest = Lanes::splat(simd, 0.0);
@@ -134,24 +135,24 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
         let [x, y] = rest.position;
         (start.position, start.velocity) = ([x, y], [balancer.speed * y, -balancer.speed * x]);
         let system: Arc<dyn System> = Arc::new(*balancer);
-        let saved = Saved::start(&system, settings, &start.components()).expect("starts");
+        let saved = SavedRun::start(&system, settings, &start.components()).expect("starts");
         group.put(lane, &saved, 100.0);
-        let mut displaced: State<N> = state(lane + 100, |_| 0.3);
+        let mut perturbed: State<N> = state(lane + 100, |_| 0.3);
         for axis in 0..2 {
-            displaced.position[axis] *= 1e-2;
-            displaced.velocity[axis] *= 1e-2;
+            perturbed.position[axis] *= 1e-2;
+            perturbed.velocity[axis] *= 1e-2;
         }
-        displaced.beta = displaced.beta.map(|angle| angle / 6.0);
-        group.displace(lane, &displaced.components());
+        perturbed.beta = perturbed.beta.map(|angle| angle / 6.0);
+        group.perturb(lane, &perturbed.components());
         longest[lane] = group.longest(lane);
     }
-    let Group { kernel, room, state, displacement, tolerance, next, .. } = &mut group;
-    kernel.expand(room, state, false);
-    let lengths = within_tolerance(&room.series, *tolerance, *next).min(longest);
-    let Room { series, displaced, .. } = &mut **room;
-    let moved = carry(series, (&kernel.equations, None), displacement, lengths, displaced);
+    let KernelLanes { kernel, workspace, state, perturbation, tolerance, next, .. } = &mut group;
+    kernel.expand(workspace, state, false);
+    let lengths = within_tolerance(&workspace.series, *tolerance, *next).min(longest);
+    let BalancerWorkspace { series, perturbed, .. } = &mut **workspace;
+    let moved = propagate(series, (&kernel.equations, None), perturbation, lengths, perturbed);
     for (lane, balancer) in balancers.iter().enumerate() {
-        let start = group.state.lane(lane).along(&group.displacement.lane(lane));
+        let start = group.state.lane(lane).along(&group.perturbation.lane(lane));
         let along = integrated(balancer, group.phases(lane), &start, (lengths[lane], 16));
         let mut difference = along.slope();
         difference.add_scaled(-1.0, &moved.lane(lane));

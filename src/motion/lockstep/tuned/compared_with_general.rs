@@ -5,19 +5,19 @@ use std::sync::Arc;
 
 use fearless_simd::SimdBase;
 
-use super::Tuned;
+use super::kernel::TunedKernel;
 use crate::model::{
     Ball, BallContact, Components, Machine, Method, Model, ProfilePart, Ramp, RampShape,
     SpeedProfile, Start, System,
 };
-use crate::motion::lockstep::general::General;
-use crate::motion::lockstep::group::Group;
-use crate::motion::lockstep::kernel::{Ends, Kernel};
+use crate::motion::condition::Condition;
+use crate::motion::lockstep::general::GeneralKernel;
+use crate::motion::lockstep::kernel::{Kernel, StepEnd};
+use crate::motion::lockstep::kernel_lanes::KernelLanes;
 use crate::motion::lockstep::lane_group::LaneGroup;
 use crate::motion::lockstep::simd_level::tested_vectors;
 use crate::motion::lockstep::vector::Vector;
-use crate::motion::lockstep::{LANES, Lanes, Saved};
-use crate::motion::saltation::Condition;
+use crate::motion::lockstep::{LANES, Lanes, SavedRun};
 use crate::motion::{Phase, Settings, Tolerance, any_closed};
 
 /// Length of the step.
@@ -50,7 +50,7 @@ fn machine(balls: usize, ramp: Option<RampShape>) -> Machine {
 }
 
 /// A run that begins in a lane: balls touch, touch at rest, or are apart.
-fn run(machine: &Machine, method: Method, lane: usize) -> Saved {
+fn run(machine: &Machine, method: Method, lane: usize) -> SavedRun {
     let balls = machine.balls.len();
     let mut angle = 3.0 + 2.0 * value(3, lane);
     let mut angles = vec![angle];
@@ -77,26 +77,26 @@ fn run(machine: &Machine, method: Method, lane: usize) -> Saved {
     let tolerance = Tolerance { relative: 1e-8, absolute: 1e-10 };
     let settings = Settings { method, band, tolerance, effort_limit: 1000 };
     let system: Arc<dyn System> = stage.system;
-    Saved::start(&system, settings, &state).expect("starts")
+    SavedRun::start(&system, settings, &state).expect("starts")
 }
 
 /// What a kernel computes in a step.
 struct Step {
     ends: Vec<Components>,
-    displacements: Vec<Components>,
+    perturbations: Vec<Components>,
     /// The series of all components in each lane, summed up at the end of the step.
     sums: Vec<Vec<f64>>,
-    doubts: u64,
-    events: Vec<Ends>,
+    lanes_to_examine: u64,
+    events: Vec<StepEnd>,
 }
 
-fn step<S: Vector, K: Kernel<S>>(simd: S, kernel: K, runs: &[Saved]) -> Step {
-    let mut group = Group::new(simd, kernel);
+fn step<S: Vector, K: Kernel<S>>(simd: S, kernel: K, runs: &[SavedRun]) -> Step {
+    let mut group = KernelLanes::new(simd, kernel);
     for (lane, run) in runs.iter().enumerate() {
         group.put(lane, run, 100.0);
         let direction: Vec<f64> = (0..run.state().len()).map(|of| value(of, lane + 50)).collect();
         let mut direction = Components::from_vec(direction);
-        // Balls that touch move together, and time is not displaced.
+        // Balls that touch move together, and time is not perturbed.
         let balls = group.kernel.contacts();
         for ball in 1..balls {
             direction[4 + ball] = direction[4];
@@ -105,34 +105,34 @@ fn step<S: Vector, K: Kernel<S>>(simd: S, kernel: K, runs: &[Saved]) -> Step {
         if let Some(time) = direction.get_mut(4 + 2 * balls) {
             *time = 0.0;
         }
-        group.displace(lane, &direction);
+        group.perturb(lane, &direction);
     }
     let length = Lanes::splat(simd, LENGTH);
-    let Group { kernel, room, state, displacement, lanes, .. } = &mut group;
-    kernel.expand(room, state, true);
-    let doubts = kernel.look_over(room, length);
+    let KernelLanes { kernel, workspace, state, perturbation, lanes, .. } = &mut group;
+    kernel.expand(workspace, state, true);
+    let lanes_to_examine = kernel.screen_conditions(workspace, length);
     let mut end = state.clone();
-    kernel.at(room, state, length, &mut end);
+    kernel.at(workspace, state, length, &mut end);
     let first_event = |(lane, own): (usize, &Option<_>)| {
         let own = own.as_ref().expect("all lanes have runs");
-        kernel.first_event(room, own, lane, LENGTH, &[])
+        kernel.first_event(workspace, own, lane, LENGTH, &[])
     };
     let events = lanes.iter().enumerate().map(first_event).collect();
     let sums = (0..LANES).map(|lane| {
         let start = kernel.lane(state, lane);
         let sum = |component: usize| {
-            let powers = kernel.component(room, lane, component, start[component]);
+            let powers = kernel.component(workspace, lane, component, start[component]);
             powers.iter().rev().fold(0.0, |sum, power| sum * LENGTH + power)
         };
         (0..start.len()).map(sum).collect()
     });
     let sums = sums.collect();
-    let moved = kernel.carry(room, displacement, length);
+    let moved = kernel.propagate(workspace, perturbation, length);
     Step {
         ends: (0..LANES).map(|lane| kernel.lane(&end, lane)).collect(),
-        displacements: (0..LANES).map(|lane| kernel.lane(&moved, lane)).collect(),
+        perturbations: (0..LANES).map(|lane| kernel.lane(&moved, lane)).collect(),
         sums,
-        doubts,
+        lanes_to_examine,
         events,
     }
 }
@@ -144,13 +144,13 @@ fn agree<const N: usize>(
     method: Method,
 ) -> (usize, usize) {
     let machine = machine(N, ramp);
-    let runs: Vec<Saved> = (0..LANES).map(|lane| run(&machine, method, lane)).collect();
-    let touches = |run: &Saved| any_closed(&run.lane.phases);
+    let runs: Vec<SavedRun> = (0..LANES).map(|lane| run(&machine, method, lane)).collect();
+    let touches = |run: &SavedRun| any_closed(&run.lane.phases);
     let touching = runs.iter().filter(|run| touches(run));
-    let slipping = |run: &&Saved| run.lane.phases[0] != Phase::Stick;
+    let slipping = |run: &&SavedRun| run.lane.phases[0] != Phase::Stick;
     assert!(touching.clone().any(|run| slipping(&run)) && touching.count() < LANES);
-    let tuned = step(simd, Tuned::<_, N>::new(simd, ramp.is_some()), &runs);
-    let general = step(simd, General::new(simd, runs[0].system()), &runs);
+    let tuned = step(simd, TunedKernel::<_, N>::new(simd, ramp.is_some()), &runs);
+    let general = step(simd, GeneralKernel::new(simd, runs[0].system()), &runs);
     let (mut located, mut obvious) = (0, 0);
     for (lane, run) in runs.iter().enumerate() {
         let close = |one: &[f64], other: &[f64], most: f64| {
@@ -166,9 +166,9 @@ fn agree<const N: usize>(
         close(&tuned.ends[lane], &general.ends[lane], 1e-13);
         close(&tuned.sums[lane], &general.sums[lane], 1e-13);
         // The reaction of the table on balls that touch is missing in the highest powers (`tail_terms`).
-        close(&tuned.displacements[lane], &general.displacements[lane], 1e-9);
+        close(&tuned.perturbations[lane], &general.perturbations[lane], 1e-9);
         match (&tuned.events[lane], &general.events[lane]) {
-            (Ends::At(one, which), Ends::At(other, same)) => {
+            (StepEnd::At(one, which), StepEnd::At(other, same)) => {
                 // Balls that touch stop together: rounding decides which of them is first.
                 let together = |condition: &Condition| match condition {
                     Condition::Contact { which, .. } if touches(run) => Some(*which),
@@ -182,14 +182,14 @@ fn agree<const N: usize>(
                 );
                 located += 1;
             }
-            (Ends::AtOnce(which), Ends::AtOnce(same)) => assert_eq!(which, same),
-            (Ends::Nothing, Ends::Nothing) => {
-                obvious += usize::from(tuned.doubts & 1 << lane == 0);
+            (StepEnd::AtOnce(which), StepEnd::AtOnce(same)) => assert_eq!(which, same),
+            (StepEnd::Nothing, StepEnd::Nothing) => {
+                obvious += usize::from(tuned.lanes_to_examine & 1 << lane == 0);
                 continue;
             }
             _ => panic!("another end of the step in {lane}"),
         }
-        assert!(tuned.doubts & 1 << lane != 0, "no doubt in {lane}");
+        assert!(tuned.lanes_to_examine & 1 << lane != 0, "no doubt in {lane}");
     }
     (located, obvious)
 }

@@ -3,17 +3,18 @@
 //! The equations are those of `model::equations`, solved by power series (`series`). Friction is
 //! `p f_n + q β̇`: Coulomb friction, viscous drag, or both.
 
+use std::sync::Arc;
+
 use fearless_simd::SimdBase;
 
-use super::mode_selection::contact;
-use crate::model::{Balancer, Contact};
+use crate::model::{Balancer, Contact, Dual, Friction, System};
 use crate::motion::Phase;
 use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::Vector;
 
 /// The coefficients of a ball's equation in its current phase.
 #[derive(Clone, Copy)]
-pub(crate) struct Ball<S: Vector> {
+pub(crate) struct BallEquation<S: Vector> {
     /// m
     pub(super) mass: Lanes<S>,
     /// 1 if it may move, 0 if it sticks.
@@ -52,18 +53,18 @@ pub(crate) struct Equations<S: Vector, const N: usize> {
     /// 2ζω
     pub(super) drag_speed: Lanes<S>,
     pub(super) minus_drag_speed: Lanes<S>,
-    /// The constant force on the table: m_I e ω², and with runout `-(1 - Σ m) S` ([`crate::model::equations`]).
+    /// The constant force on the table: m_I e ω², and with runout `-(1 - Σ m) S` (`model::equations`).
     pub(super) constant: [Lanes<S>; 2],
     /// The acceleration of the table without that of the ring's centre, `S`: ω² times the runout.
     pub(super) runout: [Lanes<S>; 2],
-    pub(super) balls: [Ball<S>; N],
+    pub(super) balls: [BallEquation<S>; N],
 }
 
 impl<S: Vector, const N: usize> Equations<S, N> {
     /// Zero in all lanes; never used for a run.
     pub(super) fn blank(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
-        let ball = Ball {
+        let ball = BallEquation {
             mass: zero,
             free: zero,
             stuck: zero,
@@ -144,4 +145,32 @@ impl<S: Vector, const N: usize> Equations<S, N> {
         of_ball.held[1][lane] = mobility * linear;
         of_ball.held[2][lane] = mobility * (friction * (1.0 - ball.rolling_quadratic));
     }
+}
+
+/// Returns how friction acts on a contact in a phase.
+#[inline]
+pub(super) fn contact(phase: Phase, friction: &Friction, speed: f64) -> Contact {
+    match phase {
+        Phase::Stick | Phase::Apart | Phase::Open | Phase::Closed => Contact::STICK,
+        Phase::Slip(direction) => friction.slip(direction.sign(), speed),
+        Phase::Transition(direction) => friction.slip(direction.sign(), 0.0),
+        Phase::Free => friction.slip(0.0, speed),
+    }
+}
+
+/// Returns [`contact`] to first order in the speed.
+pub(super) fn contact_along(phase: Phase, friction: &Friction, speed: Dual) -> Contact<Dual> {
+    match phase {
+        Phase::Stick | Phase::Apart | Phase::Open | Phase::Closed => Contact::STICK.lifted(),
+        Phase::Slip(direction) => friction.slip_along(direction.sign(), speed),
+        Phase::Transition(direction) => {
+            friction.slip_along(direction.sign(), Dual { value: 0.0, slope: 0.0 })
+        }
+        Phase::Free => friction.slip_along(0.0, speed),
+    }
+}
+
+/// Returns the balancer that a system is while no balls touch.
+pub(super) fn while_apart<const N: usize>(system: &Arc<dyn System>) -> Option<&Balancer<N>> {
+    system.while_apart().downcast_ref()
 }

@@ -1,25 +1,18 @@
-//! The conditions of the phases as power series over a step, with the same numbering as in
-//! `motion::guard`:
-//!
-//! | | first | second | third |
-//! |---|---|---|---|
-//! | slip | out of the band | | pressed to the ring |
-//! | stick | held against a forward force | held against a backward force | pressed |
-//! | transition | in the band | accelerating in its direction | pressed |
-//! | free | | | pressed |
+//! The conditions of the phases ([`crate::motion::condition`]) as power series over a step.
 //!
 //! For all lanes it is first shown which conditions obviously hold; the remaining lanes, in one
 //! step out of five, are examined one at a time (`first_event`).
 
 use fearless_simd::prelude::*;
 
+use super::drive::{BallOnDisc, DiscSpeedSeries, SQUARED_TERMS};
 use super::equations::Equations;
-use super::gap_forces::Gaps;
-use super::series::{Series, decay};
-use super::turning::{BallOnDisc, SQUARED_TERMS, Turning};
+use super::gap_forces::GapForceEquations;
+use super::series::{BalancerSeries, decay};
 use crate::model::SPEED_TERMS;
 use crate::motion::Phase;
-use crate::motion::lockstep::curve::Curve;
+use crate::motion::condition::Margins;
+use crate::motion::lockstep::lane_bounds::LaneBounds;
 use crate::motion::lockstep::root_isolation::FOURTH;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 use crate::motion::lockstep::{Lanes, ORDER};
@@ -30,7 +23,7 @@ const DYING_SPEED: f64 = 1000.0;
 
 /// The coefficients of a ball's conditions.
 #[derive(Clone, Copy)]
-pub(super) struct Watched<S: Vector> {
+pub(super) struct ConditionCoefficients<S: Vector> {
     /// The first condition of a ball that does not stick is `sign β̇ + offset`.
     pub(super) sign: Lanes<S>,
     pub(super) offset: Lanes<S>,
@@ -42,11 +35,11 @@ pub(super) struct Watched<S: Vector> {
     pub(super) slack: Lanes<S>,
 }
 
-impl<S: Vector> Watched<S> {
+impl<S: Vector> ConditionCoefficients<S> {
     /// Conditions that cannot fail.
     pub(super) fn nothing(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
-        Watched {
+        ConditionCoefficients {
             sign: zero,
             offset: Lanes::splat(simd, 1.0),
             stuck: zero,
@@ -56,43 +49,37 @@ impl<S: Vector> Watched<S> {
     }
 
     /// Sets the conditions of a lane. A condition counts as failed if it is negative by `aim`.
-    pub(super) fn set(&mut self, lane: usize, phase: Phase, [band, slack, aim]: [f64; 3]) {
-        let (sign, offset, stuck) = match phase {
-            Phase::Slip(direction) => (direction.sign(), aim - band, 0.0),
-            // A ball is in the band only briefly: always examined.
-            Phase::Transition(direction) => (-direction.sign(), -1.0, 0.0),
-            Phase::Stick => (0.0, 1.0, 1.0),
-            Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => (0.0, 1.0, 0.0),
-        };
+    pub(super) fn set(&mut self, lane: usize, phase: Phase, (margins, aim): (&Margins, f64)) {
+        let [sign, offset, stuck] = margins.first_condition(phase, aim);
         self.sign[lane] = sign;
         self.offset[lane] = offset;
         self.stuck[lane] = stuck;
-        self.slack[lane] = slack + aim;
+        self.slack[lane] = margins.slack + aim;
     }
 }
 
 /// Lanes, as bit masks, that must be examined, with bounds for their conditions.
-pub(super) struct Doubts<S: Vector, const N: usize> {
+pub(super) struct LanesToExamine<S: Vector, const N: usize> {
     /// A condition of the ball may fail.
     pub(super) of_balls: [u64; N],
     /// A ball may leave the ring.
     pub(super) loose: u64,
     /// Bounds of the condition that a slipping ball continues to slip.
-    pub(super) slips: [Curve<S>; N],
+    pub(super) slips: [LaneBounds<S>; N],
     /// Bounds of the conditions that a sticking ball is held against a forward and against a
     /// backward force.
-    pub(super) held: [[Curve<S>; 2]; N],
+    pub(super) held: [[LaneBounds<S>; 2]; N],
     /// A closed gap may open.
     pub(super) of_gaps: [u64; N],
     /// Bounds of the normal force on each ball by the forces in gaps, if there are any.
     pushed: [Lanes<S>; N],
 }
 
-impl<S: Vector, const N: usize> Doubts<S, N> {
-    /// No doubts.
+impl<S: Vector, const N: usize> LanesToExamine<S, N> {
+    /// No lanes.
     pub(super) fn none(simd: S) -> Self {
-        let blank = Curve::zero(simd);
-        Doubts {
+        let blank = LaneBounds::zero(simd);
+        LanesToExamine {
             of_balls: [0; N],
             loose: 0,
             slips: [blank; N],
@@ -104,43 +91,46 @@ impl<S: Vector, const N: usize> Doubts<S, N> {
 
     /// Returns the lanes in which any condition may fail.
     pub(super) fn any(&self) -> u64 {
-        self.of_balls.iter().chain(&self.of_gaps).fold(self.loose, |any, doubts| any | doubts)
+        self.of_balls
+            .iter()
+            .chain(&self.of_gaps)
+            .fold(self.loose, |any, lanes_to_examine| any | lanes_to_examine)
     }
 }
 
 /// Reports where a condition may fail in a step of this length.
 #[inline(always)]
-pub(super) fn look_over<S: Vector, const N: usize>(
-    series: &Series<S, N>,
+pub(super) fn screen_conditions<S: Vector, const N: usize>(
+    series: &BalancerSeries<S, N>,
     equations: &Equations<S, N>,
-    (watched, gaps): (&[Watched<S>; N], &Gaps<S, N>),
+    (watched, gaps): (&[ConditionCoefficients<S>; N], &GapForceEquations<S, N>),
     length: Lanes<S>,
-    doubts: &mut Doubts<S, N>,
+    lanes_to_examine: &mut LanesToExamine<S, N>,
 ) {
     let simd = length.simd;
     let number = |value: f64| Lanes::splat(simd, value);
     let zero = number(0.0);
     let [first, second, ..] = &series.terms;
     let square = length * length;
-    doubts.loose = 0;
+    lanes_to_examine.loose = 0;
     let mut sticks = zero.simd_gt(zero);
     for watched in watched {
         sticks |= watched.stuck.simd_gt(zero);
     }
-    let pull = Pull::over(series, length, sticks.any_true());
+    let pull = TableAcceleration::over(series, length, sticks.any_true());
     // Bound of the table's pull on a ball.
     let most = |[x, y]: [Lanes<S>; 2]| number(2.0) * (x.abs() + y.abs());
     let of_table = [most(first.pull), most(pull.end)];
-    doubts.of_gaps = [0; N];
+    lanes_to_examine.of_gaps = [0; N];
     if series.response.active {
-        look_over_gaps(series, gaps, length, doubts);
+        screen_gaps(series, gaps, length, lanes_to_examine);
     }
     for i in 0..N {
         let mut pulls = of_table;
         if series.response.active {
-            pulls = [pulls[0] + doubts.pushed[i], pulls[1] + doubts.pushed[i]];
+            pulls = [pulls[0] + lanes_to_examine.pushed[i], pulls[1] + lanes_to_examine.pushed[i]];
         }
-        let Watched { sign, offset, .. } = watched[i];
+        let ConditionCoefficients { sign, offset, .. } = watched[i];
         let (mut bound, mut speed, mut slope) = (zero, zero, zero);
         for (k, term) in series.terms[..=ORDER].iter().enumerate().rev() {
             let coefficient = term.balls[i].speed;
@@ -153,13 +143,13 @@ pub(super) fn look_over<S: Vector, const N: usize>(
         }
         let speeds = [first.balls[i].speed, speed];
         let along = sign * length;
-        let curve = Curve {
+        let curve = LaneBounds {
             values: [sign.fused(speeds[0], offset), sign.fused(speeds[1], offset)],
             changes: [along * second.balls[i].speed, along * slope],
             bound: sign.abs() * bound * (square * square),
         };
         let mut holds = curve.holds();
-        doubts.slips[i] = curve;
+        lanes_to_examine.slips[i] = curve;
         let ball = &equations.balls[i];
         let mut least = ball.least_pressed;
         if let Some(turning) = &series.turning {
@@ -183,39 +173,39 @@ pub(super) fn look_over<S: Vector, const N: usize>(
             plain &= steepness[0].abs().min(steepness[1].abs()).simd_gt(reach);
             pressed |= plain;
         }
-        doubts.loose |= !pressed.to_bitmask();
+        lanes_to_examine.loose |= !pressed.to_bitmask();
         let stuck = watched[i].stuck.simd_gt(zero);
         if stuck.any_true() {
             let held = held(series, equations, watched, (i, &pull), length);
             holds &= held[0].holds() & held[1].holds() | !stuck;
-            doubts.held[i] = held;
+            lanes_to_examine.held[i] = held;
         }
-        doubts.of_balls[i] = !holds.to_bitmask();
+        lanes_to_examine.of_balls[i] = !holds.to_bitmask();
     }
 }
 
 /// Reports where a closed gap may open, and bounds the normal force on each ball by the forces in gaps. Not inlined, like
 /// everything that few steps need: it would take registers from the rest.
 #[inline(never)]
-fn look_over_gaps<S: Vector, const N: usize>(
-    series: &Series<S, N>,
-    gaps: &Gaps<S, N>,
+fn screen_gaps<S: Vector, const N: usize>(
+    series: &BalancerSeries<S, N>,
+    gaps: &GapForceEquations<S, N>,
     length: Lanes<S>,
-    doubts: &mut Doubts<S, N>,
+    lanes_to_examine: &mut LanesToExamine<S, N>,
 ) {
     vectorized!(length.simd, {
-        doubts.pushed = [Lanes::splat(length.simd, 0.0); N];
+        lanes_to_examine.pushed = [Lanes::splat(length.simd, 0.0); N];
         for (g, gap) in gaps.gaps.iter().enumerate() {
-            let force = Curve::of_series(
+            let force = LaneBounds::of_series(
                 length,
                 ORDER - 1,
                 #[inline(always)]
                 |k| series.forces[k][g],
             );
-            doubts.of_gaps[g] = !gap.pressure.over(&force).holds().to_bitmask();
+            lanes_to_examine.of_gaps[g] = !gap.pressure.over(&force).holds().to_bitmask();
             let [start, end] = force.values;
             let most = Lanes::splat(length.simd, 2.0) * start.abs().max(end.abs());
-            for (pushed, outward) in doubts.pushed.iter_mut().zip(gap.outward) {
+            for (pushed, outward) in lanes_to_examine.pushed.iter_mut().zip(gap.outward) {
                 *pushed += outward.abs() * most;
             }
         }
@@ -223,7 +213,7 @@ fn look_over_gaps<S: Vector, const N: usize>(
 }
 
 /// The table's acceleration over a step.
-struct Pull<S: Vector> {
+struct TableAcceleration<S: Vector> {
     end: [Lanes<S>; 2],
     /// Its change there, with the step's length as the unit of time.
     change: [Lanes<S>; 2],
@@ -231,10 +221,10 @@ struct Pull<S: Vector> {
     bound: [Lanes<S>; 2],
 }
 
-impl<S: Vector> Pull<S> {
+impl<S: Vector> TableAcceleration<S> {
     /// Evaluates the pull at the end of a step; other than its value only if `whole`.
     #[inline(always)]
-    fn over<const N: usize>(series: &Series<S, N>, length: Lanes<S>, whole: bool) -> Self {
+    fn over<const N: usize>(series: &BalancerSeries<S, N>, length: Lanes<S>, whole: bool) -> Self {
         let zero = Lanes::splat(length.simd, 0.0);
         let (mut end, mut change, mut bound) = ([zero; 2], [zero; 2], [zero; 2]);
         let terms = &series.terms[..ORDER];
@@ -244,7 +234,7 @@ impl<S: Vector> Pull<S> {
                     *end = end.fused(length, coefficient);
                 }
             }
-            return Pull { end, change, bound };
+            return TableAcceleration { end, change, bound };
         }
         for axis in 0..2 {
             // Sums of their own: those in the arrays would be stored in each iteration.
@@ -258,7 +248,7 @@ impl<S: Vector> Pull<S> {
             }
             (end[axis], change[axis], bound[axis]) = (value, slope * length, most);
         }
-        Pull { end, change, bound }
+        TableAcceleration { end, change, bound }
     }
 }
 
@@ -266,34 +256,34 @@ impl<S: Vector> Pull<S> {
 /// and changes at both ends of the step, and a bound; and the Euler force along the ring.
 #[inline(never)]
 fn on_disc<S: Vector, const N: usize>(
-    turning: &Turning<S, N>,
+    turning: &DiscSpeedSeries<S, N>,
     (ball, left): (usize, Lanes<S>),
     length: Lanes<S>,
-) -> ([Lanes<S>; 5], Curve<S>) {
+) -> ([Lanes<S>; 5], LaneBounds<S>) {
     vectorized!(length.simd, on_disc_in_vectors(turning, (ball, left), length))
 }
 
 #[inline(always)]
 fn on_disc_in_vectors<S: Vector, const N: usize>(
-    turning: &Turning<S, N>,
+    turning: &DiscSpeedSeries<S, N>,
     (ball, left): (usize, Lanes<S>),
     length: Lanes<S>,
-) -> ([Lanes<S>; 5], Curve<S>) {
+) -> ([Lanes<S>; 5], LaneBounds<S>) {
     let zero = Lanes::splat(length.simd, 0.0);
     let BallOnDisc { pressed: by_speed, euler, .. } = turning.balls[ball];
-    let speed = Curve::of_series(
+    let speed = LaneBounds::of_series(
         length,
         SPEED_TERMS - 1,
         #[inline(always)]
         |k| turning.speed[k],
     );
-    let squared = Curve::of_series(
+    let squared = LaneBounds::of_series(
         length,
         SQUARED_TERMS - 1,
         #[inline(always)]
         |k| turning.squared[k],
     );
-    let acceleration = Curve::of_series(
+    let acceleration = LaneBounds::of_series(
         length,
         SPEED_TERMS - 2,
         #[inline(always)]
@@ -318,7 +308,7 @@ fn on_disc_in_vectors<S: Vector, const N: usize>(
     }
     let [start, end] = acceleration.values;
     let [first, last] = acceleration.changes;
-    let drawn = Curve {
+    let drawn = LaneBounds {
         values: [euler * start, euler * end],
         changes: [euler * first, euler * last],
         bound: euler.abs() * acceleration.bound,
@@ -330,16 +320,16 @@ fn on_disc_in_vectors<S: Vector, const N: usize>(
 /// force: the rotated acceleration of the table.
 #[inline(always)]
 fn held<S: Vector, const N: usize>(
-    series: &Series<S, N>,
+    series: &BalancerSeries<S, N>,
     equations: &Equations<S, N>,
-    watched: &[Watched<S>; N],
-    (i, pull): (usize, &Pull<S>),
+    watched: &[ConditionCoefficients<S>; N],
+    (i, pull): (usize, &TableAcceleration<S>),
     length: Lanes<S>,
-) -> [Curve<S>; 2] {
+) -> [LaneBounds<S>; 2] {
     let number = |value: f64| Lanes::splat(length.simd, value);
     let [first, second, ..] = &series.terms;
     let [c, s] = series.solver.trigonometry[i];
-    let Watched { limit, slack, .. } = watched[i];
+    let ConditionCoefficients { limit, slack, .. } = watched[i];
     // The residual speed also affects the normal force, and decays.
     let left = series.solver.residual[i];
     let mut pressed = [number(0.0); 5];
@@ -357,7 +347,7 @@ fn held<S: Vector, const N: usize>(
             (slower.abs() + number(16.0) * faster.abs()) * (square * square),
         ];
     }
-    let mut drawn = Curve::zero(length.simd);
+    let mut drawn = LaneBounds::zero(length.simd);
     if let Some(turning) = &series.turning {
         let (by_disc, euler) = on_disc(turning, (i, left), length);
         for (pressed, by_disc) in pressed.iter_mut().zip(by_disc) {
@@ -387,7 +377,7 @@ fn held<S: Vector, const N: usize>(
     let [a, b, p, q] = reserves;
     let [f, g, u, v] = forces;
     [
-        Curve { values: [a - f, b - g], changes: [p - u, q - v], bound },
-        Curve { values: [a + f, b + g], changes: [p + u, q + v], bound },
+        LaneBounds { values: [a - f, b - g], changes: [p - u, q - v], bound },
+        LaneBounds { values: [a + f, b + g], changes: [p + u, q + v], bound },
     ]
 }

@@ -1,78 +1,83 @@
 //! The condition that fails first in a step of one lane, located on the series.
 
-use super::event_functions::Doubts;
-use super::gap_forces::{Gap, Gaps};
-use super::mode_selection::contact;
-use super::recurrence::DYING;
-use super::series::Series;
+use super::equations::contact;
+use super::event_functions::LanesToExamine;
+use super::gap_forces::{GapForceEquation, GapForceEquations};
+use super::series::BalancerSeries;
+use super::terms::DYING;
 use crate::model::Balancer;
 use crate::motion::Phase;
+use crate::motion::condition::Condition;
 use crate::motion::lockstep::held::held_until;
-use crate::motion::lockstep::kernel::Ends;
+use crate::motion::lockstep::kernel::StepEnd;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::root_isolation::Polynomial;
 use crate::motion::lockstep::vector::{Vector, vectorized};
 use crate::motion::lockstep::{Lanes, ORDER};
-use crate::motion::saltation::Condition;
 
 /// Returns the end of a step of one lane.
 #[inline(never)]
 pub(super) fn first_event<S: Vector, const N: usize>(
-    series: &Series<S, N>,
-    (own, balancer, gaps): (&Lane, &Balancer<N>, &Gaps<S, N>),
+    series: &BalancerSeries<S, N>,
+    (own, balancer, gaps): (&Lane, &Balancer<N>, &GapForceEquations<S, N>),
     (lane, length): (usize, f64),
-    doubts: &Doubts<S, N>,
+    lanes_to_examine: &LanesToExamine<S, N>,
     ignored: &[Condition],
-) -> Ends {
+) -> StepEnd {
     let simd = series.terms[0].table[0].simd;
     // The fused multiply-add is an instruction in this closure.
     vectorized!(
         simd,
-        first_of_all(simd, series, (own, balancer, gaps), (lane, length), doubts, ignored)
+        first_of_all(
+            simd,
+            series,
+            (own, balancer, gaps),
+            (lane, length),
+            lanes_to_examine,
+            ignored
+        )
     )
 }
 
 #[inline(always)]
 fn first_of_all<S: Vector, const N: usize>(
     simd: S,
-    series: &Series<S, N>,
-    (own, balancer, gaps): (&Lane, &Balancer<N>, &Gaps<S, N>),
+    series: &BalancerSeries<S, N>,
+    (own, balancer, gaps): (&Lane, &Balancer<N>, &GapForceEquations<S, N>),
     (lane, length): (usize, f64),
-    doubts: &Doubts<S, N>,
+    lanes_to_examine: &LanesToExamine<S, N>,
     ignored: &[Condition],
-) -> Ends {
-    let mut first = Ends::Nothing;
+) -> StepEnd {
+    let mut first = StepEnd::Nothing;
     let band = own.margins.band;
     let aim = 0.5 * own.width;
     let slack = own.margins.slack + aim;
     let bit = 1 << lane;
     for (gap, of_all) in gaps.gaps.iter().enumerate() {
         let failed = Condition::Pressed(gap);
-        if doubts.of_gaps[gap] & bit != 0 && !ignored.contains(&failed) {
+        if lanes_to_examine.of_gaps[gap] & bit != 0 && !ignored.contains(&failed) {
             let (weight, offset) = (of_all.pressure.weight[lane], of_all.pressure.offset[lane]);
-            let pressed = polynomial(length, offset, |k| match k {
-                ORDER => 0.0,
-                _ => weight * series.forces[k][gap][lane],
-            });
+            let pressed =
+                Polynomial::of(length, offset, ORDER - 1, |k| weight * series.forces[k][gap][lane]);
             first.or(simd, &pressed, None, failed);
         }
     }
     let clusters = &gaps.held[lane];
     for cluster in clusters {
         let failed = Condition::Held(cluster.contacts[0]);
-        let is_doubtful = |ball: &usize| doubts.of_balls[*ball] & bit != 0;
+        let is_doubtful = |ball: &usize| lanes_to_examine.of_balls[*ball] & bit != 0;
         if cluster.contacts.iter().any(is_doubtful) && !ignored.contains(&failed) {
             let forces = |ball: usize| forces_if_stuck(series, balancer, lane, ball);
             match held_until(simd, own, cluster, forces, (length, slack)) {
-                Some(0.0) => first = Ends::AtOnce(failed),
+                Some(0.0) => first = StepEnd::AtOnce(failed),
                 Some(part) => first.earlier(part, failed),
                 None => {}
             }
         }
     }
     for (ball, phase) in own.phases[..N].iter().enumerate() {
-        let loose = doubts.loose & 1 << lane != 0;
-        if !loose && doubts.of_balls[ball] & 1 << lane == 0 {
+        let loose = lanes_to_examine.loose & 1 << lane != 0;
+        if !loose && lanes_to_examine.of_balls[ball] & 1 << lane == 0 {
             continue;
         }
         let speed = |k: usize| series.terms[k].balls[ball].speed[lane];
@@ -82,31 +87,31 @@ fn first_of_all<S: Vector, const N: usize>(
             let (condition, bounds) = match (*phase, which) {
                 (_, 2) if loose => {
                     let normal = normal_force(series, (balancer, gaps, *phase), lane, ball);
-                    (polynomial(length, aim, |k| normal[k]), None)
+                    (Polynomial::of(length, aim, ORDER, |k| normal[k]), None)
                 }
                 (Phase::Slip(direction), 0) => {
-                    let bounds = doubts.slips[ball].outline(lane);
-                    (polynomial(length, aim - band, |k| direction * speed(k)), Some(bounds))
+                    let bounds = lanes_to_examine.slips[ball].outline(lane);
+                    (
+                        Polynomial::of(length, aim - band, ORDER, |k| direction * speed(k)),
+                        Some(bounds),
+                    )
                 }
                 (Phase::Transition(direction), 0) => {
-                    (polynomial(length, aim + band, |k| -(direction * speed(k))), None)
+                    (Polynomial::of(length, aim + band, ORDER, |k| -(direction * speed(k))), None)
                 }
                 (Phase::Transition(direction), 1) => {
-                    let accelerating = |k| match k {
-                        ORDER => 0.0,
-                        _ => direction * ((k + 1) as f64 * speed(k + 1)),
-                    };
-                    (polynomial(length, slack, accelerating), None)
+                    let accelerating = |k| direction * ((k + 1) as f64 * speed(k + 1));
+                    (Polynomial::of(length, slack, ORDER - 1, accelerating), None)
                 }
                 (Phase::Stick, 0 | 1)
                     if !clusters.iter().any(|one| one.contacts.contains(&ball)) =>
                 {
-                    let bounds = doubts.held[ball][which].outline(lane);
+                    let bounds = lanes_to_examine.held[ball][which].outline(lane);
                     if bounds.holds() {
                         continue;
                     }
                     let left = held(series, balancer, lane, ball, [1.0, -1.0][which]);
-                    (polynomial(length, slack, left), Some(bounds))
+                    (Polynomial::of(length, slack, ORDER, left), Some(bounds))
                 }
                 _ => continue,
             };
@@ -118,21 +123,11 @@ fn first_of_all<S: Vector, const N: usize>(
     first
 }
 
-#[inline(always)]
-fn polynomial(length: f64, offset: f64, of: impl Fn(usize) -> f64) -> Polynomial {
-    let mut coefficients = [0.0; ORDER + 1];
-    for (k, coefficient) in coefficients.iter_mut().enumerate() {
-        *coefficient = of(k);
-    }
-    coefficients[0] += offset;
-    Polynomial { coefficients, length }
-}
-
 /// Returns the series of the remaining friction of a sticking ball against a force in this
 /// direction: μ times the normal force minus the force required to stick.
 #[inline(always)]
 fn held<S: Vector, const N: usize>(
-    series: &Series<S, N>,
+    series: &BalancerSeries<S, N>,
     balancer: &Balancer<N>,
     lane: usize,
     ball: usize,
@@ -147,7 +142,7 @@ fn held<S: Vector, const N: usize>(
 /// gaps.
 #[inline(always)]
 fn forces_if_stuck<S: Vector, const N: usize>(
-    series: &Series<S, N>,
+    series: &BalancerSeries<S, N>,
     balancer: &Balancer<N>,
     lane: usize,
     ball: usize,
@@ -176,7 +171,7 @@ fn forces_if_stuck<S: Vector, const N: usize>(
 /// Returns the normal force on a ball without the table's acceleration.
 #[inline(always)]
 fn pressed<S: Vector, const N: usize>(
-    series: &Series<S, N>,
+    series: &BalancerSeries<S, N>,
     balancer: &Balancer<N>,
     lane: usize,
     ball: usize,
@@ -206,8 +201,8 @@ fn pressed<S: Vector, const N: usize>(
 /// Returns the series of the normal force on a ball of a lane.
 #[inline(never)]
 fn normal_force<S: Vector, const N: usize>(
-    series: &Series<S, N>,
-    (balancer, gaps, phase): (&Balancer<N>, &Gaps<S, N>, Phase),
+    series: &BalancerSeries<S, N>,
+    (balancer, gaps, phase): (&Balancer<N>, &GapForceEquations<S, N>, Phase),
     lane: usize,
     ball: usize,
 ) -> [f64; ORDER + 1] {
@@ -225,8 +220,9 @@ fn normal_force<S: Vector, const N: usize>(
         }
         let pulled: f64 = (0..=k).map(|j| along(k, j)).sum();
         let pushed: f64 = if series.response.active {
-            let by_gap =
-                |(gap, force): (&Gap<S, N>, &Lanes<S>)| gap.outward[ball][lane] * force[lane];
+            let by_gap = |(gap, force): (&GapForceEquation<S, N>, &Lanes<S>)| {
+                gap.outward[ball][lane] * force[lane]
+            };
             gaps.gaps.iter().zip(&series.forces[k]).map(by_gap).sum()
         } else {
             0.0

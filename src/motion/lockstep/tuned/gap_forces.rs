@@ -19,15 +19,15 @@ use crate::motion::lockstep::{LANES, Lanes};
 pub(super) type OfEach<S, const N: usize> = [Lanes<S>; N];
 
 /// The gaps of all lanes. Their number is that of the balls.
-pub(super) struct Gaps<S: Vector, const N: usize> {
-    pub(super) gaps: [Gap<S, N>; N],
+pub(super) struct GapForceEquations<S: Vector, const N: usize> {
+    pub(super) gaps: [GapForceEquation<S, N>; N],
     /// The balls that stick and touch, in each lane.
     pub(super) held: [Vec<HeldCluster>; LANES],
 }
 
 /// A gap in all lanes. All numbers are 0 in lanes in which it has no force.
 #[derive(Clone, Copy)]
-pub(super) struct Gap<S: Vector, const N: usize> {
+pub(super) struct GapForceEquation<S: Vector, const N: usize> {
     /// Bit mask of lanes in which it is closed and has a force.
     closed: u64,
     /// 1 in other lanes.
@@ -41,11 +41,11 @@ pub(super) struct Gap<S: Vector, const N: usize> {
     pub(super) pressure: Pressure<S>,
 }
 
-impl<S: Vector, const N: usize> Gaps<S, N> {
+impl<S: Vector, const N: usize> GapForceEquations<S, N> {
     /// No gaps.
     pub(super) fn none(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
-        let gap = Gap {
+        let gap = GapForceEquation {
             closed: 0,
             open: Lanes::splat(simd, 1.0),
             push: [zero; N],
@@ -53,7 +53,7 @@ impl<S: Vector, const N: usize> Gaps<S, N> {
             side: [zero; N],
             pressure: Pressure::none(simd),
         };
-        Gaps { gaps: [gap; N], held: std::array::from_fn(|_| Vec::new()) }
+        GapForceEquations { gaps: [gap; N], held: std::array::from_fn(|_| Vec::new()) }
     }
 
     /// Returns whether any lane has a force in a gap.
@@ -115,7 +115,7 @@ impl<S: Vector, const N: usize> Gaps<S, N> {
 }
 
 /// The effect of the forces in gaps from the start of a step on.
-pub(super) struct Response<S: Vector, const N: usize> {
+pub(super) struct GapForceEffect<S: Vector, const N: usize> {
     /// Whether there are forces; if not, everything else is of another step.
     pub(super) active: bool,
     /// Bit mask of gaps with a force in any lane.
@@ -124,16 +124,16 @@ pub(super) struct Response<S: Vector, const N: usize> {
     table: [[Lanes<S>; 2]; N],
     /// The accelerations of the balls by a unit of force in each gap.
     balls: [OfEach<S, N>; N],
-    /// The sides of the gaps ([`Gap::side`]).
+    /// The sides of the gaps ([`GapForceEquation::side`]).
     sides: [OfEach<S, N>; N],
     /// The forces by a unit of relative acceleration in each gap.
     inverse: [OfEach<S, N>; N],
 }
 
-impl<S: Vector, const N: usize> Response<S, N> {
+impl<S: Vector, const N: usize> GapForceEffect<S, N> {
     pub(super) fn none(simd: S) -> Self {
         let zero = [[Lanes::splat(simd, 0.0); N]; N];
-        Response {
+        GapForceEffect {
             active: false,
             closed: 0,
             table: [[Lanes::splat(simd, 0.0); 2]; N],
@@ -145,7 +145,7 @@ impl<S: Vector, const N: usize> Response<S, N> {
 
     /// Prepares a step.
     #[inline(always)]
-    pub(super) fn begin(&mut self, gaps: &Gaps<S, N>, solver: &Solver<S, N>) {
+    pub(super) fn begin(&mut self, gaps: &GapForceEquations<S, N>, solver: &Solver<S, N>) {
         self.active = gaps.have_forces();
         if self.active {
             self.set(gaps, solver);
@@ -153,12 +153,12 @@ impl<S: Vector, const N: usize> Response<S, N> {
     }
 
     #[inline(never)]
-    fn set(&mut self, gaps: &Gaps<S, N>, solver: &Solver<S, N>) {
+    fn set(&mut self, gaps: &GapForceEquations<S, N>, solver: &Solver<S, N>) {
         vectorized!(solver.inverse[0].simd, self.set_vectors(gaps, solver));
     }
 
     #[inline(always)]
-    fn set_vectors(&mut self, gaps: &Gaps<S, N>, solver: &Solver<S, N>) {
+    fn set_vectors(&mut self, gaps: &GapForceEquations<S, N>, solver: &Solver<S, N>) {
         let simd = solver.inverse[0].simd;
         let [zero, one] = [0.0, 1.0].map(|value| Lanes::splat(simd, value));
         let [a, b, c, d] = solver.inverse;

@@ -3,12 +3,12 @@
 
 use fearless_simd::prelude::*;
 
+use super::drive::{DiscForces, DiscSpeedSeries, Drive};
 use super::equations::Equations;
-use super::gap_forces::{OfEach, Response};
-use super::terms::{ResidualForce, Solver, TERMS, Term};
-use super::turning::{Drive, OwnForces, Turning};
-use crate::motion::lockstep::Lanes;
+use super::gap_forces::{GapForceEffect, OfEach};
+use super::terms::{DYING, PowerCoefficients, ResidualForce, Solver};
 use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::{Lanes, TERMS};
 
 /// 1/k.
 pub(super) const RECIPROCALS: [f64; TERMS + 1] = {
@@ -21,20 +21,9 @@ pub(super) const RECIPROCALS: [f64; TERMS + 1] = {
     all
 };
 
-/// Coefficient `k` of exp(-t) and of exp(-2t).
-pub(super) const DYING: [[f64; 2]; TERMS] = {
-    let mut all = [[1.0; 2]; TERMS];
-    let mut k = 1;
-    while k < TERMS {
-        all[k] = [-all[k - 1][0] / k as f64, -2.0 * all[k - 1][1] / k as f64];
-        k += 1;
-    }
-    all
-};
-
 /// The sums of products of lower orders, for one ball.
 #[derive(Clone, Copy)]
-pub(super) struct Sums<S: Vector> {
+pub(super) struct ProductSums<S: Vector> {
     /// Of Σ β̇_j U_{k+1-j}, U being the direction.
     pub(super) turning: [Lanes<S>; 2],
     /// Of u·a.
@@ -48,15 +37,15 @@ pub(super) struct Sums<S: Vector> {
 pub(super) enum Constants {
     /// The imbalance and the resistance at speed 0.
     Whole,
-    /// None: the equations for displacements.
+    /// None: the equations for perturbations.
     None,
 }
 
-impl<S: Vector> Sums<S> {
+impl<S: Vector> ProductSums<S> {
     #[inline(always)]
     pub(super) fn zero(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
-        Sums { turning: [zero; 2], drawn: zero, squared: zero }
+        ProductSums { turning: [zero; 2], drawn: zero, squared: zero }
     }
 }
 
@@ -65,10 +54,10 @@ impl<S: Vector> Sums<S> {
 /// that have the directions at order 0. Several balls are computed together, as many as the registers hold.
 #[inline(always)]
 pub(super) fn products<S: Vector, const N: usize>(
-    of: &[Term<S, N>; TERMS],
-    with: &[Term<S, N>; TERMS],
+    of: &[PowerCoefficients<S, N>; TERMS],
+    with: &[PowerCoefficients<S, N>; TERMS],
     k: usize,
-    sums: &mut [Sums<S>; N],
+    sums: &mut [ProductSums<S>; N],
 ) {
     let mut first = 0;
     while S::HAS_MANY_REGISTERS && first + 4 <= N {
@@ -88,11 +77,11 @@ pub(super) fn products<S: Vector, const N: usize>(
 /// Computes [`products`] for `M` balls from `first` on.
 #[inline(always)]
 fn products_of<S: Vector, const N: usize, const M: usize>(
-    of: &[Term<S, N>; TERMS],
-    with: &[Term<S, N>; TERMS],
+    of: &[PowerCoefficients<S, N>; TERMS],
+    with: &[PowerCoefficients<S, N>; TERMS],
     k: usize,
     first: usize,
-    sums: &mut [Sums<S>; N],
+    sums: &mut [ProductSums<S>; N],
 ) {
     let zero = Lanes::splat(of[0].table[0].simd, 0.0);
     let (mut real, mut imaginary) = ([zero; M], [zero; M]);
@@ -142,12 +131,12 @@ fn products_of<S: Vector, const N: usize, const M: usize>(
 pub(super) struct Solving<'a, S: Vector, const N: usize> {
     pub(super) solver: &'a Solver<S, N>,
     /// The directions at the start, if they are not those of the series itself.
-    pub(super) start: Option<&'a Term<S, N>>,
+    pub(super) start: Option<&'a PowerCoefficients<S, N>>,
     pub(super) residual: Option<&'a ResidualForce<S>>,
     /// The disc and its speed, if that changes.
-    pub(super) turning: Option<(&'a Drive<S, N>, &'a Turning<S, N>)>,
+    pub(super) turning: Option<(&'a Drive<S, N>, &'a DiscSpeedSeries<S, N>)>,
     /// The effect of forces in gaps, if there are any.
-    pub(super) gaps: Option<&'a Response<S, N>>,
+    pub(super) gaps: Option<&'a GapForceEffect<S, N>>,
 }
 
 /// Solves the equations for coefficient `k` of the accelerations, and stores the dependent
@@ -155,11 +144,11 @@ pub(super) struct Solving<'a, S: Vector, const N: usize> {
 /// no balls touch: the instructions for both would take registers from the others.
 #[inline(always)]
 pub(super) fn solve<S: Vector, const N: usize, const WHOLE: bool>(
-    terms: &mut [Term<S, N>; TERMS],
+    terms: &mut [PowerCoefficients<S, N>; TERMS],
     equations: &Equations<S, N>,
     by: &Solving<S, N>,
     k: usize,
-    sums: &[Sums<S>; N],
+    sums: &[ProductSums<S>; N],
     constants: Constants,
 ) -> Option<OfEach<S, N>> {
     let simd = equations.speed.simd;
@@ -205,7 +194,7 @@ pub(super) fn solve<S: Vector, const N: usize, const WHOLE: bool>(
     if let Some((drive, turning)) = turning
         && constants == Constants::Whole
     {
-        let OwnForces { table, balls, runout } = drive.own_forces(turning, k);
+        let DiscForces { table, balls, runout } = drive.own_forces(turning, k);
         force_x += table[0];
         force_y += table[1];
         (by_disc, by_runout) = (balls, runout);
@@ -214,7 +203,7 @@ pub(super) fn solve<S: Vector, const N: usize, const WHOLE: bool>(
     let (mut push_x, mut push_y) = (zero, zero);
     for i in 0..N {
         let ball = &equations.balls[i];
-        let Sums { turning, drawn, squared } = sums[i];
+        let ProductSums { turning, drawn, squared } = sums[i];
         let speed = now.balls[i].speed;
         let [c, s] = now.balls[i].direction;
         let [c_next, s_next] = next.balls[i].direction;

@@ -25,19 +25,19 @@
 
 use fearless_simd::prelude::*;
 
+use super::drive::{DiscSpeedSeries, Drive};
 use super::equations::Equations;
-use super::flow::Flow;
-use super::gap_forces::{Gaps, OfEach, Response};
-use super::recurrence::{Constants, RECIPROCALS, Solving, Sums, products, solve};
-use super::terms::{ResidualForce, Solver, TERMS, Term};
-use super::turning::{Drive, Turning};
-use crate::motion::lockstep::kernel::Powers;
+use super::gap_forces::{GapForceEffect, GapForceEquations, OfEach};
+use super::lane_states::BalancerLaneStates;
+use super::recurrence::{Constants, ProductSums, RECIPROCALS, Solving, products, solve};
+use super::terms::{PowerCoefficients, ResidualForce, Solver};
+use crate::motion::lockstep::sizes::Powers;
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
-use crate::motion::lockstep::{Lanes, ORDER};
+use crate::motion::lockstep::{Lanes, ORDER, TERMS};
 
 /// The sums of the powers above those of the series, over the first of them.
-pub(super) struct Higher<S: Vector, const N: usize> {
+pub(super) struct HigherPowers<S: Vector, const N: usize> {
     /// For the table's position, from the power `TERMS` on, and the slope of that.
     pub(super) position: [Lanes<S>; 2],
     pub(super) slope: [Lanes<S>; 2],
@@ -47,31 +47,31 @@ pub(super) struct Higher<S: Vector, const N: usize> {
     pub(super) angle: [Lanes<S>; N],
 }
 
-impl<S: Vector, const N: usize> Higher<S, N> {
+impl<S: Vector, const N: usize> HigherPowers<S, N> {
     /// No higher powers.
     #[inline(always)]
     pub(super) fn none(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
-        Higher { position: [zero; 2], slope: [zero; 2], speed: [zero; N], angle: [zero; N] }
+        HigherPowers { position: [zero; 2], slope: [zero; 2], speed: [zero; N], angle: [zero; N] }
     }
 }
 
 /// The series of all lanes.
-pub(super) struct Series<S: Vector, const N: usize> {
-    pub(super) terms: [Term<S, N>; TERMS],
+pub(super) struct BalancerSeries<S: Vector, const N: usize> {
+    pub(super) terms: [PowerCoefficients<S, N>; TERMS],
     pub(super) solver: Solver<S, N>,
     /// `None` if no sticking ball has a residual speed.
     pub(super) residual: Option<ResidualForce<S>>,
     /// The speed of the disc, if it changes.
-    pub(super) turning: Option<Turning<S, N>>,
-    pub(super) response: Response<S, N>,
+    pub(super) turning: Option<DiscSpeedSeries<S, N>>,
+    pub(super) response: GapForceEffect<S, N>,
     /// The coefficients of the forces in gaps, if the response is active.
     pub(super) forces: [OfEach<S, N>; ORDER],
     /// Work space of an order, except for `FEW` balls: new arrays would have to be cleared.
-    pub(super) sums: [[Sums<S>; N]; 2],
+    pub(super) sums: [[ProductSums<S>; N]; 2],
 }
 
-impl<S: Vector, const N: usize> Series<S, N> {
+impl<S: Vector, const N: usize> BalancerSeries<S, N> {
     pub(super) fn zero(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         let solver = Solver {
@@ -81,14 +81,14 @@ impl<S: Vector, const N: usize> Series<S, N> {
             trigonometry: [[zero; 2]; N],
             residual: [zero; N],
         };
-        Series {
-            terms: [Term::zero(simd); TERMS],
+        BalancerSeries {
+            terms: [PowerCoefficients::zero(simd); TERMS],
             solver,
             residual: None,
             turning: None,
-            response: Response::none(simd),
+            response: GapForceEffect::none(simd),
             forces: [[zero; N]; ORDER],
-            sums: [[Sums::zero(simd); N]; 2],
+            sums: [[ProductSums::zero(simd); N]; 2],
         }
     }
 
@@ -97,8 +97,8 @@ impl<S: Vector, const N: usize> Series<S, N> {
     pub(super) fn expand(
         &mut self,
         equations: &Equations<S, N>,
-        (drive, gaps): (Option<&Drive<S, N>>, &Gaps<S, N>),
-        start: &Flow<S, N>,
+        (drive, gaps): (Option<&Drive<S, N>>, &GapForceEquations<S, N>),
+        start: &BalancerLaneStates<S, N>,
     ) {
         // Without a drive, there is nothing to replace.
         if let Some(drive) = drive {
@@ -118,7 +118,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
     }
 
     #[inline(always)]
-    fn begin(&mut self, equations: &Equations<S, N>, start: &Flow<S, N>) {
+    fn begin(&mut self, equations: &Equations<S, N>, start: &BalancerLaneStates<S, N>) {
         let simd = equations.speed.simd;
         let zero = Lanes::splat(simd, 0.0);
         let one = Lanes::splat(simd, 1.0);
@@ -184,9 +184,9 @@ impl<S: Vector, const N: usize> Series<S, N> {
         k: usize,
     ) {
         vectorized!(equations.speed.simd, {
-            let Series { terms, sums: [room, _], .. } = self;
-            let mut few = [Sums::zero(equations.speed.simd); N];
-            let sums = if N <= FEW && !WHOLE { &mut few } else { room };
+            let BalancerSeries { terms, sums: [workspace, _], .. } = self;
+            let mut few = [ProductSums::zero(equations.speed.simd); N];
+            let sums = if N <= FEW && !WHOLE { &mut few } else { workspace };
             add_up(terms, k, sums);
             let gaps = if self.response.active { Some(&self.response) } else { None };
             let residual = self.residual.as_ref();
@@ -234,10 +234,10 @@ impl<S: Vector, const N: usize> Series<S, N> {
     pub(super) fn at(
         &self,
         equations: &Equations<S, N>,
-        start: &Flow<S, N>,
+        start: &BalancerLaneStates<S, N>,
         time: Lanes<S>,
-    ) -> Flow<S, N> {
-        self.at_with(equations, start, time, ORDER, Higher::none(time.simd))
+    ) -> BalancerLaneStates<S, N> {
+        self.at_with(equations, start, time, ORDER, HigherPowers::none(time.simd))
     }
 
     /// Returns the state a time later, including higher powers.
@@ -245,12 +245,12 @@ impl<S: Vector, const N: usize> Series<S, N> {
     pub(super) fn at_with(
         &self,
         equations: &Equations<S, N>,
-        start: &Flow<S, N>,
+        start: &BalancerLaneStates<S, N>,
         time: Lanes<S>,
         order: usize,
-        higher: Higher<S, N>,
-    ) -> Flow<S, N> {
-        let Higher { mut position, slope: mut velocity, mut speed, mut angle } = higher;
+        higher: HigherPowers<S, N>,
+    ) -> BalancerLaneStates<S, N> {
+        let HigherPowers { mut position, slope: mut velocity, mut speed, mut angle } = higher;
         for axis in 0..2 {
             velocity[axis] = velocity[axis].fused(time, position[axis]);
             position[axis] = position[axis].fused(time, self.terms[order + 1].table[axis]);
@@ -267,7 +267,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
                 angle[i] = angle[i].fused(time, part * of_ball);
             }
         }
-        let mut end = Flow {
+        let mut end = BalancerLaneStates {
             table: [position[0], position[1], velocity[0], velocity[1]],
             angle: start.angle,
             speed,
@@ -287,7 +287,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
     }
 }
 
-impl<S: Vector, const N: usize> Series<S, N> {
+impl<S: Vector, const N: usize> BalancerSeries<S, N> {
     /// Returns the coefficients of a component of the state in one lane; the series of the angles begin at `start`.
     pub(super) fn component(&self, lane: usize, component: usize, start: f64) -> Powers {
         let mut powers = [0.0; TERMS];
@@ -323,9 +323,9 @@ const FEW: usize = 2;
 /// Computes the products of an order.
 #[inline(always)]
 fn add_up<S: Vector, const N: usize>(
-    terms: &mut [Term<S, N>; TERMS],
+    terms: &mut [PowerCoefficients<S, N>; TERMS],
     k: usize,
-    all: &mut [Sums<S>; N],
+    all: &mut [ProductSums<S>; N],
 ) {
     products(terms, terms, k, all);
     let mut first = 0;
@@ -342,10 +342,10 @@ fn add_up<S: Vector, const N: usize>(
 /// for its previous term.
 #[inline(always)]
 fn squares<S: Vector, const N: usize, const M: usize>(
-    terms: &mut [Term<S, N>; TERMS],
+    terms: &mut [PowerCoefficients<S, N>; TERMS],
     k: usize,
     first: usize,
-    all: &mut [Sums<S>; N],
+    all: &mut [ProductSums<S>; N],
 ) {
     let lower = &mut terms[..=k];
     let mut squared = [Lanes::splat(lower[0].table[0].simd, 0.0); M];
@@ -375,8 +375,8 @@ fn squares<S: Vector, const N: usize, const M: usize>(
 #[inline(always)]
 pub(super) fn with_drive<'a, S: Vector, const N: usize>(
     drive: Option<&'a Drive<S, N>>,
-    turning: &'a Option<Turning<S, N>>,
-) -> Option<(&'a Drive<S, N>, &'a Turning<S, N>)> {
+    turning: &'a Option<DiscSpeedSeries<S, N>>,
+) -> Option<(&'a Drive<S, N>, &'a DiscSpeedSeries<S, N>)> {
     match (drive, turning) {
         (Some(drive), Some(turning)) => Some((drive, turning)),
         _ => None,

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 
-use super::series::Series;
+use super::series::BalancerSeries;
 use crate::motion::lockstep::step_length::{longest_step, reciprocal};
 use crate::motion::lockstep::vector::{Fused, Vector};
 use crate::motion::lockstep::{Lanes, ORDER};
@@ -10,7 +10,7 @@ use crate::motion::lockstep::{Lanes, ORDER};
 /// Returns the longest step within the tolerance; `before` is that of the previous step.
 #[inline(always)]
 pub(super) fn within_tolerance<S: Vector, const N: usize>(
-    series: &Series<S, N>,
+    series: &BalancerSeries<S, N>,
     [relative, absolute]: [Lanes<S>; 2],
     before: Lanes<S>,
 ) -> Lanes<S> {

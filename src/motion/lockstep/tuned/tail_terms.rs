@@ -1,8 +1,8 @@
-//! Powers of a displacement above those of its series (`tangent`), at negligible cost.
+//! Powers of a perturbation above those of its series (`tangent`), at negligible cost.
 //!
-//! The highest frequency in a displacement is that of the table in the turning frame, `1 + |ω|`. In
+//! The highest frequency in a perturbation is that of the table in the turning frame, `1 + |ω|`. In
 //! the motion itself it has decayed, and steps are as long as the slower motion allows; but every
-//! switch excites it anew in a displacement, and truncated at the power 14 it would grow from step
+//! switch excites it anew in a perturbation, and truncated at the power 14 it would grow from step
 //! to step. Its contribution is therefore continued to higher powers: the table's own equations,
 //! linear with constant coefficients, and the table's effect on the balls at their angles at the
 //! start of the step, with their drag. Neglected are the reaction on the table of balls with about
@@ -11,7 +11,7 @@
 use fearless_simd::prelude::*;
 
 use super::equations::Equations;
-use super::series::{Higher, Series};
+use super::series::{BalancerSeries, HigherPowers};
 use super::tangent::LINEAR;
 use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::{Fused, Vector};
@@ -30,15 +30,15 @@ const FACTORIALS: [f64; LINEAR + BEYOND + 2] = {
     all
 };
 
-impl<S: Vector, const N: usize> Series<S, N> {
-    /// Returns the powers of a displacement above those of its series, for steps of this length.
+impl<S: Vector, const N: usize> BalancerSeries<S, N> {
+    /// Returns the powers of a perturbation above those of its series, for steps of this length.
     #[inline(always)]
     pub(super) fn beyond(
         &self,
         equations: &Equations<S, N>,
-        displaced: &Self,
+        perturbed: &Self,
         length: Lanes<S>,
-    ) -> Higher<S, N> {
+    ) -> HigherPowers<S, N> {
         let number = |value: f64| Lanes::splat(length.simd, value);
         let [a, b, c, d] = self.solver.inverse;
         // z̈ from position, velocity and the turning frame.
@@ -58,12 +58,12 @@ impl<S: Vector, const N: usize> Series<S, N> {
         // Derivatives, not coefficients: their recurrence has no factors.
         let factorial = number(FACTORIALS[LINEAR]);
         let next_factorial = number(FACTORIALS[LINEAR + 1]);
-        let [x, y] = displaced.terms[LINEAR].table;
-        let [x_dot, y_dot] = displaced.terms[LINEAR + 1].table;
+        let [x, y] = perturbed.terms[LINEAR].table;
+        let [x_dot, y_dot] = perturbed.terms[LINEAR + 1].table;
         let mut place = [x * factorial, y * factorial];
         let mut speed = [x_dot * next_factorial, y_dot * next_factorial];
         let mut turning = [number(0.0); N];
-        for (turning, ball) in turning.iter_mut().zip(&displaced.terms[LINEAR].balls) {
+        for (turning, ball) in turning.iter_mut().zip(&perturbed.terms[LINEAR].balls) {
             *turning = ball.speed * factorial;
         }
         let mut table = [[number(0.0); 2]; BEYOND];
@@ -95,7 +95,7 @@ impl<S: Vector, const N: usize> Series<S, N> {
             (place, speed) = (speed, acceleration);
             table[at] = acceleration;
         }
-        let mut higher = Higher::none(length.simd);
+        let mut higher = HigherPowers::none(length.simd);
         for (at, (table, speeds)) in table.iter().zip(&speeds).enumerate().rev() {
             let part = number(1.0 / FACTORIALS[LINEAR + at + 2]);
             for (axis, derivative) in table.iter().enumerate() {

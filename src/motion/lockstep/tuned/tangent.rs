@@ -1,29 +1,29 @@
-//! Small displacements from the motions in lockstep: propagated by the linearised flow in vectors.
+//! Small perturbations from the motions in lockstep: propagated by the linearised flow in vectors.
 
 use fearless_simd::prelude::*;
 
+use super::drive::Drive;
 use super::equations::Equations;
-use super::flow::Flow;
+use super::lane_states::BalancerLaneStates;
 use super::recurrence::{Constants, Solving, products, solve};
-use super::series::{Higher, Series, with_drive};
-use super::turning::Drive;
+use super::series::{BalancerSeries, HigherPowers, with_drive};
 use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 
-/// The highest power of time in the series of a displacement's speeds.
+/// The highest power of time in the series of a perturbation's speeds.
 pub(super) const LINEAR: usize = 14;
 
-impl<S: Vector, const N: usize> Series<S, N> {
-    /// Expands a displacement from the expanded motion: the same equations to first order.
+impl<S: Vector, const N: usize> BalancerSeries<S, N> {
+    /// Expands a perturbation from the expanded motion: the same equations to first order.
     #[inline(always)]
-    pub(super) fn expand_displacement(
+    pub(super) fn expand_perturbation(
         &self,
         (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
-        start: &Flow<S, N>,
-        displaced: &mut Self,
+        start: &BalancerLaneStates<S, N>,
+        perturbed: &mut Self,
     ) {
         let [x, y, x_dot, y_dot] = start.table;
-        let [first, second, ..] = &mut displaced.terms;
+        let [first, second, ..] = &mut perturbed.terms;
         first.table = [x, y];
         second.table = [x_dot, y_dot];
         let zero = Lanes::splat(x.simd, 0.0);
@@ -45,11 +45,11 @@ impl<S: Vector, const N: usize> Series<S, N> {
             // The residual speed of a sticking ball: (2ω r + r²) e, to first order.
             let [c, s] = self.solver.trigonometry[i];
             let left = self.solver.residual[i];
-            let displaced_left = start.speed[i] - speed;
-            left_over = left_over.max(left.abs()).max(displaced_left.abs());
+            let perturbed_left = start.speed[i] - speed;
+            left_over = left_over.max(left.abs()).max(perturbed_left.abs());
             let forces = [
-                [double_speed * displaced_left, double_speed * left],
-                [two * left * displaced_left, left * left],
+                [double_speed * perturbed_left, double_speed * left],
+                [two * left * perturbed_left, left * left],
             ];
             for ([speed, turned], residual) in forces.into_iter().zip(&mut residual) {
                 let turned = turned * angle;
@@ -57,28 +57,28 @@ impl<S: Vector, const N: usize> Series<S, N> {
                 residual[1] += ball.mass * (speed * s + turned * c);
             }
         }
-        displaced.residual = (!left_over.simd_eq(zero).all_true()).then_some(residual);
+        perturbed.residual = (!left_over.simd_eq(zero).all_true()).then_some(residual);
         if self.is_plain() {
             for k in 0..LINEAR {
-                self.order_of_displacement::<false>((equations, None), displaced, k);
+                self.order_of_perturbation::<false>((equations, None), perturbed, k);
             }
         } else {
             for k in 0..LINEAR {
-                self.order_of_displacement::<true>((equations, drive), displaced, k);
+                self.order_of_perturbation::<true>((equations, drive), perturbed, k);
             }
         }
     }
 
     #[inline(never)]
-    fn order_of_displacement<const WHOLE: bool>(
+    fn order_of_perturbation<const WHOLE: bool>(
         &self,
         (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
-        displaced: &mut Self,
+        perturbed: &mut Self,
         k: usize,
     ) {
         vectorized!(
             equations.speed.simd,
-            self.linear_order::<WHOLE>((equations, drive), displaced, k)
+            self.linear_order::<WHOLE>((equations, drive), perturbed, k)
         );
     }
 
@@ -86,10 +86,10 @@ impl<S: Vector, const N: usize> Series<S, N> {
     fn linear_order<const WHOLE: bool>(
         &self,
         (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
-        displaced: &mut Self,
+        perturbed: &mut Self,
         k: usize,
     ) {
-        let Series { terms, residual, sums, .. } = displaced;
+        let BalancerSeries { terms, residual, sums, .. } = perturbed;
         let [all, others] = sums;
         products(&self.terms, terms, k, all);
         products(terms, &self.terms, k, others);
@@ -117,20 +117,20 @@ impl<S: Vector, const N: usize> Series<S, N> {
     }
 }
 
-/// Propagates displacements over a step of this length, in all lanes; `displaced` is work space. A displacement does not
+/// Propagates perturbations over a step of this length, in all lanes; `perturbed` is work space. A perturbation does not
 /// shift the time, and has no higher powers if the speed of the disc changes.
 #[inline(always)]
-pub(super) fn carry<S: Vector, const N: usize>(
-    series: &Series<S, N>,
+pub(super) fn propagate<S: Vector, const N: usize>(
+    series: &BalancerSeries<S, N>,
     (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
-    displacement: &Flow<S, N>,
+    perturbation: &BalancerLaneStates<S, N>,
     length: Lanes<S>,
-    displaced: &mut Series<S, N>,
-) -> Flow<S, N> {
-    series.expand_displacement((equations, drive), displacement, displaced);
+    perturbed: &mut BalancerSeries<S, N>,
+) -> BalancerLaneStates<S, N> {
+    series.expand_perturbation((equations, drive), perturbation, perturbed);
     let higher = match drive {
-        Some(_) => Higher::none(length.simd),
-        None => series.beyond(equations, displaced, length),
+        Some(_) => HigherPowers::none(length.simd),
+        None => series.beyond(equations, perturbed, length),
     };
-    displaced.at_with(equations, displacement, length, LINEAR, higher)
+    perturbed.at_with(equations, perturbation, length, LINEAR, higher)
 }

@@ -3,14 +3,22 @@
 use fearless_simd::prelude::*;
 
 use crate::motion::lockstep::vector::Vector;
-use crate::motion::lockstep::{Lanes, ORDER};
+use crate::motion::lockstep::{Lanes, TERMS};
 
-/// Coefficients of the series of positions.
-pub(super) const TERMS: usize = ORDER + 2;
+/// Coefficient `k` of exp(-t) and of exp(-2t).
+pub(super) const DYING: [[f64; 2]; TERMS] = {
+    let mut all = [[1.0; 2]; TERMS];
+    let mut k = 1;
+    while k < TERMS {
+        all[k] = [-all[k - 1][0] / k as f64, -2.0 * all[k - 1][1] / k as f64];
+        k += 1;
+    }
+    all
+};
 
 /// The coefficients of one power of time for one ball.
 #[derive(Clone, Copy)]
-pub(super) struct BallTerm<S: Vector> {
+pub(super) struct BallCoefficients<S: Vector> {
     /// Speed.
     pub(super) speed: Lanes<S>,
     /// Its square.
@@ -21,21 +29,21 @@ pub(super) struct BallTerm<S: Vector> {
 
 /// The coefficients of one power of time.
 #[derive(Clone, Copy)]
-pub(super) struct Term<S: Vector, const N: usize> {
+pub(super) struct PowerCoefficients<S: Vector, const N: usize> {
     /// Position of the table.
     pub(super) table: [Lanes<S>; 2],
     /// Its absolute acceleration.
     pub(super) pull: [Lanes<S>; 2],
-    pub(super) balls: [BallTerm<S>; N],
+    pub(super) balls: [BallCoefficients<S>; N],
 }
 
-impl<S: Vector, const N: usize> Term<S, N> {
+impl<S: Vector, const N: usize> PowerCoefficients<S, N> {
     /// All coefficients are zero. Not inlined: copies of it take less code than zeros.
     #[inline(never)]
     pub(super) fn zero(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
-        let ball = BallTerm { speed: zero, squared: zero, direction: [zero; 2] };
-        Term { table: [zero; 2], pull: [zero; 2], balls: [ball; N] }
+        let ball = BallCoefficients { speed: zero, squared: zero, direction: [zero; 2] };
+        PowerCoefficients { table: [zero; 2], pull: [zero; 2], balls: [ball; N] }
     }
 }
 

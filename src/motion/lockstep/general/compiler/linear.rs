@@ -1,25 +1,25 @@
 //! Linear combinations of series with static factors, and products of sums that are multiplied out.
 
-use super::{Compiler, Linear};
+use super::{Compiler, LinearCombination};
 use crate::model::{Node, NodeId};
 use crate::motion::lockstep::general::operations::{Operation, RowProducts, Slot};
 use crate::motion::lockstep::general::statics::{Static, StaticId};
 
 impl Compiler<'_> {
     /// Returns a node as a linear combination.
-    pub(super) fn linear_of(&mut self, place: NodeId) -> Linear {
-        let mut sum = Linear::default();
+    pub(super) fn linear_of(&mut self, place: NodeId) -> LinearCombination {
+        let mut sum = LinearCombination::default();
         let one = self.statics.add(Static::Constant(1.0));
         self.linear(place, one, &mut sum);
         sum
     }
 
     /// Returns the series of a linear combination.
-    pub(super) fn emit_linear(&mut self, mut sum: Linear) -> Slot {
+    pub(super) fn emit_linear(&mut self, mut sum: LinearCombination) -> Slot {
         for known in self.in_rows.clone() {
             self.replace(&mut sum, &known);
         }
-        let Linear { constant, terms } = sum;
+        let LinearCombination { constant, terms } = sum;
         if let ([(slot, factor)], None) = (terms.as_slice(), constant)
             && self.statics.all[*factor as usize] == Static::Constant(1.0)
         {
@@ -31,7 +31,7 @@ impl Compiler<'_> {
     }
 
     /// Replaces the products in a linear combination by their known sum, if they have the same factor.
-    fn replace(&mut self, sum: &mut Linear, known: &RowProducts) {
+    fn replace(&mut self, sum: &mut LinearCombination, known: &RowProducts) {
         let mut factors = Vec::with_capacity(known.parts.len());
         for &(a, b, subtracts) in &known.parts {
             let slot = self.pairs.get(&[a.min(b), a.max(b)]);
@@ -47,7 +47,7 @@ impl Compiler<'_> {
     }
 
     /// Adds a node times a static factor to a linear combination.
-    pub(super) fn linear(&mut self, place: NodeId, factor: StaticId, sum: &mut Linear) {
+    pub(super) fn linear(&mut self, place: NodeId, factor: StaticId, sum: &mut LinearCombination) {
         if let Some(number) = self.static_of[place as usize] {
             let part = self.statics.times(number, factor);
             sum.constant = Some(match sum.constant {
@@ -95,7 +95,7 @@ impl Compiler<'_> {
         }
     }
 
-    pub(super) fn add_term(&mut self, sum: &mut Linear, slot: Slot, factor: StaticId) {
+    pub(super) fn add_term(&mut self, sum: &mut LinearCombination, slot: Slot, factor: StaticId) {
         match sum.terms.iter().position(|(other, _)| *other == slot) {
             Some(at) => sum.terms[at].1 = self.statics.add(Static::Sum(sum.terms[at].1, factor)),
             None => sum.terms.push((slot, factor)),
@@ -107,11 +107,11 @@ impl Compiler<'_> {
         &mut self,
         factors: [NodeId; 2],
         factor: StaticId,
-        sum: &mut Linear,
+        sum: &mut LinearCombination,
     ) {
         let one = self.statics.add(Static::Constant(1.0));
         let [a, b] = factors.map(|place| {
-            let mut of_place = Linear::default();
+            let mut of_place = LinearCombination::default();
             self.linear(place, one, &mut of_place);
             of_place
         });

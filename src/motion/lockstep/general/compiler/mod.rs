@@ -1,20 +1,21 @@
 //! Finds the operations on power series of the recorded equations of a system.
+//!
+//! Read this file first, then `linear` for sums and `unknowns` for linear systems.
 
 mod linear;
 mod unknowns;
 
 use std::collections::HashMap;
 
-use super::SIDE_BY_SIDE;
-use super::operations::{Operation, Operations, RowProducts, Slot};
+use super::operations::{Operation, Operations, RowProducts, SIDE_BY_SIDE, Slot, TurningAngle};
 use super::schedule::{reads_and_writes, sorted};
 use super::statics::{Static, StaticId, Statics};
-use super::turning::{Turning, TurningNodes};
+use super::turning::TurningNodes;
 use crate::model::{Function, Graph, Node, NodeId};
 
 /// A linear combination under construction.
 #[derive(Clone, Default)]
-struct Linear {
+struct LinearCombination {
     constant: Option<StaticId>,
     terms: Vec<(Slot, StaticId)>,
 }
@@ -32,7 +33,7 @@ struct Compiler<'g> {
     slot_of: Vec<Option<Slot>>,
     operations: Vec<Operation>,
     /// The angles whose rates are speeds.
-    turning: Vec<(Turning, TurningNodes)>,
+    turning: Vec<(TurningAngle, TurningNodes)>,
     slots: u32,
 }
 
@@ -263,7 +264,7 @@ impl Compiler<'_> {
             return Operation::SineCosine { sine, cosine, angle: self.slot(angle) };
         };
         let [sine_speed, cosine_speed] = [sine, cosine].map(|of| self.pair_with([nodes.speed, of]));
-        let turning = Turning {
+        let turning = TurningAngle {
             angle: self.slot(angle),
             speed: nodes.speed,
             switch: nodes.switch.and_then(|node| self.static_of[node as usize]),

@@ -1,8 +1,8 @@
 //! Linear systems: accelerations and other unknowns, and the friction that they require.
 
-use super::{Compiler, Linear};
+use super::{Compiler, LinearCombination};
 use crate::model::{Node, NodeId};
-use crate::motion::lockstep::general::operations::{Entry, Operation, RowProducts, Slot};
+use crate::motion::lockstep::general::operations::{MatrixEntry, Operation, RowProducts, Slot};
 use crate::motion::lockstep::general::statics::{Static, StaticId};
 
 impl Compiler<'_> {
@@ -38,8 +38,8 @@ impl Compiler<'_> {
             let mut in_row: Vec<RowProducts> = Vec::new();
             for (column, &node) in (0..).zip(entries) {
                 matrix.push(match self.static_of[node as usize] {
-                    Some(_) if is_constant(node, 0.0) => Entry::Zero,
-                    Some(number) => Entry::Constant(number),
+                    Some(_) if is_constant(node, 0.0) => MatrixEntry::Zero,
+                    Some(number) => MatrixEntry::Constant(number),
                     None => {
                         let (factor, slot) = self.scaled_series(node);
                         let unknown = Node::Solution { solve: index, row: column };
@@ -48,7 +48,7 @@ impl Compiler<'_> {
                             None => {
                                 let unknown = out[column as usize];
                                 self.add_product(&mut in_row, factor, (slot, unknown));
-                                Entry::Series { factor, slot }
+                                MatrixEntry::Series { factor, slot }
                             }
                         }
                     }
@@ -122,14 +122,14 @@ impl Compiler<'_> {
         (factor, slot)
     }
 
-    /// Returns the entry of a matrix whose product with an unknown is part of a total derivative ([`super::turning`]); the
+    /// Returns the entry of a matrix whose product with an unknown is part of a total derivative (`general::turning`); the
     /// other part leaves the right-hand side.
     pub(super) fn total_derivative(
         &mut self,
         (slot, factor): (Slot, StaticId),
         unknown: Node,
-        right: &mut Linear,
-    ) -> Option<Entry> {
+        right: &mut LinearCombination,
+    ) -> Option<MatrixEntry> {
         let (turning, nodes) = self.turning.iter().find(|(turning, nodes)| {
             let acceleration = nodes.acceleration.map(|node| self.graph.nodes[node as usize]);
             (slot == turning.sine || slot == turning.cosine) && acceleration == Some(unknown)
@@ -145,6 +145,6 @@ impl Compiler<'_> {
         let expected = if is_sine { self.statics.negative(factor) } else { factor };
         let place = right.terms.iter().position(|term| *term == (product, expected))?;
         right.terms.remove(place);
-        Some(Entry::Turned { turning, is_sine, factor, residual, square })
+        Some(MatrixEntry::Turned { turning, is_sine, factor, residual, square })
     }
 }

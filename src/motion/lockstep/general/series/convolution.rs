@@ -3,44 +3,9 @@
 //! At the start of an order, most terms of all its sums are known, and at the start of an even order, most terms of the next
 //! order, too. Sums that are computed side by side share factors, which are loaded once: loads take longer than arithmetic.
 
-use super::Expansion;
+use super::expansion::{Convolution, ConvolutionTerms, Expansion, RunningSum};
 use crate::graph::{Cell, Product};
 use crate::motion::lockstep::ORDER;
-use crate::motion::lockstep::general::operations::Slot;
-
-/// A sum of `a_j b_(n-j)`.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Convolution {
-    /// `a`, `b`, and whether their product is subtracted.
-    pub(super) factors: Vec<(Slot, Slot, bool)>,
-    pub(super) terms: Terms,
-    /// `n` less the order at which the sum is used.
-    pub(super) ahead: usize,
-}
-
-/// The terms of a sum.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Terms {
-    All,
-    /// Those without `a_0`.
-    Later,
-    /// Those with `j < n - j`: half of the terms of a square.
-    Half,
-}
-
-/// A sum with the terms that have been added.
-pub(super) struct Running {
-    of: Convolution,
-    /// For each `n`: the sum, and for each pair of factors the `j` of its terms as a bit mask.
-    sums: Vec<(Option<Cell>, Vec<u32>)>,
-}
-
-impl Convolution {
-    /// The product of two series.
-    pub(super) fn of(a: Slot, b: Slot, terms: Terms) -> Self {
-        Convolution { factors: vec![(a, b, false)], terms, ahead: 0 }
-    }
-}
 
 impl Expansion<'_> {
     /// Returns a sum; without terms, it is zero.
@@ -49,11 +14,12 @@ impl Expansion<'_> {
             Some(place) => place,
             None => {
                 let sums = vec![(None, vec![0; of.factors.len()]); ORDER + 2];
-                self.running.push(Running { of: of.clone(), sums });
+                self.running.push(RunningSum { of: of.clone(), sums });
                 // Sums with a factor in common stand together.
-                let factors = |one: &Running| one.of.factors[0];
-                let key =
-                    |one: &Running| (one.of.terms == Terms::Half, factors(one).1, factors(one).0);
+                let factors = |one: &RunningSum| one.of.factors[0];
+                let key = |one: &RunningSum| {
+                    (one.of.terms == ConvolutionTerms::Half, factors(one).1, factors(one).0)
+                };
                 self.running.sort_by_key(key);
                 self.running.iter().position(|running| running.of == of).unwrap_or(0)
             }
@@ -75,12 +41,12 @@ impl Expansion<'_> {
 
     /// Adds the terms that have become known, those with the lowest `n - j` first.
     fn add_known(&mut self, place: usize, n: usize) {
-        let Running { of: Convolution { factors, terms, .. }, sums } = &self.running[place];
+        let RunningSum { of: Convolution { factors, terms, .. }, sums } = &self.running[place];
         let (start, mut added) = sums[n].clone();
         let orders = match terms {
-            Terms::All => 0..n + 1,
-            Terms::Later => 1..n + 1,
-            Terms::Half => 0..n.div_ceil(2),
+            ConvolutionTerms::All => 0..n + 1,
+            ConvolutionTerms::Later => 1..n + 1,
+            ConvolutionTerms::Half => 0..n.div_ceil(2),
         };
         let mut products = Vec::new();
         for j in orders.rev() {

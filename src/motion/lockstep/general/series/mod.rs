@@ -3,8 +3,12 @@
 //! Each operation has a rule that gives the coefficient of order `k` of its result from those of its operands up to `k`
 //! and its own below `k` (Å. Jorba, M. Zou, Exp. Math. 14 (2005) 99, doi:10.1080/10586458.2005.10128904). Coefficients that
 //! are always zero take no part. In a sum, the coefficients that were computed last come last, to avoid waiting for them.
+//!
+//! Read first `expansion`, the coefficients that are known, then what adds to them: `convolution`, `rules` and `unknowns`.
+//! `screen` bounds the conditions, and `tail` adds the highest powers of a perturbation. This file makes the programs.
 
 mod convolution;
+mod expansion;
 mod rules;
 mod screen;
 mod tail;
@@ -12,17 +16,12 @@ mod unknowns;
 
 use std::collections::HashMap;
 
-use super::elimination::Elimination;
-use super::operations::{Operation, Operations, Slot};
+use super::operations::{Operations, Slot};
 use super::radius::radii;
-use super::statics::StaticId;
 use crate::graph::{Builder, Cell, Program, tangent};
-use crate::motion::lockstep::ORDER;
-use convolution::Running;
-pub(super) use screen::{Bound, Screen};
-
-/// Coefficients of a series.
-pub(super) const TERMS: usize = ORDER + 2;
+use crate::motion::lockstep::{ORDER, TERMS};
+use expansion::{Expansion, LowerOrders};
+pub(super) use screen::{ConditionBound, Screen};
 
 /// The programs of a step; each runs after those before it, if at all.
 #[derive(Clone, Debug)]
@@ -33,17 +32,17 @@ pub(super) struct Programs<P = Program> {
     pub(super) modes: P,
     /// Expands the motion from the state, and the friction forces; it runs after `modes`.
     pub(super) motion: P,
-    /// Expands the motion and keeps what `displacement` needs.
-    pub(super) displaced_motion: P,
+    /// Expands the motion and keeps what `perturbation` needs.
+    pub(super) perturbed_motion: P,
     /// Expands the normal forces; it runs after `motion`.
     pub(super) normals: P,
     /// Bounds the conditions; it runs after `motion`, or after `normals` if [`Screen::needs_normals`].
     pub(super) screen: (P, Screen),
     /// Bounds the conditions with the series of the normal forces, if `screen` does not; it runs after `normals`.
     pub(super) exact_screen: Option<(P, Screen)>,
-    /// Expands a displacement of the state; it runs after `displaced_motion`.
-    pub(super) displacement: P,
-    /// Adds the highest powers of the displacement; it runs after `displacement`.
+    /// Expands a perturbation of the state; it runs after `perturbed_motion`.
+    pub(super) perturbation: P,
+    /// Adds the highest powers of the perturbation; it runs after `perturbation`.
     pub(super) tail: P,
     /// Computes what does not depend on the modes at one instant; it runs after `fixed`.
     pub(super) instant: P,
@@ -61,7 +60,7 @@ impl Operations {
             of: self,
             builder: Builder::with_cells(self.cells()),
             not_zero: vec![false; self.slots * TERMS],
-            own: self.all.iter().map(|_| Own::default()).collect(),
+            own: self.all.iter().map(|_| LowerOrders::default()).collect(),
             ahead: HashMap::new(),
             known: vec![0; self.slots],
             running: Vec::new(),
@@ -120,12 +119,12 @@ impl Operations {
         let highest = components.clone().map(|slot| self.coefficient(slot, TERMS - 1));
         let highest: Vec<Cell> = highest.collect();
         let series = moved.into_iter().flat_map(series).filter(|cell| !highest.contains(cell));
-        let displacement = tangent(&motion, states, series);
-        let mut displaced_motion = motion.clone();
+        let perturbation = tangent(&motion, states, series);
+        let mut perturbed_motion = motion.clone();
         let [of_rates] = expansion.parts([&rates.clone().collect::<Vec<_>>()]);
-        let tail = tail::tail(self, &of_rates, &displacement);
-        for program in [&mut fixed, &mut modes, &mut displaced_motion] {
-            program.keep_for(&displacement);
+        let tail = tail::tail(self, &of_rates, &perturbation);
+        for program in [&mut fixed, &mut modes, &mut perturbed_motion] {
+            program.keep_for(&perturbation);
             program.keep_for(&tail);
         }
         let at_instant = [forces(0), rates.collect()].concat();
@@ -135,135 +134,15 @@ impl Operations {
             fixed,
             modes,
             motion,
-            displaced_motion,
+            perturbed_motion,
             normals,
             screen,
             exact_screen,
-            displacement,
+            perturbation,
             tail,
             instant,
             decision,
             ahead,
         }
-    }
-}
-
-/// What an operation knows from lower orders.
-#[derive(Default)]
-struct Own {
-    /// One over the first coefficient of a divisor, or one over twice that of a root.
-    inverse: Option<Cell>,
-    /// Coefficients times their order.
-    rate: Vec<Option<Cell>>,
-    elimination: Option<Elimination>,
-    /// For each entry of a matrix, the factor of the square of a speed that is a residual.
-    residuals: Vec<Option<Cell>>,
-}
-
-struct Expansion<'o> {
-    of: &'o Operations,
-    builder: Builder,
-    /// Whether a coefficient may differ from zero.
-    not_zero: Vec<bool>,
-    own: Vec<Own>,
-    /// By the sine of a turning angle: the next coefficients of the products of sine and cosine with the speed, without
-    /// those that contain the coefficient of the speed.
-    ahead: HashMap<Slot, [Option<Cell>; 2]>,
-    /// The number of coefficients of each series that are known.
-    known: Vec<usize>,
-    running: Vec<Running>,
-}
-
-/// The pairs of a sum of `a_j b_(k-j)` for `j` in `orders`.
-fn pairs(
-    a: impl Fn(usize) -> Option<Cell>,
-    b: impl Fn(usize) -> Option<Cell>,
-    orders: impl IntoIterator<Item = usize>,
-    k: usize,
-) -> Vec<[Cell; 2]> {
-    let pair = |j: usize| Some([a(j)?, b(k - j)?]);
-    orders.into_iter().filter_map(pair).collect()
-}
-
-impl Expansion<'_> {
-    /// Returns a coefficient unless it is zero.
-    fn term(&self, slot: Slot, k: usize) -> Option<Cell> {
-        self.not_zero[slot as usize * TERMS + k].then(|| self.of.coefficient(slot, k))
-    }
-
-    /// Returns the place of a coefficient that is not zero.
-    fn place(&mut self, slot: Slot, k: usize) -> Cell {
-        self.not_zero[slot as usize * TERMS + k] = true;
-        self.known[slot as usize] = k + 1;
-        self.of.coefficient(slot, k)
-    }
-
-    /// Sets a coefficient to a start plus products; without any, it is zero.
-    fn set(&mut self, slot: Slot, k: usize, start: Option<Cell>, products: &[[Cell; 2]]) {
-        self.known[slot as usize] = k + 1;
-        if start.is_some() || !products.is_empty() {
-            let out = self.place(slot, k);
-            self.builder.set(out, start, false, products);
-        }
-    }
-
-    /// Sets the coefficient of order `k` to `factor (start - products)`; without any of both, it is zero.
-    fn set_rest(
-        &mut self,
-        (slot, k): (Slot, usize),
-        start: Option<Cell>,
-        products: &[[Cell; 2]],
-        factor: Cell,
-    ) {
-        if let Some(rest) = self.rest(start, products) {
-            self.set(slot, k, None, &[[rest, factor]]);
-        }
-    }
-
-    /// Returns a start minus products.
-    fn rest(&mut self, start: Option<Cell>, products: &[[Cell; 2]]) -> Option<Cell> {
-        if products.is_empty() { start } else { Some(self.builder.difference(start, products)) }
-    }
-
-    /// Sets the coefficients `k + 1` of the components from their rates of change.
-    fn next_state(&mut self, k: usize) {
-        let part = self.builder.number(1.0 / (k + 1) as f64);
-        for (component, &rate) in (0..).zip(&self.of.rates) {
-            // One product by a static number, which is computed once, instead of two.
-            let single = self.of.all.iter().find_map(|operation| match operation {
-                Operation::Linear { out, constant: None, terms } if *out == rate => match terms[..]
-                {
-                    [(slot, factor)] => Some((slot, factor)),
-                    _ => None,
-                },
-                _ => None,
-            });
-            let product = match single {
-                Some((slot, factor)) => self
-                    .term(slot, k)
-                    .map(|term| [self.builder.product(self.of.constant(factor), part), term]),
-                None => self.term(rate, k).map(|rate| [rate, part]),
-            };
-            self.set(component, k + 1, None, product.as_slice());
-        }
-    }
-
-    /// Sets the last coefficients of the components whose rates are sums of components.
-    fn last_of_positions(&mut self) {
-        let part = self.builder.number(1.0 / (ORDER + 1) as f64);
-        for (component, terms) in &self.of.kinematic {
-            let products = self.linear(terms, ORDER);
-            if !products.is_empty() {
-                let rate = self.builder.sum(None, &products);
-                self.set(*component, ORDER + 1, None, &[[rate, part]]);
-            }
-        }
-    }
-
-    fn linear(&self, terms: &[(Slot, StaticId)], k: usize) -> Vec<[Cell; 2]> {
-        let product = |(slot, factor): &(Slot, StaticId)| {
-            Some([self.of.constant(*factor), self.term(*slot, k)?])
-        };
-        terms.iter().filter_map(product).collect()
     }
 }

@@ -1,11 +1,9 @@
 //! The rules of operations: the coefficient of order `k` of each result.
 
-use super::convolution::{Convolution, Terms};
-use super::{Expansion, pairs};
+use super::expansion::{Convolution, ConvolutionTerms, Expansion, pairs};
 use crate::graph::{Cell, Instruction};
 use crate::model::Function;
-use crate::motion::lockstep::general::operations::{Operation, Slot};
-use crate::motion::lockstep::general::turning::Turning;
+use crate::motion::lockstep::general::operations::{Operation, Slot, TurningAngle};
 
 impl Expansion<'_> {
     /// Returns the coefficient of order `k` times `k`, which is kept.
@@ -30,7 +28,7 @@ impl Expansion<'_> {
                 self.set(*out, k, start, &products);
             }
             Operation::Product { out, a, b } if a == b && k > 0 => {
-                let half = Convolution::of(*a, *b, Terms::Half);
+                let half = Convolution::of(*a, *b, ConvolutionTerms::Half);
                 let half = self.convolution(half, k);
                 let two = self.builder.number(2.0);
                 let middle = self.term(*a, k / 2).filter(|_| k.is_multiple_of(2));
@@ -39,7 +37,7 @@ impl Expansion<'_> {
                 self.set(*out, k, None, &products);
             }
             Operation::Product { out, a, b } => {
-                let all = Convolution::of(*a, *b, Terms::All);
+                let all = Convolution::of(*a, *b, ConvolutionTerms::All);
                 let sum = self.convolution(all, k);
                 self.set(*out, k, sum, &[]);
             }
@@ -117,8 +115,9 @@ impl Expansion<'_> {
     }
 
     /// Computes the products of sine and cosine with the speed, and the next coefficients of sine and cosine.
-    pub(super) fn turn(&mut self, turning: &Turning, k: usize) {
-        let Turning { angle, speed, switch, sine, cosine, sine_speed, cosine_speed } = *turning;
+    pub(super) fn turn(&mut self, turning: &TurningAngle, k: usize) {
+        let TurningAngle { angle, speed, switch, sine, cosine, sine_speed, cosine_speed } =
+            *turning;
         if k == 0 {
             let of = self.start(angle);
             let [sine, cosine] = [sine, cosine].map(|slot| self.place(slot, 0));
@@ -140,7 +139,7 @@ impl Expansion<'_> {
             self.builder.set(next, None, of == sine, &[factors]);
         }
         let ahead = [sine, cosine].map(|a| {
-            let later = Convolution::of(a, speed, Terms::Later);
+            let later = Convolution::of(a, speed, ConvolutionTerms::Later);
             self.convolution(Convolution { ahead: 1, ..later }, k)
         });
         self.ahead.insert(sine, ahead);

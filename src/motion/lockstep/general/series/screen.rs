@@ -3,19 +3,19 @@
 //! A condition is bounded by its values and slopes at both ends and by a bound of its fourth derivative
 //! ([`crate::motion::lockstep::root_isolation`]).
 
-use super::{Expansion, TERMS};
+use super::expansion::Expansion;
 use crate::graph::{Cell, Product};
-use crate::motion::lockstep::ORDER;
-use crate::motion::lockstep::general::operations::{OfContact, OfGap, Operations, Slot};
+use crate::motion::lockstep::general::operations::{ContactCell, GapCell, Operations, Slot};
 use crate::motion::lockstep::general::radius::Rule;
 use crate::motion::lockstep::root_isolation::FOURTH;
+use crate::motion::lockstep::{ORDER, TERMS};
 
 /// The cells with lower bounds of conditions. Where a bound is negative or not a number, the condition may fail.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::motion::lockstep::general) struct Screen {
     /// Whether the series of the normal forces must be known.
     pub(in crate::motion::lockstep::general) needs_normals: bool,
-    /// The lower bounds of the conditions of each contact ([`Bound`]).
+    /// The lower bounds of the conditions of each contact ([`ConditionBound`]).
     pub(in crate::motion::lockstep::general) contacts: Vec<[Cell; 4]>,
     /// The least of the conditions of the forces of each contact.
     pub(in crate::motion::lockstep::general) forces: Vec<Cell>,
@@ -32,7 +32,7 @@ impl Screen {
 
 /// The place of a condition's lower bound among those of a contact.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::motion::lockstep::general) enum Bound {
+pub(in crate::motion::lockstep::general) enum ConditionBound {
     /// It slips, or is in transition.
     Slips,
     /// It is held against a forward force.
@@ -46,21 +46,21 @@ pub(in crate::motion::lockstep::general) enum Bound {
 /// Values and slopes of a function at both ends of a step whose length is the unit of time, and a bound of its fourth
 /// derivative.
 #[derive(Clone, Copy)]
-struct Curve {
+struct BoundCells {
     values: [Cell; 2],
     changes: [Cell; 2],
     bound: Cell,
 }
 
 /// What is known of a normal force.
-enum Normal {
+enum NormalBound {
     /// A lower bound.
     AtLeast(Cell),
-    Over(Curve),
+    Over(BoundCells),
 }
 
 /// Powers of the length of a step, with factors.
-struct Powers {
+struct LengthPowers {
     /// `h^k`
     plain: Vec<Cell>,
     /// `k h^k`
@@ -74,13 +74,13 @@ impl Expansion<'_> {
     pub(super) fn screen(&mut self, radii: Option<&[(Slot, Rule)]>) -> Screen {
         let of: &Operations = self.of;
         let powers = self.powers();
-        let normals: Vec<Normal> = match radii {
+        let normals: Vec<NormalBound> = match radii {
             Some(radii) => {
-                self.least_normals(radii, &powers).into_iter().map(Normal::AtLeast).collect()
+                self.least_normals(radii, &powers).into_iter().map(NormalBound::AtLeast).collect()
             }
             None => {
                 let curve = |one: &[Slot; 4]| self.curve(one[2], ORDER - 1, &powers);
-                of.contacts.iter().map(curve).map(Normal::Over).collect()
+                of.contacts.iter().map(curve).map(NormalBound::Over).collect()
             }
         };
         let speeds: Vec<_> =
@@ -93,16 +93,16 @@ impl Expansion<'_> {
         let mut screen = Screen { needs_normals: radii.is_none(), ..Screen::default() };
         let one = self.builder.number(1.0);
         for contact in 0..of.contacts.len() {
-            let number = |which: OfContact| of.of_contact(contact, which);
-            let sign = number(OfContact::Sign);
+            let number = |which: ContactCell| of.of_contact(contact, which);
+            let sign = number(ContactCell::Sign);
             let size = self.builder.size(sign);
-            let slips = self.scaled(sign, size, &speeds[contact], number(OfContact::Offset));
+            let slips = self.scaled(sign, size, &speeds[contact], number(ContactCell::Offset));
             let slips = self.least(&slips);
             let (normal, friction) = (&normals[contact], &frictions[contact]);
-            let aim = number(OfContact::Aim);
+            let aim = number(ContactCell::Aim);
             let closed = match normal {
-                Normal::AtLeast(least) => self.builder.sum(Some(aim), &[[one, *least]]),
-                Normal::Over(curve) => {
+                NormalBound::AtLeast(least) => self.builder.sum(Some(aim), &[[one, *least]]),
+                NormalBound::Over(curve) => {
                     let closed = self.scaled(one, one, curve, aim);
                     self.least(&closed)
                 }
@@ -110,8 +110,10 @@ impl Expansion<'_> {
             let mut forces = closed;
             let mut bounds = [slips, closed, closed, closed];
             // Friction holds a contact that sticks against both directions.
-            let [limit, slack] = [OfContact::Limit, OfContact::Slack].map(number);
-            for (place, subtracts) in [(Bound::Backward, false), (Bound::Forward, true)] {
+            let [limit, slack] = [ContactCell::Limit, ContactCell::Slack].map(number);
+            for (place, subtracts) in
+                [(ConditionBound::Backward, false), (ConditionBound::Forward, true)]
+            {
                 let builder = &mut self.builder;
                 let mut part = |start: Option<Cell>, normal: Option<Cell>, friction: Cell| {
                     let out = builder.cell();
@@ -122,25 +124,25 @@ impl Expansion<'_> {
                 };
                 let ends = [0, 1];
                 let (values, changes) = match normal {
-                    Normal::AtLeast(least) => (
+                    NormalBound::AtLeast(least) => (
                         ends.map(|end| part(Some(slack), Some(*least), friction.values[end])),
                         ends.map(|end| part(None, None, friction.changes[end])),
                     ),
-                    Normal::Over(curve) => (
+                    NormalBound::Over(curve) => (
                         ends.map(|i| part(Some(slack), Some(curve.values[i]), friction.values[i])),
                         ends.map(|i| part(None, Some(curve.changes[i]), friction.changes[i])),
                     ),
                 };
                 let bound = match normal {
-                    Normal::AtLeast(_) => friction.bound,
-                    Normal::Over(curve) => {
+                    NormalBound::AtLeast(_) => friction.bound,
+                    NormalBound::Over(curve) => {
                         builder.sum(Some(friction.bound), &[[limit, curve.bound]])
                     }
                 };
-                let held = Curve { values, changes, bound };
+                let held = BoundCells { values, changes, bound };
                 let held = self.least(&held);
                 let zero = self.builder.number(0.0);
-                let held = self.builder.choice([zero, number(OfContact::Stuck)], held, one);
+                let held = self.builder.choice([zero, number(ContactCell::Stuck)], held, one);
                 bounds[place as usize] = held;
                 forces = self.builder.smaller(held, forces);
             }
@@ -152,8 +154,9 @@ impl Expansion<'_> {
             let least = match place.checked_sub(of.guards.len()) {
                 None => self.least(curve),
                 Some(gap) => {
-                    let weight = of.of_gap(gap, OfGap::Weight);
-                    let pressed = self.scaled(weight, weight, curve, of.of_gap(gap, OfGap::Offset));
+                    let weight = of.of_gap(gap, GapCell::Weight);
+                    let pressed =
+                        self.scaled(weight, weight, curve, of.of_gap(gap, GapCell::Offset));
                     self.least(&pressed)
                 }
             };
@@ -162,7 +165,7 @@ impl Expansion<'_> {
         screen
     }
 
-    fn powers(&mut self) -> Powers {
+    fn powers(&mut self) -> LengthPowers {
         let length = self.of.length();
         let mut plain = vec![self.builder.number(1.0), length];
         for k in 2..TERMS {
@@ -178,11 +181,11 @@ impl Expansion<'_> {
         };
         let slopes = weighted(&|k| k as f64);
         let fourths = weighted(&|k| FOURTH[k]);
-        Powers { plain, slopes, fourths }
+        LengthPowers { plain, slopes, fourths }
     }
 
     /// Returns the bounds of a series with coefficients up to the power `highest`.
-    fn curve(&mut self, slot: Slot, highest: usize, powers: &Powers) -> Curve {
+    fn curve(&mut self, slot: Slot, highest: usize, powers: &LengthPowers) -> BoundCells {
         let zero = self.builder.number(0.0);
         let terms: Vec<_> = (1..=highest).filter_map(|k| Some((k, self.term(slot, k)?))).collect();
         let start = self.term(slot, 0).unwrap_or(zero);
@@ -202,13 +205,13 @@ impl Expansion<'_> {
             Some((1, term)) => self.builder.product(*term, powers.plain[1]),
             _ => zero,
         };
-        Curve { values: [start, end], changes: [first, slope], bound }
+        BoundCells { values: [start, end], changes: [first, slope], bound }
     }
 
     /// Returns a curve times a factor plus an offset; `size` is the size of the factor.
-    fn scaled(&mut self, factor: Cell, size: Cell, curve: &Curve, offset: Cell) -> Curve {
-        let Curve { values, changes, bound } = *curve;
-        Curve {
+    fn scaled(&mut self, factor: Cell, size: Cell, curve: &BoundCells, offset: Cell) -> BoundCells {
+        let BoundCells { values, changes, bound } = *curve;
+        BoundCells {
             values: values.map(|value| self.builder.sum(Some(offset), &[[factor, value]])),
             changes: changes.map(|change| self.builder.product(factor, change)),
             bound: self.builder.product(size, bound),
@@ -216,8 +219,8 @@ impl Expansion<'_> {
     }
 
     /// Returns the least coefficient of the Bernstein form of degree four, with the least possible middle one.
-    fn least(&mut self, curve: &Curve) -> Cell {
-        let Curve { values: [a, b], changes: [p, q], bound } = *curve;
+    fn least(&mut self, curve: &BoundCells) -> Cell {
+        let BoundCells { values: [a, b], changes: [p, q], bound } = *curve;
         let builder = &mut self.builder;
         let [fourth, sixth, half] = [0.25, 1.0 / 6.0, 0.5].map(|number| builder.number(number));
         let part = builder.number(1.0 / 144.0);
@@ -239,7 +242,7 @@ impl Expansion<'_> {
     }
 
     /// Returns lower bounds of the normal forces.
-    fn least_normals(&mut self, radii: &[(Slot, Rule)], powers: &Powers) -> Vec<Cell> {
+    fn least_normals(&mut self, radii: &[(Slot, Rule)], powers: &LengthPowers) -> Vec<Cell> {
         let zero = self.builder.number(0.0);
         let mut of = vec![zero; self.of.slots];
         for (slot, rule) in radii {

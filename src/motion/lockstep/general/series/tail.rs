@@ -1,29 +1,29 @@
-//! Powers of a displacement above those of its series.
+//! Powers of a perturbation above those of its series.
 //!
-//! The fastest motion in a displacement may be much faster than that which determines the length of the steps: in the motion
-//! itself it has decayed, but every switch excites it anew in a displacement. Its higher powers follow from the equations at
+//! The fastest motion in a perturbation may be much faster than that which determines the length of the steps: in the motion
+//! itself it has decayed, but every switch excites it anew in a perturbation. Its higher powers follow from the equations at
 //! the start of the step, linearised and with constant coefficients: `δ_(n+1) = J δ_n / (n + 1)`.
 
 use std::collections::HashMap;
 
 use crate::graph::{Builder, Cell, Instruction, Product, Program, tangent};
+use crate::motion::lockstep::TERMS;
 use crate::motion::lockstep::general::operations::{Operations, Slot};
-use crate::motion::lockstep::general::series::TERMS;
 
 /// Number of additional powers, from the 17th to the 22nd. The 23rd power is left out: in the longest step, it is
-/// `5^23 / 23!`, 5e-7 of the displacement.
+/// `5^23 / 23!`, 5e-7 of the perturbation.
 const BEYOND: usize = 6;
 
-/// Returns the program that adds the higher powers to the highest coefficients of a displacement, for steps of a length that
-/// is known. It runs after `displacement`; `rates` computes the rates of change at the start of the step.
-pub(super) fn tail(operations: &Operations, rates: &Program, displacement: &Program) -> Program {
+/// Returns the program that adds the higher powers to the highest coefficients of a perturbation, for steps of a length that
+/// is known. It runs after `perturbation`; `rates` computes the rates of change at the start of the step.
+pub(super) fn tail(operations: &Operations, rates: &Program, perturbation: &Program) -> Program {
     let offset = rates.cells as Cell;
     let slots = || (0..).zip(&operations.rates);
     let states: Vec<Cell> = slots().map(|(slot, _)| operations.coefficient(slot, 0)).collect();
     let of_rates = slots().map(|(_, rate)| operations.coefficient(*rate, 0));
     let linear = tangent(rates, states.iter().copied(), of_rates.clone());
     let of_rates: Vec<Cell> = of_rates.collect();
-    let mut builder = Builder::with_cells(displacement.cells);
+    let mut builder = Builder::with_cells(perturbation.cells);
     let highest = TERMS - 1;
     let before = |slot: Slot| operations.coefficient(slot, highest - 1) + offset;
     let mut powers: Vec<Vec<Option<Cell>>> =

@@ -2,24 +2,24 @@
 
 use std::collections::HashMap;
 
-use super::convolution::{Convolution, Terms};
-use super::{Expansion, TERMS};
+use super::expansion::{Convolution, ConvolutionTerms, Expansion};
 use crate::graph::{Cell, Product};
-use crate::motion::lockstep::general::elimination::Elimination;
-use crate::motion::lockstep::general::operations::{Entry, Operation};
+use crate::motion::lockstep::TERMS;
+use crate::motion::lockstep::general::lu_factors::LuFactors;
+use crate::motion::lockstep::general::operations::{MatrixEntry, Operation};
 
 impl Expansion<'_> {
     /// Returns an entry of a matrix at order zero.
-    pub(super) fn entry(&mut self, place: usize, entry: &Entry) -> Option<Cell> {
+    pub(super) fn entry(&mut self, place: usize, entry: &MatrixEntry) -> Option<Cell> {
         let mut residual_factor = None;
         let value = match entry {
-            Entry::Zero => None,
-            Entry::Constant(number) => Some(self.of.constant(*number)),
-            Entry::Series { factor, slot, .. } => {
+            MatrixEntry::Zero => None,
+            MatrixEntry::Constant(number) => Some(self.of.constant(*number)),
+            MatrixEntry::Series { factor, slot, .. } => {
                 let factor = self.of.constant(*factor);
                 self.term(*slot, 0).map(|cell| self.builder.product(factor, cell))
             }
-            Entry::Turned { turning, is_sine, factor, residual, .. } => {
+            MatrixEntry::Turned { turning, is_sine, factor, residual, .. } => {
                 let [sine, cosine] = [turning.sine, turning.cosine].map(|slot| self.start(slot));
                 let factor = self.of.constant(*factor);
                 let (own, other) = if *is_sine { (sine, cosine) } else { (cosine, sine) };
@@ -49,14 +49,13 @@ impl Expansion<'_> {
         let size = right.len();
         if k == 0 {
             let entries: Vec<_> = matrix.iter().map(|entry| self.entry(place, entry)).collect();
-            self.own[place].elimination =
-                Some(Elimination::new(&mut self.builder, &entries, units));
+            self.own[place].elimination = Some(LuFactors::new(&mut self.builder, &entries, units));
         }
         // The sums without the coefficients of order `k` of the unknowns.
         let mut known = HashMap::new();
         for in_row in in_rows.iter().flatten() {
             let factors = in_row.parts.clone();
-            let later = Convolution { factors, terms: Terms::Later, ahead: 0 };
+            let later = Convolution { factors, terms: ConvolutionTerms::Later, ahead: 0 };
             known.insert(in_row.sum, self.convolution(later, k));
         }
         let order = self.builder.number((k + 1) as f64);
@@ -69,7 +68,7 @@ impl Expansion<'_> {
             }
             let residuals = self.own[place].residuals[row * size..][..size].to_vec();
             for (entry, residual) in matrix[row * size..].iter().zip(residuals) {
-                let Entry::Turned { turning, is_sine, factor, square, .. } = entry else {
+                let MatrixEntry::Turned { turning, is_sine, factor, square, .. } = entry else {
                     continue;
                 };
                 if let Some(ahead) = self.ahead[&turning.sine][usize::from(!is_sine)] {

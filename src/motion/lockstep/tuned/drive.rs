@@ -6,11 +6,10 @@
 
 use fearless_simd::prelude::*;
 
-use super::recurrence::DYING;
-use super::terms::{TERMS, Term};
+use super::terms::{DYING, PowerCoefficients};
 use crate::model::{Balancer, BalancerBall, SPEED_TERMS};
-use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
+use crate::motion::lockstep::{Lanes, TERMS};
 
 /// The number of coefficients of the square of the speed.
 pub(super) const SQUARED_TERMS: usize = 2 * SPEED_TERMS - 1;
@@ -89,12 +88,12 @@ impl<S: Vector, const N: usize> Drive<S, N> {
 
     /// Returns the speed of the disc from a time in its segment on.
     #[inline(never)]
-    pub(super) fn turning(&self, elapsed: Lanes<S>) -> Turning<S, N> {
+    pub(super) fn turning(&self, elapsed: Lanes<S>) -> DiscSpeedSeries<S, N> {
         vectorized!(elapsed.simd, self.turning_in_vectors(elapsed))
     }
 
     #[inline(always)]
-    fn turning_in_vectors(&self, elapsed: Lanes<S>) -> Turning<S, N> {
+    fn turning_in_vectors(&self, elapsed: Lanes<S>) -> DiscSpeedSeries<S, N> {
         let zero = Lanes::splat(elapsed.simd, 0.0);
         // Taylor's shift, by Horner's scheme.
         let mut speed = self.terms;
@@ -122,16 +121,16 @@ impl<S: Vector, const N: usize> Drive<S, N> {
         for (of_all, ball) in of_balls.iter_mut().zip(&self.balls) {
             *of_all = ball.on_disc;
         }
-        Turning { speed, squared, acceleration, number, balls: of_balls }
+        DiscSpeedSeries { speed, squared, acceleration, number, balls: of_balls }
     }
 
     /// Returns the forces of a power of time by the speed and the acceleration of the disc alone.
     #[inline(always)]
-    pub(super) fn own_forces(&self, turning: &Turning<S, N>, k: usize) -> OwnForces<S, N> {
+    pub(super) fn own_forces(&self, turning: &DiscSpeedSeries<S, N>, k: usize) -> DiscForces<S, N> {
         let zero = Lanes::splat(self.drag.simd, 0.0);
         let mut balls = [zero; N];
         if k >= SQUARED_TERMS {
-            return OwnForces { table: [zero; 2], balls, runout: [zero; 2] };
+            return DiscForces { table: [zero; 2], balls, runout: [zero; 2] };
         }
         let square = turning.squared[k];
         let acceleration = if k < SPEED_TERMS - 1 { turning.acceleration[k] } else { zero };
@@ -143,22 +142,22 @@ impl<S: Vector, const N: usize> Drive<S, N> {
             [square.fused(e_x, acceleration * e_y), square.fused(e_y, zero - acceleration * e_x)];
         let imbalance = [self.unbalance * square, zero - self.unbalance * acceleration];
         let table = [imbalance[0] - self.table * runout[0], imbalance[1] - self.table * runout[1]];
-        OwnForces { table, balls, runout }
+        DiscForces { table, balls, runout }
     }
 
     /// Returns the products of a power of time of the speed with the motion.
     #[inline(always)]
     pub(super) fn products(
         &self,
-        turning: &Turning<S, N>,
-        terms: &[Term<S, N>; TERMS],
+        turning: &DiscSpeedSeries<S, N>,
+        terms: &[PowerCoefficients<S, N>; TERMS],
         k: usize,
     ) -> TurningProducts<S, N> {
         let simd = self.drag.simd;
         let zero = Lanes::splat(simd, 0.0);
         let (mut drag, mut frame) = ([zero; 2], [zero; 2]);
         let (mut around, mut by_ball) = ([[zero; 2]; N], [zero; N]);
-        let Turning { speed, squared, acceleration, number, .. } = turning;
+        let DiscSpeedSeries { speed, squared, acceleration, number, .. } = turning;
         // With the rates of change.
         for j in 0..=k.min(number - 1) {
             let low = &terms[k - j];
@@ -206,7 +205,7 @@ impl<S: Vector, const N: usize> Drive<S, N> {
 }
 
 /// The forces of a power of time by the speed and the acceleration of the disc alone.
-pub(super) struct OwnForces<S: Vector, const N: usize> {
+pub(super) struct DiscForces<S: Vector, const N: usize> {
     /// On the table.
     pub(super) table: [Lanes<S>; 2],
     /// On each ball, against its motion, times the mobility.
@@ -229,7 +228,7 @@ pub(super) struct TurningProducts<S: Vector, const N: usize> {
 
 /// The speed of the disc in a step.
 #[derive(Clone, Copy)]
-pub(super) struct Turning<S: Vector, const N: usize> {
+pub(super) struct DiscSpeedSeries<S: Vector, const N: usize> {
     pub(super) speed: [Lanes<S>; SPEED_TERMS],
     pub(super) squared: [Lanes<S>; SQUARED_TERMS],
     pub(super) acceleration: [Lanes<S>; SPEED_TERMS - 1],
@@ -249,7 +248,7 @@ pub(super) struct BallOnDisc<S: Vector> {
     pub(super) euler: Lanes<S>,
 }
 
-impl<S: Vector, const N: usize> Turning<S, N> {
+impl<S: Vector, const N: usize> DiscSpeedSeries<S, N> {
     /// Returns a bound below the magnitude of the speed in a step of this length.
     #[inline(always)]
     pub(super) fn least_speed(&self, length: Lanes<S>) -> Lanes<S> {

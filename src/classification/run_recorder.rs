@@ -29,7 +29,7 @@ pub enum Instants {
 
 /// A motion at an instant, non-dimensional.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sample {
+pub struct MotionSample {
     /// Time.
     pub time: f64,
     /// How many steps had been taken when it was recorded: 0 at the start.
@@ -77,9 +77,9 @@ pub struct Switch {
 
 /// A recorded run.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Recording {
+pub struct RecordedRun {
     /// Instants in the order of time.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<MotionSample>,
     /// All switches in chronological order, as many as counted in the run's effort; also those at the begin of a stage.
     pub switches: Vec<Switch>,
     /// All impacts between contacts in chronological order, as many as counted in the outcome, and where contacts that
@@ -91,7 +91,7 @@ pub struct Recording {
 
 /// Records one run.
 #[derive(Clone, Debug)]
-pub struct Recorder {
+pub struct RunRecorder {
     instants: Instants,
     most: usize,
     /// Time reached by the run.
@@ -100,38 +100,40 @@ pub struct Recorder {
     begun: bool,
     /// The end of a stage, until the next stage begins.
     left: Option<Instant>,
-    recording: Recording,
+    recording: RecordedRun,
 }
 
-impl Recorder {
+impl RunRecorder {
     /// Creates a recorder of these instants for at most `most` samples, as many switches and as many
     /// touches.
     pub fn new(instants: Instants, most: usize) -> Self {
-        Recorder {
+        RunRecorder {
             instants,
             most,
             time: 0.0,
             effort: Effort::default(),
             begun: false,
             left: None,
-            recording: Recording::default(),
+            recording: RecordedRun::default(),
         }
     }
 
     /// Returns the recording.
-    pub fn finish(self) -> Recording {
+    pub fn finish(self) -> RecordedRun {
         self.recording
     }
 
     /// Discards everything: the run is computed again.
     pub(super) fn restart(&mut self) {
-        *self =
-            Recorder::new(std::mem::replace(&mut self.instants, Instants::At(vec![])), self.most);
+        *self = RunRecorder::new(
+            std::mem::replace(&mut self.instants, Instants::At(vec![])),
+            self.most,
+        );
     }
 
     /// Rewinds to the time at which the run had cost `effort`.
     pub(super) fn rewind(&mut self, time: f64, effort: Effort) {
-        let Recording { samples, switches, touches, cut_off } = &mut self.recording;
+        let RecordedRun { samples, switches, touches, cut_off } = &mut self.recording;
         samples.truncate(samples.partition_point(|sample| sample.step <= effort.steps));
         switches.truncate(usize::try_from(effort.switches).unwrap_or(usize::MAX));
         touches.truncate(touches.partition_point(|touch| touch.time <= time));
@@ -241,7 +243,7 @@ impl Recorder {
             return;
         }
         let contacts = 0..view.contacts.len();
-        self.recording.samples.push(Sample {
+        self.recording.samples.push(MotionSample {
             time: instant.time,
             step,
             table: view.vibration.map(|places| places.map(|place| instant.state[place])),

@@ -2,34 +2,22 @@
 
 use std::array::from_fn;
 use std::ops::{Add, Mul, Neg, Sub};
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 use smallvec::SmallVec;
 
-use super::evaluator::{Forces, GapForces, SMALL_PIVOT, Solution, Solved, Unknowns, forces};
+use super::evaluator::{AffectedNodes, Forces, GapForces, Solution, forces};
+use super::linear_system::{SMALL_PIVOT, Solved, Unknowns};
 use super::{Evaluator, Phase, Phases, SimdLevel};
-use crate::model::{Elementary, Function, Node, NodeId, Number};
+use crate::model::{Elementary, Function, NodeId, Number};
 
 /// The number of assumptions that are computed together.
 pub(super) const TOGETHER: usize = 8;
 
-/// The nodes that phases affect, as far as they are known.
-#[derive(Debug, Default)]
-pub(super) struct Affected {
-    /// Which inputs vary.
-    varying: Vec<bool>,
-    /// The nodes that depend on these inputs, operands first.
-    nodes: Vec<NodeId>,
-    /// Whether each node is one of them.
-    is_affected: Vec<bool>,
-    /// Their operands that do not depend on these inputs.
-    others: Vec<NodeId>,
-}
-
 impl Evaluator {
     /// Returns the equations in one state, for several assumptions about the phases.
-    pub fn in_state<'a>(&'a self, state: &'a [f64]) -> InOneState<'a> {
-        InOneState {
+    pub fn incremental_forces<'a>(&'a self, state: &'a [f64]) -> IncrementalForces<'a> {
+        IncrementalForces {
             evaluator: self,
             state,
             inputs: Vec::new(),
@@ -38,43 +26,21 @@ impl Evaluator {
             affected: self.affected(),
         }
     }
-
-    fn affected(&self) -> Arc<Affected> {
-        // A panic while the nodes are locked leaves them complete.
-        Arc::clone(&self.affected.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-
-    /// Finds the nodes that depend on inputs that vary, and remembers them for other states.
-    fn affected_by(&self, varying: Vec<bool>) -> Arc<Affected> {
-        let graph = self.graph();
-        let varies = |node: &Node| matches!(node, Node::Input(index) if varying[*index as usize]);
-        let nodes = graph.depending_on(varies);
-        let mut is_affected = vec![false; graph.nodes.len()];
-        nodes.iter().for_each(|node| is_affected[*node as usize] = true);
-        let operands =
-            nodes.iter().flat_map(|node| graph.nodes[*node as usize].operands(&graph.solves));
-        let mut others: Vec<NodeId> = operands.filter(|one| !is_affected[*one as usize]).collect();
-        others.sort_unstable();
-        others.dedup();
-        let affected = Arc::new(Affected { varying, nodes, is_affected, others });
-        *self.affected.lock().unwrap_or_else(PoisonError::into_inner) = Arc::clone(&affected);
-        affected
-    }
 }
 
 /// The recorded equations in one state. From one assumption about the phases to the next, only the nodes that depend on
 /// the inputs that vary are computed.
-pub struct InOneState<'a> {
+pub struct IncrementalForces<'a> {
     evaluator: &'a Evaluator,
     state: &'a [f64],
     inputs: Vec<f64>,
     values: Vec<f64>,
     /// The values of the nodes for several assumptions; only those of affected nodes and of their operands are known.
-    together: Vec<Several>,
-    affected: Arc<Affected>,
+    together: Vec<PerAssumption>,
+    affected: Arc<AffectedNodes>,
 }
 
-impl InOneState<'_> {
+impl IncrementalForces<'_> {
     /// Returns forces and accelerations of all contacts, and of all gaps with the openings behind them.
     pub fn forces_and_gaps(&mut self, phases: &[Phase]) -> (Forces, SmallVec<[GapForces; 8]>) {
         self.assume(phases);
@@ -95,20 +61,21 @@ impl InOneState<'_> {
         inputs.iter().for_each(|inputs| self.find_affected(inputs));
         let graph = self.evaluator.graph();
         if self.together.is_empty() {
-            self.together.resize(graph.nodes.len(), Several::constant(0.0));
+            self.together.resize(graph.nodes.len(), PerAssumption::constant(0.0));
             for &node in &self.affected.others {
-                self.together[node as usize] = Several::constant(self.values[node as usize]);
+                self.together[node as usize] = PerAssumption::constant(self.values[node as usize]);
             }
         }
-        let input =
-            |input: usize| Several(from_fn(|place| inputs[place.min(inputs.len() - 1)][input]));
+        let input = |input: usize| {
+            PerAssumption(from_fn(|place| inputs[place.min(inputs.len() - 1)][input]))
+        };
         SimdLevel::best().run(
             #[inline(always)]
             || {
                 let mut solution = Solution::new();
                 for &place in &self.affected.nodes {
                     let node = &graph.nodes[place as usize];
-                    let state = |component: usize| Several::constant(self.state[component]);
+                    let state = |component: usize| PerAssumption::constant(self.state[component]);
                     self.together[place as usize] =
                         self.evaluator.value(node, &self.together, input, state, &mut solution);
                 }
@@ -172,51 +139,51 @@ impl InOneState<'_> {
 
 /// A number for each of several assumptions.
 #[derive(Clone, Copy, Debug)]
-struct Several([f64; TOGETHER]);
+struct PerAssumption([f64; TOGETHER]);
 
-impl Several {
+impl PerAssumption {
     #[inline(always)]
     fn each(self, of: impl Fn(f64) -> f64) -> Self {
-        Several(self.0.map(of))
+        PerAssumption(self.0.map(of))
     }
 
     #[inline(always)]
     fn with(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
-        Several(from_fn(|place| of(self.0[place], other.0[place])))
+        PerAssumption(from_fn(|place| of(self.0[place], other.0[place])))
     }
 }
 
-impl Add for Several {
+impl Add for PerAssumption {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         self.with(other, |one, other| one + other)
     }
 }
 
-impl Sub for Several {
+impl Sub for PerAssumption {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         self.with(other, |one, other| one - other)
     }
 }
 
-impl Mul for Several {
+impl Mul for PerAssumption {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         self.with(other, |one, other| one * other)
     }
 }
 
-impl Neg for Several {
+impl Neg for PerAssumption {
     type Output = Self;
     fn neg(self) -> Self {
         self.each(|one| -one)
     }
 }
 
-impl Number for Several {
+impl Number for PerAssumption {
     fn constant(value: f64) -> Self {
-        Several([value; TOGETHER])
+        PerAssumption([value; TOGETHER])
     }
 
     fn sin_cos(self) -> (Self, Self) {
@@ -228,7 +195,7 @@ impl Number for Several {
     }
 }
 
-impl Elementary for Several {
+impl Elementary for PerAssumption {
     /// Returns the number of the first assumption.
     fn value(self) -> f64 {
         self.0[0]
@@ -247,8 +214,8 @@ impl Elementary for Several {
     }
 }
 
-impl Solved for Several {
-    /// Eliminates as [`solved`] does; each assumption exchanges the rows with its own small pivots.
+impl Solved for PerAssumption {
+    /// Eliminates as [`super::linear_system::solved`] does; each assumption exchanges the rows with its own small pivots.
     #[inline(always)]
     fn solve(
         matrix: &[NodeId],
@@ -257,14 +224,16 @@ impl Solved for Several {
         unknowns: &mut Unknowns<Self>,
     ) {
         let size = right.len();
-        let mut matrix: Vec<Several> = matrix.iter().map(|node| at(*node)).collect();
+        let mut matrix: Vec<PerAssumption> = matrix.iter().map(|node| at(*node)).collect();
         *unknowns = right.iter().map(|node| at(*node)).collect();
         let right = unknowns;
-        let sizes = |one: Several| one.each(f64::abs);
-        let largest = |row: &[Several]| {
-            row.iter().fold(Several::constant(0.0), |most, one| most.with(sizes(*one), f64::max))
+        let sizes = |one: PerAssumption| one.each(f64::abs);
+        let largest = |row: &[PerAssumption]| {
+            row.iter()
+                .fold(PerAssumption::constant(0.0), |most, one| most.with(sizes(*one), f64::max))
         };
-        let mut scales: SmallVec<[Several; 16]> = matrix.chunks(size.max(1)).map(largest).collect();
+        let mut scales: SmallVec<[PerAssumption; 16]> =
+            matrix.chunks(size.max(1)).map(largest).collect();
         for column in 0..size {
             for row in column + 1..size {
                 let entry = matrix[row * size + column];
@@ -272,7 +241,7 @@ impl Solved for Several {
                     continue;
                 }
                 let own = sizes(matrix[column * size + column]) * scales[row];
-                let other = Several::constant(SMALL_PIVOT) * sizes(entry) * scales[column];
+                let other = PerAssumption::constant(SMALL_PIVOT) * sizes(entry) * scales[column];
                 let is_small = from_fn(|place| own.0[place] < other.0[place]);
                 if is_small.contains(&true) {
                     let (above, below) = matrix.split_at_mut(row * size);
@@ -317,7 +286,7 @@ impl Solved for Several {
 }
 
 /// Exchanges the numbers of the assumptions that are marked.
-fn exchange(marked: [bool; TOGETHER], one: &mut Several, other: &mut Several) {
+fn exchange(marked: [bool; TOGETHER], one: &mut PerAssumption, other: &mut PerAssumption) {
     let pairs = one.0.iter_mut().zip(&mut other.0).zip(marked);
     pairs.filter(|(_, marked)| *marked).for_each(|((one, other), _)| std::mem::swap(one, other));
 }
@@ -328,7 +297,7 @@ mod tests {
 
     use super::TOGETHER;
     use crate::model::{BallContact, BallsInContact, Machine};
-    use crate::motion::modes::is_finite;
+    use crate::motion::joint_decision::is_finite;
     use crate::motion::{Direction, Evaluator, Phase, Phases};
 
     /// Several assumptions together have the forces of each alone, to the last bit, whatever rows each of them exchanges.
@@ -350,11 +319,11 @@ mod tests {
             (0..4).map(of_contact).chain((0..4).map(of_gap)).collect()
         };
         let all: Vec<Phases> = (0..1296).map(phases).collect();
-        let mut together = evaluator.in_state(&state);
+        let mut together = evaluator.incremental_forces(&state);
         let mut closed = 0;
         for some in all.chunks(TOGETHER - 1) {
             for (phases, found) in some.iter().zip(together.forces_of_several(some)) {
-                let alone = evaluator.in_state(&state).forces_and_gaps(phases);
+                let alone = evaluator.incremental_forces(&state).forces_and_gaps(phases);
                 closed += alone.1.iter().filter(|gap| gap.force != 0.0).count();
                 if alone.0.iter().all(is_finite) {
                     assert_eq!(found, alone, "{phases:?}");

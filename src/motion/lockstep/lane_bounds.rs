@@ -9,17 +9,17 @@ use crate::motion::lockstep::vector::{Fused, Vector};
 /// Values of a polynomial at both ends of a step, its slopes there times the step's length, and a
 /// bound of its fourth derivative times the fourth power of the length.
 #[derive(Clone, Copy)]
-pub(super) struct Curve<S: Vector> {
+pub(super) struct LaneBounds<S: Vector> {
     pub(super) values: [Lanes<S>; 2],
     pub(super) changes: [Lanes<S>; 2],
     pub(super) bound: Lanes<S>,
 }
 
-impl<S: Vector> Curve<S> {
+impl<S: Vector> LaneBounds<S> {
     #[inline(always)]
     pub(super) fn zero(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
-        Curve { values: [zero; 2], changes: [zero; 2], bound: zero }
+        LaneBounds { values: [zero; 2], changes: [zero; 2], bound: zero }
     }
 
     /// Returns the bounds of a series with these coefficients up to the power `highest`, over a step of this length.
@@ -41,7 +41,7 @@ impl<S: Vector> Curve<S> {
             }
         }
         let square = length * length;
-        Curve {
+        LaneBounds {
             values: [coefficient(0), value],
             changes: [coefficient(1) * length, slope * length],
             bound: bound * (square * square),

@@ -11,9 +11,10 @@
 
 use smallvec::SmallVec;
 
-use super::evaluator::{Entries, Forces, Unknowns, solved};
-use super::in_one_state::TOGETHER;
-use super::{Direction, InOneState, Phase, Phases};
+use super::evaluator::Forces;
+use super::incremental_forces::TOGETHER;
+use super::linear_system::{Entries, Unknowns, solved};
+use super::{Direction, IncrementalForces, Phase, Phases};
 
 /// A contact that sets off has its static friction if its friction differs from that by at most this fraction.
 const SAME_FRICTION: f64 = 1e-9;
@@ -21,7 +22,7 @@ const SAME_FRICTION: f64 = 1e-9;
 const SURPLUS: f64 = 1.01;
 
 /// Contacts at rest that touch no other.
-pub(super) struct Alone {
+pub(super) struct SeparateContacts {
     pub(super) contacts: SmallVec<[usize; 8]>,
     /// The static coefficient of friction of each.
     pub(super) limits: SmallVec<[f64; 8]>,
@@ -30,11 +31,15 @@ pub(super) struct Alone {
     pub(super) slack: f64,
 }
 
-impl Alone {
+impl SeparateContacts {
     /// Returns all phases of the only motion in which the other contacts and the gaps have the assumed phases; `None` if
     /// several motions may be possible. Whether the assumed phases meet their own conditions remains to be examined. The
     /// assumed phases of these contacts are preferred.
-    pub(super) fn decide(&self, equations: &mut InOneState, assumed: &Phases) -> Option<Phases> {
+    pub(super) fn decide(
+        &self,
+        equations: &mut IncrementalForces,
+        assumed: &Phases,
+    ) -> Option<Phases> {
         let count = self.contacts.len();
         if count == 0 {
             return Some(assumed.clone());
@@ -142,7 +147,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use smallvec::smallvec;
 
-    use super::Alone;
+    use super::SeparateContacts;
     use crate::model::{Ball, BallContact, BallsInContact, Machine};
     use crate::motion::event_driven::tie;
     use crate::motion::{Direction, Evaluator, Phase, Phases};
@@ -169,7 +174,7 @@ mod tests {
             let evaluator = Evaluator::new(Arc::new(system));
             let slack = tie(evaluator.system().force_scale());
             let limit = |ball: usize| evaluator.system().friction(ball).limit;
-            let alone = Alone {
+            let alone = SeparateContacts {
                 contacts: smallvec![2, 3],
                 limits: smallvec![limit(2), limit(3)],
                 sets_off: Phase::Slip,
@@ -188,7 +193,7 @@ mod tests {
                     Phase::Open,
                     Phase::Open
                 ];
-                let mut equations = evaluator.in_state(&state);
+                let mut equations = evaluator.incremental_forces(&state);
                 let Some(found) = alone.decide(&mut equations, &assumed) else { continue };
                 decided += 1;
                 moving += found[2..4].iter().filter(|phase| **phase != Phase::Stick).count();

@@ -6,8 +6,8 @@
 //! statistics for the later end time begin, and continued from there. The effort limit is that of
 //! the longer run throughout.
 
-use super::late::Late;
 use super::outcome::Label;
+use super::tail_statistics::TailStatistics;
 use crate::model::{Extend, Simulation};
 
 /// Returns whether a run with a label is continued.
@@ -35,16 +35,20 @@ pub(super) struct Horizons {
 #[derive(Clone, Debug)]
 pub(super) struct Horizon {
     pub(super) end: f64,
-    pub(super) window: Late,
+    pub(super) statistics: TailStatistics,
 }
 
 impl Horizons {
     /// Returns the end times of a simulation; `natural` converts time in s into non-dimensional
-    /// time, and `window` creates the statistics for an end time.
-    pub(super) fn new(simulation: &Simulation, natural: f64, window: impl Fn(f64) -> Late) -> Self {
+    /// time, and `statistics` creates the statistics for an end time.
+    pub(super) fn new(
+        simulation: &Simulation,
+        natural: f64,
+        statistics: impl Fn(f64) -> TailStatistics,
+    ) -> Self {
         let horizon = |end_time_s: f64| {
             let end = end_time_s * natural;
-            Horizon { end, window: window(end) }
+            Horizon { end, statistics: statistics(end) }
         };
         let [now, later] = simulation.end_times_s();
         Horizons { now: horizon(now), later: simulation.extend.map(|_| horizon(later)) }

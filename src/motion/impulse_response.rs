@@ -5,19 +5,19 @@
 //! accelerations, with contacts that slip without friction, a unit of the force in a gap contributes its column of `A` with
 //! the opposite sign to the right side.
 //!
-//! The friction force of a gap retards both bodies ([`Gap::lever`]). The contact force pushes the same two bodies apart, so
-//! that the contribution of friction follows from that of the contact force. The friction of a contact that opens is an unknown
-//! of its own, with a column of its own.
+//! The friction force of a gap retards both bodies ([`crate::model::Gap::lever`]). The contact force pushes the same two
+//! bodies apart, so that the contribution of friction follows from that of the contact force. The friction of a contact
+//! that opens is an unknown of its own, with a column of its own.
 
 use smallvec::{SmallVec, smallvec};
 
 use super::Evaluator;
-use super::evaluator::{Entries, Solved, Unknowns, solve_for_each};
+use super::linear_system::{Entries, Solved, Unknowns, solve_for_each};
 use crate::model::{ContactMode, Node, NodeId, Opening, Solve};
 
 /// A place where bodies hit each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Meets {
+pub enum ImpactPlace {
     /// A gap between two contacts, by its number.
     Gap(usize),
     /// A contact that opens, by the number of the opening.
@@ -26,7 +26,7 @@ pub enum Meets {
 
 /// The change of a state by a unit of impulse.
 #[derive(Clone, Debug)]
-pub struct Response<T> {
+pub struct ImpulseResponse<T> {
     /// Of each component.
     pub components: Vec<T>,
     /// Of the opening speed and the sliding speed of each opening.
@@ -38,7 +38,11 @@ impl Evaluator {
     ///
     /// # Panics
     /// Panics if a force there is no unknown of a linear system: a system with such equations is a programming error.
-    pub fn responses<T: Solved>(&self, state: &[T], places: &[Meets]) -> Vec<Response<T>> {
+    pub fn responses<T: Solved>(
+        &self,
+        state: &[T],
+        places: &[ImpactPlace],
+    ) -> Vec<ImpulseResponse<T>> {
         let graph = self.graph();
         let gaps = self.system().touching().map_or(&[][..], |system| system.gaps());
         // Contacts that set off in no direction have no friction.
@@ -58,11 +62,11 @@ impl Evaluator {
         let forces: SmallVec<[usize; 8]> =
             in_gaps.chain(at_openings).filter_map(unknown).map(|(_, row)| row).collect();
         let zero = T::constant(0.0);
-        let mut pushes: Vec<Push<T>> = Vec::new();
+        let mut pushes: Vec<UnitImpulse<T>> = Vec::new();
         for place in places {
             let force = match *place {
-                Meets::Gap(gap) => graph.gaps[gap][1],
-                Meets::Opening(opening) => graph.openings[opening].force,
+                ImpactPlace::Gap(gap) => graph.gaps[gap][1],
+                ImpactPlace::Opening(opening) => graph.openings[opening].force,
             };
             let (solve, column) = unknown(force).expect("a force that is an unknown");
             let Solve { matrix, right, .. } = &graph.solves[solve as usize];
@@ -71,7 +75,7 @@ impl Evaluator {
             let rows = || (0..right.len()).filter(|row| !forces.contains(row));
             let by_contact = rows().map(|row| push(row, column)).collect();
             let by_friction = match *place {
-                Meets::Gap(gap) => {
+                ImpactPlace::Gap(gap) => {
                     // A body whose acceleration is no unknown does not move.
                     let contact = |one: usize| unknown(graph.contacts[one][1]);
                     let sides = gaps[gap].contacts.map(|one| contact(one).map(|(_, row)| row));
@@ -83,13 +87,13 @@ impl Evaluator {
                     };
                     rows().map(retards).collect()
                 }
-                Meets::Opening(opening) => match unknown(graph.openings[opening].friction) {
+                ImpactPlace::Opening(opening) => match unknown(graph.openings[opening].friction) {
                     Some((_, column)) => rows().map(|row| push(row, column)).collect(),
                     None => rows().map(|_| zero).collect(),
                 },
             };
-            pushes.push(Push { solve, force: (column, 1.0), rates: by_contact });
-            pushes.push(Push { solve, force: (column, 0.0), rates: by_friction });
+            pushes.push(UnitImpulse { solve, force: (column, 1.0), rates: by_contact });
+            pushes.push(UnitImpulse { solve, force: (column, 0.0), rates: by_friction });
         }
         let mut changes = vec![zero; graph.nodes.len()];
         let mut responses = Vec::with_capacity(pushes.len());
@@ -105,7 +109,7 @@ impl Evaluator {
                 .flat_map(|row| rows.iter().map(|column| entry(*row, *column)))
                 .collect();
             solve_for_each(entries, of_solve.iter_mut().map(|push| &mut push.rates).collect());
-            for Push { force: (column, of_force), rates, .. } in of_solve {
+            for UnitImpulse { force: (column, of_force), rates, .. } in of_solve {
                 let of_row = |row: u32| {
                     if row as usize == *column {
                         return T::constant(*of_force);
@@ -129,7 +133,7 @@ impl Evaluator {
         values: &[T],
         changes: &mut [T],
         changed: impl Fn(&Node) -> T,
-    ) -> Response<T> {
+    ) -> ImpulseResponse<T> {
         let graph = self.graph();
         for &place in &graph.rates_with_unknowns {
             let node = &graph.nodes[place as usize];
@@ -153,7 +157,7 @@ impl Evaluator {
         let change = |node: NodeId| changes[node as usize];
         let opening =
             |one: &Opening| [one.acceleration, graph.contacts[one.contact][1]].map(change);
-        Response {
+        ImpulseResponse {
             components: graph.derivative.iter().map(|node| change(*node)).collect(),
             openings: graph.openings.iter().map(opening).collect(),
         }
@@ -161,7 +165,7 @@ impl Evaluator {
 }
 
 /// A unit of an impulse.
-struct Push<T> {
+struct UnitImpulse<T> {
     /// The linear system of the accelerations.
     solve: u32,
     /// The row of the force in this system, and the change of the force.
@@ -178,7 +182,7 @@ mod tests {
         Balancer, Ball, BallContact, BallsInContact, Dual, Machine, System, Touching,
     };
     use crate::motion::Evaluator;
-    use crate::motion::response::Meets;
+    use crate::motion::impulse_response::ImpactPlace;
 
     /// The equations of motion, integrated over an impact: `Σ_j A_ij Δβ̇_j` is the tangential impulse over the mass of ball
     /// `i` with `A_ij = (1 + 4J) δ_ij - m_j cos(β_i - β_j)`, and `Δẋ = Σ m s Δβ̇`, `Δẏ = -Σ m c Δβ̇`. The slopes are those of
@@ -202,7 +206,7 @@ mod tests {
             let component =
                 |(value, slope): (&f64, &f64)| Dual { value: value + size * slope, slope: *slope };
             let moved: Vec<Dual> = state.iter().zip(&direction).map(component).collect();
-            evaluator.responses(&moved, &[0, 1, 2].map(Meets::Gap))
+            evaluator.responses(&moved, &[0, 1, 2].map(ImpactPlace::Gap))
         };
         let size = 1e-6;
         let [here, less, more] = [0.0, -size, size].map(responses);

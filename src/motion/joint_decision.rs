@@ -1,146 +1,14 @@
-//! The joint decision between stick and slip for several contacts.
+//! The joint decision for several contacts: phases of which each meets its own condition. The method of the motion defines
+//! the conditions.
 
 use smallvec::SmallVec;
 
 use super::evaluator::{ContactForces, Forces};
-use super::{Direction, Evaluator, Failure, Phase, Phases, event_driven, switch_model};
-use crate::model::{Components, Dual, Friction, Method};
-
-/// A system in one state, for which the phases of its contacts are decided.
-pub(super) trait InState {
-    /// Returns the static coefficient of friction of a contact.
-    fn limit(&self, contact: usize) -> f64;
-    /// Returns the sliding speed of a contact.
-    fn speed(&self, contact: usize) -> f64;
-    /// Returns the forces for assumed phases.
-    fn forces(&self, phases: &[Phase]) -> Forces;
-    /// Returns the time derivative of the state for assumed phases.
-    fn rates(&self, phases: &[Phase]) -> Components;
-    /// Returns the forces at the time [`AHEAD`] later, to first order, if the phases last.
-    fn forces_ahead(&self, phases: &[Phase]) -> Forces;
-    /// Returns the change of the sliding speed of a contact along a direction.
-    fn speed_along(&self, contact: usize, direction: &[f64]) -> f64;
-    /// Returns the forces with their changes along a direction.
-    fn forces_along(&self, phases: &[Phase], direction: &[f64]) -> Forces<Dual>;
-    /// Returns whether the phases are decided in exactly one way for any forces.
-    fn has_one_solution(&self) -> bool;
-    /// Returns the size of the forces, to which rounding errors are relative.
-    fn force_scale(&self) -> f64;
-}
-
-/// Time interval for the rate of change of a condition, non-dimensional.
-pub(super) const AHEAD: f64 = 1e-6;
+use super::force_model::ForceModel;
+use super::{Failure, Phase, Phases};
 
 /// Which contacts' phases are open.
 pub(super) type Open = SmallVec<[bool; 8]>;
-
-/// Returns the initial phases, from the friction laws and the sliding speeds alone.
-pub(super) fn first_phases<'f>(
-    method: Method,
-    band: f64,
-    contacts: impl Iterator<Item = (&'f Friction, f64)>,
-) -> Phases {
-    let first = |(friction, speed): (&Friction, f64)| match method {
-        _ if !friction.can_stick() => Phase::Free,
-        Method::Switch if speed.abs() > band => Phase::Slip(Direction::of(speed)),
-        Method::Event if speed != 0.0 => Phase::Slip(Direction::of(speed)),
-        _ => Phase::Stick,
-    };
-    contacts.map(first).collect()
-}
-
-/// Decides the phases of contacts at rest, or in the band. In the exact motion, the contacts `fixed` stay at rest.
-pub(super) fn decide_at_rest(
-    method: Method,
-    system: &dyn InState,
-    phases: &mut Phases,
-    fixed: &[usize],
-) -> Result<(), Failure> {
-    match method {
-        Method::Switch => switch_model::decide(system, phases, check_forces),
-        Method::Event => {
-            let is_open = |(contact, phase): (usize, &Phase)| {
-                *phase == Phase::Stick && !fixed.contains(&contact)
-            };
-            let at_rest = phases.iter().enumerate().map(is_open).collect();
-            event_driven::decide(system, phases, &at_rest, check_forces)
-        }
-    }
-}
-
-/// Decides stick or transition jointly for all contacts in the band of the switch model, in one state, and returns the
-/// corresponding forces. Slipping contacts are unchanged.
-///
-/// # Errors
-/// [`Failure::NoSolution`] if no combination meets all conditions, or if several different ones do.
-pub fn decide(
-    evaluator: &Evaluator,
-    state: &[f64],
-    phases: &mut Phases,
-) -> Result<Forces, Failure> {
-    switch_model::decide(&Evaluated::new(evaluator, state), phases, |forces| Ok(forces.clone()))
-}
-
-/// A system in one state, by its recorded equations.
-pub(super) struct Evaluated<'a> {
-    pub(super) evaluator: &'a Evaluator,
-    pub(super) state: &'a [f64],
-    pub(super) speeds: SmallVec<[f64; 8]>,
-}
-
-impl<'a> Evaluated<'a> {
-    pub(super) fn new(evaluator: &'a Evaluator, state: &'a [f64]) -> Self {
-        Evaluated { evaluator, state, speeds: evaluator.speeds(state) }
-    }
-}
-
-impl InState for Evaluated<'_> {
-    fn limit(&self, contact: usize) -> f64 {
-        self.evaluator.system().friction(contact).limit
-    }
-
-    fn speed(&self, contact: usize) -> f64 {
-        self.speeds[contact]
-    }
-
-    fn forces(&self, phases: &[Phase]) -> Forces {
-        self.evaluator.forces(phases, self.state)
-    }
-
-    fn rates(&self, phases: &[Phase]) -> Components {
-        self.evaluator.rates(phases, self.state)
-    }
-
-    fn forces_ahead(&self, phases: &[Phase]) -> Forces {
-        let rates = self.rates(phases);
-        let ahead = self.state.iter().zip(&rates).map(|(value, rate)| value + AHEAD * rate);
-        self.evaluator.forces(phases, &ahead.collect::<Components>())
-    }
-
-    fn speed_along(&self, contact: usize, direction: &[f64]) -> f64 {
-        match self.evaluator.graph().speed_component(contact) {
-            Some(component) => direction[component],
-            // Sliding speeds do not depend on phases.
-            None => {
-                let phases = self.evaluator.no_phases();
-                self.forces_along(&phases, direction)[contact].speed.slope
-            }
-        }
-    }
-
-    fn forces_along(&self, phases: &[Phase], direction: &[f64]) -> Forces<Dual> {
-        self.evaluator.forces_along(phases, self.state, direction)
-    }
-
-    fn has_one_solution(&self) -> bool {
-        let system = self.evaluator.system();
-        system.surely_one_solution() || system.one_solution_at(self.state)
-    }
-
-    fn force_scale(&self) -> f64 {
-        self.evaluator.system().force_scale()
-    }
-}
 
 /// Decides the phases of the open contacts so that all conditions hold, in one state.
 ///
@@ -157,7 +25,7 @@ impl InState for Evaluated<'_> {
 /// [`Failure::NoSolution`] if no combination meets all conditions, or if several different ones do, and the errors of
 /// `then`.
 pub(super) fn resolve_modes<R>(
-    system: &dyn InState,
+    system: &dyn ForceModel,
     phases: &mut Phases,
     open: &Open,
     choices: [Phase; 3],
@@ -210,7 +78,7 @@ const SAME: f64 = 1e-6;
 /// Decides the phases like [`resolve_modes`], by trying all `3^k` combinations of
 /// the open contacts. The current phases are preferred if they are among the solutions.
 fn unique_or_refused(
-    system: &dyn InState,
+    system: &dyn ForceModel,
     phases: &mut Phases,
     open: &Open,
     choices: [Phase; 3],
@@ -282,7 +150,7 @@ pub(super) fn is_finite(contact: &ContactForces) -> bool {
 }
 
 /// Returns the remaining friction of a sticking contact, `μ_s f_n - |f_w|`.
-pub(super) fn stick_reserve(system: &dyn InState, forces: &Forces, contact: usize) -> f64 {
+pub(super) fn stick_reserve(system: &dyn ForceModel, forces: &Forces, contact: usize) -> f64 {
     let ContactForces { normal, friction, .. } = forces[contact];
     system.limit(contact) * normal - friction.abs()
 }
@@ -295,14 +163,5 @@ pub(super) fn check_forces(forces: &Forces) -> Result<(), Failure> {
     match forces.iter().position(|contact| contact.normal <= 0.0) {
         Some(contact) => Err(Failure::ContactLost { ball: contact + 1 }),
         None => Ok(()),
-    }
-}
-
-/// Returns the number of combinations that meet the conditions as the start of a message.
-pub(super) fn combinations_meet(of: &str, solutions: usize) -> String {
-    match solutions {
-        0 => format!("no combination of {of} meets"),
-        1 => format!("one combination of {of} meets"),
-        _ => format!("{solutions} different combinations of {of} meet"),
     }
 }

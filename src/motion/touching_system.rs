@@ -3,8 +3,8 @@
 use smallvec::SmallVec;
 
 use super::impact::{Impact, impact};
-use super::modes::first_phases;
-use super::response::Meets;
+use super::impulse_response::ImpactPlace;
+use super::stick_slip::first_phases;
 use super::{Direction, Evaluator, Failure, Phase, Phases, Settings, event_driven, switch_model};
 use crate::model::{Components, Dual, Gap, Method, Opening, TOUCHING};
 
@@ -15,21 +15,21 @@ const DEEPEST: f64 = 1e-6;
 const STOPPED: f64 = 1e-12;
 
 /// A system whose contacts may touch each other, or may open, for decisions in one state.
-pub(super) struct InTouch<'a> {
+pub(super) struct TouchingSystem<'a> {
     pub(super) evaluator: &'a Evaluator,
     pub(super) gaps: &'a [Gap],
     pub(super) openings: &'a [Opening],
     pub(super) settings: Settings,
 }
 
-impl<'a> InTouch<'a> {
+impl<'a> TouchingSystem<'a> {
     /// Returns the system of an evaluator, if it has gaps or openings.
     pub(super) fn new(evaluator: &'a Evaluator, settings: Settings) -> Option<Self> {
         let touching = evaluator.system().touching();
         let openings = &evaluator.graph().openings[..];
         let gaps = touching.map_or(&[][..], |touching| touching.gaps());
         let is_any = touching.is_some() || !openings.is_empty();
-        is_any.then_some(InTouch { evaluator, gaps, openings, settings })
+        is_any.then_some(TouchingSystem { evaluator, gaps, openings, settings })
     }
 
     pub(super) fn contacts(&self) -> usize {
@@ -116,8 +116,8 @@ impl<'a> InTouch<'a> {
         };
         let at_gaps = (0..gaps.len()).filter(|gap| self.width(&gaps[*gap], state) <= TOUCHING);
         let at_openings = (0..self.openings.len()).filter(touches);
-        let at_each_other: SmallVec<[Meets; 8]> =
-            at_gaps.map(Meets::Gap).chain(at_openings.map(Meets::Opening)).collect();
+        let at_each_other: SmallVec<[ImpactPlace; 8]> =
+            at_gaps.map(ImpactPlace::Gap).chain(at_openings.map(ImpactPlace::Opening)).collect();
         let impact = match direction {
             None => impact(self.evaluator, state, &at_each_other, phases)?,
             Some(direction) => {
@@ -131,13 +131,13 @@ impl<'a> InTouch<'a> {
             }
         };
         for place in &at_each_other {
-            let Meets::Gap(gap) = place else { continue };
+            let ImpactPlace::Gap(gap) = place else { continue };
             let gap = &gaps[*gap];
             let ahead = self.position(gap.contacts[1]);
             state[ahead] -= self.width(gap, state);
         }
         for gap in 0..gaps.len() {
-            let closed = impact.together.contains(&Meets::Gap(gap));
+            let closed = impact.together.contains(&ImpactPlace::Gap(gap));
             phases[contacts + gap] = if closed { Phase::Closed } else { Phase::Open };
         }
         self.join(state, phases, None);
@@ -153,7 +153,7 @@ impl<'a> InTouch<'a> {
         let first = first_phases(self.settings.method, self.settings.band, of_contacts);
         phases[..contacts].copy_from_slice(&first);
         for (one, opening) in self.openings.iter().enumerate() {
-            if !impact.together.contains(&Meets::Opening(one)) {
+            if !impact.together.contains(&ImpactPlace::Opening(one)) {
                 phases[opening.contact] = Phase::Apart;
             }
         }

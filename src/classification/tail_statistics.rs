@@ -9,13 +9,13 @@ use crate::model::Endings;
 
 /// Statistics over the last part of the time.
 #[derive(Clone, Debug)]
-pub(super) struct Late {
+pub(super) struct TailStatistics {
     pub(super) window: Window,
     pub(super) outputs: OutputWatch,
     pub(super) separation: Separation,
 }
 
-impl Late {
+impl TailStatistics {
     /// Creates the statistics for the last stage of a run, between two times. A system with one position and its
     /// speed cannot move irregularly: nothing separates.
     pub(super) fn within([begin, end]: [f64; 2], endings: Endings, view: &SystemView) -> Self {
@@ -23,7 +23,7 @@ impl Late {
         let before = |window: f64| begin + (1.0 - window) * (end - begin);
         let separation = if separates { before(SEPARATION_WINDOW) } else { f64::INFINITY };
         let start = before(WINDOW);
-        Late {
+        TailStatistics {
             window: Window::new(start),
             outputs: OutputWatch::from(start),
             separation: Separation::new(separation, end),

@@ -3,15 +3,15 @@
 use fearless_simd::prelude::*;
 use smallvec::SmallVec;
 
-use super::group::Group;
-use super::kernel::{Ends, Kernel, POWERS, Powers};
+use super::kernel::{Kernel, StepEnd};
 use super::lane::Lane;
 use super::root_isolation::Polynomial;
+use super::sizes::{Powers, TERMS};
 use super::{Lanes, ORDER};
 use crate::model::TOUCHING;
 use crate::motion::Phase;
+use crate::motion::condition::Condition;
 use crate::motion::lockstep::vector::Vector;
-use crate::motion::saltation::Condition;
 
 /// Opening speeds up to this, non-dimensional, are those of a gap that has just opened.
 const RELEASED: f64 = 1e-9;
@@ -20,7 +20,7 @@ const RELEASED: f64 = 1e-9;
 const NEVER: f64 = -1e3;
 
 /// Where the lanes of a group have gaps.
-pub(super) struct GapLanes<S: Vector> {
+pub(super) struct OpenGaps<S: Vector> {
     /// Bit mask of lanes with gaps.
     any: u64,
     /// Bit mask of lanes whose gaps are not those between each contact and the next one on a circle; in these the gaps are
@@ -29,13 +29,13 @@ pub(super) struct GapLanes<S: Vector> {
     /// The distance of a contact and the next one where they touch; [`NEVER`] while they do.
     distances: SmallVec<[Lanes<S>; 8]>,
     /// Bit mask of lanes in which a gap may close in the latest step.
-    pub(super) doubts: u64,
+    pub(super) lanes_to_examine: u64,
 }
 
-impl<S: Vector> GapLanes<S> {
+impl<S: Vector> OpenGaps<S> {
     pub(super) fn none(simd: S, contacts: usize) -> Self {
         let distances = SmallVec::from_elem(Lanes::splat(simd, 0.0), contacts);
-        GapLanes { any: 0, irregular: 0, distances, doubts: 0 }
+        OpenGaps { any: 0, irregular: 0, distances, lanes_to_examine: 0 }
     }
 
     /// Sets a lane by the phases of its run.
@@ -59,6 +59,37 @@ impl<S: Vector> GapLanes<S> {
             }
         }
     }
+
+    /// Returns the lanes in which an open gap may close in a step of this length.
+    #[inline(always)]
+    pub(super) fn screen<K: Kernel<S>>(
+        &mut self,
+        (kernel, workspace, state): (&K, &K::Workspace, &K::LaneStates),
+        alive: u64,
+        length: Lanes<S>,
+    ) -> u64 {
+        if self.any & alive == 0 {
+            self.lanes_to_examine = 0;
+            return 0;
+        }
+        let simd = length.simd;
+        let zero = Lanes::splat(simd, 0.0);
+        let turn = Lanes::splat(simd, std::f64::consts::TAU);
+        let contacts = kernel.contacts();
+        let mut open = zero.simd_eq(zero);
+        // The two gaps between two contacts close and open together.
+        let pairs = if contacts == 2 { 1 } else { contacts };
+        for place in 0..contacts {
+            let next = (place + 1) % contacts;
+            let apart = kernel.position(state, next) - kernel.position(state, place);
+            let apart = apart.simd_lt(zero).select(apart + turn, apart);
+            let width = apart - self.distances[place];
+            let pair = [place % pairs, (place % pairs + 1) % contacts];
+            open &= width.simd_gt(kernel.relative_travel(workspace, pair, length));
+        }
+        self.lanes_to_examine = (!open.to_bitmask() | self.irregular) & self.any & alive;
+        self.lanes_to_examine
+    }
 }
 
 /// Returns whether any contacts of a run are at each other, by their positions.
@@ -70,51 +101,25 @@ pub(super) fn any_touch(own: &Lane, position: impl Fn(usize) -> f64) -> bool {
     gaps.iter().any(|gap| gap.width(gap.contacts.map(&position)) <= TOUCHING)
 }
 
-/// Returns the lanes in which an open gap may close in a step of this length.
-#[inline(always)]
-pub(super) fn look_over<S: Vector, K: Kernel<S>>(g: &mut Group<S, K>, length: Lanes<S>) -> u64 {
-    if g.gaps.any & g.alive == 0 {
-        g.gaps.doubts = 0;
-        return 0;
-    }
-    let simd = g.simd;
-    let zero = Lanes::splat(simd, 0.0);
-    let turn = Lanes::splat(simd, std::f64::consts::TAU);
-    let contacts = g.kernel.contacts();
-    let mut open = zero.simd_eq(zero);
-    // The two gaps between two contacts close and open together.
-    let pairs = if contacts == 2 { 1 } else { contacts };
-    for place in 0..contacts {
-        let next = (place + 1) % contacts;
-        let apart = g.kernel.position(&g.state, next) - g.kernel.position(&g.state, place);
-        let apart = apart.simd_lt(zero).select(apart + turn, apart);
-        let width = apart - g.gaps.distances[place];
-        let pair = [place % pairs, (place % pairs + 1) % contacts];
-        open &= width.simd_gt(g.kernel.relative_travel(&g.room, pair, length));
-    }
-    g.gaps.doubts = (!open.to_bitmask() | g.gaps.irregular) & g.gaps.any & g.alive;
-    g.gaps.doubts
-}
-
 /// Replaces the end of a step by the first closing of an open gap if that is earlier.
 pub(super) fn first_closing<S: Vector, K: Kernel<S>>(
-    g: &Group<S, K>,
+    (simd, kernel, workspace, states): (S, &K, &K::Workspace, &K::LaneStates),
     (lane, own): (usize, &Lane),
     length: f64,
-    first: &mut Ends,
+    first: &mut StepEnd,
 ) {
     let Some(touching) = own.system.touching() else { return };
-    let state = g.kernel.lane(&g.state, lane);
+    let state = kernel.lane(states, lane);
     let aim = 0.5 * own.width;
-    let contacts = g.kernel.contacts();
+    let contacts = kernel.contacts();
     for (index, gap) in touching.gaps().iter().enumerate() {
         if own.phases[contacts + index] != Phase::Open {
             continue;
         }
-        let places = gap.contacts.map(|contact| g.kernel.coordinates(contact).0);
+        let places = gap.contacts.map(|contact| kernel.coordinates(contact).0);
         // No maps: they would copy the arrays.
-        let behind = g.kernel.component(&g.room, lane, places[0], state[places[0]]);
-        let mut powers: Powers = g.kernel.component(&g.room, lane, places[1], state[places[1]]);
+        let behind = kernel.component(workspace, lane, places[0], state[places[0]]);
+        let mut powers: Powers = kernel.component(workspace, lane, places[1], state[places[1]]);
         for (power, behind) in powers.iter_mut().zip(&behind) {
             *power -= behind;
         }
@@ -124,8 +129,8 @@ pub(super) fn first_closing<S: Vector, K: Kernel<S>>(
         let mut coefficients = [0.0; ORDER + 1];
         coefficients.copy_from_slice(&powers[..=ORDER]);
         // The highest power counts in full at the end of the step.
-        const { assert!(POWERS == ORDER + 2) };
+        const { assert!(TERMS == ORDER + 2) };
         coefficients[ORDER] += powers[ORDER + 1] * length;
-        first.or(g.simd, &Polynomial { coefficients, length }, None, Condition::Gap(index));
+        first.or(simd, &Polynomial { coefficients, length }, None, Condition::Gap(index));
     }
 }

@@ -3,14 +3,14 @@
 
 use std::cell::RefCell;
 
+use super::compiled::Compiled;
 use super::operations::Operations;
-use super::{Compiled, General};
 use crate::graph::Program;
 use crate::model::{Components, Dual, System};
 use crate::motion::evaluator::{ContactForces, Evaluator, Forces};
+use crate::motion::force_model::{AHEAD, ForceModel, RecordedForces};
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::vector::Vector;
-use crate::motion::modes::{AHEAD, Evaluated, InState};
 use crate::motion::{Phase, Phases};
 
 /// The largest number of assumptions about the phases of a run whose inputs are remembered.
@@ -18,7 +18,7 @@ const MOST_KNOWN: usize = 64;
 
 /// What decisions in one lane of a group need.
 #[derive(Default)]
-pub(super) struct Scratch {
+pub(super) struct DecisionMemory {
     /// The cells of the programs, with the parameters of the run.
     pub(super) memory: Vec<f64>,
     /// Phases with the inputs that depend on them.
@@ -27,7 +27,7 @@ pub(super) struct Scratch {
     latest: Option<Phases>,
 }
 
-impl Scratch {
+impl DecisionMemory {
     /// Prepares the decisions of another run.
     pub(super) fn begin(&mut self, program: &Program) {
         self.known.clear();
@@ -76,31 +76,32 @@ impl Scratch {
 }
 
 /// A run at one instant. Friction forces are those that contacts require to stick.
-pub(super) struct Deciding<'a, S: Vector> {
-    general: &'a General<S>,
+pub(super) struct ProgramForces<'a, S: Vector> {
+    simd: S,
+    program: &'a Compiled,
     own: &'a Lane,
     evaluator: &'a Evaluator,
     state: &'a [f64],
-    scratch: RefCell<&'a mut Scratch>,
+    scratch: RefCell<&'a mut DecisionMemory>,
 }
 
-impl<'a, S: Vector> Deciding<'a, S> {
+impl<'a, S: Vector> ProgramForces<'a, S> {
     /// Returns the run of a lane in a state.
     pub(super) fn new(
-        general: &'a General<S>,
+        (simd, program): (S, &'a Compiled),
         (own, evaluator): (&'a Lane, &'a Evaluator),
         state: &'a [f64],
-        scratch: &'a mut Scratch,
+        scratch: &'a mut DecisionMemory,
     ) -> Self {
-        let Compiled { operations, programs, .. } = &*general.program;
+        let Compiled { operations, programs, .. } = program;
         let first = operations.coefficient(0, 0) as usize;
         scratch.memory[first..][..state.len()].copy_from_slice(state);
         for (cell, component) in &operations.discrete {
             scratch.memory[*cell as usize] = state[*component as usize];
         }
-        programs.instant.run(general.simd, &mut scratch.memory);
+        programs.instant.run(simd, &mut scratch.memory);
         scratch.latest = None;
-        Deciding { general, own, evaluator, state, scratch: RefCell::new(scratch) }
+        ProgramForces { simd, program, own, evaluator, state, scratch: RefCell::new(scratch) }
     }
 
     /// Computes rates and forces for assumed phases.
@@ -109,19 +110,19 @@ impl<'a, S: Vector> Deciding<'a, S> {
         if scratch.latest.as_deref() == Some(phases) {
             return;
         }
-        let Compiled { operations, programs, .. } = &*self.general.program;
+        let Compiled { operations, programs, .. } = self.program;
         let place = scratch.place(operations, self.own.system.as_ref(), phases);
-        let Scratch { memory, known, .. } = scratch;
+        let DecisionMemory { memory, known, .. } = scratch;
         for ((cell, _), value) in operations.inputs[0].iter().zip(&known[place].1) {
             memory[*cell as usize] = *value;
         }
-        programs.decision.run(self.general.simd, memory);
+        programs.decision.run(self.simd, memory);
         scratch.latest = Some(Phases::from_slice(phases));
     }
 
     /// Returns the coefficients of speed, acceleration and forces of each contact of an order.
     fn coefficients(&self, k: usize) -> Forces {
-        let operations = &self.general.program.operations;
+        let operations = &self.program.operations;
         let scratch = self.scratch.borrow();
         let of_order = &scratch.memory[operations.coefficient(0, k) as usize..];
         let forces = |contact: &[u32; 4]| {
@@ -133,13 +134,13 @@ impl<'a, S: Vector> Deciding<'a, S> {
     }
 }
 
-impl<S: Vector> InState for Deciding<'_, S> {
+impl<S: Vector> ForceModel for ProgramForces<'_, S> {
     fn limit(&self, contact: usize) -> f64 {
         self.own.limits[contact]
     }
 
     fn speed(&self, contact: usize) -> f64 {
-        let operations = &self.general.program.operations;
+        let operations = &self.program.operations;
         let cell = operations.coefficient(operations.contacts[contact][0], 0);
         self.scratch.borrow().memory[cell as usize]
     }
@@ -151,7 +152,7 @@ impl<S: Vector> InState for Deciding<'_, S> {
 
     fn rates(&self, phases: &[Phase]) -> Components {
         self.assume(phases);
-        let operations = &self.general.program.operations;
+        let operations = &self.program.operations;
         let scratch = self.scratch.borrow();
         let rate = |slot: &u32| scratch.memory[operations.coefficient(*slot, 0) as usize];
         operations.rates.iter().map(rate).collect()
@@ -159,8 +160,8 @@ impl<S: Vector> InState for Deciding<'_, S> {
 
     fn forces_ahead(&self, phases: &[Phase]) -> Forces {
         self.assume(phases);
-        let ahead = &self.general.program.programs.ahead;
-        ahead.run(self.general.simd, &mut self.scratch.borrow_mut().memory);
+        let ahead = &self.program.programs.ahead;
+        ahead.run(self.simd, &mut self.scratch.borrow_mut().memory);
         let mut forces = self.coefficients(0);
         for (now, change) in forces.iter_mut().zip(self.coefficients(1)) {
             now.speed += AHEAD * change.speed;
@@ -172,9 +173,9 @@ impl<S: Vector> InState for Deciding<'_, S> {
     }
 
     fn speed_along(&self, contact: usize, direction: &[f64]) -> f64 {
-        match self.general.speeds[contact] {
+        match self.evaluator.graph().speed_component(contact) {
             Some(component) => direction[component],
-            None => Evaluated::new(self.evaluator, self.state).speed_along(contact, direction),
+            None => RecordedForces::new(self.evaluator, self.state).speed_along(contact, direction),
         }
     }
 

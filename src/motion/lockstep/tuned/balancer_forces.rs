@@ -5,17 +5,17 @@ use std::sync::Arc;
 
 use fearless_simd::SimdBase;
 
-use super::while_apart;
-use crate::model::{Balancer, Components, Contact, Dual, Friction, State, System};
+use super::equations::{contact, contact_along, while_apart};
+use crate::model::{Balancer, Components, Contact, Dual, State, System};
 use crate::motion::Phase;
 use crate::motion::evaluator::{ContactForces, Forces};
+use crate::motion::force_model::{AHEAD, ForceModel};
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Vector, vectorized};
 use crate::motion::lockstep::{LANES, Lanes};
-use crate::motion::modes::{AHEAD, InState};
 
 /// A balancer in one state.
-pub(super) struct InPlace<'a, const N: usize> {
+pub(super) struct BalancerForces<'a, const N: usize> {
     balancer: &'a Balancer<N>,
     state: State<N>,
     /// Sine and cosine of the angles.
@@ -23,14 +23,14 @@ pub(super) struct InPlace<'a, const N: usize> {
     surely_one_solution: bool,
 }
 
-impl<'a, const N: usize> InPlace<'a, N> {
+impl<'a, const N: usize> BalancerForces<'a, N> {
     /// Creates it from the state and the sine and cosine of each angle.
     pub(super) fn new(
         balancer: &'a Balancer<N>,
         surely_one_solution: bool,
         (state, turned): (State<N>, [(f64, f64); N]),
     ) -> Self {
-        InPlace { balancer, state, turned, surely_one_solution }
+        BalancerForces { balancer, state, turned, surely_one_solution }
     }
 
     fn contacts(&self, phases: &[Phase], state: &State<N>) -> [Contact; N] {
@@ -43,28 +43,6 @@ impl<'a, const N: usize> InPlace<'a, N> {
         let contacts = self.contacts(phases, &self.state);
         let forces = self.balancer.forces_turned(&self.state, &contacts, &self.turned);
         self.balancer.derivative(&self.state, &contacts, &forces)
-    }
-}
-
-/// Returns how friction acts on a contact in a phase.
-pub(super) fn contact(phase: Phase, friction: &Friction, speed: f64) -> Contact {
-    match phase {
-        Phase::Stick | Phase::Apart | Phase::Open | Phase::Closed => Contact::STICK,
-        Phase::Slip(direction) => friction.slip(direction.sign(), speed),
-        Phase::Transition(direction) => friction.slip(direction.sign(), 0.0),
-        Phase::Free => friction.slip(0.0, speed),
-    }
-}
-
-/// Returns [`contact`] to first order in the speed.
-pub(super) fn contact_along(phase: Phase, friction: &Friction, speed: Dual) -> Contact<Dual> {
-    match phase {
-        Phase::Stick | Phase::Apart | Phase::Open | Phase::Closed => Contact::STICK.lifted(),
-        Phase::Slip(direction) => friction.slip_along(direction.sign(), speed),
-        Phase::Transition(direction) => {
-            friction.slip_along(direction.sign(), Dual { value: 0.0, slope: 0.0 })
-        }
-        Phase::Free => friction.slip_along(0.0, speed),
     }
 }
 
@@ -81,7 +59,7 @@ fn of_contacts<const N: usize, T: Copy>(
     Forces::from_slice(&std::array::from_fn::<_, N, _>(contact))
 }
 
-impl<const N: usize> InState for InPlace<'_, N> {
+impl<const N: usize> ForceModel for BalancerForces<'_, N> {
     fn limit(&self, contact: usize) -> f64 {
         self.balancer.balls[contact].friction.limit
     }
@@ -146,16 +124,16 @@ pub(super) fn turned<S: Vector, const N: usize>(simd: S, angles: [f64; N]) -> [(
 /// Calls a function that is large, without inlining it a second time.
 #[cold]
 #[inline(never)]
-pub(super) fn called<R>(with: impl FnOnce(&dyn InState) -> R, at: &dyn InState) -> R {
+pub(super) fn called<R>(with: impl FnOnce(&dyn ForceModel) -> R, at: &dyn ForceModel) -> R {
     with(at)
 }
 
 /// Calls `with` with a balancer at constant speed in one state; `None` for another system.
-pub(in crate::motion::lockstep) fn in_state<R>(
+pub(in crate::motion::lockstep) fn with_balancer_forces<R>(
     system: &Arc<dyn System>,
     surely_one_solution: bool,
     state: &[f64],
-    with: impl FnOnce(&dyn InState) -> R,
+    with: impl FnOnce(&dyn ForceModel) -> R,
 ) -> Option<R> {
     if system.speed_terms().is_some() {
         return None;
@@ -166,7 +144,7 @@ pub(in crate::motion::lockstep) fn in_state<R>(
                 if let Some(balancer) = while_apart::<$balls>(system) {
                     let state = State::<$balls>::of_components(state)?;
                     let turned = state.beta.map(libm::sincos);
-                    return Some(with(&InPlace::new(
+                    return Some(with(&BalancerForces::new(
                         balancer,
                         surely_one_solution,
                         (state, turned),

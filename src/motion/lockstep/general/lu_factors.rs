@@ -1,11 +1,11 @@
 //! The solution of a linear system as instructions: factors once, then any number of right-hand sides.
 
 use crate::graph::{Builder, Cell, Product};
-use crate::motion::evaluator::SMALL_PIVOT;
+use crate::motion::linear_system::SMALL_PIVOT;
 
 /// The factors `L U` of a matrix, whose rows with small pivots are exchanged ([`SMALL_PIVOT`]). Entries that are always zero
 /// are left out.
-pub(super) struct Elimination {
+pub(super) struct LuFactors {
     /// The unknowns in the order of their elimination; equations have the same order.
     order: Vec<usize>,
     /// The factors, row by row, in this order.
@@ -51,7 +51,7 @@ fn first_unknowns(is_entry: &[bool], units: &[bool]) -> Vec<usize> {
     order
 }
 
-impl Elimination {
+impl LuFactors {
     /// Factors a matrix with these entries, row by row. The unknowns of `units` may be eliminated first; their diagonal
     /// entries are 1.
     pub(super) fn new(builder: &mut Builder, entries: &[Option<Cell>], units: &[bool]) -> Self {
@@ -64,7 +64,7 @@ impl Elimination {
         let in_order = order.iter().flat_map(|row| order.iter().map(move |column| (row, column)));
         let entries = in_order.map(|(row, column)| entries[row * size + column]).collect();
         let mut all =
-            Elimination { order, entries, inverses: Vec::new(), exchanges: Vec::new(), last: None };
+            LuFactors { order, entries, inverses: Vec::new(), exchanges: Vec::new(), last: None };
         for column in 0..certain {
             all.inverses.push(None);
             all.eliminate(builder, column);

@@ -8,7 +8,7 @@ use crate::motion::lockstep::vector::{Fused, Vector};
 
 /// The components of a state, or of its rate of change, of each run.
 #[derive(Clone, Copy)]
-pub(in crate::motion::lockstep) struct Flow<S: Vector, const N: usize> {
+pub(in crate::motion::lockstep) struct BalancerLaneStates<S: Vector, const N: usize> {
     /// x, y, ẋ, ẏ.
     pub(super) table: [Lanes<S>; 4],
     /// Angles of the balls.
@@ -19,12 +19,12 @@ pub(in crate::motion::lockstep) struct Flow<S: Vector, const N: usize> {
     pub(super) elapsed: Lanes<S>,
 }
 
-impl<S: Vector, const N: usize> Flow<S, N> {
+impl<S: Vector, const N: usize> BalancerLaneStates<S, N> {
     /// Zero in all lanes.
     #[inline(always)]
     pub(super) fn zero(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
-        Flow { table: [zero; 4], angle: [zero; N], speed: [zero; N], elapsed: zero }
+        BalancerLaneStates { table: [zero; 4], angle: [zero; N], speed: [zero; N], elapsed: zero }
     }
 
     /// Replaces the components in the lanes of a mask.
@@ -51,7 +51,7 @@ impl<S: Vector, const N: usize> Flow<S, N> {
         nought
     }
 
-    /// Returns the sum of the squares of all components of a displacement, which does not shift the time.
+    /// Returns the sum of the squares of all components of a perturbation, which does not shift the time.
     #[inline(always)]
     pub(super) fn square(&self) -> Lanes<S> {
         let mut size = Lanes::splat(self.table[0].simd, 0.0);
@@ -78,8 +78,13 @@ impl<S: Vector, const N: usize> Flow<S, N> {
 
     /// Sets one run's components, which must be those of `N` balls, followed by the elapsed time if the speed changes.
     pub(super) fn set_lane(&mut self, lane: usize, components: &[f64]) {
-        let flow = self.table.iter_mut().chain(&mut self.angle).chain(&mut self.speed);
-        flow.zip(components).for_each(|(of_all, value)| of_all[lane] = *value);
+        let states = self.table.iter_mut().chain(&mut self.angle).chain(&mut self.speed);
+        states.zip(components).for_each(|(of_all, value)| of_all[lane] = *value);
         self.elapsed[lane] = components.get(4 + 2 * N).copied().unwrap_or(0.0);
     }
+}
+
+/// Returns the components of a balancer that are angles.
+pub(in crate::motion::lockstep) fn angles(balls: usize) -> std::ops::Range<usize> {
+    4..4 + balls
 }

@@ -1,0 +1,23 @@
+//! How the simulation of a run ends, with what was found.
+
+use super::closed_orbit::Orbit;
+use super::periodic_creep::Creep;
+use crate::motion::Failure;
+
+/// How the simulation ended.
+pub(super) enum Ending {
+    /// All contacts stick for good.
+    Rest,
+    /// An equilibrium without dry friction is near.
+    Settled,
+    /// The run is on a cycle of revolving contacts.
+    Orbit(Box<Orbit>),
+    /// The run is on a cycle between break-aways of its single contact.
+    BreakAways { period: f64 },
+    /// The run creeps under a periodic force.
+    Creep(Box<Creep>),
+    /// The end time was reached.
+    EndTime,
+    /// The motion could not be continued.
+    Failure(Failure),
+}

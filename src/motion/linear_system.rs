@@ -1,0 +1,86 @@
+//! The solution of the linear systems in recorded equations.
+
+use smallvec::SmallVec;
+
+use crate::model::{Bounded, Dual, Elementary, NodeId};
+
+/// The entries of a matrix, row by row, without an allocation for up to eight unknowns.
+pub(crate) type Entries<T> = SmallVec<[T; 64]>;
+
+/// The unknowns of a linear system, or its right side.
+pub type Unknowns<T> = SmallVec<[T; 8]>;
+
+/// A pivot is small, and another row takes its place, if its share of the largest entry of its row is below this fraction of
+/// the other row's share. The order of well-posed equations then remains, and rounding errors grow little.
+pub(super) const SMALL_PIVOT: f64 = 0.1;
+
+/// Numbers for which linear systems are solved.
+pub trait Solved: Elementary {
+    /// Computes the unknowns of a linear system from the nodes of its matrix and its right side.
+    fn solve(
+        matrix: &[NodeId],
+        right: &[NodeId],
+        at: impl Fn(NodeId) -> Self,
+        unknowns: &mut Unknowns<Self>,
+    ) {
+        let matrix = matrix.iter().map(|node| at(*node)).collect();
+        *unknowns = solved(matrix, right.iter().map(|node| at(*node)).collect());
+    }
+}
+
+impl Solved for f64 {}
+impl Solved for Dual {}
+impl Solved for Bounded {}
+
+/// Returns the solution of a linear system by elimination in the order of its unknowns, as in lanes. Rows with small pivots
+/// are exchanged: threshold pivoting with rows scaled by their largest entries (I. S. Duff, A. M. Erisman, J. K. Reid,
+/// *Direct Methods for Sparse Matrices*, 2nd ed., Oxford 2017, chapter 5, doi:10.1093/acprof:oso/9780198508380.001.0001).
+pub(super) fn solved<T: Elementary>(matrix: Entries<T>, mut right: Unknowns<T>) -> Unknowns<T> {
+    solve_for_each(matrix, [&mut right].into());
+    right
+}
+
+/// Replaces each right side by the solution that [`solved`] returns for it.
+pub(super) fn solve_for_each<T: Elementary>(
+    mut matrix: Entries<T>,
+    mut rights: SmallVec<[&mut Unknowns<T>; 1]>,
+) {
+    let size = rights.first().map_or(0, |right| right.len());
+    let largest = |row: &[T]| row.iter().fold(0.0_f64, |most, one| most.max(one.value().abs()));
+    let mut scales: SmallVec<[f64; 4]> = matrix.chunks(size.max(1)).map(largest).collect();
+    for column in 0..size {
+        for row in column + 1..size {
+            let entry = |row: usize| matrix[row * size + column].value().abs();
+            if entry(column) * scales[row] < SMALL_PIVOT * entry(row) * scales[column] {
+                (0..size).for_each(|j| matrix.swap(row * size + j, column * size + j));
+                rights.iter_mut().for_each(|right| right.swap(row, column));
+                scales.swap(row, column);
+            }
+        }
+        let inverse = matrix[column * size + column].reciprocal();
+        for row in column + 1..size {
+            // Most entries of the equations of several bodies are zero.
+            if matrix[row * size + column].is_zero() {
+                continue;
+            }
+            let factor = matrix[row * size + column] * inverse;
+            for j in column + 1..size {
+                matrix[row * size + j] =
+                    matrix[row * size + j] - factor * matrix[column * size + j];
+            }
+            rights.iter_mut().for_each(|right| right[row] = right[row] - factor * right[column]);
+        }
+    }
+    for row in (0..size).rev() {
+        let inverse = matrix[row * size + row].reciprocal();
+        for right in &mut rights {
+            for column in row + 1..size {
+                let entry = matrix[row * size + column];
+                if !entry.is_zero() {
+                    right[row] = right[row] - entry * right[column];
+                }
+            }
+            right[row] = right[row] * inverse;
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! The event that ends a step of one lane, and the phases after it.
+
+use std::sync::Arc;
+
+use smallvec::SmallVec;
+
+use super::kernel::{Kernel, StepEnd};
+use super::kernel_lanes::KernelLanes;
+use super::lane::Lane;
+use super::open_gaps;
+use crate::model::{Components, Method};
+use crate::motion::condition::Condition;
+use crate::motion::impact::Impact;
+use crate::motion::joint_decision::check_forces;
+use crate::motion::lockstep::vector::Vector;
+use crate::motion::saltation::{saltation, saltation_at_impact, saltation_at_reset};
+use crate::motion::stick_slip::start_phases;
+use crate::motion::touching_system::TouchingSystem;
+use crate::motion::{Evaluator, Failure, Phase, Phases, any_closed, event_driven, switch_model};
+
+/// An event that ends a step.
+#[derive(Clone, Copy)]
+pub(super) struct StepEvent {
+    failed: Condition,
+    /// Whether the condition failed at the start of the step.
+    at_once: bool,
+}
+
+/// Returns the first event of a step of one lane and its place in the step. A condition that fails only by rounding
+/// changes no phase; the next condition may.
+#[inline(never)]
+pub(super) fn first_event<S: Vector, K: Kernel<S>>(
+    g: &KernelLanes<S, K>,
+    lane: usize,
+    length: f64,
+) -> Result<Option<(f64, StepEvent)>, Failure> {
+    let Some(own) = &g.lanes[lane] else { return Ok(None) };
+    let mut ignored = SmallVec::<[Condition; 4]>::new();
+    loop {
+        let mut first = g.kernel.first_event(&g.workspace, own, lane, length, &ignored);
+        if g.gaps.lanes_to_examine & 1 << lane != 0 {
+            let series = (g.simd, &g.kernel, &*g.workspace, &g.state);
+            open_gaps::first_closing(series, (lane, own), length, &mut first);
+        }
+        match first {
+            StepEnd::Nothing => return Ok(None),
+            StepEnd::At(part, failed) => {
+                return Ok(Some((part, StepEvent { failed, at_once: false })));
+            }
+            StepEnd::AtOnce(failed) => {
+                let event = StepEvent { failed, at_once: true };
+                if let Condition::Event(_) | Condition::Gap(_) | Condition::Landing(_) = failed {
+                    return Ok(Some((0.0, event)));
+                }
+                let mut state = g.kernel.lane(&g.state, lane);
+                let kernel = (&g.kernel, &g.state, g.time[lane]);
+                let mut phases = Phases::from_slice(&own.phases);
+                decide(kernel, (lane, own), (&mut state, &mut phases), event)?;
+                if phases != own.phases {
+                    return Ok(Some((0.0, event)));
+                }
+                ignored.push(failed);
+            }
+        }
+    }
+}
+
+/// Replaces the phases in `phases`, which are those of the run, by those after an event. Contacts that stop lose their speed
+/// in `state`, and an event or an impact, which is returned, resets it.
+fn decide<S: Vector, K: Kernel<S>>(
+    (kernel, states, time): (&K, &K::LaneStates, f64),
+    (lane, own): (usize, &Lane),
+    (state, phases): (&mut Components, &mut Phases),
+    StepEvent { failed, at_once }: StepEvent,
+) -> Result<Option<Box<Impact>>, Failure> {
+    // The contact set off at this instant and stops at this instant.
+    let stops_at_once = |contact: usize| {
+        let slips = matches!(own.phases[contact], Phase::Slip(_));
+        (at_once && slips && own.last_switches[contact] == time).then_some(contact)
+    };
+    let (contact, which) = match failed {
+        Condition::Contact { contact, which } => (contact, which),
+        Condition::Event(event) => {
+            if let Some(evaluator) = kernel.evaluator(lane) {
+                *state = evaluator.reset(event, phases, state);
+                if own.has_openings
+                    && let Some(in_touch) = TouchingSystem::new(evaluator, own.settings)
+                {
+                    let (after, impact) = in_touch.start(state)?;
+                    *phases = after;
+                    return Ok(Some(Box::new(impact)));
+                }
+            }
+            let system = own.system.as_ref();
+            *phases = kernel
+                .with_force_model(lane, own, state, |at| start_phases(system, own.settings, at))?;
+            return Ok(None);
+        }
+        Condition::Gap(_) | Condition::Landing(_) => {
+            return with_evaluator(kernel, (lane, own), |evaluator| {
+                let Some(in_touch) = TouchingSystem::new(evaluator, own.settings) else {
+                    return Ok(None);
+                };
+                Ok(Some(Box::new(in_touch.meet(state, phases)?)))
+            });
+        }
+        Condition::Pressed(_) | Condition::Held(_) => (usize::MAX, 0),
+    };
+    if which == 2 && !own.has_openings {
+        return Err(Failure::ContactLost { ball: contact + 1 });
+    }
+    let position = |contact: usize| state[kernel.coordinates(contact).0];
+    if own.has_openings || any_closed(phases) || open_gaps::any_touch(own, position) {
+        return with_evaluator(kernel, (lane, own), |evaluator| {
+            if let Some(in_touch) = TouchingSystem::new(evaluator, own.settings) {
+                let failed = (contact < kernel.contacts()).then_some(contact);
+                let at_once = failed.and_then(stops_at_once);
+                in_touch.switch(state, phases, failed, at_once)?;
+            }
+            Ok(None)
+        });
+    }
+    let speed = |contact: usize| match kernel.coordinates(contact) {
+        (_, Some(component)) => state[component],
+        (_, None) => kernel.speed(states, contact)[lane],
+    };
+    match own.settings.method {
+        Method::Switch => {
+            switch_model::cross_band(own.settings.band, phases, speed);
+            kernel.with_force_model(lane, own, state, |at| {
+                switch_model::decide(at, phases, check_forces)
+            })?;
+        }
+        Method::Event => {
+            let (at_rest, stopped) = event_driven::stop(phases, speed, stops_at_once(contact));
+            for (contact, _) in stopped.iter().enumerate().filter(|(_, stopped)| **stopped) {
+                match (kernel.coordinates(contact).1, kernel.shifted(contact)) {
+                    (Some(component), _) => state[component] = 0.0,
+                    (None, Some(component)) => {
+                        let mut unit = Components::from_elem(0.0, state.len());
+                        unit[component] = 1.0;
+                        state[component] -= kernel.with_force_model(lane, own, state, |at| {
+                            at.speed(contact) / at.speed_along(contact, &unit)
+                        });
+                    }
+                    (None, None) => {}
+                }
+            }
+            kernel.with_force_model(lane, own, state, |at| {
+                event_driven::decide(at, phases, &at_rest, check_forces)
+            })?;
+        }
+    }
+    Ok(None)
+}
+
+/// Calls `with` with the equations of the system in a lane.
+fn with_evaluator<S: Vector, K: Kernel<S>, R>(
+    kernel: &K,
+    (lane, own): (usize, &Lane),
+    with: impl FnOnce(&Evaluator) -> R,
+) -> R {
+    match kernel.evaluator(lane) {
+        Some(evaluator) => with(evaluator),
+        None => with(&Evaluator::new(Arc::clone(&own.system))),
+    }
+}
+
+/// Decides the phases after an event.
+#[inline(never)]
+pub(super) fn switch<S: Vector, K: Kernel<S>>(
+    g: &mut KernelLanes<S, K>,
+    lane: usize,
+    event: StepEvent,
+    perturbed: bool,
+) -> Result<(), Failure> {
+    let time = g.time[lane];
+    let mut state = g.kernel.lane(&g.state, lane);
+    let kernel = &g.kernel;
+    let Some(own) = &mut g.lanes[lane] else { return Ok(()) };
+    own.hits.clear();
+    own.count_event(time)?;
+    own.during.copy_from_slice(&own.phases);
+    let resets =
+        matches!(event.failed, Condition::Event(_) | Condition::Gap(_) | Condition::Landing(_));
+    let mut phases = Phases::from_slice(&own.phases);
+    let impact = decide((kernel, &g.state, time), (lane, own), (&mut state, &mut phases), event)?;
+    own.take_in(impact.as_deref(), time);
+    if perturbed {
+        let mut direction = kernel.lane(&g.perturbation, lane);
+        own.grazed |= match (event.failed, kernel.evaluator(lane)) {
+            (Condition::Contact { contact, which }, _) => {
+                kernel.with_force_model(lane, own, &state, |at| {
+                    let sides: [&[Phase]; 2] = [&own.phases, &phases];
+                    saltation(at, sides, (contact, which), &mut direction)
+                })
+            }
+            (Condition::Event(event), Some(evaluator)) => {
+                let before = kernel.lane(&g.state, lane);
+                let sides: [(&[Phase], &[f64]); 2] = [(&own.phases, &before), (&phases, &state)];
+                let along = |direction: &[f64]| {
+                    evaluator.event_along(event, &own.phases, &before, direction)
+                };
+                let (guard, reset) =
+                    (|along_: &[f64]| along(along_).0, |along_: &[f64]| along(along_).1);
+                saltation_at_reset(evaluator, sides, guard, reset, &mut direction)
+            }
+            (failed @ (Condition::Gap(_) | Condition::Landing(_)), _) => {
+                with_evaluator(kernel, (lane, own), |evaluator| {
+                    let before = kernel.lane(&g.state, lane);
+                    let sides: [(&[Phase], &[f64]); 2] =
+                        [(&own.phases, &before), (&phases, &state)];
+                    saltation_at_impact(evaluator, own.settings, sides, failed, &mut direction)
+                })
+            }
+            // Accelerations do not jump where friction no longer holds contacts, or where a gap opens.
+            (Condition::Event(_) | Condition::Pressed(_) | Condition::Held(_), _) => false,
+        };
+        kernel.set_lane(&mut g.perturbation, lane, &direction);
+    }
+    g.reset |= u64::from(resets) << lane;
+    for (contact, phase) in phases.iter().enumerate() {
+        if *phase != own.phases[contact] {
+            own.switches += u64::from(!phase.is_gap());
+            own.last_switches[contact] = time;
+        }
+    }
+    if phases[kernel.contacts()..] != own.phases[kernel.contacts()..] {
+        own.touching_time += if any_closed(&own.phases) { time - own.last_touch } else { 0.0 };
+        own.last_touch = time;
+    }
+    own.phases = phases;
+    g.enter(lane, &state);
+    Ok(())
+}

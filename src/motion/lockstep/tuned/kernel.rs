@@ -1,0 +1,395 @@
+//! The kernel of the balancer: the equations of all lanes, and their series in a step.
+
+use std::sync::Arc;
+
+use fearless_simd::{mask64x8, prelude::*};
+
+use super::balancer_forces::{BalancerForces, called, turned};
+use super::drive::Drive;
+use super::equations::{Equations, while_apart};
+use super::event_functions::{ConditionCoefficients, LanesToExamine};
+use super::gap_forces::GapForceEquations;
+use super::lane_states::BalancerLaneStates;
+use super::recurrence::RECIPROCALS;
+use super::rest_ahead::RestAhead;
+use super::series::BalancerSeries;
+use super::{event_functions, event_location, step, tangent};
+use crate::model::{Balancer, Components, State, System};
+use crate::motion::Evaluator;
+use crate::motion::condition::Condition;
+use crate::motion::force_model::{ForceModel, RecordedForces};
+use crate::motion::lockstep::kernel::{Kernel, STILL, StepEnd};
+use crate::motion::lockstep::lane::Lane;
+use crate::motion::lockstep::sizes::Powers;
+use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::{LANES, Lanes, ORDER};
+use crate::motion::{Phase, any_closed};
+
+/// The balancer's equations in all lanes.
+pub(in crate::motion::lockstep) struct TunedKernel<S: Vector, const N: usize> {
+    pub(super) equations: Equations<S, N>,
+    watched: [ConditionCoefficients<S>; N],
+    rest: RestAhead<S>,
+    balancers: [Option<Balancer<N>>; LANES],
+    /// The phases of the balls that the equations have.
+    phases: [[Option<Phase>; N]; LANES],
+    gaps: GapForceEquations<S, N>,
+    /// The disc, if its speed changes.
+    drive: Option<Box<Drive<S, N>>>,
+    /// The recorded equations of systems with gaps or a disc whose speed changes, for the decisions that need them.
+    evaluators: [Option<Evaluator>; LANES],
+    /// The latest of them, for the next one.
+    latest: Option<Evaluator>,
+    /// Bit mask of lanes with a ball that cannot stick.
+    sliding: u64,
+}
+
+/// Work space of a step, with the results of the latest step.
+pub(in crate::motion::lockstep) struct BalancerWorkspace<S: Vector, const N: usize> {
+    pub(super) series: BalancerSeries<S, N>,
+    pub(super) perturbed: BalancerSeries<S, N>,
+    lanes_to_examine: LanesToExamine<S, N>,
+}
+
+impl<S: Vector, const N: usize> TunedKernel<S, N> {
+    /// Empty lanes, for discs whose speed changes or for others.
+    pub(in crate::motion::lockstep) fn new(simd: S, changes: bool) -> Self {
+        TunedKernel {
+            equations: Equations::blank(simd),
+            watched: [ConditionCoefficients::nothing(simd); N],
+            rest: RestAhead::none(simd),
+            balancers: [None; LANES],
+            phases: [[None; N]; LANES],
+            gaps: GapForceEquations::none(simd),
+            drive: changes.then(|| Box::new(Drive::blank(simd))),
+            evaluators: std::array::from_fn(|_| None),
+            latest: None,
+            sliding: 0,
+        }
+    }
+
+    /// Returns whether a system is a balancer with this number of balls whose friction is independent of speed or
+    /// proportional to it. Of balls that may touch, all can stick or none can.
+    pub(in crate::motion::lockstep) fn computes(system: &Arc<dyn System>) -> bool {
+        let balancer = while_apart::<N>(system);
+        balancer.is_some_and(|own| {
+            let sticking = own.balls.iter().filter(|ball| ball.friction.can_stick()).count();
+            own.balls.iter().all(|ball| ball.friction.is_linear())
+                && (system.touching().is_none() || sticking == 0 || sticking == N)
+        })
+    }
+}
+
+impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
+    type LaneStates = BalancerLaneStates<S, N>;
+    type Workspace = BalancerWorkspace<S, N>;
+
+    fn fits(&self, system: &Arc<dyn System>) -> bool {
+        Self::computes(system) && system.speed_terms().is_some() == self.drive.is_some()
+    }
+
+    #[inline(always)]
+    fn contacts(&self) -> usize {
+        N
+    }
+
+    #[inline(always)]
+    fn is_angular(&self, _contact: usize) -> bool {
+        true
+    }
+
+    fn lane_states(&self, simd: S) -> Self::LaneStates {
+        BalancerLaneStates::zero(simd)
+    }
+
+    fn workspace(&self, simd: S) -> Self::Workspace {
+        BalancerWorkspace {
+            series: BalancerSeries::zero(simd),
+            perturbed: BalancerSeries::zero(simd),
+            lanes_to_examine: LanesToExamine::none(simd),
+        }
+    }
+
+    fn set_system(&mut self, lane: usize, own: &Lane) {
+        let Some(balancer) = while_apart(&own.system) else { return };
+        let mut balancer: Balancer<N> = *balancer;
+        if let (Some(drive), Some(speed)) = (&mut self.drive, own.system.speed_terms()) {
+            drive.set_machine(lane, &balancer, speed);
+            // Everything that depends on the speed is in `Drive`.
+            balancer.speed = 0.0;
+            balancer.balls.iter_mut().for_each(|ball| ball.rolling_linear = 0.0);
+        }
+        self.equations.set_machine(lane, &balancer);
+        for (watched, ball) in self.watched.iter_mut().zip(&balancer.balls) {
+            watched.limit[lane] = ball.friction.limit;
+        }
+        let bit = 1 << lane;
+        let slides = balancer.balls.iter().any(|ball| !ball.friction.can_stick());
+        self.sliding = self.sliding & !bit | if slides { bit } else { 0 };
+        self.balancers[lane] = Some(balancer);
+        self.phases[lane] = [None; N];
+        self.gaps.clear(lane);
+        let recorded = own.system.touching().is_some() || self.drive.is_some();
+        if recorded {
+            let new = || Evaluator::new(Arc::clone(&own.system));
+            let evaluator = self.latest.as_ref().map_or_else(new, |one| one.of(&own.system));
+            self.latest = Some(evaluator.clone());
+            self.evaluators[lane] = Some(evaluator);
+        } else {
+            self.evaluators[lane] = None;
+        }
+    }
+
+    fn set_phases(&mut self, _room: &mut Self::Workspace, lane: usize, own: &Lane, _state: &[f64]) {
+        let Some(balancer) = &self.balancers[lane] else { return };
+        let margins = (&own.margins, 0.5 * own.width);
+        for (place, phase) in own.phases[..N].iter().enumerate() {
+            // Few balls change their phase at once.
+            if self.phases[lane][place].replace(*phase) == Some(*phase) {
+                continue;
+            }
+            self.equations.set_phase(lane, balancer, (place, *phase));
+            self.watched[place].set(lane, *phase, margins);
+            if let Some(drive) = &mut self.drive {
+                let ball = &self.equations.balls[place];
+                drive.set_ball(lane, place, [ball.mobility[lane], ball.friction[lane]]);
+            }
+        }
+        if let Some(touching) = own.system.touching() {
+            self.gaps.set(lane, own, touching.gaps(), &self.equations);
+        }
+    }
+
+    fn set_rest(&mut self, lane: usize, own: &Lane, state: &[f64]) {
+        self.rest.clear(lane);
+        // A run ends in its last stage, in which the speed is constant.
+        if self.drive.is_none()
+            && let Some(balancer) = &self.balancers[lane]
+        {
+            self.rest.set(lane, balancer, (&own.phases, state));
+        }
+    }
+
+    fn clear(&mut self, lane: usize) {
+        self.sliding &= !(1 << lane);
+        self.rest.clear(lane);
+        self.balancers[lane] = None;
+        self.gaps.clear(lane);
+        self.evaluators[lane] = None;
+    }
+
+    fn lane(&self, states: &Self::LaneStates, lane: usize) -> Components {
+        let mut components = states.lane(lane).components();
+        if self.drive.is_some() {
+            components.push(states.elapsed[lane]);
+        }
+        components
+    }
+
+    fn set_lane(&self, states: &mut Self::LaneStates, lane: usize, components: &[f64]) {
+        states.set_lane(lane, components);
+    }
+
+    #[inline(always)]
+    fn select(&self, into: &mut Self::LaneStates, from: &Self::LaneStates, mask: mask64x8<S>) {
+        into.select(from, mask);
+    }
+
+    #[inline(always)]
+    fn finite(&self, states: &Self::LaneStates, start: Lanes<S>) -> Lanes<S> {
+        states.finite(start)
+    }
+
+    #[inline(always)]
+    fn square(&self, states: &Self::LaneStates) -> Lanes<S> {
+        states.square()
+    }
+
+    #[inline(always)]
+    fn position(&self, states: &Self::LaneStates, contact: usize) -> Lanes<S> {
+        states.angle[contact]
+    }
+
+    #[inline(always)]
+    fn set_position(&self, states: &mut Self::LaneStates, contact: usize, position: Lanes<S>) {
+        states.angle[contact] = position;
+    }
+
+    #[inline(always)]
+    fn speed(&self, states: &Self::LaneStates, contact: usize) -> Lanes<S> {
+        states.speed[contact]
+    }
+
+    #[inline(always)]
+    fn expand(&self, workspace: &mut Self::Workspace, start: &Self::LaneStates, _perturbed: bool) {
+        workspace.series.expand(&self.equations, (self.drive.as_deref(), &self.gaps), start);
+    }
+
+    #[inline(always)]
+    fn within_tolerance(
+        &self,
+        workspace: &Self::Workspace,
+        tolerance: [Lanes<S>; 2],
+        before: Lanes<S>,
+    ) -> Lanes<S> {
+        step::within_tolerance(&workspace.series, tolerance, before)
+    }
+
+    #[inline(always)]
+    fn screen_conditions(&self, workspace: &mut Self::Workspace, length: Lanes<S>) -> u64 {
+        let BalancerWorkspace { series, lanes_to_examine, .. } = workspace;
+        let watched = (&self.watched, &self.gaps);
+        event_functions::screen_conditions(
+            series,
+            &self.equations,
+            watched,
+            length,
+            lanes_to_examine,
+        );
+        lanes_to_examine.any()
+    }
+
+    fn first_event(
+        &self,
+        workspace: &Self::Workspace,
+        own: &Lane,
+        lane: usize,
+        length: f64,
+        ignored: &[Condition],
+    ) -> StepEnd {
+        let Some(balancer) = &self.balancers[lane] else { return StepEnd::Nothing };
+        let at = (lane, length);
+        let own = (own, balancer, &self.gaps);
+        event_location::first_event(
+            &workspace.series,
+            own,
+            at,
+            &workspace.lanes_to_examine,
+            ignored,
+        )
+    }
+
+    #[inline(always)]
+    fn at(
+        &self,
+        workspace: &Self::Workspace,
+        start: &Self::LaneStates,
+        time: Lanes<S>,
+        into: &mut Self::LaneStates,
+    ) {
+        *into = workspace.series.at(&self.equations, start, time);
+        if self.drive.is_some() {
+            into.elapsed += time;
+        }
+    }
+
+    #[inline(always)]
+    fn propagate(
+        &self,
+        workspace: &mut Self::Workspace,
+        perturbation: &Self::LaneStates,
+        length: Lanes<S>,
+    ) -> Self::LaneStates {
+        let BalancerWorkspace { series, perturbed, .. } = workspace;
+        let equations = (&self.equations, self.drive.as_deref());
+        tangent::propagate(series, equations, perturbation, length, perturbed)
+    }
+
+    #[inline(always)]
+    fn rest(&self, state: &Self::LaneStates) -> u64 {
+        self.rest.is_near(self.equations.speed, &state.table)
+    }
+
+    #[inline(always)]
+    fn still(&self, workspace: &Self::Workspace) -> u64 {
+        if self.sliding == 0 || self.drive.is_some() {
+            return 0;
+        }
+        let [first, second, third, ..] = &workspace.series.terms;
+        let simd = self.equations.speed.simd;
+        let two = Lanes::splat(simd, 2.0);
+        let mut most = Lanes::splat(simd, 0.0);
+        for axis in 0..2 {
+            most = most.max(second.table[axis].abs()).max((two * third.table[axis]).abs());
+        }
+        for i in 0..N {
+            most = most.max(first.balls[i].speed.abs()).max(second.balls[i].speed.abs());
+        }
+        most.simd_le(Lanes::splat(simd, STILL)).to_bitmask() & self.sliding
+    }
+
+    fn component(
+        &self,
+        workspace: &Self::Workspace,
+        lane: usize,
+        component: usize,
+        start: f64,
+    ) -> Powers {
+        workspace.series.component(lane, component, start)
+    }
+
+    fn coordinates(&self, contact: usize) -> (usize, Option<usize>) {
+        (4 + contact, Some(4 + N + contact))
+    }
+
+    fn shifted(&self, _: usize) -> Option<usize> {
+        None
+    }
+
+    fn vibration(&self) -> Option<[usize; 2]> {
+        Some([0, 1])
+    }
+
+    #[inline(always)]
+    fn vibration_of(&self, states: &Self::LaneStates) -> [Lanes<S>; 2] {
+        [states.table[0], states.table[1]]
+    }
+
+    #[inline(always)]
+    fn vibration_at(
+        &self,
+        workspace: &Self::Workspace,
+        times: [Lanes<S>; 3],
+    ) -> [[Lanes<S>; 2]; 3] {
+        workspace.series.table_at(times)
+    }
+
+    #[inline(always)]
+    fn relative_travel(
+        &self,
+        workspace: &Self::Workspace,
+        [one, other]: [usize; 2],
+        length: Lanes<S>,
+    ) -> Lanes<S> {
+        let mut bound = Lanes::splat(length.simd, 0.0);
+        for (k, term) in workspace.series.terms[..=ORDER].iter().enumerate().rev() {
+            let relative = (term.balls[one].speed - term.balls[other].speed).abs();
+            bound = bound.fused(length, relative * Lanes::splat(length.simd, RECIPROCALS[k + 1]));
+        }
+        bound * length
+    }
+
+    fn evaluator(&self, lane: usize) -> Option<&Evaluator> {
+        self.evaluators[lane].as_ref()
+    }
+
+    fn with_force_model<R>(
+        &self,
+        lane: usize,
+        own: &Lane,
+        state: &[f64],
+        with: impl FnOnce(&dyn ForceModel) -> R,
+    ) -> R {
+        let is_recorded = self.drive.is_some() || any_closed(&own.phases);
+        if let Some(evaluator) = self.evaluator(lane).filter(|_| is_recorded) {
+            // Not inlined a second time.
+            return called(with, &RecordedForces::new(evaluator, state));
+        }
+        let balancer = self.balancers[lane].as_ref();
+        let balancer = balancer.expect("only lanes with a run are decided");
+        let state =
+            State::<N>::of_components(state).expect("the components are those of the lanes");
+        let turned = turned(self.equations.speed.simd, state.beta);
+        with(&BalancerForces::new(balancer, own.surely_one_solution, (state, turned)))
+    }
+}
