@@ -44,7 +44,7 @@ pub(super) fn effort_limit(model: &Model, system: &dyn System, end: f64) -> u64 
     let steps_in = |seconds: f64| seconds / seconds_per_step(model);
     let in_vain = end * system.fewest_steps() > steps_in(LONGEST_S);
     let most = steps_in(if in_vain { IN_VAIN_S } else { LONGEST_S });
-    let sound = |time: f64| most_steps_by(time, system.pace());
+    let sound = |time: f64| most_steps_by(time, system.fastest_rate());
     sound(end).min(sound(0.0).saturating_add(most as u64))
 }
 

@@ -144,7 +144,7 @@ fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
             let speed = machine.speed_rad_s.abs() / natural;
             0.6 * (1.0 + speed) + 0.5 * model.contacts() as f64 * speed
         }
-        None => 0.6 * model.system().map_or(0.0, |system| system.pace()),
+        None => 0.6 * model.system().map_or(0.0, |system| system.fastest_rate()),
     };
     // The general kernel takes shorter steps, and friction that depends on speed bends the motion at every switch.
     let steps = if has_tuned_kernel(model) { tuned } else { 1.5 * tuned };

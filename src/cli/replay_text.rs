@@ -8,7 +8,7 @@ use crate::counted::counted;
 use crate::model::{DiscMotion, Model, SlidingSpeed};
 use crate::printed_table::{fact_table, text_table};
 use crate::report::{three_digits, time_text};
-use crate::study::Units;
+use crate::study::ShownUnits;
 use crate::table::phase_name;
 
 /// The number of switches that are printed to a terminal.
@@ -81,7 +81,7 @@ pub fn ending(outcome: &Outcome) -> String {
 /// Returns the summary for a terminal: the ending, the final positions, the vibration, how balls touched, and the first
 /// switches and touches; `file` is the table of all switches.
 pub fn terminal_text(
-    (model, units): (&Model, &Units),
+    (model, units): (&Model, &ShownUnits),
     outcome: &Outcome,
     recording: &RecordedRun,
     file: &Path,
@@ -126,7 +126,7 @@ pub fn terminal_text(
 /// Returns the rows on the stages of a run: the last one, since when the balls rest, and the largest vibration of all.
 fn stage_rows(
     speed: &DiscMotion,
-    units: &Units,
+    units: &ShownUnits,
     outcome: &Outcome,
     last: &StageOutcome,
 ) -> Vec<(&'static str, String)> {
@@ -154,7 +154,7 @@ fn stage_rows(
     rows
 }
 
-fn vibration(units: &Units, metres: f64) -> String {
+fn vibration(units: &ShownUnits, metres: f64) -> String {
     let unit = units.vibration();
     format!("{} {}", three_digits(unit.of(metres)), unit.symbol)
 }

@@ -136,7 +136,7 @@ impl<const N: usize> System for BallsInContact<N> {
     pass_on! { balancer:
         fn friction(contact: usize) -> &Friction;
         fn longest_step() -> f64;
-        fn pace() -> f64;
+        fn fastest_rate() -> f64;
         fn fewest_steps() -> f64;
         fn surely_one_solution() -> bool;
         fn force_scale() -> f64;

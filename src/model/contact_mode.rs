@@ -10,7 +10,7 @@ pub enum ContactMode {
     /// It slips in a direction, 1 or -1; a law that cannot stick ignores the direction.
     Slip(f64),
     /// It sets off in a direction: its friction is that at the speed 0, whatever its residual speed.
-    SetOff(f64),
+    BreakingAway(f64),
     /// Its bodies do not touch.
     Apart,
     /// It is a gap, and there is no force in it.
@@ -23,7 +23,7 @@ impl ContactMode {
     /// Returns the direction in which a contact slips or sets off; 0 if it sticks.
     pub fn direction(self) -> f64 {
         match self {
-            ContactMode::Slip(direction) | ContactMode::SetOff(direction) => direction,
+            ContactMode::Slip(direction) | ContactMode::BreakingAway(direction) => direction,
             _ => 0.0,
         }
     }
@@ -35,7 +35,7 @@ pub fn add_contact_inputs(inputs: &mut Vec<f64>, mode: ContactMode, friction: &F
         ContactMode::Stick | ContactMode::Open | ContactMode::Closed => [0.0, 0.0, 0.0],
         ContactMode::Apart => [1.0, 0.0, 0.0],
         ContactMode::Slip(direction) => [1.0, direction, 1.0],
-        ContactMode::SetOff(direction) => [1.0, direction, 0.0],
+        ContactMode::BreakingAway(direction) => [1.0, direction, 0.0],
     });
     inputs.extend_from_slice(&friction.expression_inputs());
 }

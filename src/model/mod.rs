@@ -117,7 +117,7 @@ pub use rest_in_contact::TOUCHING;
 pub use speed_profile::{ProfilePart, Ramp, RampShape, SPEED_TERMS, SpeedProfile, SpeedSegment};
 pub use stage::Stage;
 pub use state::{Components, State};
-pub use system::{Recorded, RestAmplitude, RestForms, System, Touching, stiff_pace};
+pub use system::{Recorded, RestAmplitude, RestForms, System, Touching, stiff_rate};
 pub use units::{ContactUnits, Units};
 pub use written::{
     COEFFICIENT, FaultAt, Formula, FormulaFault, IndexedName, LONGEST_FORMULA, SystemDefinition,

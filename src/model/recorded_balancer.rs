@@ -5,7 +5,7 @@ use std::any::{Any, TypeId};
 
 use super::contact_mode::{add_contact_inputs, record_contact};
 use super::driven_disc::{DiscSpeed, DrivenDisc};
-use super::system::stiff_pace;
+use super::system::stiff_rate;
 use super::{
     Balancer, BalancerBall, Contact, ContactEquations, ContactLayout, ContactMode, Expression,
     Forces, Friction, Number, Recorder, RestForms, State, StateLayout, Structure, System,
@@ -261,10 +261,10 @@ impl<const N: usize> System for Balancer<N> {
         0.5 * std::f64::consts::PI / (self.speed.abs() + 1.0)
     }
 
-    fn pace(&self) -> f64 {
+    fn fastest_rate(&self) -> f64 {
         let weight = self.speed * self.speed;
         let rates = self.balls.iter().map(|ball| ball.friction.damping_rate(weight));
-        1.0 + self.speed.abs() + self.damping_ratio + stiff_pace(rates.fold(0.0, f64::max))
+        1.0 + self.speed.abs() + self.damping_ratio + stiff_rate(rates.fold(0.0, f64::max))
     }
 
     /// The number of steps of an explicit method is about a tenth of the table's damping rate.

@@ -21,7 +21,7 @@ impl<const N: usize> BallsInContact<N> {
 
     /// Returns the largest change of all forces with which friction still holds all balls; negative if it does not hold
     /// them. `strength` multiplies the coefficients of friction.
-    fn endures(&self, forces: [&[f64; N]; 2], gaps: &[Gap], strength: f64) -> f64 {
+    fn force_reserve(&self, forces: [&[f64; N]; 2], gaps: &[Gap], strength: f64) -> f64 {
         held(&self.held_contacts(forces, strength), gaps).reserve
     }
 
@@ -46,7 +46,7 @@ impl<const N: usize> BallsInContact<N> {
     }
 
     fn certified(&self, rest: &RestPoint<N>, gaps: &[Gap], state: &State<N>) -> bool {
-        self.endures([&rest.normal, &rest.friction], gaps, 1.0)
+        self.force_reserve([&rest.normal, &rest.friction], gaps, 1.0)
             >= disturbance_bound(&self.balancer, rest, state)
     }
 }
@@ -68,15 +68,16 @@ impl<const N: usize> RestForms for BallsInContact<N> {
             return self.balancer.rests(state);
         }
         let rest = self.balancer.rest_point(&parts.beta);
-        let endures =
-            |normal: &[f64; N], friction: &[f64; N]| self.endures([normal, friction], &gaps, 1.0);
-        endures(&rest.normal, &rest.friction) > 0.0
+        let force_reserve = |normal: &[f64; N], friction: &[f64; N]| {
+            self.force_reserve([normal, friction], &gaps, 1.0)
+        };
+        force_reserve(&rest.normal, &rest.friction) > 0.0
             && followed_to_rest(
                 &self.balancer,
                 &rest,
                 &parts,
                 |state| self.certified(&rest, &gaps, state),
-                |forces, unseen| endures(&forces.normal, &forces.friction) >= unseen,
+                |forces, unseen| force_reserve(&forces.normal, &forces.friction) >= unseen,
             )
     }
 
@@ -103,7 +104,7 @@ impl<const N: usize> RestForms for BallsInContact<N> {
         let rest = self.balancer.rest_point(&state.beta);
         let distance = self.balancer.distance_from_rest(&state, &rest);
         let gaps = self.closed_gaps(&state.beta);
-        self.endures([&rest.normal, &rest.friction], &gaps, 1.0 + excess)
+        self.force_reserve([&rest.normal, &rest.friction], &gaps, 1.0 + excess)
             >= self.balancer.acceleration_bound(distance)
     }
 }

@@ -34,7 +34,7 @@ pub trait System: Any + Debug + Send + Sync {
 
     /// Returns the rate at which the motion may change, over the natural frequency; the number of
     /// steps of a well-behaved motion is proportional to it.
-    fn pace(&self) -> f64;
+    fn fastest_rate(&self) -> f64;
 
     /// Returns the smallest number of steps per unit of time.
     fn fewest_steps(&self) -> f64 {
@@ -170,7 +170,7 @@ pub struct RestAmplitude {
 /// Returns the contribution of friction with this damping rate to the pace: the number of steps per
 /// unit of time of an explicit method is about a sixth of the rate, far below the effort limit of
 /// this pace. Above a rate of 1e5 a run is too stiff to compute.
-pub fn stiff_pace(damping_rate: f64) -> f64 {
+pub fn stiff_rate(damping_rate: f64) -> f64 {
     1e-3 * damping_rate.min(1e5)
 }
 
@@ -197,7 +197,7 @@ impl System for Recorded {
         fn contacts() -> usize;
         fn friction(contact: usize) -> &Friction;
         fn longest_step() -> f64;
-        fn pace() -> f64;
+        fn fastest_rate() -> f64;
         fn fewest_steps() -> f64;
         fn surely_one_solution() -> bool;
         fn one_solution_at(state: &[f64]) -> bool;

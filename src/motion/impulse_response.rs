@@ -47,7 +47,7 @@ impl Evaluator {
         let gaps = self.system().touching().map_or(&[][..], |system| system.gaps());
         // Contacts that set off in no direction have no friction.
         let mut modes: SmallVec<[ContactMode; 16]> =
-            smallvec![ContactMode::SetOff(0.0); graph.contacts.len()];
+            smallvec![ContactMode::BreakingAway(0.0); graph.contacts.len()];
         graph.openings.iter().for_each(|one| modes[one.contact] = ContactMode::Apart);
         modes.resize(modes.len() + graph.gaps.len(), ContactMode::Open);
         let inputs = self.system().inputs(&modes);

@@ -85,7 +85,7 @@ impl Phase {
         match self {
             Phase::Stick => ContactMode::Stick,
             Phase::Slip(direction) => ContactMode::Slip(direction.sign()),
-            Phase::Transition(direction) => ContactMode::SetOff(direction.sign()),
+            Phase::Transition(direction) => ContactMode::BreakingAway(direction.sign()),
             Phase::Free => ContactMode::Slip(0.0),
             Phase::Apart => ContactMode::Apart,
             Phase::Open => ContactMode::Open,

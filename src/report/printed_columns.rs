@@ -6,7 +6,7 @@ use crate::analysis::Estimate;
 use crate::classification::Label;
 use crate::numbers::{percent, three_digits};
 use crate::printed_table::{PrintedColumn, PrintedTable, in_two_lines};
-use crate::study::{Response, Unit, Units, VariedParameter};
+use crate::study::{Response, ShownUnits, Unit, VariedParameter};
 
 /// The cell of a value that a point does not have.
 const MISSING: &str = "-";
@@ -47,7 +47,7 @@ pub fn printed_columns(
 pub fn response_columns(
     points: Points<'_>,
     responses: &[Response],
-    units: &Units,
+    units: &ShownUnits,
 ) -> Vec<PrintedColumn> {
     let mut columns = key_columns(points).columns;
     let rows: Vec<Estimates<'_>> =
@@ -63,7 +63,7 @@ pub type Estimates<'a> = (&'a [Estimate], &'a [Option<f64>]);
 pub fn estimate_columns(
     responses: &[Response],
     rows: &[Estimates<'_>],
-    units: &Units,
+    units: &ShownUnits,
 ) -> Vec<PrintedColumn> {
     let mut table = PrintedTable::new(rows, MISSING);
     for (index, response) in responses.iter().enumerate() {

@@ -67,7 +67,7 @@ pub use plan::precision::{Precision, Sampling};
 pub use plan::repeated_points::RepeatedPoints;
 pub use plan::response::{AmplitudeKind, Measure, Response};
 pub(crate) use plan::units::short_name;
-pub use plan::units::{Unit, Units};
+pub use plan::units::{ShownUnits, Unit};
 pub use plan::variable::{DesignValue, Values, Variable};
 pub(crate) use sampling::draw::mixed;
 pub use schema::json_schema;

@@ -62,7 +62,7 @@ impl System for OwnMechanism {
         0.5
     }
 
-    fn pace(&self) -> f64 {
+    fn fastest_rate(&self) -> f64 {
         1.0
     }
 

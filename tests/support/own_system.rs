@@ -37,7 +37,7 @@ impl System for OwnSystem {
 
     fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
         let mode = |mode: &ContactMode| match *mode {
-            ContactMode::Slip(direction) | ContactMode::SetOff(direction) => [1.0, direction],
+            ContactMode::Slip(direction) | ContactMode::BreakingAway(direction) => [1.0, direction],
             _ => [0.0, 0.0],
         };
         self.parameters.iter().copied().chain(modes.iter().flat_map(mode)).collect()
@@ -60,7 +60,7 @@ impl System for OwnSystem {
         self.longest_step
     }
 
-    fn pace(&self) -> f64 {
+    fn fastest_rate(&self) -> f64 {
         1.0
     }
 

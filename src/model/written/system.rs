@@ -14,7 +14,7 @@ use super::velocities::{Rates, SpeedOf};
 use crate::model::{
     Components, ContactMode, Expression, Friction, ImpactLaw, Mechanism, MechanismContact,
     MechanismNormal, Number, Recorder, Structure, System, SystemEquations, add_mechanism_inputs,
-    stiff_pace,
+    stiff_rate,
 };
 
 /// A system of a file with values of its parameters, without dimensions.
@@ -346,9 +346,9 @@ impl System for WrittenSystem {
         FRAC_PI_2 / self.rates[0].max(1.0)
     }
 
-    fn pace(&self) -> f64 {
+    fn fastest_rate(&self) -> f64 {
         let damping = self.friction.iter().map(|one| one.damping_rate(self.largest_force));
-        self.rates[0].max(1.0) + stiff_pace(damping.fold(self.rates[1], f64::max))
+        self.rates[0].max(1.0) + stiff_rate(damping.fold(self.rates[1], f64::max))
     }
 
     fn surely_one_solution(&self) -> bool {

@@ -45,7 +45,7 @@ fn leaves(balancer: &Balancer<2>, phases: &[Phase], state: &[f64]) -> bool {
         ContactMode::Slip(direction) => {
             balancer.balls[ball].friction.slip(direction, state.beta_dot[ball])
         }
-        ContactMode::SetOff(direction) => balancer.balls[ball].friction.slip(direction, 0.0),
+        ContactMode::BreakingAway(direction) => balancer.balls[ball].friction.slip(direction, 0.0),
     });
     balancer.forces(&state, &contacts).normal.iter().any(|normal| *normal < -1e-6)
 }

@@ -102,7 +102,7 @@ impl SavedRun {
             },
             width: width(settings.tolerance.relative),
             longest_step: system.longest_step(),
-            fastest_rate: system.pace(),
+            fastest_rate: system.fastest_rate(),
             during: phases.clone(),
             last_switches: smallvec![0.0; phases.len()],
             switches: 0,

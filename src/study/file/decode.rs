@@ -22,7 +22,7 @@ use crate::study::file::key_units::{WITHOUT_UNIT, list_keys};
 use crate::study::file::schema_place::SchemaPlace;
 use crate::study::file::source::Source;
 use crate::study::file::unit_keys::{Keys, Names, UnitKey};
-use crate::study::file::yaml_tree::{Content, Node};
+use crate::study::file::yaml_tree::{Content, YamlNode};
 
 /// Deserialises a value of type `T` from the whole source, with the bounds of numbers that `place` declares.
 pub(in crate::study) fn decode<T: DeserializeOwned>(
@@ -30,7 +30,7 @@ pub(in crate::study) fn decode<T: DeserializeOwned>(
     names: &Names,
     place: Option<SchemaPlace<'static>>,
 ) -> Result<T, StudyError> {
-    let read = |root: &Node| read(root, source, names, place);
+    let read = |root: &YamlNode| read(root, source, names, place);
     let (key, error) = match read(&source.root) {
         Ok(value) => return Ok(value),
         Err((None, error)) => return Err(error),
@@ -40,7 +40,7 @@ pub(in crate::study) fn decode<T: DeserializeOwned>(
     let (mut missing, mut root) = (vec![key.clone()], source.root.clone());
     while missing.len() < MOST_MISSING {
         if let Some(path) = missing.last() {
-            root.insert(path, Node { place: root.place, content: Content::Placeholder });
+            root.insert(path, YamlNode { place: root.place, content: Content::Placeholder });
         }
         match read(&root) {
             Err((Some(key), _)) if !missing.contains(&key) => missing.push(key),
@@ -94,7 +94,7 @@ const EXAMPLES: [(&str, &str); 6] = [
 
 /// Reads a tree; an error comes with the path of the key if a key is missing.
 fn read<T: DeserializeOwned>(
-    root: &Node,
+    root: &YamlNode,
     source: &Source,
     names: &Names,
     place: Option<SchemaPlace<'static>>,
@@ -117,7 +117,7 @@ const UNKNOWN: &str = "unknown key";
 #[derive(Debug)]
 pub(crate) struct DecodeError<'de> {
     /// The key or value whose path the message shows.
-    node: Option<&'de Node>,
+    node: Option<&'de YamlNode>,
     /// The place that the message shows if it is not the place of the node.
     place: Option<Location>,
     /// The missing key below the node.
@@ -136,7 +136,7 @@ impl<'de> DecodeError<'de> {
     }
 
     /// Adds the node, and its content as the value found, unless an inner level has added its own.
-    fn at(mut self, node: &'de Node) -> DecodeError<'de> {
+    fn at(mut self, node: &'de YamlNode) -> DecodeError<'de> {
         if self.node.is_none() {
             self.node = Some(node);
             self.fault.found.get_or_insert_with(|| node.describe());
@@ -201,7 +201,7 @@ fn plain(allowed: &dyn Expected) -> String {
 /// A value, and how it is read.
 #[derive(Clone, Copy)]
 struct At<'de> {
-    node: &'de Node,
+    node: &'de YamlNode,
     names: &'de Names,
     /// The keys of a map, if they are names of the model.
     keys: Option<Keys>,
@@ -213,7 +213,7 @@ struct At<'de> {
 
 impl<'de> At<'de> {
     /// Returns an item of this list.
-    fn item(self, node: &'de Node) -> At<'de> {
+    fn item(self, node: &'de YamlNode) -> At<'de> {
         At { node, keys: None, ..self }
     }
 
@@ -225,7 +225,7 @@ impl<'de> At<'de> {
     }
 
     /// Returns the SI name of a key of this map, and its value.
-    fn entry(self, keys: Keys, key: &'de Node, node: &'de Node) -> (&'de str, At<'de>) {
+    fn entry(self, keys: Keys, key: &'de YamlNode, node: &'de YamlNode) -> (&'de str, At<'de>) {
         let (si, own) = self.names.find(keys, key.name());
         let around = self.unit.filter(|_| !WITHOUT_UNIT.contains(&si));
         let place = match keys {
@@ -248,7 +248,7 @@ impl<'de> At<'de> {
     fn map<V: Visitor<'de>>(
         self,
         keys: Option<Keys>,
-        entries: &'de [(Node, Node)],
+        entries: &'de [(YamlNode, YamlNode)],
         visitor: V,
     ) -> Result<V::Value, DecodeError<'de>> {
         let keys = keys.unwrap_or(Keys::Of(&[]));
@@ -368,7 +368,7 @@ impl<'de> Deserializer<'de> for At<'de> {
             Content::Map(entries) => {
                 let keys = self.keys.unwrap_or(Keys::Of(fields));
                 let is_unknown =
-                    |key: &Node| !fields.contains(&self.names.find(keys, key.name()).0);
+                    |key: &YamlNode| !fields.contains(&self.names.find(keys, key.name()).0);
                 if let Some((key, _)) = entries.iter().find(|(key, _)| is_unknown(key)) {
                     return Err(DecodeError::unknown_field(key.name(), fields).at(key));
                 }
@@ -409,7 +409,8 @@ struct Choice<'de> {
 }
 
 /// Stands for missing settings.
-static NOTHING: Node = Node { place: Location { line: 1, column: 1 }, content: Content::Nothing };
+static NOTHING: YamlNode =
+    YamlNode { place: Location { line: 1, column: 1 }, content: Content::Nothing };
 
 impl<'de> EnumAccess<'de> for Choice<'de> {
     type Error = DecodeError<'de>;

@@ -89,16 +89,16 @@ impl<'de> Visitor<'de> for LawVisitor {
         let law = FRICTION_LAWS[index];
         let values = match law.parameters() {
             [] => settings.unit_variant().map(|()| IndexMap::new())?,
-            _ => settings.struct_variant(&KEYS[index], Settings(index))?,
+            _ => settings.struct_variant(&KEYS[index], LawSettings(index))?,
         };
         Ok(FrictionFile { law, values })
     }
 }
 
 /// The values of the law at this place.
-struct Settings(usize);
+struct LawSettings(usize);
 
-impl<'de> Visitor<'de> for Settings {
+impl<'de> Visitor<'de> for LawSettings {
     type Value = IndexMap<String, f64>;
 
     fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -14,9 +14,9 @@ use crate::study::file::values::{Count, Entry};
 pub struct OptimizeFile {
     /// Response to minimise, or a list of two; `minimize` and `maximize` have one or two responses
     /// in total, and two give a Pareto front.
-    pub minimize: Option<Names>,
+    pub minimize: Option<ResponseNames>,
     /// Response to maximise, or a list of two.
-    pub maximize: Option<Names>,
+    pub maximize: Option<ResponseNames>,
     /// Limits of responses, by response; by default, none.
     pub subject_to: Option<IndexMap<String, LimitFile>>,
     /// How the values at the points of a sweep are combined; the default is `worst`.
@@ -95,25 +95,25 @@ named!(SensitivityFrom { Surrogates: "surrogates", Runs: "runs" });
 #[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]
 #[serde(untagged)]
 #[schemars(inline)]
-pub enum Names {
+pub enum ResponseNames {
     /// One name.
     One(String),
     /// A list of names.
     Several(#[schemars(length(min = 1, max = 2))] Vec<String>),
 }
 
-impl Names {
+impl ResponseNames {
     /// Returns the names.
     pub fn as_slice(&self) -> &[String] {
         match self {
-            Names::One(name) => std::slice::from_ref(name),
-            Names::Several(names) => names,
+            ResponseNames::One(name) => std::slice::from_ref(name),
+            ResponseNames::Several(names) => names,
         }
     }
 }
 
 notations! {
-    Names: "the name of a response, or a list of two",
-    text => |name: &str| Some(Names::One(name.to_owned())),
-    list(Vec<String>) => Names::Several,
+    ResponseNames: "the name of a response, or a list of two",
+    text => |name: &str| Some(ResponseNames::One(name.to_owned())),
+    list(Vec<String>) => ResponseNames::Several,
 }

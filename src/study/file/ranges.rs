@@ -6,7 +6,7 @@ use crate::study::file::key_path::{KeyPath, Segment};
 use crate::study::file::quantity::split_number;
 use crate::study::file::source::Source;
 use crate::study::file::table_folders::MAX_VALUES;
-use crate::study::file::yaml_tree::{Content, Node, describe_number};
+use crate::study::file::yaml_tree::{Content, YamlNode, describe_number};
 
 const KEYS: [&str; 5] = ["from", "to", "count", "step", "spacing"];
 const FORMS: &str = "{from: 1, to: 5, count: 9}, {from: 1, to: 5, step: 0.5}, \
@@ -18,7 +18,7 @@ pub(in crate::study) fn expand_ranges(source: &mut Source) -> Result<(), StudyEr
     let mut left = MAX_VALUES;
     for (path, list) in lists(&mut source.root) {
         if let Content::Map(_) = list.content {
-            match Range::read(list).and_then(|range| range.values(list, left)) {
+            match WrittenRange::read(list).and_then(|range| range.values(list, left)) {
                 Err(wrong) => {
                     found = Err((path, wrong));
                     break;
@@ -37,7 +37,7 @@ pub(in crate::study) fn expand_ranges(source: &mut Source) -> Result<(), StudyEr
 }
 
 /// Returns the values of every parameter under `grid` and `zip`, with their paths.
-fn lists(root: &mut Node) -> Vec<(KeyPath, &mut Node)> {
+fn lists(root: &mut YamlNode) -> Vec<(KeyPath, &mut YamlNode)> {
     let Some(Content::List(blocks)) = entry(root, "sweep").map(|sweep| &mut sweep.content) else {
         return Vec::new();
     };
@@ -61,7 +61,7 @@ fn lists(root: &mut Node) -> Vec<(KeyPath, &mut Node)> {
     all
 }
 
-fn entry<'a>(node: &'a mut Node, name: &str) -> Option<&'a mut Node> {
+fn entry<'a>(node: &'a mut YamlNode, name: &str) -> Option<&'a mut YamlNode> {
     let Content::Map(entries) = &mut node.content else { return None };
     entries.iter_mut().find(|(key, _)| key.name() == name).map(|(_, value)| value)
 }
@@ -70,7 +70,7 @@ fn entry<'a>(node: &'a mut Node, name: &str) -> Option<&'a mut Node> {
 type Wrong = (Location, Option<&'static str>, Fault);
 
 /// A range as it is written; its numbers are in its unit.
-struct Range {
+struct WrittenRange {
     from: f64,
     to: f64,
     steps: Steps,
@@ -84,8 +84,8 @@ enum Steps {
     By(f64),
 }
 
-impl Range {
-    fn read(node: &Node) -> Result<Range, Wrong> {
+impl WrittenRange {
+    fn read(node: &YamlNode) -> Result<WrittenRange, Wrong> {
         let refuse = |key: Option<&'static str>, fault| {
             let place = key.and_then(|key| node.get(key)).map_or(node.place, |node| node.place);
             (place, key, fault)
@@ -176,12 +176,12 @@ impl Range {
             let fault = Fault::new("logarithmic values through 0", found, allowed);
             return Err(refuse(Some("spacing"), fault));
         }
-        Ok(Range { from, to, steps, unit })
+        Ok(WrittenRange { from, to, steps, unit })
     }
 
     /// Returns the values, at most `most`, as nodes at the place of the range.
-    fn values(&self, node: &Node, most: usize) -> Result<Vec<Node>, Wrong> {
-        let Range { from, to, .. } = *self;
+    fn values(&self, node: &YamlNode, most: usize) -> Result<Vec<YamlNode>, Wrong> {
+        let WrittenRange { from, to, .. } = *self;
         let (count, arrives) = match self.steps {
             Steps::Linear(count) | Steps::Logarithmic(count) => (count, true),
             Steps::By(step) => {
@@ -218,14 +218,14 @@ impl Range {
                 "" => Content::Number(number),
                 unit => Content::Text(format!("{number:e} {unit}")),
             };
-            Node { place: node.place, content }
+            YamlNode { place: node.place, content }
         };
         Ok((0..count).map(item).collect())
     }
 }
 
 /// Returns the number and the unit of a value.
-fn number(node: &Node) -> Option<(f64, String)> {
+fn number(node: &YamlNode) -> Option<(f64, String)> {
     match &node.content {
         Content::Natural(number) => Some((*number as f64, String::new())),
         Content::Number(number) => Some((*number, String::new())),

@@ -7,7 +7,7 @@ use serde_saphyr::options::DuplicateKeyPolicy;
 use crate::study::error::{Fault, Location, StudyError};
 use crate::study::file::key_path::{KeyPath, Segment};
 use crate::study::file::yaml_fault::reader_error;
-use crate::study::file::yaml_tree::{Content, Node, parsed};
+use crate::study::file::yaml_tree::{Content, YamlNode, parsed};
 
 /// The text of a study file, its tree and its name, which a message needs.
 #[derive(Clone, Debug)]
@@ -17,7 +17,7 @@ pub(crate) struct Source {
     /// The text of the file.
     pub text: String,
     /// The whole file.
-    pub root: Node,
+    pub root: YamlNode,
     /// The first unit of each key with a unit: the key without its unit, the unit as it is written, and the SI unit.
     pub units: Vec<(String, String, &'static str)>,
 }
@@ -57,8 +57,7 @@ impl Source {
     }
 
     fn check_finite(&self) -> Result<(), StudyError> {
-        let is_not_finite =
-            |node: &Node| matches!(node.content, Content::Number(number) if !number.is_finite());
+        let is_not_finite = |node: &YamlNode| matches!(node.content, Content::Number(number) if !number.is_finite());
         let Some((path, node)) = self.root.find(&is_not_finite) else { return Ok(()) };
         let fault = Fault::new("not a finite number", node.describe(), "a finite number");
         Err(self.refuse_at(node.place, &path, fault))
@@ -78,7 +77,7 @@ impl Source {
     }
 
     /// Returns the value at a path.
-    pub fn node(&self, path: &KeyPath) -> Option<&Node> {
+    pub fn node(&self, path: &KeyPath) -> Option<&YamlNode> {
         path.0.iter().try_fold(&self.root, |node, step| Some(node.below(step)?.1))
     }
 
@@ -132,7 +131,7 @@ impl<'a> SourcePath<'a> {
     }
 
     /// Returns the value, if the file contains it.
-    pub fn node(&self) -> Option<&'a Node> {
+    pub fn node(&self) -> Option<&'a YamlNode> {
         self.source.node(&self.path)
     }
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::study::file::values::TableSource;
+use crate::study::file::values::TableKey;
 
 /// A part of a speed profile.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -16,7 +16,7 @@ pub enum ProfilePartFile {
     /// A constant speed for this time, s. If the profile ends with it, the run ends with it.
     HoldS(#[schemars(range(min = 0))] f64),
     /// A speed that is linear between the rows of a table with the columns `time_s`, from 0, and `speed_rad_s`.
-    Table(TableSource),
+    Table(TableKey),
 }
 
 /// A change of speed.

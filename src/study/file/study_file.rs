@@ -18,7 +18,7 @@ use crate::study::file::protocol_file::ProtocolFile;
 use crate::study::file::schema_parts as schema;
 use crate::study::file::stages_file::{DisturbanceFile, ProfilePartFile};
 use crate::study::file::uncertain_sampling_file::UncertainSamplingFile;
-use crate::study::file::values::{Count, Entry, Range, TableSource};
+use crate::study::file::values::{Count, Entry, Range, TableKey};
 use crate::study::plan::audit::Audit;
 use crate::study::plan::precision::Precision;
 use crate::study::plan::response::ResponseFile;
@@ -129,7 +129,7 @@ pub struct BlockFile {
     #[schemars(schema_with = "schema::swept")]
     pub zip: Option<IndexMap<String, Vec<Entry>>>,
     /// A table with one point per row; the columns are parameters.
-    pub table: Option<TableSource>,
+    pub table: Option<TableKey>,
     /// Sampling design of this block; the default is `initial_conditions.design`.
     pub design: Option<DesignFile>,
 }
@@ -183,7 +183,7 @@ pub enum DesignFile {
     },
     /// Given start states, with one column per coordinate: `x`, `y`, `beta_1` ..., `x_dot`,
     /// `y_dot`, `beta_dot_1` ... of a ball balancer; `position_m`, `velocity_m_s` of a block.
-    Table(TableSource),
+    Table(TableKey),
 }
 
 /// Expected fractions of runs per label at some points; at least one fraction is required.

@@ -5,31 +5,31 @@ use crate::study::file::key_path::Segment;
 use crate::study::file::key_units::{MATERIAL, split_unit};
 use crate::study::file::kind_parameters::{axes_of, parameters_of, parameters_of_any};
 use crate::study::file::unit_keys::Names;
-use crate::study::file::yaml_tree::{Content, Node};
+use crate::study::file::yaml_tree::{Content, YamlNode};
 use crate::study::kinds::model_kind;
 
 impl Names {
     /// Returns the names of a study.
-    pub fn of(root: &Node) -> Names {
-        let kind = root.get("model").and_then(|model| model.get("kind")).map_or("", Node::name);
+    pub fn of(root: &YamlNode) -> Names {
+        let kind = root.get("model").and_then(|model| model.get("kind")).map_or("", YamlNode::name);
         let parameters = model_kind(kind).map_or_else(parameters_of_any, parameters_of);
         Names::new(parameters, coordinates_of(model_kind(kind)), names_of_choices(root))
     }
 }
 
 /// Gives the contact of balls the restitution of their material, unless it has its own.
-pub(in crate::study) fn add_restitution(root: &mut Node) {
+pub(in crate::study) fn add_restitution(root: &mut YamlNode) {
     let material = (|| root.get("model")?.get("parameters")?.get(MATERIAL))();
     let restitution = material.and_then(|name| Material::named(name.name())?.restitution);
     let contact = ["model", "contact"].map(|key| Segment::Key(key.to_owned()));
-    let (Some(restitution), Some(Node { place, content: Content::Map(law) })) =
+    let (Some(restitution), Some(YamlNode { place, content: Content::Map(law) })) =
         (restitution, root.at_mut(&contact))
     else {
         return;
     };
     let own = ["restitution", "material_restitution"];
     if law.iter().all(|(key, _)| !own.contains(&key.name())) {
-        let node = |content| Node { place: *place, content };
+        let node = |content| YamlNode { place: *place, content };
         let key = node(Content::Text("material_restitution".to_owned()));
         law.push((key, node(Content::Number(restitution))));
     }
@@ -45,7 +45,7 @@ fn coordinates_of(kind: Option<&'static ModelKind>) -> Vec<String> {
 }
 
 /// Returns the variables with choices. A variable with choices may have the name of a parameter without its unit.
-fn names_of_choices(root: &Node) -> Vec<String> {
+fn names_of_choices(root: &YamlNode) -> Vec<String> {
     let Some(Content::Map(variables)) = root.get("design").map(|design| &design.content) else {
         return Vec::new();
     };

@@ -7,7 +7,7 @@ use crate::study::error::{Fault, Location, StudyError, shorten};
 use crate::study::file::column_units::KnownColumn;
 use crate::study::file::source::SourcePath;
 use crate::study::file::table_folders::{MAX_VALUES, TableFolders};
-use crate::study::file::values::{Entry, InlineTable, TableSource};
+use crate::study::file::values::{Entry, InlineTable, TableKey};
 use crate::tabular::{Cell, Cells, Limits, Refusal, check_name, ragged};
 
 /// A table whose column names are valid and distinct.
@@ -56,12 +56,12 @@ impl<'a> Rows<'a> {
     pub fn read(
         folders: &TableFolders,
         path: &SourcePath<'a>,
-        table: &TableSource,
+        table: &TableKey,
         allowed: &[String],
     ) -> Result<Rows<'a>, StudyError> {
         match table {
-            TableSource::Inline(inline) => Rows::of_inline(path, inline, allowed),
-            TableSource::File(name) => Rows::of_file(folders, path, name, allowed),
+            TableKey::Inline(inline) => Rows::of_inline(path, inline, allowed),
+            TableKey::File(name) => Rows::of_file(folders, path, name, allowed),
         }
     }
 

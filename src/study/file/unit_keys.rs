@@ -7,7 +7,7 @@ use crate::model::{MATERIALS, Material};
 use crate::study::error::{Fault, list_names, shorten};
 use crate::study::file::key_units::{DENSITY, MATERIAL, split_unit};
 use crate::study::file::quantity::{convert, decimal_comma, measured, split_number};
-use crate::study::file::yaml_tree::{Content, Node};
+use crate::study::file::yaml_tree::{Content, YamlNode};
 
 /// The names that a map may have as its keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,12 +44,12 @@ pub(in crate::study) struct UnitKey<'a> {
     /// The name without the unit.
     short: &'a str,
     unit: &'static str,
-    values: Values,
+    values: ValueNotation,
 }
 
 /// How the values of a key are written.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Values {
+enum ValueNotation {
     Numbers,
     WithUnits,
     Either,
@@ -70,7 +70,7 @@ pub(in crate::study) struct Names {
 impl UnitKey<'static> {
     /// A length that is a number in m or a value with a unit.
     pub const LENGTH: UnitKey<'static> =
-        UnitKey { si: "limit", short: "limit", unit: "m", values: Values::Either };
+        UnitKey { si: "limit", short: "limit", unit: "m", values: ValueNotation::Either };
 }
 
 impl Names {
@@ -95,13 +95,18 @@ impl Names {
         };
         let known = || fields.iter().copied().chain(names.iter().map(String::as_str));
         if written == MATERIAL && known().any(|si| si == DENSITY) {
-            let key =
-                UnitKey { si: DENSITY, short: MATERIAL, unit: "kg/m3", values: Values::WithUnits };
+            let key = UnitKey {
+                si: DENSITY,
+                short: MATERIAL,
+                unit: "kg/m3",
+                values: ValueNotation::WithUnits,
+            };
             return (DENSITY, Some(key));
         }
         let unit_key = |si: &'a str| {
             let (short, unit) = split_unit(si)?;
-            let values = if si == written { Values::Numbers } else { Values::WithUnits };
+            let values =
+                if si == written { ValueNotation::Numbers } else { ValueNotation::WithUnits };
             (si == written || short == written).then_some(UnitKey { si, short, unit, values })
         };
         // A friction law has the same speed in the unit of each kind of model.
@@ -122,15 +127,15 @@ impl Names {
     pub fn check_once<'n>(
         &self,
         keys: Keys,
-        entries: &'n [(Node, Node)],
-    ) -> Result<(), (&'n Node, Fault)> {
-        let mut read: Vec<(&str, &Node)> = Vec::new();
+        entries: &'n [(YamlNode, YamlNode)],
+    ) -> Result<(), (&'n YamlNode, Fault)> {
+        let mut read: Vec<(&str, &YamlNode)> = Vec::new();
         for (key, _) in entries {
             let (si, known) = self.find(keys, key.name());
-            if !known.is_some_and(|known| known.values == Values::WithUnits) {
+            if !known.is_some_and(|known| known.values == ValueNotation::WithUnits) {
                 continue;
             }
-            let is_si = |other: &&(Node, Node)| other.0.name() == si;
+            let is_si = |other: &&(YamlNode, YamlNode)| other.0.name() == si;
             let with_unit = entries.iter().find(is_si).map(|(other, _)| other);
             let before = read.iter().find(|(other, _)| *other == si).map(|(_, other)| *other);
             if let Some(other) = before.or(with_unit) {
@@ -153,32 +158,34 @@ impl Names {
     /// # Errors
     /// Returns a fault if the value has no unit, although the key has none, if it has the unit of another quantity, or if
     /// both the key and the value have one.
-    pub fn number(&self, node: &Node, key: &UnitKey<'_>) -> Result<Option<f64>, Fault> {
+    pub fn number(&self, node: &YamlNode, key: &UnitKey<'_>) -> Result<Option<f64>, Fault> {
         let UnitKey { si, short, unit, values } = *key;
         let of_unit = || format!("a number in {unit}, or `{short}` with {}", measured(unit));
         match (&node.content, values) {
-            (Content::Text(name), Values::WithUnits) if short == MATERIAL => {
+            (Content::Text(name), ValueNotation::WithUnits) if short == MATERIAL => {
                 density(name).map(Some)
             }
-            (Content::Text(text), Values::WithUnits) => {
+            (Content::Text(text), ValueNotation::WithUnits) => {
                 self.note_unit(text, key);
                 convert(text, unit).map(Some).map_err(|fault| with_si_key(fault, key))
             }
-            (Content::Text(text), Values::Either) => convert(text, unit).map(Some),
-            (Content::Nothing, Values::WithUnits) => {
+            (Content::Text(text), ValueNotation::Either) => convert(text, unit).map(Some),
+            (Content::Nothing, ValueNotation::WithUnits) => {
                 Err(Fault::new("a value is missing", node.describe(), measured(unit)))
             }
-            (Content::Nothing, Values::Numbers) => {
+            (Content::Nothing, ValueNotation::Numbers) => {
                 Err(Fault::new("a value is missing", node.describe(), of_unit()))
             }
-            (Content::Natural(_) | Content::Number(_), Values::WithUnits) if short == MATERIAL => {
+            (Content::Natural(_) | Content::Number(_), ValueNotation::WithUnits)
+                if short == MATERIAL =>
+            {
                 let allowed = format!("a material, or `{si}` for a density");
                 Err(Fault::new("not a material", node.describe(), allowed))
             }
-            (Content::Natural(_) | Content::Number(_), Values::WithUnits) => {
+            (Content::Natural(_) | Content::Number(_), ValueNotation::WithUnits) => {
                 Err(with_si_key(Fault::new(WITHOUT, node.describe(), ""), key))
             }
-            (Content::Text(text), Values::Numbers) => {
+            (Content::Text(text), ValueNotation::Numbers) => {
                 if let Some(fault) = decimal_comma(text) {
                     return Err(fault);
                 }

@@ -89,7 +89,7 @@ notations! {
 #[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]
 #[serde(untagged)]
 #[schemars(rename = "Table")]
-pub enum TableSource {
+pub enum TableKey {
     /// A CSV file with one header line, or a Parquet file; the file extension decides.
     File(String),
     /// An inline table.
@@ -107,16 +107,16 @@ pub struct InlineTable {
     pub rows: Vec<Vec<Entry>>,
 }
 
-impl TableSource {
+impl TableKey {
     /// Returns an inline table of numbers.
     pub fn of_numbers<'a>(columns: Vec<String>, rows: impl Iterator<Item = &'a [f64]>) -> Self {
         let row = |row: &[f64]| row.iter().copied().map(Entry::Number).collect();
-        TableSource::Inline(InlineTable { columns, rows: rows.map(row).collect() })
+        TableKey::Inline(InlineTable { columns, rows: rows.map(row).collect() })
     }
 }
 
 notations! {
-    TableSource: "the path of a CSV or Parquet file, or {columns: [...], rows: [[...], ...]}",
-    text => |path: &str| Some(TableSource::File(path.to_owned())),
-    map(InlineTable) => TableSource::Inline,
+    TableKey: "the path of a CSV or Parquet file, or {columns: [...], rows: [[...], ...]}",
+    text => |path: &str| Some(TableKey::File(path.to_owned())),
+    map(InlineTable) => TableKey::Inline,
 }

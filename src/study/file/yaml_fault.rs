@@ -8,7 +8,7 @@ use std::path::Path;
 use serde_saphyr::options::DuplicateKeyPolicy;
 
 use super::key_path::{KeyPath, Segment};
-use super::yaml_tree::{Content, MAX_DEPTH, MAX_NODES, Node, parsed};
+use super::yaml_tree::{Content, MAX_DEPTH, MAX_NODES, YamlNode, parsed};
 use crate::study::error::{Fault, Location, StudyError, shorten};
 
 /// Creates the message for a text that cannot be parsed.
@@ -68,7 +68,7 @@ fn first_of_two(text: &str, place: Location, name: &str) -> Option<(KeyPath, usi
     let other_name = format!("{name}-given-twice");
     let renamed = format!("{}-given-twice{}", text.get(..end)?, text.get(end..)?);
     let root = parsed(&renamed, DuplicateKeyPolicy::FirstWins).ok()?;
-    let (mut path, _) = root.find(&|node: &Node| node.name() == other_name)?;
+    let (mut path, _) = root.find(&|node: &YamlNode| node.name() == other_name)?;
     path.0.pop();
     let mut map = &root;
     for step in &path.0 {

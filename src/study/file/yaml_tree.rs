@@ -26,7 +26,7 @@ pub(super) const MAX_DEPTH: usize = 24;
 
 /// A value and its place.
 #[derive(Clone, Debug)]
-pub(crate) struct Node {
+pub(crate) struct YamlNode {
     /// Where the value starts; for an alias, where it is used.
     pub place: Location,
     /// The value.
@@ -49,16 +49,16 @@ pub(crate) enum Content {
     /// Text.
     Text(String),
     /// A list.
-    List(Vec<Node>),
+    List(Vec<YamlNode>),
     /// A map in the order of the file; its keys are texts.
-    Map(Vec<(Node, Node)>),
+    Map(Vec<(YamlNode, YamlNode)>),
 }
 
 /// Parses a text within the limits of a study file.
 pub(super) fn parsed(
     text: &str,
     duplicates: DuplicateKeyPolicy,
-) -> Result<Node, serde_saphyr::Error> {
+) -> Result<YamlNode, serde_saphyr::Error> {
     let options = serde_saphyr::options! {
         budget: serde_saphyr::budget! {
             max_depth: MAX_DEPTH,
@@ -82,7 +82,7 @@ pub(super) fn parsed(
     serde_saphyr::from_str_with_options(text, options)
 }
 
-impl Node {
+impl YamlNode {
     /// Describes the content in words for a message.
     pub fn describe(&self) -> String {
         match &self.content {
@@ -109,20 +109,20 @@ impl Node {
     }
 
     /// Returns the keys and their places, without lists of values, which may be long.
-    pub fn outline(&self) -> Node {
-        let is_map = |item: &Node| matches!(item.content, Content::Map(_));
+    pub fn outline(&self) -> YamlNode {
+        let is_map = |item: &YamlNode| matches!(item.content, Content::Map(_));
         let content = match &self.content {
             Content::Map(entries) => {
-                let outline = |(key, value): &(Node, Node)| (key.clone(), value.outline());
+                let outline = |(key, value): &(YamlNode, YamlNode)| (key.clone(), value.outline());
                 Content::Map(entries.iter().map(outline).collect())
             }
             Content::List(items) if items.first().is_none_or(|first| !is_map(first)) => {
                 Content::List(Vec::new())
             }
-            Content::List(items) => Content::List(items.iter().map(Node::outline).collect()),
+            Content::List(items) => Content::List(items.iter().map(YamlNode::outline).collect()),
             other => other.clone(),
         };
-        Node { place: self.place, content }
+        YamlNode { place: self.place, content }
     }
 
     /// Returns the name of a key; empty if this is not a text.
@@ -131,16 +131,16 @@ impl Node {
     }
 
     /// Returns the value of a key, if this is a map with this key.
-    pub fn get(&self, key: &str) -> Option<&Node> {
+    pub fn get(&self, key: &str) -> Option<&YamlNode> {
         Some(self.below(&Segment::Key(key.to_owned()))?.1)
     }
 
     /// Returns the key and the value one step below; the key of a list's item is the item itself. A key with a unit may be
     /// written without it.
-    pub fn below(&self, step: &Segment) -> Option<(&Node, &Node)> {
+    pub fn below(&self, step: &Segment) -> Option<(&YamlNode, &YamlNode)> {
         match (step, &self.content) {
             (Segment::Key(name), Content::Map(entries)) => {
-                let is_short = |key: &Node| without_unit(name).contains(&key.name());
+                let is_short = |key: &YamlNode| without_unit(name).contains(&key.name());
                 let exact = entries.iter().find(|(key, _)| key.name() == name);
                 let found = exact.or_else(|| entries.iter().find(|(key, _)| is_short(key)))?;
                 Some((&found.0, &found.1))
@@ -153,7 +153,7 @@ impl Node {
     }
 
     /// Returns the value at a path.
-    pub fn at_mut(&mut self, path: &[Segment]) -> Option<&mut Node> {
+    pub fn at_mut(&mut self, path: &[Segment]) -> Option<&mut YamlNode> {
         let mut node = self;
         for step in path {
             node = match (step, &mut node.content) {
@@ -168,7 +168,7 @@ impl Node {
     }
 
     /// Inserts a value at the path of a missing key, if this tree has a map there.
-    pub fn insert(&mut self, path: &KeyPath, value: Node) {
+    pub fn insert(&mut self, path: &KeyPath, value: YamlNode) {
         let Some((Segment::Key(name), above)) = path.0.split_last() else { return };
         let Some(node) = self.at_mut(above) else { return };
         // A placeholder with a key is a map with this key alone.
@@ -176,13 +176,13 @@ impl Node {
             node.content = Content::Map(Vec::new());
         }
         if let Content::Map(entries) = &mut node.content {
-            let key = Node { place: value.place, content: Content::Text(name.clone()) };
+            let key = YamlNode { place: value.place, content: Content::Text(name.clone()) };
             entries.push((key, value));
         }
     }
 
     /// Returns the first key or value in this tree that is wanted, with its path.
-    pub fn find(&self, wanted: &dyn Fn(&Node) -> bool) -> Option<(KeyPath, &Node)> {
+    pub fn find(&self, wanted: &dyn Fn(&YamlNode) -> bool) -> Option<(KeyPath, &YamlNode)> {
         if wanted(self) {
             return Some((KeyPath::default(), self));
         }
@@ -202,10 +202,10 @@ impl Node {
     }
 }
 
-impl<'de> Deserialize<'de> for Node {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Node, D::Error> {
+impl<'de> Deserialize<'de> for YamlNode {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<YamlNode, D::Error> {
         let spanned: Spanned<Content> = Spanned::deserialize(deserializer)?;
-        Ok(Node { place: place_of(&spanned.referenced)?, content: spanned.value })
+        Ok(YamlNode { place: place_of(&spanned.referenced)?, content: spanned.value })
     }
 }
 
@@ -274,7 +274,8 @@ impl<'de> Visitor<'de> for ContentVisitor {
             if entries.len() >= 10_000 {
                 return Err(A::Error::custom("more than 10000 keys in one map"));
             }
-            entries.push((Node { place, content: Content::Text(key.value) }, map.next_value()?));
+            entries
+                .push((YamlNode { place, content: Content::Text(key.value) }, map.next_value()?));
         }
         Ok(Content::Map(entries))
     }

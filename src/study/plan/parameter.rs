@@ -11,7 +11,7 @@ use crate::model::{
 use crate::study::error::Fault;
 use crate::study::file::parameters_file::BALLS;
 use crate::study::file::yaml_tree::describe_number;
-use crate::study::plan::units::{Unit, Units, short_name};
+use crate::study::plan::units::{ShownUnits, Unit, short_name};
 
 /// The value of a parameter at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -58,7 +58,7 @@ pub struct VariedParameter {
 
 impl VariedParameter {
     /// Returns the parameter with the unit that a study chooses for it.
-    pub(in crate::study) fn shown_in(self, units: &Units) -> Self {
+    pub(in crate::study) fn shown_in(self, units: &ShownUnits) -> Self {
         let chosen =
             units.of_parameter(&self.name).filter(|unit| unit.symbol != self.unit).cloned();
         VariedParameter { shown: chosen, ..self }

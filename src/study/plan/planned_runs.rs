@@ -13,7 +13,7 @@ use crate::study::plan::parameter::{Parameter, ParameterValue, VariedParameter};
 use crate::study::plan::precision::{Precision, Sampling};
 use crate::study::plan::sweep::{Block, Listing, PointSampling};
 use crate::study::plan::uncertain_parameter::UncertainParameter;
-use crate::study::plan::units::Units;
+use crate::study::plan::units::ShownUnits;
 use crate::study::sampling::apart::start_apart;
 use crate::study::sampling::correlation::Copula;
 use crate::study::sampling::draw::DrawKey;
@@ -37,7 +37,7 @@ pub struct Plan {
     pub(in crate::study) copula: Option<Copula>,
     /// The parameters that others determine, such as the mass of a ball whose density is given.
     pub(in crate::study) determined: Vec<&'static str>,
-    pub(in crate::study) units: Units,
+    pub(in crate::study) units: ShownUnits,
     pub(in crate::study) resolved: ResolvedFile,
     /// The keys of the study file as it is written, for messages about them.
     pub(in crate::study) source: Arc<Source>,
@@ -198,7 +198,7 @@ impl Plan {
     }
 
     /// Returns the units in which people read results.
-    pub fn units(&self) -> &Units {
+    pub fn units(&self) -> &ShownUnits {
         &self.units
     }
 

@@ -9,7 +9,7 @@ use crate::study::file::schema_parts as schema;
 use crate::study::file::values::NumberOrLength;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::shown_numbers::six_digits;
-use crate::study::plan::units::{Unit, Units};
+use crate::study::plan::units::{ShownUnits, Unit};
 
 /// A response of a design, estimated from the residual amplitudes (`amplitude_m` in `runs.parquet`), the peak amplitudes
 /// (`peak_amplitude_m`) or the times to rest of its runs.
@@ -205,7 +205,7 @@ impl Response {
     }
 
     /// Returns the unit in which people read the value.
-    pub fn shown_unit(&self, units: &Units) -> Unit {
+    pub fn shown_unit(&self, units: &ShownUnits) -> Unit {
         let (symbol, si) = match (self.measure, self.unit()) {
             (Measure::Above(_) | Measure::AtRestBy(_), _) => ("%", 0.01),
             (_, "m") => return units.vibration(),

@@ -41,9 +41,9 @@ impl Unit {
 
 /// The units of a study, by quantity or by parameter without the unit in its name.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Units(pub(in crate::study) IndexMap<String, Unit>);
+pub struct ShownUnits(pub(in crate::study) IndexMap<String, Unit>);
 
-impl Units {
+impl ShownUnits {
     /// Returns the unit of a parameter; `None` if it is shown in SI units.
     pub fn of_parameter(&self, name: &str) -> Option<&Unit> {
         let (short, si) = split_unit(name)?;

@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use crate::study::file::key_path::KeyPath;
-use crate::study::file::yaml_tree::{Content, Node};
+use crate::study::file::yaml_tree::{Content, YamlNode};
 use crate::study::plan::planned_runs::Plan;
 
 impl Plan {
@@ -61,7 +61,7 @@ impl Plan {
         let parts = self.source.node(&KeyPath::of("model.speed_profile"));
         let Some(Content::List(parts)) = parts.map(|parts| &parts.content) else { return false };
         let last = parts.iter().rev().find(|part| part.get("hold_s").is_none());
-        let is_given = |part: &Node| {
+        let is_given = |part: &YamlNode| {
             let shapes = ["ramp", "smooth_ramp"].into_iter().filter_map(|shape| part.get(shape));
             let mut ends = shapes.map(|ramp| ramp.get("to_rad_s").is_some());
             ends.next().unwrap_or(true)

@@ -5,7 +5,7 @@
 
 use crate::study::error::StudyError;
 use crate::study::file::key_path::{KeyPath, Segment};
-use crate::study::file::yaml_tree::{Content, Node};
+use crate::study::file::yaml_tree::{Content, YamlNode};
 
 /// The largest number of errors that are listed.
 const MOST: usize = 20;
@@ -83,7 +83,7 @@ fn faulty_key(error: &StudyError) -> Option<KeyPath> {
 }
 
 /// Leaves a key out of a tree. A top-level key that every study needs gets a value instead.
-pub(crate) fn leave_out(root: &mut Node, path: &KeyPath) {
+pub(crate) fn leave_out(root: &mut YamlNode, path: &KeyPath) {
     let Some((Segment::Key(name), above)) = path.0.split_last() else { return };
     let needed = match (name.as_str(), above.is_empty()) {
         ("schema", true) => Some(Content::Natural(1)),
@@ -91,7 +91,7 @@ pub(crate) fn leave_out(root: &mut Node, path: &KeyPath) {
         ("seed", true) => Some(Content::Natural(0)),
         _ => None,
     };
-    let Some(Node { content: Content::Map(entries), .. }) = root.at_mut(above) else { return };
+    let Some(YamlNode { content: Content::Map(entries), .. }) = root.at_mut(above) else { return };
     match (entries.iter_mut().find(|(key, _)| key.name() == name), needed) {
         (Some((_, value)), Some(needed)) => value.content = needed,
         _ => entries.retain(|(key, _)| key.name() != name),

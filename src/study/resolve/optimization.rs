@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 
 use crate::study::error::{Fault, StudyError, list_names};
 use crate::study::file::optimize_file::{
-    LimitFile, Names, OptimizeFile, SensitivityFile, SensitivityFrom,
+    LimitFile, OptimizeFile, ResponseNames, SensitivityFile, SensitivityFrom,
 };
 use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::values::{Count, Entry};
@@ -107,7 +107,7 @@ impl Goals<'_> {
             [("minimize", &file.minimize, false), ("maximize", &file.maximize, true)]
         {
             let path = self.path.key(key);
-            for name in names.iter().flat_map(Names::as_slice) {
+            for name in names.iter().flat_map(ResponseNames::as_slice) {
                 let response = self.response(name).map_err(|fault| path.refuse_value(fault))?;
                 if objectives.iter().any(|other| other.response == response) {
                     return Err(path.wrong_value("an objective twice", name.as_str(), "each once"));

@@ -8,7 +8,7 @@ use crate::study::file::source::SourcePath;
 use crate::study::file::study_file::DesignFile;
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;
-use crate::study::file::values::TableSource;
+use crate::study::file::values::TableKey;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::sampling::apart::first_overlap;
 use crate::study::sampling::initial_box::{BoxAxis, axis_names};
@@ -87,7 +87,7 @@ pub(crate) fn check_dimensions(dimensions: usize) -> Result<(), Fault> {
 fn resolve_starts<'a>(
     folders: &TableFolders,
     path: &SourcePath<'a>,
-    table: &TableSource,
+    table: &TableKey,
     model: &Model,
 ) -> Result<ResolvedDesign<'a>, StudyError> {
     let names = axis_names(model);
@@ -110,7 +110,7 @@ fn resolve_starts<'a>(
             }
         }
     }
-    let file = TableSource::of_numbers(names.clone(), rows.iter().map(Vec::as_slice));
+    let file = TableKey::of_numbers(names.clone(), rows.iter().map(Vec::as_slice));
     Ok(ResolvedDesign {
         layout: Layout::Table { rows: Arc::new(rows) },
         file: DesignFile::Table(file),
@@ -123,7 +123,7 @@ impl DesignFile {
     /// Returns the number of values that the design lists.
     pub(crate) fn values(&self) -> usize {
         match self {
-            DesignFile::Table(TableSource::Inline(table)) => table.columns.len() * table.rows.len(),
+            DesignFile::Table(TableKey::Inline(table)) => table.columns.len() * table.rows.len(),
             _ => 0,
         }
     }

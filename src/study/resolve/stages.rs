@@ -8,7 +8,7 @@ use crate::study::file::stages_file::{
 };
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;
-use crate::study::file::values::TableSource;
+use crate::study::file::values::TableKey;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::MOST_MEMBERS;
 
@@ -125,7 +125,7 @@ fn begin(path: &SourcePath<'_>, from: Option<f64>, before: Option<f64>) -> Resul
 fn speeds(
     folders: &TableFolders,
     path: &SourcePath<'_>,
-    table: &TableSource,
+    table: &TableKey,
 ) -> Result<Vec<[f64; 2]>, StudyError> {
     let names = COLUMNS.map(str::to_owned);
     let read = Rows::read(folders, path, table, &names)?;
@@ -216,7 +216,7 @@ pub(in crate::study) fn profile_to_file(profile: &SpeedProfile) -> Vec<ProfilePa
         ProfilePart::Table(rows) => {
             let columns = COLUMNS.map(str::to_owned).to_vec();
             let rows = rows.iter().map(|row| &row[..]);
-            ProfilePartFile::Table(TableSource::of_numbers(columns, rows))
+            ProfilePartFile::Table(TableKey::of_numbers(columns, rows))
         }
     };
     profile.parts.iter().enumerate().map(part).collect()

@@ -10,7 +10,7 @@ use crate::study::file::source::SourcePath;
 use crate::study::file::study_file::BlockFile;
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;
-use crate::study::file::values::{Entry, InlineTable, TableSource};
+use crate::study::file::values::{Entry, InlineTable, TableKey};
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, ParameterValue, check_number_of_balls};
@@ -125,7 +125,7 @@ fn check_equal_lengths(
 fn resolve_table(
     folders: &TableFolders,
     path: &SourcePath<'_>,
-    table: &TableSource,
+    table: &TableKey,
     base: &Base,
 ) -> Result<ResolvedBlock, StudyError> {
     let read = Rows::read(folders, path, table, &names_of_columns(base))?;
@@ -147,7 +147,7 @@ fn resolve_table(
         columns.push((parameter, values));
     }
     let inline = InlineTable { columns: read.columns, rows: read.rows };
-    let file = BlockFile { table: Some(TableSource::Inline(inline)), ..BlockFile::default() };
+    let file = BlockFile { table: Some(TableKey::Inline(inline)), ..BlockFile::default() };
     Ok(ResolvedBlock { listing: Listing::Rows, columns, file })
 }
 

@@ -21,7 +21,7 @@ use crate::study::file::system_file::{
 };
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::unit_keys::Names;
-use crate::study::file::yaml_tree::{Content, Node};
+use crate::study::file::yaml_tree::{Content, YamlNode};
 use crate::tabular::to_text;
 
 /// The largest number of bodies that an index counts.
@@ -73,10 +73,10 @@ pub(in crate::study) fn read_system(
     }
     let (_, name) = written_kind(definition, false);
     let model = [Segment::Key("model".to_owned())];
-    if let Some(Node { content: Content::Map(entries), .. }) = source.root.at_mut(&model) {
+    if let Some(YamlNode { content: Content::Map(entries), .. }) = source.root.at_mut(&model) {
         for (key, value) in entries.iter_mut().filter(|(key, _)| key.name() == "system") {
             key.content = Content::Text("kind".to_owned());
-            *value = Node { place, content: Content::Text(name.clone()) };
+            *value = YamlNode { place, content: Content::Text(name.clone()) };
         }
     }
     Ok(())
@@ -474,7 +474,7 @@ fn refuse(path: &SourcePath<'_>, text: &str, fault: FormulaFault) -> StudyError 
 }
 
 /// Returns a tree as plain values.
-fn plain(node: &Node) -> Value {
+fn plain(node: &YamlNode) -> Value {
     match &node.content {
         Content::Nothing | Content::Placeholder => Value::Null,
         Content::Truth(truth) => (*truth).into(),

@@ -10,7 +10,7 @@ use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::precision::{Precision, Sampling};
 use crate::study::plan::uncertain_parameter::UncertainParameter;
 use crate::study::resolve::sampling::check_dimensions;
-use crate::study::sampling::correlation::{Contradiction, Copula, RankCorrelation};
+use crate::study::sampling::correlation::{Contradiction, Copula, CorrelatedPair};
 use crate::study::sampling::sampling_design::{Design, Layout, MAX_SOBOL_SAMPLES};
 use crate::study::sampling::uncertain_design::UncertainDesign;
 
@@ -130,13 +130,13 @@ fn pairs(
     path: &SourcePath<'_>,
     written: Option<&[CorrelationFile]>,
     names: &[String],
-) -> Result<Vec<RankCorrelation>, StudyError> {
+) -> Result<Vec<CorrelatedPair>, StudyError> {
     let Some(written) = written else { return Ok(Vec::new()) };
     if written.is_empty() {
         let allowed = "at least one pair, or no `correlations`";
         return Err(path.wrong_value("no pair", "an empty list", allowed));
     }
-    let mut pairs: Vec<RankCorrelation> = Vec::with_capacity(written.len());
+    let mut pairs: Vec<CorrelatedPair> = Vec::with_capacity(written.len());
     for (index, CorrelationFile { parameters, rank_correlation }) in written.iter().enumerate() {
         let path = path.item(index);
         let own = path.key("parameters");
@@ -158,7 +158,7 @@ fn pairs(
             let found = format!("{one} and {other} here and in item {first} of the list");
             return Err(own.wrong_value("a pair given twice", found, "each pair once"));
         }
-        pairs.push(RankCorrelation { places, value: *rank_correlation });
+        pairs.push(CorrelatedPair { places, value: *rank_correlation });
     }
     Ok(pairs)
 }
@@ -179,11 +179,11 @@ fn find(names: &[String], name: &str) -> Result<usize, Fault> {
 
 fn copula(
     path: &SourcePath<'_>,
-    pairs: &[RankCorrelation],
+    pairs: &[CorrelatedPair],
     names: &[String],
 ) -> Result<Copula, StudyError> {
     let refuse = |Contradiction { pair, place, possible }| {
-        let RankCorrelation { places: [one, other], value } = pairs[pair];
+        let CorrelatedPair { places: [one, other], value } = pairs[pair];
         let name = &names[place];
         let (value, pair_in_words) =
             (describe_number(value), format!("{} and {}", names[one], names[other]));
@@ -204,9 +204,9 @@ fn copula(
 }
 
 /// Returns the pairs in the order of the model's parameters.
-fn to_file(mut pairs: Vec<RankCorrelation>, names: &[String]) -> Vec<CorrelationFile> {
+fn to_file(mut pairs: Vec<CorrelatedPair>, names: &[String]) -> Vec<CorrelationFile> {
     pairs.sort_by_key(|pair| pair.places);
-    let written = |pair: RankCorrelation| CorrelationFile {
+    let written = |pair: CorrelatedPair| CorrelationFile {
         parameters: pair.places.map(|place| names[place].clone()).to_vec(),
         rank_correlation: pair.value,
     };

@@ -8,7 +8,7 @@ use crate::study::file::key_units::split_unit;
 use crate::study::file::kind_parameters::parameters_of;
 use crate::study::file::quantity::convert;
 use crate::study::file::source::Source;
-use crate::study::plan::units::{QUANTITIES, Unit, Units, quantity};
+use crate::study::plan::units::{QUANTITIES, ShownUnits, Unit, quantity};
 
 /// Returns the units of a study of this kind of model.
 ///
@@ -19,13 +19,13 @@ pub(crate) fn resolve_units(
     source: &Source,
     written: Option<&IndexMap<String, String>>,
     kind: &'static ModelKind,
-) -> Result<Units, StudyError> {
+) -> Result<ShownUnits, StudyError> {
     let path = source.path("units");
     let parameters = parameters_of(kind);
     let with_units: Vec<(&str, &str)> =
         parameters.iter().filter_map(|name| split_unit(name)).collect();
     let known = || QUANTITIES.iter().chain(&with_units);
-    let mut units = Units::default();
+    let mut units = ShownUnits::default();
     for (key, symbol) in written.into_iter().flatten() {
         let path = path.key(key);
         let Some((_, si)) = known().find(|(name, _)| name == key) else {
@@ -70,7 +70,7 @@ fn unit(symbol: &str, si: &str) -> Result<Unit, Fault> {
 }
 
 /// Returns the units as a file writes them.
-pub(crate) fn units_to_file(units: &Units) -> Option<IndexMap<String, String>> {
+pub(crate) fn units_to_file(units: &ShownUnits) -> Option<IndexMap<String, String>> {
     let file: IndexMap<_, _> =
         units.0.iter().map(|(key, unit)| (key.clone(), unit.symbol.clone())).collect();
     (!file.is_empty()).then_some(file)

@@ -16,7 +16,7 @@ const MIN_REMAINING_VARIANCE: f64 = 1.0e-10;
 
 /// The rank correlation of two parameters, which are given by their places; the first place is the smaller one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct RankCorrelation {
+pub(crate) struct CorrelatedPair {
     /// Places of the two parameters.
     pub places: [usize; 2],
     /// Spearman's rank correlation.
@@ -45,16 +45,16 @@ pub(crate) struct Contradiction {
 
 impl Copula {
     /// Creates the copula of `count` parameters.
-    pub fn new(count: usize, pairs: &[RankCorrelation]) -> Result<Copula, Contradiction> {
+    pub fn new(count: usize, pairs: &[CorrelatedPair]) -> Result<Copula, Contradiction> {
         let mut matrix = DMatrix::<f64>::identity(count, count);
-        for RankCorrelation { places: [one, other], value } in pairs {
+        for CorrelatedPair { places: [one, other], value } in pairs {
             let normal = normal_correlation(*value);
             matrix[(*one, *other)] = normal;
             matrix[(*other, *one)] = normal;
         }
         let mut rows = vec![Vec::new(); count];
         for place in 1..count {
-            let earlier = |pair: &RankCorrelation| pair.places[1] == place && pair.value != 0.0;
+            let earlier = |pair: &CorrelatedPair| pair.places[1] == place && pair.value != 0.0;
             if !pairs.iter().any(earlier) {
                 continue;
             }
@@ -98,7 +98,7 @@ fn rank_correlation(normal: f64) -> f64 {
 
 /// Returns the last of a parameter's pairs whose change alone makes the leading minor positive, or the last pair if
 /// there is none.
-fn contradiction(matrix: &DMatrix<f64>, place: usize, pairs: &[RankCorrelation]) -> Contradiction {
+fn contradiction(matrix: &DMatrix<f64>, place: usize, pairs: &[CorrelatedPair]) -> Contradiction {
     let own = || {
         let own = pairs.iter().enumerate().rev();
         own.filter(|(_, pair)| pair.places[1] == place)
@@ -136,10 +136,10 @@ fn possible_range(matrix: &DMatrix<f64>, one: usize, later: usize) -> Option<[f6
 
 #[cfg(test)]
 mod tests {
-    use super::{Contradiction, Copula, RankCorrelation, normal_correlation, rank_correlation};
+    use super::{Contradiction, Copula, CorrelatedPair, normal_correlation, rank_correlation};
 
-    fn pairs(pairs: &[(usize, usize, f64)]) -> Vec<RankCorrelation> {
-        let pair = |&(one, other, value)| RankCorrelation { places: [one, other], value };
+    fn pairs(pairs: &[(usize, usize, f64)]) -> Vec<CorrelatedPair> {
+        let pair = |&(one, other, value)| CorrelatedPair { places: [one, other], value };
         pairs.iter().map(pair).collect()
     }
 

@@ -10,7 +10,7 @@ use serde_json::Value;
 use crate::study::file::resolved_yaml::write_flow;
 use crate::study::file::schema_place::{SchemaKey, SchemaPlace};
 use crate::study::file::source::Source;
-use crate::study::file::yaml_tree::{Content, Node};
+use crate::study::file::yaml_tree::{Content, YamlNode};
 
 /// The width of the text.
 const WIDTH: usize = 100;
@@ -76,7 +76,7 @@ struct Map<'a> {
 
 impl Annotator<'_> {
     /// Annotates the keys of a map that has one key per line, and lists the keys that it lacks.
-    fn map(&mut self, node: &Node, map: &Map<'_>) {
+    fn map(&mut self, node: &YamlNode, map: &Map<'_>) {
         let Content::Map(entries) = &node.content else { return };
         for (key, value) in entries {
             let Some(known) = map.place.key(key.name()) else { continue };
@@ -95,7 +95,7 @@ impl Annotator<'_> {
             }
             let path = below(map.path, key.name());
             let defaults = map.defaults.and_then(|defaults| defaults.get(key.name()));
-            let below = |node: &Node, place| {
+            let below = |node: &YamlNode, place| {
                 let Content::Map(entries) = &node.content else { return None };
                 let indent = entries.first()?.0.place.column - 1;
                 Some(Map { path: &path, indent, place, defaults })
@@ -119,7 +119,7 @@ impl Annotator<'_> {
     }
 
     /// Writes the optional keys that a map does not have, as comments.
-    fn missing_keys(&mut self, node: &Node, map: &Map<'_>) {
+    fn missing_keys(&mut self, node: &YamlNode, map: &Map<'_>) {
         let end = last_line(node);
         let mut without_default = Vec::new();
         for name in map.place.names() {
@@ -203,7 +203,7 @@ impl Annotator<'_> {
 }
 
 /// Returns the number of the last line of a value, from 1.
-fn last_line(node: &Node) -> usize {
+fn last_line(node: &YamlNode) -> usize {
     let below = match &node.content {
         Content::Map(entries) => entries.iter().map(|(_, value)| last_line(value)).max(),
         Content::List(items) => items.iter().map(last_line).max(),

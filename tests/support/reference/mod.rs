@@ -22,7 +22,7 @@ pub fn contacts<const N: usize>(
         ContactMode::Slip(direction) => {
             balancer.balls[ball].friction.slip(direction, state.beta_dot[ball])
         }
-        ContactMode::SetOff(direction) => balancer.balls[ball].friction.slip(direction, 0.0),
+        ContactMode::BreakingAway(direction) => balancer.balls[ball].friction.slip(direction, 0.0),
     })
 }
 
