@@ -67,8 +67,8 @@ pub use equilibrium_histogram::{BINS, EquilibriumHistogram, HistogramBin, bin, b
 pub use equilibrium_set::{EquilibriumSet, Resolution, set_fraction};
 pub use escape::{EscapeRate, escape_rate, rate_interval};
 pub use estimates::{
-    Estimate, RunResult, Sample, above, at_rest_by, estimate_difference, estimate_ratio, mean,
-    median_time_to_rest, quantile, standard_deviation, worst,
+    Estimate, Measure, RunResult, Sample, above, at_rest_by, estimate_difference, estimate_ratio,
+    mean, median_time_to_rest, quantile, standard_deviation, worst,
 };
 pub use frictionless::{FrictionlessEquilibrium, HIGH_DRAG, frictionless_equilibria};
 pub use frictionless_position::FrictionlessKind;

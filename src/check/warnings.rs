@@ -8,10 +8,11 @@ use super::designs::{ExaminedDesign, described};
 use super::points::points_to_examine;
 use super::values::{findings, has_room};
 use super::warning::{Finding, Warning};
+use crate::analysis::Measure;
 use crate::model::{BALL_BALANCER, InvalidParameter, Machine, Model};
 use crate::numbers::{describe_number, short};
 use crate::optimize::Space;
-use crate::study::{AmplitudeKind, ListedParameter, Measure, ParameterValue, Response, Study};
+use crate::study::{AmplitudeKind, ListedParameter, ParameterValue, Response, Study};
 
 /// The number of points above which fewer designs are examined.
 const MANY_POINTS: u64 = 50;

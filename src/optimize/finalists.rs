@@ -12,10 +12,11 @@ use super::goal::{Goal, values};
 use super::pareto::pareto_front;
 use super::search::Search;
 use crate::analysis::Estimate;
+use crate::analysis::Measure;
 use crate::classification::Label;
 use crate::named::named;
 use crate::responses::{Answer, DesignToEvaluate, respond};
-use crate::study::{AmplitudeKind, DesignValue, Measure, Response};
+use crate::study::{AmplitudeKind, DesignValue, Response};
 
 /// The role of a design in the finalists.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]

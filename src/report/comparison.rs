@@ -10,9 +10,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use serde::Serialize;
 
 use super::data::heading;
-use crate::analysis::{Estimate, estimate_difference};
+use crate::analysis::{Estimate, Measure, RunResult, estimate_difference};
 use crate::classification::Label;
-use crate::study::{AmplitudeKind, Measure, ParameterValue, Response, Study, Unit, changed_keys};
+use crate::study::{AmplitudeKind, ParameterValue, Response, Study, Unit, changed_keys};
 use crate::table::{Table, TableError};
 
 /// The study and the tables of a directory of results.
@@ -65,24 +65,14 @@ pub struct ComparedQuantity {
     pub difference: Estimate,
 }
 
-/// What a run contributes to an estimate, for the correlation of two estimates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Contribution {
-    /// Whether it rests.
-    Rest,
-    /// Whether it vibrates more than without balls.
-    Worse,
-    /// What it contributes to a response.
-    Response(Measure, AmplitudeKind),
-}
-
 /// A quantity of both studies.
 struct ComparableQuantity {
     name: String,
     unit: Unit,
     /// The columns of the value, of both ends of its interval and, for a response, of its standard error.
     columns: Vec<String>,
-    contribution: Contribution,
+    /// What is estimated from which amplitude; `None` for the fraction at rest.
+    measured: Option<(Measure, AmplitudeKind)>,
 }
 
 /// A run as comparisons see it.
@@ -93,9 +83,9 @@ struct ComparedRun {
     /// Number of its cell.
     cell: u64,
     label: Option<Label>,
-    /// Residual, relative and peak amplitude; NaN if missing.
-    amplitudes: [f64; 3],
-    time_to_rest_s: f64,
+    /// Residual, relative and peak amplitude.
+    amplitudes: [Option<f64>; 3],
+    time_to_rest_s: Option<f64>,
 }
 
 /// A point with its estimates and runs.
@@ -139,16 +129,15 @@ pub fn compare(results: [&ComparedResults<'_>; 2]) -> Result<Comparison, TableEr
 
 fn quantities([first, second]: [&Study; 2]) -> Vec<ComparableQuantity> {
     let percent = || Unit { symbol: "%".to_owned(), si: 0.01 };
-    let quantity = |name: &str, unit, columns: [&str; 3], contribution| ComparableQuantity {
+    let quantity = |name: &str, unit, columns: [&str; 3], measured| ComparableQuantity {
         name: name.to_owned(),
         unit,
         columns: columns.map(str::to_owned).into(),
-        contribution,
+        measured,
     };
     let rest = ["equilibrium_fraction", "ci_low", "ci_high"];
-    let mut list = vec![quantity("at rest", percent(), rest, Contribution::Rest)];
-    let quantile =
-        |fraction| Contribution::Response(Measure::Quantile(fraction), AmplitudeKind::Residual);
+    let mut list = vec![quantity("at rest", percent(), rest, None)];
+    let quantile = |fraction| Some((Measure::Quantile(fraction), AmplitudeKind::Residual));
     if [first, second].iter().all(|study| study.model().kind().offers.vibration) {
         let unit = || first.units().vibration();
         let median = ["amplitude_p50_m", "amplitude_p50_low_m", "amplitude_p50_high_m"];
@@ -158,16 +147,17 @@ fn quantities([first, second]: [&Study; 2]) -> Vec<ComparableQuantity> {
             "worse_than_without_balls_low",
             "worse_than_without_balls_high",
         ];
+        let above = Some((Measure::Above(1.0), AmplitudeKind::RelativeResidual));
         list.push(quantity("median vibration", unit(), median, quantile(0.5)));
         list.push(quantity("95 % of the runs", unit(), most, quantile(0.95)));
-        list.push(quantity("worse than without balls", percent(), worse, Contribution::Worse));
+        list.push(quantity("worse than without balls", percent(), worse, above));
     }
     let common = first.responses().iter().filter(|one| second.responses().contains(one));
     list.extend(common.map(|response: &Response| ComparableQuantity {
         name: response.name.clone(),
         unit: response.shown_unit(first.units()),
         columns: ["", "_low", "_high", "_standard_error"].map(|end| response.column() + end).into(),
-        contribution: Contribution::Response(response.measure, response.amplitude),
+        measured: Some((response.measure, response.amplitude)),
     }));
     list
 }
@@ -206,8 +196,8 @@ fn points(
             cell: row.count("cell").unwrap_or_default(),
             label,
             amplitudes: ["amplitude_m", "relative_amplitude", "peak_amplitude_m"]
-                .map(|name| row.number_if_there(name).unwrap_or(f64::NAN)),
-            time_to_rest_s: row.number("time_to_rest_s").unwrap_or(f64::INFINITY),
+                .map(|name| row.number_if_there(name)),
+            time_to_rest_s: row.number("time_to_rest_s"),
         };
         let Some(point_id) = point_id else { return };
         // Runs are in the order of the points.
@@ -242,9 +232,8 @@ fn compared_point(
     let quantity = |(place, quantity): (usize, &ComparableQuantity)| {
         let [before, after] = [one, other].map(|point| &point.estimates[place]);
         let correlation = if paired {
-            let [a, b] = [(one, before), (other, after)].map(|(point, estimate)| {
-                contributions(quantity.contribution, &point.runs, estimate)
-            });
+            let [a, b] = [(one, before), (other, after)]
+                .map(|(point, estimate)| contributions(quantity.measured, &point.runs, estimate));
             let is_stratified = first.point(one.point_id).cells.is_some();
             let cell = |run: &ComparedRun| if is_stratified { run.cell } else { 0 };
             let cells: Vec<u64> = one.runs.iter().map(cell).collect();
@@ -273,48 +262,33 @@ fn compared_point(
 }
 
 /// Returns what each run contributes to an estimate; a run without a result contributes no number.
-fn contributions(of: Contribution, runs: &[ComparedRun], estimate: &Estimate) -> Vec<f64> {
-    let value = estimate.value.unwrap_or(f64::NAN);
-    let indicator = |holds: bool| f64::from(u8::from(holds));
-    let each = |run: &ComparedRun| {
-        let above = |amplitude: f64, limit: f64| match amplitude.is_nan() {
-            true => f64::NAN,
-            false => indicator(amplitude > limit),
+fn contributions(
+    measured: Option<(Measure, AmplitudeKind)>,
+    runs: &[ComparedRun],
+    estimate: &Estimate,
+) -> Vec<f64> {
+    let Some((measure, kind)) = measured else {
+        let rests = |run: &ComparedRun| match run.label {
+            Some(Label::Failed) => f64::NAN,
+            label => f64::from(u8::from(label == Some(Label::Equilibrium))),
         };
-        if run.label == Some(Label::Failed) {
-            return f64::NAN;
-        }
-        let amplitude = |kind: AmplitudeKind| match kind {
+        return runs.iter().map(rests).collect();
+    };
+    let result = |run: &ComparedRun| RunResult {
+        cell: run.cell,
+        label: run.label.unwrap_or(Label::Undecided),
+        amplitude: match kind {
             AmplitudeKind::Residual => run.amplitudes[0],
             AmplitudeKind::RelativeResidual => run.amplitudes[1],
             AmplitudeKind::Peak => run.amplitudes[2],
             // The runs of both studies count as independent.
-            AmplitudeKind::Output(..) => f64::NAN,
-        };
-        let (measure, kind) = match of {
-            Contribution::Rest => return indicator(run.label == Some(Label::Equilibrium)),
-            Contribution::Worse => {
-                return above(amplitude(AmplitudeKind::RelativeResidual), 1.0);
-            }
-            Contribution::Response(measure, kind) => (measure, kind),
-        };
-        let amplitude = amplitude(kind);
-        match measure {
-            Measure::Mean | Measure::StandardDeviation => amplitude,
-            Measure::Quantile(_) => above(amplitude, value),
-            Measure::Above(limit) => above(amplitude, limit),
-            Measure::AtRestBy(time_s) => indicator(run.time_to_rest_s <= time_s),
-            Measure::MedianTimeToRest => indicator(run.time_to_rest_s <= value),
-            Measure::Worst => f64::NAN,
-        }
+            AmplitudeKind::Output(..) => None,
+        },
+        time_to_rest_s: run.time_to_rest_s,
+        end_time_s: None,
     };
-    let mut all: Vec<f64> = runs.iter().map(each).collect();
-    if let Contribution::Response(Measure::StandardDeviation, _) = of {
-        let known = || all.iter().copied().filter(|one| one.is_finite());
-        let mean = known().sum::<f64>() / known().count().max(1) as f64;
-        all.iter_mut().for_each(|one| *one = (*one - mean).powi(2));
-    }
-    all
+    let results: Vec<RunResult> = runs.iter().map(result).collect();
+    measure.contributions(&results, estimate.value.unwrap_or(f64::NAN))
 }
 
 /// Returns the correlation of the pairs of finite numbers within their cells; 0 if one of them does not vary.

@@ -65,7 +65,7 @@ pub use plan::planned_runs::{Plan, PlannedRun, Point};
 pub use plan::planned_study::Study;
 pub use plan::precision::{Precision, Sampling};
 pub use plan::repeated_points::RepeatedPoints;
-pub use plan::response::{AmplitudeKind, Measure, Response};
+pub use plan::response::{AmplitudeKind, Response};
 pub(crate) use plan::units::short_name;
 pub use plan::units::{ShownUnits, Unit};
 pub use plan::variable::{DesignValue, Values, Variable};

@@ -1,11 +1,8 @@
 //! The responses of a point: samples of its runs, and the estimates from them.
 
 use super::run_record::RunRecord;
-use crate::analysis::{
-    Estimate, RunResult, Sample, above, at_rest_by, mean, median_time_to_rest, quantile,
-    reference_amplitude, standard_deviation, worst,
-};
-use crate::study::{AmplitudeKind, Measure, Response};
+use crate::analysis::{Estimate, RunResult, Sample, reference_amplitude};
+use crate::study::{AmplitudeKind, Response};
 
 const NO_REFERENCE: &str =
     "the machine without balls does not vibrate, so that no amplitude is relative to it";
@@ -77,7 +74,7 @@ impl<'a> ResponseSamples<'a> {
         let value = |response: &Response| {
             let has_value =
                 response.has_value_without_balls() && !self.without_balls.runs.is_empty();
-            has_value.then(|| estimate_of(response.measure, &self.without_balls).value).flatten()
+            has_value.then(|| response.measure.estimate(&self.without_balls).value).flatten()
         };
         self.responses.iter().map(value).collect()
     }
@@ -91,18 +88,6 @@ impl<'a> ResponseSamples<'a> {
         if *kind == AmplitudeKind::RelativeResidual && self.has_amplitude && !has_amplitude {
             return Estimate::unknown(NO_REFERENCE);
         }
-        estimate_of(response.measure, sample)
-    }
-}
-
-fn estimate_of(measure: Measure, sample: &Sample) -> Estimate {
-    match measure {
-        Measure::Mean => mean(sample),
-        Measure::StandardDeviation => standard_deviation(sample),
-        Measure::Quantile(fraction) => quantile(sample, fraction),
-        Measure::Worst => worst(sample),
-        Measure::Above(limit) => above(sample, limit),
-        Measure::AtRestBy(time_s) => at_rest_by(sample, time_s),
-        Measure::MedianTimeToRest => median_time_to_rest(sample),
+        response.measure.estimate(sample)
     }
 }

@@ -2,11 +2,12 @@
 //! to the amplitude without balls.
 
 use super::layers::{CurveOf, few_each, fraction_axis};
+use crate::analysis::Measure;
 use crate::analysis::{Z_95, wilson};
 use crate::numbers::significant;
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, axis};
 use crate::report::data::{ReportData, evenly};
-use crate::study::{AmplitudeKind, Measure, Response, Unit};
+use crate::study::{AmplitudeKind, Response, Unit};
 
 /// Points of a curve with its band: amplitude, fraction above it, lower and upper end.
 type Exceedance = Vec<[f64; 4]>;

@@ -4,9 +4,10 @@ use serde_json::Value;
 
 use super::data::OptimumData;
 use crate::analysis::Estimate;
+use crate::analysis::Measure;
 use crate::counted::counted;
 use crate::optimize::{bounds_in_words, use_of_balls};
-use crate::study::{AmplitudeKind, DesignValue, Measure, Variable};
+use crate::study::{AmplitudeKind, DesignValue, Variable};
 
 /// Returns sentences about the best design; empty if nothing is remarkable.
 pub fn notes(data: &OptimumData) -> Vec<String> {

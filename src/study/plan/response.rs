@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::analysis::Measure;
 use crate::classification::Label;
 use crate::model::OutputValue;
 use crate::study::file::schema_parts as schema;
@@ -105,25 +106,6 @@ impl ResponseFile {
             }
         }
     }
-}
-
-/// The estimated quantity.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Measure {
-    /// Mean amplitude.
-    Mean,
-    /// Standard deviation of the amplitude.
-    StandardDeviation,
-    /// Quantile of the amplitude, with the fraction of runs below it.
-    Quantile(f64),
-    /// Largest amplitude.
-    Worst,
-    /// Probability of an amplitude above this limit.
-    Above(f64),
-    /// Probability of rest by this time, s.
-    AtRestBy(f64),
-    /// Median time to rest.
-    MedianTimeToRest,
 }
 
 /// A response with its name.

@@ -2,6 +2,7 @@
 
 use indexmap::IndexMap;
 
+use crate::analysis::Measure;
 use crate::study::error::{Fault, StudyError, list_names};
 use crate::study::file::optimize_file::{
     LimitFile, OptimizeFile, ResponseNames, SensitivityFile, SensitivityFrom,
@@ -12,7 +13,7 @@ use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::designs::Designs;
 use crate::study::plan::optimization::{Limit, Objective, Optimization};
 use crate::study::plan::planned_runs::Plan;
-use crate::study::plan::response::{Measure, Response};
+use crate::study::plan::response::Response;
 use crate::study::plan::variable::DesignValue;
 
 /// The largest number of designs in a search; surrogates of more designs take too long.

@@ -4,13 +4,14 @@ use std::collections::HashSet;
 
 use indexmap::IndexMap;
 
+use crate::analysis::Measure;
 use crate::model::{OutputName, OutputValue};
 use crate::study::error::{StudyError, list_names};
 use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::yaml_tree::{Content, describe_number};
 use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::response::{
-    Amplitude, AmplitudeKind, Measure, Response, ResponseFile, SUFFIXES, is_reserved,
+    Amplitude, AmplitudeKind, Response, ResponseFile, SUFFIXES, is_reserved,
 };
 use crate::study::resolve::names::check_column_name;
 
