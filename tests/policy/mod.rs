@@ -1,10 +1,12 @@
-//! Dependencies comply with `deny.toml`: licences, versions, sources, and no network packages.
+//! Dependencies comply with `deny.toml` (licences, versions, sources, no network packages), and files with the order of the
+//! rooms.
 //!
 //! `deny.toml` is also the configuration of cargo-deny, which takes longer to compile than this
 //! project; `scripts/policy` runs it if it is installed. Advisories need its database and are
 //! checked only there. The built packages come from `cargo tree`, because `cargo metadata` also
 //! lists optional dependencies that no feature enables.
 
+mod imports;
 mod rules;
 
 use std::collections::BTreeSet;
