@@ -102,7 +102,7 @@ fn claims_are_stable_equilibria_and_last() {
             let (position, time) =
                 (outcome.position.clone().expect("known"), outcome.end_time_s.expect("known"));
             assert_eq!(outcome.evidence.friction_margin(), None);
-            assert!(outcome.time_to_rest_s().unwrap() <= time);
+            assert!(outcome.time_to_rest_s().expect("at rest") <= time);
             let mut sorted = position.clone();
             sorted.sort_by(f64::total_cmp);
             let stable = |one: &&FrictionlessEquilibrium| one.stability == Stability::Stable;

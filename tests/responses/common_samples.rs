@@ -73,7 +73,8 @@ fn designs_share_their_samples() {
 /// Returns the amplitudes of all runs of a design.
 fn amplitudes(plan: &Plan) -> Vec<f64> {
     let workers = WorkerPool::new(2).unwrap();
-    let points = workers.sample(&[(plan, 0)], &AtomicBool::new(false), &|_| {}).unwrap();
+    let points = workers.sample(&[(plan, 0)], &AtomicBool::new(false), &|_| {});
+    let points = points.expect("nothing stops it");
     points.concat().iter().map(|run| run.outcome.amplitude_m.expect("no failure")).collect()
 }
 
