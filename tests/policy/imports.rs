@@ -71,7 +71,7 @@ fn read_below(folder: &Path, module: &[String], modules: &mut BTreeMap<Module, S
     for entry in fs::read_dir(folder).expect("a folder of sources") {
         let path = entry.expect("an entry").path();
         let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
-        let below = [module, &[name.clone()]].concat();
+        let below = [module, std::slice::from_ref(&name)].concat();
         if path.is_dir() {
             read_below(&path, &below, modules);
         } else if path.extension().is_some_and(|ending| ending == "rs") {
