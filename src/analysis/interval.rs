@@ -6,9 +6,10 @@ use crate::named::named;
 pub const Z_95: f64 = 1.959_963_984_540_054;
 
 /// The method that gave an interval.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum IntervalMethod {
     /// Wilson's score interval, with runs as independent trials.
+    #[default]
     Wilson,
     /// From the variation within the strata of a stratified design.
     Stratified,
@@ -17,7 +18,7 @@ pub enum IntervalMethod {
 named!(IntervalMethod { Wilson: "wilson", Stratified: "stratified" });
 
 /// A 95 % interval of a fraction.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ConfidenceInterval {
     /// Lower end.
     pub low: f64,

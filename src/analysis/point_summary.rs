@@ -49,7 +49,7 @@ pub struct PointAccumulator {
 }
 
 /// The statistics of one point.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointSummary {
     /// Number of runs per label.
     pub counts: LabelCounts,

@@ -58,11 +58,11 @@ impl<'a> PointsTable<'a> {
 
     /// Reads the table of a study's `points.parquet`.
     pub fn read(study: &'a Study, table: &Table, most: usize) -> Result<Self, TableError> {
-        let mut points = Self::new(study, most);
+        let (columns, mut points) = (point_columns(study), Self::new(study, most));
         table.for_each(|row| {
             let json = points.has_room().then(|| point_json(study, row));
-            if let Some(point) = PointFacts::in_row(study, row) {
-                points.add(point, json);
+            if let Some(point) = PointRow::read(study, &columns, row) {
+                points.add(PointFacts::of(study, &point), json);
             }
         })?;
         Ok(points)

@@ -14,12 +14,16 @@ use arrow_array::{
 use arrow_schema::ArrowError;
 use arrow_schema::{DataType, Field, Schema};
 
+use super::row::Row;
+
 type Build<R> = Box<dyn Fn(&[R]) -> ArrayRef + Send + Sync>;
+type Read<R> = Box<dyn Fn(&mut R, &Row<'_>, &str) + Send + Sync>;
 
 /// One column of a table of rows `R`.
 pub struct Column<R> {
     field: Field,
     build: Build<R>,
+    read: Option<Read<R>>,
 }
 
 /// Unit of non-dimensional values: lengths over the ring radius, and time multiplied by the natural
@@ -30,6 +34,15 @@ impl<R> Column<R> {
     /// Returns the name.
     pub fn name(&self) -> &str {
         self.field.name()
+    }
+
+    /// Says how the value in a row of a table, with the name of the column, gets back into a row `R`.
+    pub(super) fn reads(
+        &mut self,
+        read: impl Fn(&mut R, &Row<'_>, &str) + Send + Sync + 'static,
+    ) -> &mut Self {
+        self.read = Some(Box::new(read));
+        self
     }
 
     /// Describes the values; the text may be empty.
@@ -109,7 +122,7 @@ impl<R> Columns<R> {
         build: impl Fn(&[R]) -> ArrayRef + Send + Sync + 'static,
     ) -> &mut Column<R> {
         let field = Field::new(name, kind, true);
-        self.list.push(Column { field, build: Box::new(build) });
+        self.list.push(Column { field, build: Box::new(build), read: None });
         let last = self.list.len() - 1;
         &mut self.list[last]
     }
@@ -193,6 +206,13 @@ pub fn schema<R>(columns: &[Column<R>]) -> Arc<Schema> {
 fn twice<R>(columns: &[Column<R>]) -> Option<&str> {
     let mut names = HashSet::new();
     columns.iter().map(Column::name).find(|name| !names.insert(*name))
+}
+
+/// Reads the values of a row of a table into a row `R`, as far as the columns say how.
+pub(super) fn read_into<R>(columns: &[Column<R>], row: &Row<'_>, into: &mut R) {
+    for Column { field, read, .. } in columns {
+        read.iter().for_each(|read| read(into, row, field.name()));
+    }
 }
 
 /// Converts rows into a record batch.

@@ -1,11 +1,13 @@
 //! `points.parquet`: one row per point of the sweep.
 
-use super::column::{Column, Columns};
+use super::column::{Column, Columns, read_into};
 use super::estimate::add_estimate;
 use super::response_samples::ResponseSamples;
+use super::row::Row;
 use super::runs::add_swept;
 use crate::analysis::{
-    Estimate, HalfWidths, PointSummary, ResidualVibration, set_fraction, touching_set_fraction,
+    Estimate, HalfWidths, IntervalMethod, PointSummary, ResidualVibration, set_fraction,
+    touching_set_fraction,
 };
 use crate::classification::Label;
 use crate::model::{ExistenceVerdict, Machine};
@@ -18,8 +20,20 @@ impl From<Precision> for HalfWidths {
     }
 }
 
+/// The largest number of runs that is read; the sum over all labels is a number.
+const MOST_RUNS: u64 = 1 << 56;
+
+/// Adds a column of numbers that are written from a place in a row, and read into it.
+macro_rules! number {
+    ($list:expr, $name:expr, $unit:literal, $row:ident => $place:expr) => {
+        $list
+            .number($name, $unit, move |$row: &PointRow| $place)
+            .reads(move |$row: &mut PointRow, read, name| $place = read.number(name))
+    };
+}
+
 /// One point of the sweep with the results of its runs.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointRow {
     /// Number of the point, from 0.
     pub point_id: u64,
@@ -58,6 +72,25 @@ impl PointRow {
                 .map(Machine::existence),
         }
     }
+
+    /// Reads a row of `points.parquet` with the columns of its study; `None` if its number is missing. Values of swept
+    /// parameters are taken from the study, and the verdict on uniqueness is not read.
+    pub fn read(study: &Study, columns: &[Column<PointRow>], row: &Row<'_>) -> Option<PointRow> {
+        let mut point = PointRow::default();
+        let balls = study.model().kind().offers.vibration;
+        for response in study.responses() {
+            point.responses.push(row.estimate(&response.column()));
+            let has_value = balls && response.has_value_without_balls();
+            let value = || row.number(&response.column_without_balls());
+            point.responses_without_balls.push(if has_value { value() } else { None });
+        }
+        read_into(columns, row, &mut point);
+        point.point_id = row.count("point_id")?;
+        if point.point_id < study.point_count() {
+            point.swept = study.point(point.point_id).swept;
+        }
+        Some(point)
+    }
 }
 
 /// Returns the columns of `points.parquet`.
@@ -69,32 +102,33 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         .meaning("finished runs, including failed runs");
     for label in Label::ALL {
         list.count(format!("{}_runs", label.name()), move |row| row.summary.counts.of(label))
+            .reads(move |row, read, name| {
+                let runs = read.count(name).unwrap_or(0).min(MOST_RUNS);
+                row.summary.counts.add_many(label, runs);
+            })
             .meaning(format!("runs with the label {}", label.name()));
     }
     add_fractions(&mut list);
     for (index, fraction) in PointSummary::TIME_FRACTIONS.into_iter().enumerate() {
         let percent = (100.0 * fraction).round();
-        list.number(format!("time_to_rest_p{percent:02}_s"), "s", move |row| {
-            row.summary.time_to_rest_s[index]
-        })
-        .meaning(format!(
+        let name = format!("time_to_rest_p{percent:02}_s");
+        number!(list, name, "s", row => row.summary.time_to_rest_s[index]).meaning(format!(
             "time by which {percent} % of the runs are at rest (Kaplan-Meier); null if not reached"
         ));
     }
     add_median_and_escape(&mut list);
     for (index, fraction) in PointSummary::AMPLITUDE_FRACTIONS.into_iter().enumerate() {
         let percent = (100.0 * fraction).round();
-        list.number(format!("amplitude_p{percent:02}_m"), "m", move |row| {
-            row.summary.amplitude_m[index]
-        })
-        .meaning(format!("quantile {percent} % of the amplitude over all runs except failed runs"));
+        let name = format!("amplitude_p{percent:02}_m");
+        number!(list, name, "m", row => row.summary.amplitude_m[index]).meaning(format!(
+            "quantile {percent} % of the amplitude over all runs except failed runs"
+        ));
     }
     for (index, fraction) in PointSummary::AMPLITUDE_FRACTIONS.into_iter().enumerate() {
         let percent = (100.0 * fraction).round();
         for (end, (name, words)) in [("low", "lower"), ("high", "upper")].into_iter().enumerate() {
-            list.number(format!("amplitude_p{percent:02}_{name}_m"), "m", move |row| {
-                row.summary.amplitude_interval_m[index][end]
-            })
+            let name = format!("amplitude_p{percent:02}_{name}_m");
+            number!(list, name, "m", row => row.summary.amplitude_interval_m[index][end])
             .meaning(format!(
                 "{words} end of the 95 % confidence interval of amplitude_p{percent:02}_m, between \
                  two runs; null if too few runs bound it"
@@ -135,16 +169,30 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
 /// Adds the fraction of equilibria, and the simultaneous confidence intervals of the fractions of
 /// all labels.
 fn add_fractions(list: &mut Columns<PointRow>) {
-    list.number("equilibrium_fraction", "1", |row| row.summary.equilibrium_fraction).meaning(
+    let nan = f64::NAN;
+    list.number("equilibrium_fraction", "1", |row| row.summary.equilibrium_fraction)
+        .reads(move |row, read, name| {
+            row.summary.equilibrium_fraction = read.number(name).unwrap_or(nan);
+        })
+        .meaning(
         "fraction of runs that ended in equilibrium by the end time (extended runs: by the later \
          end time); if ci_method is stratified, every cell has the same weight",
     );
     list.number("ci_low", "1", |row| row.summary.interval.low)
+        .reads(move |row, read, name| row.summary.interval.low = read.number(name).unwrap_or(nan))
         .meaning("lower end of its 95 % confidence interval (counts no failed run as equilibrium)");
-    list.number("ci_high", "1", |row| row.summary.interval.high).meaning(
-        "upper end of its 95 % confidence interval (counts all failed runs as equilibrium)",
-    );
-    list.word("ci_method", |row| row.summary.interval.method.name()).meaning(
+    list.number("ci_high", "1", |row| row.summary.interval.high)
+        .reads(move |row, read, name| row.summary.interval.high = read.number(name).unwrap_or(nan))
+        .meaning(
+            "upper end of its 95 % confidence interval (counts all failed runs as equilibrium)",
+        );
+    list.word("ci_method", |row| row.summary.interval.method.name())
+        .reads(|row, read, name| {
+            let method = read.text(name);
+            let found = IntervalMethod::ALL.iter().find(|one| Some(one.name()) == method.as_deref());
+            row.summary.interval.method = found.copied().unwrap_or_default();
+        })
+        .meaning(
         "method of the confidence interval: wilson; or stratified, from the variation within the \
          cells of the design (Yan and Su, with bounds), for at least two runs per cell and at most \
          65,536 cells",
@@ -203,13 +251,17 @@ fn add_median_and_escape(list: &mut Columns<PointRow>) {
 fn add_audit(list: &mut Columns<PointRow>, study: &Study) {
     let is_audited = study.audit().is_some();
     let audit = move |row: &PointRow| is_audited.then_some(row.summary.audit);
-    list.count("audited_runs", move |row| audit(row).map(|audit| audit.runs)).meaning(
-        "runs recomputed by the other method with a tenth of both tolerances; null without an \
+    list.count("audited_runs", move |row| audit(row).map(|audit| audit.runs))
+        .reads(|row, read, name| row.summary.audit.runs = read.count(name).unwrap_or(0))
+        .meaning(
+            "runs recomputed by the other method with a tenth of both tolerances; null without an \
          audit",
-    );
+        );
     list.count("audit_flips", move |row| audit(row).map(|audit| audit.flips))
+        .reads(|row, read, name| row.summary.audit.flips = read.count(name).unwrap_or(0))
         .meaning("audited runs whose label changed");
     list.count("audit_rest_flips", move |row| audit(row).map(|audit| audit.rest_flips))
+        .reads(|row, read, name| row.summary.audit.rest_flips = read.count(name).unwrap_or(0))
         .meaning("audited runs that were an equilibrium in only one of the two computations");
     list.number("audit_flip_rate", "1", move |row| audit(row)?.flip_rate())
         .meaning("fraction of audited runs whose label changed");
@@ -221,14 +273,12 @@ fn add_audit(list: &mut Columns<PointRow>, study: &Study) {
 
 /// Adds the properties of the ball balancer at the point.
 fn add_machine(list: &mut Columns<PointRow>, touches: bool) {
-    list.number("amplitude_without_balls_m", "m", |row| {
-        row.summary.residual.amplitude_without_balls_m
-    })
+    number!(list, "amplitude_without_balls_m", "m", row => row.summary.residual.amplitude_without_balls_m)
     .meaning(
         "median over the runs that did not fail of the amplitude of each run's own machine without \
          balls, whose mass is also removed",
     );
-    list.number("set_fraction", "1", |row| row.set_fraction).meaning(
+    number!(list, "set_fraction", "1", row => row.set_fraction).meaning(
         "fraction of all ball positions that are equilibria: exact for one ball, to about 0.001 \
          for two and 0.005 for three or more balls; uncertain parameters at their medians",
     );
@@ -257,7 +307,12 @@ fn add_residual_vibration(list: &mut Columns<PointRow>) {
     let worse = |end: usize| {
         move |row: &PointRow| Some(row.summary.residual.worse_than_without_balls?[end])
     };
-    list.number("worse_than_without_balls_fraction", "1", worse(0)).meaning(
+    list.number("worse_than_without_balls_fraction", "1", worse(0))
+        .reads(|row, read, _| {
+            row.summary.residual.worse_than_without_balls =
+                read.all(["fraction", "low", "high"].map(|end| format!("worse_than_without_balls_{end}")));
+        })
+        .meaning(
         "fraction of the runs that vibrate more than their own machine without balls, which has the \
          parameters drawn for the run, of all runs that did not fail",
     );
@@ -269,26 +324,21 @@ fn add_residual_vibration(list: &mut Columns<PointRow>) {
     );
     for (index, fraction) in PointSummary::AMPLITUDE_FRACTIONS.into_iter().enumerate() {
         let percent = (100.0 * fraction).round();
-        list.number(format!("relative_amplitude_p{percent:02}"), "1", move |row| {
-            row.summary.residual.relative_amplitude[index]
-        })
-        .meaning(format!(
-            "quantile {percent} % of relative_amplitude over the runs that did not fail"
-        ));
+        let name = format!("relative_amplitude_p{percent:02}");
+        number!(list, name, "1", row => row.summary.residual.relative_amplitude[index]).meaning(
+            format!("quantile {percent} % of relative_amplitude over the runs that did not fail"),
+        );
     }
     for (index, fraction) in ResidualVibration::GRADE_FRACTIONS.into_iter().enumerate() {
         let percent = (100.0 * fraction).round();
-        list.number(format!("balance_quality_grade_p{percent:02}_mm_s"), "mm/s", move |row| {
-            row.summary.residual.balance_quality_grade_mm_s[index]
-        })
+        let name = format!("balance_quality_grade_p{percent:02}_mm_s");
+        number!(list, name, "mm/s", row => row.summary.residual.balance_quality_grade_mm_s[index])
         .meaning(format!(
             "quantile {percent} % over the equilibria of the balance quality grade G that is left \
              (ISO 21940-11, with the whole vibrating mass)"
         ));
     }
-    list.number("overlapping_rest_fraction", "1", |row| {
-        row.summary.residual.overlapping_rest_fraction
-    })
+    number!(list, "overlapping_rest_fraction", "1", row => row.summary.residual.overlapping_rest_fraction)
     .meaning(
         "fraction of the equilibria at which two balls are nearer to each other than their \
          diameters allow; 0 with model.contact",

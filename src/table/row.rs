@@ -111,8 +111,8 @@ impl<'a> Row<'a> {
     }
 
     /// Returns numbers, such as a value and both ends of its interval; `None` if one of them is missing.
-    pub fn all<const N: usize>(&self, columns: [&str; N]) -> Option<[f64; N]> {
-        let numbers = columns.map(|column| self.number(column));
+    pub fn all<const N: usize>(&self, columns: [impl AsRef<str>; N]) -> Option<[f64; N]> {
+        let numbers = columns.map(|column| self.number(column.as_ref()));
         numbers.iter().all(Option::is_some).then(|| numbers.map(Option::unwrap_or_default))
     }
 

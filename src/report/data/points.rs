@@ -1,10 +1,10 @@
-//! The values of a point, from its finished runs or from a row of `points.parquet`.
+//! The values of a point as people read them, from its row.
 
 use crate::analysis::{AuditCounts, Estimate, HalfWidths, ResidualVibration};
 use crate::classification::Label;
 use crate::report::data::heading;
 use crate::study::{ParameterValue, Study};
-use crate::table::{PointRow, Row, Table, TableError};
+use crate::table::{PointRow, Table, TableError, point_columns};
 
 /// The largest number of points in memory; of larger sweeps every second, third and so on is read.
 const MOST_POINTS: u64 = 50_000;
@@ -62,10 +62,11 @@ pub struct PointFacts {
 /// Reads all points, or evenly spaced ones.
 pub fn read(study: &Study, table: &Table) -> Result<Vec<PointFacts>, TableError> {
     let every = table.rows().div_ceil(MOST_POINTS).max(1);
-    let mut points = Vec::new();
+    let (columns, mut points) = (point_columns(study), Vec::new());
     table.for_each(|row| {
         if row.place().is_multiple_of(every) {
-            points.extend(PointFacts::in_row(study, row));
+            let point = PointRow::read(study, &columns, row);
+            points.extend(point.map(|point| PointFacts::of(study, &point)));
         }
     })?;
     Ok(points)
@@ -104,62 +105,6 @@ impl PointFacts {
         }
     }
 
-    /// Returns the values in a row of `points.parquet`; `None` if its number is missing. Values of swept parameters are
-    /// taken from the study.
-    pub fn in_row(study: &Study, row: &Row<'_>) -> Option<PointFacts> {
-        let count = |name: &str| row.count(name).unwrap_or(0);
-        let number = |name: &str| row.number(name);
-        let (point_id, runs) = (row.count("point_id"), count("runs"));
-        let interval = |name: &str| {
-            let [low, high] = ["low", "high"].map(|end| row.number(&format!("{name}_{end}")));
-            [low, high].map(|end| end.unwrap_or(f64::NAN))
-        };
-        let labels = Label::ALL.map(|label| {
-            let [low, high] = interval(label.name());
-            let own = count(&format!("{}_runs", label.name()));
-            Fraction { low, high, ..Fraction::of(own, runs) }
-        });
-        let [low, high] = interval("ci");
-        let fraction = number("equilibrium_fraction").unwrap_or(f64::NAN);
-        let balls = study.model().kind().offers.vibration;
-        let responses = study.responses().iter();
-        let mut facts = PointFacts {
-            point_id: 0,
-            title: String::new(),
-            swept: Vec::new(),
-            runs,
-            labels,
-            equilibrium: Fraction { fraction, low, high, ..labels[0] },
-            precise: row.truth("precision_reached"),
-            ci_method: row.text("ci_method").unwrap_or_default(),
-            time_to_rest_s: ["25", "50", "75", "95"]
-                .map(|percent| number(&format!("time_to_rest_p{percent}_s"))),
-            amplitude_m: ["05", "50", "95"]
-                .map(|percent| number(&format!("amplitude_p{percent}_m"))),
-            residual: if balls { residual(row) } else { ResidualVibration::default() },
-            set_fraction: if balls { number("set_fraction") } else { None },
-            audit: AuditCounts {
-                runs: count("audited_runs"),
-                flips: count("audit_flips"),
-                rest_flips: count("audit_rest_flips"),
-            },
-            flip_rate: row.all(["audit_flip_rate", "audit_flip_low", "audit_flip_high"]),
-            responses: responses.clone().map(|one| row.estimate(&one.column())).collect(),
-            responses_without_balls: responses
-                .map(|one| match balls && one.has_value_without_balls() {
-                    true => number(&one.column_without_balls()),
-                    false => None,
-                })
-                .collect(),
-        };
-        facts.point_id = point_id?;
-        if facts.point_id < study.point_count() {
-            facts.swept = study.point(facts.point_id).swept;
-        }
-        facts.title = title(study, facts.point_id, &facts.swept);
-        Some(facts)
-    }
-
     /// Returns the number of rests at which balls overlap.
     pub fn overlapping_rests(&self) -> u64 {
         let fraction = self.residual.overlapping_rest_fraction.unwrap_or(0.0);
@@ -177,24 +122,6 @@ impl Fraction {
     /// Returns the fraction of `runs` in `all` runs, without an interval.
     fn of(runs: u64, all: u64) -> Self {
         Fraction { runs, fraction: runs as f64 / all as f64, low: f64::NAN, high: f64::NAN }
-    }
-}
-
-/// Reads what the balls leave.
-fn residual(row: &Row<'_>) -> ResidualVibration {
-    let number = |name: &str| row.number(name);
-    ResidualVibration {
-        amplitude_without_balls_m: number("amplitude_without_balls_m"),
-        relative_amplitude: ["05", "50", "95"]
-            .map(|percent| number(&format!("relative_amplitude_p{percent}"))),
-        worse_than_without_balls: row.all([
-            "worse_than_without_balls_fraction",
-            "worse_than_without_balls_low",
-            "worse_than_without_balls_high",
-        ]),
-        balance_quality_grade_mm_s: ["50", "95"]
-            .map(|percent| number(&format!("balance_quality_grade_p{percent}_mm_s"))),
-        overlapping_rest_fraction: number("overlapping_rest_fraction"),
     }
 }
 
