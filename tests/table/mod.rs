@@ -9,6 +9,7 @@ mod file_list;
 mod intervals;
 mod memory;
 mod parts;
+mod points;
 mod preferred;
 mod previous_results;
 mod provenance;
