@@ -9,20 +9,24 @@
 //!
 //! - [`study`]: a validated study file and its plan, which computes any run from its number.
 //! - [`model`]: parameters, equations of motion, friction laws.
-//! - `graph`: straight-line programs.
+//! - `graph`: programs of straight-line arithmetic, which [`motion`] runs.
 //! - [`motion`]: integration, the switch model, stick and slip.
 //! - [`classification`]: how a run ends, and the evidence.
 //! - [`engine`]: distribution of runs over cores and shards, storage of finished runs, progress,
 //!   interruption and resumption.
 //! - [`analysis`]: confidence intervals, times to rest, summaries of points, equilibrium sets.
 //! - `tabular`: tables in CSV, Parquet and Arrow, read within bounds, for studies and results.
-//! - [`table`]: the result tables with units and provenance; this room alone writes Parquet.
+//! - [`table`]: the result tables with units and provenance. Only this module writes Parquet.
 //! - [`report`]: the HTML page of results, and a run that is computed again with its motion.
 //! - [`responses`]: the responses of a design, for optimisers.
 //! - [`optimize`]: the search for the best design, and sensitivity indices.
 //! - [`identify`]: the inference of parameters from measured positions of rest.
 //! - [`check`]: closed forms and warnings, before a study is computed.
 //! - [`cli`]: the commands.
+//!
+//! Begin with [`study`], then read [`model`], [`motion`] and [`classification`]. Small helpers lie beside this file:
+//! `numbers`, `counted` and `printed_table` format output, `named` names the values of enums, and `sanitize` cleans foreign
+//! text.
 //!
 //! A case is a pure function of the study and the number of the run, and an outcome is a pure
 //! function of the case:

@@ -9,10 +9,12 @@
 //! `point_summary` combines them, and `stopping` decides whether a point needs more runs. `estimates` are the responses of
 //! designs.
 //!
-//! The closed forms of balls at rest start with `rest_form`, which has the parameters of a machine, and `touching`. The
-//! equilibrium set is exact for `one_ball`, and otherwise found on a `set_grid` or at `set_samples`. The equilibria without
-//! friction build on `balance`, `on_a_line` and `linearised`; `frictionless` combines these. `set_extremes` and `climb` find
-//! the amplitudes in the set, and `equilibrium_set` combines everything about it. `run_up` stands alone.
+//! The closed forms of balls at rest begin with two files: `rest_form` has the parameters of a machine, and `touching`
+//! decides which positions of touching balls are possible. `one_ball` gives the exact equilibrium set of one ball. For more
+//! balls, `set_grid` or `set_samples` finds the set. The equilibria without friction build on `balance`, `on_a_line` and
+//! `linearised`; `frictionless` combines these. `set_extremes` and `climb` find the amplitudes in the set, and
+//! `equilibrium_set` combines everything about it. `run_up` stands alone. The other files are helpers of these; read them
+//! where they are imported.
 
 mod angle_set;
 mod audit;

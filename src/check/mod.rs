@@ -1,12 +1,13 @@
 //! What can be said about a study without simulation: closed forms of its machine, and warnings about values that are
-//! probably slips.
+//! probably mistakes.
 //!
-//! A study that resolves is valid: every run of it can be planned. It can still describe a machine that cannot be
-//! built or that cannot balance. This module finds such machines; it computes no run.
+//! A study that resolves is valid: every run of it can be planned. It can still describe a machine that cannot be built or
+//! that cannot balance. This module finds such machines; it computes no run.
 //!
-//! Read `ball_fit` and `steady` first, then `closed_form` and `own_facts`: what is known of a ball balancer and of another
-//! system. `points` selects the points of a large sweep, and `designs` the designs of a search. Warnings build on these:
-//! `slips` and `values` concern one machine, `conditions` and `obstacle` the study, and `warnings` collects all of them.
+//! Read `ball_fit` and `steady` first. `closed_form` then collects the facts about a ball balancer, and `own_facts` the
+//! facts about any other system. `points` selects the points of a large sweep, and `designs` the designs of a search.
+//! Warnings build on these: `slips` (values in a wrong unit) and `values` examine one machine, and `conditions` and
+//! `obstacle` examine the study. `warnings` collects all of them.
 
 mod ball_fit;
 mod closed_form;

@@ -24,13 +24,13 @@
 //! and `cycle`, `stages` and `outcome` are its results.
 //!
 //! The next files give the evidence: `rest_in_touch`, `settled` and `creep` for rest; `section`, `period`, `return_map`,
-//! `closed_orbit`, `torus`, `passages`, `periodic_creep` and `orbit` for motions that repeat, and `block_cycle` for those
-//! of a single body; `lyapunov` for irregular motions. `tail_statistics` measures the last part of a run, and `horizons`
-//! has its end times.
+//! `closed_orbit`, `torus`, `passages`, `periodic_creep` and `orbit` for motions that repeat, and `block_cycle` for the
+//! cycles of a single body; `lyapunov` for irregular motions. `tail_statistics` measures the last part of a run, and
+//! `horizons` has the end times of a run.
 //!
-//! `ending` names how a run ends. `cycle_watch` seeks its cycle, `lane_run` examines it after each step, and
-//! `run_outcome` makes its outcome. `gap_sample` and `run_recorder` record its motion, and
-//! `step_limit` bounds its effort. Read `in_lockstep`, which simulates many runs, and `simulate` last.
+//! `ending` names how a run ends. `cycle_watch` searches for the limit cycle of a run, `lane_run` examines the run after
+//! each step, and `run_outcome` makes the outcome. `gap_sample` and `run_recorder` record the motion, and `step_limit`
+//! bounds the effort. Read `in_lockstep`, which simulates many runs, and `simulate` last.
 
 mod block_cycle;
 mod closed_orbit;

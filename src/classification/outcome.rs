@@ -10,7 +10,7 @@ use crate::motion::{Effort, Failure};
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Label {
-    /// All balls are at rest for good.
+    /// The run is at rest for good; the evidence says in which sense.
     Equilibrium,
     /// A stable periodic motion, closed modulo 2π of the running balls' angles.
     LimitCycle,
@@ -62,8 +62,8 @@ impl Label {
 pub struct Rest {
     /// The time since the start of the run at which the rest began, s; `None` if that is unknown.
     pub since_s: Option<f64>,
-    /// The smallest friction margin of a resting contact; `None` if no contact sticks. 0 for creeping balls, which are on
-    /// the edge of the set within the accuracy of the run.
+    /// The smallest friction margin of a contact at rest; `None` if no contact sticks. Creeping balls have the margin 0,
+    /// because they lie on the edge of the equilibrium set within the accuracy of the run.
     pub friction_margin: Option<f64>,
 }
 
@@ -72,7 +72,7 @@ pub struct Rest {
 pub struct ClosedOrbit {
     /// The period, s.
     pub period_s: f64,
-    /// The smallest friction margin of a contact that sticks throughout the period; `None` if there is none.
+    /// The smallest friction margin of the contacts that stick throughout the period; `None` if no contact does.
     pub friction_margin: Option<f64>,
     /// The cycle; `None` if only its period is known.
     pub cycle: Option<Box<Cycle>>,
@@ -85,11 +85,11 @@ pub enum Evidence {
     RestCertified(Rest),
     /// All balls stick, and bounds show that the motion approaches its rest point without breaking any loose.
     RestContracting(Rest),
-    /// Balls drift ever slower towards the edge of the equilibrium set.
+    /// Balls drift ever slower at the edge of the equilibrium set.
     Creep(Rest),
-    /// Without dry friction, the motion has approached a stable equilibrium.
+    /// Not all contacts stick: the motion approaches a stable equilibrium, and friction holds the contacts that stick.
     Settled(Rest),
-    /// All contacts stick throughout a period of the forcing, which repeats.
+    /// In a period of the forcing, contacts stick or stay open, none slips, and the motion of the other components repeats.
     PeriodicRest(Rest),
     /// The orbit closes, is stable, and resting balls keep a margin.
     ClosedOrbit(ClosedOrbit),
@@ -247,14 +247,14 @@ pub struct LyapunovExponent {
 pub struct TouchingOutcome {
     /// Number of impacts between two balls.
     pub impacts: u64,
-    /// Number of balls that an impact lifted off the ring, which the model does not follow.
+    /// Number of balls that an impact lifted off the ring. The model does not follow this lift-off.
     pub lifted_off: u64,
     /// Time in which any two balls touched, s.
     pub time_s: f64,
     /// Whether any two balls touched at the end.
     pub at_end: bool,
-    /// Force between two balls that touch at rest, N: the smallest with which friction holds them, in the contact with the
-    /// largest such force.
+    /// Largest force between two balls that touch at rest, N. In each contact between balls, the force is the smallest one
+    /// with which friction holds both balls; it is 0 if friction holds each ball alone.
     pub force_n: Option<f64>,
 }
 
@@ -273,7 +273,7 @@ pub struct Outcome {
     /// Position of each contact at the end: a ball's angle in rad, in [0, 2π); a block's position
     /// in m.
     pub position: Option<Vec<f64>>,
-    /// The outputs, for a system that has some.
+    /// The outputs of the system; empty if the system has no outputs.
     pub outputs: Vec<OutputOutcome>,
     /// Amplitude of the table's vibration, m: at the rest point, or root mean square over the cycle
     /// or the last tenth of the time. For a block, half of the distance between the extremes of its
@@ -284,7 +284,7 @@ pub struct Outcome {
     pub mean_speed: Option<Vec<f64>>,
     /// Separation rate of neighbouring motions, if the run was still moving at its end time.
     pub lyapunov: Option<LyapunovExponent>,
-    /// The stages of a run whose disc changes its speed or whose table is kicked; none for other runs.
+    /// The stages of a run whose disc changes its speed or whose table is kicked; empty for other runs.
     pub stages: Vec<StageOutcome>,
     /// The largest amplitude of a run with stages.
     pub peak: Option<PeakAmplitude>,

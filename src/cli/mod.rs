@@ -1,11 +1,13 @@
-//! The command line: one file per command; this file dispatches to them and turns ends into exit codes.
+//! The command line: each command has its own file. This file calls the command and sets the exit code.
 //!
-//! Read `exit` and `output` first: how a command ends and prints. `arguments` and `range` are arguments that commands share.
+//! Read `exit` and `output` first: how a command ends and prints. `arguments` and `range` are arguments that commands
+//! share.
 //!
 //! Each other file is a command or a part of one. `check_machine`, `check_system`, `check_points`, `check_run_up`,
-//! `existence` and `design_cost` say what `check` prints. `run_on_engine` computes a study for `run`, `resume`, `merge` and
+//! `existence` and `design_cost` are parts of `check`. `run_on_engine` computes a study for `run`, `resume`, `merge` and
 //! `verify`. `summary`, `report`, `compare`, `equilibria` and `replay` need results or closed forms only, and `evaluate`,
-//! `optimize` and `identify` evaluate designs.
+//! `optimize` and `identify` evaluate designs. `new`, `expand`, `schema` and `completions` help to write studies and
+//! commands.
 
 mod arguments;
 mod check;

@@ -7,9 +7,10 @@
 //! `stop` end it early. A `worker` computes runs, `chunk_writer` passes them on to the store, and a `worker_pool` has the
 //! workers. `run_study` combines all of these.
 //!
-//! Directories of results follow: `output_dir` prepares one, `exclusive_directory` and `continued_directory` are those of
-//! other commands, and `results_study`, `read_finished` and `readable_results` open what is finished. `record_motion` needs
-//! only `compute`.
+//! Directories of results follow: `output_dir` prepares the directory of a study. `exclusive_directory` is for commands
+//! that fill a directory once, and `continued_directory` for commands that continue one. `results_study` reads the study of
+//! a directory, `read_finished` its finished runs, and `readable_results` makes tables of them. `record_motion` needs only
+//! `compute`.
 
 mod batches;
 mod chunk_writer;

@@ -1,20 +1,20 @@
 //! Inference of parameters from measured positions of rest.
 //!
-//! Parameter sets are drawn from the prior, and the study is simulated for each. The simulated positions of rest give a
-//! probability density on the torus of ball angles, and with it the density of each measured position. A regression over the
-//! parameter sets gives these densities, and with them the likelihood, at any place of the prior; it is the surrogate from whose
-//! posterior an ensemble sampler draws. Further parameter sets lie where the posterior is. How well the model explains the
-//! measurements is tested at each point.
+//! The module draws parameter sets from the prior and simulates the study for each. The simulated positions of rest give a
+//! probability density on the torus of ball angles, and with it the density of each measured position. A regression over
+//! the parameter sets estimates these densities, and from them the likelihood, at any place of the prior. It stands in for
+//! further simulations, and an ensemble sampler draws parameters from the posterior that it gives. Further parameter sets
+//! lie where the posterior is. A test at each point says how well the model explains the measurements.
 //!
 //! All results are functions of the study and of the measurements.
 //!
 //! Read `site` and `end` first: what is measured, and what a simulation shows of it. `sampler` draws random numbers, and
-//! `smoother` is the regression over parameter sets. `parameter_set` has the simulated ends of one set, from which `density`
-//! and `set_densities` make the densities of the measurements, and `references` corrects their tails. `replicates` give the
-//! error of the regression. `likelihood` adds up all measurements, `regression_width` finds the width that predicts best, and
-//! `posterior` draws parameters. `next_sets` chooses further sets, and `fit_test` tests the model. `set_files` keeps
-//! simulated ends, `inference` combines all of this, `result_files` keeps the results, and `into_directory` runs everything
-//! with progress.
+//! `smoother` is the regression over parameter sets. `parameter_set` has the simulated ends of one set. `density` and
+//! `set_densities` make the densities of the measurements from them, and `references` corrects their tails. `replicates`
+//! give the error of the regression. `likelihood` adds up all measurements, `regression_width` finds the width that
+//! predicts best, and `posterior` draws parameters. `next_sets` chooses further sets, and `fit_test` tests the model.
+//! `set_files` keeps simulated ends, `inference` combines all of this, `result_files` keeps the results, and
+//! `into_directory` runs everything with progress.
 
 mod density;
 mod end;

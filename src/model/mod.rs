@@ -1,21 +1,22 @@
 //! The mechanical system: parameters, equations of motion, closed forms.
 //!
-//! [`Model`] is the model of a study, in SI units: a [`Machine`] (the ball balancer), or an [`OwnModel`] of a kind that a system
-//! file or a program outside this crate defines. [`Balancer`] is the machine without dimensions, with the equations of motion;
-//! [`System`] is the interface of all systems. This module does not depend on how motion is integrated or how a run ends.
+//! [`Model`] is the model of a study, in SI units: a [`Machine`] (the ball balancer), or an [`OwnModel`] of a kind that a
+//! system file or a program outside this crate defines. [`Balancer`] is the machine without dimensions, with the equations
+//! of motion; [`System`] is the interface of all systems. This module does not depend on how motion is integrated or how a
+//! run ends.
 //!
 //! Read the base first: [`Number`], [`State`] and [`Dual`] are values and their arithmetics, `graph` records equations, and
 //! `friction` has the laws. `contact_mode`, `gap`, `impact_law` and [`SpeedProfile`] lead to `system`, the interface of all
 //! systems. `mechanism` records a system from a mass matrix, forces and contacts.
 //!
 //! The balancer follows: [`BallContact`] and [`Kick`] are parts of a [`Machine`] in SI units, and [`Balancer`] has its
-//! `equations` without dimensions. The closed forms are in `rest`, `certificate`, `existence` and `held`. `recorded_balancer`
-//! and `balls_in_contact` are its systems, and `driven` chooses between them; `rest_in_contact` has the closed forms of balls
-//! that touch.
+//! `equations` without dimensions. The closed forms are in `rest`, `certificate`, `existence` and `held`.
+//! `recorded_balancer` and `balls_in_contact` are its systems, and `driven` chooses between them; `rest_in_contact` has the
+//! closed forms of balls that touch.
 //!
-//! The models of studies come last: `parameter` and `kind` say what a kind of model is, `ball_balancer`, `own` and `written`
-//! are the kinds, and `modelled` unites them as [`Model`]. What needs a whole model builds on it: [`Case`], `naming`,
-//! `parameter_values`, [`CampbellDiagram`] and [`Stage`].
+//! The models of studies come last: `parameter` and `kind` say what a kind of model is, `ball_balancer`, `own` and
+//! `written` are the kinds, and `modelled` unites them as [`Model`]. What needs a whole model builds on it: [`Case`],
+//! `naming`, `parameter_values`, [`CampbellDiagram`] and [`Stage`].
 
 mod angle;
 mod balancer;

@@ -9,8 +9,8 @@
 //! `touching_system` with `residual_speeds`. `touching_decision` decides their phases with `incremental_forces` and
 //! `separate_contacts`. `saltation` carries a perturbation over a switch.
 //!
-//! `lockstep` integrates the motions of eight runs side by side and uses all of these files. Read `single` last: it is one
-//! motion alone, in such a lane. `root` finds roots, and `cancellation` stops a motion from outside.
+//! `root` finds roots, and `cancellation` stops a motion from outside. `lockstep` integrates the motions of eight runs side
+//! by side. Read `single` last: it computes one motion alone, in one lane of `lockstep`.
 
 mod cancellation;
 mod cluster;

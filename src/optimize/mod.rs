@@ -6,12 +6,13 @@
 //! the number of threads does not matter. The estimate of the best design is biased by the selection; therefore its
 //! reported responses come from other and more runs.
 //!
-//! Read `space` and `evaluation` first: the designs, and one that is evaluated. `over_points` combines the points of a sweep
-//! into one value, `goal` says what is sought, and `pareto` finds the designs that no other one dominates. `process` is a
-//! Gaussian process of a quantity on its `quantity_scale`, `criterion` says how good a design promises to be, and `proposal`
-//! maximises it. `surrogate` is a smooth approximation of a response. `suggest` and `next_designs` choose designs with these,
-//! and `search` evaluates them. Afterwards `finalists` evaluates the best ones again, and `sobol_indices` serve
-//! `sensitivity`. `report` says the result in words, and `into_directory` runs everything with progress.
+//! Read `space` first, which has the designs, then `evaluation`, which is one evaluated design. `over_points` combines the
+//! points of a sweep into one value, `goal` says what is sought, and `pareto` finds the designs that no other one
+//! dominates. `process` is a Gaussian process of a quantity on its `quantity_scale`, `criterion` says how good a design
+//! promises to be, and `proposal` maximises it. `surrogate` is a smooth approximation of a response. `suggest` and
+//! `next_designs` choose designs with these, and `search` evaluates them. Afterwards `finalists` evaluates the best designs
+//! again. `sensitivity` computes, with `sobol_indices`, how much of the variance each variable explains. `report` writes
+//! the result in words, and `into_directory` runs everything with progress.
 
 mod criterion;
 mod evaluation;

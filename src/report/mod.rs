@@ -1,9 +1,9 @@
 //! The report page and the animation of a replayed run, and the files that hold them. Equal data give equal bytes.
 //!
 //! Read `chart` and `data` first: what a figure contains, and what the tables of a directory say about its points and runs.
-//! `figures` makes the figures of a study from the data. `printed_columns`, `remedies` and `conclusion` are its tables and
-//! sentences, `optimum` is the same for a search, and `page` puts everything into HTML. `overwrite` says which files may be
-//! replaced, and `write` writes the page.
+//! `figures` makes the figures of a study from the data. `printed_columns` chooses the columns of its tables, `remedies`
+//! and `conclusion` write its sentences, and `optimum` makes the report of a search. `page` puts everything into HTML.
+//! `overwrite` says which files may be replaced, and `write` writes the page.
 //!
 //! `stored_run`, `animation` and `replay` are about one run that is computed again, and `comparison` is about two studies.
 

@@ -12,7 +12,8 @@
 //! 4. `sampling`: distributions, start states and random draws from the number of a run.
 //! 5. `plan/parameter` and `file/kind_parameters`: what a study may vary, and the parameters of each kind.
 //! 6. `file/study_file`: all keys of a study, with the parts of the JSON Schema in `file/schema_parts`.
-//! 7. `plan/planned_runs` ([`Plan`]: points and runs) and `plan/planned_study` ([`Study`]: a plan and what is asked of it).
+//! 7. `plan/planned_runs` ([`Plan`]: points and runs) and `plan/planned_study` ([`Study`]: a plan with responses, designs and
+//!    searches).
 //! 8. `resolve/whole_study` and `load`: from the keys to the study. `schema` and `template` write for editors and people.
 //!
 //! ```

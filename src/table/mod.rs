@@ -2,17 +2,17 @@
 //!
 //! Only this module writes Parquet files; `tabular` reads them for both studies and results.
 //!
-//! - Read `column` first, and `motion_values`, which has the units of motions. The tables of a study declare their columns in
-//!   files of their names: `runs`, `stages` and `equilibria` have one row per run, and `touches` and `replay` are the tables
-//!   of one run.
+//! - Read `column` first, then `motion_values`, which has the units of motions. Then read the columns of the tables of a
+//!   study: `runs` has one row per run, `stages` one per run and stage, and `equilibria` one per run that came to rest.
+//!   `touches` and `replay` declare the tables of one replayed run.
 //! - `file_entry` is a file with its hash, which `verified_files` checks. `durable_directories` and `atomic_files` survive
 //!   kills and power loss, and `manifest` lists the files of a directory.
 //! - `writer` turns rows into columns for a `memory_table` or for files. An `unfinished_table` gets its name last, and
 //!   `table_files` writes into it. `file_list` lists the files of a directory without a manifest.
-//! - `read` opens a table, `row` reads its rows, and `stored_run` compares one with a run that is computed again.
-//! - `points` has one row per point, and with `point_key` other tables have several. `study_tables` and `equilibrium_files`
-//!   hold the tables of a command, and `results` is the output directory of a study. `output_state` inspects such a directory
-//!   before a run, and `previous_results` moves earlier results aside.
+//! - `read` opens a table, `row` reads its rows, and `stored_run` compares a row with a run that is computed again.
+//! - `points` has one row per point. Other tables have several rows per point, which `point_key` names. `study_tables` and
+//!   `equilibrium_files` hold the tables of a command, and `results` is the output directory of a study. `output_state`
+//!   inspects such a directory before a run, and `previous_results` moves earlier results aside.
 
 mod atomic_files;
 mod batch;

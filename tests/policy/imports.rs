@@ -1,5 +1,5 @@
-//! Each folder of `src/` can be read from its first file to its last: no file imports another one round and round, and no
-//! two types have one name.
+//! Within each folder at the top of `src/`, imports never form a cycle, so that its files can be read one after the other.
+//! Two types never have the same name.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -100,7 +100,7 @@ fn paths(tree: &str) -> Vec<String> {
 }
 
 #[test]
-fn no_file_imports_another_round_and_round() {
+fn no_imports_form_a_cycle() {
     let all = Crate::read();
     assert!(all.0.len() > 400, "{} files", all.0.len());
     let mut left: BTreeMap<&Module, BTreeSet<Module>> = BTreeMap::new();
@@ -110,8 +110,8 @@ fn no_file_imports_another_round_and_round() {
         let is_folder = all.0.keys().any(is_folder);
         let own = all.imports(module).into_iter().filter(|(_, given_on)| !(is_folder && *given_on));
         let defined = own.map(|(path, _)| all.definition(&path, 0));
-        let in_room = defined.filter(|other| other.first() == module.first() && other != module);
-        left.insert(module, in_room.collect());
+        let in_folder = defined.filter(|other| other.first() == module.first() && other != module);
+        left.insert(module, in_folder.collect());
     }
     assert!(left.values().map(BTreeSet::len).sum::<usize>() > 800, "few imports are found");
     loop {
@@ -125,7 +125,7 @@ fn no_file_imports_another_round_and_round() {
             break;
         }
     }
-    assert!(left.is_empty(), "files in circles of imports, or between them: {:?}", left.keys());
+    assert!(left.is_empty(), "files in cycles of imports, or between them: {:?}", left.keys());
 }
 
 /// Each command has its `Arguments`.

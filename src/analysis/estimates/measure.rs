@@ -1,4 +1,4 @@
-//! What is estimated from a sample of runs, and what each run contributes to it.
+//! The quantities that can be estimated from a sample of runs, and the contribution of each run to an estimate.
 
 use super::amplitude::{mean, quantile, standard_deviation, worst};
 use super::estimate::{Estimate, RunResult, Sample};

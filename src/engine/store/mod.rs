@@ -5,9 +5,9 @@
 //! other studies are found by their cases. Every chunk is verified by its hash and every run by its case. Runs that
 //! are not found are computed and stored.
 //!
-//! Read `record` first: one finished run. `chunk` is a file of such runs, and `folder` has the chunks of one study with their
-//! list. `chunk_index` and `result_cache` find runs by their numbers and by their cases, and `lock` keeps other processes
-//! away. [`Store`] combines them.
+//! Read `record` first: one finished run. `chunk` is a file of such runs, and `folder` has the chunks of one study with
+//! their list. `chunk_index` and `result_cache` find runs by their numbers and by their cases, and `lock` keeps other
+//! processes away. [`Store`] combines them.
 
 mod chunk;
 mod chunk_index;

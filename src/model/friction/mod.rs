@@ -3,9 +3,9 @@
 //! A law is one file here, with a line in [`FRICTION_LAWS`]. The study file, the JSON Schema, sweeps,
 //! distributions, design variables, columns and the motion take everything else from its [`Law`].
 //!
-//! Read `law_parameter` and `law` first: what a law defines. [`FrictionLaw`] has the values of its parameters in SI units, and
-//! [`Friction`] is the friction of one contact without dimensions, as the motion uses it. The laws follow in the order of
-//! [`FRICTION_LAWS`]; `viscous` shares its parameter with `coulomb_viscous`.
+//! Read `law_parameter` and `law` first: what a law defines. [`FrictionLaw`] has the values of its parameters in SI units,
+//! and [`Friction`] is the friction of one contact without dimensions, as the motion uses it. The laws follow in the order
+//! of [`FRICTION_LAWS`]; `viscous` shares its parameter with `coulomb_viscous`.
 
 mod coulomb;
 mod coulomb_viscous;

@@ -1,12 +1,15 @@
 //! Mechanical systems that a file describes by formulas.
 //!
-//! Read [`formula`] and [`parser`] first, which turn texts into trees, and [`definition`]: what a file contains. [`evaluate`]
-//! computes trees with numbers or expressions ([`numeric`]), [`dependence`] or [`dimensions`]. [`instance`] gives a
-//! definition certain numbers of bodies, and [`check`] and [`check_names`] refuse one that contradicts itself. [`linear`]
-//! forms are used by [`velocities`], which makes sliding speeds components of the state. [`measured`] evaluates the outputs
-//! of a [`system`], which records its equations, and [`in_state`] and [`uniqueness`] examine it in one state. [`sizes`] gives
-//! the units of the motion, from which [`examined`] makes a system of values of the parameters; [`small_motions`] are its
-//! equations of small motions. [`kind`] makes all this a kind of model.
+//! Read [`formula`] and [`parser`] first, which turn texts into trees, and [`definition`], which has the content of a file.
+//! [`evaluate`] walks through a tree: [`numeric`] gives its value, [`dependence`] finds what it depends on, and
+//! [`dimensions`] finds its dimension. [`instance`] fixes the numbers of bodies. [`check`] and [`check_names`] refuse a
+//! definition that contradicts itself. [`velocities`] uses the [`linear`] forms of sliding speeds as components of the
+//! state.
+//!
+//! Then read [`system`], which records the equations, and [`measured`], which evaluates the outputs. [`in_state`] and
+//! [`uniqueness`] examine a system in one state. [`sizes`] gives the units of the motion, [`examined`] checks a system with
+//! values of its parameters, and [`small_motions`] has its equations of small motions. Read [`kind`] last: it unites all
+//! this.
 
 mod check;
 mod check_names;

@@ -1,9 +1,9 @@
 //! Motions in lockstep: eight runs side by side in the lanes of SIMD vectors.
 //!
-//! Each lane has its own parameters, time, step and phases. From the states in all lanes the motion
-//! is expanded into power series. The series determine how far they are accurate and where a contact first changes its
-//! phase. Each lane then advances to that point (`advance`): no step is rejected, no step crosses an event, and only
-//! rare work (locating an event, deciding stick and slip there, endings) is done lane by lane.
+//! Each lane has its own parameters, time, step and phases. A kernel expands the motion in all lanes into power series. The
+//! coefficients show up to which time a series is accurate, and when a contact first changes its phase. Each lane then
+//! advances to the earlier of these times (`advance`): no step is rejected, no step crosses an event, and only rare work
+//! (to locate an event, to decide stick and slip there, to end a run) is done lane by lane.
 //!
 //! Two kernels expand a motion: `general` evaluates the recorded equations of any system, and `tuned` is the recurrence
 //! of the balancer with friction that is constant or linear in speed.

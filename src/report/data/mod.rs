@@ -1,5 +1,5 @@
-//! The data of a report, read from the tables of a directory of results, in bounded memory. Of a study with stages, the
-//! motion of a few runs is computed again.
+//! The data of a report, read from the tables of a directory of results in bounded memory. If the study has stages, this
+//! module also computes the motion of a few runs again.
 //!
 //! Read `points` first: the values of a point. `runs`, `cycles`, `time_to_rest` and `drawn` read the other tables,
 //! `incomplete` has the points without all runs, and `motion` and `run_up` compute runs again. [`ReportData`] combines them.

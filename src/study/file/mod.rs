@@ -3,6 +3,7 @@
 //! Read first `yaml_tree` and `source` (the text and its places), then `unit_keys` and `decode` (how a type is read from
 //! them), and then `study_file` with the files of its parts. `table_folders` and `table_input` read tables, `resolved_yaml`
 //! writes a study with all defaults, and the files `schema_…` make the JSON Schema.
+//! The other files are helpers of these; read them where they are imported.
 
 pub mod balls;
 mod column_units;

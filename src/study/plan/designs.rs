@@ -1,4 +1,4 @@
-//! The designs of a study: the variables that they set, and the plan of a study whose variables are set.
+//! The designs of a study: their variables, and the plan of the study for given values of the variables.
 
 use crate::study::error::Fault;
 use crate::study::plan::parameter::ParameterValue;

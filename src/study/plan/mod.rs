@@ -2,6 +2,7 @@
 //!
 //! Read first `parameter` (what may vary), `base` (the model without variation) and `sweep` (the points of a block), then
 //! `planned_runs` with `uncertain_draws` and `quantiles`, and last `planned_study` with `designs` and `response`.
+//! The other files are helpers of these; read them where they are imported.
 
 pub(in crate::study) mod audit;
 pub(in crate::study) mod base;

@@ -1,4 +1,4 @@
-//! A study: the plan of its runs, and what is asked of their results.
+//! A study: the plan of its runs, with the expectations, responses, designs, search and inference that it requests.
 
 use std::ops::Deref;
 

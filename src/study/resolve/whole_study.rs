@@ -1,4 +1,4 @@
-//! Resolution of a study: its plan first, and then what is asked of the results.
+//! Resolves a study: first the plan of its runs, then the responses, searches and other evaluations of results.
 
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::balls::Balls;

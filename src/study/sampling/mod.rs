@@ -1,8 +1,8 @@
 //! Sampling designs of start states, and the random numbers of a study.
 //!
-//! Every random number of a study is a quantile of a uniform number from a stream that is keyed by names (seed,
-//! parameter or axis, cell, replicate, run), not a draw from a sequence of `rand`: Latin hypercubes and Sobol' points
-//! need the quantile, and common random numbers and enlarged samples need the keys.
+//! A name selects each random number: seed, parameter or axis, cell, replicate and run select a uniform number, and a
+//! quantile turns it into the drawn value. No number comes from a sequence of `rand`. Latin hypercubes and Sobol' points
+//! need the quantile; common random numbers and enlarged samples need the names.
 //!
 //! Read first `draw` (the streams), then `initial_box` and `sampling_design` (start states); `distribution`, `correlation`
 //! and `uncertain_design` give the draws of uncertain parameters.

@@ -1,7 +1,8 @@
 //! Templates of study files: commented studies to start from.
 //!
-//! A template holds keys and values. The comments state meaning, unit, range and default of each
-//! key, and are generated from the JSON Schema and from the program's defaults.
+//! Read `machine.yaml` first, which is a template, then `annotate`, which adds the comments, and this file last. A template
+//! holds keys and values. The comments state meaning, unit, range and default of each key, from the JSON Schema and the
+//! program's defaults.
 
 mod annotate;
 

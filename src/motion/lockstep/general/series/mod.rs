@@ -1,8 +1,9 @@
 //! The power series of all expressions of a recorded system as a straight-line program, order by order.
 //!
-//! Each operation has a rule that gives the coefficient of order `k` of its result from those of its operands up to `k`
-//! and its own below `k` (Å. Jorba, M. Zou, Exp. Math. 14 (2005) 99, doi:10.1080/10586458.2005.10128904). Coefficients that
-//! are always zero take no part. In a sum, the coefficients that were computed last come last, to avoid waiting for them.
+//! Each operation has a rule for the coefficient of order `k` of its result. The rule reads the coefficients of the
+//! operands up to order `k` and those of the result below order `k` (Å. Jorba, M. Zou, Exp. Math. 14 (2005) 99,
+//! doi:10.1080/10586458.2005.10128904). Coefficients that are always zero take no part. In a sum, the coefficients that
+//! were computed last come last, to avoid waiting for them.
 //!
 //! Read first `expansion`, the coefficients that are known, then what adds to them: `convolution`, `rules` and `unknowns`.
 //! `screen` bounds the conditions, and `tail` adds the highest powers of a perturbation. This file makes the programs.
