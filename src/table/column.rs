@@ -14,10 +14,15 @@ use arrow_array::{
 use arrow_schema::ArrowError;
 use arrow_schema::{DataType, Field, Schema};
 
-use super::row::Row;
-
 type Build<R> = Box<dyn Fn(&[R]) -> ArrayRef + Send + Sync>;
-type Read<R> = Box<dyn Fn(&mut R, &Row<'_>, &str) + Send + Sync>;
+type Read<R> = Box<dyn Fn(&mut R, &dyn NamedCells, &str) + Send + Sync>;
+
+/// A row of a table whose values are read by the names of their columns; `None` for a missing value.
+pub(super) trait NamedCells {
+    fn number(&self, column: &str) -> Option<f64>;
+    fn count(&self, column: &str) -> Option<u64>;
+    fn text(&self, column: &str) -> Option<String>;
+}
 
 /// One column of a table of rows `R`.
 pub struct Column<R> {
@@ -39,7 +44,7 @@ impl<R> Column<R> {
     /// Says how the value in a row of a table, with the name of the column, gets back into a row `R`.
     pub(super) fn reads(
         &mut self,
-        read: impl Fn(&mut R, &Row<'_>, &str) + Send + Sync + 'static,
+        read: impl Fn(&mut R, &dyn NamedCells, &str) + Send + Sync + 'static,
     ) -> &mut Self {
         self.read = Some(Box::new(read));
         self
@@ -209,7 +214,7 @@ fn twice<R>(columns: &[Column<R>]) -> Option<&str> {
 }
 
 /// Reads the values of a row of a table into a row `R`, as far as the columns say how.
-pub(super) fn read_into<R>(columns: &[Column<R>], row: &Row<'_>, into: &mut R) {
+pub(super) fn read_into<R>(columns: &[Column<R>], row: &dyn NamedCells, into: &mut R) {
     for Column { field, read, .. } in columns {
         read.iter().for_each(|read| read(into, row, field.name()));
     }

@@ -1,6 +1,6 @@
 //! `points.parquet`: one row per point of the sweep.
 
-use super::column::{Column, Columns, read_into};
+use super::column::{Column, Columns, NamedCells, read_into};
 use super::estimate::add_estimate;
 use super::response_samples::ResponseSamples;
 use super::row::Row;
@@ -307,19 +307,27 @@ fn add_residual_vibration(list: &mut Columns<PointRow>) {
     let worse = |end: usize| {
         move |row: &PointRow| Some(row.summary.residual.worse_than_without_balls?[end])
     };
+    // The fraction and its interval are known together.
+    let read_worse = |end: usize| {
+        move |row: &mut PointRow, read: &dyn NamedCells, name: &str| {
+            let worse = &mut row.summary.residual.worse_than_without_balls;
+            let before = if end == 0 { Some([f64::NAN; 3]) } else { *worse };
+            *worse = before.zip(read.number(name)).map(|(mut all, number)| {
+                all[end] = number;
+                all
+            });
+        }
+    };
     list.number("worse_than_without_balls_fraction", "1", worse(0))
-        .reads(|row, read, _| {
-            row.summary.residual.worse_than_without_balls =
-                read.all(["fraction", "low", "high"].map(|end| format!("worse_than_without_balls_{end}")));
-        })
+        .reads(read_worse(0))
         .meaning(
         "fraction of the runs that vibrate more than their own machine without balls, which has the \
          parameters drawn for the run, of all runs that did not fail",
     );
-    list.number("worse_than_without_balls_low", "1", worse(1)).meaning(
+    list.number("worse_than_without_balls_low", "1", worse(1)).reads(read_worse(1)).meaning(
         "lower end of its 95 % confidence interval (Wilson; counts no failed run as vibrating more)",
     );
-    list.number("worse_than_without_balls_high", "1", worse(2)).meaning(
+    list.number("worse_than_without_balls_high", "1", worse(2)).reads(read_worse(2)).meaning(
         "upper end of its 95 % confidence interval (counts all failed runs as vibrating more)",
     );
     for (index, fraction) in PointSummary::AMPLITUDE_FRACTIONS.into_iter().enumerate() {

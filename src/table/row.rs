@@ -6,6 +6,7 @@ use std::cell::{Cell, RefCell};
 use serde_json::Value;
 
 use super::batch::Batch;
+use super::column::NamedCells;
 use super::read::{Table, TableBatches};
 use super::table_error::TableError;
 use crate::classification::Label;
@@ -83,6 +84,20 @@ macro_rules! value {
     };
 }
 
+impl NamedCells for Row<'_> {
+    fn number(&self, column: &str) -> Option<f64> {
+        self.number(column)
+    }
+
+    fn count(&self, column: &str) -> Option<u64> {
+        self.count(column)
+    }
+
+    fn text(&self, column: &str) -> Option<String> {
+        self.text(column)
+    }
+}
+
 impl<'a> Row<'a> {
     value!(number, Number, f64, "a number");
     value!(count, Count, u64, "a whole number from 0");
@@ -111,8 +126,8 @@ impl<'a> Row<'a> {
     }
 
     /// Returns numbers, such as a value and both ends of its interval; `None` if one of them is missing.
-    pub fn all<const N: usize>(&self, columns: [impl AsRef<str>; N]) -> Option<[f64; N]> {
-        let numbers = columns.map(|column| self.number(column.as_ref()));
+    pub fn all<const N: usize>(&self, columns: [&str; N]) -> Option<[f64; N]> {
+        let numbers = columns.map(|column| self.number(column));
         numbers.iter().all(Option::is_some).then(|| numbers.map(Option::unwrap_or_default))
     }
 
