@@ -1,14 +1,11 @@
 //! Limit cycles: claimed ones persist, and the thesis's are unstable.
 
-use std::path::Path;
-
 use stickslip::classification::{Label, simulate};
 use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start, State};
-use stickslip::motion::{Settings, Tolerance};
-use stickslip::study::Study;
+use stickslip::motion::Settings;
 
-use super::simulate_all::{cases_of, simulate_all};
-use crate::support::{shared, start_of, started, state_of};
+use super::simulate_all::simulate_all;
+use crate::support::{cases_of, go_on, parse, shared, start_of, started, state_of};
 
 /// The start states of thesis table 5.1, with the speeds of the disc and the mean speeds of the
 /// balls; the second ball is `apart` from the first.
@@ -65,7 +62,7 @@ fn thesis_orbits_break_up() {
 }
 
 fn cases(text: &str) -> Vec<Case> {
-    cases_of(&Study::parse(Path::new("cycles.yaml"), text.to_owned()).expect("a study"))
+    cases_of(&parse(text))
 }
 
 /// At -247.3 rad/s runs approach the cycle in a spiral of nearly five turns, so that they appear to
@@ -151,18 +148,10 @@ initial_conditions: {{design: {{latin_hypercube: {{samples: 64}}}}}}
         let place = outcome.position.expect("angles")[1];
         let machine = case.model.ball_balancer().expect("a balancer");
         let balancer = Balancer::<2>::new(machine).expect("two balls");
-        let settings = Settings {
-            method: case.simulation.method,
-            band: case.simulation.band,
-            tolerance: Tolerance { relative: 1e-8, absolute: 1e-10 },
-            effort_limit: u64::MAX,
-        };
+        let settings = Settings::new(&case.simulation, u64::MAX);
         let start: State<2> = start_of(&case.start);
         let mut motion = started(&shared(balancer), settings, &start);
-        let end = 165.0 * machine.natural_frequency_rad_s();
-        while motion.time() < end {
-            motion.advance(end).expect("continues");
-        }
+        go_on(&mut motion, 165.0 * machine.natural_frequency_rad_s());
         assert_eq!(state_of::<2, 2>(&motion).beta[1].to_bits(), place.to_bits(), "it has moved");
         places.push(place);
     }

@@ -148,7 +148,7 @@ fn extreme_values_have_closed_forms() {
         (kinds(&report), &report["closed_form"]["points"]),
         (vec!["overridden_value".into(), "invalid_draws".into()], &json!([]))
     );
-    assert_has(&scratch.well("check a.yaml"), &["at 0 of 1 points"]);
+    scratch.prints("check a.yaml", &["at 0 of 1 points"]);
 }
 
 /// The remedy names units only to a study that writes none.
@@ -196,9 +196,7 @@ fn a_search_describes_a_machine_within_its_ranges() {
     );
     let ratio = all["closed_form"]["points"][0]["speed_over_natural_frequency"].as_f64().unwrap();
     assert!((ratio - 0.633).abs() < 1e-3, "{ratio}");
-    assert_has(
-        &scratch.well("check a.yaml"),
-        &[
+    scratch.prints("check a.yaml", &[
             "natural frequency 480.",
             "the design is the middle of the ranges (stiffness_n_m 75000, speed_rad_s -304.5, ring steel)\n",
         ],
@@ -211,7 +209,7 @@ fn a_search_describes_a_machine_within_its_ranges() {
         warning["found"].as_str().unwrap(),
         &["0.949 times the natural frequency with stiffness_n_m 90000, speed_rad_s -500; 1.39"],
     );
-    assert_has(&scratch.well("check a.yaml"), &["the design is optimize.compare_with ("]);
+    scratch.prints("check a.yaml", &["the design is optimize.compare_with ("]);
     assert!(
         !kinds(&search("{from: -700, to: -600}", "")).contains(&"subcritical_speed".to_owned())
     );
@@ -231,10 +229,8 @@ fn friction_that_holds_the_balls_everywhere_is_a_warning() {
         all["warnings"][0]["found"].as_str().unwrap(),
         &["0.05 to 0.06, where", "at all 2 points"],
     );
-    assert_has(
-        &scratch.well("check a.yaml"),
-        &["at 2 of 2 points friction holds the balls in every position"],
-    );
+    scratch
+        .prints("check a.yaml", &["at 2 of 2 points friction holds the balls in every position"]);
     scratch.write(
         "a.yaml",
         study(&machine, "sweep: [{grid: {friction_coefficient: [0.05, 1.0e-3]}}]\n"),
@@ -288,12 +284,12 @@ fn gravity_on_a_horizontal_axis_is_named() {
     scratch.write("a.yaml", study(model, ""));
     let text = "the axis is vertical: the model leaves gravity out. On a horizontal axis, gravity is 25.55 % of the \
                 friction\nμ ω² R that holds a ball, and no ball stays at rest below sqrt(g/(μ R)) = 5055 rpm\n";
-    assert_has(&scratch.well("check a.yaml"), &[text]);
+    scratch.prints("check a.yaml", &[text]);
     let sweep = "sweep: [{grid: {friction_coefficient: [1.0e-3, 2.75e-3]}}]\n";
     let static_friction =
         "friction: {stribeck: {static_friction_coefficient: 2.0e-3, stribeck_speed_rad_s: 1}}";
     scratch.write("b.yaml", study(MACHINE, sweep));
-    assert_has(&scratch.well("check b.yaml"), &["holds a ball at point 0, and no ball stays"]);
+    scratch.prints("check b.yaml", &["holds a ball at point 0, and no ball stays"]);
     let ratios: Vec<f64> = ["", static_friction]
         .iter()
         .map(|friction| {
@@ -307,10 +303,7 @@ fn gravity_on_a_horizontal_axis_is_named() {
     let viscous =
         MACHINE.to_owned() + "  friction: {viscous: {viscous_coefficient_n_s_m: 5.0e-4}}\n";
     scratch.write("d.yaml", study(&viscous, ""));
-    assert_has(
-        &scratch.well("check d.yaml"),
-        &["the axis is vertical: the model leaves gravity out\n"],
-    );
+    scratch.prints("check d.yaml", &["the axis is vertical: the model leaves gravity out\n"]);
 }
 
 /// Warnings go to standard error; `--strict` makes them an exit code, and `run` repeats them.
@@ -458,18 +451,13 @@ fn closed_forms_are_those_of_the_machine_that_is_drawn() {
     let of = |key: &str| number(&drawn["points"][0][key]["set_fraction"]);
     let [low, median, high] = ["rest_at_low_friction", "rest", "rest_at_high_friction"].map(of);
     assert!(low < median && median < high && median < 0.2, "{low} {median} {high}");
-    let text = scratch.well("check b.yaml");
-    assert_has(
-        &text,
-        &[
+    scratch.prints("check b.yaml", &[
             "without simulation, with uncertain parameters at their medians\n",
             " .. ",
             "(a .. b): the values at the quantiles 2.5 % (a) and 97.5 % (b) of uncertain friction\n",
-        ],
-    );
-    let text = scratch.well("check a.yaml");
-    assert_has(
-        &text,
+        ]);
+    let text = scratch.prints(
+        "check a.yaml",
         &[
             "times that without balls; balls that keep moving can make it larger\n",
             "overlap",
@@ -511,8 +499,7 @@ fn large_sweeps_are_shown_in_part() {
     let speeds: Vec<String> = (0..60).map(|k| format!("{}", -190 - k)).collect();
     let sweep = format!("sweep: [{{grid: {{speed_rad_s: [{}]}}}}]\n", speeds.join(", "));
     scratch.write("a.yaml", study(MACHINE, &sweep));
-    let text = scratch.well("check a.yaml");
-    assert_has(&text, &["without simulation, at 20 of 60 points\n"]);
+    let text = scratch.prints("check a.yaml", &["without simulation, at 20 of 60 points\n"]);
     assert_eq!(text.matches("  stable\n").count(), 20, "{text}");
     assert_eq!(report(&scratch, "a.yaml")["closed_form"]["points"].as_array().unwrap().len(), 60);
 }
@@ -525,8 +512,7 @@ fn the_machine_is_that_of_the_runs() {
     let rest = "sweep: [{grid: {table_mass_kg: [0.324, 0.4]}}]\n\
                 uncertain: {stiffness_n_m: {uniform: {min: 8000, max: 9000}}}\n";
     scratch.write("a.yaml", study(model, rest));
-    let text = scratch.well("check a.yaml");
-    assert_has(&text, &["natural frequency 145.7", " to 161.887 rad/s\n"]);
+    let text = scratch.prints("check a.yaml", &["natural frequency 145.7", " to 161.887 rad/s\n"]);
     let speed = text.lines().find(|line| line.contains(" speed_rad_s ")).expect("a row");
     assert!(speed.trim_end().ends_with("-200 rad/s"), "{speed}");
 }
@@ -559,21 +545,15 @@ fn designs_and_searches_have_a_price() {
         assert!((ratio - 262.0).abs() < 1e-6, "{key}: {ratio}");
     }
     assert!(seconds(one, "most_core_seconds") > seconds(one, "core_seconds"));
-    let text = scratch.well(&format!("check {path}"));
-    assert_has(
-        &text,
-        &[
+    scratch.prints(&format!("check {path}"), &[
             "optimize      minimize vibration_95, subject to quiet at least 0.9; worst of 3 points\n",
             "search        6 variables, 150 designs (60 of them space-filling), 5 finalists",
             "search cost   100608 runs at most; about ",
             "one design    384 runs; about ",
-        ],
-    );
+        ]);
     let path = shipped("cd-rom.yaml").display().to_string();
-    assert_has(
-        &scratch.well(&format!("check {path}")),
-        &["the design is optimize.compare_with (balls 2, ball "],
-    );
+    scratch
+        .prints(&format!("check {path}"), &["the design is optimize.compare_with (balls 2, ball "]);
     let design = report(&scratch, &shipped("design.yaml").display().to_string());
     assert_eq!(design["design_cost"]["runs"], json!(64));
     assert!(design.get("optimize").is_none());
@@ -583,8 +563,8 @@ fn designs_and_searches_have_a_price() {
     let own = report(&scratch, &path);
     let ratio = seconds(&own["identify"], "core_seconds") / seconds(&own, "core_seconds");
     assert!((ratio - 1000.0).abs() < 1e-6, "{ratio}");
-    let text = scratch.well(&format!("check {path}"));
-    assert_has(&text, &["identify      1000 parameter sets, 640000 runs; about "]);
+    let said = ["identify      1000 parameter sets, 640000 runs; about "];
+    scratch.prints(&format!("check {path}"), &said);
 }
 
 /// Where the points of a sweep differ, the run-up is that of the point at which the balls slip longest.
@@ -600,8 +580,8 @@ fn the_run_up_is_that_of_the_point_at_which_balls_slip_longest() {
         "a.yaml",
         of("sweep: [{grid: {speed_rad_s: [-100, -200], ramp_over_1_s: [4, 1]}}]\n"),
     );
-    let text = scratch.well("check a.yaml");
-    assert_has(&text, &["-31 to -100 rad/s from 0 to 4 s", "(point 0, where they slip longest)"]);
+    let said = ["-31 to -100 rad/s from 0 to 4 s", "(point 0, where they slip longest)"];
+    scratch.prints("check a.yaml", &said);
     let run_up = &report(&scratch, "a.yaml")["run_up"];
     assert_eq!((&run_up[0]["point_id"], &run_up[0]["speed_rad_s"][1]), (&json!(0), &json!(-100.0)));
     scratch.write("b.yaml", of("sweep: [{grid: {imbalance_mass_kg: [5.0e-5, 6.0e-5]}}]\n"));

@@ -94,7 +94,7 @@ fn files_under_our_names_are_left_alone() {
     scratch.write("other.yaml", small("seed: 6\n"));
     scratch.well("run other.yaml --out other");
     scratch.well("run a.yaml --out part --shard 1/1");
-    let content = fs::read(scratch.path("other/study.yaml")).unwrap();
+    let content = scratch.bytes("other/study.yaml");
     for (name, what) in [
         ("study.yaml", "a study.yaml that is not what this study writes"),
         ("study.yaml.partial", "files without a manifest.json, such as study.yaml.partial"),
@@ -126,7 +126,7 @@ fn files_under_our_names_are_left_alone() {
 fn a_study_continues_after_a_kill_at_its_start() {
     let scratch = Scratch::with(small("seed: 5\n"));
     scratch.well("run a.yaml --out whole");
-    let study = fs::read(scratch.path("whole/study.yaml")).unwrap();
+    let study = scratch.bytes("whole/study.yaml");
     for (number, (name, content)) in [
         ("study.yaml", &study[..]),
         ("study.yaml.abc123.stickslip-partial", &study[..100]),

@@ -79,7 +79,7 @@ fn what_cannot_be_used_again_is_refused_with_the_difference() {
     scratch.well("run b.yaml --out out --recompute");
     scratch.well("run b.yaml --out alone");
     assert_eq!(scratch.data("out"), scratch.data("alone"));
-    assert_eq!(fs::read(scratch.path("out/earlier/1/runs.parquet")).unwrap(), before[0]);
+    assert_eq!(scratch.bytes("out/earlier/1/runs.parquet"), before[0]);
 }
 
 /// An interrupted run of an edited study continues like any other.

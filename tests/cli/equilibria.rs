@@ -117,8 +117,8 @@ fn frictionless_equilibria_at_points_and_at_speeds_of_their_own() {
     assert_eq!(counts(&table, "point_id"), [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2]);
 
     let arguments = "equilibria a.yaml --no-set --grid 8 --speeds -150:-300:151";
-    let text = scratch.well(&format!("{arguments} --out speeds"));
-    assert_has(&text, &["a1_plus    147      30  -179.000 .. -150.000"]);
+    let said = ["a1_plus    147      30  -179.000 .. -150.000"];
+    let text = scratch.prints(&format!("{arguments} --out speeds"), &said);
     assert_has(&text, &["b1    151     119  -300.000 .. -182.000"]);
     assert!(!files(&scratch, "speeds").contains("equilibrium_positions.parquet"));
     let table = scratch.table("speeds", "frictionless_equilibria");
@@ -155,8 +155,8 @@ fn one_ball_and_three() {
     let scratch = scratch();
     scratch.well("equilibria one.yaml --out one");
     assert_eq!(scratch.table("one", "equilibrium_positions").num_rows(), 512);
-    let text = scratch.well("equilibria three.yaml --samples 1024 --out three");
-    assert_has(&text, &["95 % interval", "family", "b1"]);
+    let said = ["95 % interval", "family", "b1"];
+    scratch.prints("equilibria three.yaml --samples 1024 --out three", &said);
     let set = scratch.table("three", "equilibrium_positions");
     assert_eq!((set.num_rows(), names(&set)[3].as_str()), (1024, "beta_3_rad"));
     let sets = scratch.table("three", "equilibrium_set_summary");
@@ -265,8 +265,7 @@ missing.yaml ¦ missing.yaml"#,
 fn a_study_with_contact_has_its_own_sets() {
     let scratch =
         Scratch::with(study("model: {kind: ball_balancer, contact: {restitution: 0.5}}\n"));
-    let text = scratch.well("equilibria a.yaml --grid 128 --out out");
-    assert_has(&text, &["fraction  touching  components"]);
+    scratch.prints("equilibria a.yaml --grid 128 --out out", &["fraction  touching  components"]);
     let sets = scratch.table("out", "equilibrium_set_summary");
     let table = scratch.table("out", "equilibrium_positions");
     let [first, second, margin] =

@@ -128,7 +128,7 @@ fn threads_and_order_change_nothing() {
     let scratch = scratch();
     scratch.well("evaluate balls.yaml --designs d.csv --out one.parquet --threads 1 --quiet");
     scratch.well("evaluate balls.yaml --designs d.csv --out three.parquet --threads 3 --quiet");
-    let read = |name: &str| std::fs::read(scratch.path(name)).unwrap();
+    let read = |name: &str| scratch.bytes(name);
     assert_eq!(read("one.parquet"), read("three.parquet"));
     let order = [3, 0, 4, 2, 1];
     let lines = order.map(|at| DESIGNS[at]).join("\n");

@@ -112,7 +112,7 @@ fn commands_to_paste() {
     let (scratch, _) = finished();
     kill(&scratch);
     fs::rename(scratch.path("out"), scratch.path("a;b")).unwrap();
-    assert_has(&scratch.well("summary a;b"), &["`stickslip resume 'a;b'`"]);
+    scratch.prints("summary a;b", &["`stickslip resume 'a;b'`"]);
 }
 
 /// Returns a column of texts.
@@ -152,7 +152,7 @@ fn names_of_columns_and_texts_in_tables() {
         assert_harmless(&ended.err, format);
         if format == "json" {
             // The escaped text has the same meaning.
-            let document: Value = serde_json::from_str(&ended.out).unwrap();
+            let document = ended.json();
             assert_eq!(document["points"][0]["ci_method"], EVIL);
         }
     }
@@ -161,7 +161,7 @@ fn names_of_columns_and_texts_in_tables() {
     assert_harmless(&replayed.err, "replay");
     assert!(replayed.err.len() < 4000, "{} bytes", replayed.err.len());
     scratch.well("report out");
-    let page = fs::read_to_string(scratch.path("out-report.html")).unwrap();
+    let page = scratch.text("out-report.html");
     assert!(!page.contains(['\u{1b}', '\u{9b}', '\u{202e}', '\0']), "the page");
     assert!(!page.contains(&"x".repeat(1000)), "the page has all of a foreign text");
 }
@@ -257,7 +257,7 @@ fn lists_of_files_and_provenance() {
     let search = "optimize: {minimize: stop, designs: 12}\n";
     scratch.write("block.yaml", format!("{BLOCK}{search}"));
     scratch.well("optimize block.yaml --out search -q");
-    let right = fs::read_to_string(scratch.path("search/files.json")).unwrap();
+    let right = scratch.text("search/files.json");
     for wrong in [
         right.replace("finalists.parquet", &json!(EVIL).to_string().replace('"', "")),
         json!(evil()).to_string(),

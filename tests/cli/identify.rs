@@ -110,7 +110,7 @@ fn synthetic_measurements() {
     let origins = super::support::words(&scratch.table("one", "parameter_sets"), "origin");
     assert_eq!(origins.iter().filter(|one| one.as_deref() == Some("posterior")).count(), 8);
 
-    let rows = std::fs::read_to_string(scratch.path("rests.csv")).expect("a table");
+    let rows = scratch.text("rests.csv");
     scratch.write("fewer.csv", rows.lines().take(40).collect::<Vec<_>>().join("\n"));
     scratch.refused(
         "identify small.yaml --measured fewer.csv --out one",

@@ -17,7 +17,7 @@ fn no_time_means_no_run() {
     assert_has(&stopped.err, &said);
     assert_eq!(scratch.table("out", "runs").num_rows(), 0);
     let json = scratch.stickslip("run a.yaml --out out --max-seconds 0 --json");
-    let report: serde_json::Value = serde_json::from_str(&json.out).unwrap();
+    let report = json.json();
     assert_eq!((&report["interrupted"], &report["runs_finished"]), (&true.into(), &0.into()));
     scratch.ended("run a.yaml --out out --max-seconds 3600", 3);
 }

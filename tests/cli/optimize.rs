@@ -131,7 +131,7 @@ fn a_search_is_reproducible() {
         assert!(read("one") == read("three"), "{name:?} differs");
     }
     // The first search ends in the middle of a batch.
-    let text = fs::read_to_string(scratch.path("balls.yaml")).unwrap();
+    let text = scratch.text("balls.yaml");
     scratch.write("short.yaml", text.replace("designs: 9", "designs: 7"));
     scratch.well("optimize short.yaml --out again --quiet");
     assert_ne!(evaluations(&scratch, "again"), evaluations(&scratch, "one"));
@@ -205,7 +205,7 @@ fn limits_that_no_design_meets() {
     let listed = &optimum(&scratch, "never")["best"]["unmet_limits"];
     assert!(listed[0].as_str().unwrap().starts_with(&unmet), "{listed}");
     scratch.well("report never");
-    let page = fs::read_to_string(scratch.path("never-report.html")).unwrap();
+    let page = scratch.text("never-report.html");
     assert_has(&page, &["does not meet all limits in its final runs: ", "at most 0.1 s."]);
 }
 
@@ -241,7 +241,7 @@ fn refusals() {
     assert!(scratch.path("constant/evaluations.parquet").exists());
     // Results of another search are not overwritten.
     scratch.well("optimize block.yaml --out there --quiet");
-    let text = fs::read_to_string(scratch.path("block.yaml")).unwrap();
+    let text = scratch.text("block.yaml");
     scratch.write("other.yaml", text.replace("from: 30", "from: 40"));
     scratch.refused(
         "optimize other.yaml --out there",
@@ -278,7 +278,7 @@ fn a_search_continues_in_its_directory() {
     assert!(!scratch.path(left).exists());
     fs::remove_file(scratch.path("here/evaluations.parquet")).unwrap();
     scratch.well("optimize block.yaml --out here --quiet");
-    let text = fs::read_to_string(scratch.path("block.yaml")).unwrap();
+    let text = scratch.text("block.yaml");
     scratch.write("longer.yaml", text.replace("designs: 24", "designs: 26"));
     let lock = fs::File::open(scratch.path("here/lock")).unwrap();
     lock.lock().unwrap();

@@ -25,7 +25,7 @@ fn events(text: &str) -> Vec<Value> {
 fn events_are_json_line_by_line() {
     let scratch = scratch(50);
     let ended = scratch.ended("run a.yaml --out out --quiet --json --progress json", 3);
-    let report: Value = serde_json::from_str(&ended.out).unwrap();
+    let report = ended.json();
     let events = events(&ended.err);
     let names: Vec<&str> = events.iter().map(|event| event["event"].as_str().unwrap()).collect();
     let (begun, last) = (&events[0], &events[events.len() - 1]);

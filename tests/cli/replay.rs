@@ -46,7 +46,7 @@ fn runs_of_all_kinds_are_their_rows() {
             let ended = scratch.stickslip(&format!("replay {name} {run} --json"));
             assert_eq!(ended.code, Some(0), "{name} {run}\n{}", ended.err);
             assert_has(&ended.err, &["equal to its row in all "]);
-            let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
+            let report = ended.json();
             assert_eq!(report["same_as_row"], true);
             let switches = counts(&rows, "switches")[run as usize];
             assert_eq!(report["switches"], switches);
@@ -219,7 +219,7 @@ fn a_row_that_is_not_the_run_is_shown() {
     let ended = scratch.ended("replay a 1 --json", 1);
     let line = format!("steps: {} stored, {} computed", steps[1] + 1, steps[1]);
     assert_has(&ended.err, &["NOT equal to its row in 1 of ", &line]);
-    let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
+    let report = ended.json();
     assert_eq!(report["same_as_row"], false);
     assert_eq!(report["differences"][0]["column"], "steps");
 
@@ -294,7 +294,7 @@ fn a_run_that_is_not_there_yet() {
     let ended = scratch.ended("replay a 3 --json", 0);
     let said = ["not compared, because a has not finished this run yet (the study has 9 runs)"];
     assert_has(&ended.err, &said);
-    let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
+    let report = ended.json();
     assert!(report["same_as_row"].is_null());
     assert!(column(&scratch.table("a-replay-3", "trajectory"), "x_m").len() > 3);
 }
@@ -306,6 +306,6 @@ fn a_run_of_a_killed_study() {
     kill(&scratch);
     let ended = scratch.ended("replay out 3 --json", 0);
     assert_has(&ended.err, &["equal to its row in all "]);
-    let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
+    let report = ended.json();
     assert_eq!(report["same_as_row"], true);
 }

@@ -14,7 +14,7 @@ fn data(page: &str) -> Value {
 }
 
 fn page(scratch: &Scratch, name: &str) -> String {
-    fs::read_to_string(scratch.path(name)).unwrap()
+    scratch.text(name)
 }
 
 fn figure<'a>(data: &'a Value, id: &str) -> &'a Value {

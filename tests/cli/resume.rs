@@ -183,7 +183,7 @@ fn a_run_of_another_case_is_not_taken() {
 #[test]
 fn what_cannot_be_resumed_is_refused() {
     let scratch = stopped();
-    let manifest = fs::read_to_string(scratch.path("out/manifest.json")).unwrap();
+    let manifest = scratch.text("out/manifest.json");
     scratch.write("out/manifest.json", &manifest[..200]);
     scratch.refused("resume out", &["manifest.json", "damaged", "allowed: "]);
     let damaged = ["out: manifest.json is damaged", "allowed: ", "remove manifest.json"];
@@ -213,7 +213,7 @@ fn changed_tables_are_made_again() {
         &["changed since", "runs.parquet of 100 bytes", "earlier/1", " 0 computed"],
     );
     assert_eq!(scratch.data("out"), before);
-    assert_eq!(fs::read(scratch.path("out/earlier/1/runs.parquet")).unwrap(), before[0][..100]);
+    assert_eq!(scratch.bytes("out/earlier/1/runs.parquet"), before[0][..100]);
 }
 
 /// Runs of another version of the model are not mixed with those of this one.

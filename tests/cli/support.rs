@@ -11,9 +11,10 @@ use arrow::compute::concat_batches;
 use arrow::datatypes::{DataType, Float64Type, Int32Type, UInt64Type};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use stickslip::classification::MODEL_VERSION;
-use stickslip::study::Study;
 use stickslip::table::FileEntry;
 use tempfile::TempDir;
+
+pub use crate::support::{assert_has, parse};
 
 /// The data files of an output directory; their bytes depend only on the study.
 pub const DATA_FILES: [&str; 7] = [
@@ -93,7 +94,7 @@ impl Scratch {
     /// Runs the program, which must succeed and print JSON.
     #[track_caller]
     pub fn json(&self, arguments: &str) -> serde_json::Value {
-        serde_json::from_str(&self.well(arguments)).expect("JSON")
+        self.ended(arguments, 0).json()
     }
 
     /// Runs the program, which must end with this exit code.
@@ -115,6 +116,26 @@ impl Scratch {
             assert!(ended.err.contains(part), "{arguments}: no {part:?} in\n{}", ended.err);
         }
         assert_eq!(self.files(), before, "{arguments} has changed files");
+    }
+
+    /// Runs the program, which must succeed and print all of `parts`, and returns its standard output.
+    #[track_caller]
+    pub fn prints(&self, arguments: &str, parts: &[impl Display]) -> String {
+        let text = self.well(arguments);
+        assert_has(&text, parts);
+        text
+    }
+
+    /// Returns the text of a file.
+    #[track_caller]
+    pub fn text(&self, name: &str) -> String {
+        String::from_utf8(self.bytes(name)).expect("UTF-8")
+    }
+
+    /// Returns the content of a file.
+    #[track_caller]
+    pub fn bytes(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
     /// Returns every file below this directory with its content.
@@ -143,9 +164,9 @@ impl Scratch {
     }
 
     /// Returns the manifest of an output directory.
+    #[track_caller]
     pub fn manifest(&self, directory: &str) -> serde_json::Value {
-        let text = fs::read_to_string(self.path(directory).join("manifest.json")).unwrap();
-        serde_json::from_str(&text).unwrap()
+        serde_json::from_str(&self.text(&format!("{directory}/manifest.json"))).expect("JSON")
     }
 
     /// Updates the entry of a file in the manifest to its current content.
@@ -159,11 +180,17 @@ impl Scratch {
 
     /// Returns the data files of an output directory.
     pub fn data(&self, directory: &str) -> Vec<Vec<u8>> {
-        DATA_FILES.map(|name| fs::read(self.path(directory).join(name)).unwrap()).to_vec()
+        DATA_FILES.map(|name| self.bytes(&format!("{directory}/{name}"))).to_vec()
     }
 }
 
 impl Ended {
+    /// Returns the standard output, which must be JSON.
+    #[track_caller]
+    pub fn json(&self) -> serde_json::Value {
+        serde_json::from_str(&self.out).expect("JSON")
+    }
+
     pub fn of(output: Output) -> Self {
         let text = |bytes| String::from_utf8(bytes).unwrap();
         Ended { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
@@ -184,11 +211,6 @@ pub fn study_text(name: &str, design: &str, end_time_s: f64, rest: &str) -> Stri
         "schema: 1\nname: {name}\nseed: 5\n{model}initial_conditions: {{design: {design}}}\n\
          simulation: {{end_time_s: {end_time_s:e}}}\n{rest}"
     )
-}
-
-/// Parses a study.
-pub fn parse(text: &str) -> Study {
-    Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Returns a table as one batch, from a Parquet file or a directory of its parts.
@@ -271,12 +293,4 @@ pub fn rows_by_key(
             (key, row(table, index, without))
         })
         .collect()
-}
-
-/// Asserts that a text contains every part.
-#[track_caller]
-pub fn assert_has(text: &str, parts: &[impl Display]) {
-    for part in parts {
-        assert!(text.contains(&part.to_string()), "no {part} in\n{text}");
-    }
 }

@@ -46,7 +46,7 @@ fn results_do_not_depend_on_the_option() {
     let scratch = scratch();
     scratch.well("run studies/a.yaml --tables tables --out one");
     fs::copy(scratch.path("tables/speeds.csv"), scratch.path("studies/speeds.csv")).unwrap();
-    let text = fs::read_to_string(scratch.path("studies/a.yaml")).unwrap();
+    let text = scratch.text("studies/a.yaml");
     scratch.write("studies/b.yaml", text.replace("../tables/", ""));
     scratch.well("run studies/b.yaml --out two");
     assert_eq!(scratch.data("one"), scratch.data("two"));
@@ -60,7 +60,7 @@ fn manifests_do_not_lead_out_of_their_directory() {
     let scratch = scratch();
     scratch.well("run studies/a.yaml --tables tables --out out");
     scratch.write("secret.parquet", "a file elsewhere");
-    let right = fs::read_to_string(scratch.path("out/manifest.json")).unwrap();
+    let right = scratch.text("out/manifest.json");
     let absolute = scratch.path("secret.parquet").display().to_string();
     for name in ["../secret.parquet", "..", ".", "", "a/../../secret.parquet", &absolute] {
         let wrong = right.replace("\"runs.parquet\"", &format!("{name:?}"));

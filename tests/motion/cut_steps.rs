@@ -5,7 +5,7 @@ use std::sync::Arc;
 use stickslip::model::{Balancer, Machine, Method, Simulation, Start, State, System};
 use stickslip::motion::{Motion, Settings};
 
-use crate::support::{for_each_kernel, start_of, started};
+use crate::support::{for_each_kernel, go_on, start_of, started};
 
 const METHODS: [Method; 2] = [Method::Event, Method::Switch];
 
@@ -59,9 +59,7 @@ fn steps_that_reach_no_end_do_not_depend_on_it() {
                     assert_eq!(all_of(&cut), all_of(&free));
                 }
                 assert!(cut.time() < until);
-                while cut.time() < until {
-                    cut.advance(until).expect("continues");
-                }
+                go_on(&mut cut, until);
                 assert_eq!(cut.time(), until);
             }
         }
@@ -87,9 +85,7 @@ fn states_within_a_step_are_those_of_a_stopped_motion() {
                     let mut stops = motion(&system, method);
                     (0..taken).for_each(|_| _ = stops.advance(f64::MAX));
                     assert_eq!(stops.time(), before);
-                    while stops.time() < time {
-                        stops.advance(time).expect("continues");
-                    }
+                    go_on(&mut stops, time);
                     let difference = largest_difference(&found, &stops.state());
                     assert!(difference < 1e-7, "{time}: {difference}");
                 }

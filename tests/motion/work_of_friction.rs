@@ -5,16 +5,15 @@ use std::sync::Arc;
 
 use crate::support::{Block, SliderState};
 use stickslip::model::{Balancer, FrictionLaw, Machine, Method, State, System};
-use stickslip::motion::{Settings, Tolerance, all_stick};
+use stickslip::motion::{Settings, all_stick};
 
-use crate::support::{for_each_kernel, started, state_of};
+use crate::support::{self, for_each_kernel, started, state_of};
 
 const METHODS: [Method; 2] = [Method::Event, Method::Switch];
 const BAND: f64 = 1e-8;
 
 fn settings(method: Method) -> Settings {
-    let tolerance = Tolerance { relative: 1e-11, absolute: 1e-13 };
-    Settings { method, band: BAND, tolerance, effort_limit: 10_000_000 }
+    Settings { band: BAND, ..support::settings(method, 1e-11) }
 }
 
 /// Follows a motion and asserts that friction force times sliding speed is never negative, except

@@ -1,9 +1,9 @@
-//! Systems for each kernel, and states of a balancer.
+//! Systems for each kernel, states of a balancer, and motions until a time.
 
 use std::sync::Arc;
 
-use stickslip::model::{Recorded, Start, State, System};
-use stickslip::motion::{Motion, Settings};
+use stickslip::model::{Method, Recorded, Start, State, System};
+use stickslip::motion::{Effort, Motion, Settings, Tolerance};
 
 /// Returns a system for the kernel that is written for it, if there is one.
 pub fn shared(system: impl System) -> Arc<dyn System> {
@@ -14,6 +14,20 @@ pub fn shared(system: impl System) -> Arc<dyn System> {
 pub fn for_each_kernel(system: impl System) -> [Arc<dyn System>; 2] {
     let system = shared(system);
     [Arc::clone(&system), Arc::new(Recorded(system))]
+}
+
+/// Returns settings with an absolute tolerance of a hundredth of the relative one; the band is for the switch model.
+pub fn settings(method: Method, relative: f64) -> Settings {
+    let tolerance = Tolerance { relative, absolute: 1e-2 * relative };
+    Settings { method, band: 1e-8, tolerance, effort_limit: 10_000_000 }
+}
+
+/// Advances until a time and returns the effort.
+pub fn go_on(motion: &mut Motion, until: f64) -> Effort {
+    while motion.time() < until {
+        motion.advance(until).expect("continues");
+    }
+    motion.effort()
 }
 
 /// Starts a motion of a balancer or, with `FREE` 0, of a block.
