@@ -53,6 +53,12 @@ fn study(text: &str) -> Study {
 fn refused(text: &str, line: usize, key: &str, found: &str, allowed: &str) {
     let error = parse(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
     assert_eq!((error.line(), error.key()), (Some(line), key), "{error}");
+    says(&error, found, allowed);
+}
+
+/// Checks finding and remedy of an error.
+#[track_caller]
+fn says(error: &StudyError, found: &str, allowed: &str) {
     assert!(error.found().unwrap_or_default().contains(found), "{error}");
     assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
 }
