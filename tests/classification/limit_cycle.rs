@@ -1,6 +1,6 @@
 //! Limit cycles: claimed ones persist, and the thesis's are unstable.
 
-use stickslip::classification::{Label, simulate};
+use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start, State};
 use stickslip::motion::Settings;
 
@@ -19,16 +19,18 @@ fn thesis_starts(apart: f64) -> [(f64, f64, Start); 2] {
     ]
 }
 
+fn run(speed_rad_s: f64, start: Start, end_time_s: f64) -> Outcome {
+    let model = Machine { speed_rad_s, ..Machine::default() }.into();
+    let simulation = Simulation { end_time_s, ..Simulation::default() };
+    simulate(&Case { model, start, simulation })
+}
+
 /// Balls exactly side by side still run after 55 s, with mean speeds of 72.3 and 133.5 rad/s
 /// (thesis table 5.1 and figure 5.15). The orbit is closed, and unstable against their separation.
 #[test]
 fn thesis_orbits_with_balls_side_by_side() {
     for (speed_rad_s, mean_speed, start) in thesis_starts(0.0) {
-        let outcome = simulate(&Case {
-            model: Machine { speed_rad_s, ..Machine::default() }.into(),
-            start,
-            simulation: Simulation { end_time_s: 55.0, ..Simulation::default() },
-        });
+        let outcome = run(speed_rad_s, start, 55.0);
         let speeds = outcome.mean_speed.clone().expect("running balls have speeds");
         println!("{speed_rad_s} rad/s: balls at {speeds:?} rad/s, {}", outcome.evidence.name());
         assert!((outcome.end_time_s.expect("ran") - 55.0).abs() < 1e-9);
@@ -50,11 +52,7 @@ fn thesis_orbits_with_balls_side_by_side() {
 #[test]
 fn thesis_orbits_break_up() {
     for (speed_rad_s, _, start) in thesis_starts(1e-6) {
-        let outcome = simulate(&Case {
-            model: Machine { speed_rad_s, ..Machine::default() }.into(),
-            start,
-            simulation: Simulation { end_time_s: 165.0, ..Simulation::default() },
-        });
+        let outcome = run(speed_rad_s, start, 165.0);
         assert_eq!(outcome.evidence.name(), "rest_certified", "{speed_rad_s}");
         let time = outcome.time_to_rest_s().expect("at rest");
         assert!((50.0..165.0).contains(&time), "{speed_rad_s}: {time}");

@@ -230,8 +230,7 @@ fn blocks(recorder: &Recorder) -> SystemEquations<'_> {
         layout: StateLayout {
             contacts: (0..13).map(|position| ContactLayout { position, angular: false }).collect(),
             velocities: (13..26).map(|component| vec![component]).collect(),
-            vibration: None,
-            forcing: None,
+            ..StateLayout::default()
         },
         contacts,
         ..SystemEquations::default()

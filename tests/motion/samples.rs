@@ -6,7 +6,7 @@ use std::sync::Arc;
 use stickslip::model::{
     Balancer, Components, Machine, Method, NormalForce, RestPoint, State, System,
 };
-use stickslip::motion::{Motion, Settings};
+use stickslip::motion::{Motion, Settings, Tolerance};
 
 use crate::support::{self, go_on, started};
 
@@ -87,6 +87,14 @@ pub const GAUSS: [(f64, f64); 3] = [
 pub fn settings(method: Method, relative: f64) -> Settings {
     Settings { effort_limit: 200_000, ..support::settings(method, relative) }
 }
+
+/// Settings for closed forms, with located events.
+pub const EXACT: Settings = Settings {
+    method: Method::Event,
+    band: 0.0,
+    tolerance: Tolerance { relative: 1e-13, absolute: 1e-14 },
+    effort_limit: 1_000_000,
+};
 
 /// Returns the thesis's machine at a speed.
 pub fn two_balls(speed_rad_s: f64) -> Balancer<2> {

@@ -26,7 +26,9 @@ pub use places::places;
 pub use required_friction::{required_friction, rest_margin};
 pub use shipped::{shipped, shipped_study, study_files};
 pub use studies::{cases_of, parse};
-pub use systems::{for_each_kernel, go_on, settings, shared, start_of, started, state_of};
+pub use systems::{
+    METHODS, for_each_kernel, go_on, settings, shared, spread_start, start_of, started, state_of,
+};
 pub use test_rng::TestRng;
 pub use two_blocks::TwoBlocks;
 pub use unit_kind::{UnitKind, numbered_contacts, simulate_kind, unit_kind};

@@ -5,6 +5,9 @@ use std::sync::Arc;
 use stickslip::model::{Method, Recorded, Start, State, System};
 use stickslip::motion::{Effort, Motion, Settings, Tolerance};
 
+/// Both methods.
+pub const METHODS: [Method; 2] = [Method::Event, Method::Switch];
+
 /// Returns a system for the kernel that is written for it, if there is one.
 pub fn shared(system: impl System) -> Arc<dyn System> {
     Arc::new(system)
@@ -42,6 +45,17 @@ pub fn started<const N: usize, const FREE: usize>(
 /// Returns the present state of a motion of a balancer or, with `FREE` 0, of a block.
 pub fn state_of<const N: usize, const FREE: usize>(motion: &Motion) -> State<N, f64, FREE> {
     State::of_components(&motion.state()).expect("as many components")
+}
+
+/// Returns a start state of two balls; the states of different numbers are spread over the default box.
+pub fn spread_start(number: u32) -> Start {
+    let spread = |factor: f64| (f64::from(number) * factor + 0.3).sin();
+    Start::of_balancer(
+        [0.05 * spread(1.1), 0.05 * spread(2.3)],
+        &[3.0 + 3.0 * spread(3.1), 3.0 + 3.0 * spread(4.7)],
+        [0.05 * spread(5.9), 0.05 * spread(7.3)],
+        &[spread(8.9), spread(10.7)],
+    )
 }
 
 /// Returns a start state of a balancer with `N` balls.
