@@ -22,10 +22,9 @@ fn every_command_shows_examples() {
 
 #[test]
 fn check_counts_and_computes_nothing() {
-    let scratch = Scratch::new();
     let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0]}}]\n\
                 uncertain: {ball_mass_kg: {uniform: {min: 1.0e-4, max: 2.0e-4}}}\n";
-    scratch.write("a.yaml", study_text("a", "{sobol: {samples: 7}}", AT_ONCE, rest));
+    let scratch = Scratch::with(study_text("a", "{sobol: {samples: 7}}", AT_ONCE, rest));
     let before = scratch.files();
     scratch.prints(
         "check a.yaml",
@@ -97,9 +96,8 @@ fn check_says_where_only_rest_is_looked_for() {
 /// `check` lists the variables and responses that an optimiser needs.
 #[test]
 fn check_lists_variables_and_responses() {
-    let scratch = Scratch::new();
     let plain = study_text("a", "{sobol: {samples: 7}}", AT_ONCE, "");
-    scratch.write("a.yaml", &plain);
+    let scratch = Scratch::with(&plain);
     assert!(!scratch.well("check a.yaml").contains("design "));
     let report = scratch.json("check a.yaml --json");
     assert_eq!((&report["design"], &report["responses"]), (&json!([]), &json!([])));
@@ -127,9 +125,8 @@ responses: {half: median_time_to_rest, mean: {amplitude_mean: {relative: true}}}
 
 #[test]
 fn check_of_a_thousand_million_runs_is_instant() {
-    let scratch = Scratch::new();
     let design = "{monte_carlo: {samples: 1000000000}}";
-    scratch.write("a.yaml", study_text("a", design, 16.5, ""));
+    let scratch = Scratch::with(study_text("a", design, 16.5, ""));
     let started = Instant::now();
     let text = scratch.well("check a.yaml");
     assert!(started.elapsed() < Duration::from_secs(2), "{:?}", started.elapsed());

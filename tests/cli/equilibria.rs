@@ -7,7 +7,6 @@ use arrow::array::{AsArray, RecordBatch};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::support::{AT_ONCE, Scratch, assert_has, column, counts, numbers, study_text, words};
-use crate::support::rows;
 use crate::table::contract::listed;
 
 const SWEEP: &str = "sweep:\n\
@@ -227,7 +226,8 @@ fn wrong_arguments_are_refused_before_anything_is_computed() {
     let grid = format!("speed_rad_s: [{}], stiffness_n_m: [{}]", values(100), values(9000));
     let sweep = format!("sweep: [{{grid: {{{grid}}}}}]\n");
     scratch.write("many.yaml", study(&sweep));
-    for row in rows(
+    scratch.refuses(
+        "equilibria",
         r#"a.yaml --grid 1000000 ¦ 1000000 points per axis: 1000000000000 in all ¦ at most 8192
 a.yaml --grid 99999999999 ¦ --grid is too fine ¦ 67108864 in all
 one.yaml --grid 100000000 ¦ 100000000 in all for 1 ball\n ¦ 67108864
@@ -255,9 +255,7 @@ a.yaml --ball-damping -1 ¦ found "-1" ¦ a number above 0
 a.yaml --ball-damping nan ¦ found "nan" ¦ a number above 0
 a.yaml --threads 0 ¦ found "0" ¦ a whole number from 1
 missing.yaml ¦ missing.yaml"#,
-    ) {
-        scratch.refused(&format!("equilibria {}", row[0]), &row[1..]);
-    }
+    );
 }
 
 /// With contact, positions at which balls overlap are outside the set, and the touching positions are counted on their own.

@@ -52,7 +52,6 @@ fn failing_points_are_named_with_position_and_remedy() {
 /// In a huge sweep only a part is checked, and the output says so.
 #[test]
 fn huge_sweeps_stay_quick() {
-    let scratch = Scratch::new();
     let values: Vec<String> = (0..400).map(|k| format!("{}", -100.0 - f64::from(k))).collect();
     let friction: Vec<String> = (1..=100).map(|k| format!("{}", 0.05 * f64::from(k))).collect();
     let rest = format!(
@@ -63,7 +62,7 @@ fn huge_sweeps_stay_quick() {
         values.join(", "),
         friction.join(", "),
     );
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 1}}", AT_ONCE, &rest));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 1}}", AT_ONCE, &rest));
     let started = Instant::now();
     let text = scratch.well("check a.yaml --existence");
     assert!(started.elapsed() < Duration::from_secs(20), "{:?}", started.elapsed());

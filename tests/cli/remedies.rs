@@ -15,11 +15,10 @@ fn study(end_time_s: f64, rest: &str) -> String {
 /// Points at which most runs vibrate more than without balls have a remedy where closed forms show one.
 #[test]
 fn points_that_vibrate_more_have_a_remedy() {
-    let scratch = Scratch::new();
     let sweep = "sweep:\n  - zip:\n      speed_rad_s: [-160.8, -216.4, -216.4]\n      \
                  friction_coefficient: [2.75e-3, 0.05, 0.05]\n      \
                  imbalance_mass_kg: [5.6e-5, 5.6e-5, 1.0e-4]\n";
-    scratch.write("a.yaml", study(6.0, sweep));
+    let scratch = Scratch::with(study(6.0, sweep));
     let printed = scratch.well("run a.yaml --out out");
     let remedy = "Remedy: a speed above the natural frequency (point 0); heavier balls or a larger ring, to balance the \
                   imbalance (point 2); less friction, which holds the balls in every position (point 1); see \
@@ -37,9 +36,8 @@ fn points_that_vibrate_more_have_a_remedy() {
 /// Many undecided runs need more time, unless the study looks for rests only.
 #[test]
 fn undecided_runs_need_more_time() {
-    let scratch = Scratch::new();
     let study = study(AT_ONCE, "");
-    scratch.write("a.yaml", &study);
+    let scratch = Scratch::with(&study);
     let line = "8 of 8 runs are undecided; a larger simulation.end_time_s or simulation.extend decides more.\n";
     scratch.prints("run a.yaml --out a", &[line]);
     let rests = study.replace("simulation: {", "simulation: {endings: rest, ");

@@ -40,10 +40,8 @@ fn whole(packed: &Value) -> Vec<u64> {
 
 #[test]
 fn dots_are_the_runs_of_the_tables() {
-    let scratch = Scratch::new();
     let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -216.3772]}}]\n";
-    scratch.write("a.yaml", study(60, 8.0, rest));
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(study(60, 8.0, rest));
     let before = scratch.files();
     assert_eq!(scratch.well("report out"), "out-report.html\n");
     let text = page(&scratch, "out-report.html");
@@ -135,11 +133,9 @@ fn all_kinds_of_studies_have_a_page() {
 /// Each value of a third parameter has its own map, and curves have values instead of long names.
 #[test]
 fn further_parameters_have_maps_of_their_own() {
-    let scratch = Scratch::new();
     let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0, -220.0], \
                 friction_coefficient: [1.0e-5, 1.0e-4, 1.0e-2], normal_force: [lagrange, newton]}}]\n";
-    scratch.write("a.yaml", study(4, AT_ONCE, rest));
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(study(4, AT_ONCE, rest));
     scratch.well("report out");
     let data = data(&page(&scratch, "out-report.html"));
     let panels = figure(&data, "map")["panels"].as_array().unwrap();

@@ -110,8 +110,8 @@ fn responses_are_printed_in_the_units_of_the_study() {
     assert!((speed + 2000.0 * std::f64::consts::TAU / 60.0).abs() < 1e-9);
     // A chosen unit prevails; other units leave the runs as they are.
     scratch.write("a.yaml", format!("{STUDY}units: {{speed: rev/s, vibration: mm}}\n"));
-    let ended = scratch.ended("run a.yaml --out out", 0);
-    assert_has(&ended.err, &["writing them anew from the finished runs"]);
+    let ended =
+        scratch.tells("run a.yaml --out out", 0, &["writing them anew from the finished runs"]);
     assert_has(&ended.out, &["speed [rev/s]", "vibration", "[mm]", "-33.3333", "above 0.06 mm"]);
     assert_eq!(numbers(&scratch.table("out", "points"), "response_vibration")[0], Some(vibration));
     scratch.well("report out");
@@ -129,15 +129,14 @@ fn responses_are_printed_in_the_units_of_the_study() {
 /// A response that was added later is computed from the finished runs; the others keep their values.
 #[test]
 fn a_new_response_needs_no_run() {
-    let scratch = Scratch::new();
     let (study, responses) = STUDY.split_at(STUDY.find("responses:").unwrap());
-    scratch.write("a.yaml", study);
+    let scratch = Scratch::with(study);
     let before = scratch.well("run a.yaml --out out");
     assert!(!before.contains("vibration: "), "{before}");
     let runs = scratch.bytes("out/runs.parquet");
     scratch.write("a.yaml", format!("{study}{responses}"));
-    let ended = scratch.ended("run a.yaml --out out", 0);
-    assert_has(&ended.err, &["48 runs: 48 finished earlier, 0 computed"]);
+    let ended =
+        scratch.tells("run a.yaml --out out", 0, &["48 runs: 48 finished earlier, 0 computed"]);
     assert_has(&ended.out, &["vibration: mean residual amplitude\n"]);
     scratch.write("c.yaml", format!("{study}{responses}"));
     scratch.well("run c.yaml --out other --quiet");

@@ -11,7 +11,9 @@ use parquet::file::properties::WriterProperties;
 use serde_json::{Value, json};
 use stickslip::engine::Lock;
 
-use super::support::{AT_ONCE, Scratch, assert_has, counts, numbers, study_text, words};
+use super::support::{
+    AT_ONCE, Scratch, assert_has, counts, json_lines, numbers, study_text, words,
+};
 
 /// Three points with text parameters, an audit and failures.
 pub const REST: &str = "sweep: [{zip: {speed_rad_s: [-160.0, -200.0, -216.3772], \
@@ -125,14 +127,13 @@ fn residual_vibration_comes_first() {
 /// Blocks have no equilibrium set, and a required precision is reported each time.
 #[test]
 fn other_models_and_a_precision() {
-    let scratch = Scratch::new();
     let rest = "model: {kind: block_on_spring, parameters: {mass_kg: 1, stiffness_n_m: 100, \
                 normal_force_n: 10, friction_coefficient: 0.1}}\n\
                 sweep: [{grid: {stiffness_n_m: [50, 100]}}]\n\
                 precision: {equilibrium_fraction: 0.1, max_runs: 64}\n";
     let text = study(16, 10.0, rest)
         .replace("initial_conditions: {", "initial_conditions: {box: {position_m: [-0.1, 0.1]}, ");
-    scratch.write("a.yaml", text);
+    let scratch = Scratch::with(text);
     let ended = scratch.ended("run a.yaml --out out", 0);
     let again = scratch.stickslip("run a.yaml --out out");
     assert_eq!(again.out, ended.out);
@@ -195,10 +196,9 @@ fn csv_and_json_hold_every_column_to_the_last_digit() {
 
 #[test]
 fn as_many_points_as_are_asked_for() {
-    let scratch = Scratch::new();
     let speeds: Vec<String> = (0..45).map(|n| format!("-{}.0", 160 + n)).collect();
     let sweep = format!("sweep: [{{grid: {{speed_rad_s: [{}]}}}}]\n", speeds.join(", "));
-    scratch.write("a.yaml", study(1, AT_ONCE, &sweep));
+    let scratch = Scratch::with(study(1, AT_ONCE, &sweep));
     let printed = scratch.well("run a.yaml --out out");
     let (_, sentence) = printed.split_once("\n... and 5 more points in points.parquet\n").unwrap();
     assert!(sentence.starts_with("At ") && sentence.contains(" 45 points "), "{sentence}");
@@ -304,7 +304,6 @@ fn a_killed_study_is_summarised() {
     assert!(ended.out.ends_with(&printed), "{}", ended.out);
     assert_eq!(scratch.files(), before);
     fs::remove_dir_all(scratch.path("out/chunks")).unwrap();
-
     scratch.prints("summary out", &["0 of 60 runs finished", "points 0 to 2 are incomplete"]);
     // What the command says is true.
     assert_eq!(scratch.stickslip("resume out").code, Some(3));
@@ -314,18 +313,12 @@ fn a_killed_study_is_summarised() {
 /// While another process holds the lock and writes a line of the list, the finished chunks are summarised.
 #[test]
 fn a_running_study_is_summarised() {
-    let scratch = Scratch::new();
     let sweep = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0, -216.0]}}]\n";
-    scratch.write("a.yaml", study(700, AT_ONCE, sweep));
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(study(700, AT_ONCE, sweep));
     kill(&scratch);
     // The list up to the first chunk, and the beginning of another line.
-    let folder =
-        fs::read_dir(scratch.path("out/chunks")).unwrap().map(|entry| entry.unwrap().path());
-    let list = folder.filter(|path| path.is_dir()).last().unwrap().join("manifest.jsonl");
-    let lines = fs::read_to_string(&list).unwrap();
-    let entries: Vec<Value> =
-        lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let list = scratch.chunks("out").join("manifest.jsonl");
+    let entries = json_lines(&fs::read_to_string(&list).expect("a list"));
     let kept: Vec<&Value> =
         entries.iter().filter(|entry| entry["last_run"].as_u64().unwrap() < 1024).collect();
     let runs: u64 = kept.iter().map(|entry| entry["runs"].as_u64().unwrap()).sum();

@@ -3,8 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use std::fs::{self, File};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::thread;
 
 use arrow::array::{ArrayRef, AsArray, RecordBatch};
 use arrow::compute::concat_batches;
@@ -14,6 +16,7 @@ use stickslip::classification::MODEL_VERSION;
 use stickslip::table::FileEntry;
 use tempfile::TempDir;
 
+use crate::support::rows;
 pub use crate::support::{assert_has, parse};
 
 /// The data files of an output directory; their bytes depend only on the study.
@@ -118,6 +121,33 @@ impl Scratch {
         assert_eq!(self.files(), before, "{arguments} has changed files");
     }
 
+    /// Runs the program, with this input, to its end.
+    pub fn fed(&self, arguments: &str, input: impl Into<Vec<u8>>) -> Ended {
+        let mut child = self.command(arguments).stdin(Stdio::piped()).spawn().expect("it starts");
+        let (mut stdin, input) = (child.stdin.take().expect("a pipe"), input.into());
+        // Written by another thread, because the pipe may fill before answers are read.
+        let writer = thread::spawn(move || stdin.write_all(&input).expect("it reads its input"));
+        let ended = Ended::of(child.wait_with_output().expect("it ends"));
+        writer.join().expect("all input is written");
+        ended
+    }
+
+    /// Checks that a command refuses each row of a table of arguments, and mentions the other fields of the row.
+    #[track_caller]
+    pub fn refuses(&self, command: &str, table: &str) {
+        for row in rows(table) {
+            self.refused(&format!("{command} {}", row[0]), &row[1..]);
+        }
+    }
+
+    /// Runs the program, which must end with this exit code and mention all of `parts` on standard error.
+    #[track_caller]
+    pub fn tells(&self, arguments: &str, code: i32, parts: &[impl Display]) -> Ended {
+        let ended = self.ended(arguments, code);
+        assert_has(&ended.err, parts);
+        ended
+    }
+
     /// Runs the program, which must succeed and print all of `parts`, and returns its standard output.
     #[track_caller]
     pub fn prints(&self, arguments: &str, parts: &[impl Display]) -> String {
@@ -178,6 +208,16 @@ impl Scratch {
         self.write(&format!("{directory}/manifest.json"), manifest.to_string());
     }
 
+    /// Returns the folder of finished chunks in an output directory, which must be unique.
+    #[track_caller]
+    pub fn chunks(&self, directory: &str) -> PathBuf {
+        let entries = fs::read_dir(self.path(directory).join("chunks")).expect("a folder");
+        let paths = entries.map(|entry| entry.expect("an entry").path());
+        let folders: Vec<PathBuf> = paths.filter(|path| path.is_dir()).collect();
+        let [folder] = &folders[..] else { panic!("one folder: {folders:?}") };
+        folder.clone()
+    }
+
     /// Returns the data files of an output directory.
     pub fn data(&self, directory: &str) -> Vec<Vec<u8>> {
         DATA_FILES.map(|name| self.bytes(&format!("{directory}/{name}"))).to_vec()
@@ -195,6 +235,12 @@ impl Ended {
         let text = |bytes| String::from_utf8(bytes).unwrap();
         Ended { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
     }
+}
+
+/// Parses each line of a text as JSON.
+#[track_caller]
+pub fn json_lines(text: &str) -> Vec<serde_json::Value> {
+    text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
 }
 
 /// Returns provenance text of an older version of the model.

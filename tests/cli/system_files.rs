@@ -161,20 +161,26 @@ fn changed_equations_are_noticed() {
 fn places_of_system_files_are_limited() {
     let scratch = studies();
     let text = scratch.text("block-chain.yaml");
-    let with = |file: &str| text.replace("systems/block_chain.yaml", file);
-    scratch.write("missing.yaml", with("systems/chain.yaml"));
-    scratch
-        .refused("check missing.yaml", &["missing.yaml:", "`model.system`", "systems/chain.yaml"]);
-    scratch.write("outside.yaml", with("../block_chain.yaml"));
-    scratch.refused("check outside.yaml", &["the system file lies outside"]);
-    scratch.write("number.yaml", with("3"));
-    scratch.refused("check number.yaml", &["not a system", "the name of a system file"]);
     scratch.write("systems/cut.yaml", "system: a\nforce: {x: sum(block, x[block])}\n");
-    scratch.write("cut.yaml", with("systems/cut.yaml"));
-    scratch.refused("check cut.yaml", &["systems/cut.yaml:2:", "needs quotation marks"]);
     scratch.write("systems/empty.yaml", "");
-    scratch.write("empty.yaml", with("systems/empty.yaml"));
-    scratch.refused("check empty.yaml", &["systems/empty.yaml", "the file is empty"]);
+    for (study, file) in [
+        ("missing", "systems/chain.yaml"),
+        ("outside", "../block_chain.yaml"),
+        ("number", "3"),
+        ("cut", "systems/cut.yaml"),
+        ("empty", "systems/empty.yaml"),
+    ] {
+        let text = text.replace("systems/block_chain.yaml", file);
+        scratch.write(&format!("{study}.yaml"), text);
+    }
+    scratch.refuses(
+        "check",
+        "missing.yaml ¦ missing.yaml: ¦ `model.system` ¦ systems/chain.yaml
+outside.yaml ¦ the system file lies outside
+number.yaml ¦ not a system ¦ the name of a system file
+cut.yaml ¦ systems/cut.yaml:2: ¦ needs quotation marks
+empty.yaml ¦ systems/empty.yaml ¦ the file is empty",
+    );
 }
 
 /// The template is a study of a system, and the schema accepts it.
@@ -182,7 +188,6 @@ fn places_of_system_files_are_limited() {
 fn the_template_and_the_schema_know_systems() {
     let scratch = studies();
     scratch.well("new mine.yaml --template system");
-
     scratch.prints("check mine.yaml", &["two_blocks with 2 contacts, stribeck friction"]);
     let schema = scratch.json("schema");
     let validator = jsonschema::validator_for(&schema).expect("a schema");

@@ -78,8 +78,7 @@ fn special_files_in_place_of_a_manifest_are_not_read() {
     fs::create_dir(scratch.path("out")).unwrap();
     let run = "run studies/a.yaml --tables tables --out out";
     std::os::unix::fs::symlink("/dev/zero", scratch.path("out/manifest.json")).unwrap();
-    let ended = scratch.ended(run, 2);
-    assert!(ended.err.contains("not a regular file"), "{}", ended.err);
+    scratch.tells(run, 2, &["not a regular file"]);
     fs::remove_file(scratch.path("out/manifest.json")).unwrap();
     let made = std::process::Command::new("mkfifo").arg(scratch.path("out/manifest.json")).status();
     assert!(made.unwrap().success());
@@ -95,8 +94,7 @@ fn lists_of_chunks_are_not_trusted() {
     let run = "run studies/a.yaml --tables tables --out out";
     scratch.well(&format!("{run} --quiet"));
     let whole = scratch.data("out");
-    let folders = fs::read_dir(scratch.path("out/chunks")).unwrap();
-    let folder = folders.map(|entry| entry.unwrap().path()).find(|path| path.is_dir()).unwrap();
+    let folder = scratch.chunks("out");
     let line = |chunk: u64, bytes: u64| {
         format!(
             "{{\"chunk\":{chunk},\"first_run\":0,\"last_run\":3,\"runs\":4,\"bytes\":{bytes},\
