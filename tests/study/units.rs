@@ -4,7 +4,7 @@ use std::path::Path;
 
 use stickslip::study::{ParameterValue, Study, VariedParameter};
 
-use super::{machine_at, parse, refused, study, swept_numbers};
+use super::{machine_at, parse, refused, same_runs, study, swept_numbers};
 use crate::support::{assert_has, cases};
 
 /// Returns a study of a balancer with these parameters, in line 6, and further lines from line 7 on.
@@ -28,9 +28,7 @@ fn same(with_units: &str, si: &str) {
     let [one, other] = [&with_units, &si].map(without_units);
     assert_eq!(one.trim_end(), other.trim_end());
     assert_eq!(with_units.hash(), si.hash());
-    for run in 0..si.run_count() {
-        assert_eq!(with_units.planned_run(run), si.planned_run(run), "run {run}");
-    }
+    same_runs(&with_units, &si);
 }
 
 fn stiffness(written: &str) -> f64 {
