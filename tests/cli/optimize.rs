@@ -58,8 +58,7 @@ fn scratch() -> Scratch {
 }
 
 fn optimum(scratch: &Scratch, directory: &str) -> Value {
-    let text = fs::read_to_string(scratch.path(directory).join("optimum.json")).unwrap();
-    serde_json::from_str(&text).unwrap()
+    serde_json::from_str(&scratch.text(&format!("{directory}/optimum.json"))).expect("JSON")
 }
 
 fn texts(table: &arrow::array::RecordBatch, name: &str) -> Vec<String> {
@@ -67,7 +66,7 @@ fn texts(table: &arrow::array::RecordBatch, name: &str) -> Vec<String> {
 }
 
 fn evaluations(scratch: &Scratch, directory: &str) -> Vec<u8> {
-    fs::read(scratch.path(directory).join("evaluations.parquet")).unwrap()
+    scratch.bytes(&format!("{directory}/evaluations.parquet"))
 }
 
 /// The search finds the minimum of a function with jumps, and with a constraint that excludes it,
