@@ -3,10 +3,10 @@
 
 use stickslip::classification::{Label, simulate};
 use stickslip::model::{Case, Method, Simulation};
-use stickslip::motion::{Motion, Settings, Tolerance, all_stick};
+use stickslip::motion::{Motion, all_stick};
 
 use super::outputs::cases;
-use crate::support::TestRng;
+use crate::support::{TestRng, go_on, settings};
 
 /// The block has mass 1 and the pendulum mass 0.5 and length 1; gravity is 1. The start has the positions, then their rates.
 fn case(friction: f64, damping: f64, [x, y, a, u, v, w]: [f64; 6], method: Method) -> Case {
@@ -44,15 +44,12 @@ fn a_block_with_a_damped_pendulum_comes_to_rest_for_good() {
         let margin = outcome.evidence.friction_margin().expect("known");
         assert!((margin - 1.0).abs() < 1e-6, "the pendulum hangs down at rest: {margin}");
         let since = outcome.time_to_rest_s().expect("known");
-        let tolerance = Tolerance { relative: 1e-8, absolute: 1e-10 };
-        let settings = Settings { method, band: 1e-8, tolerance, effort_limit: 1_000_000 };
         let system = case.model.system().expect("a system");
         let state = case.model.start_state(&case.start).expect("a state");
-        let mut motion = Motion::new(&system, settings, &state).expect("starts above the ground");
+        let mut motion =
+            Motion::new(&system, settings(method, 1e-8), &state).expect("starts above the ground");
         let natural = case.model.natural_frequency_rad_s();
-        while motion.time() < 1000.0 * natural {
-            motion.advance(1000.0 * natural).expect("continues");
-        }
+        go_on(&mut motion, 1000.0 * natural);
         let stopped = motion.last_switches()[0] / natural;
         assert!(all_stick(motion.phases()) && stopped <= since + 1e-6, "{stopped} {since}");
     }

@@ -1,12 +1,9 @@
 //! Continued runs equal runs with the later end time from the start, bit for bit.
 
-use std::path::Path;
-
 use super::METHODS;
-use crate::support::{Block, Ground};
+use crate::support::{Block, Ground, cases_of, parse};
 use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Case, Extend, ExtendedLabels, FrictionLaw, Machine, Simulation, Start};
-use stickslip::study::Study;
 
 /// With the first factor, the last tenth begins before the end time.
 const FACTORS: [f64; 3] = [1.05, 2.0, 4.0];
@@ -62,9 +59,8 @@ fn cases(model: &str, samples: u32, simulation: Simulation) -> Vec<Case> {
         "schema: 1\nname: a\nseed: 11\nmodel: {model}\n\
          initial_conditions: {{design: {{monte_carlo: {{samples: {samples}}}}}}}\n"
     );
-    let study = Study::parse(Path::new("a.yaml"), text).unwrap();
-    let case = |run| Case { simulation, ..study.planned_run(run).case.unwrap() };
-    (0..study.run_count()).map(case).collect()
+    let cases = cases_of(&parse(text));
+    cases.into_iter().map(|case| Case { simulation, ..case }).collect()
 }
 
 /// Continued runs of balls equal the longer runs, below and above the natural frequency, where runs

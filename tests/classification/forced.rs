@@ -38,10 +38,14 @@ fn run(parameters: [f64; 5], start: [f64; 2], method: Method) -> Outcome {
 /// Coulomb and viscous friction*, Trans. ASME 53, 1931, 107-115): `A² = V² - (s U)²` with the friction `s` over the force, the
 /// amplitude `V = 1 / (1 - r²)` without friction and `U = sin(π/r) / (r (1 + cos(π/r)))`.
 fn den_hartog(ratio: f64, friction: f64) -> f64 {
-    let free = 1.0 / (1.0 - ratio * ratio);
-    let (sine, cosine) = (PI / ratio).sin_cos();
-    let held = sine / (ratio * (1.0 + cosine));
+    let [free, held] = terms(ratio);
     (free.powi(2) - (friction * held).powi(2)).sqrt()
+}
+
+/// The terms `V` and `U` of [`den_hartog`].
+fn terms(ratio: f64) -> [f64; 2] {
+    let (sine, cosine) = (PI / ratio).sin_cos();
+    [1.0 / (1.0 - ratio * ratio), sine / (ratio * (1.0 + cosine))]
 }
 
 /// The program finds Den Hartog's motion without stops, at frequencies below and above the natural one.
@@ -67,9 +71,7 @@ fn den_hartogs_oscillator_has_the_amplitude_of_the_closed_form() {
 #[test]
 fn den_hartogs_oscillator_begins_to_stick_at_the_boundary_of_the_closed_form() {
     for ratio in [0.7, 0.9, 1.3] {
-        let (sine, cosine) = (PI / ratio).sin_cos();
-        let held = ratio * sine / (1.0 + cosine);
-        let free = ratio * ratio / (1.0 - ratio * ratio);
+        let [free, held] = terms(ratio).map(|term| ratio * ratio * term);
         let boundary = free.abs() / (1.0 + held * held).sqrt();
         for (part, sticks) in [(0.99, false), (1.01, true)] {
             let friction = part * boundary;
@@ -102,9 +104,7 @@ fn den_hartogs_oscillator_lags_by_the_phase_of_the_closed_form() {
                 phase = (ratio * motion.time() / natural).rem_euclid(TAU);
             }
         }
-        let free = 1.0 / (1.0 - ratio * ratio);
-        let (sine, cosine) = (PI / ratio).sin_cos();
-        let held = sine / (ratio * (1.0 + cosine));
+        let [free, held] = terms(ratio);
         let exact = (friction * held / free).abs().atan2(den_hartog(ratio, friction) / free);
         near(Some(phase), exact, 1e-9);
     }

@@ -1,14 +1,11 @@
 //! Limit cycles: claimed ones persist, and the thesis's are unstable.
 
-use std::path::Path;
-
-use stickslip::classification::{Label, simulate};
+use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start, State};
-use stickslip::motion::{Settings, Tolerance};
-use stickslip::study::Study;
+use stickslip::motion::Settings;
 
-use super::simulate_all::{cases_of, simulate_all};
-use crate::support::{shared, start_of, started, state_of};
+use super::simulate_all::simulate_all;
+use crate::support::{cases_of, go_on, parse, shared, start_of, started, state_of};
 
 /// The start states of thesis table 5.1, with the speeds of the disc and the mean speeds of the
 /// balls; the second ball is `apart` from the first.
@@ -22,16 +19,18 @@ fn thesis_starts(apart: f64) -> [(f64, f64, Start); 2] {
     ]
 }
 
+fn run(speed_rad_s: f64, start: Start, end_time_s: f64) -> Outcome {
+    let model = Machine { speed_rad_s, ..Machine::default() }.into();
+    let simulation = Simulation { end_time_s, ..Simulation::default() };
+    simulate(&Case { model, start, simulation })
+}
+
 /// Balls exactly side by side still run after 55 s, with mean speeds of 72.3 and 133.5 rad/s
 /// (thesis table 5.1 and figure 5.15). The orbit is closed, and unstable against their separation.
 #[test]
 fn thesis_orbits_with_balls_side_by_side() {
     for (speed_rad_s, mean_speed, start) in thesis_starts(0.0) {
-        let outcome = simulate(&Case {
-            model: Machine { speed_rad_s, ..Machine::default() }.into(),
-            start,
-            simulation: Simulation { end_time_s: 55.0, ..Simulation::default() },
-        });
+        let outcome = run(speed_rad_s, start, 55.0);
         let speeds = outcome.mean_speed.clone().expect("running balls have speeds");
         println!("{speed_rad_s} rad/s: balls at {speeds:?} rad/s, {}", outcome.evidence.name());
         assert!((outcome.end_time_s.expect("ran") - 55.0).abs() < 1e-9);
@@ -53,11 +52,7 @@ fn thesis_orbits_with_balls_side_by_side() {
 #[test]
 fn thesis_orbits_break_up() {
     for (speed_rad_s, _, start) in thesis_starts(1e-6) {
-        let outcome = simulate(&Case {
-            model: Machine { speed_rad_s, ..Machine::default() }.into(),
-            start,
-            simulation: Simulation { end_time_s: 165.0, ..Simulation::default() },
-        });
+        let outcome = run(speed_rad_s, start, 165.0);
         assert_eq!(outcome.evidence.name(), "rest_certified", "{speed_rad_s}");
         let time = outcome.time_to_rest_s().expect("at rest");
         assert!((50.0..165.0).contains(&time), "{speed_rad_s}: {time}");
@@ -65,7 +60,7 @@ fn thesis_orbits_break_up() {
 }
 
 fn cases(text: &str) -> Vec<Case> {
-    cases_of(&Study::parse(Path::new("cycles.yaml"), text.to_owned()).expect("a study"))
+    cases_of(&parse(text))
 }
 
 /// At -247.3 rad/s runs approach the cycle in a spiral of nearly five turns, so that they appear to
@@ -151,18 +146,10 @@ initial_conditions: {{design: {{latin_hypercube: {{samples: 64}}}}}}
         let place = outcome.position.expect("angles")[1];
         let machine = case.model.ball_balancer().expect("a balancer");
         let balancer = Balancer::<2>::new(machine).expect("two balls");
-        let settings = Settings {
-            method: case.simulation.method,
-            band: case.simulation.band,
-            tolerance: Tolerance { relative: 1e-8, absolute: 1e-10 },
-            effort_limit: u64::MAX,
-        };
+        let settings = Settings::new(&case.simulation, u64::MAX);
         let start: State<2> = start_of(&case.start);
         let mut motion = started(&shared(balancer), settings, &start);
-        let end = 165.0 * machine.natural_frequency_rad_s();
-        while motion.time() < end {
-            motion.advance(end).expect("continues");
-        }
+        go_on(&mut motion, 165.0 * machine.natural_frequency_rad_s());
         assert_eq!(state_of::<2, 2>(&motion).beta[1].to_bits(), place.to_bits(), "it has moved");
         places.push(place);
     }

@@ -5,20 +5,16 @@ use stickslip::classification::{Label, simulate, simulate_by_recorded_equations}
 use stickslip::model::{Case, Method};
 use stickslip::motion::SimdLevel;
 
-use super::simulate_all::{
-    cases_of, in_lockstep, simulate_all, simulate_all_by_recorded_equations,
-};
-use crate::cli::support::parse;
-use crate::support::{angular_distance, shipped_study};
+use super::simulate_all::{in_lockstep, simulate_all, simulate_all_by_recorded_equations};
+use crate::support::{angular_distance, cases_of, parse, shipped_study};
 
 fn cases(samples: u32, simulation: &str, balls: u32, rest: &str) -> Vec<Case> {
-    let study = parse(&format!(
+    cases_of(&parse(format!(
         "schema: 1\nname: lockstep\nseed: 5\n\
          model: {{kind: ball_balancer, parameters: {{balls: {balls}}}}}\n\
          initial_conditions: {{design: {{monte_carlo: {{samples: {samples}}}}}}}\n\
          simulation: {simulation}\n{rest}"
-    ));
-    (0..study.run_count()).map(|run| study.planned_run(run).case.unwrap()).collect()
+    )))
 }
 
 /// Cases of all kinds side by side: one to eight balls, both methods, several speeds and

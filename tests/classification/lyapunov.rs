@@ -1,7 +1,6 @@
 //! Irregular motion: a known exponent, exponents from two neighbouring motions, and regular motions
 //! with slow separation.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use nalgebra::DVector;
@@ -11,11 +10,12 @@ use stickslip::classification::{Label, simulate};
 use stickslip::model::{
     Balancer, Case, FrictionLaw, Machine, Method, Simulation, Start, State, System,
 };
-use stickslip::motion::{Phase, Settings, Tolerance};
-use stickslip::study::Study;
+use stickslip::motion::{Phase, Settings};
 
-use super::simulate_all::{cases_of, simulate_all};
-use crate::support::{for_each_kernel, start_of, started, state_of};
+use super::simulate_all::simulate_all;
+use crate::support::{
+    cases_of, for_each_kernel, go_on, parse, settings, start_of, started, state_of,
+};
 
 /// At an unstable equilibrium with viscous drag only, neighbours separate at the rate of the
 /// equations linearised there, an independent formulation (`exp(A t)`). Nothing else happens, so
@@ -54,13 +54,8 @@ fn the_exponent_at_an_unstable_equilibrium_is_that_of_the_linearised_equations()
             let form = RestForm::new(&machine).expect("two balls");
             let matrix = state_matrix(&form, &beta, drag).expect("a rest point");
             let window = found.window_s * natural;
-            let displaced =
-                DVector::from_fn(
-                    matrix.nrows(),
-                    |row, _| {
-                        if row == 2 || row == 3 { 1.0 } else { 0.0 }
-                    },
-                );
+            let is_ball = |row: usize, _| f64::from(u8::from(row == 2 || row == 3));
+            let displaced = DVector::from_fn(matrix.nrows(), is_ball);
             let grown = (matrix * window).exp() * &displaced;
             let expected = (grown.norm() / displaced.norm()).ln() / found.window_s;
             let found = found.exponent_1_s;
@@ -94,9 +89,7 @@ fn side_by_side(
 ) -> f64 {
     const NEAR: f64 = 1e-7;
     let mut first = started(system, settings, &start);
-    while first.time() < begin {
-        first.advance(begin).expect("continues");
-    }
+    go_on(&mut first, begin);
     let mut apart = State { beta: [1.0; 2], ..State::zero() };
     let mut growth = 0.0;
     let stretches = 400;
@@ -115,12 +108,8 @@ fn side_by_side(
         let until = begin + f64::from(stretch) / f64::from(stretches) * (end - begin);
         let displaced = from.beta;
         let placed = now.beta;
-        while first.time() < until {
-            first.advance(until).expect("continues");
-        }
-        while second.time() < until - begins {
-            second.advance(until - begins).expect("continues");
-        }
+        go_on(&mut first, until);
+        go_on(&mut second, until - begins);
         apart = add(&state_of(&second), -1.0, &state_of(&first));
         for ball in 0..2 {
             let one = first.unwrapped()[ball] - turned[ball];
@@ -145,7 +134,7 @@ model: {kind: ball_balancer, parameters: {speed_rad_s: -191.6372}}
 initial_conditions: {design: {latin_hypercube: {samples: 16}}}
 simulation: {method: event, end_time_s: 5, tolerance: {relative: 1.0e-12, absolute: 1.0e-14}}
 ";
-    let study = Study::parse(Path::new("irregular.yaml"), text.to_owned()).expect("a study");
+    let study = parse(text);
     let compared: Vec<(f64, f64)> = (0..study.run_count())
         .into_par_iter()
         .filter_map(|run| {
@@ -156,17 +145,14 @@ simulation: {method: event, end_time_s: 5, tolerance: {relative: 1.0e-12, absolu
             let machine = case.model.ball_balancer().expect("a balancer");
             let natural = machine.natural_frequency_rad_s();
             let balancer = Balancer::<2>::new(machine).expect("two balls");
-            let settings = Settings {
-                method: Method::Event,
-                band: 1e-8,
-                tolerance: Tolerance { relative: 1e-12, absolute: 1e-14 },
-                effort_limit: 10_000_000,
-            };
             let start = start_of(&case.start);
             let end = case.simulation.end_time_s * natural;
             let window = [end - window_s * natural, end];
             let [_, general] = for_each_kernel(balancer);
-            Some((exponent, side_by_side(&general, settings, start, window) * natural))
+            Some((
+                exponent,
+                side_by_side(&general, settings(Method::Event, 1e-12), start, window) * natural,
+            ))
         })
         .collect();
     let mut errors: Vec<f64> = compared.iter().map(|(a, b)| (a - b).abs()).collect();
@@ -191,7 +177,7 @@ model: {kind: ball_balancer}
 sweep: [{grid: {speed_rad_s: [-216.3772, -247.3, -309.15]}}]
 initial_conditions: {design: {latin_hypercube: {samples: 64}}}
 ";
-    let study = Study::parse(Path::new("slow.yaml"), text.to_owned()).expect("a study");
+    let study = parse(text);
     let labels = simulate_all(&cases_of(&study)).into_iter().map(|outcome| outcome.label());
     let moving: Vec<Label> = labels.filter(|label| *label != Label::Equilibrium).collect();
     let irregular = moving.iter().filter(|label| **label == Label::Irregular).count();
@@ -217,7 +203,7 @@ initial_conditions: {{design: {{monte_carlo: {{samples: 128}}}}}}
 simulation: {{end_time_s: {end_time_s}, tolerance: {{relative: {tolerance:e}, absolute: {absolute:e}}}}}
 "
         );
-        let study = Study::parse(Path::new("window.yaml"), text).expect("a study");
+        let study = parse(text);
         let mut outcomes = simulate_all(&cases_of(&study));
         outcomes.retain(|outcome| outcome.label() != Label::Equilibrium);
         for outcome in &outcomes {

@@ -38,9 +38,8 @@ mod woodpecker;
 mod written;
 
 use stickslip::classification::Outcome;
-use stickslip::model::Method;
 
-const METHODS: [Method; 2] = [Method::Event, Method::Switch];
+use crate::support::METHODS;
 
 #[track_caller]
 fn near(found: Option<f64>, exact: f64, tolerance: f64) {

@@ -1,10 +1,9 @@
 //! Outputs of systems in files against closed forms, rests of relative motion, and masses that are not positive.
 
-use std::path::Path;
-
 use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Case, OutputValue};
-use stickslip::study::Study;
+
+use crate::support::{cases_of, parse};
 
 /// Returns the outcomes of the runs of a system.
 pub(super) fn outcomes(system: &str, samples: usize, end_time_s: f64) -> Vec<Outcome> {
@@ -13,14 +12,12 @@ pub(super) fn outcomes(system: &str, samples: usize, end_time_s: f64) -> Vec<Out
 
 /// Returns the runs of a system.
 pub(super) fn cases(system: &str, samples: usize, end_time_s: f64) -> Vec<Case> {
-    let text = format!(
+    cases_of(&parse(format!(
         "schema: 1\nname: a\nseed: 7\nmodel:\n  system:\n    system: a\n    {}\n\
          initial_conditions: {{design: {{monte_carlo: {{samples: {samples}}}}}}}\n\
          simulation: {{end_time_s: {end_time_s}}}\n",
         system.trim().replace('\n', "\n    ")
-    );
-    let study = Study::parse(Path::new("a.yaml"), text).unwrap_or_else(|error| panic!("{error}"));
-    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("a case")).collect()
+    )))
 }
 
 #[track_caller]

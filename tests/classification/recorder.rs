@@ -1,24 +1,19 @@
 //! Recorded motions equal the run's motion bit for bit, and satisfy the laws of friction.
 
-use std::path::Path;
-
 use stickslip::classification::{
     Instants, Label, Outcome, RecordedRun, RunRecorder, simulate, simulate_recorded,
 };
 use stickslip::model::{Balancer, Case, Simulation, State, Tolerance};
 use stickslip::motion::{Phase, SLACK, Settings};
-use stickslip::study::Study;
 
-use crate::support::{for_each_kernel, start_of, started, state_of};
+use crate::support::{cases_of, for_each_kernel, go_on, parse, start_of, started, state_of};
 
 /// Returns the cases of a study with a model, a design and a simulation.
 pub fn cases(model: &str, samples: u32, simulation: &str) -> Vec<Case> {
-    let text = format!(
+    cases_of(&parse(format!(
         "schema: 1\nname: a\nseed: 7\nmodel: {model}\ninitial_conditions: {{design: {{monte_carlo: \
          {{samples: {samples}}}}}}}\nsimulation: {simulation}\n"
-    );
-    let study = Study::parse(Path::new("a.yaml"), text).unwrap_or_else(|error| panic!("{error}"));
-    (0..study.run_count()).map(|run| study.planned_run(run).case.unwrap()).collect()
+    )))
 }
 
 /// Runs of all kinds.
@@ -179,9 +174,7 @@ fn times_agree_with_motions_at_tighter_tolerances() {
         {
             let motion = &mut motions[motion];
             assert_eq!(sample.time, time);
-            while motion.time() < time {
-                motion.advance(time).unwrap();
-            }
+            go_on(motion, time);
             let state: State<2> = state_of(motion);
             let [x, y, x_dot, y_dot] = sample.table.unwrap();
             let table = [

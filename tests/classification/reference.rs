@@ -7,6 +7,7 @@ use std::path::Path;
 use stickslip::classification::{Label, Outcome};
 use stickslip::model::{Case, Machine, Method, Simulation, Start};
 
+use super::METHODS;
 use super::simulate_all::simulate_all;
 use crate::support::angular_distance;
 
@@ -53,8 +54,6 @@ pub fn references(speed: &str) -> Vec<Reference> {
     rows(&format!("reference_{speed}")).map(of).collect()
 }
 
-const METHODS: [Method; 2] = [Method::Switch, Method::Event];
-
 /// Returns the same runs by this program.
 pub fn run_all(speed: &str, references: &[Reference], simulation: Simulation) -> Vec<Outcome> {
     let speed_rad_s = -speed.parse::<f64>().expect("a speed");
@@ -64,6 +63,14 @@ pub fn run_all(speed: &str, references: &[Reference], simulation: Simulation) ->
         simulation,
     };
     simulate_all(&references.iter().map(case).collect::<Vec<_>>())
+}
+
+/// Returns the runs of the independent program at a speed, and the same runs by a method of this program.
+fn both(speed: &str, method: Method) -> (Vec<Reference>, Vec<Outcome>) {
+    let references = references(speed);
+    let simulation = Simulation { method, ..Simulation::default() };
+    let outcomes = run_all(speed, &references, simulation);
+    (references, outcomes)
 }
 
 pub fn label_agrees(reference: &Reference, outcome: &Outcome) -> bool {
@@ -92,9 +99,7 @@ fn angle_errors(references: &[Reference], outcomes: &[Outcome]) -> Vec<f64> {
 fn subcritical_runs_end_at_the_same_place() {
     for speed in ["160.8103", "173.1803", "179.2671"] {
         for method in METHODS {
-            let references = references(speed);
-            let outcomes =
-                run_all(speed, &references, Simulation { method, ..Simulation::default() });
+            let (references, outcomes) = both(speed, method);
             let flipped = references.iter().zip(&outcomes).filter(|(r, o)| !label_agrees(r, o));
             assert_eq!(flipped.count(), 0, "-{speed} rad/s, {method:?}");
             let errors = angle_errors(&references, &outcomes);
@@ -122,9 +127,7 @@ fn subcritical_runs_end_at_the_same_place() {
 fn supercritical_labels_agree() {
     for (speed, percent) in [("216.3772", 98), ("191.6372", 92)] {
         for method in METHODS {
-            let references = references(speed);
-            let outcomes =
-                run_all(speed, &references, Simulation { method, ..Simulation::default() });
+            let (references, outcomes) = both(speed, method);
             let pairs = references.iter().zip(&outcomes);
             let agree = pairs.filter(|(r, o)| label_agrees(r, o)).count();
             println!("-{speed} rad/s, {method:?}: {agree} of {} labels agree", outcomes.len());

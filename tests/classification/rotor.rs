@@ -6,14 +6,12 @@
 
 use std::collections::HashMap;
 use std::fmt::Write;
-use std::path::Path;
 
 use rayon::prelude::*;
 use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Method, OutputValue, Simulation, Start, Tolerance};
-use stickslip::study::Study;
 
-use crate::support::{angular_distance, shipped_study};
+use crate::support::{angular_distance, cases_of, parse, shipped_study};
 
 const REFERENCE: &str = include_str!("../data/rotor_reference.csv");
 
@@ -71,9 +69,7 @@ fn outcome(row: &HashMap<&str, &str>) -> Outcome {
         let _ = writeln!(text, "    {name}: [{0:?}, {0:?}]", number(column));
     }
     text += "simulation: {end_time_s: 6, method: event, tolerance: {relative: 1.0e-10, absolute: 1.0e-12}}\n";
-    let study =
-        Study::parse(Path::new("rotor.yaml"), text).unwrap_or_else(|error| panic!("{error}"));
-    simulate(&study.planned_run(0).case.expect("a case"))
+    simulate(&cases(text)[0])
 }
 
 /// The balls end at the angles of the reference after the same number of switches, and come to rest at the same times.
@@ -114,9 +110,7 @@ fn balls_of_a_rotor_end_as_an_independent_program_says() {
 
 /// Returns the cases of a study.
 fn cases(text: String) -> Vec<Case> {
-    let study =
-        Study::parse(Path::new("rotor.yaml"), text).unwrap_or_else(|error| panic!("{error}"));
-    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("a case")).collect()
+    cases_of(&parse(text))
 }
 
 const SIMULATION: &str =

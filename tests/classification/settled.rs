@@ -13,7 +13,7 @@ use stickslip::model::{
 };
 use stickslip::motion::Settings;
 
-use crate::support::{angular_distance, shared, start_of, started, state_of};
+use crate::support::{angular_distance, go_on, shared, start_of, started, state_of};
 
 fn run(model: impl Into<Model>, start: &Start, end_time_s: f64) -> Outcome {
     let simulation = Simulation { end_time_s, ..Simulation::default() };
@@ -63,10 +63,7 @@ fn later<const N: usize>(machine: &Machine, start: &Start, time_s: f64) -> ([f64
     let settings = Settings::new(&Simulation::default(), u64::MAX);
     let state: State<N> = start_of(start);
     let mut motion = started(&shared(balancer), settings, &state);
-    let end = time_s * machine.natural_frequency_rad_s();
-    while motion.time() < end {
-        motion.advance(end).expect("continues");
-    }
+    go_on(&mut motion, time_s * machine.natural_frequency_rad_s());
     let State { beta, beta_dot, .. }: State<N> = state_of(&motion);
     (beta, beta_dot.map(f64::abs).into_iter().fold(0.0, f64::max))
 }

@@ -6,7 +6,6 @@ use stickslip::classification::{
 };
 use stickslip::model::Case;
 use stickslip::motion::SimdLevel;
-use stickslip::study::Study;
 
 /// The number of cases that a thread computes together: enough to fill the lanes for most of the
 /// time, and few enough to occupy all threads.
@@ -27,11 +26,6 @@ pub fn simulate_all_by_recorded_equations(cases: &[Case]) -> Vec<Outcome> {
         runs.outcomes.into_iter().map(|outcome| outcome.expect("every run has ended"))
     };
     cases.par_chunks(TOGETHER).flat_map_iter(together).collect()
-}
-
-/// Returns the case of each run of a study.
-pub fn cases_of(study: &Study) -> Vec<Case> {
-    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("a valid case")).collect()
 }
 
 /// Returns the outcomes of cases that take lanes in this order.

@@ -6,10 +6,8 @@
 use stickslip::classification::simulate;
 use stickslip::model::{Case, Method, Simulation};
 use stickslip::motion::{Motion, Phase, Settings, Tolerance};
-use stickslip::study::Study;
 
-use super::simulate_all::cases_of;
-use crate::support::shipped;
+use crate::support::{cases_of, go_on, parse};
 
 /// Returns the bird with this angle at the start. With -0.2788 rad, it is in the slide before the sleeve sticks, as the example of
 /// Siconos starts (V. Acary, O. Bonnefon, M. Brémond, O. Huber, F. Pérignon, S. Sinclair, *An introduction to Siconos*, INRIA
@@ -19,8 +17,7 @@ fn case(bird: f64) -> Case {
         "schema: 1\nname: a\nseed: 7\nmodel: {{system: systems/woodpecker.yaml}}\n\
          initial_conditions:\n  box: {{phi_bird_rad: [{bird}, {bird}]}}\n  design: {{monte_carlo: {{samples: 1}}}}\n"
     );
-    let study = Study::parse(&shipped("a.yaml"), text).unwrap_or_else(|error| panic!("{error}"));
-    cases_of(&study).remove(0)
+    cases_of(&parse(text)).remove(0)
 }
 
 fn motion(case: &Case, relative: f64) -> Motion {
@@ -46,9 +43,7 @@ fn the_motion_is_that_of_time_stepping() {
         ),
         (0.29998, None, [-41.348e-3, -0.103448, -0.340934, -0.260137, 0.0, -8.32756_f64]),
     ] {
-        while motion.time() < time_s * units.natural_rad_s {
-            motion.advance(time_s * units.natural_rad_s).expect("continues");
-        }
+        go_on(&mut motion, time_s * units.natural_rad_s);
         assert!(phases.is_none_or(|phases| motion.phases() == phases), "{:?}", motion.phases());
         for place in [0, 2, 3, 5] {
             let found = system.outputs(&motion.state())[place] * units.outputs[place].size;

@@ -1,25 +1,18 @@
 //! Systems in files end as the systems of Rust programs, and as publications say.
 
-use std::path::PathBuf;
-
 use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Simulation};
-use stickslip::study::Study;
 
-use crate::support::angular_distance;
+use crate::support::{angular_distance, cases_of, parse, shipped};
 
 /// Returns the outcomes of the runs of a study of this folder, with some texts replaced.
 fn outcomes(name: &str, replaced: &[(&str, &str)]) -> Vec<Outcome> {
-    let file: PathBuf = [env!("CARGO_MANIFEST_DIR"), "studies", name].iter().collect();
-    let mut text = std::fs::read_to_string(&file).expect("a study");
+    let mut text = std::fs::read_to_string(shipped(name)).expect("a study");
     for (old, new) in replaced {
         assert!(text.contains(old), "{old}");
         text = text.replace(old, new);
     }
-    let study = Study::parse(&file, text).unwrap_or_else(|error| panic!("{error}"));
-    (0..study.run_count())
-        .map(|run| simulate(&study.planned_run(run).case.expect("a case")))
-        .collect()
+    cases_of(&parse(text)).iter().map(simulate).collect()
 }
 
 /// Steady sliding of the oscillator of Stender et al. (2020) in 0.312 of the start states; of 600 here, 4 standard errors.
@@ -56,10 +49,7 @@ fn a_balancer_of_a_file_ends_as_the_built_in_one() {
             ball.friction_coefficient,
             16.5 * natural,
         );
-        let file: PathBuf = [env!("CARGO_MANIFEST_DIR"), "studies", "a.yaml"].iter().collect();
-        let study = Study::parse(&file, text).unwrap_or_else(|error| panic!("{error}"));
-        for run in 0..study.run_count() {
-            let written = study.planned_run(run).case.expect("a case");
+        for (run, written) in cases_of(&parse(text)).into_iter().enumerate() {
             let (model, start) = (machine.clone().into(), written.start.clone());
             let own = simulate(&Case { model, start, simulation: Simulation::default() });
             let other = simulate(&written);
@@ -88,9 +78,7 @@ fn light_balls_have_one_solution_everywhere() {
             "schema: 1\nname: a\nseed: 1\nmodel: {kind}\n\
              initial_conditions: {{design: {{monte_carlo: {{samples: 1}}}}}}\n"
         );
-        let file: PathBuf = [env!("CARGO_MANIFEST_DIR"), "studies", "a.yaml"].iter().collect();
-        let study = Study::parse(&file, text).unwrap_or_else(|error| panic!("{error}"));
-        study.model().system().expect("a system").surely_one_solution()
+        parse(text).model().system().expect("a system").surely_one_solution()
     };
     let balancer = |values: &str| {
         sure(&format!("{{system: systems/ball_balancer.yaml, parameters: {{{values}}}}}"))

@@ -15,7 +15,7 @@ const PLACES: usize = 120;
 /// Changes bits of a file, one at a time, over its whole length; calls `look` with each, and
 /// restores the file.
 fn with_other_bits(scratch: &Scratch, name: &str, places: usize, look: impl Fn(usize)) {
-    let right = fs::read(scratch.path(name)).unwrap();
+    let right = scratch.bytes(name);
     let bits = right.len() * 8;
     for sample in 0..places {
         // Even distances, with an offset that covers all bits of bytes.
@@ -62,7 +62,7 @@ fn of_results() {
 #[test]
 fn of_a_manifest() {
     let (scratch, _) = finished();
-    let text = fs::read_to_string(scratch.path("out/manifest.json")).unwrap();
+    let text = scratch.text("out/manifest.json");
     for (key, other) in
         [("\"runs_finished\": 60", "\"runs_finished\": 61"), ("failed\": ", "failed\": 1")]
     {
@@ -88,16 +88,16 @@ fn of_a_search() {
     });
     // A changed list is either unreadable, reports a different table, or its change affects nothing
     // that is used.
-    let best = fs::read(scratch.path("search/optimum.json")).unwrap();
+    let best = scratch.bytes("search/optimum.json");
     with_other_bits(&scratch, "search/files.json", PLACES, |bit| {
-        let before = fs::read(scratch.path(name)).unwrap();
+        let before = scratch.bytes(name);
         let ended = scratch.stickslip("optimize block.yaml --out search -q");
         assert!([Some(0), Some(2)].contains(&ended.code), "bit {bit}: {}", ended.err);
-        assert_eq!(fs::read(scratch.path(name)).unwrap(), before);
-        assert_eq!(fs::read(scratch.path("search/optimum.json")).unwrap(), best);
+        assert_eq!(scratch.bytes(name), before);
+        assert_eq!(scratch.bytes("search/optimum.json"), best);
     });
     // Killed before the next table got its name: the search continues from the previous one.
-    let list = fs::read_to_string(scratch.path("search/files.json")).unwrap();
+    let list = scratch.text("search/files.json");
     let mut list: Value = serde_json::from_str(&list).unwrap();
     list["replaced"] = json!({"evaluations.parquet": list["files"]["evaluations.parquet"]});
     list["files"]["evaluations.parquet"]["sha256"] = "0".repeat(64).into();
@@ -105,16 +105,16 @@ fn of_a_search() {
     scratch.well("optimize block.yaml --out search -q");
     // Without the list the directory is not recognised; without the table the search starts again
     // and ends with the same result.
-    let evaluations = fs::read(scratch.path(name)).unwrap();
+    let evaluations = scratch.bytes(name);
     fs::remove_file(scratch.path("search/files.json")).unwrap();
     scratch.refused("optimize block.yaml --out search", &["this file cannot be verified"]);
     fs::remove_file(scratch.path(name)).unwrap();
     scratch.well("optimize block.yaml --out search -q");
-    assert_eq!(fs::read(scratch.path(name)).unwrap(), evaluations);
-    assert_eq!(fs::read(scratch.path("search/optimum.json")).unwrap(), best);
+    assert_eq!(scratch.bytes(name), evaluations);
+    assert_eq!(scratch.bytes("search/optimum.json"), best);
     // Files that are not reused are made again, with a message.
     scratch.write("search/optimum.json", "{}");
-    let ended = scratch.ended("optimize block.yaml --out search -q", 0);
-    assert_has(&ended.err, &["optimum.json has been changed since it was written"]);
-    assert_eq!(fs::read(scratch.path("search/optimum.json")).unwrap(), best);
+    let said = ["optimum.json has been changed since it was written"];
+    scratch.tells("optimize block.yaml --out search -q", 0, &said);
+    assert_eq!(scratch.bytes("search/optimum.json"), best);
 }

@@ -35,6 +35,12 @@ fn report(scratch: &Scratch, path: &str) -> Value {
     scratch.json(&format!("check {path} --json"))
 }
 
+/// Returns the report on a study `a.yaml` with a model and further lines.
+fn checked(scratch: &Scratch, model: &str, rest: &str) -> Value {
+    scratch.write("a.yaml", study(model, rest));
+    report(scratch, "a.yaml")
+}
+
 fn kinds(report: &Value) -> Vec<String> {
     let warnings = report["warnings"].as_array().unwrap();
     warnings.iter().map(|one| one["kind"].as_str().unwrap().to_owned()).collect()
@@ -99,8 +105,7 @@ fn slips_are_warnings_with_their_key_and_line() {
             assert!(model.contains(from), "{from}");
             model.replace(from, to)
         });
-        scratch.write("a.yaml", study(&model, ""));
-        let report = report(&scratch, "a.yaml");
+        let report = checked(&scratch, &model, "");
         assert_eq!(kinds(&report).join(" "), expected, "{changes:?}");
         let first = &report["warnings"][0];
         if !expected.is_empty() {
@@ -110,8 +115,7 @@ fn slips_are_warnings_with_their_key_and_line() {
         }
     }
     for [model, rest, expected, key] in cases(SLIPS_OF_STUDIES) {
-        scratch.write("a.yaml", study(if model.is_empty() { MACHINE } else { &model }, &rest));
-        let report = report(&scratch, "a.yaml");
+        let report = checked(&scratch, if model.is_empty() { MACHINE } else { &model }, &rest);
         assert_eq!(kinds(&report).join(" "), expected, "{rest}");
         let first = &report["warnings"][0];
         assert_eq!(first["key"].as_str().unwrap_or_default(), key, "{rest}");
@@ -136,19 +140,17 @@ fn extreme_values_have_closed_forms() {
         ("table_mass_kg: 0.324", "table_mass_kg: 1.0e300"),
         ("damping_n_s_m: 1.28", "damping_n_s_m: 0"),
     ] {
-        scratch.write("a.yaml", study(&MACHINE.replace(from, to), ""));
-        let report = report(&scratch, "a.yaml");
+        let report = checked(&scratch, &MACHINE.replace(from, to), "");
         assert_eq!(report["closed_form"]["points_examined"], json!(1), "{to}");
         scratch.well("check a.yaml");
     }
     let impossible = "uncertain: {ball_mass_kg: {normal: {mean: -1.0, std_dev: 1.0e-3}}}\n";
-    scratch.write("a.yaml", study(MACHINE, impossible));
-    let report = report(&scratch, "a.yaml");
+    let report = checked(&scratch, MACHINE, impossible);
     assert_eq!(
         (kinds(&report), &report["closed_form"]["points"]),
         (vec!["overridden_value".into(), "invalid_draws".into()], &json!([]))
     );
-    assert_has(&scratch.well("check a.yaml"), &["at 0 of 1 points"]);
+    scratch.prints("check a.yaml", &["at 0 of 1 points"]);
 }
 
 /// The remedy names units only to a study that writes none.
@@ -156,8 +158,7 @@ fn extreme_values_have_closed_forms() {
 fn a_remedy_repeats_no_unit_of_the_study() {
     let scratch = Scratch::new();
     let remedy = |model: &str, rest: &str| {
-        scratch.write("a.yaml", study(model, rest));
-        report(&scratch, "a.yaml")["warnings"][0]["remedy"].as_str().unwrap().to_owned()
+        checked(&scratch, model, rest)["warnings"][0]["remedy"].as_str().unwrap().to_owned()
     };
     for (from, to) in [
         ("ball_diameter_m: 0.003", "ball_diameter: 60 mm"),
@@ -180,8 +181,7 @@ fn a_search_describes_a_machine_within_its_ranges() {
              ring: {{choices: {{steel: {{friction_coefficient: 1e-3}}, rubber: {{friction_coefficient: 2e-3}}}}}}\n\
              responses: {{quiet: {{at_rest_by_s: 1.0e-6}}}}\noptimize: {{maximize: quiet, designs: 20{compare}}}\n"
         );
-        scratch.write("a.yaml", study(MACHINE, &rest));
-        report(&scratch, "a.yaml")
+        checked(&scratch, MACHINE, &rest)
     };
     let all = search("{from: -309, to: -300}", "");
     assert_eq!(kinds(&all), ["subcritical_speed"]);
@@ -196,13 +196,11 @@ fn a_search_describes_a_machine_within_its_ranges() {
     );
     let ratio = all["closed_form"]["points"][0]["speed_over_natural_frequency"].as_f64().unwrap();
     assert!((ratio - 0.633).abs() < 1e-3, "{ratio}");
-    assert_has(
-        &scratch.well("check a.yaml"),
-        &[
-            "natural frequency 480.",
-            "the design is the middle of the ranges (stiffness_n_m 75000, speed_rad_s -304.5, ring steel)\n",
-        ],
-    );
+    let said = [
+        "natural frequency 480.",
+        "the design is the middle of the ranges (stiffness_n_m 75000, speed_rad_s -304.5, ring steel)\n",
+    ];
+    scratch.prints("check a.yaml", &said);
     let compare = ", compare_with: {stiffness_n_m: 60000, speed_rad_s: -600, ring: rubber}";
     let some = search("{from: -600, to: -500}", compare);
     let warning = &some["warnings"][0];
@@ -211,7 +209,7 @@ fn a_search_describes_a_machine_within_its_ranges() {
         warning["found"].as_str().unwrap(),
         &["0.949 times the natural frequency with stiffness_n_m 90000, speed_rad_s -500; 1.39"],
     );
-    assert_has(&scratch.well("check a.yaml"), &["the design is optimize.compare_with ("]);
+    scratch.prints("check a.yaml", &["the design is optimize.compare_with ("]);
     assert!(
         !kinds(&search("{from: -700, to: -600}", "")).contains(&"subcritical_speed".to_owned())
     );
@@ -220,21 +218,18 @@ fn a_search_describes_a_machine_within_its_ranges() {
 /// Friction that holds the balls everywhere is a warning if it does so at all points and for all examined designs.
 #[test]
 fn friction_that_holds_the_balls_everywhere_is_a_warning() {
-    let scratch = Scratch::new();
     let kind = "balls_held_everywhere".to_owned();
     let machine = MACHINE.replace("    friction_coefficient: 2.75e-3\n", "");
     let text = study(&machine, "sweep: [{grid: {friction_coefficient: [0.05, 0.06]}}]\n");
-    scratch.write("a.yaml", text);
+    let scratch = Scratch::with(text);
     let all = report(&scratch, "a.yaml");
     assert_eq!(kinds(&all), [kind.as_str()]);
     assert_has(
         all["warnings"][0]["found"].as_str().unwrap(),
         &["0.05 to 0.06, where", "at all 2 points"],
     );
-    assert_has(
-        &scratch.well("check a.yaml"),
-        &["at 2 of 2 points friction holds the balls in every position"],
-    );
+    scratch
+        .prints("check a.yaml", &["at 2 of 2 points friction holds the balls in every position"]);
     scratch.write(
         "a.yaml",
         study(&machine, "sweep: [{grid: {friction_coefficient: [0.05, 1.0e-3]}}]\n"),
@@ -245,8 +240,7 @@ fn friction_that_holds_the_balls_everywhere_is_a_warning() {
             "design: {{friction_coefficient: {{from: 0.05, to: {to}}}}}\n\
              responses: {{half: median_time_to_rest}}\n"
         );
-        scratch.write("a.yaml", study(MACHINE, &design));
-        kinds(&report(&scratch, "a.yaml"))
+        kinds(&checked(&scratch, MACHINE, &design))
     };
     assert_eq!(search("0.06"), [kind]);
 }
@@ -258,8 +252,7 @@ fn the_remedy_for_friction_that_holds_the_balls_everywhere_helps() {
     let with = |friction: f64| {
         let machine =
             MACHINE.replace("coefficient: 2.75e-3", &format!("coefficient: {friction:e}"));
-        scratch.write("a.yaml", study(&machine, ""));
-        report(&scratch, "a.yaml")
+        checked(&scratch, &machine, "")
     };
     let is_held = |report: &Value| kinds(report) == ["balls_held_everywhere"];
     // The smallest friction with a warning leaves a few positions without rest.
@@ -282,18 +275,17 @@ fn the_remedy_for_friction_that_holds_the_balls_everywhere_helps() {
 /// The model leaves gravity out; the last line says how much it would do on a horizontal axis.
 #[test]
 fn gravity_on_a_horizontal_axis_is_named() {
-    let scratch = Scratch::new();
     let model = "model: {kind: ball_balancer, parameters: {ring_radius: 35 mm, friction_coefficient: 0.001, \
                  speed: 10000 rpm}}\n";
-    scratch.write("a.yaml", study(model, ""));
+    let scratch = Scratch::with(study(model, ""));
     let text = "the axis is vertical: the model leaves gravity out. On a horizontal axis, gravity is 25.55 % of the \
                 friction\nμ ω² R that holds a ball, and no ball stays at rest below sqrt(g/(μ R)) = 5055 rpm\n";
-    assert_has(&scratch.well("check a.yaml"), &[text]);
+    scratch.prints("check a.yaml", &[text]);
     let sweep = "sweep: [{grid: {friction_coefficient: [1.0e-3, 2.75e-3]}}]\n";
     let static_friction =
         "friction: {stribeck: {static_friction_coefficient: 2.0e-3, stribeck_speed_rad_s: 1}}";
     scratch.write("b.yaml", study(MACHINE, sweep));
-    assert_has(&scratch.well("check b.yaml"), &["holds a ball at point 0, and no ball stays"]);
+    scratch.prints("check b.yaml", &["holds a ball at point 0, and no ball stays"]);
     let ratios: Vec<f64> = ["", static_friction]
         .iter()
         .map(|friction| {
@@ -307,10 +299,7 @@ fn gravity_on_a_horizontal_axis_is_named() {
     let viscous =
         MACHINE.to_owned() + "  friction: {viscous: {viscous_coefficient_n_s_m: 5.0e-4}}\n";
     scratch.write("d.yaml", study(&viscous, ""));
-    assert_has(
-        &scratch.well("check d.yaml"),
-        &["the axis is vertical: the model leaves gravity out\n"],
-    );
+    scratch.prints("check d.yaml", &["the axis is vertical: the model leaves gravity out\n"]);
 }
 
 /// Warnings go to standard error; `--strict` makes them an exit code, and `run` repeats them.
@@ -372,13 +361,12 @@ fn shipped_studies_have_no_false_warnings() {
 /// The machine is printed with units and the origin of each value.
 #[test]
 fn the_machine_has_its_defaults_marked() {
-    let scratch = Scratch::new();
     let model = "model: {kind: ball_balancer, parameters: {table_mass_kg: 0.5, balls: [{}, {mass_kg: 2.0e-4}]}}\n";
     let rest = "sweep: [{grid: {speed_rad_s: [-160, -216]}}]\n\
                 uncertain:\n  stiffness_n_m: {times: {uniform: {min: 0.9, max: 1.1}}}\n  \
                 imbalance_mass_kg: {uniform: {min: 4.0e-5, max: 6.0e-5}}\n\
                 design: {ring_radius_m: {from: 0.0095, to: 0.0135}}\nresponses: {half: median_time_to_rest}\n";
-    scratch.write("a.yaml", study(model, rest));
+    let scratch = Scratch::with(study(model, rest));
     let text = scratch.well("check a.yaml");
     let lines: Vec<String> =
         text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
@@ -415,10 +403,9 @@ fn the_machine_has_its_defaults_marked() {
 /// A parameter that only one block sweeps has its base value in the others.
 #[test]
 fn the_base_value_of_a_swept_parameter_counts_where_a_block_uses_it() {
-    let scratch = Scratch::new();
     let sweep = "sweep:\n  - grid: {speed_rad_s: [-200, -216.4]}\n  \
                  - zip: {friction_coefficient: [1.0e-3, 2.0e-3]}\n";
-    scratch.write("a.yaml", study(MACHINE, sweep));
+    let scratch = Scratch::with(study(MACHINE, sweep));
     let report = report(&scratch, "a.yaml");
     let swept = |name: &str| {
         let machine = report["machine"].as_array().unwrap();
@@ -432,13 +419,9 @@ fn the_base_value_of_a_swept_parameter_counts_where_a_block_uses_it() {
 #[test]
 fn closed_forms_are_those_of_the_machine_that_is_drawn() {
     let scratch = Scratch::with(study("model: {kind: ball_balancer}\n", ""));
-    scratch.write(
-        "b.yaml",
-        study(
-            "model: {kind: ball_balancer}\n",
-            "uncertain: {friction_coefficient: {lognormal: {mean: 5.0e-4, std_dev: 3.0e-4}}}\n",
-        ),
-    );
+    let uncertain =
+        "uncertain: {friction_coefficient: {lognormal: {mean: 5.0e-4, std_dev: 3.0e-4}}}\n";
+    scratch.write("b.yaml", study("model: {kind: ball_balancer}\n", uncertain));
     let plain = &report(&scratch, "a.yaml")["closed_form"];
     assert_eq!(
         (&plain["points_examined"], &plain["uncertain_at_medians"]),
@@ -458,18 +441,14 @@ fn closed_forms_are_those_of_the_machine_that_is_drawn() {
     let of = |key: &str| number(&drawn["points"][0][key]["set_fraction"]);
     let [low, median, high] = ["rest_at_low_friction", "rest", "rest_at_high_friction"].map(of);
     assert!(low < median && median < high && median < 0.2, "{low} {median} {high}");
-    let text = scratch.well("check b.yaml");
-    assert_has(
-        &text,
-        &[
-            "without simulation, with uncertain parameters at their medians\n",
-            " .. ",
-            "(a .. b): the values at the quantiles 2.5 % (a) and 97.5 % (b) of uncertain friction\n",
-        ],
-    );
-    let text = scratch.well("check a.yaml");
-    assert_has(
-        &text,
+    let said = [
+        "without simulation, with uncertain parameters at their medians\n",
+        " .. ",
+        "(a .. b): the values at the quantiles 2.5 % (a) and 97.5 % (b) of uncertain friction\n",
+    ];
+    scratch.prints("check b.yaml", &said);
+    let text = scratch.prints(
+        "check a.yaml",
         &[
             "times that without balls; balls that keep moving can make it larger\n",
             "overlap",
@@ -483,12 +462,11 @@ fn closed_forms_are_those_of_the_machine_that_is_drawn() {
 /// cannot overlap.
 #[test]
 fn the_worst_rest_is_that_of_equilibria() {
-    let scratch = Scratch::new();
     let rest = "sweep: [{grid: {speed_rad_s: [-216.3772, -179.2671], friction_coefficient: [2.75e-4]}}]\n\
                 uncertain: {imbalance_mass: {uniform: {min: 0.03 g, max: 0.09 g}}}\n";
     let machine =
         "model: {kind: ball_balancer, contact: {restitution: 0.36, friction_coefficient: 0.1}}\n";
-    scratch.write("a.yaml", study(machine, rest));
+    let scratch = Scratch::with(study(machine, rest));
     let checked = &report(&scratch, "a.yaml")["closed_form"]["points"];
     let text = scratch.well("equilibria a.yaml --no-set --out out --json");
     let sets: Value = serde_json::from_str(&text).unwrap();
@@ -507,12 +485,10 @@ fn the_worst_rest_is_that_of_equilibria() {
 /// At most 20 points are printed, and JSON has more.
 #[test]
 fn large_sweeps_are_shown_in_part() {
-    let scratch = Scratch::new();
     let speeds: Vec<String> = (0..60).map(|k| format!("{}", -190 - k)).collect();
     let sweep = format!("sweep: [{{grid: {{speed_rad_s: [{}]}}}}]\n", speeds.join(", "));
-    scratch.write("a.yaml", study(MACHINE, &sweep));
-    let text = scratch.well("check a.yaml");
-    assert_has(&text, &["without simulation, at 20 of 60 points\n"]);
+    let scratch = Scratch::with(study(MACHINE, &sweep));
+    let text = scratch.prints("check a.yaml", &["without simulation, at 20 of 60 points\n"]);
     assert_eq!(text.matches("  stable\n").count(), 20, "{text}");
     assert_eq!(report(&scratch, "a.yaml")["closed_form"]["points"].as_array().unwrap().len(), 60);
 }
@@ -520,13 +496,11 @@ fn large_sweeps_are_shown_in_part() {
 /// The natural frequency is that of the medians at the points, and the speed of a profile is no default.
 #[test]
 fn the_machine_is_that_of_the_runs() {
-    let scratch = Scratch::new();
     let model = "model: {kind: ball_balancer, speed_profile: [{ramp: {from_rad_s: -31, to_rad_s: -200, over_s: 2}}]}\n";
     let rest = "sweep: [{grid: {table_mass_kg: [0.324, 0.4]}}]\n\
                 uncertain: {stiffness_n_m: {uniform: {min: 8000, max: 9000}}}\n";
-    scratch.write("a.yaml", study(model, rest));
-    let text = scratch.well("check a.yaml");
-    assert_has(&text, &["natural frequency 145.7", " to 161.887 rad/s\n"]);
+    let scratch = Scratch::with(study(model, rest));
+    let text = scratch.prints("check a.yaml", &["natural frequency 145.7", " to 161.887 rad/s\n"]);
     let speed = text.lines().find(|line| line.contains(" speed_rad_s ")).expect("a row");
     assert!(speed.trim_end().ends_with("-200 rad/s"), "{speed}");
 }
@@ -559,21 +533,14 @@ fn designs_and_searches_have_a_price() {
         assert!((ratio - 262.0).abs() < 1e-6, "{key}: {ratio}");
     }
     assert!(seconds(one, "most_core_seconds") > seconds(one, "core_seconds"));
-    let text = scratch.well(&format!("check {path}"));
-    assert_has(
-        &text,
-        &[
-            "optimize      minimize vibration_95, subject to quiet at least 0.9; worst of 3 points\n",
-            "search        6 variables, 150 designs (60 of them space-filling), 5 finalists",
-            "search cost   100608 runs at most; about ",
-            "one design    384 runs; about ",
-        ],
-    );
-    let path = shipped("cd-rom.yaml").display().to_string();
-    assert_has(
-        &scratch.well(&format!("check {path}")),
-        &["the design is optimize.compare_with (balls 2, ball "],
-    );
+    let said = [
+        "optimize      minimize vibration_95, subject to quiet at least 0.9; worst of 3 points\n",
+        "search        6 variables, 150 designs (60 of them space-filling), 5 finalists",
+        "search cost   100608 runs at most; about ",
+        "one design    384 runs; about ",
+        "the design is optimize.compare_with (balls 2, ball ",
+    ];
+    scratch.prints(&format!("check {path}"), &said);
     let design = report(&scratch, &shipped("design.yaml").display().to_string());
     assert_eq!(design["design_cost"]["runs"], json!(64));
     assert!(design.get("optimize").is_none());
@@ -583,25 +550,22 @@ fn designs_and_searches_have_a_price() {
     let own = report(&scratch, &path);
     let ratio = seconds(&own["identify"], "core_seconds") / seconds(&own, "core_seconds");
     assert!((ratio - 1000.0).abs() < 1e-6, "{ratio}");
-    let text = scratch.well(&format!("check {path}"));
-    assert_has(&text, &["identify      1000 parameter sets, 640000 runs; about "]);
+    let said = ["identify      1000 parameter sets, 640000 runs; about "];
+    scratch.prints(&format!("check {path}"), &said);
 }
 
 /// Where the points of a sweep differ, the run-up is that of the point at which the balls slip longest.
 #[test]
 fn the_run_up_is_that_of_the_point_at_which_balls_slip_longest() {
-    let scratch = Scratch::new();
     let of = |sweep: &str| {
         let model = "model: {kind: ball_balancer, speed_profile: [{ramp: {from_rad_s: -31, over_s: 2}}, {hold_s: 1}]}\n";
         let study = "schema: 1\nname: a\nseed: 5\n".to_owned() + model + sweep;
         study + "initial_conditions: {design: {monte_carlo: {samples: 2}}}\n"
     };
-    scratch.write(
-        "a.yaml",
-        of("sweep: [{grid: {speed_rad_s: [-100, -200], ramp_over_1_s: [4, 1]}}]\n"),
-    );
-    let text = scratch.well("check a.yaml");
-    assert_has(&text, &["-31 to -100 rad/s from 0 to 4 s", "(point 0, where they slip longest)"]);
+    let scratch =
+        Scratch::with(of("sweep: [{grid: {speed_rad_s: [-100, -200], ramp_over_1_s: [4, 1]}}]\n"));
+    let said = ["-31 to -100 rad/s from 0 to 4 s", "(point 0, where they slip longest)"];
+    scratch.prints("check a.yaml", &said);
     let run_up = &report(&scratch, "a.yaml")["run_up"];
     assert_eq!((&run_up[0]["point_id"], &run_up[0]["speed_rad_s"][1]), (&json!(0), &json!(-100.0)));
     scratch.write("b.yaml", of("sweep: [{grid: {imbalance_mass_kg: [5.0e-5, 6.0e-5]}}]\n"));

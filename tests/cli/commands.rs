@@ -16,20 +16,18 @@ fn every_command_shows_examples() {
         assert_has(examples, &[format!("  stickslip {command} ")]);
         assert_eq!(help, scratch.well(&format!("help {command}")));
     }
-    assert_has(&scratch.well("--help"), &["Examples:\n  stickslip ", "130  interrupted"]);
+    scratch.prints("--help", &["Examples:\n  stickslip ", "130  interrupted"]);
     assert_eq!(scratch.well("--version"), format!("stickslip {}\n", env!("CARGO_PKG_VERSION")));
 }
 
 #[test]
 fn check_counts_and_computes_nothing() {
-    let scratch = Scratch::new();
     let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0]}}]\n\
                 uncertain: {ball_mass_kg: {uniform: {min: 1.0e-4, max: 2.0e-4}}}\n";
-    scratch.write("a.yaml", study_text("a", "{sobol: {samples: 7}}", AT_ONCE, rest));
+    let scratch = Scratch::with(study_text("a", "{sobol: {samples: 7}}", AT_ONCE, rest));
     let before = scratch.files();
-    let text = scratch.well("check a.yaml");
-    assert_has(
-        &text,
+    scratch.prints(
+        "check a.yaml",
         &[
             "study         a (hash ",
             "swept         speed_rad_s\n",
@@ -74,8 +72,8 @@ fn check_says_how_uncertain_parameters_are_sampled_together() {
     ] {
         let rest = format!("{uncertain}uncertain_sampling: {sampling}\n");
         scratch.write("a.yaml", study_text("a", "{sobol: {samples: 7}}", AT_ONCE, &rest));
-        let text = scratch.well("check a.yaml");
-        assert_has(&text, &[&format!("uncertain     stiffness_n_m, ball_mass_kg{words}\n")]);
+        let said = [&format!("uncertain     stiffness_n_m, ball_mass_kg{words}\n")];
+        scratch.prints("check a.yaml", &said);
         let report = scratch.json("check a.yaml --json");
         assert_eq!(report["uncertain_sampling"], facts);
     }
@@ -98,9 +96,8 @@ fn check_says_where_only_rest_is_looked_for() {
 /// `check` lists the variables and responses that an optimiser needs.
 #[test]
 fn check_lists_variables_and_responses() {
-    let scratch = Scratch::new();
     let plain = study_text("a", "{sobol: {samples: 7}}", AT_ONCE, "");
-    scratch.write("a.yaml", &plain);
+    let scratch = Scratch::with(&plain);
     assert!(!scratch.well("check a.yaml").contains("design "));
     let report = scratch.json("check a.yaml --json");
     assert_eq!((&report["design"], &report["responses"]), (&json!([]), &json!([])));
@@ -112,7 +109,7 @@ responses: {half: median_time_to_rest, mean: {amplitude_mean: {relative: true}}}
 ";
     scratch.write("b.yaml", plain + more);
     let expected = "design        speed_rad_s, balls, material\nresponses     half, mean\n";
-    assert_has(&scratch.well("check b.yaml"), &[expected]);
+    scratch.prints("check b.yaml", &[expected]);
     let report = scratch.json("check b.yaml --json");
     let variables = json!([
         {"name": "speed_rad_s", "unit": "rad/s", "from": -260.0, "to": -140.0, "integer": false},
@@ -128,9 +125,8 @@ responses: {half: median_time_to_rest, mean: {amplitude_mean: {relative: true}}}
 
 #[test]
 fn check_of_a_thousand_million_runs_is_instant() {
-    let scratch = Scratch::new();
     let design = "{monte_carlo: {samples: 1000000000}}";
-    scratch.write("a.yaml", study_text("a", design, 16.5, ""));
+    let scratch = Scratch::with(study_text("a", design, 16.5, ""));
     let started = Instant::now();
     let text = scratch.well("check a.yaml");
     assert!(started.elapsed() < Duration::from_secs(2), "{:?}", started.elapsed());
@@ -144,7 +140,7 @@ fn the_schema_is_json_and_knows_every_key_of_a_resolved_study() {
     assert_has(schema["$schema"].as_str().unwrap(), &["json-schema.org"]);
     scratch.write("a.yaml", study_text("a", "{sobol: {samples: 1}}", AT_ONCE, ""));
     scratch.well("run a.yaml --out out");
-    let resolved = std::fs::read_to_string(scratch.path("out/study.yaml")).unwrap();
+    let resolved = scratch.text("out/study.yaml");
     for line in resolved.lines().filter(|line| line.starts_with(|first: char| first != ' ')) {
         let key = line.split(':').next().unwrap();
         assert!(schema["properties"].get(key).is_some(), "{key}");
@@ -160,8 +156,8 @@ fn completions_for_three_shells() {
         ("zsh", "#compdef stickslip"),
         ("fish", "complete -c stickslip"),
     ] {
-        let script = scratch.well(&format!("completions {shell}"));
-        assert_has(&script, &[sign, "threads", "shard", "verify", "expand"]);
+        let said = [sign, "threads", "shard", "verify", "expand"];
+        scratch.prints(&format!("completions {shell}"), &said);
     }
 }
 
@@ -193,7 +189,7 @@ fn verify_says_what_is_met() {
                 assert_has(&ended.err, &["1 expectation not met"]);
             }
             Some((_, "json")) => {
-                let report: Value = serde_json::from_str(&ended.out).unwrap();
+                let report = ended.json();
                 let expected = json!([{"point_id": 1, "label": "equilibrium", "fraction": 0.0,
                     "expected": [0.9, 1.0], "met": false}]);
                 assert_eq!(report["expectations"], expected);

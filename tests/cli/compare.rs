@@ -15,10 +15,6 @@ fn study(name: &str, seed: u64, parameters: &str, speeds: &str) -> String {
     )
 }
 
-fn json(scratch: &Scratch, arguments: &str) -> Value {
-    scratch.json(arguments)
-}
-
 fn quantity<'a>(point: &'a Value, name: &str) -> &'a Value {
     let all = point["quantities"].as_array().unwrap();
     all.iter().find(|one| one["name"] == name).unwrap()
@@ -35,7 +31,7 @@ fn common_start_states_make_differences_precise() {
         scratch.well(&format!("run {name}.yaml --out {name} --quiet"));
     }
     let before = scratch.files();
-    let paired = json(&scratch, "compare a b --json");
+    let paired = scratch.json("compare a b --json");
     assert_eq!(paired["points"].as_array().map(Vec::len), Some(1));
     assert_eq!(paired["points_without_counterpart"], serde_json::json!([1, 1]));
     let point = &paired["points"][0];
@@ -55,7 +51,7 @@ fn common_start_states_make_differences_precise() {
     assert!((number("value") - mean).abs() < 1e-12);
     // Student's intervals of both means have the same number of degrees of freedom as that of the differences.
     assert!(((number("high") - mean) / half - 1.0).abs() < 1e-3, "{found} {half}");
-    let independent = json(&scratch, "compare a c --json");
+    let independent = scratch.json("compare a c --json");
     let point = &independent["points"][0];
     assert_eq!(point["same_start_states"], false);
     let wide = &quantity(point, "mean")["difference"];
@@ -67,7 +63,7 @@ fn common_start_states_make_differences_precise() {
         .replace("sweep: [{grid: {speed_rad_s: [-216]}}]\n", "");
     scratch.write("d.yaml", plain);
     scratch.well("run d.yaml --out d --quiet");
-    let found = json(&scratch, "compare d a --json");
+    let found = scratch.json("compare d a --json");
     assert_eq!(found["points"].as_array().map(Vec::len), Some(1));
     assert_eq!(found["points"][0]["point_ids"], serde_json::json!([0, 1]));
     assert_eq!(quantity(&found["points"][0], "mean")["difference"]["value"], 0.0);
@@ -90,9 +86,8 @@ fn differences_are_said_in_words() {
         "mean [µm]",
     ];
     assert_has(&text, &parts);
-    let same = scratch.well("compare a a");
-    assert_has(
-        &same,
+    scratch.prints(
+        "compare a a",
         &[
             "both studies have the same keys and values\n",
             "mean: the 95 % interval of the difference contains 0.\n",

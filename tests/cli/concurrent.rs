@@ -56,8 +56,8 @@ fn a_replay_has_exclusive_use_of_its_directory() {
     fs::create_dir(scratch.path("motion")).unwrap();
     let unfinished = fs::File::create(scratch.path("motion/unfinished")).unwrap();
     unfinished.lock().unwrap();
-    let ended = scratch.ended("replay out 1 --out motion", 1);
-    assert!(ended.err.contains("another process is writing into this directory"), "{}", ended.err);
+    let said = ["another process is writing into this directory"];
+    scratch.tells("replay out 1 --out motion", 1, &said);
     unfinished.unlock().unwrap();
     scratch.well("replay out 1 --out motion");
     let mut names: Vec<_> = scratch.files().into_keys().collect();

@@ -6,9 +6,8 @@ use crate::support::cases;
 /// Returns the steps of all runs of a study without and with switches, and the estimate and the
 /// limit that `check` prints.
 fn steps(rest: &str, end_time_s: f64, samples: u64) -> [f64; 4] {
-    let scratch = Scratch::new();
     let design = format!("{{monte_carlo: {{samples: {samples}}}}}");
-    scratch.write("a.yaml", study_text("a", &design, end_time_s, rest));
+    let scratch = Scratch::with(study_text("a", &design, end_time_s, rest));
     let report = scratch.json("check a.yaml --json");
     let said = |key: &str| report[key].as_f64().unwrap();
     scratch.stickslip("run a.yaml --out out");

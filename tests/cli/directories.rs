@@ -88,13 +88,12 @@ fn foreign_files_are_left_alone() {
 /// overwritten by any command.
 #[test]
 fn files_under_our_names_are_left_alone() {
-    let scratch = Scratch::new();
     let expect = "expect: [{point: {}, undecided_fraction: [0, 1]}]\n";
-    scratch.write("a.yaml", small("seed: 5\n") + expect);
+    let scratch = Scratch::with(small("seed: 5\n") + expect);
     scratch.write("other.yaml", small("seed: 6\n"));
     scratch.well("run other.yaml --out other");
     scratch.well("run a.yaml --out part --shard 1/1");
-    let content = fs::read(scratch.path("other/study.yaml")).unwrap();
+    let content = scratch.bytes("other/study.yaml");
     for (name, what) in [
         ("study.yaml", "a study.yaml that is not what this study writes"),
         ("study.yaml.partial", "files without a manifest.json, such as study.yaml.partial"),
@@ -126,7 +125,7 @@ fn files_under_our_names_are_left_alone() {
 fn a_study_continues_after_a_kill_at_its_start() {
     let scratch = Scratch::with(small("seed: 5\n"));
     scratch.well("run a.yaml --out whole");
-    let study = fs::read(scratch.path("whole/study.yaml")).unwrap();
+    let study = scratch.bytes("whole/study.yaml");
     for (number, (name, content)) in [
         ("study.yaml", &study[..]),
         ("study.yaml.abc123.stickslip-partial", &study[..100]),
@@ -176,13 +175,12 @@ fn unfinished_results_continue_and_nothing_else_is_replaced() {
             let path = scratch.path("out").join(name);
             let changed = change(fs::read(&path).unwrap_or_default());
             fs::write(&path, &changed).unwrap();
-            let ended = scratch.ended(command, 0);
             let told = [
                 "another file has the name of a result",
                 name,
                 "earlier results moved to out/earlier/1",
             ];
-            assert_has(&ended.err, &told);
+            scratch.tells(command, 0, &told);
             assert_eq!(fs::read(scratch.path("out/earlier/1").join(name)).unwrap(), changed);
             assert_eq!(scratch.data("out"), scratch.data("whole"), "{name}");
         }

@@ -24,10 +24,7 @@ fn edited(text: String, used: u64, all: u64) {
     scratch.well("run a.yaml --out alone");
     assert_eq!(scratch.data("out"), scratch.data("alone"));
     // No earlier result is lost.
-    let earlier: Vec<Vec<u8>> = super::support::DATA_FILES
-        .map(|name| fs::read(scratch.path("out/earlier/1").join(name)).unwrap())
-        .to_vec();
-    assert_eq!(earlier, before);
+    assert_eq!(scratch.data("out/earlier/1"), before);
     // Restoring the old study computes nothing.
     scratch.write("a.yaml", study("[-160.0, -216.0]", |text| text));
     let back = scratch.stickslip("run a.yaml --out out");
@@ -79,7 +76,7 @@ fn what_cannot_be_used_again_is_refused_with_the_difference() {
     scratch.well("run b.yaml --out out --recompute");
     scratch.well("run b.yaml --out alone");
     assert_eq!(scratch.data("out"), scratch.data("alone"));
-    assert_eq!(fs::read(scratch.path("out/earlier/1/runs.parquet")).unwrap(), before[0]);
+    assert_eq!(scratch.bytes("out/earlier/1/runs.parquet"), before[0]);
 }
 
 /// An interrupted run of an edited study continues like any other.

@@ -7,7 +7,6 @@ use arrow::array::{AsArray, RecordBatch};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::support::{AT_ONCE, Scratch, assert_has, column, counts, numbers, study_text, words};
-use crate::support::rows;
 use crate::table::contract::listed;
 
 const SWEEP: &str = "sweep:\n\
@@ -117,8 +116,8 @@ fn frictionless_equilibria_at_points_and_at_speeds_of_their_own() {
     assert_eq!(counts(&table, "point_id"), [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2]);
 
     let arguments = "equilibria a.yaml --no-set --grid 8 --speeds -150:-300:151";
-    let text = scratch.well(&format!("{arguments} --out speeds"));
-    assert_has(&text, &["a1_plus    147      30  -179.000 .. -150.000"]);
+    let said = ["a1_plus    147      30  -179.000 .. -150.000"];
+    let text = scratch.prints(&format!("{arguments} --out speeds"), &said);
     assert_has(&text, &["b1    151     119  -300.000 .. -182.000"]);
     assert!(!files(&scratch, "speeds").contains("equilibrium_positions.parquet"));
     let table = scratch.table("speeds", "frictionless_equilibria");
@@ -155,8 +154,8 @@ fn one_ball_and_three() {
     let scratch = scratch();
     scratch.well("equilibria one.yaml --out one");
     assert_eq!(scratch.table("one", "equilibrium_positions").num_rows(), 512);
-    let text = scratch.well("equilibria three.yaml --samples 1024 --out three");
-    assert_has(&text, &["95 % interval", "family", "b1"]);
+    let said = ["95 % interval", "family", "b1"];
+    scratch.prints("equilibria three.yaml --samples 1024 --out three", &said);
     let set = scratch.table("three", "equilibrium_positions");
     assert_eq!((set.num_rows(), names(&set)[3].as_str()), (1024, "beta_3_rad"));
     let sets = scratch.table("three", "equilibrium_set_summary");
@@ -227,7 +226,8 @@ fn wrong_arguments_are_refused_before_anything_is_computed() {
     let grid = format!("speed_rad_s: [{}], stiffness_n_m: [{}]", values(100), values(9000));
     let sweep = format!("sweep: [{{grid: {{{grid}}}}}]\n");
     scratch.write("many.yaml", study(&sweep));
-    for row in rows(
+    scratch.refuses(
+        "equilibria",
         r#"a.yaml --grid 1000000 ¦ 1000000 points per axis: 1000000000000 in all ¦ at most 8192
 a.yaml --grid 99999999999 ¦ --grid is too fine ¦ 67108864 in all
 one.yaml --grid 100000000 ¦ 100000000 in all for 1 ball\n ¦ 67108864
@@ -255,9 +255,7 @@ a.yaml --ball-damping -1 ¦ found "-1" ¦ a number above 0
 a.yaml --ball-damping nan ¦ found "nan" ¦ a number above 0
 a.yaml --threads 0 ¦ found "0" ¦ a whole number from 1
 missing.yaml ¦ missing.yaml"#,
-    ) {
-        scratch.refused(&format!("equilibria {}", row[0]), &row[1..]);
-    }
+    );
 }
 
 /// With contact, positions at which balls overlap are outside the set, and the touching positions are counted on their own.
@@ -265,8 +263,7 @@ missing.yaml ¦ missing.yaml"#,
 fn a_study_with_contact_has_its_own_sets() {
     let scratch =
         Scratch::with(study("model: {kind: ball_balancer, contact: {restitution: 0.5}}\n"));
-    let text = scratch.well("equilibria a.yaml --grid 128 --out out");
-    assert_has(&text, &["fraction  touching  components"]);
+    scratch.prints("equilibria a.yaml --grid 128 --out out", &["fraction  touching  components"]);
     let sets = scratch.table("out", "equilibrium_set_summary");
     let table = scratch.table("out", "equilibrium_positions");
     let [first, second, margin] =

@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 
 use serde_json::{Value, json};
 
-use super::support::{Ended, Scratch, numbers, table};
+use super::support::{Scratch, json_lines, numbers, table};
 use crate::support::{cases, rows};
 
 /// A block on a spring that starts at rest at 45 mm, with closed-form stops.
@@ -70,11 +70,9 @@ pub fn server(scratch: &Scratch, arguments: &str) -> Child {
 
 /// Returns the answers to these lines.
 pub fn ask(scratch: &Scratch, arguments: &str, lines: &[&str]) -> Vec<Value> {
-    let mut child = server(scratch, arguments);
-    child.stdin.take().unwrap().write_all((lines.join("\n") + "\n").as_bytes()).unwrap();
-    let ended = Ended::of(child.wait_with_output().unwrap());
+    let ended = scratch.fed(arguments, lines.join("\n") + "\n");
     assert_eq!(ended.code, Some(0), "{}", ended.err);
-    ended.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    json_lines(&ended.out)
 }
 
 /// The stopping time is that of the closed form: with `x_s = μ N / k`, each half swing of `π / ω`
@@ -128,7 +126,7 @@ fn threads_and_order_change_nothing() {
     let scratch = scratch();
     scratch.well("evaluate balls.yaml --designs d.csv --out one.parquet --threads 1 --quiet");
     scratch.well("evaluate balls.yaml --designs d.csv --out three.parquet --threads 3 --quiet");
-    let read = |name: &str| std::fs::read(scratch.path(name)).unwrap();
+    let read = |name: &str| scratch.bytes(name);
     assert_eq!(read("one.parquet"), read("three.parquet"));
     let order = [3, 0, 4, 2, 1];
     let lines = order.map(|at| DESIGNS[at]).join("\n");
@@ -224,18 +222,13 @@ fn requests_that_make_no_sense_are_answered() {
     for (answer, [line, variable, problem]) in answers.iter().zip(&lines) {
         assert_eq!(answer["id"], 1, "{line}");
         let error = &answer["error"];
-        assert_eq!(
-            (&error["variable"], &error["problem"]),
-            (&json!(variable), &json!(problem)),
-            "{line}"
-        );
+        let found = [&error["variable"], &error["problem"]];
+        assert_eq!(found, [variable.as_str(), problem], "{line}");
         assert!(error["found"].is_string() && error["allowed"].is_string(), "{answer}");
     }
     for answer in &answers[lines.len()..lines.len() + 3] {
-        assert_eq!(
-            (&answer["id"], &answer["error"]["problem"]),
-            (&Value::Null, &json!("not a request"))
-        );
+        assert_eq!(answer["id"], Value::Null);
+        assert_eq!(answer["error"]["problem"], "not a request");
     }
     let last = &answers[lines.len() + 3];
     assert!(last["id"] == 4 && last["responses"]["mean"]["value"].is_f64(), "{last}");

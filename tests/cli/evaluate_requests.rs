@@ -5,20 +5,13 @@ use std::io::{BufRead, BufReader, Write};
 use serde_json::{Value, json};
 
 use super::evaluate::{BALLS, BLOCK, ask, scratch, server};
-use super::support::Ended;
+use super::support::{Ended, json_lines};
 
 /// Returns the answers to these bytes.
 fn answers(input: &[u8]) -> Vec<Value> {
-    let scratch = scratch();
-    let mut child = server(&scratch, "evaluate balls.yaml --designs - --quiet");
-    let mut stdin = child.stdin.take().unwrap();
-    let input = input.to_vec();
-    // Written by another thread, because the pipe may fill before answers are read.
-    let writer = std::thread::spawn(move || stdin.write_all(&input).unwrap());
-    let ended = Ended::of(child.wait_with_output().unwrap());
-    writer.join().unwrap();
+    let ended = scratch().fed("evaluate balls.yaml --designs - --quiet", input);
     assert_eq!((ended.code, ended.err.as_str()), (Some(0), ""));
-    ended.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    json_lines(&ended.out)
 }
 
 const RIGHT: &str = r#"{"id": "right", "speed_rad_s": -200, "balls": 1, "material": "steel"}"#;

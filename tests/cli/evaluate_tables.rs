@@ -32,7 +32,7 @@ fn designs_in_a_parquet_file() {
     write_parquet(&scratch, "d.parquet");
     scratch.well("evaluate balls.yaml --designs d.csv --out csv.parquet --quiet");
     scratch.well("evaluate balls.yaml --designs d.parquet --out parquet.parquet --quiet");
-    let read = |name: &str| fs::read(scratch.path(name)).unwrap();
+    let read = |name: &str| scratch.bytes(name);
     assert_eq!(read("csv.parquet"), read("parquet.parquet"));
 }
 
@@ -81,6 +81,6 @@ fn odd_tables_are_read() {
     scratch.write("odd.csv", format!("\u{feff}# designs\r\n{}", lines.trim_start()));
     scratch.well("evaluate balls.yaml --designs odd.csv --out odd.parquet --quiet");
     scratch.well("evaluate balls.yaml --designs d.csv --out d.parquet --quiet");
-    let read = |name: &str| fs::read(scratch.path(name)).unwrap();
+    let read = |name: &str| scratch.bytes(name);
     assert_eq!(read("odd.parquet"), read("d.parquet"));
 }

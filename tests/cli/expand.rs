@@ -109,7 +109,7 @@ fn the_ending_of_the_name_chooses_the_format() {
     scratch.refused("expand a.yaml --out cases.xlsx", &parts);
     let printed = scratch.well("expand a.yaml");
     assert_eq!(scratch.well("expand a.yaml --out cases.csv"), "");
-    assert_eq!(std::fs::read_to_string(scratch.path("cases.csv")).unwrap(), printed);
+    assert_eq!(scratch.text("cases.csv"), printed);
     assert!(scratch.files().keys().all(|path| !path.ends_with("stickslip-partial")));
     scratch.refused("expand a.yaml --out cases.csv", &["cases.csv: exists already"]);
 }

@@ -2,17 +2,15 @@
 //! arguments in suggested commands.
 
 use std::fs;
-use std::io::Write;
-use std::process::Stdio;
 use std::sync::Arc;
 
 use arrow::array::{ArrayRef, RecordBatch, StringArray};
 use arrow::datatypes::{Field, Schema};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::evaluate::{BALLS, BLOCK};
 use super::summary::{finished, kill, rewrite};
-use super::support::{AT_ONCE, Ended, Scratch, assert_has, study_text};
+use super::support::{AT_ONCE, Scratch, assert_has, json_lines, study_text};
 
 /// Sets the title, clears the screen, hides text, reverses its direction, and imitates another
 /// message.
@@ -89,9 +87,8 @@ fn texts_of_a_manifest() {
 /// In every suggested command, a shard is two numbers and a directory is one word.
 #[test]
 fn commands_to_paste() {
-    let scratch = Scratch::new();
     let text = study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, "");
-    scratch.write("a.yaml", &text);
+    let scratch = Scratch::with(&text);
     scratch.well("run a.yaml --shard 1/2 --out out -q");
     let edited = text.replace("seed: 5", "seed: 6");
     scratch.write("out/study.yaml", edited);
@@ -112,16 +109,16 @@ fn commands_to_paste() {
     let (scratch, _) = finished();
     kill(&scratch);
     fs::rename(scratch.path("out"), scratch.path("a;b")).unwrap();
-    assert_has(&scratch.well("summary a;b"), &["`stickslip resume 'a;b'`"]);
+    scratch.prints("summary a;b", &["`stickslip resume 'a;b'`"]);
 }
 
 /// Returns a column of texts.
-fn texts(values: usize, text: &str) -> ArrayRef {
+pub fn texts(values: usize, text: &str) -> ArrayRef {
     Arc::new(StringArray::from(vec![text; values]))
 }
 
 /// Returns the batch with a column replaced or added.
-fn with(batch: &RecordBatch, name: &str, column: ArrayRef) -> RecordBatch {
+pub fn with(batch: &RecordBatch, name: &str, column: ArrayRef) -> RecordBatch {
     let schema = batch.schema();
     let mut fields: Vec<Arc<Field>> = schema.fields().iter().cloned().collect();
     let mut columns = batch.columns().to_vec();
@@ -152,16 +149,15 @@ fn names_of_columns_and_texts_in_tables() {
         assert_harmless(&ended.err, format);
         if format == "json" {
             // The escaped text has the same meaning.
-            let document: Value = serde_json::from_str(&ended.out).unwrap();
+            let document = ended.json();
             assert_eq!(document["points"][0]["ci_method"], EVIL);
         }
     }
-    let replayed = scratch.ended("replay out 0", 1);
-    assert_has(&replayed.err, &["NOT equal to its row"]);
+    let replayed = scratch.tells("replay out 0", 1, &["NOT equal to its row"]);
     assert_harmless(&replayed.err, "replay");
     assert!(replayed.err.len() < 4000, "{} bytes", replayed.err.len());
     scratch.well("report out");
-    let page = fs::read_to_string(scratch.path("out-report.html")).unwrap();
+    let page = scratch.text("out-report.html");
     assert!(!page.contains(['\u{1b}', '\u{9b}', '\u{202e}', '\0']), "the page");
     assert!(!page.contains(&"x".repeat(1000)), "the page has all of a foreign text");
 }
@@ -227,23 +223,16 @@ fn studies_and_their_tables() {
 fn requests() {
     let scratch = Scratch::new();
     scratch.write("balls.yaml", BALLS);
-    let mut child = {
-        let mut command = scratch.command("evaluate balls.yaml --designs -");
-        command.stdin(Stdio::piped()).spawn().unwrap()
-    };
     let requests = [
         json!({"id": EVIL, "speed_rad_s": -200, "balls": 1, "material": "steel"}),
         json!({"id": EVIL, "speed_rad_s": -200, "balls": 1, "material": EVIL}),
         json!({"id": EVIL, EVIL: 1}),
     ];
-    for request in &requests {
-        writeln!(child.stdin.as_mut().unwrap(), "{request}").unwrap();
-    }
-    let ended = Ended::of(child.wait_with_output().unwrap());
+    let input = requests.map(|request| format!("{request}\n")).concat();
+    let ended = scratch.fed("evaluate balls.yaml --designs -", input);
     assert_harmless(&ended.err, "requests");
     assert!(!ended.out.chars().any(is_acted_on), "{:?}", ended.out);
-    let answers: Vec<Value> =
-        ended.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let answers = json_lines(&ended.out);
     assert_eq!(answers.len(), 3);
     // An identifier is returned unchanged.
     assert!(answers.iter().all(|answer| answer["id"] == EVIL));
@@ -257,7 +246,7 @@ fn lists_of_files_and_provenance() {
     let search = "optimize: {minimize: stop, designs: 12}\n";
     scratch.write("block.yaml", format!("{BLOCK}{search}"));
     scratch.well("optimize block.yaml --out search -q");
-    let right = fs::read_to_string(scratch.path("search/files.json")).unwrap();
+    let right = scratch.text("search/files.json");
     for wrong in [
         right.replace("finalists.parquet", &json!(EVIL).to_string().replace('"', "")),
         json!(evil()).to_string(),

@@ -110,7 +110,7 @@ fn synthetic_measurements() {
     let origins = super::support::words(&scratch.table("one", "parameter_sets"), "origin");
     assert_eq!(origins.iter().filter(|one| one.as_deref() == Some("posterior")).count(), 8);
 
-    let rows = std::fs::read_to_string(scratch.path("rests.csv")).expect("a table");
+    let rows = scratch.text("rests.csv");
     scratch.write("fewer.csv", rows.lines().take(40).collect::<Vec<_>>().join("\n"));
     scratch.refused(
         "identify small.yaml --measured fewer.csv --out one",
@@ -187,41 +187,30 @@ fn wrong_usage() {
     let scratch = Scratch::new();
     let good = identify("none", 8);
     scratch.write("rests.csv", "speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n-140,1,2,0.1\n");
-    for (name, text, parts) in [
-        ("without.yaml", good.split("identify:").next().expect("text").to_owned(), ["`identify` is missing", "friction_coefficient: {from"]),
-        ("precise.yaml", format!("{good}precision: {{equilibrium_fraction: 0.1, max_runs: 100}}\n"), ["different numbers of runs", "without `precision`"]),
-        (
-            "block.yaml",
-            "schema: 1\nname: b\nseed: 1\nmodel: {kind: block_on_spring}\ninitial_conditions: {design: {monte_carlo: {samples: 1}}}\n\
-             identify: {parameters: {stiffness_n_m: {from: 1, to: 2}}}\n"
-                .to_owned(),
-            ["needs angles at which like bodies rest", "ball_balancer and rotor_balancer"],
-        ),
-    ] {
-        scratch.write(name, text);
-        scratch.refused(&format!("identify {name} --measured rests.csv"), &parts);
-    }
+    let block = "schema: 1\nname: b\nseed: 1\nmodel: {kind: block_on_spring}\n\
+                 initial_conditions: {design: {monte_carlo: {samples: 1}}}\n\
+                 identify: {parameters: {stiffness_n_m: {from: 1, to: 2}}}\n";
+    scratch.write("block.yaml", block);
+    scratch.write("without.yaml", good.split("identify:").next().expect("text"));
+    let precision = "precision: {equilibrium_fraction: 0.1, max_runs: 100}\n";
+    scratch.write("precise.yaml", format!("{good}{precision}"));
     scratch.write("good.yaml", &good);
-    scratch.refused("identify good.yaml --measured none.csv", &["none.csv"]);
-    let full = scratch.path("full");
-    std::fs::create_dir(&full).expect("a folder");
+    std::fs::create_dir(scratch.path("full")).expect("a folder");
     scratch.write("full/thesis.txt", "mine");
-    scratch.refused(
-        "identify good.yaml --measured rests.csv --out full",
-        &["holds no inference", "thesis.txt"],
-    );
     scratch.write("turned.csv", "speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n-140,400,2,0.1\n");
-    scratch.refused(
-        "identify good.yaml --measured turned.csv --out full",
-        &["warning: turned.csv: a measured angle is beyond two turns", "found:  400 rad"],
-    );
     let staged = good.replace("contact: none", "protocol: startup");
     scratch.write("staged.yaml", &staged);
     Study::parse(std::path::Path::new("staged.yaml"), staged).expect("a study");
     scratch
         .write("ramp.csv", "speed_rad_s,stage,beta_1_rad,beta_2_rad,std_dev_rad\n-140,1,1,2,0.1\n");
-    scratch.refused(
-        "identify staged.yaml --measured ramp.csv",
-        &["no stage of constant speed", "allowed: 2"],
+    scratch.refuses(
+        "identify",
+        "without.yaml --measured rests.csv ¦ `identify` is missing ¦ friction_coefficient: {from
+precise.yaml --measured rests.csv ¦ different numbers of runs ¦ without `precision`
+block.yaml --measured rests.csv ¦ needs angles at which like bodies rest ¦ ball_balancer and rotor_balancer
+good.yaml --measured none.csv ¦ none.csv
+good.yaml --measured rests.csv --out full ¦ holds no inference ¦ thesis.txt
+good.yaml --measured turned.csv --out full ¦ warning: turned.csv: a measured angle is beyond two turns ¦ found:  400 rad
+staged.yaml --measured ramp.csv ¦ no stage of constant speed ¦ allowed: 2",
     );
 }

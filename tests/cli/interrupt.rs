@@ -16,7 +16,7 @@ use stickslip::engine::compute;
 use stickslip::table::column::batch;
 use stickslip::table::{RunRecord, run_columns};
 
-use super::support::{Ended, Scratch, assert_has, counts, parse, study_text};
+use super::support::{Ended, Scratch, assert_has, counts, json_lines, parse, study_text};
 
 /// Hours of work, in runs of milliseconds.
 fn long() -> String {
@@ -126,12 +126,9 @@ fn stopped_by(signal: &str, number: u32) {
         &again.err,
         &[&going_on, &format!("out of time (--max-seconds) after {finished} of 4000000 runs")],
     );
-    let lists =
-        fs::read_dir(scratch.path("out/chunks")).unwrap().map(|entry| entry.unwrap().path());
-    let lists: Vec<_> = lists.filter(|path| path.is_dir()).collect();
-    let list = fs::read_to_string(lists[0].join("manifest.jsonl")).unwrap();
-    let runs = |line| serde_json::from_str::<serde_json::Value>(line).unwrap()["runs"].as_u64();
-    assert_eq!(list.lines().map(|line| runs(line).unwrap()).sum::<u64>(), finished);
+    let list = fs::read_to_string(scratch.chunks("out").join("manifest.jsonl")).expect("a list");
+    let runs = json_lines(&list).into_iter().map(|line| line["runs"].as_u64().expect("a number"));
+    assert_eq!(runs.sum::<u64>(), finished);
 }
 
 #[test]

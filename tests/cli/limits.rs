@@ -1,6 +1,6 @@
 //! Limits of time and failures end a study cleanly, and it continues without them.
 
-use super::support::{Scratch, assert_has, counts, study_text, words};
+use super::support::{Scratch, counts, study_text, words};
 
 /// With this normal force some runs lose contact.
 fn failing() -> String {
@@ -12,12 +12,11 @@ fn failing() -> String {
 #[test]
 fn no_time_means_no_run() {
     let scratch = Scratch::with(failing());
-    let stopped = scratch.ended("run a.yaml --out out --max-seconds 0", 130);
     let said = ["out of time (--max-seconds) after 0 of 60 runs", "the same command continues"];
-    assert_has(&stopped.err, &said);
+    scratch.tells("run a.yaml --out out --max-seconds 0", 130, &said);
     assert_eq!(scratch.table("out", "runs").num_rows(), 0);
     let json = scratch.stickslip("run a.yaml --out out --max-seconds 0 --json");
-    let report: serde_json::Value = serde_json::from_str(&json.out).unwrap();
+    let report = json.json();
     assert_eq!((&report["interrupted"], &report["runs_finished"]), (&true.into(), &0.into()));
     scratch.ended("run a.yaml --out out --max-seconds 3600", 3);
 }
@@ -33,12 +32,11 @@ fn failures_stop_a_study_that_says_so() {
         [("--on-failure stop", 0), ("--on-failure limit=3", 3), ("--max-failed 3", 3)]
     {
         let out = format!("out{most}{}", option.len());
-        let ended = scratch.ended(&format!("run a.yaml --out {out} --threads 1 {option}"), 1);
         let said = [
             " runs have failed, more than --on-failure allows, after ",
             "--on-failure continue computes the others",
         ];
-        assert_has(&ended.err, &said);
+        scratch.tells(&format!("run a.yaml --out {out} --threads 1 {option}"), 1, &said);
         // Runs in progress, eight at a time, are finished.
         let labels = words(&scratch.table(&out, "runs"), "label");
         let stopped = labels.iter().flatten().filter(|label| *label == "failed").count();
@@ -47,17 +45,16 @@ fn failures_stop_a_study_that_says_so() {
         scratch.ended(&format!("resume {out}"), 3);
         assert_eq!(scratch.data(&out), scratch.data("whole"));
     }
-    for (wrong, found) in [
-        ("--on-failure explode", "found \"explode\", allowed: stop, continue, or limit=N"),
-        ("--on-failure limit=-1", "found \"limit=-1\""),
-        ("--max-seconds -1", "found \"-1\", allowed: a number of seconds"),
-        ("--max-seconds nan", "found \"nan\", allowed: a number of seconds"),
-        ("--max-failed 1 --on-failure stop", "cannot be used with"),
-        ("--max-failed x", "found \"x\", allowed: the number of runs that may fail"),
-        ("--max-failed -1", "found \"-1\", allowed: the number of runs that may fail"),
-    ] {
-        scratch.refused(&format!("run a.yaml --out new {wrong}"), &[found]);
-    }
+    scratch.refuses(
+        "run a.yaml --out new",
+        r#"--on-failure explode ¦ found "explode", allowed: stop, continue, or limit=N
+--on-failure limit=-1 ¦ found "limit=-1"
+--max-seconds -1 ¦ found "-1", allowed: a number of seconds
+--max-seconds nan ¦ found "nan", allowed: a number of seconds
+--max-failed 1 --on-failure stop ¦ cannot be used with
+--max-failed x ¦ found "x", allowed: the number of runs that may fail
+--max-failed -1 ¦ found "-1", allowed: the number of runs that may fail"#,
+    );
 }
 
 /// A retry computes the same cases again; without changes it gives the same rows.
@@ -67,7 +64,7 @@ fn a_retry_never_draws_anew() {
     scratch.stickslip("run a.yaml --out out");
     let before = scratch.data("out");
     let failed = counts(&scratch.table("out", "points"), "failed_runs")[0];
-    let again = scratch.ended("run a.yaml --out out --retry-failed", 3);
-    assert_has(&again.err, &[format!("{} finished earlier, {failed} computed", 60 - failed)]);
+    let said = [format!("{} finished earlier, {failed} computed", 60 - failed)];
+    scratch.tells("run a.yaml --out out --retry-failed", 3, &said);
     assert_eq!(scratch.data("out"), before);
 }

@@ -33,8 +33,7 @@ fn merged_shards_are_the_single_run() {
         scratch.well("run a.yaml --out whole --chunk 10");
         let mut parts = shards(&scratch, number);
         parts.reverse();
-        let ended = scratch.ended(&format!("merge {} --out merged", parts.join(" ")), 0);
-        assert_has(&ended.err, &[" 0 computed"]);
+        scratch.tells(&format!("merge {} --out merged", parts.join(" ")), 0, &[" 0 computed"]);
         assert_eq!(scratch.data("merged"), scratch.data("whole"), "{number} shards, {rest}");
         let stages = |out: &str| fs::read(scratch.path(out).join("stages.parquet")).ok();
         assert_eq!(
@@ -54,22 +53,19 @@ fn merged_shards_are_the_single_run() {
 fn incompatible_shards_are_named() {
     let scratch = Scratch::with(study(""));
     shards(&scratch, 3);
-    let missing = ["shards are missing: 2 of 3", "found:   no directory of 2/3", "allowed: "];
-    scratch.refused("merge 1 3 --out merged", &missing);
-    scratch.refused("merge 1 3 2 3 --out merged", &["3: shard 3/3 is also in 3", "allowed: "]);
     scratch.well("run a.yaml --shard 2/4 --out 2of4");
-    let division = ["2of4: shard 2/4, but 1 is shard 1/3", "allowed: "];
-    scratch.refused("merge 1 2of4 3 --out merged", &division);
     scratch.write("b.yaml", study("").replace("seed: 5", "seed: 6"));
     scratch.well("run b.yaml --shard 2/3 --out other");
-    let other =
-        ["other: a different study than in 1; it differs in\n    seed: 5 -> 6", "allowed: "];
-    scratch.refused("merge 1 other 3 --out merged", &other);
     scratch.ended("run a.yaml --shard 2/3 --out stopped --max-seconds 0", 130);
-    let unfinished = ["stopped: shard 2/3 is not finished", "`stickslip resume stopped`"];
-    scratch.refused("merge 1 stopped 3 --out merged", &unfinished);
-    scratch
-        .refused("merge 1 2 3 --out 1", &["1: this directory holds the results of another shard"]);
+    scratch.refuses(
+        "merge",
+        r"1 3 --out merged ¦ shards are missing: 2 of 3 ¦ found:   no directory of 2/3 ¦ allowed:
+1 3 2 3 --out merged ¦ 3: shard 3/3 is also in 3 ¦ allowed:
+1 2of4 3 --out merged ¦ 2of4: shard 2/4, but 1 is shard 1/3 ¦ allowed:
+1 other 3 --out merged ¦ other: a different study than in 1; it differs in\n    seed: 5 -> 6 ¦ allowed:
+1 stopped 3 --out merged ¦ stopped: shard 2/3 is not finished ¦ `stickslip resume stopped`
+1 2 3 --out 1 ¦ 1: this directory holds the results of another shard",
+    );
 }
 
 #[test]
@@ -77,12 +73,10 @@ fn a_damaged_chunk_of_a_shard_is_computed_again() {
     let scratch = Scratch::with(study(""));
     scratch.well("run a.yaml --out whole");
     shards(&scratch, 2);
-    let folder = fs::read_dir(scratch.path("2/chunks")).unwrap().map(|entry| entry.unwrap().path());
-    let folder = folder.into_iter().find(|path| path.is_dir()).unwrap();
+    let folder = scratch.chunks("2");
     fs::write(folder.join("000000.chunk"), "nothing").unwrap();
-    let ended = scratch.ended("merge 1 2 --out merged", 0);
     let said = ["000000.chunk: 7 bytes", "48 finished earlier, 48 computed"];
-    assert_has(&ended.err, &said);
+    scratch.tells("merge 1 2 --out merged", 0, &said);
     assert_eq!(scratch.data("merged"), scratch.data("whole"));
     // Merging does not change a shard's own directory.
     assert!(folder.join("000000.chunk").exists());

@@ -57,9 +57,8 @@ fn killed(status: ExitStatus) -> bool {
 }
 
 fn scratch() -> Scratch {
-    let scratch = Scratch::new();
     let expect = "expect: [{point: {}, undecided_fraction: [1, 1]}]\n";
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 20}}", AT_ONCE, expect));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 20}}", AT_ONCE, expect));
     scratch
 }
 

@@ -13,8 +13,8 @@ fn every_template_can_be_checked() {
         assert_eq!(scratch.well(&format!("new {file} --template {name}")), "");
         let plan = scratch.json(&format!("check {file} --json"));
         assert_eq!((&plan["study"], &plan["warnings"]), (&json!(format!("of-{name}")), &json!([])));
-        assert_has(&scratch.well("new --list"), &[format!("{name:<12} {summary}\n")]);
-        assert_has(&scratch.well("new --help"), &[format!("{name}:"), summary.to_owned()]);
+        scratch.prints("new --list", &[format!("{name:<12} {summary}\n")]);
+        scratch.prints("new --help", &[format!("{name}:"), summary.to_owned()]);
     }
     assert_eq!(scratch.well("new --list").lines().count(), Template::ALL.len());
 }
@@ -23,14 +23,13 @@ fn every_template_can_be_checked() {
 #[test]
 fn to_standard_output() {
     let scratch = Scratch::new();
-    let printed = scratch.well("new -");
-    assert_has(&printed, &["\nname: machine\n", "#   stickslip run study.yaml\n"]);
+    let printed = scratch.prints("new -", &["\nname: machine\n", "#   stickslip run study.yaml\n"]);
     assert_eq!(printed, scratch.well("new - --template machine"));
     assert!(scratch.files().is_empty());
     let ended = scratch.stickslip("new machine.yaml");
     assert_eq!((ended.code, ended.out.as_str()), (Some(0), ""));
     assert_has(&ended.err, &["next: stickslip check machine.yaml"]);
-    let written = std::fs::read_to_string(scratch.path("machine.yaml")).unwrap();
+    let written = scratch.text("machine.yaml");
     assert_eq!(written.replace("machine.yaml", "study.yaml"), printed);
 }
 

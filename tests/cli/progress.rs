@@ -2,31 +2,26 @@
 
 use serde_json::Value;
 
-use super::support::{AT_ONCE, Scratch, assert_has, study_text};
+use super::support::{AT_ONCE, Scratch, assert_has, json_lines, study_text};
 
 /// A study with this number of points and eight runs each.
 fn scratch(points: u32) -> Scratch {
-    let scratch = Scratch::new();
     let speeds: Vec<String> = (0..points).map(|n| format!("-{}.0", 160 + n)).collect();
     let sweep = format!(
         "sweep: [{{grid: {{speed_rad_s: [{}]}}}}]\n\
          uncertain: {{ball_mass_kg: {{normal: {{mean: 1.4e-4, std_dev: 1.4e-4}}}}}}\n",
         speeds.join(", ")
     );
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 8}}", AT_ONCE, &sweep));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 8}}", AT_ONCE, &sweep));
     scratch
-}
-
-fn events(text: &str) -> Vec<Value> {
-    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
 #[test]
 fn events_are_json_line_by_line() {
     let scratch = scratch(50);
     let ended = scratch.ended("run a.yaml --out out --quiet --json --progress json", 3);
-    let report: Value = serde_json::from_str(&ended.out).unwrap();
-    let events = events(&ended.err);
+    let report = ended.json();
+    let events = json_lines(&ended.err);
     let names: Vec<&str> = events.iter().map(|event| event["event"].as_str().unwrap()).collect();
     let (begun, last) = (&events[0], &events[events.len() - 1]);
     assert_eq!((names[0], names[names.len() - 1]), ("begun", "ended"));
@@ -65,11 +60,11 @@ fn events_are_json_line_by_line() {
 /// In a study with a precision the planned number of runs stays the largest one; the remaining number decreases.
 #[test]
 fn planned_runs_have_one_meaning() {
-    let scratch = Scratch::new();
     let precision = "precision: {equilibrium_fraction: 0.1, max_runs: 50}\n";
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 15}}", AT_ONCE, precision));
+    let scratch =
+        Scratch::with(study_text("a", "{monte_carlo: {samples: 15}}", AT_ONCE, precision));
     let ended = scratch.ended("run a.yaml --out out --quiet --progress json", 0);
-    let events = events(&ended.err);
+    let events = json_lines(&ended.err);
     let (begun, last) = (&events[0], &events[events.len() - 1]);
     assert_eq!((&begun["runs_are_at_most"], &last["runs_left_at_most"]), (&true.into(), &0.into()));
     assert_eq!(begun["runs_planned"], last["runs_planned"]);

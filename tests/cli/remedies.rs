@@ -15,33 +15,31 @@ fn study(end_time_s: f64, rest: &str) -> String {
 /// Points at which most runs vibrate more than without balls have a remedy where closed forms show one.
 #[test]
 fn points_that_vibrate_more_have_a_remedy() {
-    let scratch = Scratch::new();
     let sweep = "sweep:\n  - zip:\n      speed_rad_s: [-160.8, -216.4, -216.4]\n      \
                  friction_coefficient: [2.75e-3, 0.05, 0.05]\n      \
                  imbalance_mass_kg: [5.6e-5, 5.6e-5, 1.0e-4]\n";
-    scratch.write("a.yaml", study(6.0, sweep));
+    let scratch = Scratch::with(study(6.0, sweep));
     let printed = scratch.well("run a.yaml --out out");
     let remedy = "Remedy: a speed above the natural frequency (point 0); heavier balls or a larger ring, to balance the \
                   imbalance (point 2); less friction, which holds the balls in every position (point 1); see \
                   `stickslip check`.\n";
     assert_has(&printed, &["At 3 of 3 points most runs vibrate more", remedy]);
-    assert_has(&scratch.well("summary out"), &[remedy]);
-    assert_has(&scratch.well("summary out --format markdown"), &[remedy]);
+    scratch.prints("summary out", &[remedy]);
+    scratch.prints("summary out --format markdown", &[remedy]);
     let held = "sweep: [{zip: {friction_coefficient: [0.05]}}]\n";
     scratch.write("b.yaml", study(6.0, held));
     let remedy =
         "Remedy: less friction, which holds the balls in every position; see `stickslip check`.\n";
-    assert_has(&scratch.well("run b.yaml --out b"), &["0.0 % of the runs vibrate less", remedy]);
+    scratch.prints("run b.yaml --out b", &["0.0 % of the runs vibrate less", remedy]);
 }
 
 /// Many undecided runs need more time, unless the study looks for rests only.
 #[test]
 fn undecided_runs_need_more_time() {
-    let scratch = Scratch::new();
     let study = study(AT_ONCE, "");
-    scratch.write("a.yaml", &study);
+    let scratch = Scratch::with(&study);
     let line = "8 of 8 runs are undecided; a larger simulation.end_time_s or simulation.extend decides more.\n";
-    assert_has(&scratch.well("run a.yaml --out a"), &[line]);
+    scratch.prints("run a.yaml --out a", &[line]);
     let rests = study.replace("simulation: {", "simulation: {endings: rest, ");
     scratch.write("b.yaml", rests);
     let printed = scratch.well("run b.yaml --out b");
@@ -70,8 +68,8 @@ fn more_time_decides_only_what_is_sought() {
     let sliding = "or simulation.extend decides more, but no run whose motion goes on with an amplitude that depends on its start.\n";
     assert_has(&block(jump), &[sliding]);
     scratch.write("b.yaml", study(AT_ONCE, "").replace("balancer}", "balancer, contact: {}}"));
-    let text = scratch.well("run b.yaml --out contact");
-    assert_has(&text, &["or simulation.extend decides more, but no quasi-periodic motion.\n"]);
+    let said = ["or simulation.extend decides more, but no quasi-periodic motion.\n"];
+    scratch.prints("run b.yaml --out contact", &said);
 }
 
 /// The column `no balls` is a median over the runs; a line says so if the draws change this amplitude.
@@ -107,6 +105,6 @@ fn swept_values_have_few_digits() {
     let json = scratch.json("summary out --format json");
     assert_has(&json["points"][1]["speed_rad_s"].to_string(), &["314.159265358979"]);
     scratch.well("report out");
-    let page = std::fs::read_to_string(scratch.path("out-report.html")).unwrap();
+    let page = scratch.text("out-report.html");
     assert!(page.contains("314.159<"), "a short number in the table of the page");
 }

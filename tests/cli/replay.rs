@@ -1,14 +1,14 @@
 //! `replay`: the run behind a row equals the row, and differences are reported.
 
-use std::fs::{self, File};
+use std::fs;
 use std::sync::Arc;
 
-use arrow::array::{ArrayRef, RecordBatch, UInt64Array};
-use parquet::arrow::ArrowWriter;
+use arrow::array::{ArrayRef, UInt64Array};
 
-use super::summary::kill;
+use super::foreign::{texts, with};
+use super::summary::{kill, rewrite, without};
 use super::support::{Scratch, assert_has, column, counts, numbers, study_text, words};
-use crate::support::{cases, rows};
+use crate::support::cases;
 
 /// Balls with contact on a table that is kicked twice, with balls that rest at the first kick.
 const KICKED: &str = "model: {kind: ball_balancer, contact: {}, \
@@ -46,7 +46,7 @@ fn runs_of_all_kinds_are_their_rows() {
             let ended = scratch.stickslip(&format!("replay {name} {run} --json"));
             assert_eq!(ended.code, Some(0), "{name} {run}\n{}", ended.err);
             assert_has(&ended.err, &["equal to its row in all "]);
-            let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
+            let report = ended.json();
             assert_eq!(report["same_as_row"], true);
             let switches = counts(&rows, "switches")[run as usize];
             assert_eq!(report["switches"], switches);
@@ -64,9 +64,8 @@ fn runs_of_all_kinds_are_their_rows() {
 
 #[test]
 fn the_tables_of_a_motion() {
-    let scratch = Scratch::new();
     let study = study_text("a", "{monte_carlo: {samples: 2}}", 2.0, "");
-    scratch.write("a.yaml", study);
+    let scratch = Scratch::with(study);
     scratch.well("run a.yaml --out a");
     let text = scratch.well("replay a 1");
     let switches = scratch.table("a-replay-1", "switches");
@@ -101,10 +100,8 @@ fn the_tables_of_a_motion() {
     let unwrapped = of("beta_unwrapped_2_rad");
     for (wrapped, unwrapped) in of("beta_2_rad").into_iter().zip(unwrapped) {
         assert!((0.0..std::f64::consts::TAU).contains(&wrapped));
-        assert!(
-            ((wrapped - unwrapped) / std::f64::consts::TAU).fract().abs() < 1e-9
-                || ((wrapped - unwrapped) / std::f64::consts::TAU).fract().abs() > 1.0 - 1e-9
-        );
+        let part = ((wrapped - unwrapped) / std::f64::consts::TAU).fract().abs();
+        assert!(part < 1e-9 || part > 1.0 - 1e-9, "{part}");
     }
     // m ω_n² L with the thesis's ball and ring.
     let (normal, plain) = (of("normal_1_n"), of("normal_1"));
@@ -113,13 +110,10 @@ fn the_tables_of_a_motion() {
         assert!((limit[index] - 2.75e-3 * normal[index]).abs() < 1e-12);
         assert!((normal[index] / plain[index] / (normal[0] / plain[0]) - 1.0).abs() < 1e-12);
     }
+    scratch.well("replay a 1 --times 0.1:0.3:201 --out c");
     for file in ["trajectory.parquet", "switches.parquet"] {
-        scratch.well("replay a 1 --times 0.1:0.3:201 --out c");
-        assert!(
-            fs::read(scratch.path("b").join(file)).unwrap()
-                == fs::read(scratch.path("c").join(file)).unwrap()
-        );
-        fs::remove_dir_all(scratch.path("c")).unwrap();
+        let [one, other] = ["b", "c"].map(|folder| scratch.bytes(&format!("{folder}/{file}")));
+        assert!(one == other, "{file}");
     }
 }
 
@@ -127,9 +121,8 @@ fn the_tables_of_a_motion() {
 /// rest, at its very time, which is a switch.
 #[test]
 fn the_motion_of_a_disc_that_starts() {
-    let scratch = Scratch::new();
     let study = study_text("a", "{monte_carlo: {samples: 3}}", 2.0, KICKED);
-    scratch.write("a.yaml", study);
+    let scratch = Scratch::with(study);
     scratch.well("run a.yaml --out a");
     let mut broken_loose = 0;
     for run in 0..3 {
@@ -187,73 +180,44 @@ fn the_motion_of_a_disc_that_starts() {
     assert!(plain.column_by_name("speed_rad_s").is_none());
 }
 
-/// Returns the table of runs with a column replaced or removed.
-fn rewrite(scratch: &Scratch, name: &str, values: Option<ArrayRef>) {
-    let path = scratch.path("a/runs.parquet");
-    let rows = super::support::table(&path);
-    let fields = rows.schema();
-    let columns = fields.fields().iter().zip(rows.columns());
-    let columns = columns.filter_map(|(field, column)| {
-        let replaced = field.name() == name;
-        let column = if replaced { values.clone() } else { Some(column.clone()) };
-        Some((field.name().clone(), column?))
-    });
-    let rows = RecordBatch::try_from_iter_with_nullable(
-        columns.map(|(name, column)| (name, column, true)),
-    )
-    .unwrap();
-    let mut writer =
-        ArrowWriter::try_new(File::create(&path).unwrap(), rows.schema(), None).unwrap();
-    writer.write(&rows).unwrap();
-    writer.close().unwrap();
-    scratch.list_again("a", "runs.parquet");
-}
-
 #[test]
 fn a_row_that_is_not_the_run_is_shown() {
-    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 2}}", 0.05, ""));
-    scratch.well("run a.yaml --out a");
-    let steps = counts(&scratch.table("a", "runs"), "steps");
-    let more: UInt64Array = steps.iter().map(|steps| steps + 1).collect();
-    rewrite(&scratch, "steps", Some(Arc::new(more)));
-    let ended = scratch.ended("replay a 1 --json", 1);
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 2}}", 0.05, ""));
+    let steps = counts(&scratch.table("out", "runs"), "steps");
+    let more: ArrayRef = Arc::new(steps.iter().map(|steps| steps + 1).collect::<UInt64Array>());
+    rewrite(&scratch, "runs", |batch| with(&batch, "steps", more.clone()));
+    let ended = scratch.ended("replay out 1 --json", 1);
     let line = format!("steps: {} stored, {} computed", steps[1] + 1, steps[1]);
     assert_has(&ended.err, &["NOT equal to its row in 1 of ", &line]);
-    let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
+    let report = ended.json();
     assert_eq!(report["same_as_row"], false);
     assert_eq!(report["differences"][0]["column"], "steps");
 
-    rewrite(&scratch, "steps", None);
+    rewrite(&scratch, "runs", |batch| without(batch, "steps"));
     let lacks = ["runs.parquet: this table of runs lacks a column", "no column steps", "allowed: "];
-    scratch.refused("replay a 0", &lacks);
-    let words: ArrayRef = Arc::new(arrow::array::StringArray::from(vec!["x", "y"]));
-    rewrite(&scratch, "run_id", Some(words));
-    scratch.refused(
-        "replay a 0",
-        &["runs.parquet: this is not a readable table of runs", "run_id of type Utf8"],
-    );
-    scratch.write("a/runs.parquet", "PAR1 and no more PAR1");
-    scratch.refused("replay a 0", &["runs.parquet: this is not the file that was written"]);
-    scratch.list_again("a", "runs.parquet");
-    scratch
-        .refused("replay a 0", &["runs.parquet: this is not a readable table of runs", "found: "]);
+    scratch.refused("replay out 0", &lacks);
+    rewrite(&scratch, "runs", |batch| with(&batch, "run_id", texts(2, "x")));
+    let unreadable = "runs.parquet: this is not a readable table of runs";
+    scratch.refused("replay out 0", &[unreadable, "run_id of type Utf8"]);
+    scratch.write("out/runs.parquet", "PAR1 and no more PAR1");
+    scratch.refused("replay out 0", &["runs.parquet: this is not the file that was written"]);
+    scratch.list_again("out", "runs.parquet");
+    scratch.refused("replay out 0", &[unreadable, "found: "]);
 }
 
 /// A short footer that announces 2^31 - 1 columns and a truncated footer are refused without allocating memory.
 #[test]
 fn a_hostile_table_of_runs_is_refused() {
-    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 2}}", 0.05, ""));
-    scratch.well("run a.yaml --out a");
-    let path = scratch.path("a/runs.parquet");
-    let right = fs::read(&path).unwrap();
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 2}}", 0.05, ""));
+    let right = scratch.bytes("out/runs.parquet");
     let announced = [0x15, 2, 0x19, 0x1c, 0x48, 1, b'a', 0x15, 0xfe, 0xff, 0xff, 0xff, 0x0f, 0, 0];
     let announced = [b"PAR1", &announced[..], &15_u32.to_le_bytes(), b"PAR1"].concat();
     let cut_off = [&right[..right.len() / 2], &right[right.len() - 8..]].concat();
     for hostile in [announced, cut_off] {
-        fs::write(&path, hostile).unwrap();
-        scratch.list_again("a", "runs.parquet");
+        scratch.write("out/runs.parquet", hostile);
+        scratch.list_again("out", "runs.parquet");
         let parts = ["runs.parquet: this is not a readable table of runs", "a footer", "allowed: "];
-        scratch.refused("replay a 0", &parts);
+        scratch.refused("replay out 0", &parts);
     }
 }
 
@@ -268,8 +232,7 @@ fn what_cannot_be_replayed() {
     fs::create_dir(&occupied).unwrap();
     scratch.write("full/mine", "mine");
     fs::create_dir(scratch.path("empty")).unwrap();
-    for row in rows(
-        r#"replay empty 0 ¦ empty: this directory holds no results ¦ no manifest.json
+    let table = r#"replay empty 0 ¦ empty: this directory holds no results ¦ no manifest.json
 replay a 9 ¦ run 9 of a study with 9 runs ¦ run numbers from 0 to 8
 replay a x ¦ RUN_ID ¦ found "x", allowed: a whole number from 0, as in 17
 replay a -- -1 ¦ RUN_ID ¦ found "-1", allowed: a whole number from 0
@@ -280,10 +243,8 @@ replay a 0 --times 0:1 ¦ found "0:1" ¦ as in 0:5:2001 (FROM:TO:N in s)
 replay a 0 --times=-1:1:3 ¦ the times "-1" ¦ as in 0:5:2001 (FROM:TO:N in s)
 replay a 0 --times 0:1:0 ¦ number of times "0" ¦ as in 0:5:2001 (FROM:TO:N in s)
 replay a 0 --times 0:nan:2 ¦ the times ¦ as in 0:5:2001 (FROM:TO:N in s)
-replay a 0 --times 0:1:3 --every-step ¦ cannot be used with ¦ --every-step"#,
-    ) {
-        scratch.refused(&row[0].replace("OTHER", &other.to_string()), &row[1..]);
-    }
+replay a 0 --times 0:1:3 --every-step ¦ cannot be used with ¦ --every-step"#;
+    scratch.refuses("", &table.replace("OTHER", &other.to_string()));
 }
 
 /// In the results of an interrupted study, a missing run can be replayed, without a comparison.
@@ -291,10 +252,9 @@ replay a 0 --times 0:1:3 --every-step ¦ cannot be used with ¦ --every-step"#,
 fn a_run_that_is_not_there_yet() {
     let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 9}}", 0.02, ""));
     assert_eq!(scratch.stickslip("run a.yaml --out a --max-seconds 0").code, Some(130));
-    let ended = scratch.ended("replay a 3 --json", 0);
     let said = ["not compared, because a has not finished this run yet (the study has 9 runs)"];
-    assert_has(&ended.err, &said);
-    let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
+    let ended = scratch.tells("replay a 3 --json", 0, &said);
+    let report = ended.json();
     assert!(report["same_as_row"].is_null());
     assert!(column(&scratch.table("a-replay-3", "trajectory"), "x_m").len() > 3);
 }
@@ -304,8 +264,7 @@ fn a_run_that_is_not_there_yet() {
 fn a_run_of_a_killed_study() {
     let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 9}}", 0.02, ""));
     kill(&scratch);
-    let ended = scratch.ended("replay out 3 --json", 0);
-    assert_has(&ended.err, &["equal to its row in all "]);
-    let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
+    let ended = scratch.tells("replay out 3 --json", 0, &["equal to its row in all "]);
+    let report = ended.json();
     assert_eq!(report["same_as_row"], true);
 }

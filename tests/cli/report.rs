@@ -13,10 +13,6 @@ fn data(page: &str) -> Value {
     serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
 }
 
-fn page(scratch: &Scratch, name: &str) -> String {
-    fs::read_to_string(scratch.path(name)).unwrap()
-}
-
 fn figure<'a>(data: &'a Value, id: &str) -> &'a Value {
     data["figures"].as_array().unwrap().iter().find(|figure| figure["id"] == id).unwrap()
 }
@@ -40,13 +36,11 @@ fn whole(packed: &Value) -> Vec<u64> {
 
 #[test]
 fn dots_are_the_runs_of_the_tables() {
-    let scratch = Scratch::new();
     let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -216.3772]}}]\n";
-    scratch.write("a.yaml", study(60, 8.0, rest));
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(study(60, 8.0, rest));
     let before = scratch.files();
     assert_eq!(scratch.well("report out"), "out-report.html\n");
-    let text = page(&scratch, "out-report.html");
+    let text = scratch.text("out-report.html");
     assert!(text.len() < 5_000_000);
     let data = data(&text);
     assert_eq!(data["directory"], "out");
@@ -77,10 +71,10 @@ fn dots_are_the_runs_of_the_tables() {
     }
     // The page is a function of the directory, which is not changed.
     assert_eq!(scratch.well("report out --out again/b.html"), "again/b.html\n");
-    assert_eq!(page(&scratch, "again/b.html"), text);
+    assert_eq!(scratch.text("again/b.html"), text);
     scratch.well("run a.yaml --out one --threads 1");
     scratch.well("report one --out out2.html");
-    let other = self::data(&page(&scratch, "out2.html"));
+    let other = self::data(&scratch.text("out2.html"));
     assert_eq!(other["figures"], data["figures"]);
     let after = scratch.files();
     assert!(before.iter().all(|(name, content)| after.get(name) == Some(content)));
@@ -90,7 +84,7 @@ fn dots_are_the_runs_of_the_tables() {
 fn failures_and_flips_are_in_plain_sight() {
     let (scratch, _) = finished();
     scratch.well("report out");
-    let text = page(&scratch, "out-report.html");
+    let text = scratch.text("out-report.html");
     let runs = scratch.table("out", "runs");
     let labels = words(&runs, "label");
     let failed = labels.iter().filter(|label| label.as_deref() == Some("failed")).count();
@@ -123,7 +117,7 @@ fn all_kinds_of_studies_have_a_page() {
             .write("a.yaml", format!("schema: 1\nname: a\nseed: 5\n{model}{design}{simulation}"));
         scratch.well("run a.yaml --out out");
         scratch.well("report out");
-        let data = data(&page(&scratch, "out-report.html"));
+        let data = data(&scratch.text("out-report.html"));
         for id in figures {
             let ids: Vec<&Value> =
                 data["figures"].as_array().unwrap().iter().map(|f| &f["id"]).collect();
@@ -135,13 +129,11 @@ fn all_kinds_of_studies_have_a_page() {
 /// Each value of a third parameter has its own map, and curves have values instead of long names.
 #[test]
 fn further_parameters_have_maps_of_their_own() {
-    let scratch = Scratch::new();
     let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0, -220.0], \
                 friction_coefficient: [1.0e-5, 1.0e-4, 1.0e-2], normal_force: [lagrange, newton]}}]\n";
-    scratch.write("a.yaml", study(4, AT_ONCE, rest));
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(study(4, AT_ONCE, rest));
     scratch.well("report out");
-    let data = data(&page(&scratch, "out-report.html"));
+    let data = data(&scratch.text("out-report.html"));
     let panels = figure(&data, "map")["panels"].as_array().unwrap();
     for force in ["lagrange", "newton"] {
         let title = format!("normal force {force}");
@@ -168,7 +160,7 @@ fn further_parameters_have_maps_of_their_own() {
 fn figures_say_what_they_leave_out() {
     let (scratch, _) = finished();
     scratch.well("report out");
-    let text = page(&scratch, "out-report.html");
+    let text = scratch.text("out-report.html");
     let points = scratch.table("out", "points");
     let failed = counts(&points, "failed_runs");
     assert!(failed[0] > 0);
@@ -185,10 +177,10 @@ fn results_that_are_not_complete_say_how_much_is_missing() {
     assert_eq!(scratch.stickslip("run a.yaml --out out --max-seconds 0").code, Some(130));
     scratch.well("report out");
     let said = ["<strong>Not complete.</strong> 60 of 60 runs are missing (100.0 %)"];
-    assert_has(&page(&scratch, "out-report.html"), &said);
+    assert_has(&scratch.text("out-report.html"), &said);
     scratch.stickslip("run a.yaml --out part --shard 2/3 -q");
     scratch.well("report part");
-    assert_has(&page(&scratch, "part-report.html"), &["; shard 2/3"]);
+    assert_has(&scratch.text("part-report.html"), &["; shard 2/3"]);
 }
 
 #[test]
@@ -206,7 +198,7 @@ fn what_cannot_be_shown_is_refused() {
     fs::create_dir(scratch.path("folder")).unwrap();
     scratch.refused("report out --out folder", &["folder", "a directory", "allowed: "]);
     // A page that was edited is not overwritten.
-    let written = page(&scratch, "out-report.html");
+    let written = scratch.text("out-report.html");
     let notes = format!("{written}<!-- my notes -->");
     for mine in
         [notes, format!("{written} "), format!(" {written}"), written.replace("<h1>", "<h2>")]
@@ -214,7 +206,7 @@ fn what_cannot_be_shown_is_refused() {
         scratch.write("out-report.html", &mine);
         let said = ["found:   a report that has been changed since", "allowed: "];
         scratch.refused("report out", &said);
-        assert_eq!(page(&scratch, "out-report.html"), mine);
+        assert_eq!(scratch.text("out-report.html"), mine);
     }
     fs::remove_file(scratch.path("out-report.html")).unwrap();
     // A table without a column, and a missing table.
@@ -227,5 +219,5 @@ fn what_cannot_be_shown_is_refused() {
     let (scratch, _) = finished();
     kill(&scratch);
     scratch.well("report out");
-    assert_has(&page(&scratch, "out-report.html"), &["0 of 60 runs are missing"]);
+    assert_has(&scratch.text("out-report.html"), &["0 of 60 runs are missing"]);
 }

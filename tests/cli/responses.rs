@@ -1,7 +1,7 @@
 //! Responses of any study: in `run` and `summary`, in `points.parquet` and in the report, equal to those of `evaluate`; and
 //! the units in which people read them.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::support::{Scratch, assert_has, numbers, table, words};
 
@@ -67,7 +67,7 @@ fn a_point_has_the_responses_of_the_same_design() {
     // The same answers as text: CSV, as the output is no terminal, and the same file.
     let printed = scratch.well("evaluate b.yaml --designs d.csv --quiet");
     scratch.well("evaluate b.yaml --designs d.csv --out r.csv --quiet");
-    assert_eq!(printed, std::fs::read_to_string(scratch.path("r.csv")).unwrap());
+    assert_eq!(printed, scratch.text("r.csv"));
     let mut rows = csv::Reader::from_reader(printed.as_bytes());
     let place = rows.headers().unwrap().iter().position(|name| name == "vibration_high").unwrap();
     let column: Vec<Option<f64>> =
@@ -99,12 +99,9 @@ fn responses_are_printed_in_the_units_of_the_study() {
     assert!((shown - 1e6 * vibration).abs() <= 0.051, "{shown} {vibration}");
     let summary = scratch.well("summary out");
     assert!(summary.ends_with(&printed), "{summary}");
-    assert_has(
-        &scratch.well("summary out --format markdown"),
-        &["| point | speed [rpm] | vibration [µm] |"],
-    );
+    scratch.prints("summary out --format markdown", &["| point | speed [rpm] | vibration [µm] |"]);
     let again = scratch.stickslip("run a.yaml --out out --json");
-    let report: Value = serde_json::from_str(&again.out).unwrap();
+    let report = again.json();
     let point = &report["points"][0];
     assert_eq!(point["responses"]["vibration"]["value"], json!(vibration));
     assert!((point["speed_rad_s"].as_f64().unwrap() + 209.4395).abs() < 1e-3);
@@ -113,12 +110,12 @@ fn responses_are_printed_in_the_units_of_the_study() {
     assert!((speed + 2000.0 * std::f64::consts::TAU / 60.0).abs() < 1e-9);
     // A chosen unit prevails; other units leave the runs as they are.
     scratch.write("a.yaml", format!("{STUDY}units: {{speed: rev/s, vibration: mm}}\n"));
-    let ended = scratch.ended("run a.yaml --out out", 0);
-    assert_has(&ended.err, &["writing them anew from the finished runs"]);
+    let ended =
+        scratch.tells("run a.yaml --out out", 0, &["writing them anew from the finished runs"]);
     assert_has(&ended.out, &["speed [rev/s]", "vibration", "[mm]", "-33.3333", "above 0.06 mm"]);
     assert_eq!(numbers(&scratch.table("out", "points"), "response_vibration")[0], Some(vibration));
     scratch.well("report out");
-    let page = std::fs::read_to_string(scratch.path("out-report.html")).unwrap();
+    let page = scratch.text("out-report.html");
     assert_has(&page, &["<h2 id=\"responses\">Responses</h2>", "speed [rev/s]", "vibration [mm]"]);
     // The page begins with the sentences of the terminal.
     let sentence = ended.out.lines().find(|line| line.starts_with("At ")).unwrap();
@@ -126,30 +123,27 @@ fn responses_are_printed_in_the_units_of_the_study() {
     let (place, points) = (page.find(sentence).unwrap(), page.find("<h2 id=\"points\">").unwrap());
     assert!(conclusion < place && place < points);
     assert_has(&page, &["<p>The median amplitude is between "]);
-    assert_has(&scratch.well("check a.yaml"), &["natural [rev/s]", "ring_radius", "11.5 mm"]);
+    scratch.prints("check a.yaml", &["natural [rev/s]", "ring_radius", "11.5 mm"]);
 }
 
 /// A response that was added later is computed from the finished runs; the others keep their values.
 #[test]
 fn a_new_response_needs_no_run() {
-    let scratch = Scratch::new();
     let (study, responses) = STUDY.split_at(STUDY.find("responses:").unwrap());
-    scratch.write("a.yaml", study);
+    let scratch = Scratch::with(study);
     let before = scratch.well("run a.yaml --out out");
     assert!(!before.contains("vibration: "), "{before}");
-    let runs = std::fs::read(scratch.path("out/runs.parquet")).unwrap();
+    let runs = scratch.bytes("out/runs.parquet");
     scratch.write("a.yaml", format!("{study}{responses}"));
-    let ended = scratch.ended("run a.yaml --out out", 0);
-    assert_has(&ended.err, &["48 runs: 48 finished earlier, 0 computed"]);
+    let ended =
+        scratch.tells("run a.yaml --out out", 0, &["48 runs: 48 finished earlier, 0 computed"]);
     assert_has(&ended.out, &["vibration: mean residual amplitude\n"]);
     scratch.write("c.yaml", format!("{study}{responses}"));
     scratch.well("run c.yaml --out other --quiet");
     for table in ["runs", "points"] {
-        let of = |directory: &str| {
-            std::fs::read(scratch.path(&format!("{directory}/{table}.parquet"))).unwrap()
-        };
+        let of = |directory: &str| scratch.bytes(&format!("{directory}/{table}.parquet"));
         assert_eq!(of("out"), of("other"), "{table}");
     }
     // The provenance holds the study, so that the bytes differ.
-    assert_ne!(runs, std::fs::read(scratch.path("out/runs.parquet")).unwrap());
+    assert_ne!(runs, scratch.bytes("out/runs.parquet"));
 }

@@ -14,23 +14,13 @@ fn study(seed_and_more: &str) -> String {
         .replace("seed: 5\n", seed_and_more)
 }
 
-/// Returns the folder of finished chunks in a results directory, which must be unique.
-#[track_caller]
-fn chunks(scratch: &Scratch, directory: &str) -> PathBuf {
-    let folders = fs::read_dir(scratch.path(directory).join("chunks")).unwrap();
-    let mut folders = folders.map(|entry| entry.unwrap().path()).filter(|path| path.is_dir());
-    let folder = folders.next().unwrap();
-    assert!(folders.next().is_none());
-    folder
-}
-
 /// A study that was interrupted before its last chunk, and the whole of it in `whole`.
 fn stopped() -> Scratch {
     let scratch = Scratch::with(study("seed: 5\n"));
     scratch.well("run a.yaml --out whole --chunk 50");
     // As after a kill: finished chunks, their list, the initial manifest.
     scratch.well("run a.yaml --out out --chunk 50 --threads 1");
-    let folder = chunks(&scratch, "out");
+    let folder = scratch.chunks("out");
     let list = fs::read_to_string(folder.join("manifest.jsonl")).unwrap();
     let lines: Vec<&str> = list.lines().collect();
     assert_eq!(lines.len(), 12);
@@ -57,9 +47,8 @@ fn finished_runs_are_not_computed_again() {
         "run a.yaml --out out",
     ] {
         let scratch = stopped();
-        let ended = scratch.ended(command, 0);
         let said = ["continuing this study", "400 finished earlier, 200 computed"];
-        assert_has(&ended.err, &said);
+        scratch.tells(command, 0, &said);
         assert_eq!(scratch.data("out"), scratch.data("whole"), "{command}");
         assert_eq!(scratch.manifest("out")["runs_kept"], 400);
         let again = scratch.stickslip(command);
@@ -127,10 +116,9 @@ fn what_is_damaged_is_named_and_computed_again() {
     ];
     for (said, change) in changes {
         let scratch = stopped();
-        let folder = chunks(&scratch, "out");
+        let folder = scratch.chunks("out");
         change(&folder);
-        let ended = scratch.ended("resume out --threads 2", 0);
-        assert_has(&ended.err, &[said, "computed again"]);
+        scratch.tells("resume out --threads 2", 0, &[said, "computed again"]);
         assert_eq!(scratch.data("out"), scratch.data("whole"), "{said}");
         let kept = scratch.manifest("out")["runs_kept"].as_u64().unwrap();
         assert!((300..400).contains(&kept), "{said}: {kept}");
@@ -147,7 +135,7 @@ fn what_is_damaged_is_named_and_computed_again() {
 #[test]
 fn a_chunk_without_its_name_is_found() {
     let scratch = stopped();
-    let folder = chunks(&scratch, "out");
+    let folder = scratch.chunks("out");
     fs::rename(folder.join("000007.chunk"), folder.join("000007.chunk.partial")).unwrap();
     let ended = scratch.stickslip("resume out");
     assert_has(&ended.err, &["400 finished earlier, 200 computed"]);
@@ -161,7 +149,7 @@ fn a_run_of_another_case_is_not_taken() {
     let scratch = stopped();
     scratch.write("b.yaml", study("seed: 6\n"));
     scratch.well("run b.yaml --out other --chunk 50 --threads 1");
-    let [ours, other] = ["out", "other"].map(|directory| chunks(&scratch, directory));
+    let [ours, other] = ["out", "other"].map(|directory| scratch.chunks(directory));
     // The other study's runs with our study's hash in front.
     let mut bytes = fs::read(other.join("000000.chunk")).unwrap();
     let own = fs::read(ours.join("000000.chunk")).unwrap();
@@ -175,15 +163,14 @@ fn a_run_of_another_case_is_not_taken() {
     entry["sha256"] = digest.iter().map(|byte| format!("{byte:02x}")).collect::<String>().into();
     lines[0] = entry.to_string();
     fs::write(ours.join("manifest.jsonl"), lines.join("\n") + "\n").unwrap();
-    let ended = scratch.ended("resume out", 0);
-    assert_has(&ended.err, &["350 finished earlier, 250 computed"]);
+    scratch.tells("resume out", 0, &["350 finished earlier, 250 computed"]);
     assert_eq!(scratch.data("out"), scratch.data("whole"));
 }
 
 #[test]
 fn what_cannot_be_resumed_is_refused() {
     let scratch = stopped();
-    let manifest = fs::read_to_string(scratch.path("out/manifest.json")).unwrap();
+    let manifest = scratch.text("out/manifest.json");
     scratch.write("out/manifest.json", &manifest[..200]);
     scratch.refused("resume out", &["manifest.json", "damaged", "allowed: "]);
     let damaged = ["out: manifest.json is damaged", "allowed: ", "remove manifest.json"];
@@ -207,20 +194,17 @@ fn changed_tables_are_made_again() {
     let scratch = Scratch::ran(study("seed: 5\n"));
     let before = scratch.data("out");
     scratch.write("out/runs.parquet", &before[0][..100]);
-    let ended = scratch.ended("run a.yaml --out out", 0);
-    assert_has(
-        &ended.err,
-        &["changed since", "runs.parquet of 100 bytes", "earlier/1", " 0 computed"],
-    );
+    let said = ["changed since", "runs.parquet of 100 bytes", "earlier/1", " 0 computed"];
+    scratch.tells("run a.yaml --out out", 0, &said);
     assert_eq!(scratch.data("out"), before);
-    assert_eq!(fs::read(scratch.path("out/earlier/1/runs.parquet")).unwrap(), before[0][..100]);
+    assert_eq!(scratch.bytes("out/earlier/1/runs.parquet"), before[0][..100]);
 }
 
 /// Runs of another version of the model are not mixed with those of this one.
 #[test]
 fn runs_of_another_version_are_not_used() {
     let scratch = stopped();
-    let folder = chunks(&scratch, "out");
+    let folder = scratch.chunks("out");
     let list = folder.join("manifest.jsonl");
     for path in [list.clone(), scratch.path("out/manifest.json")] {
         fs::write(&path, of_older_model(&fs::read_to_string(&path).unwrap())).unwrap();

@@ -7,10 +7,9 @@ use std::process::Stdio;
 use super::support::{AT_ONCE, Scratch, study_text};
 
 fn scratch() -> Scratch {
-    let scratch = Scratch::new();
     let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0]}}]\n\
                 uncertain: {ball_mass_kg: {normal: {mean: 1.4e-4, std_dev: 1.4e-4}}}\n";
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 50}}", AT_ONCE, rest));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 50}}", AT_ONCE, rest));
     let expect = "expect: [{point: {}, undecided_fraction: [0.5, 1.0]}]\n";
     scratch.write("b.yaml", study_text("b", "{monte_carlo: {samples: 5}}", AT_ONCE, expect));
     scratch

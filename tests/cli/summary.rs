@@ -11,7 +11,9 @@ use parquet::file::properties::WriterProperties;
 use serde_json::{Value, json};
 use stickslip::engine::Lock;
 
-use super::support::{AT_ONCE, Scratch, assert_has, counts, numbers, study_text, words};
+use super::support::{
+    AT_ONCE, Scratch, assert_has, counts, json_lines, numbers, study_text, words,
+};
 
 /// Three points with text parameters, an audit and failures.
 pub const REST: &str = "sweep: [{zip: {speed_rad_s: [-160.0, -200.0, -216.3772], \
@@ -72,9 +74,7 @@ fn a_complete_study_that_is_run_again_shows_its_points() {
     assert_eq!((again.code, &again.out), (Some(3), &printed));
     assert_has(&again.err, &["out already holds all 60 runs of this study: nothing to do"]);
     assert_eq!(scratch.stickslip("resume out").out, printed);
-    let report = |arguments: &str| -> Value {
-        serde_json::from_str(&scratch.stickslip(arguments).out).unwrap()
-    };
+    let report = |arguments: &str| -> Value { scratch.stickslip(arguments).json() };
     let fresh = report("run a.yaml --out other --json");
     let again = report("run a.yaml --out other --json");
     let keys = ["study", "out", "runs_planned", "runs_finished", "interrupted"];
@@ -115,8 +115,7 @@ fn residual_vibration_comes_first() {
         (more, _) => format!("At {more} of 3 points most runs vibrate more than "),
     };
     assert_has(&printed, &[said]);
-    let json: Value =
-        serde_json::from_str(&scratch.stickslip("run a.yaml --out out --json").out).unwrap();
+    let json: Value = scratch.stickslip("run a.yaml --out out --json").json();
     let failed: u64 = counts(&points, "failed_runs").iter().sum();
     assert_eq!(json["failures"], json!({"invalid_parameters": failed}));
     for (point, worse) in worse.iter().enumerate() {
@@ -128,14 +127,13 @@ fn residual_vibration_comes_first() {
 /// Blocks have no equilibrium set, and a required precision is reported each time.
 #[test]
 fn other_models_and_a_precision() {
-    let scratch = Scratch::new();
     let rest = "model: {kind: block_on_spring, parameters: {mass_kg: 1, stiffness_n_m: 100, \
                 normal_force_n: 10, friction_coefficient: 0.1}}\n\
                 sweep: [{grid: {stiffness_n_m: [50, 100]}}]\n\
                 precision: {equilibrium_fraction: 0.1, max_runs: 64}\n";
     let text = study(16, 10.0, rest)
         .replace("initial_conditions: {", "initial_conditions: {box: {position_m: [-0.1, 0.1]}, ");
-    scratch.write("a.yaml", text);
+    let scratch = Scratch::with(text);
     let ended = scratch.ended("run a.yaml --out out", 0);
     let again = scratch.stickslip("run a.yaml --out out");
     assert_eq!(again.out, ended.out);
@@ -198,10 +196,9 @@ fn csv_and_json_hold_every_column_to_the_last_digit() {
 
 #[test]
 fn as_many_points_as_are_asked_for() {
-    let scratch = Scratch::new();
     let speeds: Vec<String> = (0..45).map(|n| format!("-{}.0", 160 + n)).collect();
     let sweep = format!("sweep: [{{grid: {{speed_rad_s: [{}]}}}}]\n", speeds.join(", "));
-    scratch.write("a.yaml", study(1, AT_ONCE, &sweep));
+    let scratch = Scratch::with(study(1, AT_ONCE, &sweep));
     let printed = scratch.well("run a.yaml --out out");
     let (_, sentence) = printed.split_once("\n... and 5 more points in points.parquet\n").unwrap();
     assert!(sentence.starts_with("At ") && sentence.contains(" 45 points "), "{sentence}");
@@ -249,7 +246,7 @@ fn interrupted_results_say_what_is_missing() {
     assert_eq!((&document["complete"], &document["points"]), (&json!(false), &json!([])));
     // A part of a study is labelled as such.
     scratch.stickslip("run a.yaml --out part --shard 2/3 -q");
-    assert_has(&scratch.well("summary part"), &["seed 5, shard 2/3, all 20 runs finished"]);
+    scratch.prints("summary part", &["seed 5, shard 2/3, all 20 runs finished"]);
     // A part without any runs.
     scratch.write("b.yaml", study(1, AT_ONCE, ""));
     let titles = ["1/2", "2/2"].map(|shard| {
@@ -277,8 +274,8 @@ fn a_study_whose_runs_have_all_failed() {
         None
     });
     let ended = ended.unwrap();
-    let text = scratch.well("summary out");
-    assert_has(&text, &["all 2 runs finished, 2 failed (", "invalid_parameters)", "  0/2  "]);
+    let said = ["all 2 runs finished, 2 failed (", "invalid_parameters)", "  0/2  "];
+    let text = scratch.prints("summary out", &said);
     assert!(text.ends_with(&ended.out));
 }
 
@@ -307,8 +304,7 @@ fn a_killed_study_is_summarised() {
     assert!(ended.out.ends_with(&printed), "{}", ended.out);
     assert_eq!(scratch.files(), before);
     fs::remove_dir_all(scratch.path("out/chunks")).unwrap();
-    let ended = scratch.well("summary out");
-    assert_has(&ended, &["0 of 60 runs finished", "points 0 to 2 are incomplete"]);
+    scratch.prints("summary out", &["0 of 60 runs finished", "points 0 to 2 are incomplete"]);
     // What the command says is true.
     assert_eq!(scratch.stickslip("resume out").code, Some(3));
     assert!(scratch.well("summary out").ends_with(&printed));
@@ -317,18 +313,12 @@ fn a_killed_study_is_summarised() {
 /// While another process holds the lock and writes a line of the list, the finished chunks are summarised.
 #[test]
 fn a_running_study_is_summarised() {
-    let scratch = Scratch::new();
     let sweep = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0, -216.0]}}]\n";
-    scratch.write("a.yaml", study(700, AT_ONCE, sweep));
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(study(700, AT_ONCE, sweep));
     kill(&scratch);
     // The list up to the first chunk, and the beginning of another line.
-    let folder =
-        fs::read_dir(scratch.path("out/chunks")).unwrap().map(|entry| entry.unwrap().path());
-    let list = folder.filter(|path| path.is_dir()).last().unwrap().join("manifest.jsonl");
-    let lines = fs::read_to_string(&list).unwrap();
-    let entries: Vec<Value> =
-        lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let list = scratch.chunks("out").join("manifest.jsonl");
+    let entries = json_lines(&fs::read_to_string(&list).expect("a list"));
     let kept: Vec<&Value> =
         entries.iter().filter(|entry| entry["last_run"].as_u64().unwrap() < 1024).collect();
     let runs: u64 = kept.iter().map(|entry| entry["runs"].as_u64().unwrap()).sum();
@@ -351,7 +341,7 @@ fn a_running_study_is_summarised() {
     let more = "... and 1 more point with finished runs; `--points all` prints them";
     assert!(first.contains(more) && !first.contains("parquet"), "{first}");
     scratch.well("report out --out a.html");
-    let page = fs::read_to_string(scratch.path("a.html")).unwrap();
+    let page = scratch.text("a.html");
     assert!(!page.contains(" threads, in"), "a killed study does not know its threads");
     assert_has(&page, &["1076 of 2100 runs are missing (51.2 %); points 1 and 2 are incomplete"]);
     fs::remove_file(scratch.path("a.html")).unwrap();
@@ -390,7 +380,7 @@ fn tables_that_are_not_as_they_should_be_are_refused() {
     rewrite(&scratch, "points", |batch| without(batch, "ci_low"));
     let said = ["points.parquet: column ci_low: there is no such column", "columns ", "of numbers"];
     scratch.refused("summary out", &said);
-    let bytes = fs::read(scratch.path("out/points.parquet")).unwrap();
+    let bytes = scratch.bytes("out/points.parquet");
     scratch.write("out/points.parquet", &bytes[1..]);
     scratch.refused("summary out", &["points.parquet: this is not the file that was written"]);
     fs::remove_file(scratch.path("out/points.parquet")).unwrap();

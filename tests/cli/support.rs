@@ -3,17 +3,21 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use std::fs::{self, File};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::thread;
 
 use arrow::array::{ArrayRef, AsArray, RecordBatch};
 use arrow::compute::concat_batches;
 use arrow::datatypes::{DataType, Float64Type, Int32Type, UInt64Type};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use stickslip::classification::MODEL_VERSION;
-use stickslip::study::Study;
 use stickslip::table::FileEntry;
 use tempfile::TempDir;
+
+use crate::support::rows;
+pub use crate::support::{assert_has, parse};
 
 /// The data files of an output directory; their bytes depend only on the study.
 pub const DATA_FILES: [&str; 7] = [
@@ -93,7 +97,7 @@ impl Scratch {
     /// Runs the program, which must succeed and print JSON.
     #[track_caller]
     pub fn json(&self, arguments: &str) -> serde_json::Value {
-        serde_json::from_str(&self.well(arguments)).expect("JSON")
+        self.ended(arguments, 0).json()
     }
 
     /// Runs the program, which must end with this exit code.
@@ -115,6 +119,53 @@ impl Scratch {
             assert!(ended.err.contains(part), "{arguments}: no {part:?} in\n{}", ended.err);
         }
         assert_eq!(self.files(), before, "{arguments} has changed files");
+    }
+
+    /// Runs the program, with this input, to its end.
+    pub fn fed(&self, arguments: &str, input: impl Into<Vec<u8>>) -> Ended {
+        let mut child = self.command(arguments).stdin(Stdio::piped()).spawn().expect("it starts");
+        let (mut stdin, input) = (child.stdin.take().expect("a pipe"), input.into());
+        // Written by another thread, because the pipe may fill before answers are read.
+        let writer = thread::spawn(move || stdin.write_all(&input).expect("it reads its input"));
+        let ended = Ended::of(child.wait_with_output().expect("it ends"));
+        writer.join().expect("all input is written");
+        ended
+    }
+
+    /// Checks that a command refuses each row of a table of arguments, and mentions the other fields of the row.
+    #[track_caller]
+    pub fn refuses(&self, command: &str, table: &str) {
+        for row in rows(table) {
+            self.refused(&format!("{command} {}", row[0]), &row[1..]);
+        }
+    }
+
+    /// Runs the program, which must end with this exit code and mention all of `parts` on standard error.
+    #[track_caller]
+    pub fn tells(&self, arguments: &str, code: i32, parts: &[impl Display]) -> Ended {
+        let ended = self.ended(arguments, code);
+        assert_has(&ended.err, parts);
+        ended
+    }
+
+    /// Runs the program, which must succeed and print all of `parts`, and returns its standard output.
+    #[track_caller]
+    pub fn prints(&self, arguments: &str, parts: &[impl Display]) -> String {
+        let text = self.well(arguments);
+        assert_has(&text, parts);
+        text
+    }
+
+    /// Returns the text of a file.
+    #[track_caller]
+    pub fn text(&self, name: &str) -> String {
+        String::from_utf8(self.bytes(name)).expect("UTF-8")
+    }
+
+    /// Returns the content of a file.
+    #[track_caller]
+    pub fn bytes(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
     /// Returns every file below this directory with its content.
@@ -143,9 +194,9 @@ impl Scratch {
     }
 
     /// Returns the manifest of an output directory.
+    #[track_caller]
     pub fn manifest(&self, directory: &str) -> serde_json::Value {
-        let text = fs::read_to_string(self.path(directory).join("manifest.json")).unwrap();
-        serde_json::from_str(&text).unwrap()
+        serde_json::from_str(&self.text(&format!("{directory}/manifest.json"))).expect("JSON")
     }
 
     /// Updates the entry of a file in the manifest to its current content.
@@ -157,17 +208,39 @@ impl Scratch {
         self.write(&format!("{directory}/manifest.json"), manifest.to_string());
     }
 
+    /// Returns the folder of finished chunks in an output directory, which must be unique.
+    #[track_caller]
+    pub fn chunks(&self, directory: &str) -> PathBuf {
+        let entries = fs::read_dir(self.path(directory).join("chunks")).expect("a folder");
+        let paths = entries.map(|entry| entry.expect("an entry").path());
+        let folders: Vec<PathBuf> = paths.filter(|path| path.is_dir()).collect();
+        let [folder] = &folders[..] else { panic!("one folder: {folders:?}") };
+        folder.clone()
+    }
+
     /// Returns the data files of an output directory.
     pub fn data(&self, directory: &str) -> Vec<Vec<u8>> {
-        DATA_FILES.map(|name| fs::read(self.path(directory).join(name)).unwrap()).to_vec()
+        DATA_FILES.map(|name| self.bytes(&format!("{directory}/{name}"))).to_vec()
     }
 }
 
 impl Ended {
+    /// Returns the standard output, which must be JSON.
+    #[track_caller]
+    pub fn json(&self) -> serde_json::Value {
+        serde_json::from_str(&self.out).expect("JSON")
+    }
+
     pub fn of(output: Output) -> Self {
         let text = |bytes| String::from_utf8(bytes).unwrap();
         Ended { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
     }
+}
+
+/// Parses each line of a text as JSON.
+#[track_caller]
+pub fn json_lines(text: &str) -> Vec<serde_json::Value> {
+    text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
 }
 
 /// Returns provenance text of an older version of the model.
@@ -184,11 +257,6 @@ pub fn study_text(name: &str, design: &str, end_time_s: f64, rest: &str) -> Stri
         "schema: 1\nname: {name}\nseed: 5\n{model}initial_conditions: {{design: {design}}}\n\
          simulation: {{end_time_s: {end_time_s:e}}}\n{rest}"
     )
-}
-
-/// Parses a study.
-pub fn parse(text: &str) -> Study {
-    Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Returns a table as one batch, from a Parquet file or a directory of its parts.
@@ -271,12 +339,4 @@ pub fn rows_by_key(
             (key, row(table, index, without))
         })
         .collect()
-}
-
-/// Asserts that a text contains every part.
-#[track_caller]
-pub fn assert_has(text: &str, parts: &[impl Display]) {
-    for part in parts {
-        assert!(text.contains(&part.to_string()), "no {part} in\n{text}");
-    }
 }

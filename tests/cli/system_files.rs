@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::support::{Scratch, assert_has, counts, numbers, words};
+use super::support::{Scratch, counts, numbers, words};
 use crate::support::TwoBlocks;
 
 const STUDIES: [(&str, &str, &str); 3] = [
@@ -97,7 +97,7 @@ fn columns_have_the_names_of_the_file() {
 #[test]
 fn responses_measure_outputs() {
     let scratch = studies();
-    let text = std::fs::read_to_string(scratch.path("woodpecker.yaml")).expect("a study");
+    let text = scratch.text("woodpecker.yaml");
     let with = |of: &str| {
         format!(
             "{text}\nresponses:\n  most: {{amplitude_worst: {{of: {of}}}}}\n  half: {{amplitude_mean: {{of: phi_bird_rad}}}}\n"
@@ -122,9 +122,8 @@ fn responses_measure_outputs() {
 #[test]
 fn check_prints_the_equations() {
     let scratch = studies();
-    let printed = scratch.well("check woodpecker.yaml");
-    assert_has(
-        &printed,
+    scratch.prints(
+        "check woodpecker.yaml",
         &[
             "woodpecker with 3 contacts, coulomb friction",
             "system (woodpecker)",
@@ -144,7 +143,7 @@ fn changed_equations_are_noticed() {
     let scratch = studies();
     scratch.well("run block-chain.yaml --out a");
     let file = "systems/block_chain.yaml";
-    let text = std::fs::read_to_string(scratch.path(file)).expect("a system");
+    let text = scratch.text(file);
     scratch.write(
         file,
         text.replace("-leaf_stiffness * x[block]", "-1.5 * leaf_stiffness * x[block]"),
@@ -161,21 +160,27 @@ fn changed_equations_are_noticed() {
 #[test]
 fn places_of_system_files_are_limited() {
     let scratch = studies();
-    let text = std::fs::read_to_string(scratch.path("block-chain.yaml")).expect("a study");
-    let with = |file: &str| text.replace("systems/block_chain.yaml", file);
-    scratch.write("missing.yaml", with("systems/chain.yaml"));
-    scratch
-        .refused("check missing.yaml", &["missing.yaml:", "`model.system`", "systems/chain.yaml"]);
-    scratch.write("outside.yaml", with("../block_chain.yaml"));
-    scratch.refused("check outside.yaml", &["the system file lies outside"]);
-    scratch.write("number.yaml", with("3"));
-    scratch.refused("check number.yaml", &["not a system", "the name of a system file"]);
+    let text = scratch.text("block-chain.yaml");
     scratch.write("systems/cut.yaml", "system: a\nforce: {x: sum(block, x[block])}\n");
-    scratch.write("cut.yaml", with("systems/cut.yaml"));
-    scratch.refused("check cut.yaml", &["systems/cut.yaml:2:", "needs quotation marks"]);
     scratch.write("systems/empty.yaml", "");
-    scratch.write("empty.yaml", with("systems/empty.yaml"));
-    scratch.refused("check empty.yaml", &["systems/empty.yaml", "the file is empty"]);
+    for (study, file) in [
+        ("missing", "systems/chain.yaml"),
+        ("outside", "../block_chain.yaml"),
+        ("number", "3"),
+        ("cut", "systems/cut.yaml"),
+        ("empty", "systems/empty.yaml"),
+    ] {
+        let text = text.replace("systems/block_chain.yaml", file);
+        scratch.write(&format!("{study}.yaml"), text);
+    }
+    scratch.refuses(
+        "check",
+        "missing.yaml ¦ missing.yaml: ¦ `model.system` ¦ systems/chain.yaml
+outside.yaml ¦ the system file lies outside
+number.yaml ¦ not a system ¦ the name of a system file
+cut.yaml ¦ systems/cut.yaml:2: ¦ needs quotation marks
+empty.yaml ¦ systems/empty.yaml ¦ the file is empty",
+    );
 }
 
 /// The template is a study of a system, and the schema accepts it.
@@ -183,17 +188,16 @@ fn places_of_system_files_are_limited() {
 fn the_template_and_the_schema_know_systems() {
     let scratch = studies();
     scratch.well("new mine.yaml --template system");
-    let printed = scratch.well("check mine.yaml");
-    assert_has(&printed, &["two_blocks with 2 contacts, stribeck friction"]);
+    scratch.prints("check mine.yaml", &["two_blocks with 2 contacts, stribeck friction"]);
     let schema = scratch.json("schema");
     let validator = jsonschema::validator_for(&schema).expect("a schema");
     for file in ["mine.yaml", "woodpecker.yaml", "block-chain.yaml"] {
-        let text = std::fs::read_to_string(scratch.path(file)).expect("a study");
+        let text = scratch.text(file);
         let study: Value = serde_saphyr::from_str(&text).expect("YAML");
         let found: Vec<String> = validator.iter_errors(&study).map(|one| one.to_string()).collect();
         assert!(found.is_empty(), "{file}: {found:?}");
     }
-    let text = std::fs::read_to_string(scratch.path("mine.yaml")).expect("a study");
+    let text = scratch.text("mine.yaml");
     let wrong: Value =
         serde_saphyr::from_str(&text.replace("contacts:", "contact:")).expect("YAML");
     assert!(!validator.is_valid(&wrong));

@@ -46,7 +46,7 @@ fn results_do_not_depend_on_the_option() {
     let scratch = scratch();
     scratch.well("run studies/a.yaml --tables tables --out one");
     fs::copy(scratch.path("tables/speeds.csv"), scratch.path("studies/speeds.csv")).unwrap();
-    let text = fs::read_to_string(scratch.path("studies/a.yaml")).unwrap();
+    let text = scratch.text("studies/a.yaml");
     scratch.write("studies/b.yaml", text.replace("../tables/", ""));
     scratch.well("run studies/b.yaml --out two");
     assert_eq!(scratch.data("one"), scratch.data("two"));
@@ -60,7 +60,7 @@ fn manifests_do_not_lead_out_of_their_directory() {
     let scratch = scratch();
     scratch.well("run studies/a.yaml --tables tables --out out");
     scratch.write("secret.parquet", "a file elsewhere");
-    let right = fs::read_to_string(scratch.path("out/manifest.json")).unwrap();
+    let right = scratch.text("out/manifest.json");
     let absolute = scratch.path("secret.parquet").display().to_string();
     for name in ["../secret.parquet", "..", ".", "", "a/../../secret.parquet", &absolute] {
         let wrong = right.replace("\"runs.parquet\"", &format!("{name:?}"));
@@ -78,8 +78,7 @@ fn special_files_in_place_of_a_manifest_are_not_read() {
     fs::create_dir(scratch.path("out")).unwrap();
     let run = "run studies/a.yaml --tables tables --out out";
     std::os::unix::fs::symlink("/dev/zero", scratch.path("out/manifest.json")).unwrap();
-    let ended = scratch.ended(run, 2);
-    assert!(ended.err.contains("not a regular file"), "{}", ended.err);
+    scratch.tells(run, 2, &["not a regular file"]);
     fs::remove_file(scratch.path("out/manifest.json")).unwrap();
     let made = std::process::Command::new("mkfifo").arg(scratch.path("out/manifest.json")).status();
     assert!(made.unwrap().success());
@@ -95,8 +94,7 @@ fn lists_of_chunks_are_not_trusted() {
     let run = "run studies/a.yaml --tables tables --out out";
     scratch.well(&format!("{run} --quiet"));
     let whole = scratch.data("out");
-    let folders = fs::read_dir(scratch.path("out/chunks")).unwrap();
-    let folder = folders.map(|entry| entry.unwrap().path()).find(|path| path.is_dir()).unwrap();
+    let folder = scratch.chunks("out");
     let line = |chunk: u64, bytes: u64| {
         format!(
             "{{\"chunk\":{chunk},\"first_run\":0,\"last_run\":3,\"runs\":4,\"bytes\":{bytes},\

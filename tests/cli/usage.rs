@@ -12,29 +12,26 @@ fn scratch() -> Scratch {
 #[test]
 fn wrong_arguments_are_refused() {
     let scratch = scratch();
-    let whole = "allowed: a whole number from 1";
-    let shard = "allowed: K/N with whole numbers 1 ≤ K ≤ N, such as 2/8";
-    for (arguments, parts) in [
-        ("run a.yaml --threads 0", ["--threads", "found \"0\"", whole]),
-        ("run a.yaml --threads x", ["--threads", "found \"x\"", whole]),
-        ("run a.yaml --threads 1000000", ["--threads", "found \"1000000\"", "1 to 1024"]),
-        ("run a.yaml --out=", ["--out", "value is required", ""]),
-        ("run a.yaml --threads -1", ["--threads", "found \"-1\"", whole]),
-        ("run a.yaml --chunk 0", ["--chunk", "found \"0\"", whole]),
-        ("run a.yaml --shard 3/2", ["--shard", "found \"3/2\"", shard]),
-        ("run a.yaml --shard 0/2", ["--shard", "found \"0/2\"", shard]),
-        ("run a.yaml --shard x", ["--shard", "found \"x\"", shard]),
-        ("verify a.yaml --threads 0", ["--threads", "found \"0\"", whole]),
-        ("expand a.yaml --shard 3/2", ["--shard", "found \"3/2\"", shard]),
-        ("run a.yaml --thread 2", ["unexpected argument '--thread'", "'--threads'", ""]),
-        ("run a.yaml b.yaml", ["unexpected argument 'b.yaml'", "", ""]),
-        ("run", ["<STUDY>", "", ""]),
-        ("rum a.yaml", ["unrecognized subcommand 'rum'", "'run'", ""]),
-        ("completions tcsh", ["invalid value 'tcsh'", "bash", "fish"]),
-        ("", ["Usage: stickslip <COMMAND>", "Examples:", "Exit codes:"]),
-    ] {
-        scratch.refused(arguments, &parts);
-    }
+    scratch.refuses(
+        "",
+        r#"run a.yaml --threads 0 ¦ --threads ¦ found "0" ¦ allowed: a whole number from 1
+run a.yaml --threads x ¦ --threads ¦ found "x" ¦ allowed: a whole number from 1
+run a.yaml --threads 1000000 ¦ --threads ¦ found "1000000" ¦ 1 to 1024
+run a.yaml --out= ¦ --out ¦ value is required
+run a.yaml --threads -1 ¦ --threads ¦ found "-1" ¦ allowed: a whole number from 1
+run a.yaml --chunk 0 ¦ --chunk ¦ found "0" ¦ allowed: a whole number from 1
+run a.yaml --shard 3/2 ¦ --shard ¦ found "3/2" ¦ allowed: K/N with whole numbers 1 ≤ K ≤ N, such as 2/8
+run a.yaml --shard 0/2 ¦ --shard ¦ found "0/2" ¦ allowed: K/N with whole numbers 1 ≤ K ≤ N, such as 2/8
+run a.yaml --shard x ¦ --shard ¦ found "x" ¦ allowed: K/N with whole numbers 1 ≤ K ≤ N, such as 2/8
+verify a.yaml --threads 0 ¦ --threads ¦ found "0" ¦ allowed: a whole number from 1
+expand a.yaml --shard 3/2 ¦ --shard ¦ found "3/2" ¦ allowed: K/N with whole numbers 1 ≤ K ≤ N, such as 2/8
+run a.yaml --thread 2 ¦ unexpected argument '--thread' ¦ '--threads'
+run a.yaml b.yaml ¦ unexpected argument 'b.yaml'
+run ¦ <STUDY>
+rum a.yaml ¦ unrecognized subcommand 'rum' ¦ 'run'
+completions tcsh ¦ invalid value 'tcsh' ¦ bash ¦ fish
+ ¦ Usage: stickslip <COMMAND> ¦ Examples: ¦ Exit codes:"#,
+    );
 }
 
 #[test]
@@ -45,15 +42,14 @@ fn studies_that_cannot_be_read() {
     scratch.write("empty.yaml", "");
     scratch.write("misspelt.yaml", study_text("a", "{monte_carlo: {smaples: 4}}", AT_ONCE, ""));
     for command in ["run", "check", "expand", "verify"] {
-        for (study, parts) in [
-            ("missing.yaml", ["missing.yaml: No such file", "", ""]),
-            ("folder.yaml", ["folder.yaml", "a directory", ""]),
-            ("latin-1.yaml", ["latin-1.yaml", "not UTF-8", "an invalid byte at position 19"]),
-            ("empty.yaml", ["empty.yaml", "empty", ""]),
-            ("misspelt.yaml", ["misspelt.yaml:5:", "smaples", "samples (did you mean this?)"]),
-        ] {
-            scratch.refused(&format!("{command} {study}"), &parts);
-        }
+        scratch.refuses(
+            command,
+            "missing.yaml ¦ missing.yaml: No such file
+folder.yaml ¦ folder.yaml ¦ a directory
+latin-1.yaml ¦ latin-1.yaml ¦ not UTF-8 ¦ an invalid byte at position 19
+empty.yaml ¦ empty.yaml ¦ empty
+misspelt.yaml ¦ misspelt.yaml:5: ¦ smaples ¦ samples (did you mean this?)",
+        );
     }
 }
 

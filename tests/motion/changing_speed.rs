@@ -14,10 +14,12 @@ use stickslip::model::{
     Balancer, Ball, BallContact, Case, Machine, Method, Model, ProfilePart, Ramp, RampShape,
     Simulation, SpeedProfile, Stage, Start, State,
 };
-use stickslip::motion::{Motion, Phase, Settings, Tolerance};
+use stickslip::motion::{Motion, Phase, Tolerance};
 
 use super::conservation::energy;
 use super::samples::GAUSS;
+use crate::support::settings;
+
 /// Parts of a step over which Gauss's rule is applied.
 const PARTS: usize = 4;
 
@@ -27,11 +29,6 @@ fn with_ramp(machine: &Machine, shape: RampShape, from: f64, to: f64, over_s: f6
     Machine { speed_rad_s: to, speed_profile: Some(profile), ..machine.clone() }
 }
 
-fn settings(relative: f64) -> Settings {
-    let tolerance = Tolerance { relative, absolute: 1e-2 * relative };
-    Settings { method: Method::Event, band: 1e-8, tolerance, effort_limit: 10_000_000 }
-}
-
 /// Returns the first stage of a machine with a ramp, and its motion.
 fn first_stage(machine: &Machine, start: &Start, end_time_s: f64) -> (Stage, Motion) {
     let model = Model::from(machine.clone());
@@ -39,7 +36,8 @@ fn first_stage(machine: &Machine, start: &Start, end_time_s: f64) -> (Stage, Mot
     let stage = stages[0].clone();
     let state = model.start_state(start).expect("a state");
     let (state, _) = stage.entered(None, &state);
-    let motion = Motion::new(&stage.system, settings(1e-12), &state).expect("starts");
+    let motion =
+        Motion::new(&stage.system, settings(Method::Event, 1e-12), &state).expect("starts");
     (stage, motion)
 }
 

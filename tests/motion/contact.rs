@@ -6,15 +6,10 @@ use std::sync::Arc;
 use stickslip::model::{
     Ball, BallContact, BallsInContact, Components, Dual, Machine, Method, Model, Start, System,
 };
-use stickslip::motion::{Evaluator, ImpactPlace, Motion, Phase, Settings, Tolerance};
+use stickslip::motion::{Evaluator, ImpactPlace, Motion, Phase, Settings};
 
 use super::samples::Sampler;
-use crate::support::rest_margin;
-
-pub(super) fn settings(method: Method, relative: f64) -> Settings {
-    let tolerance = Tolerance { relative, absolute: 1e-2 * relative };
-    Settings { method, band: 1e-8, tolerance, effort_limit: 10_000_000 }
-}
+use crate::support::{go_on, rest_margin, settings};
 
 fn touching(machine: &Machine, restitution: f64, friction_coefficient: f64) -> Machine {
     Machine { contact: Some(BallContact { restitution, friction_coefficient }), ..machine.clone() }
@@ -81,9 +76,7 @@ fn running_pairs_stay_in_touch_at_the_known_speeds() {
         let start = Start::of_balancer([0.0; 2], &beta, [0.0; 2], &[running; 2]);
         let mut motion = started(&machine, &start, settings(Method::Switch, 1e-8));
         let marks = [30.0, 40.0].map(|time| {
-            while motion.time() < time * natural {
-                motion.advance(time * natural).expect("continues");
-            }
+            go_on(&mut motion, time * natural);
             (motion.time(), motion.unwrapped())
         });
         assert_eq!(motion.phases()[2..], [Phase::Closed, Phase::Open]);
@@ -334,9 +327,7 @@ fn results_converge_as_the_threshold_of_lasting_contact_vanishes() {
             let system: Arc<dyn System> = Arc::new(system);
             let mut motion =
                 Motion::new(&system, settings(Method::Switch, 1e-10), &state).expect("starts");
-            while motion.time() < 600.0 {
-                motion.advance(600.0).expect("continues");
-            }
+            go_on(&mut motion, 600.0);
             motion.state()
         });
         runs.collect()
@@ -373,9 +364,7 @@ fn exchanged_and_mirrored_motions() {
         let mut other = started(&machine, &exchanged, settings);
         let mut image = started(&back, &mirrored, settings);
         for motion in [&mut one, &mut other, &mut image] {
-            while motion.time() < 25.0 {
-                motion.advance(25.0).expect("continues");
-            }
+            go_on(motion, 25.0);
         }
         let (one, other, image) = (one.unwrapped(), other.unwrapped(), image.unwrapped());
         for ball in 0..2 {

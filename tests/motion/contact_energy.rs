@@ -12,6 +12,7 @@ use stickslip::model::{Balancer, Ball, BallContact, Machine, Method, Model, Star
 use stickslip::motion::{Motion, Phase, Settings, Tolerance};
 
 use super::samples::GAUSS;
+use crate::support::settings;
 
 /// Parts of a step over which Gauss's rule is applied.
 const PARTS: usize = 4;
@@ -56,8 +57,7 @@ fn follow<const N: usize>(machine: &Machine, start: &Start, end: f64) -> [f64; 3
     let model = Model::from(machine.clone());
     let system = model.system_for(start).expect("a system");
     let tolerance = Tolerance { relative: 1e-12, absolute: 1e-15 };
-    let settings =
-        Settings { method: Method::Event, band: 1e-8, tolerance, effort_limit: 10_000_000 };
+    let settings = Settings { tolerance, ..settings(Method::Event, 1e-12) };
     let mut motion = Motion::new(&system, settings, &model.start_state(start).expect("a state"))
         .expect("starts");
     let (mut work, mut in_touch) = (0.0, [0.0; 3]);
@@ -110,15 +110,16 @@ fn work_accounts_for_the_energy_of_balls_in_contact() {
     let two = vec![heavy(20.0, 3e-3), heavy(10.0, 2e-3)];
     let three = vec![heavy(8.0, 3e-3), heavy(10.0, 2.5e-3), heavy(12.0, 3e-3)];
     for (speed, friction) in [(-216.3772, 0.1), (-247.3, 0.0), (-173.1803, 0.2)] {
-        let start = Start::of_balancer([0.01, 0.02], &[1.0, 1.35], [0.0; 2], &[0.5, 0.3]);
-        let [dampers, ring, between] =
-            follow::<2>(&machine(speed, two.clone(), friction), &start, 300.0);
-        assert!(dampers.abs() > 1e-6 && ring < -1e-6, "{dampers:e} {ring:e}");
-        assert!(if friction == 0.0 { between == 0.0 } else { between < -1e-6 }, "{between:e}");
-        let start = Start::of_balancer([0.01, 0.02], &[1.0, 1.4, 2.0], [0.0; 2], &[0.5, 0.3, -0.4]);
-        let [dampers, ring, between] =
-            follow::<3>(&machine(speed, three.clone(), friction), &start, 300.0);
-        assert!(dampers.abs() > 1e-6 && ring < -1e-6, "{dampers:e} {ring:e}");
-        assert!(if friction == 0.0 { between == 0.0 } else { between < -1e-6 }, "{between:e}");
+        let start = |beta: &[f64], beta_dot: &[f64]| {
+            Start::of_balancer([0.01, 0.02], beta, [0.0; 2], beta_dot)
+        };
+        let [two, three] = [&two, &three].map(|balls| machine(speed, balls.clone(), friction));
+        for [dampers, ring, between] in [
+            follow::<2>(&two, &start(&[1.0, 1.35], &[0.5, 0.3]), 300.0),
+            follow::<3>(&three, &start(&[1.0, 1.4, 2.0], &[0.5, 0.3, -0.4]), 300.0),
+        ] {
+            assert!(dampers.abs() > 1e-6 && ring < -1e-6, "{dampers:e} {ring:e}");
+            assert!(if friction == 0.0 { between == 0.0 } else { between < -1e-6 }, "{between:e}");
+        }
     }
 }

@@ -2,22 +2,17 @@
 
 use std::sync::Arc;
 
-use stickslip::model::{Balancer, Machine, Method, Simulation, Start, State, System};
+use stickslip::model::{Method, Simulation, Start, State, System};
 use stickslip::motion::{Motion, Settings};
 
-use crate::support::{for_each_kernel, start_of, started};
-
-const METHODS: [Method; 2] = [Method::Event, Method::Switch];
+use super::samples::two_balls;
+use crate::support::{METHODS, for_each_kernel, go_on, start_of, started};
 
 fn motion(system: &Arc<dyn System>, method: Method) -> Motion {
     let simulation = Simulation { method, ..Simulation::default() };
     let start = Start::of_balancer([0.01, 0.0], &[1.0, 4.0], [0.0, 0.02], &[0.5, -0.3]);
     let state: State<2> = start_of(&start);
     started(system, Settings::new(&simulation, u64::MAX), &state)
-}
-
-fn balancer() -> Balancer<2> {
-    Balancer::new(&Machine::default()).expect("two balls")
 }
 
 /// Returns the largest difference of two states, angles modulo 2π.
@@ -48,8 +43,8 @@ fn all_of(motion: &Motion) -> String {
 #[test]
 fn steps_that_reach_no_end_do_not_depend_on_it() {
     // The longest step of either kernel.
-    let longest = 5.0 / std::f64::consts::FRAC_PI_2 * balancer().longest_step();
-    for system in for_each_kernel(balancer()) {
+    let longest = 5.0 / std::f64::consts::FRAC_PI_2 * two_balls(-216.3772).longest_step();
+    for system in for_each_kernel(two_balls(-216.3772)) {
         for method in METHODS {
             for index in 1..60 {
                 let until = 0.37 * f64::from(index);
@@ -59,9 +54,7 @@ fn steps_that_reach_no_end_do_not_depend_on_it() {
                     assert_eq!(all_of(&cut), all_of(&free));
                 }
                 assert!(cut.time() < until);
-                while cut.time() < until {
-                    cut.advance(until).expect("continues");
-                }
+                go_on(&mut cut, until);
                 assert_eq!(cut.time(), until);
             }
         }
@@ -72,7 +65,7 @@ fn steps_that_reach_no_end_do_not_depend_on_it() {
 /// outside of the step.
 #[test]
 fn states_within_a_step_are_those_of_a_stopped_motion() {
-    for system in for_each_kernel(balancer()) {
+    for system in for_each_kernel(two_balls(-216.3772)) {
         for method in METHODS {
             let mut steps = motion(&system, method);
             let mut taken = 0;
@@ -87,9 +80,7 @@ fn states_within_a_step_are_those_of_a_stopped_motion() {
                     let mut stops = motion(&system, method);
                     (0..taken).for_each(|_| _ = stops.advance(f64::MAX));
                     assert_eq!(stops.time(), before);
-                    while stops.time() < time {
-                        stops.advance(time).expect("continues");
-                    }
+                    go_on(&mut stops, time);
                     let difference = largest_difference(&found, &stops.state());
                     assert!(difference < 1e-7, "{time}: {difference}");
                 }

@@ -6,14 +6,9 @@ use stickslip::classification::simulate;
 use stickslip::model::{Balancer, Case, Contact, Machine, Method, Simulation, State};
 use stickslip::motion::{Direction, Phase, Settings};
 
-use super::samples::{Sampler, difference, go_on, moved, settings};
+use super::samples::{Sampler, difference, moved, settings, two_balls};
 use crate::support::reference::stick_reserve;
-use crate::support::{for_each_kernel, rest_margin, shipped_study, started, state_of};
-
-fn two_balls(speed_rad_s: f64) -> Balancer<2> {
-    let machine = Machine { speed_rad_s, ..Machine::default() };
-    Balancer::new(&machine).expect("two balls")
-}
+use crate::support::{for_each_kernel, go_on, rest_margin, shipped_study, started, state_of};
 
 fn tight() -> Settings {
     settings(Method::Event, 1e-12)

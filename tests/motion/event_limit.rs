@@ -5,8 +5,8 @@ use std::sync::Arc;
 use stickslip::model::{Balancer, Method, State, System};
 use stickslip::motion::{Failure, Motion, Settings};
 
-use super::samples::{Sampler, difference, go_on, moved, settings};
-use crate::support::{for_each_kernel, started};
+use super::samples::{Sampler, difference, moved, settings};
+use crate::support::{for_each_kernel, go_on, started};
 
 /// Follows a motion until a time, unless a ball leaves the ring; any other failure fails the test.
 fn follow<const N: usize>(

@@ -1,21 +1,17 @@
 //! The accuracy of the exact motion's event times, for any steps around them.
 
-use stickslip::model::{Balancer, Contact, Machine, Method, State};
+use stickslip::model::{Balancer, Contact, Method, State};
 use stickslip::motion::{Direction, Phase, fall_through_zero};
 
-use super::samples::{Sampler, difference, go_on, moved, settings, stuck_table};
+use super::samples::{Sampler, difference, moved, settings, stuck_table, two_balls};
 use crate::support::reference::{contacts, step, stick_reserve};
-use crate::support::{for_each_kernel, started, state_of};
+use crate::support::{for_each_kernel, go_on, started, state_of};
 
 /// With the finest tolerance, an event is located where its condition has failed by this.
 const HALF_WIDTH: f64 = 5e-13;
 
 fn tight() -> stickslip::motion::Settings {
     settings(Method::Event, 1e-13)
-}
-
-fn two_balls(speed_rad_s: f64) -> Balancer<2> {
-    Balancer::new(&Machine { speed_rad_s, ..Machine::default() }).expect("two balls")
 }
 
 /// The break-away of the first ball from rest is located at the time of the closed form of the

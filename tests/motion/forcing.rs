@@ -4,11 +4,12 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use stickslip::model::{
-    ContactEquations, ContactLayout, Expression, ForcingLayout, Friction, Method, Number, Recorder,
+    ContactEquations, ContactLayout, Expression, ForcingLayout, Friction, Number, Recorder,
     StateLayout, System, SystemEquations,
 };
-use stickslip::motion::{Direction, Motion, Phase, Settings, Tolerance};
+use stickslip::motion::{Direction, Motion, Phase};
 
+use super::samples::EXACT;
 use crate::support::{OwnSystem, shared};
 
 const FRICTION: f64 = 0.5;
@@ -34,8 +35,8 @@ fn shaken_block(recorder: &Recorder) -> SystemEquations<'_> {
         layout: StateLayout {
             contacts: vec![ContactLayout { position: 1, angular: false }],
             velocities: vec![vec![2]],
-            vibration: None,
             forcing: Some(ForcingLayout { component: 0, period: TAU }),
+            ..StateLayout::default()
         },
         ..SystemEquations::default()
     }
@@ -51,12 +52,6 @@ fn a_shaken_block_slides_as_in_closed_form() {
         vec![force, frequency],
         vec![Friction::coulomb(FRICTION)],
     ));
-    let settings = Settings {
-        method: Method::Event,
-        band: 0.0,
-        tolerance: Tolerance { relative: 1e-13, absolute: 1e-14 },
-        effort_limit: 1_000_000,
-    };
     let loose = (FRICTION / force).asin();
     let speed =
         |phase: f64| (force * (loose.cos() - phase.cos()) - FRICTION * (phase - loose)) / frequency;
@@ -68,7 +63,7 @@ fn a_shaken_block_slides_as_in_closed_form() {
     let slid = from - loose;
     let moved =
         force * (slid * loose.cos() - from.sin() + loose.sin()) - FRICTION * slid * slid / 2.0;
-    let mut motion = Motion::new(&system, settings, &[0.0, 0.0, 0.0]).expect("starts");
+    let mut motion = Motion::new(&system, EXACT, &[0.0, 0.0, 0.0]).expect("starts");
     for (phase, position, is_next) in [
         (loose, 0.0, Phase::Slip(Direction::Forward)),
         (from, moved / frequency.powi(2), Phase::Stick),

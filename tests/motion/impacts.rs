@@ -6,8 +6,8 @@ use std::sync::Arc;
 use stickslip::model::{Ball, BallContact, Components, Machine, Method, Model, Start, System};
 use stickslip::motion::{Failure, Motion, Phase};
 
-use super::contact::settings;
 use super::samples::{Sampler, compare_displacements};
+use crate::support::settings;
 
 /// Returns a machine of balls with these masses and diameters, over those of the default.
 fn machine(contact: BallContact, balls: &[[f64; 2]]) -> Machine {

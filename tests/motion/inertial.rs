@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use stickslip::model::{Balancer, Machine, Method, NormalForce, State};
 use stickslip::motion::{Direction, Evaluator, Motion, Phase};
 
-use super::samples::{Sampler, difference, go_on, settings, stuck_table};
-use crate::support::{for_each_kernel, reference, shared, started};
+use super::samples::{Sampler, difference, settings, stuck_table};
+use crate::support::{for_each_kernel, go_on, reference, shared, started};
 
 /// Position and velocity of the ring's centre, angle and rate of each ball, in inertial space, and
 /// the direction of the imbalance.

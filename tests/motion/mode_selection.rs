@@ -12,7 +12,7 @@ use stickslip::motion::{
 };
 
 use crate::support::reference::{self, stick_reserve};
-use crate::support::{OwnSystem, for_each_kernel, shared, shipped_study, started, state_of};
+use crate::support::{OwnSystem, for_each_kernel, go_on, shared, shipped_study, started, state_of};
 
 fn balancer<const N: usize>(friction: f64, heavier: f64) -> Balancer<N> {
     let mut machine = Machine::default();
@@ -87,10 +87,8 @@ fn starts_on_the_edge_of_the_band_are_decided() {
         };
         for system in for_each_kernel(balancer) {
             let mut motion = started(&system, settings(), &state);
-            while motion.time() < 50.0 {
-                motion.advance(50.0).expect("continues");
-            }
-            assert!(motion.effort().switches < 100, "{:?}", motion.effort());
+            let effort = go_on(&mut motion, 50.0);
+            assert!(effort.switches < 100, "{effort:?}");
         }
     }
 }
@@ -232,8 +230,7 @@ fn blocks(recorder: &Recorder) -> SystemEquations<'_> {
         layout: StateLayout {
             contacts: (0..13).map(|position| ContactLayout { position, angular: false }).collect(),
             velocities: (13..26).map(|component| vec![component]).collect(),
-            vibration: None,
-            forcing: None,
+            ..StateLayout::default()
         },
         contacts,
         ..SystemEquations::default()

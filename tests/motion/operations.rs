@@ -2,18 +2,14 @@
 //! displacement of time.
 
 use stickslip::model::{
-    Components, Expression, Graph, Method, Number, Recorder, StateLayout, SystemEquations,
+    Components, Expression, Graph, Number, Recorder, StateLayout, SystemEquations,
 };
-use stickslip::motion::{Failure, Motion, Settings, Tolerance};
+use stickslip::motion::{Failure, Motion, Settings};
 
+use super::samples::EXACT;
 use crate::support::{OwnSystem, shared};
 
-const SETTINGS: Settings = Settings {
-    method: Method::Event,
-    band: 0.0,
-    tolerance: Tolerance { relative: 1e-13, absolute: 1e-14 },
-    effort_limit: 10_000,
-};
+const SETTINGS: Settings = Settings { effort_limit: 10_000, ..EXACT };
 
 /// The rates of change of components that follow the component that is the time.
 fn with_time<'r>(rates: Vec<Expression<'r>>) -> SystemEquations<'r> {

@@ -14,8 +14,8 @@ use std::f64::consts::TAU;
 use stickslip::model::{Balancer, Ball, Machine, Method, NormalForce, SPHERE_INERTIA, State};
 use stickslip::motion::Motion;
 
-use super::samples::{go_on, settings, unwrapped};
-use crate::support::{for_each_kernel, started};
+use super::samples::{settings, unwrapped};
+use crate::support::{for_each_kernel, go_on, started};
 
 const FRICTION: f64 = 2.75e-3;
 /// The ball's speed decreases from 225 to 100 rad/s in the thesis's test.

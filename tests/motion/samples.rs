@@ -6,9 +6,9 @@ use std::sync::Arc;
 use stickslip::model::{
     Balancer, Components, Machine, Method, NormalForce, RestPoint, State, System,
 };
-use stickslip::motion::{Effort, Motion, Settings, Tolerance};
+use stickslip::motion::{Motion, Settings, Tolerance};
 
-use crate::support::started;
+use crate::support::{self, go_on, started};
 
 /// Pseudo-random numbers (xorshift), the same in every run.
 pub struct Sampler(u64);
@@ -83,10 +83,22 @@ pub const GAUSS: [(f64, f64); 3] = [
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
 
-/// Returns tight settings; the band is for the switch model.
+/// Returns settings with few steps, which the motions of these tests do not exceed.
 pub fn settings(method: Method, relative: f64) -> Settings {
-    let tolerance = Tolerance { relative, absolute: 1e-2 * relative };
-    Settings { method, band: 1e-8, tolerance, effort_limit: 200_000 }
+    Settings { effort_limit: 200_000, ..support::settings(method, relative) }
+}
+
+/// Settings for closed forms, with located events.
+pub const EXACT: Settings = Settings {
+    method: Method::Event,
+    band: 0.0,
+    tolerance: Tolerance { relative: 1e-13, absolute: 1e-14 },
+    effort_limit: 1_000_000,
+};
+
+/// Returns the thesis's machine at a speed.
+pub fn two_balls(speed_rad_s: f64) -> Balancer<2> {
+    Balancer::new(&Machine { speed_rad_s, ..Machine::default() }).expect("two balls")
 }
 
 /// Returns the motion from a state until a time.
@@ -139,14 +151,6 @@ pub fn compare_displacements(
         }
     }
     (motion, events)
-}
-
-/// Advances until a time and returns the effort.
-pub fn go_on(motion: &mut Motion, until: f64) -> Effort {
-    while motion.time() < until {
-        motion.advance(until).expect("continues");
-    }
-    motion.effort()
 }
 
 /// Returns the components of a motion's state, with whole turns.

@@ -1,19 +1,11 @@
 //! Smooth phases: steps and states within them against an independent integration.
 
-use stickslip::model::{Balancer, Machine, Method, State};
-use stickslip::motion::{Direction, Phase, Settings, Tolerance};
+use stickslip::model::{Method, State};
+use stickslip::motion::{Direction, Phase, Settings};
 
+use super::samples::two_balls;
 use crate::support::reference::{derivative, step};
-use crate::support::{for_each_kernel, started, state_of};
-
-fn settings(relative: f64) -> Settings {
-    let tolerance = Tolerance { relative, absolute: 1e-2 * relative };
-    Settings { method: Method::Switch, band: 1e-4, tolerance, effort_limit: 10_000_000 }
-}
-
-fn balancer() -> Balancer<2> {
-    Balancer::new(&Machine::default()).expect("two balls")
-}
+use crate::support::{for_each_kernel, settings, started, state_of};
 
 /// Both balls slip forwards for some time.
 const START: State<2> = State {
@@ -25,7 +17,7 @@ const START: State<2> = State {
 
 /// Returns the state after a time in equal steps of the independent integration, both balls in slip.
 fn integrated(start: &State<2>, time: f64, count: u32) -> State<2> {
-    let balancer = balancer();
+    let balancer = two_balls(-216.3772);
     let f = |state: &State<2>| derivative(&balancer, &[Phase::Slip(Direction::Forward); 2], state);
     (0..count).fold(*start, |state, _| step(f, &state, time / f64::from(count)))
 }
@@ -49,9 +41,10 @@ fn the_independent_integration_has_order_eight() {
 /// step falls with its tolerance.
 #[test]
 fn steps_are_those_of_the_independent_integration() {
-    for system in for_each_kernel(balancer()) {
+    for system in for_each_kernel(two_balls(-216.3772)) {
         for (relative, allowed) in [(1e-5, 1e-6), (1e-8, 1e-9), (1e-11, 2e-12), (1e-13, 1e-13)] {
-            let mut motion = started(&system, settings(relative), &START);
+            let settings = Settings { band: 1e-4, ..settings(Method::Switch, relative) };
+            let mut motion = started(&system, settings, &START);
             let (mut steps, mut worst) = (0, 0.0_f64);
             while motion.time() < 8.0 {
                 let before: State<2> = state_of(&motion);

@@ -3,9 +3,7 @@
 use stickslip::classification::simulate;
 use stickslip::model::{Case, Machine, Method, Simulation, Start};
 
-use crate::support::angular_distance;
-
-const METHODS: [Method; 2] = [Method::Switch, Method::Event];
+use crate::support::{METHODS, angular_distance, spread_start};
 
 fn case(speed_rad_s: f64, start: Start, method: Method) -> Case {
     let machine = Machine { speed_rad_s, ..Machine::default() };
@@ -13,27 +11,15 @@ fn case(speed_rad_s: f64, start: Start, method: Method) -> Case {
     Case { model: machine.into(), start, simulation }
 }
 
-fn starts() -> Vec<Start> {
-    (0..12)
-        .map(|k| {
-            let spread = |factor: f64| (f64::from(k) * factor + 0.3).sin();
-            Start::of_balancer(
-                [0.05 * spread(1.1), 0.05 * spread(2.3)],
-                &[3.0 + 3.0 * spread(3.1), 3.0 + 3.0 * spread(4.7)],
-                [0.05 * spread(5.9), 0.05 * spread(7.3)],
-                &[spread(8.9), spread(10.7)],
-            )
-        })
-        .collect()
+fn starts() -> impl Iterator<Item = (Method, Start)> {
+    METHODS.into_iter().flat_map(|method| (0..12).map(move |k| (method, spread_start(k))))
 }
 
 /// The mirror image (speed, y and all angles with the opposite sign) gives the mirrored motion.
 /// Signs are exact, so that the mirrored run differs only where an angle is reduced to [0, 2π).
 #[test]
 fn mirror_image_gives_the_mirrored_result() {
-    for (method, start) in
-        METHODS.into_iter().flat_map(|m| starts().into_iter().map(move |s| (m, s)))
-    {
+    for (method, start) in starts() {
         let original = simulate(&case(-179.2671, start.clone(), method));
         let signs = [1.0, -1.0, -1.0, -1.0, 1.0, -1.0, -1.0, -1.0];
         let mirrored = start.0.iter().zip(signs).map(|(value, sign)| sign * value).collect();
@@ -49,9 +35,7 @@ fn mirror_image_gives_the_mirrored_result() {
 /// Adding or subtracting a whole turn of a ball changes the motion only by rounding.
 #[test]
 fn whole_turns_change_nothing() {
-    for (method, start) in
-        METHODS.into_iter().flat_map(|m| starts().into_iter().map(move |s| (m, s)))
-    {
+    for (method, start) in starts() {
         let original = simulate(&case(-173.1803, start.clone(), method));
         let mut turned = start;
         turned.0[2] += std::f64::consts::TAU;

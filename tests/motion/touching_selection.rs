@@ -6,8 +6,8 @@ use nalgebra::{SMatrix, SVector};
 use stickslip::model::{BallContact, BallsInContact, Machine, Method, System};
 use stickslip::motion::{Failure, Motion, Phase, SLACK};
 
-use super::contact::settings;
 use super::mode_selection::undecided_machine;
+use crate::support::settings;
 
 /// Two balls at rest in touch; ball 2 is ahead.
 struct Pair {

@@ -5,16 +5,14 @@ use std::sync::Arc;
 
 use crate::support::{Block, SliderState};
 use stickslip::model::{Balancer, FrictionLaw, Machine, Method, State, System};
-use stickslip::motion::{Settings, Tolerance, all_stick};
+use stickslip::motion::{Settings, all_stick};
 
-use crate::support::{for_each_kernel, started, state_of};
+use crate::support::{self, METHODS, for_each_kernel, spread_start, start_of, started, state_of};
 
-const METHODS: [Method; 2] = [Method::Event, Method::Switch];
 const BAND: f64 = 1e-8;
 
 fn settings(method: Method) -> Settings {
-    let tolerance = Tolerance { relative: 1e-11, absolute: 1e-13 };
-    Settings { method, band: BAND, tolerance, effort_limit: 10_000_000 }
+    Settings { band: BAND, ..support::settings(method, 1e-11) }
 }
 
 /// Follows a motion and asserts that friction force times sliding speed is never negative, except
@@ -55,13 +53,7 @@ fn friction_never_does_positive_work_on_balls() {
         let machine = Machine { friction, ..Machine::default() };
         let balancer = Balancer::<2>::new(&machine).expect("two balls");
         for k in 0..6 {
-            let spread = |factor: f64| (f64::from(k) * factor + 0.3).sin();
-            let start = State {
-                position: [0.05 * spread(1.1), 0.05 * spread(2.3)],
-                velocity: [0.05 * spread(5.9), 0.05 * spread(7.3)],
-                beta: [3.0 + 3.0 * spread(3.1), 3.0 + 3.0 * spread(4.7)],
-                beta_dot: [spread(8.9), spread(10.7)],
-            };
+            let start: State<2> = start_of(&spread_start(k));
             for system in for_each_kernel(balancer) {
                 for method in METHODS {
                     let most = follow(&system, method, start, 200.0);

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use super::{parse, text_with_design};
+use super::{parse, says, text_with_design};
+use crate::support::cases;
 
 #[track_caller]
 fn refused(text: &str, line: Option<usize>, problem: &str) {
@@ -99,42 +100,28 @@ fn with_units() -> String {
         .to_owned()
 }
 
-#[track_caller]
-fn remedied(text: &str, line: usize, problem: &str, found: &str, allowed: &str) {
-    let error = parse(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
-    assert!(error.problem().contains(problem), "{error}");
-    assert_eq!(error.line(), Some(line), "{error}");
-    assert!(error.found().unwrap_or_default().contains(found), "{error}");
-    assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
-}
+/// What is replaced, by what, the line of the message, its problem, what it found, and what it allows.
+const FREQUENT: &str = "    damping ¦ \tdamping ¦ 8 ¦ a tab in the indentation ¦ a tab ¦ replace the tab by spaces
+    stiffness ¦     \tstiffness ¦ 9 ¦ a tab in the indentation ¦ a tab ¦ replace the tab by spaces
+  kind ¦ \tkind ¦ 5 ¦ a tab in the indentation ¦ a tab ¦ replace the tab by spaces
+damping: 6 ¦ damping:6 ¦ 8 ¦ a space is missing after the colon ¦ damping:60 N s/m ¦ damping: 60 N s/m
+speed: 6 ¦ speed:6 ¦ 7 ¦ a space is missing after the colon ¦ speed:6000 rpm ¦ speed: 6000 rpm
+seed: 5 ¦ seed:5 ¦ 3 ¦ a space is missing after the colon ¦ seed:5 ¦ seed: 5
+    damping ¦    damping ¦ 8 ¦ wrong indentation ¦ 3 spaces ¦ the same indentation
+    damping ¦      damping ¦ 8 ¦ wrong indentation ¦ 5 spaces ¦ the same indentation
+    stiffness ¦       stiffness ¦ 9 ¦ wrong indentation ¦ 6 spaces ¦ the same indentation
+name: a ¦ name: b: c ¦ 2 ¦ a second colon ¦ b: c ¦ quotes around";
 
 /// The faults that occur most have their own line and remedy.
 #[test]
 fn frequent_yaml_errors_have_a_remedy() {
     assert!(parse(&with_units()).is_ok());
-    let changed = |from: &str, to: &str| {
-        let text = with_units();
-        assert!(text.contains(from));
-        text.replace(from, to)
-    };
-    let tab = ["a tab in the indentation", "a tab", "replace the tab by spaces"];
-    for (from, to, line) in [
-        ("    damping", "\tdamping", 8),
-        ("    stiffness", "    \tstiffness", 9),
-        ("  kind", "\tkind", 5),
-    ] {
-        remedied(&changed(from, to), line, tab[0], tab[1], tab[2]);
+    for [from, to, line, problem, found, allowed] in cases(FREQUENT) {
+        assert!(with_units().contains(&from));
+        let text = with_units().replace(&from, &to);
+        refused(&text, line.parse().ok(), &problem);
+        says(&parse(&text).expect_err(&text), &found, &allowed);
     }
-    let colon = "a space is missing after the colon";
-    remedied(&changed("damping: ", "damping:"), 8, colon, "damping:60 N s/m", "damping: 60 N s/m");
-    remedied(&changed("speed: ", "speed:"), 7, colon, "speed:6000 rpm", "speed: 6000 rpm");
-    remedied(&changed("seed: ", "seed:"), 3, colon, "seed:5", "seed: 5");
-    let indentation = "wrong indentation";
-    let same = "the same indentation";
-    remedied(&changed("    damping", "   damping"), 8, indentation, "3 spaces", same);
-    remedied(&changed("    damping", "     damping"), 8, indentation, "5 spaces", same);
-    remedied(&changed("    stiffness", "      stiffness"), 9, indentation, "6 spaces", same);
-    remedied(&changed("name: a", "name: b: c"), 2, "a second colon", "b: c", "quotes around");
 }
 
 #[test]

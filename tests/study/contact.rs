@@ -1,10 +1,12 @@
 //! The contact between balls in a study file, and start states in which balls do not overlap.
 
+use std::fmt::Display;
+
 use stickslip::model::BallContact;
 use stickslip::study::Study;
 
 use super::{parse, study};
-use crate::support::rows;
+use crate::support::{assert_has, rows};
 
 /// Returns the text of a study of balls with this contact, design and box.
 fn text(contact: &str, balls: usize, design: &str, start_box: &str) -> String {
@@ -16,6 +18,12 @@ fn text(contact: &str, balls: usize, design: &str, start_box: &str) -> String {
 
 fn contact(study: &Study) -> Option<BallContact> {
     study.model().ball_balancer().expect("balls").contact
+}
+
+/// Checks the parts of the message about a study.
+#[track_caller]
+fn refused(text: &str, parts: &[impl Display]) {
+    assert_has(&parse(text).expect_err(text).to_string(), parts);
 }
 
 const CONTACT: &str = "{restitution: 0.5, friction_coefficient: 0.2}";
@@ -63,17 +71,10 @@ fn both_numbers_are_swept_and_drawn() {
     // The value itself is not among the parameters.
     let given = text(CONTACT, 2, STRATIFIED, "{}")
         .replace("parameters: {", "parameters: {contact_restitution: 0.5, ");
-    let error = parse(&given).expect_err("another key").to_string();
-    for part in [
-        "`model.parameters.contact_restitution`",
-        "not a key of `parameters`",
-        "the key `model.contact`",
-    ] {
-        assert!(error.contains(part), "{error}");
-    }
+    let parameter = "`model.parameters.contact_restitution`";
+    refused(&given, &[parameter, "not a key of `parameters`", "the key `model.contact`"]);
     // Without contact there are no such parameters.
-    let error = parse(&swept.replace(CONTACT, "none")).expect_err("no such parameter").to_string();
-    assert!(error.contains("contact_restitution"), "{error}");
+    refused(&swept.replace(CONTACT, "none"), &["contact_restitution"]);
 }
 
 #[test]
@@ -86,21 +87,16 @@ fn wrong_contacts_are_refused_with_their_key() {
 steel ¦ model.contact ¦ none
 {restitutoin: 0.3} ¦ restitutoin ¦ restitution",
     ) {
-        let error = parse(&text(&row[0], 2, STRATIFIED, "{}")).expect_err(&row[0]).to_string();
-        for part in &row[1..] {
-            assert!(error.contains(part), "{part} is not in: {error}");
-        }
+        refused(&text(&row[0], 2, STRATIFIED, "{}"), &row[1..]);
     }
     let viscous = text(CONTACT, 2, STRATIFIED, "{}").replace(
         "  contact:",
         "  friction: {viscous: {viscous_coefficient_n_s_m: 1.0e-4}}\n  contact:",
     );
-    let error = parse(&viscous).expect_err("refused").to_string();
-    assert!(error.contains("model.contact.friction_coefficient"), "{error}");
+    refused(&viscous, &["model.contact.friction_coefficient"]);
     let block = "schema: 1\nname: a\nseed: 5\nmodel:\n  kind: block_on_spring\n  contact: none\n\
                  initial_conditions:\n  design: {monte_carlo: {samples: 1}}\n";
-    let error = parse(block).expect_err("refused").to_string();
-    assert!(error.contains("model.contact") && error.contains("ball_balancer"), "{error}");
+    refused(block, &["model.contact", "ball_balancer"]);
 }
 
 /// Returns the smallest gap of a planned run.
@@ -166,9 +162,7 @@ fn angles_of_a_small_box_are_drawn_again_in_their_cell() {
 fn given_balls_that_overlap_are_refused() {
     let table = "{table: {columns: [x, y, beta_1, beta_2, x_dot, y_dot, beta_dot_1, beta_dot_2], \
                  rows: [[0, 0, 1, 2, 0, 0, 0, 0], [0, 0, 1, 1.1, 0, 0, 0, 0]]}}";
-    let error = parse(&text(CONTACT, 2, table, "{}")).expect_err("overlap").to_string();
-    for part in ["rows[1]", "balls overlap", "balls 1 and 2", "0.26"] {
-        assert!(error.contains(part), "{part} is not in: {error}");
-    }
+    let parts = ["rows[1]", "balls overlap", "balls 1 and 2", "0.26"];
+    refused(&text(CONTACT, 2, table, "{}"), &parts);
     assert!(parse(&text("none", 2, table, "{}")).is_ok());
 }

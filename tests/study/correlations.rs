@@ -4,6 +4,7 @@ use statrs::distribution::{ContinuousCDF, LogNormal, Normal};
 use stickslip::study::Study;
 
 use super::{assert_follows, parse, study, text_with_design};
+use crate::support::cases;
 
 const ALPHA: f64 = 1.0e-3;
 
@@ -217,36 +218,30 @@ fn refused(correlations: &str, line: usize, key: &str, found: &str, allowed: &st
     super::refused(&text, line, &format!("uncertain_sampling.correlations{key}"), found, allowed);
 }
 
+/// Pairs, with `P` for two parameters, the line of the message, its key, what it found, and what it allows.
+const FAULTY: &str = r" [] ¦ 14 ¦  ¦ an empty list ¦ at least one pair, or no `correlations`
+\n    - {parameters: [table_mass_kg], rank_correlation: 0.5} ¦ 15 ¦ [0].parameters ¦ a list of 1 ¦ two different
+\n    - {parameters: [table_mass_kg, stiffness_n_m, speed_rad_s], rank_correlation: 0.5} ¦ 15 ¦ [0].parameters ¦ a list of 3 ¦ two different
+\n    - {parameters: [stiffness, stiffness_n_m], rank_correlation: 0.5} ¦ 15 ¦ [0].parameters ¦ twice ¦ two different
+\n    - {P, rank_correlation: 0.5}\n    - {parameters: [stiffness_n_m, table_mass], rank_correlation: 0.5} ¦ 16 ¦ [1].parameters ¦ here and in item 0 ¦ each pair once
+\n    - {parameters: [table_mas_kg, speed_rad_s], rank_correlation: 0.5} ¦ 15 ¦ [0].parameters[0] ¦ mas_kg ¦ table_mass_kg (did you mean this?), stiffness_n_m
+# A parameter that is not uncertain.
+\n    - {parameters: [speed_rad_s, ball_mass_kg], rank_correlation: 0.5} ¦ 15 ¦ [0].parameters[1] ¦ ball_mass_kg ¦ table_mass_kg
+\n    - {P, rank_correlation: 1} ¦ 15 ¦ [0].rank_correlation ¦ 1 ¦ above -1 and below 1
+\n    - {P, rank_correlation: -1} ¦ 15 ¦ [0].rank_correlation ¦ -1 ¦ above -1 and below 1
+\n    - {P, rank_correlation: 1.5} ¦ 15 ¦ [0].rank_correlation ¦ 1.5 ¦ above -1 and below 1
+\n    - {P, rank_correlation: 2} ¦ 15 ¦ [0].rank_correlation ¦ 2 ¦ above -1 and below 1
+\n    - {P, rank_correlation: strong} ¦ 15 ¦ [0].rank_correlation ¦ strong ¦ a number
+\n    - {P, rank_correlation: .nan} ¦ 15 ¦ [0].rank_correlation ¦ .nan ¦ a finite number
+\n    - {P, correlation: 0.5} ¦ 15 ¦ [0].correlation ¦ correlation ¦ rank_correlation (did you mean this?)
+\n    - {P} ¦ 15 ¦ [0].rank_correlation ¦  ¦ rank_correlation";
+
 #[test]
 fn faulty_pairs_are_refused() {
-    let item = |parameters: &str, value: &str| {
-        format!("\n    - {{parameters: {parameters}, rank_correlation: {value}}}")
-    };
-    let pair = "[table_mass_kg, stiffness_n_m]";
-    let good = item(pair, "0.5");
-    refused(" []", 14, "", "an empty list", "at least one pair, or no `correlations`");
-    let key = "[0].parameters";
-    refused(&item("[table_mass_kg]", "0.5"), 15, key, "a list of 1", "two different");
-    let three = "[table_mass_kg, stiffness_n_m, speed_rad_s]";
-    refused(&item(three, "0.5"), 15, key, "a list of 3", "two different");
-    refused(&item("[stiffness, stiffness_n_m]", "0.5"), 15, key, "twice", "two different");
-    let both = format!("{good}{}", item("[stiffness_n_m, table_mass]", "0.5"));
-    refused(&both, 16, "[1].parameters", "here and in item 0", "each pair once");
-    let near = "table_mass_kg (did you mean this?), stiffness_n_m";
-    refused(&item("[table_mas_kg, speed_rad_s]", "0.5"), 15, "[0].parameters[0]", "mas_kg", near);
-    // A parameter that is not uncertain.
-    let known = item("[speed_rad_s, ball_mass_kg]", "0.5");
-    refused(&known, 15, "[0].parameters[1]", "ball_mass_kg", "table_mass_kg");
-    for value in ["1", "-1", "1.5", "2"] {
-        let key = "[0].rank_correlation";
-        refused(&item(pair, value), 15, key, value, "above -1 and below 1");
+    for [pairs, line, key, found, allowed] in cases(FAULTY) {
+        let pairs = pairs.replace("{P", "{parameters: [table_mass_kg, stiffness_n_m]");
+        refused(&pairs, line.parse().expect("a line"), &key, &found, &allowed);
     }
-    refused(&item(pair, "strong"), 15, "[0].rank_correlation", "strong", "a number");
-    refused(&item(pair, ".nan"), 15, "[0].rank_correlation", ".nan", "a finite number");
-    let unknown = "\n    - {parameters: [table_mass_kg, stiffness_n_m], correlation: 0.5}";
-    refused(unknown, 15, "[0].correlation", "correlation", "rank_correlation (did you mean this?)");
-    let missing = format!("\n    - {{parameters: {pair}}}");
-    refused(&missing, 15, "[0].rank_correlation", "", "rank_correlation");
 }
 
 /// The message names a pair of the parameter at which the correlations become impossible, and the values that are

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use stickslip::study::{MeasuredRun, SpacingFile, Study};
 
-use super::{parse, study};
-use crate::support::{cases, rows};
+use super::{parse, says, study};
+use crate::support::{assert_has, cases, rows};
 
 const STUDY: &str = "\
 schema: 1
@@ -70,8 +70,7 @@ identify:\n ¦ identify:\n  samples: 20\n ¦ identify.samples ¦ samples ¦ post
         assert!(STUDY.contains(&old), "{old}");
         let error = parse(&STUDY.replacen(&old, &new, 1)).expect_err(&new);
         assert_eq!(error.key(), key, "{error}");
-        assert!(error.found().unwrap_or_default().contains(&found), "{error}");
-        assert!(error.allowed().unwrap_or_default().contains(&allowed), "{error}");
+        says(&error, &found, &allowed);
     }
 }
 
@@ -110,15 +109,12 @@ beta_1_rad,beta_2_rad,std_dev_rad\n1,2,0.1\n ¦ several points of the sweep
 speed_rad_s,beta_1_rad,std_dev_rad\n-200,1,0.1\n ¦ no column beta_2_rad
 stage,speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n1,-200,1,2,0.1\n ¦ unknown column ¦ stage",
     ) {
-        let error = measured(STUDY, &row[0]).expect_err(&row[0]);
-        for part in &row[1..] {
-            assert!(error.contains(part), "no {part:?} in\n{error}");
-        }
+        assert_has(&measured(STUDY, &row[0]).expect_err(&row[0]), &row[1..]);
     }
     let staged = STUDY.replace("sweep:", "  protocol: startup\nsweep:");
     let table = format!("stage,{head}0,-200,1,2,0.1\n");
     let error = measured(&staged, &table).expect_err("stage 0");
-    assert!(error.contains("not a stage") && error.contains("stages.parquet"), "{error}");
+    assert_has(&error, &["not a stage", "stages.parquet"]);
 }
 
 /// The balls of a rotor, which may touch, are bodies with angles; the positions of blocks are no angles.

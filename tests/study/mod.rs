@@ -53,6 +53,12 @@ fn study(text: &str) -> Study {
 fn refused(text: &str, line: usize, key: &str, found: &str, allowed: &str) {
     let error = parse(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
     assert_eq!((error.line(), error.key()), (Some(line), key), "{error}");
+    says(&error, found, allowed);
+}
+
+/// Checks finding and remedy of an error.
+#[track_caller]
+fn says(error: &StudyError, found: &str, allowed: &str) {
     assert!(error.found().unwrap_or_default().contains(found), "{error}");
     assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
 }
@@ -83,6 +89,26 @@ fn text_with_design(design: &str) -> String {
 /// beta_dot ...
 fn coordinates(study: &Study, run: u64) -> Vec<f64> {
     study.planned_run(run).start.0
+}
+
+/// Checks that two studies have the same runs.
+#[track_caller]
+fn same_runs(one: &Study, other: &Study) {
+    assert_eq!(one.run_count(), other.run_count());
+    for run in 0..one.run_count() {
+        assert_eq!(one.planned_run(run), other.planned_run(run), "run {run}");
+    }
+}
+
+/// Returns every law of friction, with speeds in this unit.
+fn laws(unit: &str) -> [String; 5] {
+    [
+        "coulomb".to_owned(),
+        format!("{{stribeck: {{static_friction_coefficient: 0.5, stribeck_speed_{unit}: 1}}}}"),
+        format!("{{smooth: {{smoothing_speed_{unit}: 0.01}}}}"),
+        "{viscous: {viscous_coefficient_n_s_m: 0.01}}".to_owned(),
+        "{coulomb_viscous: {viscous_coefficient_n_s_m: 0.01}}".to_owned(),
+    ]
 }
 
 /// Returns the machine at a point.

@@ -1,19 +1,15 @@
 //! A sweep over the number of balls: each point has the runs of a study with its number of balls.
 
-use stickslip::model::Model;
 use stickslip::study::PlannedRun;
 
-use super::{parse, study, swept_numbers, text_with_design};
+use super::{parse, says, study, swept_numbers, text_with_design};
+use crate::support::cases;
 
 /// A study of this design with a number of balls in the study file, and further lines.
 fn text(design: &str, balls: &str, rest: &str) -> String {
     let kind = "model: {kind: ball_balancer}";
     let model = format!("model: {{kind: ball_balancer, parameters: {{balls: {balls}}}}}");
     format!("{}{rest}", text_with_design(design)).replace(kind, &model)
-}
-
-fn balls(model: &Model) -> usize {
-    model.balls()
 }
 
 /// Returns a run without the numbers that depend on the other points of its study.
@@ -27,7 +23,7 @@ fn own(run: PlannedRun) -> PlannedRun {
 fn has_runs_of_separate_studies(sweep: &str, design: &str, rest: &str, number_at: &[usize]) {
     let swept = study(&text(design, "2", &format!("{sweep}{rest}")));
     let found: Vec<usize> =
-        (0..swept.point_count()).map(|point| balls(swept.point(point).model())).collect();
+        (0..swept.point_count()).map(|point| swept.point(point).model().balls()).collect();
     assert_eq!(found, number_at, "{sweep}");
     let mut next = 0;
     for (id, number) in (0..).zip(number_at) {
@@ -153,7 +149,7 @@ fn the_number_of_balls_is_swept_like_any_parameter() {
     let mut next = 0;
     for (id, number) in (0..).zip(&expected) {
         let point = swept.point(id);
-        assert_eq!((balls(point.model()), point.first_run), (*number, next), "point {id}");
+        assert_eq!((point.model().balls(), point.first_run), (*number, next), "point {id}");
         assert_eq!(swept_numbers(&swept, id)[1], *number as f64);
         let runs = 1_u64 << (4 + 2 * number);
         assert_eq!((point.sampling.most, point.cells), (runs, Some(runs)));
@@ -166,7 +162,7 @@ fn the_number_of_balls_is_swept_like_any_parameter() {
     assert_eq!(swept_numbers(&swept, 3), [-100.0, 4.0, 2.0, 1.07e4, 2.75e-3]);
     assert_eq!(swept_numbers(&swept, 14), [-216.3772, 1.0, 1.28, 300.0, 2.75e-3]);
     assert_eq!(swept_numbers(&swept, 17), [-300.0, 2.0, 1.28, 1.07e4, 2.75e-3]);
-    assert_eq!((balls(swept.model()), swept.numbers_of_balls()), (4, 1..=4));
+    assert_eq!((swept.model().balls(), swept.numbers_of_balls()), (4, 1..=4));
     let ranges: Vec<u64> =
         swept.point_ranges().flat_map(|(points, runs)| points.map(move |_| runs)).collect();
     let runs_of: Vec<u64> = expected.iter().map(|number| 1_u64 << (4 + 2 * number)).collect();
@@ -177,7 +173,7 @@ fn the_number_of_balls_is_swept_like_any_parameter() {
 fn a_range_lists_numbers_of_balls() {
     let sweep = "sweep: [{grid: {balls: {from: 1, to: 4, step: 1}}}]\n";
     let swept = study(&text("{monte_carlo: {samples: 2}}", "2", sweep));
-    let numbers: Vec<usize> = (0..4).map(|point| balls(swept.point(point).model())).collect();
+    let numbers: Vec<usize> = (0..4).map(|point| swept.point(point).model().balls()).collect();
     assert_eq!(numbers, [1, 2, 3, 4]);
 }
 
@@ -208,84 +204,58 @@ design: {ball_mass_kg: {from: 1.0e-4, to: 2.0e-4}}
     }
 }
 
-/// Checks the message about a study with these balls and further lines.
-#[track_caller]
-fn refused(balls: &str, rest: &str, key: &str, parts: [&str; 3]) {
-    let text = text("{monte_carlo: {samples: 2}}", balls, rest);
-    let error = parse(&text).err().unwrap_or_else(|| panic!("accepted: {rest}"));
-    let found = [Some(error.problem()), error.found(), error.allowed()];
-    for (found, part) in found.into_iter().zip(parts) {
-        assert!(found.unwrap_or_default().contains(part), "{error}");
+/// The balls of a study and its further lines, the key of the message, its problem, what it found, and what it allows.
+const WRONG: &str = r#"2 ¦ sweep: [{grid: {balls: [two]}}] ¦ sweep[0].grid.balls[0] ¦ not a number ¦ text "two" ¦ a number
+# A list of balls does not go with a sweep over their number.
+[{mass_kg: 1.4e-4}, {mass_kg: 2.0e-4}] ¦ sweep: [{grid: {balls: [1, 2]}}] ¦ sweep[0].grid.balls ¦ balls have their own values ¦ a list of balls ¦ model.parameters.balls
+# Parameters of balls that some points lack; the second block of the last study has two balls.
+2 ¦ sweep: [{grid: {balls: [2, 4]}}]\nuncertain: {ball_mass_3_kg: {uniform: {min: 1.0e-4, max: 2.0e-4}}} ¦ uncertain.ball_mass_3_kg ¦ some points do not have this ball ¦ no ball 3 ¦ every point has, 1 to 2
+2 ¦ sweep: [{grid: {balls: [2, 4]}}]\ndesign: {ball_mass_3_kg: {from: 1.0e-4, to: 2.0e-4}} ¦ design.ball_mass_3_kg ¦ some points do not have this ball ¦ no ball 3 ¦ every point has, 1 to 2
+2 ¦ sweep: [{grid: {balls: [2, 4], ball_mass_3_kg: [1.0e-4]}}] ¦ sweep[0].grid.ball_mass_3_kg ¦ some points do not have this ball ¦ no ball 3 ¦ every point has, 1 to 2
+2 ¦ sweep: [{grid: {balls: [4], ball_mass_3_kg: [1.0e-4]}}, {grid: {speed_rad_s: [-160]}}] ¦ sweep[0].grid.ball_mass_3_kg ¦ some points do not have this ball ¦ no ball 3 ¦ every point has, 1 to 2
+# The number of balls has one origin.
+2 ¦ sweep: [{grid: {balls: [1, 2]}}]\ndesign: {balls: {from: 1, to: 3}} ¦ design.balls ¦ varied twice ¦ balls here and balls in `sweep` ¦ `design` or in `sweep`
+2 ¦ sweep: [{grid: {balls: [1, 2]}}]\nidentify: {parameters: {friction_coefficient: {from: 1.0e-4, to: 1.0e-2}}} ¦ identify ¦ a sweep over the number of balls ¦ `sweep` ¦ a sweep without `balls`"#;
+
+#[test]
+fn wrong_numbers_of_balls_are_refused() {
+    let impossible = ["0", "9", "2.5", "-1"].into_iter().flat_map(|number| {
+        [
+            (format!("grid: {{balls: [1, {number}]}}"), "grid.balls[1]"),
+            (format!("zip: {{balls: [1, {number}]}}"), "zip.balls[1]"),
+            (format!("table: {{columns: [balls], rows: [[1], [{number}]]}}"), "table.rows[1][0]"),
+        ]
+        .map(|(block, key)| {
+            let (sweep, key) = (format!("sweep: [{{{block}}}]"), format!("sweep[0].{key}"));
+            let words = ["not a number of balls", number, "a whole number from 1 to 8"];
+            let [problem, found, allowed] = words.map(str::to_owned);
+            ["2".to_owned(), sweep, key, problem, found, allowed]
+        })
+    });
+    for [balls, rest, key, problem, found, allowed] in cases(WRONG).chain(impossible) {
+        let text = text("{monte_carlo: {samples: 2}}", &balls, &format!("{rest}\n"));
+        let error = parse(&text).expect_err(&rest);
+        assert!(error.problem().contains(&problem), "{error}");
+        says(&error, &found, &allowed);
+        assert_eq!((error.key(), error.line().is_some()), (key.as_str(), true), "{error}");
     }
-    assert_eq!((error.key(), error.line().is_some()), (key, true), "{error}");
+    let block = "schema: 1\nname: a\nseed: 5\nmodel: {kind: block_on_spring}\n\
+                 initial_conditions: {design: {monte_carlo: {samples: 2}}}\n\
+                 sweep: [{grid: {balls: [1]}}]\n";
+    let error = parse(block).expect_err("a block has no balls");
+    assert!(error.problem().contains("not a parameter of block_on_spring"), "{error}");
 }
 
 #[test]
-fn impossible_numbers_of_balls_are_refused() {
-    let whole = "a whole number from 1 to 8";
-    for number in ["0", "9", "2.5", "-1"] {
-        let sweep = format!("sweep: [{{grid: {{balls: [1, {number}]}}}}]\n");
-        refused("2", &sweep, "sweep[0].grid.balls[1]", ["not a number of balls", number, whole]);
-        let sweep = format!("sweep: [{{zip: {{balls: [1, {number}]}}}}]\n");
-        refused("2", &sweep, "sweep[0].zip.balls[1]", ["not a number of balls", number, whole]);
-        let sweep = format!("sweep: [{{table: {{columns: [balls], rows: [[1], [{number}]]}}}}]\n");
-        let key = "sweep[0].table.rows[1][0]";
-        refused("2", &sweep, key, ["not a number of balls", number, whole]);
-    }
-    let words = ["not a number", "text \"two\"", "a number"];
-    refused("2", "sweep: [{grid: {balls: [two]}}]\n", "sweep[0].grid.balls[0]", words);
-}
-
-#[test]
-fn a_list_of_balls_does_not_go_with_a_sweep_over_their_number() {
-    let list = "[{mass_kg: 1.4e-4}, {mass_kg: 2.0e-4}]";
-    let parts = ["balls have their own values", "a list of balls", "model.parameters.balls"];
-    refused(list, "sweep: [{grid: {balls: [1, 2]}}]\n", "sweep[0].grid.balls", parts);
-}
-
-#[test]
-fn parameters_and_ranges_of_balls_that_points_lack_are_refused() {
-    let sweep = "sweep: [{grid: {balls: [2, 4]}}]\n";
-    let some = ["some points do not have this ball", "no ball 3", "every point has, 1 to 2"];
-    let rest = format!(
-        "{sweep}uncertain: {{ball_mass_3_kg: {{uniform: {{min: 1.0e-4, max: 2.0e-4}}}}}}\n"
-    );
-    refused("2", &rest, "uncertain.ball_mass_3_kg", some);
-    let rest = format!("{sweep}design: {{ball_mass_3_kg: {{from: 1.0e-4, to: 2.0e-4}}}}\n");
-    refused("2", &rest, "design.ball_mass_3_kg", some);
-    let rest = "sweep: [{grid: {balls: [2, 4], ball_mass_3_kg: [1.0e-4]}}]\n";
-    refused("2", rest, "sweep[0].grid.ball_mass_3_kg", some);
-    // The second block has two balls.
-    let rest =
-        "sweep: [{grid: {balls: [4], ball_mass_3_kg: [1.0e-4]}}, {grid: {speed_rad_s: [-160]}}]\n";
-    refused("2", rest, "sweep[0].grid.ball_mass_3_kg", some);
+fn a_range_of_a_ball_that_all_points_lack_is_refused() {
     let text = text("{monte_carlo: {samples: 2}}", "3", "sweep: [{grid: {balls: [1, 2]}}]\n");
     let text =
         text.replace("initial_conditions:\n", "initial_conditions:\n  box: {beta_3: [0, 1]}\n");
     let error = parse(&text).expect_err("no point has three balls");
     assert_eq!((error.key(), error.line()), ("initial_conditions.box.beta_3", Some(6)), "{error}");
     // All points have balls 1 and 2; some points have ball 3.
-    let text = text.replace("balls: [1, 2]", "balls: [2, 3]");
-    let swept = study(&text);
+    let swept = study(&text.replace("balls: [1, 2]", "balls: [2, 3]"));
     assert!(swept.planned_run(2).start.0[4] <= 1.0 && swept.planned_run(0).start.0.len() == 8);
-}
-
-#[test]
-fn the_number_of_balls_has_one_origin() {
-    let sweep = "sweep: [{grid: {balls: [1, 2]}}]\n";
-    let rest = format!("{sweep}design: {{balls: {{from: 1, to: 3}}}}\n");
-    let parts = ["varied twice", "balls here and balls in `sweep`", "`design` or in `sweep`"];
-    refused("2", &rest, "design.balls", parts);
-    let rest = format!(
-        "{sweep}identify: {{parameters: {{friction_coefficient: {{from: 1.0e-4, to: 1.0e-2}}}}}}\n"
-    );
-    let parts = ["a sweep over the number of balls", "`sweep`", "a sweep without `balls`"];
-    refused("2", &rest, "identify", parts);
-    let block = "schema: 1\nname: a\nseed: 5\nmodel: {kind: block_on_spring}\n\
-                 initial_conditions: {design: {monte_carlo: {samples: 2}}}\n\
-                 sweep: [{grid: {balls: [1]}}]\n";
-    let error = parse(block).expect_err("a block has no balls");
-    assert!(error.problem().contains("not a parameter of block_on_spring"), "{error}");
 }
 
 /// Numbers that overflow, and many points of different numbers of balls, are found at once.
@@ -304,8 +274,5 @@ fn many_points_have_numbers_at_once() {
     let text = text("{stratified: {parts_per_axis: 10, samples_per_cell: 1}}", "2", sweep);
     let error = parse(&text).expect_err("10^8 runs at 10^8 points");
     assert!(error.problem().contains("too many runs"), "{error}");
-    assert!(
-        error.found().unwrap_or_default().contains("samples at each: at most 100000000"),
-        "{error}"
-    );
+    says(&error, "samples at each: at most 100000000", "");
 }

@@ -58,14 +58,7 @@ fn refused(table: &[u8], key: &str, problem: &str, found: &str) {
 #[test]
 fn every_writer_setting_gives_the_same_study() {
     let count = 5000_i32;
-    let inline: Vec<String> = (0..count)
-        .map(|row| format!("[{}.5, {}, {}]", -100 - row % 700, 1 + row % 3, word(row)))
-        .collect();
-    let inline = format!(
-        "sweep: [{{table: {{columns: [speed_rad_s, damping_n_s_m, normal_force], rows: [{}]}}}}]\n",
-        inline.join(", ")
-    );
-    let expected = load(&inline, "{monte_carlo: {samples: 10}}", b"").unwrap();
+    let expected = expected(count);
     let speeds = || numbers((0..count).map(|row| f64::from(-100 - row % 700) - 0.5));
     let dampings = || -> [ArrayRef; 3] {
         let values = || (0..count).map(|row| 1 + row % 3);
@@ -113,10 +106,10 @@ fn word(row: i32) -> &'static str {
     if row % 2 == 0 { "newton" } else { "lagrange" }
 }
 
-/// Returns the study that the files of other programs describe.
-fn expected() -> Study {
-    let rows: Vec<String> =
-        (0..20).map(|row| format!("[{}.5, {}, {}]", -100 - row, 1 + row % 3, word(row))).collect();
+/// Returns the study with this number of rows inline; that of the files of other programs has 20.
+fn expected(count: i32) -> Study {
+    let row = |row| format!("[{}.5, {}, {}]", -100 - row % 700, 1 + row % 3, word(row));
+    let rows: Vec<String> = (0..count).map(row).collect();
     let inline = format!(
         "sweep: [{{table: {{columns: [speed_rad_s, damping_n_s_m, normal_force], rows: [{}]}}}}]\n",
         rows.join(", ")
@@ -136,7 +129,7 @@ fn files_of_other_programs_are_read() {
     for name in ["pandas", "polars", "duckdb", "duckdb-v2", "zstd", "gzip", "lz4"] {
         let study =
             sweep(&of_other_programs(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
-        assert_eq!(study.resolved_yaml(), expected().resolved_yaml(), "{name}");
+        assert_eq!(study.resolved_yaml(), expected(20).resolved_yaml(), "{name}");
     }
 }
 
@@ -155,16 +148,13 @@ fn every_encoding_is_read() {
     let columns = || {
         vec![("speed_rad_s", speeds()), ("damping_n_s_m", dampings()), ("normal_force", forces())]
     };
-    let expected = sweep(&plain(columns())).unwrap();
+    let expected = sweep(&self::plain(columns())).unwrap();
+    let [plain, split] = [Encoding::PLAIN, Encoding::BYTE_STREAM_SPLIT];
     for version in [WriterVersion::PARQUET_1_0, WriterVersion::PARQUET_2_0] {
         for encodings in [
-            [Encoding::PLAIN, Encoding::PLAIN, Encoding::PLAIN],
-            [
-                Encoding::BYTE_STREAM_SPLIT,
-                Encoding::DELTA_BINARY_PACKED,
-                Encoding::DELTA_LENGTH_BYTE_ARRAY,
-            ],
-            [Encoding::BYTE_STREAM_SPLIT, Encoding::BYTE_STREAM_SPLIT, Encoding::DELTA_BYTE_ARRAY],
+            [plain; 3],
+            [split, Encoding::DELTA_BINARY_PACKED, Encoding::DELTA_LENGTH_BYTE_ARRAY],
+            [split, split, Encoding::DELTA_BYTE_ARRAY],
         ] {
             let mut properties = WriterProperties::builder()
                 .set_writer_version(version)

@@ -4,6 +4,7 @@
 use stickslip::study::{Sampling, Study, json_schema};
 
 use super::{coordinates, refused, study, text_with_design};
+use crate::support::cases;
 
 fn precise(design: &str, max_runs: u64, rest: &str) -> Study {
     let precision = format!("precision: {{equilibrium_fraction: 0.02, max_runs: {max_runs}}}\n");
@@ -130,38 +131,35 @@ fn designs_that_cannot_be_enlarged_are_refused() {
     refused(&text, 8, "sweep[0].design.latin_hypercube", "latin_hypercube", allowed);
 }
 
+/// A precision, the key of the message, what it found, and what it allows.
+const WRONG: &str = r"equilibrium_fraction: 0, max_runs: 100 ¦ precision.equilibrium_fraction ¦ 0 ¦ above 0 and below 0.5
+equilibrium_fraction: -0.1, max_runs: 100 ¦ precision.equilibrium_fraction ¦ -0.1 ¦ above 0 and below 0.5
+equilibrium_fraction: 0.5, max_runs: 100 ¦ precision.equilibrium_fraction ¦ 0.5 ¦ above 0 and below 0.5
+equilibrium_fraction: 2, max_runs: 100 ¦ precision.equilibrium_fraction ¦ 2 ¦ above 0 and below 0.5
+equilibrium_fraction: 0.1, max_runs: 0 ¦ precision.max_runs ¦ 0 ¦ a whole number from 1 to 1e15
+max_runs: 10 ¦ precision ¦ only max_runs ¦ equilibrium_fraction: 0.02 or amplitude_p95_m: 1.0e-6
+amplitude_p95_m: 1e-6 ¦ precision.max_runs ¦  ¦ a value for
+amplitude_p05_m: 0, max_runs: 10 ¦ precision.amplitude_p05_m ¦  ¦ a number above 0
+amplitude_p50_m: -1e-6, max_runs: 10 ¦ precision.amplitude_p50_m ¦  ¦ a number above 0
+amplitude_p95_m: 0.0, max_runs: 10 ¦ precision.amplitude_p95_m ¦  ¦ a number above 0
+amplitude_p95: 5e-6, max_runs: 10 ¦ precision.amplitude_p95 ¦ 5e-6 ¦ amplitude_p95_m
+amplitude_p99_m: 5e-6, max_runs: 10 ¦ precision.amplitude_p99_m ¦ p99 ¦ amplitude_p95_m (did you mean";
+
 #[test]
 fn invalid_values_are_refused() {
-    let text = |fraction: &str, max_runs: &str, rest: &str| {
-        let precision =
-            format!("precision: {{equilibrium_fraction: {fraction}, max_runs: {max_runs}}}\n");
-        text_with_design("{monte_carlo: {samples: 4}}") + &precision + rest
+    let with = |precision: &str| {
+        text_with_design("{monte_carlo: {samples: 4}}") + "precision: {" + precision + "}\n"
     };
-    for fraction in ["0", "-0.1", "0.5", "2"] {
-        let key = "precision.equilibrium_fraction";
-        refused(&text(fraction, "100", ""), 7, key, fraction, "above 0 and below 0.5");
+    for [precision, key, found, allowed] in cases(WRONG) {
+        refused(&with(&precision), 7, &key, &found, &allowed);
     }
-    refused(&text("0.1", "0", ""), 7, "precision.max_runs", "0", "a whole number from 1 to 1e15");
-    let with =
-        |keys: &str| text_with_design("{sobol: {samples: 4}}") + "precision: {" + keys + "}\n";
-    let allowed = "equilibrium_fraction: 0.02 or amplitude_p95_m: 1.0e-6";
-    refused(&with("max_runs: 10"), 7, "precision", "only max_runs", allowed);
-    refused(&with("amplitude_p95_m: 1e-6"), 7, "precision.max_runs", "", "a value for");
-    for (key, half_width) in [("p05_m", "0"), ("p50_m", "-1e-6"), ("p95_m", "0.0")] {
-        let keys = format!("amplitude_{key}: {half_width}, max_runs: 10");
-        let key = format!("precision.amplitude_{key}");
-        refused(&with(&keys), 7, &key, "", "a number above 0");
-    }
-    let keys = "amplitude_p95: 5e-6, max_runs: 10";
-    refused(&with(keys), 7, "precision.amplitude_p95", "5e-6", "amplitude_p95_m");
-    let keys = "amplitude_p99_m: 5e-6, max_runs: 10";
-    refused(&with(keys), 7, "precision.amplitude_p99_m", "p99", "amplitude_p95_m (did you mean");
-    let many = "sweep: [{grid: {speed_rad_s: [1, 2]}}]\n";
-    let found = "2e15 runs (points: 2, samples at each: 1e15)";
-    let key = "initial_conditions.design";
-    refused(&text("0.1", "1e15", many), 6, key, found, "at most 1e15 runs");
     let huge = "{stratified: {parts_per_axis: 1000, samples_per_cell: 5}}";
+    let huge = text_with_design(huge) + PRECISION;
     let found = "e24 runs (points: 1, samples";
-    refused(&(text_with_design(huge) + PRECISION), 6, key, found, "at most 1e15 runs");
-    assert_eq!(study(&text("0.1", "1e15", "")).run_count(), 1_000_000_000_000_000);
+    refused(&huge, 6, "initial_conditions.design", found, "at most 1e15 runs");
+    let most = with("equilibrium_fraction: 0.1, max_runs: 1e15");
+    let many = most.clone() + "sweep: [{grid: {speed_rad_s: [1, 2]}}]\n";
+    let found = "2e15 runs (points: 2, samples at each: 1e15)";
+    refused(&many, 6, "initial_conditions.design", found, "at most 1e15 runs");
+    assert_eq!(study(&most).run_count(), 1_000_000_000_000_000);
 }

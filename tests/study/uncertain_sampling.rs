@@ -41,34 +41,25 @@ fn assert_stratified(fractions: &[Vec<f64>]) {
     }
 }
 
+/// For any design of the start states, a Latin hypercube and, for powers of two, a Sobol' sequence.
 #[test]
-fn latin_hypercube_has_one_run_in_each_stratum_for_any_design_of_start_states() {
-    for (starts, runs) in [
-        ("{monte_carlo: {samples: 1}}", 1),
-        ("{monte_carlo: {samples: 1000}}", 1000),
-        ("{latin_hypercube: {samples: 7}}", 7),
-        ("{sobol: {samples: 100}}", 100),
-        (STRATIFIED, 768),
-        ("{grid: {points_per_axis: 2}}", 256),
-        (TABLE, 3),
+fn one_run_is_in_each_stratum() {
+    for (design, starts, runs) in [
+        ("latin_hypercube", "{monte_carlo: {samples: 1}}", 1),
+        ("latin_hypercube", "{monte_carlo: {samples: 1000}}", 1000),
+        ("latin_hypercube", "{latin_hypercube: {samples: 7}}", 7),
+        ("latin_hypercube", "{sobol: {samples: 100}}", 100),
+        ("latin_hypercube", STRATIFIED, 768),
+        ("latin_hypercube", "{grid: {points_per_axis: 2}}", 256),
+        ("latin_hypercube", TABLE, 3),
+        ("sobol", "{monte_carlo: {samples: 1024}}", 1024),
+        ("sobol", "{latin_hypercube: {samples: 64}}", 64),
+        ("sobol", "{sobol: {samples: 65536}}", 65_536),
+        ("sobol", "{stratified: {parts_per_axis: 2, samples_per_cell: 2}}", 512),
+        ("sobol", "{grid: {points_per_axis: 2}}", 256),
     ] {
-        let study = sampled(starts, "latin_hypercube");
-        assert_eq!(study.run_count(), runs);
-        assert_stratified(&drawn(&study));
-    }
-}
-
-#[test]
-fn sobol_has_one_run_in_each_stratum_for_powers_of_two() {
-    for (starts, runs) in [
-        ("{monte_carlo: {samples: 1024}}", 1024),
-        ("{latin_hypercube: {samples: 64}}", 64),
-        ("{sobol: {samples: 65536}}", 65_536),
-        ("{stratified: {parts_per_axis: 2, samples_per_cell: 2}}", 512),
-        ("{grid: {points_per_axis: 2}}", 256),
-    ] {
-        let study = sampled(starts, "sobol");
-        assert_eq!(study.run_count(), runs);
+        let study = sampled(starts, design);
+        assert_eq!(study.run_count(), runs, "{design} {starts}");
         assert_stratified(&drawn(&study));
     }
 }
@@ -89,9 +80,7 @@ fn joint_designs_stratify_start_states_and_parameters_together() {
 /// The mean of the sum of all products of a start coordinate and an uncertain parameter, both relative to their means. Its
 /// exact value is 0.
 fn mean_of_products(starts: &str, uncertain: &str, seed: u64) -> f64 {
-    let text = text_with_design(starts).replace("seed: 5", &format!("seed: {seed}"));
-    let text = format!("{text}{UNIT_BOX}{FRACTIONS}uncertain_sampling: {{design: {uncertain}}}\n");
-    let study = study(&text);
+    let study = sampled(starts, uncertain).with_seed(seed).expect("a study");
     let sum = |all: &[f64]| all.iter().map(|fraction| fraction - 0.5).sum::<f64>();
     let product = |run| sum(&coordinates(&study, run)) * sum(&study.planned_run(run).uncertain);
     (0..study.run_count()).map(product).sum::<f64>() / study.run_count() as f64
@@ -315,15 +304,9 @@ fn impossible_designs_are_refused() {
 #[test]
 fn a_design_needs_uncertain_parameters_and_known_keys() {
     let text = text_with_design("{sobol: {samples: 4}}");
-    let design = "uncertain_sampling: {design: sobol}\n";
-    let key = "uncertain_sampling";
-    refused(
-        &(text.clone() + design),
-        7,
-        key,
-        "no uncertain parameter",
-        "`uncertain` with at least",
-    );
+    let alone = text.clone() + "uncertain_sampling: {design: sobol}\n";
+    let found = "no uncertain parameter";
+    refused(&alone, 7, "uncertain_sampling", found, "`uncertain` with at least");
     let text = text + FRACTIONS;
     for (rest, key, allowed) in [
         ("{desing: sobol}", "desing", "design (did you mean this?), correlations"),

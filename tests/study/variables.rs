@@ -2,7 +2,7 @@
 
 use stickslip::study::{DesignValue, json_schema};
 
-use super::{parse, study};
+use super::{laws, parse, study};
 
 /// Every numeric parameter of every model and friction law can be a variable.
 #[test]
@@ -15,15 +15,7 @@ fn every_numeric_parameter_can_be_a_variable() {
     for (kind, speed) in
         [("ball_balancer", "rad_s"), ("block_on_spring", "m_s"), ("block_on_belt", "m_s")]
     {
-        for friction in [
-            "coulomb".to_owned(),
-            format!(
-                "{{stribeck: {{static_friction_coefficient: 0.5, stribeck_speed_{speed}: 1}}}}"
-            ),
-            format!("{{smooth: {{smoothing_speed_{speed}: 0.01}}}}"),
-            "{viscous: {viscous_coefficient_n_s_m: 0.01}}".to_owned(),
-            "{coulomb_viscous: {viscous_coefficient_n_s_m: 0.01}}".to_owned(),
-        ] {
+        for friction in laws(speed) {
             let plain = format!(
                 "schema: 1\nname: a\nseed: 1\nmodel: {{kind: {kind}, friction: {friction}}}\n\
                  initial_conditions: {{design: {{monte_carlo: {{samples: 4}}}}}}\n"

@@ -1,9 +1,12 @@
-//! Systems for each kernel, and states of a balancer.
+//! Systems for each kernel, states of a balancer, and motions until a time.
 
 use std::sync::Arc;
 
-use stickslip::model::{Recorded, Start, State, System};
-use stickslip::motion::{Motion, Settings};
+use stickslip::model::{Method, Recorded, Start, State, System};
+use stickslip::motion::{Effort, Motion, Settings, Tolerance};
+
+/// Both methods.
+pub const METHODS: [Method; 2] = [Method::Event, Method::Switch];
 
 /// Returns a system for the kernel that is written for it, if there is one.
 pub fn shared(system: impl System) -> Arc<dyn System> {
@@ -14,6 +17,20 @@ pub fn shared(system: impl System) -> Arc<dyn System> {
 pub fn for_each_kernel(system: impl System) -> [Arc<dyn System>; 2] {
     let system = shared(system);
     [Arc::clone(&system), Arc::new(Recorded(system))]
+}
+
+/// Returns settings with an absolute tolerance of a hundredth of the relative one; the band is for the switch model.
+pub fn settings(method: Method, relative: f64) -> Settings {
+    let tolerance = Tolerance { relative, absolute: 1e-2 * relative };
+    Settings { method, band: 1e-8, tolerance, effort_limit: 10_000_000 }
+}
+
+/// Advances until a time and returns the effort.
+pub fn go_on(motion: &mut Motion, until: f64) -> Effort {
+    while motion.time() < until {
+        motion.advance(until).expect("continues");
+    }
+    motion.effort()
 }
 
 /// Starts a motion of a balancer or, with `FREE` 0, of a block.
@@ -28,6 +45,17 @@ pub fn started<const N: usize, const FREE: usize>(
 /// Returns the present state of a motion of a balancer or, with `FREE` 0, of a block.
 pub fn state_of<const N: usize, const FREE: usize>(motion: &Motion) -> State<N, f64, FREE> {
     State::of_components(&motion.state()).expect("as many components")
+}
+
+/// Returns a start state of two balls; the states of different numbers are spread over the default box.
+pub fn spread_start(number: u32) -> Start {
+    let spread = |factor: f64| (f64::from(number) * factor + 0.3).sin();
+    Start::of_balancer(
+        [0.05 * spread(1.1), 0.05 * spread(2.3)],
+        &[3.0 + 3.0 * spread(3.1), 3.0 + 3.0 * spread(4.7)],
+        [0.05 * spread(5.9), 0.05 * spread(7.3)],
+        &[spread(8.9), spread(10.7)],
+    )
 }
 
 /// Returns a start state of a balancer with `N` balls.

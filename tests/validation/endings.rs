@@ -10,9 +10,10 @@ use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Simulation, Start};
 use stickslip::study::Study;
 
-use crate::classification::simulate_all::{cases_of, simulate_all};
+use crate::classification::simulate_all::simulate_all;
 use crate::docs::generated::compare_or_write_part;
 use crate::model::closed_forms::ClosedForms;
+use crate::support::cases_of;
 
 fn machine(speed_rad_s: f64) -> Machine {
     Machine { speed_rad_s, ..Machine::default() }
