@@ -158,7 +158,7 @@ fn extreme_values_have_closed_forms() {
 fn a_remedy_repeats_no_unit_of_the_study() {
     let scratch = Scratch::new();
     let remedy = |model: &str, rest: &str| {
-        checked(&scratch, model, rest)["warnings"][0]["remedy"].as_str().unwrap().to_owned()
+        checked(&scratch, model, rest)["warnings"][0]["remedy"].as_str().expect("a text").to_owned()
     };
     for (from, to) in [
         ("ball_diameter_m: 0.003", "ball_diameter: 60 mm"),

@@ -148,7 +148,7 @@ fn every_encoding_is_read() {
     let columns = || {
         vec![("speed_rad_s", speeds()), ("damping_n_s_m", dampings()), ("normal_force", forces())]
     };
-    let expected = sweep(&self::plain(columns())).unwrap();
+    let expected = sweep(&self::plain(columns())).expect("a valid study");
     let [plain, split] = [Encoding::PLAIN, Encoding::BYTE_STREAM_SPLIT];
     for version in [WriterVersion::PARQUET_1_0, WriterVersion::PARQUET_2_0] {
         for encodings in [
