@@ -203,7 +203,7 @@ fn an_empty_path_is_no_directory() {
         assert_eq!(scratch.files(), before, "{command}");
     }
     // The library returns the same error.
-    let study = super::support::parse(&small("seed: 5\n"));
+    let study = super::support::parse(small("seed: 5\n"));
     let error =
         stickslip::table::inspect(std::path::Path::new(""), &study, "1/1", &[]).unwrap_err();
     assert_has(&error.to_string(), &["\"\": cannot be used", "found:   an empty path"]);

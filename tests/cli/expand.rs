@@ -34,7 +34,7 @@ fn csv_parquet_plan_and_run_agree() {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     assert_eq!(reader.headers().expect("a header"), columns());
     let lines: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
-    let study = parse(&study());
+    let study = parse(study());
     assert_eq!(study.run_count(), 1500);
     assert_eq!((lines.len(), cases.num_rows(), runs.num_rows()), (1500, 1500, 1500));
 

@@ -98,7 +98,7 @@ fn stopped_by(signal: &str, number: u32) {
     // The rows are those of the whole study.
     let ids = counts(&table, "run_id");
     assert!(ids.is_sorted_by(|a, b| a < b));
-    let study = parse(&long());
+    let study = parse(long());
     let records: Vec<RunRecord> =
         ids.par_iter().map(|&run_id| compute(&study, run_id, simulate)).collect();
     let expected = batch(&run_columns(&study), &records).unwrap();

@@ -58,8 +58,7 @@ fn killed(status: ExitStatus) -> bool {
 
 fn scratch() -> Scratch {
     let expect = "expect: [{point: {}, undecided_fraction: [1, 1]}]\n";
-    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 20}}", AT_ONCE, expect));
-    scratch
+    Scratch::with(study_text("a", "{monte_carlo: {samples: 20}}", AT_ONCE, expect))
 }
 
 #[test]

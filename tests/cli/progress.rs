@@ -12,8 +12,8 @@ fn scratch(points: u32) -> Scratch {
          uncertain: {{ball_mass_kg: {{normal: {{mean: 1.4e-4, std_dev: 1.4e-4}}}}}}\n",
         speeds.join(", ")
     );
-    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 8}}", AT_ONCE, &sweep));
-    scratch
+
+    Scratch::with(study_text("a", "{monte_carlo: {samples: 8}}", AT_ONCE, &sweep))
 }
 
 #[test]

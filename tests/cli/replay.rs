@@ -101,7 +101,7 @@ fn the_tables_of_a_motion() {
     for (wrapped, unwrapped) in of("beta_2_rad").into_iter().zip(unwrapped) {
         assert!((0.0..std::f64::consts::TAU).contains(&wrapped));
         let part = ((wrapped - unwrapped) / std::f64::consts::TAU).fract().abs();
-        assert!(part < 1e-9 || part > 1.0 - 1e-9, "{part}");
+        assert!(!(1e-9..=1.0 - 1e-9).contains(&part), "{part}");
     }
     // m ω_n² L with the thesis's ball and ring.
     let (normal, plain) = (of("normal_1_n"), of("normal_1"));

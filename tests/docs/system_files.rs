@@ -22,7 +22,7 @@ fn systems_on_the_page_are_shipped() {
             let keys = "system: shaken\ncoordinates: {x: {unit: m}}\nmass: {x: {x: m}}\n\
                         contacts: {ground: {normal: load, sliding: x'}}\n";
             let system = format!("{keys}{text}").replace('\n', "\n    ");
-            parse(&format!(
+            parse(format!(
                 "schema: 1\nname: a\nseed: 1\nmodel:\n  system:\n    {system}\n\
                  initial_conditions: {{design: {{monte_carlo: {{samples: 1}}}}}}\n"
             ));

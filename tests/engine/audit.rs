@@ -126,7 +126,7 @@ fn failures_on_one_side_are_flips() {
 fn parameters_without_sense_do_not_flip() {
     let rest = "audit: {fraction: 1}\n\
                 uncertain: {ball_mass_kg: {normal: {mean: 1.4e-4, std_dev: 1.4e-4}}}\n";
-    let study = parse(&study_text("a", "{monte_carlo: {samples: 60}}", AT_ONCE, rest));
+    let study = parse(study_text("a", "{monte_carlo: {samples: 60}}", AT_ONCE, rest));
     let records: Vec<_> = (0..60).map(|run| compute(&study, run, simulate)).collect();
     let invalid = records.iter().filter(|record| record.planned.case.is_err());
     assert!(invalid.clone().count() > 3);

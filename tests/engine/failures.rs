@@ -12,7 +12,7 @@ use crate::cli::support::{AT_ONCE, Scratch, counts, numbers, parse, study_text, 
 
 fn study() -> Study {
     let sweep = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0]}}]\n";
-    parse(&study_text("a", "{monte_carlo: {samples: 20}}", AT_ONCE, sweep))
+    parse(study_text("a", "{monte_carlo: {samples: 20}}", AT_ONCE, sweep))
 }
 
 #[test]

@@ -53,7 +53,7 @@ fn sampled(study: &Study) -> Kept {
 #[test]
 fn points_stop_where_the_rule_stops() {
     for (half_width, max_runs) in [(0.2, 10_000), (0.05, 10_000), (0.02, 1000), (0.02, 10)] {
-        let study = parse(&text(half_width, max_runs, AT_ONCE));
+        let study = parse(text(half_width, max_runs, AT_ONCE));
         let kept = sampled(&study);
         assert_eq!(kept.points.len(), 3);
         for row in &kept.points {
@@ -102,7 +102,7 @@ fn amplitudes_and_the_fraction_decide_together() {
         "amplitude_p50_m: 1.0e-7",
         "equilibrium_fraction: 0.2, amplitude_p50: 0.1 µm",
     ] {
-        let study = parse(&text(0.2, 1000, AT_ONCE).replace("equilibrium_fraction: 0.2", keys));
+        let study = parse(text(0.2, 1000, AT_ONCE).replace("equilibrium_fraction: 0.2", keys));
         let limits = HalfWidths::from(study.precision().expect("a precision"));
         let mut kept = Kept::default();
         run_in_memory(&study, &mut kept, &AtomicBool::new(false), simulated)
@@ -134,7 +134,7 @@ fn amplitudes_and_the_fraction_decide_together() {
 #[test]
 fn former_runs_are_kept() {
     let runs = |half_width, max_runs| {
-        let kept = sampled(&parse(&text(half_width, max_runs, AT_ONCE)));
+        let kept = sampled(&parse(text(half_width, max_runs, AT_ONCE)));
         let mut points: BTreeMap<u64, Vec<_>> = BTreeMap::new();
         for record in kept.runs {
             let mut planned = record.planned;
@@ -160,7 +160,7 @@ fn former_runs_are_kept() {
 /// first point is complete, and no point starts again.
 #[test]
 fn an_interruption_keeps_what_is_finished() {
-    let study = parse(&text(0.06, 150, AT_ONCE));
+    let study = parse(text(0.06, 150, AT_ONCE));
     let whole = sampled(&study);
     let first = whole.points[0].summary.counts.total();
     let (stop, done) = (AtomicBool::new(false), AtomicUsize::new(0));
@@ -306,6 +306,6 @@ fn simulated_runs_are_kept() {
     let new = run("new", text(0.08, 300, 3.0));
     assert!(new.len() > old.len(), "{} {}", new.len(), old.len());
     assert!(old.iter().all(|(key, row)| new[key] == *row));
-    let study = parse(&text(0.12, 100, 3.0));
+    let study = parse(text(0.12, 100, 3.0));
     assert!(study.planned_run(0).case.is_ok_and(|case| simulate(&case).evidence.error().is_none()));
 }

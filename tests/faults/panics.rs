@@ -30,7 +30,7 @@ fn run_in_directory(
 #[test]
 fn panics_are_rows_that_can_be_tried_again() {
     let scratch = Scratch::new();
-    let study = parse(&super::study().replace("samples: 3200", "samples: 200"));
+    let study = parse(super::study().replace("samples: 3200", "samples: 200"));
     let whole = run_in_directory(&study, &scratch.path("whole"), false, simulate);
     let out = scratch.path("out");
     let bad = |case: &Case| case.start.0[0] > 0.02;

@@ -168,7 +168,7 @@ fn integers(table: &RecordBatch, name: &str) -> Vec<Option<i32>> {
 #[test]
 fn constructed_cycles_of_balls_are_written() {
     let sweep = "sweep: [{grid: {speed_rad_s: [-247.3, 247.3]}}]\n";
-    let study = parse(&study_text("a", "{monte_carlo: {samples: 3000}}", 20.0, sweep));
+    let study = parse(study_text("a", "{monte_carlo: {samples: 3000}}", 20.0, sweep));
     let scratch = Scratch::new();
     let first = written(&study, &scratch.path("first"), 1, 100);
     for (index, (threads, chunk)) in [(3, 7), (7, 1000)].into_iter().enumerate() {

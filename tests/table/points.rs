@@ -12,7 +12,7 @@ use crate::cli::support::{AT_ONCE, parse, study_text};
 fn columns_read_what_they_write() {
     let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -170.0]}}]\naudit: {fraction: 0.5}\nresponses:\n  \
                 vibration: {amplitude_mean: {}}\n  rests: {at_rest_by_s: 1.0e-6}\n";
-    let study = parse(&study_text("a", "{monte_carlo: {samples: 5}}", AT_ONCE, rest));
+    let study = parse(study_text("a", "{monte_carlo: {samples: 5}}", AT_ONCE, rest));
     let mut last = 0.0;
     let mut next = || {
         last += 0.1;

@@ -29,7 +29,7 @@ fn provenance(scratch: &Scratch, file: &str) -> Value {
 fn every_table_says_where_it_comes_from() {
     let scratch = Scratch::ran(text());
     scratch.well("expand a.yaml --out cases.parquet");
-    let study = parse(&text());
+    let study = parse(text());
     for (file, table) in [
         ("out/runs.parquet", "runs"),
         ("out/points.parquet", "points"),
