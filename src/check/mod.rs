@@ -6,8 +6,8 @@
 //!
 //! Read `ball_fit` and `steady` first. `closed_form` then collects the facts about a ball balancer, and `own_facts` the
 //! facts about any other system. `points` selects the points of a large sweep, and `designs` the designs of a search.
-//! Warnings build on these: `slips` (values in a wrong unit) and `values` examine one machine, and `conditions` and
-//! `obstacle` examine the study. `warnings` collects all of them.
+//! Warnings build on these: `unit_mistakes` and `values` examine one machine, and `conditions` and `obstacle` examine the
+//! study. `warnings` collects all of them.
 
 mod ball_fit;
 mod closed_form;
@@ -16,8 +16,8 @@ mod designs;
 mod obstacle;
 mod own_facts;
 mod points;
-mod slips;
 mod steady;
+mod unit_mistakes;
 mod values;
 mod warning;
 mod warnings;

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use super::ball_fit::{BallPositions, density_kg_m3, occupied_angle};
 use super::closed_form::capacity_kg_m;
-use super::slips::{HEAVY_BALLS, UsualLimit, has_mass_of_template, limits};
+use super::unit_mistakes::{HEAVY_BALLS, UsualLimit, has_mass_of_template, limits};
 use super::warning::Finding;
 use crate::analysis::{Balance, RestForm, reference_amplitude};
 use crate::model::{
