@@ -9,7 +9,7 @@ use std::any::{Any, TypeId};
 
 use smallvec::SmallVec;
 
-use super::contact_mode::{add_contact_inputs, record_contact};
+use super::contact_mode::record_contact;
 use super::driven_disc::{DiscSpeed, DrivenDisc};
 use super::recorded_balancer::{RecordedGap, equations, record_state};
 use super::system::pass_on;
@@ -99,10 +99,7 @@ impl<const N: usize> DrivenDisc for BallsInContact<N> {
     }
 
     fn inputs_turning(&self, modes: &[ContactMode], turning: bool) -> Vec<f64> {
-        let mut inputs = self.balancer.parameter_inputs(turning);
-        for (ball, mode) in self.balancer.balls.iter().zip(modes) {
-            add_contact_inputs(&mut inputs, *mode, &ball.friction);
-        }
+        let mut inputs = self.balancer.inputs_turning(modes, turning);
         let pushes: SmallVec<[_; 8]> = pushes(&self.gaps, modes).collect();
         inputs.extend(pushes.iter().map(|pushes| if pushes.is_some() { 1.0 } else { 0.0 }));
         // Without a force, the pushes do not matter.
@@ -123,10 +120,9 @@ impl<const N: usize> System for BallsInContact<N> {
     }
 
     fn structure(&self) -> Option<Structure> {
-        let laws = self.balancer.balls.iter().map(|ball| ball.friction.law_name());
+        let (_, laws, runout) = self.balancer.structure()?;
         let order = self.gaps.iter().flat_map(|gap| gap.contacts);
-        let runout = usize::from(self.balancer.runout.is_some());
-        Some((TypeId::of::<Self>(), laws.collect(), order.chain([runout]).collect()))
+        Some((TypeId::of::<Self>(), laws, order.chain(runout).collect()))
     }
 
     fn contacts(&self) -> usize {

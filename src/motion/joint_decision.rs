@@ -1,5 +1,5 @@
-//! The joint decision for several contacts: phases of which each meets its own condition. The method of the motion defines
-//! the conditions.
+//! The joint decision for several contacts: it finds one phase for each contact, so that every phase meets its condition. The
+//! method of the motion defines the conditions.
 
 use smallvec::SmallVec;
 
