@@ -107,15 +107,10 @@ impl<B: DrivenDisc> System for Driven<B> {
         fn force_scale() -> f64;
         fn jump_of_balls(state: &mut [f64], jump: [f64; 2]) -> u32;
         fn touching() -> Option<&dyn Touching>;
-        fn while_apart() -> &dyn Any;
     }
 
     fn one_solution_at(&self, state: &[f64]) -> bool {
         state.split_last().is_some_and(|(_, state)| self.fastest.one_solution_at(state))
-    }
-
-    fn speed_terms(&self) -> Option<&[f64; SPEED_TERMS]> {
-        Some(&self.speed)
     }
 
     fn as_any(&self) -> &dyn Any {

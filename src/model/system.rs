@@ -5,8 +5,8 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use super::{
-    Components, ContactMode, Friction, Gap, Graph, ImpactLaw, PerStructure, Recorder, SPEED_TERMS,
-    Structure, SystemEquations,
+    Components, ContactMode, Friction, Gap, Graph, ImpactLaw, PerStructure, Recorder, Structure,
+    SystemEquations,
 };
 
 /// A mechanical system. Its recorded equations define the motion, its tangents, forces and events.
@@ -86,12 +86,6 @@ pub trait System: Any + Debug + Send + Sync {
     /// Returns the system that has the same motion while no contacts touch, for kernels that are written for one type.
     fn while_apart(&self) -> &dyn Any {
         self.as_any()
-    }
-
-    /// Returns the coefficients of the speed of the disc as a polynomial of the last component of the state, if the speed
-    /// changes. The system that [`System::while_apart`] returns is then at the largest speed.
-    fn speed_terms(&self) -> Option<&[f64; SPEED_TERMS]> {
-        None
     }
 
     /// Returns this system, for kernels that are written for one type.

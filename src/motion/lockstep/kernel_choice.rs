@@ -37,12 +37,11 @@ fn baseline_lanes(simd: Baseline, system: &Arc<dyn System>) -> Box<dyn LaneGroup
 /// Returns empty lanes for a system, computed with these instructions. The unit tests need two of the tuned kernels only,
 /// whose compilation takes long.
 fn lanes_with<S: Vector>(simd: S, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
-    let changes = system.speed_terms().is_some();
     macro_rules! tuned {
         ($($balls:literal)*) => {
             $(
                 if TunedKernel::<S, $balls>::computes(system) {
-                    let kernel = TunedKernel::<S, $balls>::new(simd, changes);
+                    let kernel = TunedKernel::<S, $balls>::new(simd);
                     return Box::new(KernelLanes::new(simd, kernel));
                 }
             )*

@@ -123,8 +123,8 @@ fn seen_in<S: Vector, K: Kernel<S>>(
 #[test]
 fn balls_that_leave_the_ring_are_seen_by_the_tuned_kernel() {
     let Some(simd) = tested_vectors() else { return };
-    seen_in(simd, |_| TunedKernel::<_, 2>::new(simd, false), &machine(), 0.3);
-    seen_in(simd, |_| TunedKernel::<_, 2>::new(simd, false), &dragged(), 3e-3);
+    seen_in(simd, |_| TunedKernel::<_, 2>::new(simd), &machine(), 0.3);
+    seen_in(simd, |_| TunedKernel::<_, 2>::new(simd), &dragged(), 3e-3);
 }
 
 #[test]

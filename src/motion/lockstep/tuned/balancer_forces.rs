@@ -135,9 +135,6 @@ pub(in crate::motion::lockstep) fn with_balancer_forces<R>(
     state: &[f64],
     with: impl FnOnce(&dyn ForceModel) -> R,
 ) -> Option<R> {
-    if system.speed_terms().is_some() {
-        return None;
-    }
     macro_rules! of_balls {
         ($($balls:literal)*) => {
             $(

@@ -125,7 +125,7 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
         tolerance: Tolerance { relative: 1e-6, absolute: 1e-8 },
         effort_limit: 1000,
     };
-    let mut group = KernelLanes::new(simd, TunedKernel::<_, N>::new(simd, false));
+    let mut group = KernelLanes::new(simd, TunedKernel::<_, N>::new(simd));
     let balancers: Vec<Balancer<N>> =
         (0..LANES).map(|lane| Balancer::new(&machine(lane, N)).expect("N balls")).collect();
     let mut longest = Lanes::splat(simd, 0.0);
@@ -150,7 +150,7 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
     kernel.expand(workspace, state, false);
     let lengths = within_tolerance(&workspace.series, *tolerance, *next).min(longest);
     let BalancerWorkspace { series, perturbed, .. } = &mut **workspace;
-    let moved = propagate(series, (&kernel.equations, None), perturbation, lengths, perturbed);
+    let moved = propagate(series, &kernel.equations, perturbation, lengths, perturbed);
     for (lane, balancer) in balancers.iter().enumerate() {
         let start = group.state.lane(lane).along(&group.perturbation.lane(lane));
         let along = integrated(balancer, group.phases(lane), &start, (lengths[lane], 16));

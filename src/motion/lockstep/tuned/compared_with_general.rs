@@ -1,15 +1,11 @@
-//! Tests of the tuned kernel against the general one, which evaluates recorded equations: balls that touch, and discs whose
-//! speed changes.
+//! Tests of the tuned kernel against the general one, which evaluates recorded equations: balls that touch.
 
 use std::sync::Arc;
 
 use fearless_simd::SimdBase;
 
 use super::kernel::TunedKernel;
-use crate::model::{
-    Ball, BallContact, Components, Machine, Method, Model, ProfilePart, Ramp, RampShape,
-    SpeedProfile, Start, System,
-};
+use crate::model::{Ball, BallContact, Components, Machine, Method, Model, Start, System};
 use crate::motion::condition::Condition;
 use crate::motion::lockstep::general::GeneralKernel;
 use crate::motion::lockstep::kernel::{Kernel, StepEnd};
@@ -28,23 +24,18 @@ fn value(of: usize, lane: usize) -> f64 {
     libm::sin((1 + of + 31 * lane) as f64 * 1.7)
 }
 
-/// A machine with contact between its balls, whose disc has the constant speed of the thesis or begins a ramp.
-fn machine(balls: usize, ramp: Option<RampShape>) -> Machine {
+/// A machine with contact between its balls.
+fn machine(balls: usize) -> Machine {
     let machine = Machine::default();
     let ball = machine.balls[0];
     let balls =
         (0..balls).map(|one| Ball { mass_kg: ball.mass_kg * (1.0 + 0.1 * one as f64), ..ball });
-    let profile = |shape| SpeedProfile {
-        start_speed_rad_s: -60.0,
-        parts: vec![ProfilePart::Ramp(Ramp { shape, to_rad_s: None, over_s: 0.7 })],
-    };
     Machine {
         speed_rad_s: -216.3772,
         ring_runout_m: 2e-5,
         ring_runout_angle_rad: 1.0,
         balls: balls.collect(),
         contact: Some(BallContact { restitution: 0.4, friction_coefficient: 0.1 }),
-        speed_profile: ramp.map(profile),
         ..machine
     }
 }
@@ -69,10 +60,7 @@ fn run(machine: &Machine, method: Method, lane: usize) -> SavedRun {
     let model = Model::BallBalancer(machine.clone());
     let stage = model.stages(&start, 10.0).expect("stages").swap_remove(0);
     let state = model.start_state(&start).expect("a state of the machine");
-    let (mut state, _) = stage.entered(None, &state);
-    if stage.is_driven {
-        state[4 + 2 * balls] = 60.0 + 50.0 * value(8, lane);
-    }
+    let (state, _) = stage.entered(None, &state);
     let band = if method == Method::Switch { 1e-3 } else { 0.0 };
     let tolerance = Tolerance { relative: 1e-8, absolute: 1e-10 };
     let settings = Settings { method, band, tolerance, effort_limit: 1000 };
@@ -96,14 +84,11 @@ fn step<S: Vector, K: Kernel<S>>(simd: S, kernel: K, runs: &[SavedRun]) -> Step 
         group.put(lane, run, 100.0);
         let direction: Vec<f64> = (0..run.state().len()).map(|of| value(of, lane + 50)).collect();
         let mut direction = Components::from_vec(direction);
-        // Balls that touch move together, and time is not perturbed.
+        // Balls that touch move together.
         let balls = group.kernel.contacts();
         for ball in 1..balls {
             direction[4 + ball] = direction[4];
             direction[4 + balls + ball] = direction[4 + balls];
-        }
-        if let Some(time) = direction.get_mut(4 + 2 * balls) {
-            *time = 0.0;
         }
         group.perturb(lane, &direction);
     }
@@ -138,18 +123,14 @@ fn step<S: Vector, K: Kernel<S>>(simd: S, kernel: K, runs: &[SavedRun]) -> Step 
 }
 
 /// Compares both kernels in all lanes. Returns the number of steps that end with an event, and of those that obviously do not.
-fn agree<const N: usize>(
-    simd: impl Vector,
-    ramp: Option<RampShape>,
-    method: Method,
-) -> (usize, usize) {
-    let machine = machine(N, ramp);
+fn agree<const N: usize>(simd: impl Vector, method: Method) -> (usize, usize) {
+    let machine = machine(N);
     let runs: Vec<SavedRun> = (0..LANES).map(|lane| run(&machine, method, lane)).collect();
     let touches = |run: &SavedRun| any_closed(&run.lane.phases);
     let touching = runs.iter().filter(|run| touches(run));
     let slipping = |run: &&SavedRun| run.lane.phases[0] != Phase::Stick;
     assert!(touching.clone().any(|run| slipping(&run)) && touching.count() < LANES);
-    let tuned = step(simd, TunedKernel::<_, N>::new(simd, ramp.is_some()), &runs);
+    let tuned = step(simd, TunedKernel::<_, N>::new(simd), &runs);
     let general = step(simd, GeneralKernel::new(simd, runs[0].system()), &runs);
     let (mut located, mut obvious) = (0, 0);
     for (lane, run) in runs.iter().enumerate() {
@@ -198,21 +179,9 @@ fn agree<const N: usize>(
 fn balls_that_touch() {
     let Some(simd) = tested_vectors() else { return };
     let counts = [
-        agree::<2>(simd, None, Method::Event),
-        agree::<2>(simd, None, Method::Switch),
-        agree::<4>(simd, None, Method::Event),
+        agree::<2>(simd, Method::Event),
+        agree::<2>(simd, Method::Switch),
+        agree::<4>(simd, Method::Event),
     ];
     assert!(counts.iter().all(|(located, obvious)| *located > 0 && *obvious > 0), "{counts:?}");
-}
-
-#[test]
-fn discs_whose_speed_changes() {
-    let Some(simd) = tested_vectors() else { return };
-    for shape in [RampShape::Linear, RampShape::Smooth] {
-        let counts =
-            [Method::Event, Method::Switch].map(|method| agree::<2>(simd, Some(shape), method));
-        let located: usize = counts.iter().map(|(located, _)| located).sum();
-        let obvious: usize = counts.iter().map(|(_, obvious)| obvious).sum();
-        assert!(located > 0 && obvious > 0, "{counts:?}");
-    }
 }

@@ -5,21 +5,15 @@
 
 use fearless_simd::prelude::*;
 
-use super::drive::{BallOnDisc, DiscSpeedSeries, SQUARED_TERMS};
 use super::equations::Equations;
 use super::gap_forces::GapForceEquations;
 use super::series::{BalancerSeries, decay};
-use crate::model::SPEED_TERMS;
 use crate::motion::Phase;
 use crate::motion::condition::Margins;
 use crate::motion::lockstep::lane_bounds::LaneBounds;
 use crate::motion::lockstep::root_isolation::FOURTH;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 use crate::motion::lockstep::{Lanes, ORDER};
-
-/// The fourth derivative of a cubic polynomial times `exp(-t)` is at most this times the sum of the magnitudes of its
-/// coefficients, for times up to 5: the largest sum of binomials times derivatives is 685.
-const DYING_SPEED: f64 = 1000.0;
 
 /// The coefficients of a ball's conditions.
 #[derive(Clone, Copy)]
@@ -151,13 +145,8 @@ pub(super) fn screen_conditions<S: Vector, const N: usize>(
         let mut holds = curve.holds();
         lanes_to_examine.slips[i] = curve;
         let ball = &equations.balls[i];
-        let mut least = ball.least_pressed;
-        if let Some(turning) = &series.turning {
-            let speed = turning.least_speed(length);
-            least = turning.balls[i].least * (speed * speed);
-        }
-        let mut pressed = least.simd_gt(pulls[0].max(pulls[1]));
-        if series.turning.is_none() && !pressed.all_true() {
+        let mut pressed = ball.least_pressed.simd_gt(pulls[0].max(pulls[1]));
+        if !pressed.all_true() {
             // The normal force is a parabola in the ball's speed. On one side of its minimum, and
             // not so near that the ball may have passed it, the ends decide.
             let mut plain = length.simd_eq(length);
@@ -252,70 +241,6 @@ impl<S: Vector> TableAcceleration<S> {
     }
 }
 
-/// Returns what a disc whose speed changes adds to the normal force on a sticking ball with a residual speed `left`: values
-/// and changes at both ends of the step, and a bound; and the Euler force along the ring.
-#[inline(never)]
-fn on_disc<S: Vector, const N: usize>(
-    turning: &DiscSpeedSeries<S, N>,
-    (ball, left): (usize, Lanes<S>),
-    length: Lanes<S>,
-) -> ([Lanes<S>; 5], LaneBounds<S>) {
-    vectorized!(length.simd, on_disc_in_vectors(turning, (ball, left), length))
-}
-
-#[inline(always)]
-fn on_disc_in_vectors<S: Vector, const N: usize>(
-    turning: &DiscSpeedSeries<S, N>,
-    (ball, left): (usize, Lanes<S>),
-    length: Lanes<S>,
-) -> ([Lanes<S>; 5], LaneBounds<S>) {
-    let zero = Lanes::splat(length.simd, 0.0);
-    let BallOnDisc { pressed: by_speed, euler, .. } = turning.balls[ball];
-    let speed = LaneBounds::of_series(
-        length,
-        SPEED_TERMS - 1,
-        #[inline(always)]
-        |k| turning.speed[k],
-    );
-    let squared = LaneBounds::of_series(
-        length,
-        SQUARED_TERMS - 1,
-        #[inline(always)]
-        |k| turning.squared[k],
-    );
-    let acceleration = LaneBounds::of_series(
-        length,
-        SPEED_TERMS - 2,
-        #[inline(always)]
-        |k| turning.acceleration[k],
-    );
-    let ([start, end], [first, last]) = (squared.values, squared.changes);
-    let mut pressed = [start, end, first, last, squared.bound];
-    if !left.simd_eq(zero).all_true() {
-        let slower = [by_speed * left, by_speed * (left * decay(length))];
-        for end in 0..2 {
-            let change = speed.changes[end] - length * speed.values[end];
-            pressed[end] += slower[end] * speed.values[end];
-            pressed[2 + end] += slower[end] * change;
-        }
-        let mut size = zero;
-        for term in &turning.speed {
-            size += term.abs();
-        }
-        let square = length * length;
-        let most = Lanes::splat(length.simd, DYING_SPEED);
-        pressed[4] += most * slower[0].abs() * size * (square * square);
-    }
-    let [start, end] = acceleration.values;
-    let [first, last] = acceleration.changes;
-    let drawn = LaneBounds {
-        values: [euler * start, euler * end],
-        changes: [euler * first, euler * last],
-        bound: euler.abs() * acceleration.bound,
-    };
-    (pressed, drawn)
-}
-
 /// Returns the remaining friction of a sticking ball, against a forward and against a backward
 /// force: the rotated acceleration of the table.
 #[inline(always)]
@@ -347,14 +272,6 @@ fn held<S: Vector, const N: usize>(
             (slower.abs() + number(16.0) * faster.abs()) * (square * square),
         ];
     }
-    let mut drawn = LaneBounds::zero(length.simd);
-    if let Some(turning) = &series.turning {
-        let (by_disc, euler) = on_disc(turning, (i, left), length);
-        for (pressed, by_disc) in pressed.iter_mut().zip(by_disc) {
-            *pressed += by_disc;
-        }
-        drawn = euler;
-    }
     let along = |[x, y]: [Lanes<S>; 2]| c.fused(x, s * y);
     let across = |[x, y]: [Lanes<S>; 2]| s.fused(x, -(c * y));
     let change = [second.pull[0] * length, second.pull[1] * length];
@@ -364,16 +281,11 @@ fn held<S: Vector, const N: usize>(
         limit * (pressed[2] - along(change)),
         limit * (pressed[3] - along(pull.change)),
     ];
-    let forces = [
-        across(first.pull) - drawn.values[0],
-        across(pull.end) - drawn.values[1],
-        across(change) - drawn.changes[0],
-        across(pull.change) - drawn.changes[1],
-    ];
+    let forces = [across(first.pull), across(pull.end), across(change), across(pull.change)];
     let (size_c, size_s) = (c.abs(), s.abs());
     let weights = [limit.fused(size_c, size_s), limit.fused(size_s, size_c)];
     let bound = weights[0].fused(pull.bound[0], weights[1] * pull.bound[1]);
-    let bound = limit.fused(pressed[4], bound) + drawn.bound;
+    let bound = limit.fused(pressed[4], bound);
     let [a, b, p, q] = reserves;
     let [f, g, u, v] = forces;
     [

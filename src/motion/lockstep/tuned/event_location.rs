@@ -155,15 +155,9 @@ fn forces_if_stuck<S: Vector, const N: usize>(
     for (k, (normal, friction)) in powers.take(ORDER) {
         let [x, y] = &series.terms[k].pull;
         let (x, y) = (x[lane], y[lane]);
-        let changes = k == 0 || left || series.turning.is_some();
-        let pressed = if changes { pressed(series, balancer, lane, ball, k) } else { 0.0 };
+        let pressed = if k == 0 || left { pressed(series, balancer, lane, ball, k) } else { 0.0 };
         *normal = pressed - (c * x + s * y);
         *friction = s * x - c * y;
-        if let Some(turning) = &series.turning
-            && let Some(acceleration) = turning.acceleration.get(k)
-        {
-            *friction -= turning.balls[ball].euler[lane] * acceleration[lane];
-        }
     }
     [normal, friction]
 }
@@ -185,17 +179,9 @@ fn pressed<S: Vector, const N: usize>(
     let left = series.solver.residual[ball][lane];
     let linear = of_ball.speed[lane] + DYING[k][0] * left;
     let quadratic = of_ball.squared[lane] + DYING[k][1] * (left * left);
-    let at_constant_speed = constant
+    constant
         + ((2.0 * speed - parameters.rolling_linear) * linear
-            + (1.0 - parameters.rolling_quadratic) * quadratic);
-    match &series.turning {
-        None => at_constant_speed,
-        Some(turning) => {
-            let speed = |j: usize| series.terms[j].balls[ball].speed[lane] + DYING[j][0] * left;
-            let [square, product] = turning.square_and_product(lane, k, speed);
-            at_constant_speed + (square + turning.balls[ball].pressed[lane] * product)
-        }
-    }
+            + (1.0 - parameters.rolling_quadratic) * quadratic)
 }
 
 /// Returns the series of the normal force on a ball of a lane.

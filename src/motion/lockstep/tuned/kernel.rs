@@ -5,7 +5,6 @@ use std::sync::Arc;
 use fearless_simd::{mask64x8, prelude::*};
 
 use super::balancer_forces::{BalancerForces, called, turned};
-use super::drive::Drive;
 use super::equations::{Equations, while_apart};
 use super::event_functions::{ConditionCoefficients, LanesToExamine};
 use super::gap_forces::GapForceEquations;
@@ -34,9 +33,7 @@ pub(in crate::motion::lockstep) struct TunedKernel<S: Vector, const N: usize> {
     /// The phases of the balls that the equations have.
     phases: [[Option<Phase>; N]; LANES],
     gaps: GapForceEquations<S, N>,
-    /// The disc, if its speed changes.
-    drive: Option<Box<Drive<S, N>>>,
-    /// The recorded equations of systems with gaps or a disc whose speed changes, for the decisions that need them.
+    /// The recorded equations of systems with gaps, for the decisions that need them.
     evaluators: [Option<Evaluator>; LANES],
     /// The latest of them, for the next one.
     latest: Option<Evaluator>,
@@ -52,8 +49,8 @@ pub(in crate::motion::lockstep) struct BalancerWorkspace<S: Vector, const N: usi
 }
 
 impl<S: Vector, const N: usize> TunedKernel<S, N> {
-    /// Empty lanes, for discs whose speed changes or for others.
-    pub(in crate::motion::lockstep) fn new(simd: S, changes: bool) -> Self {
+    /// Empty lanes.
+    pub(in crate::motion::lockstep) fn new(simd: S) -> Self {
         TunedKernel {
             equations: Equations::blank(simd),
             watched: [ConditionCoefficients::nothing(simd); N],
@@ -61,7 +58,6 @@ impl<S: Vector, const N: usize> TunedKernel<S, N> {
             balancers: [None; LANES],
             phases: [[None; N]; LANES],
             gaps: GapForceEquations::none(simd),
-            drive: changes.then(|| Box::new(Drive::blank(simd))),
             evaluators: std::array::from_fn(|_| None),
             latest: None,
             sliding: 0,
@@ -85,7 +81,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     type Workspace = BalancerWorkspace<S, N>;
 
     fn fits(&self, system: &Arc<dyn System>) -> bool {
-        Self::computes(system) && system.speed_terms().is_some() == self.drive.is_some()
+        Self::computes(system)
     }
 
     #[inline(always)]
@@ -112,13 +108,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
 
     fn set_system(&mut self, lane: usize, own: &Lane) {
         let Some(balancer) = while_apart(&own.system) else { return };
-        let mut balancer: Balancer<N> = *balancer;
-        if let (Some(drive), Some(speed)) = (&mut self.drive, own.system.speed_terms()) {
-            drive.set_machine(lane, &balancer, speed);
-            // Everything that depends on the speed is in `Drive`.
-            balancer.speed = 0.0;
-            balancer.balls.iter_mut().for_each(|ball| ball.rolling_linear = 0.0);
-        }
+        let balancer: Balancer<N> = *balancer;
         self.equations.set_machine(lane, &balancer);
         for (watched, ball) in self.watched.iter_mut().zip(&balancer.balls) {
             watched.limit[lane] = ball.friction.limit;
@@ -129,8 +119,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         self.balancers[lane] = Some(balancer);
         self.phases[lane] = [None; N];
         self.gaps.clear(lane);
-        let recorded = own.system.touching().is_some() || self.drive.is_some();
-        if recorded {
+        if own.system.touching().is_some() {
             let new = || Evaluator::new(Arc::clone(&own.system));
             let evaluator = self.latest.as_ref().map_or_else(new, |one| one.of(&own.system));
             self.latest = Some(evaluator.clone());
@@ -150,10 +139,6 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
             }
             self.equations.set_phase(lane, balancer, (place, *phase));
             self.watched[place].set(lane, *phase, margins);
-            if let Some(drive) = &mut self.drive {
-                let ball = &self.equations.balls[place];
-                drive.set_ball(lane, place, [ball.mobility[lane], ball.friction[lane]]);
-            }
         }
         if let Some(touching) = own.system.touching() {
             self.gaps.set(lane, own, touching.gaps(), &self.equations);
@@ -162,10 +147,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
 
     fn set_rest(&mut self, lane: usize, own: &Lane, state: &[f64]) {
         self.rest.clear(lane);
-        // A run ends in its last stage, in which the speed is constant.
-        if self.drive.is_none()
-            && let Some(balancer) = &self.balancers[lane]
-        {
+        if let Some(balancer) = &self.balancers[lane] {
             self.rest.set(lane, balancer, (&own.phases, state));
         }
     }
@@ -179,11 +161,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     }
 
     fn lane(&self, states: &Self::LaneStates, lane: usize) -> Components {
-        let mut components = states.lane(lane).components();
-        if self.drive.is_some() {
-            components.push(states.elapsed[lane]);
-        }
-        components
+        states.lane(lane).components()
     }
 
     fn set_lane(&self, states: &mut Self::LaneStates, lane: usize, components: &[f64]) {
@@ -222,7 +200,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
 
     #[inline(always)]
     fn expand(&self, workspace: &mut Self::Workspace, start: &Self::LaneStates, _perturbed: bool) {
-        workspace.series.expand(&self.equations, (self.drive.as_deref(), &self.gaps), start);
+        workspace.series.expand(&self.equations, &self.gaps, start);
     }
 
     #[inline(always)]
@@ -278,9 +256,6 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         into: &mut Self::LaneStates,
     ) {
         *into = workspace.series.at(&self.equations, start, time);
-        if self.drive.is_some() {
-            into.elapsed += time;
-        }
     }
 
     #[inline(always)]
@@ -291,8 +266,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         length: Lanes<S>,
     ) -> Self::LaneStates {
         let BalancerWorkspace { series, perturbed, .. } = workspace;
-        let equations = (&self.equations, self.drive.as_deref());
-        tangent::propagate(series, equations, perturbation, length, perturbed)
+        tangent::propagate(series, &self.equations, perturbation, length, perturbed)
     }
 
     #[inline(always)]
@@ -302,7 +276,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
 
     #[inline(always)]
     fn still(&self, workspace: &Self::Workspace) -> u64 {
-        if self.sliding == 0 || self.drive.is_some() {
+        if self.sliding == 0 {
             return 0;
         }
         let [first, second, third, ..] = &workspace.series.terms;
@@ -380,8 +354,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         state: &[f64],
         with: impl FnOnce(&dyn ForceModel) -> R,
     ) -> R {
-        let is_recorded = self.drive.is_some() || any_closed(&own.phases);
-        if let Some(evaluator) = self.evaluator(lane).filter(|_| is_recorded) {
+        if let Some(evaluator) = self.evaluator(lane).filter(|_| any_closed(&own.phases)) {
             // Not inlined a second time.
             return called(with, &RecordedForces::new(evaluator, state));
         }

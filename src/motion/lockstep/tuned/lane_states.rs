@@ -15,8 +15,6 @@ pub(in crate::motion::lockstep) struct BalancerLaneStates<S: Vector, const N: us
     pub(super) angle: [Lanes<S>; N],
     /// Their speeds.
     pub(super) speed: [Lanes<S>; N],
-    /// The time since the begin of the segment in which the speed of the disc changes; 0 at constant speed.
-    pub(super) elapsed: Lanes<S>,
 }
 
 impl<S: Vector, const N: usize> BalancerLaneStates<S, N> {
@@ -24,7 +22,7 @@ impl<S: Vector, const N: usize> BalancerLaneStates<S, N> {
     #[inline(always)]
     pub(super) fn zero(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
-        BalancerLaneStates { table: [zero; 4], angle: [zero; N], speed: [zero; N], elapsed: zero }
+        BalancerLaneStates { table: [zero; 4], angle: [zero; N], speed: [zero; N] }
     }
 
     /// Replaces the components in the lanes of a mask.
@@ -37,7 +35,6 @@ impl<S: Vector, const N: usize> BalancerLaneStates<S, N> {
             self.angle[i] = mask.select(from.angle[i], self.angle[i]);
             self.speed[i] = mask.select(from.speed[i], self.speed[i]);
         }
-        self.elapsed = mask.select(from.elapsed, self.elapsed);
     }
 
     /// Returns zero in the lanes in which all components are finite.
@@ -76,11 +73,10 @@ impl<S: Vector, const N: usize> BalancerLaneStates<S, N> {
         }
     }
 
-    /// Sets one run's components, which must be those of `N` balls, followed by the elapsed time if the speed changes.
+    /// Sets one run's components, which must be those of `N` balls.
     pub(super) fn set_lane(&mut self, lane: usize, components: &[f64]) {
         let states = self.table.iter_mut().chain(&mut self.angle).chain(&mut self.speed);
         states.zip(components).for_each(|(of_all, value)| of_all[lane] = *value);
-        self.elapsed[lane] = components.get(4 + 2 * N).copied().unwrap_or(0.0);
     }
 }
 

@@ -3,7 +3,7 @@
 //! It gives the same series as the recorded equations (`general`) several times as fast: the products are chosen so
 //! that few remain, everything has a size known to the compiler, and bounds of the conditions come from few numbers.
 //!
-//! Read first `terms`, `lane_states` and `equations`, then what adds to the equations: `drive` and `gap_forces`.
+//! Read first `terms`, `lane_states` and `equations`, then `gap_forces`, which adds forces between balls that touch.
 //! `recurrence` computes one order from those below, `series` expands the motion, and `step` finds how far the series is
 //! accurate. `tangent` and `tail_terms` carry perturbations. `event_functions` finds the lanes in which a condition may
 //! fail, and `event_location` the condition that fails first. `balancer_forces` decides stick and slip, `rest_ahead`
@@ -14,7 +14,6 @@ mod balancer_forces;
 mod compared_with_equations;
 #[cfg(test)]
 mod compared_with_general;
-mod drive;
 mod equations;
 mod event_functions;
 mod event_location;

@@ -3,7 +3,6 @@
 
 use fearless_simd::prelude::*;
 
-use super::drive::{DiscForces, DiscSpeedSeries, Drive};
 use super::equations::Equations;
 use super::gap_forces::{GapForceEffect, OfEach};
 use super::terms::{DYING, PowerCoefficients, ResidualForce, Solver};
@@ -133,17 +132,15 @@ pub(super) struct Solving<'a, S: Vector, const N: usize> {
     /// The directions at the start, if they are not those of the series itself.
     pub(super) start: Option<&'a PowerCoefficients<S, N>>,
     pub(super) residual: Option<&'a ResidualForce<S>>,
-    /// The disc and its speed, if that changes.
-    pub(super) turning: Option<(&'a Drive<S, N>, &'a DiscSpeedSeries<S, N>)>,
-    /// The effect of forces in gaps, if there are any.
-    pub(super) gaps: Option<&'a GapForceEffect<S, N>>,
+    /// The effect of forces in gaps.
+    pub(super) gaps: &'a GapForceEffect<S, N>,
 }
 
 /// Solves the equations for coefficient `k` of the accelerations, and stores the dependent
-/// coefficients. Returns the coefficients of the forces in gaps, if there are any. If not `WHOLE`, the speed is constant and
-/// no balls touch: the instructions for both would take registers from the others.
+/// coefficients. Returns the coefficients of the forces in gaps, if there are any. If not `TOUCHING`,
+/// no balls touch: the instructions for their forces would take registers from the others.
 #[inline(always)]
-pub(super) fn solve<S: Vector, const N: usize, const WHOLE: bool>(
+pub(super) fn solve<S: Vector, const N: usize, const TOUCHING: bool>(
     terms: &mut [PowerCoefficients<S, N>; TERMS],
     equations: &Equations<S, N>,
     by: &Solving<S, N>,
@@ -153,11 +150,6 @@ pub(super) fn solve<S: Vector, const N: usize, const WHOLE: bool>(
 ) -> Option<OfEach<S, N>> {
     let simd = equations.speed.simd;
     let number = |value: f64| Lanes::splat(simd, value);
-    let (turning, gaps) = if WHOLE { (by.turning, by.gaps) } else { (None, None) };
-    let turned = match turning {
-        Some((drive, turning)) => Some(drive.products(turning, terms, k)),
-        None => None,
-    };
     let (of_next, of_after) = (RECIPROCALS[k + 1], RECIPROCALS[k + 2]);
     let (factor, minus) = (number((k + 1) as f64), number(-((k + 1) as f64)));
     let (lower, higher) = terms.split_at_mut(k + 1);
@@ -176,28 +168,12 @@ pub(super) fn solve<S: Vector, const N: usize, const WHOLE: bool>(
     }
     force_x = equations.minus_drag.fused(x_dot, force_x);
     force_y = equations.minus_drag.fused(y_dot, force_y);
-    if let Some(turned) = &turned {
-        force_x += turned.drag[0];
-        force_y += turned.drag[1];
-    }
     if let Some(residual) = by.residual {
-        let mut dying = [number(DYING[k][0]), number(DYING[k][1])];
-        if let Some((_, turning)) = turning {
-            dying[0] = turning.dying(k);
-        }
+        let dying = [number(DYING[k][0]), number(DYING[k][1])];
         for (force, dying) in residual.iter().zip(dying) {
             force_x = dying.fused(force[0], force_x);
             force_y = dying.fused(force[1], force_y);
         }
-    }
-    let (mut by_disc, mut by_runout) = ([zero; N], [zero; 2]);
-    if let Some((drive, turning)) = turning
-        && constants == Constants::Whole
-    {
-        let DiscForces { table, balls, runout } = drive.own_forces(turning, k);
-        force_x += table[0];
-        force_y += table[1];
-        (by_disc, by_runout) = (balls, runout);
     }
     let mut own = [zero; N];
     let (mut push_x, mut push_y) = (zero, zero);
@@ -211,19 +187,12 @@ pub(super) fn solve<S: Vector, const N: usize, const WHOLE: bool>(
         if whole {
             held += ball.held[0];
         }
-        if let Some(turned) = &turned {
-            held += turned.held[i] + by_disc[i];
-        }
         own[i] = ball.drawing.fused(drawn, -held);
         // -(ë + 2iω ė - ω² e) without the contribution of the acceleration itself, times 1 + ip.
         let real = equations.double_speed.fused(c_next, turning[0]);
         let imaginary = equations.double_speed.fused(s_next, turning[1]);
-        let mut around_x = factor.fused(imaginary, equations.speed_squared * c);
-        let mut around_y = minus.fused(real, equations.speed_squared * s);
-        if let Some(turned) = &turned {
-            around_x += turned.around[i][0];
-            around_y += turned.around[i][1];
-        }
+        let around_x = factor.fused(imaginary, equations.speed_squared * c);
+        let around_y = minus.fused(real, equations.speed_squared * s);
         // The sum times 1 only, with the contribution of the acceleration.
         let [along, across] = solver.reaction[i];
         let of_ball_x = ball.friction.fused(around_y, around_x);
@@ -245,11 +214,8 @@ pub(super) fn solve<S: Vector, const N: usize, const WHOLE: bool>(
         let [along, across] = solver.drawn[i];
         accelerations[i] = along.fused(pull[0], across.fused(pull[1], own[i]));
     }
-    // A match, not a map: the fused multiply-add must be inlined.
-    let forces = match gaps {
-        Some(gaps) => Some(gaps.join(&mut accelerations, &mut pull)),
-        None => None,
-    };
+    // A branch, not a closure: the fused multiply-add must be inlined.
+    let forces = if TOUCHING { Some(by.gaps.join(&mut accelerations, &mut pull)) } else { None };
     let [pull_x, pull_y] = pull;
     now.pull = pull;
     let mut frame_x = equations.double_speed.fused(y_dot, equations.speed_squared * x);
@@ -257,10 +223,6 @@ pub(super) fn solve<S: Vector, const N: usize, const WHOLE: bool>(
     if whole {
         frame_x += equations.runout[0];
         frame_y += equations.runout[1];
-    }
-    if let Some(turned) = &turned {
-        frame_x += turned.frame[0] + by_runout[0];
-        frame_y += turned.frame[1] + by_runout[1];
     }
     let twice = number(of_next * of_after);
     after.table = [twice * (pull_x + frame_x), twice * (pull_y + frame_y)];

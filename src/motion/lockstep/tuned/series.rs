@@ -17,15 +17,13 @@
 //! inverse for every `k`. Instead of `e`, its *direction* `U = m (1 + ip) e / (1 + p²)` is stored,
 //! because the products with it dominate the cost.
 //!
-//! Where balls touch, the forces in the gaps between them are further unknowns (`gap_forces`). A disc whose speed changes adds
-//! products with the few coefficients of the speed (`turning`).
+//! Where balls touch, the forces in the gaps between them are further unknowns (`gap_forces`).
 //!
 //! In the switch model a sticking ball may have a residual speed, up to the width of the band, that
 //! decays as `exp(-t)`. It is treated separately from the series.
 
 use fearless_simd::prelude::*;
 
-use super::drive::{DiscSpeedSeries, Drive};
 use super::equations::Equations;
 use super::gap_forces::{GapForceEffect, GapForceEquations, OfEach};
 use super::lane_states::BalancerLaneStates;
@@ -62,8 +60,6 @@ pub(super) struct BalancerSeries<S: Vector, const N: usize> {
     pub(super) solver: Solver<S, N>,
     /// `None` if no sticking ball has a residual speed.
     pub(super) residual: Option<ResidualForce<S>>,
-    /// The speed of the disc, if it changes.
-    pub(super) turning: Option<DiscSpeedSeries<S, N>>,
     pub(super) response: GapForceEffect<S, N>,
     /// The coefficients of the forces in gaps, if the response is active.
     pub(super) forces: [OfEach<S, N>; ORDER],
@@ -85,7 +81,6 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
             terms: [PowerCoefficients::zero(simd); TERMS],
             solver,
             residual: None,
-            turning: None,
             response: GapForceEffect::none(simd),
             forces: [[zero; N]; ORDER],
             sums: [[ProductSums::zero(simd); N]; 2],
@@ -97,22 +92,18 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
     pub(super) fn expand(
         &mut self,
         equations: &Equations<S, N>,
-        (drive, gaps): (Option<&Drive<S, N>>, &GapForceEquations<S, N>),
+        gaps: &GapForceEquations<S, N>,
         start: &BalancerLaneStates<S, N>,
     ) {
-        // Without a drive, there is nothing to replace.
-        if let Some(drive) = drive {
-            self.turning = Some(drive.turning(start.elapsed));
-        }
         self.begin(equations, start);
         self.response.begin(gaps, &self.solver);
-        if self.is_plain() {
+        if self.response.active {
             for k in 0..ORDER {
-                self.order::<false>(equations, None, k);
+                self.order::<true>(equations, k);
             }
         } else {
             for k in 0..ORDER {
-                self.order::<true>(equations, drive, k);
+                self.order::<false>(equations, k);
             }
         }
     }
@@ -126,7 +117,7 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
         // exchanging two balls gives the same results bit for bit.
         let (mut m_xx, mut m_xy, mut m_yx, mut m_yy) = (zero, zero, zero, zero);
         let mut residual = [[zero; 2]; 2];
-        let double_speed = self.double_speed(equations);
+        let double_speed = equations.double_speed;
         let [first, second, ..] = &mut self.terms;
         let [x, y, x_dot, y_dot] = start.table;
         first.table = [x, y];
@@ -177,42 +168,21 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
     /// serves all orders: its loops are short enough, and unrolled over the orders they would not
     /// fit the caches.
     #[inline(never)]
-    fn order<const WHOLE: bool>(
-        &mut self,
-        equations: &Equations<S, N>,
-        drive: Option<&Drive<S, N>>,
-        k: usize,
-    ) {
+    fn order<const TOUCHING: bool>(&mut self, equations: &Equations<S, N>, k: usize) {
         vectorized!(equations.speed.simd, {
             let BalancerSeries { terms, sums: [workspace, _], .. } = self;
             let mut few = [ProductSums::zero(equations.speed.simd); N];
-            let sums = if N <= FEW && !WHOLE { &mut few } else { workspace };
+            let sums = if N <= FEW && !TOUCHING { &mut few } else { workspace };
             add_up(terms, k, sums);
-            let gaps = if self.response.active { Some(&self.response) } else { None };
             let residual = self.residual.as_ref();
-            let turning = with_drive(drive, &self.turning);
-            let by = Solving { solver: &self.solver, start: None, residual, turning, gaps };
+            let gaps = &self.response;
+            let by = Solving { solver: &self.solver, start: None, residual, gaps };
             let constants = Constants::Whole;
-            let forces = solve::<S, N, WHOLE>(terms, equations, &by, k, sums, constants);
+            let forces = solve::<S, N, TOUCHING>(terms, equations, &by, k, sums, constants);
             if let Some(forces) = forces {
                 self.forces[k] = forces;
             }
         });
-    }
-
-    /// Returns whether the speed is constant and no forces act in gaps.
-    #[inline(always)]
-    pub(super) fn is_plain(&self) -> bool {
-        self.turning.is_none() && !self.response.active
-    }
-
-    /// Returns 2ω, or 2 if the speed changes: the series of the speed is then a factor of the residual force.
-    #[inline(always)]
-    pub(super) fn double_speed(&self, equations: &Equations<S, N>) -> Lanes<S> {
-        match self.turning {
-            Some(_) => Lanes::splat(equations.speed.simd, 2.0),
-            None => equations.double_speed,
-        }
     }
 
     /// Returns the position of the table a time later.
@@ -271,7 +241,6 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
             table: [position[0], position[1], velocity[0], velocity[1]],
             angle: start.angle,
             speed,
-            elapsed: start.elapsed,
         };
         for (end, turned) in end.angle.iter_mut().zip(angle) {
             *end = time.fused(turned, *end);
@@ -303,7 +272,6 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
                     powers[k + 1] = RECIPROCALS[k + 1] * term.balls[component - 4].speed[lane];
                 }
             }
-            _ if component == 4 + 2 * N => [powers[0], powers[1]] = [start, 1.0],
             _ => {
                 let ball = component - 4 - N;
                 let mut dying = self.solver.residual[ball][lane];
@@ -317,7 +285,7 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
     }
 }
 
-/// The largest number of balls for which the sums of an order are in registers, which the whole equations need themselves.
+/// The largest number of balls for which the sums of an order are in registers, which the equations of balls that touch need themselves.
 const FEW: usize = 2;
 
 /// Computes the products of an order.
@@ -368,18 +336,6 @@ fn squares<S: Vector, const N: usize, const M: usize>(
         }
         all[first + i].squared = sum;
         lower[k].balls[first + i].squared = sum;
-    }
-}
-
-/// Returns the disc with its speed in a step, if that changes.
-#[inline(always)]
-pub(super) fn with_drive<'a, S: Vector, const N: usize>(
-    drive: Option<&'a Drive<S, N>>,
-    turning: &'a Option<DiscSpeedSeries<S, N>>,
-) -> Option<(&'a Drive<S, N>, &'a DiscSpeedSeries<S, N>)> {
-    match (drive, turning) {
-        (Some(drive), Some(turning)) => Some((drive, turning)),
-        _ => None,
     }
 }
 

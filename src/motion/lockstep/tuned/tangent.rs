@@ -2,11 +2,10 @@
 
 use fearless_simd::prelude::*;
 
-use super::drive::Drive;
 use super::equations::Equations;
 use super::lane_states::BalancerLaneStates;
 use super::recurrence::{Constants, Solving, products, solve};
-use super::series::{BalancerSeries, HigherPowers, with_drive};
+use super::series::BalancerSeries;
 use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 
@@ -18,7 +17,7 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
     #[inline(always)]
     pub(super) fn expand_perturbation(
         &self,
-        (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
+        equations: &Equations<S, N>,
         start: &BalancerLaneStates<S, N>,
         perturbed: &mut Self,
     ) {
@@ -28,7 +27,7 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
         second.table = [x_dot, y_dot];
         let zero = Lanes::splat(x.simd, 0.0);
         let two = Lanes::splat(x.simd, 2.0);
-        let double_speed = self.double_speed(equations);
+        let double_speed = equations.double_speed;
         let mut residual = [[zero; 2]; 2];
         let mut left_over = zero;
         for i in 0..N {
@@ -58,34 +57,31 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
             }
         }
         perturbed.residual = (!left_over.simd_eq(zero).all_true()).then_some(residual);
-        if self.is_plain() {
+        if self.response.active {
             for k in 0..LINEAR {
-                self.order_of_perturbation::<false>((equations, None), perturbed, k);
+                self.order_of_perturbation::<true>(equations, perturbed, k);
             }
         } else {
             for k in 0..LINEAR {
-                self.order_of_perturbation::<true>((equations, drive), perturbed, k);
+                self.order_of_perturbation::<false>(equations, perturbed, k);
             }
         }
     }
 
     #[inline(never)]
-    fn order_of_perturbation<const WHOLE: bool>(
+    fn order_of_perturbation<const TOUCHING: bool>(
         &self,
-        (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
+        equations: &Equations<S, N>,
         perturbed: &mut Self,
         k: usize,
     ) {
-        vectorized!(
-            equations.speed.simd,
-            self.linear_order::<WHOLE>((equations, drive), perturbed, k)
-        );
+        vectorized!(equations.speed.simd, self.linear_order::<TOUCHING>(equations, perturbed, k));
     }
 
     #[inline(always)]
-    fn linear_order<const WHOLE: bool>(
+    fn linear_order<const TOUCHING: bool>(
         &self,
-        (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
+        equations: &Equations<S, N>,
         perturbed: &mut Self,
         k: usize,
     ) {
@@ -109,28 +105,23 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
             sums.squared = squared + squared;
         }
         let start = Some(&self.terms[0]);
-        let gaps = if self.response.active { Some(&self.response) } else { None };
-        let turning = with_drive(drive, &self.turning);
         let residual = residual.as_ref();
-        let by = Solving { solver: &self.solver, start, residual, turning, gaps };
-        solve::<S, N, WHOLE>(terms, equations, &by, k, all, Constants::None);
+        let by = Solving { solver: &self.solver, start, residual, gaps: &self.response };
+        solve::<S, N, TOUCHING>(terms, equations, &by, k, all, Constants::None);
     }
 }
 
 /// Propagates perturbations over a step of this length, in all lanes; `perturbed` is work space. A perturbation does not
-/// shift the time, and has no higher powers if the speed of the disc changes.
+/// shift the time.
 #[inline(always)]
 pub(super) fn propagate<S: Vector, const N: usize>(
     series: &BalancerSeries<S, N>,
-    (equations, drive): (&Equations<S, N>, Option<&Drive<S, N>>),
+    equations: &Equations<S, N>,
     perturbation: &BalancerLaneStates<S, N>,
     length: Lanes<S>,
     perturbed: &mut BalancerSeries<S, N>,
 ) -> BalancerLaneStates<S, N> {
-    series.expand_perturbation((equations, drive), perturbation, perturbed);
-    let higher = match drive {
-        Some(_) => HigherPowers::none(length.simd),
-        None => series.beyond(equations, perturbed, length),
-    };
+    series.expand_perturbation(equations, perturbation, perturbed);
+    let higher = series.beyond(equations, perturbed, length);
     perturbed.at_with(equations, perturbation, length, LINEAR, higher)
 }
