@@ -21,15 +21,15 @@ impl Evaluator {
     ) -> f64 {
         let forces = self.forces(phases, state);
         let limit = |contact: usize| self.system().friction(contact).limit;
-        let own = |contact: usize| [forces[contact].normal, forces[contact].friction];
+        let force_pair = |contact: usize| [forces[contact].normal, forces[contact].friction];
         let touching = self.system().touching();
-        let held = touching.map_or_else(Vec::new, |one| held_clusters(one.gaps(), phases));
+        let held = touching.map_or_else(Vec::new, |between| held_clusters(between.gaps(), phases));
         let margin = |contact: usize| {
-            let [normal, friction] = own(contact);
+            let [normal, friction] = force_pair(contact);
             let most = limit(contact) * normal;
             match held.iter().find(|cluster| cluster.contacts.contains(&contact)) {
                 None => 1.0 - friction.abs() / most,
-                Some(cluster) => cluster.holding(limit, own).reserve / most,
+                Some(cluster) => cluster.holding(limit, force_pair).reserve / most,
             }
         };
         contacts.iter().map(|contact| margin(*contact)).fold(f64::INFINITY, f64::min)
@@ -42,7 +42,7 @@ pub(super) fn held_clusters(all: &[Gap], phases: &[Phase]) -> Vec<HeldCluster> {
     let with_gaps = |contacts: Vec<usize>| {
         let gaps = all.iter().zip(&phases[phases.len() - all.len()..]);
         let gaps = gaps.filter(|(_, phase)| **phase == Phase::Closed).filter_map(|(gap, _)| {
-            let place = |one: usize| contacts.iter().position(|contact| *contact == one);
+            let place = |side: usize| contacts.iter().position(|contact| *contact == side);
             let [behind, ahead] = gap.contacts;
             Some(Gap { contacts: [place(behind)?, place(ahead)?], ..*gap })
         });
@@ -59,10 +59,10 @@ fn clusters(gaps: &[Gap], phases: &[Phase], which: impl Fn(usize) -> bool) -> Ve
         let [behind, ahead] = gap.contacts;
         if *phase == Phase::Closed && which(behind) && which(ahead) {
             let (from, to) = (root[ahead], root[behind]);
-            root.iter_mut().filter(|one| **one == from).for_each(|one| *one = to);
+            root.iter_mut().filter(|root| **root == from).for_each(|root| *root = to);
         }
     }
-    let members = |of: usize| (0..contacts).filter(|one| root[*one] == of).collect::<Vec<_>>();
+    let members = |of: usize| (0..contacts).filter(|index| root[*index] == of).collect::<Vec<_>>();
     (0..contacts).map(members).filter(|cluster| cluster.len() > 1).collect()
 }
 

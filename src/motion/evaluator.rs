@@ -100,7 +100,7 @@ impl Evaluator {
         nodes.iter().for_each(|node| is_affected[*node as usize] = true);
         let operands =
             nodes.iter().flat_map(|node| graph.nodes[*node as usize].operands(&graph.solves));
-        let mut others: Vec<NodeId> = operands.filter(|one| !is_affected[*one as usize]).collect();
+        let mut others: Vec<NodeId> = operands.filter(|id| !is_affected[*id as usize]).collect();
         others.sort_unstable();
         others.dedup();
         let affected = Arc::new(AffectedNodes { varying, nodes, is_affected, others });
@@ -130,8 +130,8 @@ impl Evaluator {
             return SmallVec::new();
         }
         let values = self.values_with(&self.inputs(&self.no_phases()), false, state);
-        let opening = |one: &Opening| {
-            let nodes = [one.gap, one.speed, self.graph.contacts[one.contact][0]];
+        let opening = |opening: &Opening| {
+            let nodes = [opening.gap, opening.speed, self.graph.contacts[opening.contact][0]];
             nodes.map(|node| values[node as usize])
         };
         self.graph.openings.iter().map(opening).collect()
@@ -140,7 +140,7 @@ impl Evaluator {
     /// Returns the contacts that may open, each with its gap, non-dimensional.
     pub(crate) fn opening_gaps(&self, state: &[f64]) -> SmallVec<[(usize, f64); 4]> {
         let gaps = self.openings(|component| state[component]);
-        self.graph.openings.iter().zip(gaps).map(|(one, [gap, ..])| (one.contact, gap)).collect()
+        self.graph.openings.iter().zip(gaps).map(|(site, [gap, ..])| (site.contact, gap)).collect()
     }
 
     /// Returns phases for quantities that do not depend on them.

@@ -80,7 +80,7 @@ pub(super) fn impact<T: Solved>(
         .iter()
         .flat_map(|place| match *place {
             ImpactPlace::Gap(gap) => in_gap(gap, state),
-            ImpactPlace::Opening(one) => [openings[one][1], openings[one][2]],
+            ImpactPlace::Opening(opening) => [openings[opening][1], openings[opening][2]],
         })
         .collect();
     let responses = evaluator.responses(state, touching);
@@ -89,7 +89,7 @@ pub(super) fn impact<T: Solved>(
         .flat_map(|(place, speed)| {
             responses.iter().map(move |by| match place {
                 ImpactPlace::Gap(gap) => in_gap(gap, &by.components)[speed],
-                ImpactPlace::Opening(one) => by.openings[one][speed],
+                ImpactPlace::Opening(opening) => by.openings[opening][speed],
             })
         })
         .collect();
@@ -103,8 +103,8 @@ pub(super) fn impact<T: Solved>(
                 let law = ImpactLaw { restitution, tangential_restitution: 0.0, lasting_approach };
                 (law, gap.friction_coefficient, gap.reduced_mass())
             }
-            (ImpactPlace::Gap(one) | ImpactPlace::Opening(one), _) => {
-                let contact = graph.openings[one].contact;
+            (ImpactPlace::Gap(index) | ImpactPlace::Opening(index), _) => {
+                let contact = graph.openings[index].contact;
                 (system.impact_law(contact), system.friction(contact).coefficient, 1.0 / answer)
             }
         };
@@ -174,7 +174,7 @@ pub(super) fn impact<T: Solved>(
             {
                 hits.push(Hit { gap, opening_speed: opening.value() });
             }
-            ImpactPlace::Opening(one) if phases[graph.openings[one].contact] == Phase::Apart => {
+            ImpactPlace::Opening(site) if phases[graph.openings[site].contact] == Phase::Apart => {
                 landed += usize::from(closes(place, opening));
             }
             _ => {}
@@ -195,8 +195,8 @@ fn passive<T: Elementary>(
         let impulses = smallvec![T::constant(0.0); before.len()];
         return Ok(Impulses { impulses, after: before.clone() });
     }
-    let sum = |one: &Pairs<T>, factor: T, other: &Pairs<T>| -> Pairs<T> {
-        one.iter().zip(other).map(|(one, other)| *one + factor * *other).collect()
+    let sum = |left: &Pairs<T>, factor: T, right: &Pairs<T>| -> Pairs<T> {
+        left.iter().zip(right).map(|(left, right)| *left + factor * *right).collect()
     };
     // Twice the work of impulses at these speeds. The friction impulse acts on the bodies against their sliding, with an arm.
     let work = |impulses: &Pairs<T>, speeds: &Pairs<T>| {

@@ -48,7 +48,7 @@ impl Evaluator {
         // Contacts that set off in no direction have no friction.
         let mut modes: SmallVec<[ContactMode; 16]> =
             smallvec![ContactMode::BreakingAway(0.0); graph.contacts.len()];
-        graph.openings.iter().for_each(|one| modes[one.contact] = ContactMode::Apart);
+        graph.openings.iter().for_each(|site| modes[site.contact] = ContactMode::Apart);
         modes.resize(modes.len() + graph.gaps.len(), ContactMode::Open);
         let inputs = self.system().inputs(&modes);
         let values = self.values_with(&inputs, false, |component| state[component]);
@@ -58,7 +58,7 @@ impl Evaluator {
         };
         // There is no other force at any of the places.
         let in_gaps = graph.gaps.iter().map(|[_, force]| *force);
-        let at_openings = graph.openings.iter().flat_map(|one| [one.force, one.friction]);
+        let at_openings = graph.openings.iter().flat_map(|site| [site.force, site.friction]);
         let forces: SmallVec<[usize; 8]> =
             in_gaps.chain(at_openings).filter_map(unknown).map(|(_, row)| row).collect();
         let zero = T::constant(0.0);
@@ -77,8 +77,8 @@ impl Evaluator {
             let by_friction = match *place {
                 ImpactPlace::Gap(gap) => {
                     // A body whose acceleration is no unknown does not move.
-                    let contact = |one: usize| unknown(graph.contacts[one][1]);
-                    let sides = gaps[gap].contacts.map(|one| contact(one).map(|(_, row)| row));
+                    let contact = |side: usize| unknown(graph.contacts[side][1]);
+                    let sides = gaps[gap].contacts.map(|side| contact(side).map(|(_, row)| row));
                     let lever = T::constant(gaps[gap].lever);
                     let retards = |row| match sides.map(|side| side == Some(row)) {
                         [true, _] => lever * push(row, column),
@@ -97,7 +97,7 @@ impl Evaluator {
         }
         let mut changes = vec![zero; graph.nodes.len()];
         let mut responses = Vec::with_capacity(pushes.len());
-        for of_solve in pushes.chunk_by_mut(|one, other| one.solve == other.solve) {
+        for of_solve in pushes.chunk_by_mut(|push, next| push.solve == next.solve) {
             let solve = of_solve[0].solve;
             let Solve { matrix, right, .. } = &graph.solves[solve as usize];
             let rows: SmallVec<[usize; 16]> =
@@ -114,11 +114,11 @@ impl Evaluator {
                     if row as usize == *column {
                         return T::constant(*of_force);
                     }
-                    let place = rows.iter().position(|one| *one == row as usize);
+                    let place = rows.iter().position(|kept| *kept == row as usize);
                     place.map_or(zero, |place| rates[place])
                 };
                 responses.push(self.response(&values, &mut changes, |node| match *node {
-                    Node::Solution { solve: own, row } if own == solve => of_row(row),
+                    Node::Solution { solve: index, row } if index == solve => of_row(row),
                     _ => zero,
                 }));
             }
@@ -140,15 +140,11 @@ impl Evaluator {
             let change = |node: NodeId| changes[node as usize];
             let value = |node: NodeId| values[node as usize];
             let of = match *node {
-                Node::Sum(one, other) => change(one) + change(other),
-                Node::Difference(one, other) => change(one) - change(other),
-                Node::Negation(one) => -change(one),
-                Node::Product(one, other) => {
-                    change(one) * value(other) + change(other) * value(one)
-                }
-                Node::Quotient(one, other) if !change(one).is_zero() => {
-                    change(one) * value(other).reciprocal()
-                }
+                Node::Sum(a, b) => change(a) + change(b),
+                Node::Difference(a, b) => change(a) - change(b),
+                Node::Negation(a) => -change(a),
+                Node::Product(a, b) => change(a) * value(b) + change(b) * value(a),
+                Node::Quotient(a, b) if !change(a).is_zero() => change(a) * value(b).reciprocal(),
                 Node::Solution { .. } => changed(node),
                 _ => T::constant(0.0),
             };
@@ -156,7 +152,7 @@ impl Evaluator {
         }
         let change = |node: NodeId| changes[node as usize];
         let opening =
-            |one: &Opening| [one.acceleration, graph.contacts[one.contact][1]].map(change);
+            |site: &Opening| [site.acceleration, graph.contacts[site.contact][1]].map(change);
         ImpulseResponse {
             components: graph.derivative.iter().map(|node| change(*node)).collect(),
             openings: graph.openings.iter().map(opening).collect(),
@@ -213,7 +209,7 @@ mod tests {
         for (place, gap) in Touching::gaps(&system).iter().enumerate() {
             for (way, pushes) in gap.pushes().into_iter().enumerate() {
                 let response: Vec<f64> =
-                    here[2 * place + way].components.iter().map(|one| one.value).collect();
+                    here[2 * place + way].components.iter().map(|change| change.value).collect();
                 let speeds = &response[7..];
                 for (i, ball) in balls.iter().enumerate() {
                     let along: f64 = gap
@@ -236,14 +232,14 @@ mod tests {
                 };
                 assert!((response[2] - sum(f64::sin)).abs() < 1e-12);
                 assert!((response[3] + sum(f64::cos)).abs() < 1e-12);
-                for (component, one) in here[2 * place + way].components.iter().enumerate() {
+                for (component, change) in here[2 * place + way].components.iter().enumerate() {
                     let [less, more] =
                         [&less, &more].map(|of| of[2 * place + way].components[component].value);
                     let slope = (more - less) / (2.0 * size);
                     assert!(
-                        (one.slope - slope).abs() < 1e-5 * (1.0 + slope.abs()),
+                        (change.slope - slope).abs() < 1e-5 * (1.0 + slope.abs()),
                         "{component}: {} {slope}",
-                        one.slope
+                        change.slope
                     );
                 }
             }

@@ -149,7 +149,7 @@ impl ImpactEquations<f64> {
         let same = |(_, other): &(_, Pairs<f64>)| {
             let mut speeds = other.iter().zip(&after);
             let same = SAME * self.fastest + UNDECIDED * self.tolerance;
-            speeds.all(|(one, other)| (one - other).abs() <= same)
+            speeds.all(|(left, right)| (left - right).abs() <= same)
         };
         if holds && !found.iter().any(same) {
             found.push((ways.clone(), after));
@@ -185,7 +185,7 @@ impl<T: Number> ImpactEquations<T> {
     fn after(&self, impulses: &[T]) -> Pairs<T> {
         let rows = self.before.iter().zip(self.answers.chunks(impulses.len()));
         rows.map(|(before, answers)| {
-            answers.iter().zip(impulses).fold(*before, |sum, (by, one)| sum + *by * *one)
+            answers.iter().zip(impulses).fold(*before, |sum, (by, impulse)| sum + *by * *impulse)
         })
         .collect()
     }
@@ -237,11 +237,11 @@ impl<T: Number> ImpulseElimination<T> {
         let subtract = |from: &mut [T], column: usize, equation: &[T]| {
             let factor = from[column];
             let rest = from[column + 1..].iter_mut().zip(&equation[column + 1..]);
-            rest.for_each(|(own, known)| *own = *own - factor * *known);
+            rest.for_each(|(entry, known)| *entry = *entry - factor * *known);
         };
         let scale = |equation: &mut [T], column: usize| {
             let inverse = equation[column].reciprocal();
-            equation[column + 1..].iter_mut().for_each(|own| *own = inverse * *own);
+            equation[column + 1..].iter_mut().for_each(|entry| *entry = inverse * *entry);
         };
         contact.fill(T::constant(0.0));
         friction.fill(T::constant(0.0));
@@ -283,7 +283,7 @@ impl<T: Number> ImpulseElimination<T> {
             let of = |equation: &[T], column: usize, impulses: &[T]| {
                 let known = equation[column + 1..].iter().zip(&impulses[place + column + 1..]);
                 let right = equation[equation.len() - 1];
-                known.fold(right, |sum, (own, known)| sum - *own * *known)
+                known.fold(right, |sum, (factor, known)| sum - *factor * *known)
             };
             impulses[place + 1] = of(friction, 1, &impulses);
             impulses[place] = of(contact, 0, &impulses);

@@ -95,7 +95,7 @@ impl IncrementalForces<'_> {
             let [opening_acceleration, force] = nodes.map(&at);
             GapForces { opening_acceleration, force }
         };
-        let openings = graph.openings.iter().map(|one| [one.acceleration, one.force]);
+        let openings = graph.openings.iter().map(|opening| [opening.acceleration, opening.force]);
         let all: SmallVec<[_; 8]> = graph.gaps.iter().copied().chain(openings).collect();
         (forces(graph, &at), all.iter().map(gap).collect())
     }
@@ -156,28 +156,28 @@ impl PerAssumption {
 impl Add for PerAssumption {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        self.with(other, |one, other| one + other)
+        self.with(other, |left, right| left + right)
     }
 }
 
 impl Sub for PerAssumption {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
-        self.with(other, |one, other| one - other)
+        self.with(other, |left, right| left - right)
     }
 }
 
 impl Mul for PerAssumption {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        self.with(other, |one, other| one * other)
+        self.with(other, |left, right| left * right)
     }
 }
 
 impl Neg for PerAssumption {
     type Output = Self;
     fn neg(self) -> Self {
-        self.each(|one| -one)
+        self.each(|value| -value)
     }
 }
 
@@ -187,7 +187,7 @@ impl Number for PerAssumption {
     }
 
     fn sin_cos(self) -> (Self, Self) {
-        (self.each(|one| Number::sin_cos(one).0), self.each(|one| Number::sin_cos(one).1))
+        (self.each(|angle| Number::sin_cos(angle).0), self.each(|angle| Number::sin_cos(angle).1))
     }
 
     fn reciprocal(self) -> Self {
@@ -210,7 +210,7 @@ impl Elementary for PerAssumption {
     }
 
     fn function(self, function: Function) -> Self {
-        self.each(|one| function.of(one))
+        self.each(|argument| function.of(argument))
     }
 }
 
@@ -227,10 +227,11 @@ impl Solved for PerAssumption {
         let mut matrix: Vec<PerAssumption> = matrix.iter().map(|node| at(*node)).collect();
         *unknowns = right.iter().map(|node| at(*node)).collect();
         let right = unknowns;
-        let sizes = |one: PerAssumption| one.each(f64::abs);
+        let sizes = |number: PerAssumption| number.each(f64::abs);
         let largest = |row: &[PerAssumption]| {
-            row.iter()
-                .fold(PerAssumption::constant(0.0), |most, one| most.with(sizes(*one), f64::max))
+            row.iter().fold(PerAssumption::constant(0.0), |most, entry| {
+                most.with(sizes(*entry), f64::max)
+            })
         };
         let mut scales: SmallVec<[PerAssumption; 16]> =
             matrix.chunks(size.max(1)).map(largest).collect();
@@ -240,16 +241,16 @@ impl Solved for PerAssumption {
                 if entry.is_zero() {
                     continue;
                 }
-                let own = sizes(matrix[column * size + column]) * scales[row];
-                let other = PerAssumption::constant(SMALL_PIVOT) * sizes(entry) * scales[column];
-                let is_small = from_fn(|place| own.0[place] < other.0[place]);
+                let pivot = sizes(matrix[column * size + column]) * scales[row];
+                let least = PerAssumption::constant(SMALL_PIVOT) * sizes(entry) * scales[column];
+                let is_small = from_fn(|place| pivot.0[place] < least.0[place]);
                 if is_small.contains(&true) {
                     let (above, below) = matrix.split_at_mut(row * size);
                     let upper = &mut above[column * size..][..size];
                     upper
                         .iter_mut()
                         .zip(below)
-                        .for_each(|(one, other)| exchange(is_small, one, other));
+                        .for_each(|(above, below)| exchange(is_small, above, below));
                     let (above, below) = right.split_at_mut(row);
                     exchange(is_small, &mut above[column], &mut below[0]);
                     let (above, below) = scales.split_at_mut(row);
@@ -265,9 +266,9 @@ impl Solved for PerAssumption {
                 let factor = entry * inverse;
                 let (above, below) = matrix.split_at_mut(row * size);
                 let known = &above[column * size..][column + 1..size];
-                for (own, known) in below[column + 1..size].iter_mut().zip(known) {
+                for (value, known) in below[column + 1..size].iter_mut().zip(known) {
                     if !known.is_zero() {
-                        *own = *own - factor * *known;
+                        *value = *value - factor * *known;
                     }
                 }
                 right[row] = right[row] - factor * right[column];
@@ -286,9 +287,9 @@ impl Solved for PerAssumption {
 }
 
 /// Exchanges the numbers of the assumptions that are marked.
-fn exchange(marked: [bool; TOGETHER], one: &mut PerAssumption, other: &mut PerAssumption) {
-    let pairs = one.0.iter_mut().zip(&mut other.0).zip(marked);
-    pairs.filter(|(_, marked)| *marked).for_each(|((one, other), _)| std::mem::swap(one, other));
+fn exchange(marked: [bool; TOGETHER], left: &mut PerAssumption, right: &mut PerAssumption) {
+    let pairs = left.0.iter_mut().zip(&mut right.0).zip(marked);
+    pairs.filter(|(_, marked)| *marked).for_each(|((left, right), _)| std::mem::swap(left, right));
 }
 
 #[cfg(test)]

@@ -139,8 +139,8 @@ pub(super) fn only_motion(
 }
 
 /// Returns whether two solutions are the same motion.
-fn same(one: &Forces, other: &Forces) -> bool {
-    let pairs = || one.iter().zip(other).map(|(a, b)| (a.acceleration, b.acceleration));
+fn same(left: &Forces, right: &Forces) -> bool {
+    let pairs = || left.iter().zip(right).map(|(a, b)| (a.acceleration, b.acceleration));
     let scale = pairs().fold(1.0, |most: f64, (a, b)| most.max(a.abs()).max(b.abs()));
     pairs().all(|(a, b)| (a - b).abs() <= SAME * scale)
 }

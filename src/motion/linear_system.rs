@@ -46,7 +46,7 @@ pub(super) fn solve_for_each<T: Elementary>(
     mut rights: SmallVec<[&mut Unknowns<T>; 1]>,
 ) {
     let size = rights.first().map_or(0, |right| right.len());
-    let largest = |row: &[T]| row.iter().fold(0.0_f64, |most, one| most.max(one.value().abs()));
+    let largest = |row: &[T]| row.iter().fold(0.0_f64, |most, entry| most.max(entry.value().abs()));
     let mut scales: SmallVec<[f64; 4]> = matrix.chunks(size.max(1)).map(largest).collect();
     for column in 0..size {
         for row in column + 1..size {

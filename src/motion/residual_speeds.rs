@@ -23,7 +23,7 @@ impl TouchingSystem<'_> {
     /// one of them.
     pub(super) fn join(&self, state: &mut Components, phases: &[Phase], failed: Option<usize>) {
         for cluster in self.evaluator.clusters(phases) {
-            let leader = failed.filter(|one| cluster.contains(one)).unwrap_or(cluster[0]);
+            let leader = failed.filter(|contact| cluster.contains(contact)).unwrap_or(cluster[0]);
             let speed = state[self.speed_at_gap(leader)];
             for contact in cluster {
                 state[self.speed_at_gap(contact)] = speed;
@@ -51,22 +51,22 @@ impl TouchingSystem<'_> {
     pub(super) fn bring_to_rest(&self, state: &mut Components, phases: &[Phase]) {
         let graph = self.evaluator.graph();
         let touching: SmallVec<[usize; 4]> = (0..self.openings.len())
-            .filter(|one| phases[self.openings[*one].contact] != Phase::Apart)
+            .filter(|opening| phases[self.openings[*opening].contact] != Phase::Apart)
             .collect();
         if touching.is_empty() {
             return;
         }
         let places: SmallVec<[ImpactPlace; 4]> =
-            touching.iter().map(|one| ImpactPlace::Opening(*one)).collect();
+            touching.iter().map(|opening| ImpactPlace::Opening(*opening)).collect();
         let responses = self.evaluator.responses(&state[..], &places);
         let mut speeds = self.evaluator.openings(|place| state[place]);
         for _ in 0..MOST_SWEEPS {
-            for (one, response) in touching.iter().zip(responses.chunks(2)) {
-                let contact = self.openings[*one].contact;
+            for (opening, response) in touching.iter().zip(responses.chunks(2)) {
+                let contact = self.openings[*opening].contact;
                 let slides = phases[contact] != Phase::Stick;
                 for (which, by) in response.iter().enumerate().take(if slides { 1 } else { 2 }) {
-                    let answer = by.openings[*one][which];
-                    let left = speeds[*one][1 + which];
+                    let answer = by.openings[*opening][which];
+                    let left = speeds[*opening][1 + which];
                     if answer == 0.0 || left == 0.0 {
                         continue;
                     }

@@ -97,7 +97,7 @@ pub(super) fn saltation_at_impact(
         Condition::Gap(gap) => {
             let contacts = in_touch.gaps[gap].contacts;
             let [behind, ahead] =
-                contacts.map(|one| evaluator.graph().layout.contacts[one].position);
+                contacts.map(|contact| evaluator.graph().layout.contacts[contact].position);
             direction[ahead] - direction[behind]
         }
         Condition::Landing(contact) => {

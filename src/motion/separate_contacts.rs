@@ -198,7 +198,7 @@ mod tests {
                 decided += 1;
                 moving += found[2..4].iter().filter(|phase| **phase != Phase::Stick).count();
                 for (two, three) in
-                    choices.iter().flat_map(|one| choices.map(|other| (*one, other)))
+                    choices.iter().flat_map(|two| choices.map(|three| (*two, three)))
                 {
                     let mut phases = assumed.clone();
                     (phases[2], phases[3]) = (two, three);

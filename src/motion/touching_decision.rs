@@ -112,7 +112,7 @@ impl TouchingSystem<'_> {
                 return Err(Failure::TooManyCombinations);
             }
         }
-        all.retain(|one| one != given);
+        all.retain(|phases| phases != given);
         Ok((is_consistent, all))
     }
 
@@ -185,17 +185,17 @@ impl TouchingSystem<'_> {
         all: &mut Vec<Phases>,
     ) -> Result<(), Failure> {
         let place = begun.len();
-        let Some(own) = given.get(place) else {
+        let Some(phase) = given.get(place) else {
             all.push(begun.clone());
             let few = all.len() <= MOST_TRIED;
             return few.then_some(()).ok_or(Failure::TooManyCombinations);
         };
-        let choices: SmallVec<[Phase; 4]> = match own {
-            _ if fixed.contains(&place) => [*own].into_iter().collect(),
+        let choices: SmallVec<[Phase; 4]> = match phase {
+            _ if fixed.contains(&place) => [*phase].into_iter().collect(),
             Phase::Stick | Phase::Transition(_) => {
                 self.choices().into_iter().chain(self.apart(place)).collect()
             }
-            Phase::Slip(_) | Phase::Free => [*own].into_iter().chain(self.apart(place)).collect(),
+            Phase::Slip(_) | Phase::Free => [*phase].into_iter().chain(self.apart(place)).collect(),
             Phase::Closed => [Phase::Closed, Phase::Open].into_iter().collect(),
             other => [*other].into_iter().collect(),
         };
@@ -211,7 +211,7 @@ impl TouchingSystem<'_> {
 
     /// Returns the further choice of a contact that opens.
     fn apart(&self, contact: usize) -> Option<Phase> {
-        self.openings.iter().any(|one| one.contact == contact).then_some(Phase::Apart)
+        self.openings.iter().any(|opening| opening.contact == contact).then_some(Phase::Apart)
     }
 
     fn choices(&self) -> [Phase; 3] {
@@ -233,7 +233,7 @@ impl TouchingSystem<'_> {
         let (contacts, place) = (self.contacts(), begun.len() - 1);
         let gaps = self.gaps;
         let was_closed = |gap: usize| given[contacts + gap] == Phase::Closed;
-        let of = |gap: usize| gaps[gap].contacts.map(|one| begun[one]);
+        let of = |gap: usize| gaps[gap].contacts.map(|contact| begun[contact]);
         let is_free = |of: [Phase; 2]| of.contains(&Phase::Free);
         if place >= contacts {
             let ([behind, ahead], gap) = (of(place - contacts), place - contacts);
@@ -263,7 +263,7 @@ impl TouchingSystem<'_> {
         let was_closed = &given[self.contacts()..];
         let gaps = self.gaps.iter().zip(of_gaps).zip(gap_forces).zip(was_closed);
         for (((gap, phase), forces), was) in gaps {
-            let sticks = gap.contacts.iter().all(|one| phases[*one] == Phase::Stick);
+            let sticks = gap.contacts.iter().all(|contact| phases[*contact] == Phase::Stick);
             let holds = match phase {
                 Phase::Closed => sticks || forces.force >= -slack * gap.reduced_mass(),
                 _ if *was == Phase::Closed => !sticks && forces.opening_acceleration >= -slack,
@@ -285,7 +285,7 @@ impl TouchingSystem<'_> {
         }
         let clusters = held_clusters(self.gaps, phases);
         let in_cluster =
-            |contact: usize| clusters.iter().any(|one| one.contacts.contains(&contact));
+            |contact: usize| clusters.iter().any(|cluster| cluster.contacts.contains(&contact));
         let holds = |contact: usize| {
             let ContactForces { acceleration, normal, friction, .. } = forces[contact];
             match of_contacts[contact] {

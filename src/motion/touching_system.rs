@@ -111,8 +111,8 @@ impl<'a> TouchingSystem<'a> {
         }
         let gaps = self.gaps;
         let at = self.evaluator.openings(|component| state[component]);
-        let touches = |one: &usize| {
-            phases[self.openings[*one].contact] != Phase::Apart || at[*one][0] <= TOUCHING
+        let touches = |opening: &usize| {
+            phases[self.openings[*opening].contact] != Phase::Apart || at[*opening][0] <= TOUCHING
         };
         let at_gaps = (0..gaps.len()).filter(|gap| self.width(&gaps[*gap], state) <= TOUCHING);
         let at_openings = (0..self.openings.len()).filter(touches);
@@ -149,11 +149,11 @@ impl<'a> TouchingSystem<'a> {
             }
         }
         let system = self.evaluator.system();
-        let of_contacts = (0..contacts).map(|one| (system.friction(one), speeds[one]));
+        let of_contacts = (0..contacts).map(|contact| (system.friction(contact), speeds[contact]));
         let first = first_phases(self.settings.method, self.settings.band, of_contacts);
         phases[..contacts].copy_from_slice(&first);
-        for (one, opening) in self.openings.iter().enumerate() {
-            if !impact.together.contains(&ImpactPlace::Opening(one)) {
+        for (index, opening) in self.openings.iter().enumerate() {
+            if !impact.together.contains(&ImpactPlace::Opening(index)) {
                 phases[opening.contact] = Phase::Apart;
             }
         }
@@ -175,14 +175,14 @@ impl<'a> TouchingSystem<'a> {
         let mut fixed: SmallVec<[usize; 1]> = SmallVec::new();
         match self.settings.method {
             Method::Switch => {
-                switch_model::cross_band(self.settings.band, phases, |one| speeds[one]);
+                switch_model::cross_band(self.settings.band, phases, |contact| speeds[contact]);
             }
             Method::Event => {
-                let (_, stopped) = event_driven::stop(phases, |one| speeds[one], at_once);
+                let (_, stopped) = event_driven::stop(phases, |contact| speeds[contact], at_once);
                 for (contact, _) in stopped.iter().enumerate().filter(|(_, stopped)| **stopped) {
                     self.stop(contact, state);
                 }
-                fixed.extend(at_once.filter(|one| stopped[*one]));
+                fixed.extend(at_once.filter(|contact| stopped[*contact]));
             }
         }
         self.close(state, phases);

@@ -34,13 +34,13 @@ pub(super) fn first_event<S: Vector, K: Kernel<S>>(
     lane: usize,
     length: f64,
 ) -> Result<Option<(f64, StepEvent)>, Failure> {
-    let Some(own) = &g.lanes[lane] else { return Ok(None) };
+    let Some(run) = &g.lanes[lane] else { return Ok(None) };
     let mut ignored = SmallVec::<[Condition; 4]>::new();
     loop {
-        let mut first = g.kernel.first_event(&g.workspace, own, lane, length, &ignored);
+        let mut first = g.kernel.first_event(&g.workspace, run, lane, length, &ignored);
         if g.gaps.lanes_to_examine & 1 << lane != 0 {
             let series = (g.simd, &g.kernel, &*g.workspace, &g.state);
-            open_gaps::first_closing(series, (lane, own), length, &mut first);
+            open_gaps::first_closing(series, (lane, run), length, &mut first);
         }
         match first {
             StepEnd::Nothing => return Ok(None),
@@ -54,9 +54,9 @@ pub(super) fn first_event<S: Vector, K: Kernel<S>>(
                 }
                 let mut state = g.kernel.lane(&g.state, lane);
                 let kernel = (&g.kernel, &g.state, g.time[lane]);
-                let mut phases = Phases::from_slice(&own.phases);
-                decide(kernel, (lane, own), (&mut state, &mut phases), event)?;
-                if phases != own.phases {
+                let mut phases = Phases::from_slice(&run.phases);
+                decide(kernel, (lane, run), (&mut state, &mut phases), event)?;
+                if phases != run.phases {
                     return Ok(Some((0.0, event)));
                 }
                 ignored.push(failed);
@@ -69,36 +69,36 @@ pub(super) fn first_event<S: Vector, K: Kernel<S>>(
 /// in `state`, and an event or an impact, which is returned, resets it.
 fn decide<S: Vector, K: Kernel<S>>(
     (kernel, states, time): (&K, &K::LaneStates, f64),
-    (lane, own): (usize, &Lane),
+    (lane, run): (usize, &Lane),
     (state, phases): (&mut Components, &mut Phases),
     StepEvent { failed, at_once }: StepEvent,
 ) -> Result<Option<Box<Impact>>, Failure> {
     // The contact set off at this instant and stops at this instant.
     let stops_at_once = |contact: usize| {
-        let slips = matches!(own.phases[contact], Phase::Slip(_));
-        (at_once && slips && own.last_switches[contact] == time).then_some(contact)
+        let slips = matches!(run.phases[contact], Phase::Slip(_));
+        (at_once && slips && run.last_switches[contact] == time).then_some(contact)
     };
     let (contact, which) = match failed {
         Condition::Contact { contact, which } => (contact, which),
         Condition::Event(event) => {
             if let Some(evaluator) = kernel.evaluator(lane) {
                 *state = evaluator.reset(event, phases, state);
-                if own.has_openings
-                    && let Some(in_touch) = TouchingSystem::new(evaluator, own.settings)
+                if run.has_openings
+                    && let Some(in_touch) = TouchingSystem::new(evaluator, run.settings)
                 {
                     let (after, impact) = in_touch.start(state)?;
                     *phases = after;
                     return Ok(Some(Box::new(impact)));
                 }
             }
-            let system = own.system.as_ref();
+            let system = run.system.as_ref();
             *phases = kernel
-                .with_force_model(lane, own, state, |at| start_phases(system, own.settings, at))?;
+                .with_force_model(lane, run, state, |at| start_phases(system, run.settings, at))?;
             return Ok(None);
         }
         Condition::Gap(_) | Condition::Landing(_) => {
-            return with_evaluator(kernel, (lane, own), |evaluator| {
-                let Some(in_touch) = TouchingSystem::new(evaluator, own.settings) else {
+            return with_evaluator(kernel, (lane, run), |evaluator| {
+                let Some(in_touch) = TouchingSystem::new(evaluator, run.settings) else {
                     return Ok(None);
                 };
                 Ok(Some(Box::new(in_touch.meet(state, phases)?)))
@@ -106,13 +106,13 @@ fn decide<S: Vector, K: Kernel<S>>(
         }
         Condition::Pressed(_) | Condition::Held(_) => (usize::MAX, 0),
     };
-    if which == 2 && !own.has_openings {
+    if which == 2 && !run.has_openings {
         return Err(Failure::ContactLost { ball: contact + 1 });
     }
     let position = |contact: usize| state[kernel.coordinates(contact).0];
-    if own.has_openings || any_closed(phases) || open_gaps::any_touch(own, position) {
-        return with_evaluator(kernel, (lane, own), |evaluator| {
-            if let Some(in_touch) = TouchingSystem::new(evaluator, own.settings) {
+    if run.has_openings || any_closed(phases) || open_gaps::any_touch(run, position) {
+        return with_evaluator(kernel, (lane, run), |evaluator| {
+            if let Some(in_touch) = TouchingSystem::new(evaluator, run.settings) {
                 let failed = (contact < kernel.contacts()).then_some(contact);
                 let at_once = failed.and_then(stops_at_once);
                 in_touch.switch(state, phases, failed, at_once)?;
@@ -124,10 +124,10 @@ fn decide<S: Vector, K: Kernel<S>>(
         (_, Some(component)) => state[component],
         (_, None) => kernel.speed(states, contact)[lane],
     };
-    match own.settings.method {
+    match run.settings.method {
         Method::Switch => {
-            switch_model::cross_band(own.settings.band, phases, speed);
-            kernel.with_force_model(lane, own, state, |at| {
+            switch_model::cross_band(run.settings.band, phases, speed);
+            kernel.with_force_model(lane, run, state, |at| {
                 switch_model::decide(at, phases, check_forces)
             })?;
         }
@@ -139,14 +139,14 @@ fn decide<S: Vector, K: Kernel<S>>(
                     (None, Some(component)) => {
                         let mut unit = Components::from_elem(0.0, state.len());
                         unit[component] = 1.0;
-                        state[component] -= kernel.with_force_model(lane, own, state, |at| {
+                        state[component] -= kernel.with_force_model(lane, run, state, |at| {
                             at.speed(contact) / at.speed_along(contact, &unit)
                         });
                     }
                     (None, None) => {}
                 }
             }
-            kernel.with_force_model(lane, own, state, |at| {
+            kernel.with_force_model(lane, run, state, |at| {
                 event_driven::decide(at, phases, &at_rest, check_forces)
             })?;
         }
@@ -157,12 +157,12 @@ fn decide<S: Vector, K: Kernel<S>>(
 /// Calls `with` with the equations of the system in a lane.
 fn with_evaluator<S: Vector, K: Kernel<S>, R>(
     kernel: &K,
-    (lane, own): (usize, &Lane),
+    (lane, run): (usize, &Lane),
     with: impl FnOnce(&Evaluator) -> R,
 ) -> R {
     match kernel.evaluator(lane) {
         Some(evaluator) => with(evaluator),
-        None => with(&Evaluator::new(Arc::clone(&own.system))),
+        None => with(&Evaluator::new(Arc::clone(&run.system))),
     }
 }
 
@@ -177,40 +177,40 @@ pub(super) fn switch<S: Vector, K: Kernel<S>>(
     let time = g.time[lane];
     let mut state = g.kernel.lane(&g.state, lane);
     let kernel = &g.kernel;
-    let Some(own) = &mut g.lanes[lane] else { return Ok(()) };
-    own.hits.clear();
-    own.count_event(time)?;
-    own.during.copy_from_slice(&own.phases);
+    let Some(run) = &mut g.lanes[lane] else { return Ok(()) };
+    run.hits.clear();
+    run.count_event(time)?;
+    run.during.copy_from_slice(&run.phases);
     let resets =
         matches!(event.failed, Condition::Event(_) | Condition::Gap(_) | Condition::Landing(_));
-    let mut phases = Phases::from_slice(&own.phases);
-    let impact = decide((kernel, &g.state, time), (lane, own), (&mut state, &mut phases), event)?;
-    own.take_in(impact.as_deref(), time);
+    let mut phases = Phases::from_slice(&run.phases);
+    let impact = decide((kernel, &g.state, time), (lane, run), (&mut state, &mut phases), event)?;
+    run.take_in(impact.as_deref(), time);
     if perturbed {
         let mut direction = kernel.lane(&g.perturbation, lane);
-        own.grazed |= match (event.failed, kernel.evaluator(lane)) {
+        run.grazed |= match (event.failed, kernel.evaluator(lane)) {
             (Condition::Contact { contact, which }, _) => {
-                kernel.with_force_model(lane, own, &state, |at| {
-                    let sides: [&[Phase]; 2] = [&own.phases, &phases];
+                kernel.with_force_model(lane, run, &state, |at| {
+                    let sides: [&[Phase]; 2] = [&run.phases, &phases];
                     saltation(at, sides, (contact, which), &mut direction)
                 })
             }
             (Condition::Event(event), Some(evaluator)) => {
                 let before = kernel.lane(&g.state, lane);
-                let sides: [(&[Phase], &[f64]); 2] = [(&own.phases, &before), (&phases, &state)];
+                let sides: [(&[Phase], &[f64]); 2] = [(&run.phases, &before), (&phases, &state)];
                 let along = |direction: &[f64]| {
-                    evaluator.event_along(event, &own.phases, &before, direction)
+                    evaluator.event_along(event, &run.phases, &before, direction)
                 };
                 let (guard, reset) =
                     (|along_: &[f64]| along(along_).0, |along_: &[f64]| along(along_).1);
                 saltation_at_reset(evaluator, sides, guard, reset, &mut direction)
             }
             (failed @ (Condition::Gap(_) | Condition::Landing(_)), _) => {
-                with_evaluator(kernel, (lane, own), |evaluator| {
+                with_evaluator(kernel, (lane, run), |evaluator| {
                     let before = kernel.lane(&g.state, lane);
                     let sides: [(&[Phase], &[f64]); 2] =
-                        [(&own.phases, &before), (&phases, &state)];
-                    saltation_at_impact(evaluator, own.settings, sides, failed, &mut direction)
+                        [(&run.phases, &before), (&phases, &state)];
+                    saltation_at_impact(evaluator, run.settings, sides, failed, &mut direction)
                 })
             }
             // Accelerations do not jump where friction no longer holds contacts, or where a gap opens.
@@ -220,16 +220,16 @@ pub(super) fn switch<S: Vector, K: Kernel<S>>(
     }
     g.reset |= u64::from(resets) << lane;
     for (contact, phase) in phases.iter().enumerate() {
-        if *phase != own.phases[contact] {
-            own.switches += u64::from(!phase.is_gap());
-            own.last_switches[contact] = time;
+        if *phase != run.phases[contact] {
+            run.switches += u64::from(!phase.is_gap());
+            run.last_switches[contact] = time;
         }
     }
-    if phases[kernel.contacts()..] != own.phases[kernel.contacts()..] {
-        own.touching_time += if any_closed(&own.phases) { time - own.last_touch } else { 0.0 };
-        own.last_touch = time;
+    if phases[kernel.contacts()..] != run.phases[kernel.contacts()..] {
+        run.touching_time += if any_closed(&run.phases) { time - run.last_touch } else { 0.0 };
+        run.last_touch = time;
     }
-    own.phases = phases;
+    run.phases = phases;
     g.enter(lane, &state);
     Ok(())
 }

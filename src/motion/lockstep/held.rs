@@ -24,14 +24,14 @@ const MOST: usize = 200;
 /// `series` returns the power series of normal and friction force of a contact, without forces in gaps.
 pub(super) fn held_until<S: Vector>(
     simd: S,
-    own: &Lane,
+    run: &Lane,
     cluster: &HeldCluster,
     series: impl Fn(usize) -> [Powers; 2],
     (length, slack): (f64, f64),
 ) -> Option<f64> {
-    let forces: Vec<[Powers; 2]> = cluster.contacts.iter().map(|one| series(*one)).collect();
-    let limit = |contact: usize| own.limits[contact];
-    let place = |contact: usize| cluster.contacts.iter().position(|one| *one == contact);
+    let forces: Vec<[Powers; 2]> = cluster.contacts.iter().map(|held| series(*held)).collect();
+    let limit = |contact: usize| run.limits[contact];
+    let place = |contact: usize| cluster.contacts.iter().position(|held| *held == contact);
     let at = |part: f64| -> Holding {
         let values = |contact: usize| {
             let powers = place(contact).map_or([[0.0; ORDER + 1]; 2], |place| forces[place]);

@@ -41,17 +41,17 @@ pub(super) trait Kernel<S: Vector>: Sized {
     fn workspace(&self, simd: S) -> Self::Workspace;
 
     /// Sets the parameters of a lane, without those that depend on phases.
-    fn set_system(&mut self, lane: usize, own: &Lane);
+    fn set_system(&mut self, lane: usize, run: &Lane);
     /// Sets the parameters of a lane that depend on its phases and on what only events change.
     fn set_phases(
         &mut self,
         workspace: &mut Self::Workspace,
         lane: usize,
-        own: &Lane,
+        run: &Lane,
         state: &[f64],
     );
     /// Prepares the detection of rest from a state in which a lane begins a phase.
-    fn set_rest(&mut self, lane: usize, own: &Lane, state: &[f64]);
+    fn set_rest(&mut self, lane: usize, run: &Lane, state: &[f64]);
     /// Forgets a lane.
     fn clear(&mut self, lane: usize);
 
@@ -87,7 +87,7 @@ pub(super) trait Kernel<S: Vector>: Sized {
     fn first_event(
         &self,
         workspace: &Self::Workspace,
-        own: &Lane,
+        run: &Lane,
         lane: usize,
         length: f64,
         ignored: &[Condition],
@@ -147,7 +147,7 @@ pub(super) trait Kernel<S: Vector>: Sized {
     fn with_force_model<R>(
         &self,
         lane: usize,
-        own: &Lane,
+        run: &Lane,
         state: &[f64],
         with: impl FnOnce(&dyn ForceModel) -> R,
     ) -> R;

@@ -97,11 +97,11 @@ impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
 
     /// Starts a phase in a lane.
     pub(super) fn enter(&mut self, lane: usize, state: &[f64]) {
-        let Some(own) = &self.lanes[lane] else { return };
+        let Some(run) = &self.lanes[lane] else { return };
         self.kernel.set_lane(&mut self.state, lane, state);
-        self.kernel.set_phases(&mut self.workspace, lane, own, state);
-        self.kernel.set_rest(lane, own, state);
-        self.gaps.set(lane, own);
+        self.kernel.set_phases(&mut self.workspace, lane, run, state);
+        self.kernel.set_rest(lane, run, state);
+        self.gaps.set(lane, run);
     }
 }
 

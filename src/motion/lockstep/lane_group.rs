@@ -100,24 +100,24 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
     }
 
     fn put(&mut self, lane: usize, saved: &SavedRun, until: f64) {
-        let own = &saved.lane;
+        let run = &saved.lane;
         for contact in 0..self.kernel.contacts() {
             self.turns[contact][lane] = saved.turns[contact];
             self.slow_since[contact][lane] = saved.slow_since[contact];
         }
-        let tolerance = own.settings.tolerance;
+        let tolerance = run.settings.tolerance;
         self.tolerance[0][lane] = tolerance.relative;
         self.tolerance[1][lane] = tolerance.absolute;
         self.time[lane] = saved.time;
         self.time_before[lane] = saved.time;
         self.until[lane] = until;
         self.attention[lane] = f64::INFINITY;
-        self.longest[lane] = LONGEST * own.longest_step;
+        self.longest[lane] = LONGEST * run.longest_step;
         self.next[lane] = saved.next;
-        self.slow[lane] = own.slow;
+        self.slow[lane] = run.slow;
         self.taken[lane] = saved.taken;
-        self.most[lane] = own.settings.effort_limit as f64;
-        self.most_per_time[lane] = MOST_PER_TIME * own.fastest_rate;
+        self.most[lane] = run.settings.effort_limit as f64;
+        self.most_per_time[lane] = MOST_PER_TIME * run.fastest_rate;
         self.kernel.set_lane(&mut self.perturbation, lane, &saved.perturbation);
         let bit = 1 << lane;
         self.alive |= bit;
@@ -125,10 +125,10 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
         self.reset &= !bit;
         self.watched &= !bit;
         let slides =
-            (0..self.kernel.contacts()).any(|contact| !own.system.friction(contact).can_stick());
+            (0..self.kernel.contacts()).any(|contact| !run.system.friction(contact).can_stick());
         self.sliding = self.sliding & !bit | if slides { bit } else { 0 };
-        self.kernel.set_system(lane, own);
-        self.lanes[lane] = Some(own.clone());
+        self.kernel.set_system(lane, run);
+        self.lanes[lane] = Some(run.clone());
         self.enter(lane, &saved.state);
     }
 
@@ -152,9 +152,9 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
     }
 
     fn copy(&self, lane: usize) -> Option<SavedRun> {
-        let own = self.lanes[lane].as_ref()?;
+        let run = self.lanes[lane].as_ref()?;
         Some(SavedRun {
-            lane: own.clone(),
+            lane: run.clone(),
             time: self.time[lane],
             state: self.kernel.lane(&self.state, lane),
             turns: self.turns(lane),
@@ -188,8 +188,8 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
     }
 
     fn longest(&self, lane: usize) -> f64 {
-        let own = self.lanes[lane].as_ref();
-        own.map_or(f64::INFINITY, |own| LONGEST * own.longest_step)
+        let run = self.lanes[lane].as_ref();
+        run.map_or(f64::INFINITY, |run| LONGEST * run.longest_step)
     }
 
     fn time(&self, lane: usize) -> f64 {
@@ -223,13 +223,13 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
     }
 
     fn phases(&self, lane: usize) -> &[Phase] {
-        self.lanes[lane].as_ref().map_or(&[], |own| &own.phases)
+        self.lanes[lane].as_ref().map_or(&[], |run| &run.phases)
     }
 
     fn phases_during_step(&self, lane: usize) -> &[Phase] {
         let had_event = self.ended & 1 << lane != 0;
-        let own = self.lanes[lane].as_ref();
-        own.map_or(&[], |own| if had_event { &own.during } else { &own.phases })
+        let run = self.lanes[lane].as_ref();
+        run.map_or(&[], |run| if had_event { &run.during } else { &run.phases })
     }
 
     fn was_reset(&self, lane: usize) -> bool {
@@ -237,7 +237,7 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
     }
 
     fn last_switches(&self, lane: usize) -> &[f64] {
-        self.lanes[lane].as_ref().map_or(&[], |own| &own.last_switches)
+        self.lanes[lane].as_ref().map_or(&[], |run| &run.last_switches)
     }
 
     fn slow_since(&self, lane: usize) -> PerContact {
@@ -245,8 +245,8 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
     }
 
     fn hits(&self, lane: usize) -> &[Hit] {
-        let latest = self.lanes[lane].as_ref().filter(|own| own.hit_at == self.time[lane]);
-        latest.map_or(&[], |own| &own.hits)
+        let latest = self.lanes[lane].as_ref().filter(|run| run.hit_at == self.time[lane]);
+        latest.map_or(&[], |run| &run.hits)
     }
 
     fn touches(&self, lane: usize) -> Option<Touches> {
@@ -254,19 +254,19 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
     }
 
     fn effort(&self, lane: usize) -> Effort {
-        let own = self.lanes[lane].as_ref();
-        own.map_or_else(Effort::default, |own| own.effort(self.taken[lane]))
+        let run = self.lanes[lane].as_ref();
+        run.map_or_else(Effort::default, |run| run.effort(self.taken[lane]))
     }
 
     fn perturb(&mut self, lane: usize, direction: &[f64]) {
         self.kernel.set_lane(&mut self.perturbation, lane, direction);
-        if let Some(own) = &mut self.lanes[lane] {
-            own.grazed = false;
+        if let Some(run) = &mut self.lanes[lane] {
+            run.grazed = false;
         }
     }
 
     fn perturbation(&self, lane: usize) -> (Components, bool) {
-        let grazed = self.lanes[lane].as_ref().is_some_and(|own| own.grazed);
+        let grazed = self.lanes[lane].as_ref().is_some_and(|run| run.grazed);
         (self.kernel.lane(&self.perturbation, lane), grazed)
     }
 

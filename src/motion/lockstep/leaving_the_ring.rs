@@ -88,8 +88,8 @@ fn seen_in<S: Vector, K: Kernel<S>>(
         let KernelLanes { kernel, workspace, state, lanes, .. } = &mut group;
         kernel.expand(workspace, state, false);
         let lanes_to_examine = kernel.screen_conditions(workspace, Lanes::splat(simd, LENGTH));
-        for (lane, own) in lanes.iter().enumerate() {
-            let Some(own) = own else { continue };
+        for (lane, run) in lanes.iter().enumerate() {
+            let Some(run) = run else { continue };
             let start = kernel.lane(state, lane);
             let powers: Vec<_> = (0..start.len())
                 .map(|component| kernel.component(workspace, lane, component, start[component]))
@@ -101,7 +101,7 @@ fn seen_in<S: Vector, K: Kernel<S>>(
                         powers.iter().rev().fold(0.0, |sum, power| sum * time + power)
                     };
                     let state: Components = powers.iter().map(|powers| sum(powers)).collect();
-                    leaves(&balancer, &own.phases, &state)
+                    leaves(&balancer, &run.phases, &state)
                 });
             let doubted = lanes_to_examine & 1 << lane != 0;
             let Some(fails) = fails else {
@@ -111,7 +111,7 @@ fn seen_in<S: Vector, K: Kernel<S>>(
             };
             left += 1;
             assert!(doubted, "{round} {lane}: at {fails}");
-            match kernel.first_event(workspace, own, lane, LENGTH, &[]) {
+            match kernel.first_event(workspace, run, lane, LENGTH, &[]) {
                 StepEnd::At(part, _) => assert!(part <= fails, "{part} {fails}"),
                 StepEnd::AtOnce(_) | StepEnd::Nothing => panic!("{round} {lane}: at {fails}"),
             }

@@ -39,20 +39,20 @@ impl<S: Vector> OpenGaps<S> {
     }
 
     /// Sets a lane by the phases of its run.
-    pub(super) fn set(&mut self, lane: usize, own: &Lane) {
+    pub(super) fn set(&mut self, lane: usize, run: &Lane) {
         let bit = 1 << lane;
         self.any &= !bit;
         self.irregular &= !bit;
-        if !own.has_gaps {
+        if !run.has_gaps {
             return;
         }
-        let Some(touching) = own.system.touching() else { return };
+        let Some(touching) = run.system.touching() else { return };
         let gaps = touching.gaps();
         let contacts = self.distances.len();
         self.any |= if gaps.is_empty() { 0 } else { bit };
         for (place, gap) in gaps.iter().enumerate() {
             if gaps.len() == contacts && gap.contacts == [place, (place + 1) % contacts] {
-                let closed = own.phases[contacts + place] == Phase::Closed;
+                let closed = run.phases[contacts + place] == Phase::Closed;
                 self.distances[place][lane] = if closed { NEVER } else { gap.distance };
             } else {
                 self.irregular |= bit;
@@ -93,27 +93,27 @@ impl<S: Vector> OpenGaps<S> {
 }
 
 /// Returns whether any contacts of a run are at each other, by their positions.
-pub(super) fn any_touch(own: &Lane, position: impl Fn(usize) -> f64) -> bool {
-    if !own.has_gaps {
+pub(super) fn any_touch(run: &Lane, position: impl Fn(usize) -> f64) -> bool {
+    if !run.has_gaps {
         return false;
     }
-    let gaps = own.system.touching().map_or(&[][..], |touching| touching.gaps());
+    let gaps = run.system.touching().map_or(&[][..], |touching| touching.gaps());
     gaps.iter().any(|gap| gap.width(gap.contacts.map(&position)) <= TOUCHING)
 }
 
 /// Replaces the end of a step by the first closing of an open gap if that is earlier.
 pub(super) fn first_closing<S: Vector, K: Kernel<S>>(
     (simd, kernel, workspace, states): (S, &K, &K::Workspace, &K::LaneStates),
-    (lane, own): (usize, &Lane),
+    (lane, run): (usize, &Lane),
     length: f64,
     first: &mut StepEnd,
 ) {
-    let Some(touching) = own.system.touching() else { return };
+    let Some(touching) = run.system.touching() else { return };
     let state = kernel.lane(states, lane);
-    let aim = 0.5 * own.width;
+    let aim = 0.5 * run.width;
     let contacts = kernel.contacts();
     for (index, gap) in touching.gaps().iter().enumerate() {
-        if own.phases[contacts + index] != Phase::Open {
+        if run.phases[contacts + index] != Phase::Open {
             continue;
         }
         let places = gap.contacts.map(|contact| kernel.coordinates(contact).0);

@@ -30,11 +30,11 @@ impl<S: Vector> Pressure<S> {
     }
 
     /// Sets a lane from the phase of its gap. Between two contacts that stick no force is determined.
-    pub(super) fn set(&mut self, lane: usize, own: &Lane, (gap, phase): (&Gap, Phase)) {
-        let sticks = gap.contacts.iter().all(|one| own.phases[*one] == Phase::Stick);
+    pub(super) fn set(&mut self, lane: usize, run: &Lane, (gap, phase): (&Gap, Phase)) {
+        let sticks = gap.contacts.iter().all(|contact| run.phases[*contact] == Phase::Stick);
         if phase == Phase::Closed && !sticks {
             self.weight[lane] = 1.0 / gap.reduced_mass();
-            self.offset[lane] = own.margins.slack + 0.5 * own.width;
+            self.offset[lane] = run.margins.slack + 0.5 * run.width;
         } else {
             self.clear(lane);
         }

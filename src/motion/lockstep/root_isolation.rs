@@ -285,12 +285,12 @@ enum PartVerdict {
 fn part(low: PolynomialPoint, high: PolynomialPoint, fourth_derivative: f64) -> PartVerdict {
     let length = high.at - low.at;
     let third = length / 3.0;
-    let (one, two) = (low.value + third * low.slope, high.value - third * high.slope);
+    let (left, right) = (low.value + third * low.slope, high.value - third * high.slope);
     let square = length * length;
     let doubt = fourth_derivative * (square * square) / 144.0;
-    let second = 0.25 * (low.value + 3.0 * one);
-    let middle = 0.5 * (one + two);
-    let fourth = 0.25 * (3.0 * two + high.value);
+    let second = 0.25 * (low.value + 3.0 * left);
+    let middle = 0.5 * (left + right);
+    let fourth = 0.25 * (3.0 * right + high.value);
     if second.min(middle - doubt).min(fourth).min(high.value) >= 0.0 {
         return PartVerdict::Holds;
     }
@@ -363,7 +363,7 @@ mod tests {
 
         // Negative by rounding, with a fall at 0.06 and positive again from 0.4 on.
         let again = [-1e-15, 0.024, -0.46, 1.0];
-        let again = polynomial(|k| again.get(k).map_or(0.0, |one| one * [1.0, 1.0, 2.0, 6.0][k]));
+        let again = polynomial(|k| again.get(k).map_or(0.0, |c| c * [1.0, 1.0, 2.0, 6.0][k]));
         assert!((at(first_fall(again)) - 0.06).abs() < 1e-9);
 
         // At rest in contact, from where it falls by its second and third derivatives: nearly a double root at 6.2e-5.

@@ -38,14 +38,14 @@ pub(super) fn first_event<S: Vector>(
     simd: S,
     workspace: &RecordedWorkspace<S>,
     program: &Compiled,
-    (own, lane, length): (&Lane, usize, f64),
+    (run, lane, length): (&Lane, usize, f64),
     (pressures, clusters): (&[Pressure<S>], &[HeldCluster]),
     ignored: &[Condition],
 ) -> StepEnd {
     let mut first = StepEnd::Nothing;
-    let band = own.margins.band;
-    let aim = 0.5 * own.width;
-    let slack = own.margins.slack + aim;
+    let band = run.margins.band;
+    let aim = 0.5 * run.width;
+    let slack = run.margins.slack + aim;
     let series = workspace.series();
     let Compiled { operations, programs: Programs { screen, exact_screen, .. }, .. } = program;
     let (_, screen) = exact_screen.as_ref().filter(|_| workspace.is_exact).unwrap_or(screen);
@@ -69,7 +69,7 @@ pub(super) fn first_event<S: Vector>(
                     std::array::from_fn(|k| if k < ORDER { series.of(slot)[k][lane] } else { 0.0 })
                 })
             };
-            match held_until(simd, own, cluster, series, (length, slack)) {
+            match held_until(simd, run, cluster, series, (length, slack)) {
                 Some(0.0) => first = StepEnd::AtOnce(failed),
                 Some(part) => first.earlier(part, failed),
                 None => {}
@@ -91,7 +91,7 @@ pub(super) fn first_event<S: Vector>(
                     first.or(simd, &condition(), None, failed);
                 }
             };
-        match own.phases[contact] {
+        match run.phases[contact] {
             Phase::Slip(direction) => {
                 let slips = |k| direction * speed(k);
                 examine(ConditionBound::Slips, 0, &|| {
@@ -109,9 +109,9 @@ pub(super) fn first_event<S: Vector>(
                 });
             }
             // Contacts that touch are held together.
-            Phase::Stick if clusters.iter().any(|one| one.contacts.contains(&contact)) => {}
+            Phase::Stick if clusters.iter().any(|cluster| cluster.contacts.contains(&contact)) => {}
             Phase::Stick => {
-                let limit = own.limits[contact];
+                let limit = run.limits[contact];
                 let held = |sign: f64| move |k| limit * normal(k) - sign * friction(k);
                 for (which, bound, sign) in
                     [(0, ConditionBound::Forward, 1.0), (1, ConditionBound::Backward, -1.0)]
@@ -121,7 +121,7 @@ pub(super) fn first_event<S: Vector>(
             }
             Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => {}
         }
-        if own.phases[contact] == Phase::Apart {
+        if run.phases[contact] == Phase::Apart {
             let failed = Condition::Landing(contact);
             let gap = |offset: f64| Polynomial::of(length, offset, ORDER - 1, normal);
             // Bodies that touch and move with each other, or stick, do not land: their gap is negative by rounding.

@@ -143,12 +143,12 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         RecordedWorkspace::new(simd, operations, programs)
     }
 
-    fn set_system(&mut self, lane: usize, own: &Lane) {
+    fn set_system(&mut self, lane: usize, run: &Lane) {
         let graph = Arc::clone(&self.graph);
-        self.evaluators[lane] = Some(Evaluator::of_graph(Arc::clone(&own.system), graph));
+        self.evaluators[lane] = Some(Evaluator::of_graph(Arc::clone(&run.system), graph));
         let Compiled { operations, parameters, programs } = &*self.program;
-        let modes: Vec<_> = own.phases.iter().map(|phase| phase.mode()).collect();
-        let inputs = own.system.inputs(&modes);
+        let modes: Vec<_> = run.phases.iter().map(|phase| phase.mode()).collect();
+        let inputs = run.system.inputs(&modes);
         let scratch = self.scratch[lane].get_mut();
         scratch.begin(&programs.fixed.program);
         let memory = &mut scratch.memory;
@@ -164,7 +164,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         &mut self,
         workspace: &mut Self::Workspace,
         lane: usize,
-        own: &Lane,
+        run: &Lane,
         state: &[f64],
     ) {
         let Compiled { operations, parameters, .. } = &*self.program;
@@ -175,38 +175,39 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
             }
         }
         let scratch = self.scratch[lane].get_mut();
-        let inputs = scratch.inputs(operations, own.system.as_ref(), &own.phases);
+        let inputs = scratch.inputs(operations, run.system.as_ref(), &run.phases);
         for ((cell, _), value) in operations.inputs[0].iter().zip(inputs) {
             workspace.set_constant(*cell, lane, *value);
         }
         for (cell, component) in &operations.discrete {
             workspace.set_constant(*cell, lane, state[*component as usize]);
         }
-        let margins = (&own.margins, 0.5 * own.width);
+        let margins = (&run.margins, 0.5 * run.width);
         for contact in 0..self.speeds.len() {
-            let numbers = conditions::of_contact(own.phases[contact], own.limits[contact], margins);
+            let numbers = conditions::of_contact(run.phases[contact], run.limits[contact], margins);
             let first = operations.of_contact(contact, ContactCell::Sign);
             for (cell, number) in (first..).zip(numbers) {
                 workspace.set(cell, lane, number);
             }
         }
-        let evaluator = self.evaluators[lane].as_ref().filter(|_| own.has_gaps);
-        let Some(in_touch) = evaluator.and_then(|one| TouchingSystem::new(one, own.settings))
+        let evaluator = self.evaluators[lane].as_ref().filter(|_| run.has_gaps);
+        let Some(in_touch) =
+            evaluator.and_then(|evaluator| TouchingSystem::new(evaluator, run.settings))
         else {
             return;
         };
-        self.held[lane] = held_clusters(in_touch.gaps, &own.phases);
-        let gaps = in_touch.gaps.iter().zip(&own.phases[self.speeds.len()..]);
+        self.held[lane] = held_clusters(in_touch.gaps, &run.phases);
+        let gaps = in_touch.gaps.iter().zip(&run.phases[self.speeds.len()..]);
         for (place, (pressure, (gap, phase))) in self.pressures.iter_mut().zip(gaps).enumerate() {
-            pressure.set(lane, own, (gap, *phase));
+            pressure.set(lane, run, (gap, *phase));
             workspace.set(operations.of_gap(place, GapCell::Weight), lane, pressure.weight[lane]);
             workspace.set(operations.of_gap(place, GapCell::Offset), lane, pressure.offset[lane]);
         }
     }
 
-    fn set_rest(&mut self, lane: usize, own: &Lane, _state: &[f64]) {
+    fn set_rest(&mut self, lane: usize, run: &Lane, _state: &[f64]) {
         let bit = 1 << lane;
-        let sticks = all_stick(&own.phases);
+        let sticks = all_stick(&run.phases);
         self.stuck = self.stuck & !bit | if sticks { bit } else { 0 };
     }
 
@@ -347,12 +348,12 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     fn first_event(
         &self,
         workspace: &Self::Workspace,
-        own: &Lane,
+        run: &Lane,
         lane: usize,
         length: f64,
         ignored: &[Condition],
     ) -> StepEnd {
-        let in_lane = (own, lane, length);
+        let in_lane = (run, lane, length);
         let of_gaps = (&self.pressures[..], &self.held[lane][..]);
         conditions::first_event(self.simd, workspace, &self.program, in_lane, of_gaps, ignored)
     }
@@ -427,7 +428,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     #[inline(always)]
     fn vibration_of(&self, states: &Self::LaneStates) -> [Lanes<S>; 2] {
         let zero = [Lanes::splat(self.simd, 0.0); 2];
-        self.graph.layout.vibration.map_or(zero, |places| places.map(|one| states.components[one]))
+        self.graph.layout.vibration.map_or(zero, |places| places.map(|i| states.components[i]))
     }
 
     #[inline(always)]
@@ -439,8 +440,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         let zero = [Lanes::splat(self.simd, 0.0); 2];
         times.map(|time| {
             let places = self.graph.layout.vibration;
-            places
-                .map_or(zero, |all| all.map(|one| self.sum(workspace.series(), one as Slot, time)))
+            places.map_or(zero, |all| all.map(|i| self.sum(workspace.series(), i as Slot, time)))
         })
     }
 
@@ -451,13 +451,13 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         pair: [usize; 2],
         length: Lanes<S>,
     ) -> Lanes<S> {
-        let [one, other] = pair.map(|contact| {
+        let [behind, ahead] = pair.map(|contact| {
             let position = self.graph.layout.contacts[contact].position;
             workspace.series().of(position as Slot)
         });
         let mut bound = Lanes::splat(length.simd, 0.0);
         for k in (1..TERMS).rev() {
-            bound = bound.fused(length, (one[k] - other[k]).abs());
+            bound = bound.fused(length, (behind[k] - ahead[k]).abs());
         }
         bound * length
     }
@@ -469,12 +469,12 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     fn with_force_model<R>(
         &self,
         lane: usize,
-        own: &Lane,
+        run: &Lane,
         state: &[f64],
         with: impl FnOnce(&dyn ForceModel) -> R,
     ) -> R {
         let evaluator = self.evaluator(lane).expect("only lanes with a run are decided");
         let scratch = &mut *self.scratch[lane].borrow_mut();
-        with(&ProgramForces::new((self.simd, &self.program), (own, evaluator), state, scratch))
+        with(&ProgramForces::new((self.simd, &self.program), (run, evaluator), state, scratch))
     }
 }

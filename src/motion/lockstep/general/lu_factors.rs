@@ -138,9 +138,9 @@ impl LuFactors {
                     let places = [column, row].map(|row| row * size + j);
                     exchange(builder, &mut self.entries, places, less);
                 }
-                let [one, other] = [scales[column], scales[row]];
-                scales[column] = builder.choice(less, other, one);
-                scales[row] = builder.choice(less, one, other);
+                let [above, below] = [scales[column], scales[row]];
+                scales[column] = builder.choice(less, below, above);
+                scales[row] = builder.choice(less, above, below);
             }
             let pivot = self.entries[column * size + column].unwrap_or(zero);
             self.inverses.push(Some(builder.quotient(one, pivot)));
@@ -160,7 +160,7 @@ impl LuFactors {
         let mut exchanges = self.exchanges.iter();
         let eliminated = if self.last.is_some() { size - 2 } else { size };
         for column in 0..eliminated {
-            for (rows, less) in exchanges.as_slice().iter().take_while(|one| one.0[0] == column) {
+            for (rows, less) in exchanges.as_slice().iter().take_while(|pair| pair.0[0] == column) {
                 exchange(builder, &mut values, *rows, *less);
                 exchanges.next();
             }
@@ -222,7 +222,7 @@ fn exchange(
         return;
     }
     let zero = builder.number(0.0);
-    let [one, other] = pair.map(|cell| cell.unwrap_or(zero));
-    cells[places[0]] = Some(builder.choice(less, other, one));
-    cells[places[1]] = Some(builder.choice(less, one, other));
+    let [first, second] = pair.map(|cell| cell.unwrap_or(zero));
+    cells[places[0]] = Some(builder.choice(less, second, first));
+    cells[places[1]] = Some(builder.choice(less, first, second));
 }

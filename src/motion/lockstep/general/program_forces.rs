@@ -79,7 +79,7 @@ impl DecisionMemory {
 pub(super) struct ProgramForces<'a, S: Vector> {
     simd: S,
     program: &'a Compiled,
-    own: &'a Lane,
+    run: &'a Lane,
     evaluator: &'a Evaluator,
     state: &'a [f64],
     scratch: RefCell<&'a mut DecisionMemory>,
@@ -89,7 +89,7 @@ impl<'a, S: Vector> ProgramForces<'a, S> {
     /// Returns the run of a lane in a state.
     pub(super) fn new(
         (simd, program): (S, &'a Compiled),
-        (own, evaluator): (&'a Lane, &'a Evaluator),
+        (run, evaluator): (&'a Lane, &'a Evaluator),
         state: &'a [f64],
         scratch: &'a mut DecisionMemory,
     ) -> Self {
@@ -101,7 +101,7 @@ impl<'a, S: Vector> ProgramForces<'a, S> {
         }
         programs.instant.run(simd, &mut scratch.memory);
         scratch.latest = None;
-        ProgramForces { simd, program, own, evaluator, state, scratch: RefCell::new(scratch) }
+        ProgramForces { simd, program, run, evaluator, state, scratch: RefCell::new(scratch) }
     }
 
     /// Computes rates and forces for assumed phases.
@@ -111,7 +111,7 @@ impl<'a, S: Vector> ProgramForces<'a, S> {
             return;
         }
         let Compiled { operations, programs, .. } = self.program;
-        let place = scratch.place(operations, self.own.system.as_ref(), phases);
+        let place = scratch.place(operations, self.run.system.as_ref(), phases);
         let DecisionMemory { memory, known, .. } = scratch;
         for ((cell, _), value) in operations.inputs[0].iter().zip(&known[place].1) {
             memory[*cell as usize] = *value;
@@ -136,7 +136,7 @@ impl<'a, S: Vector> ProgramForces<'a, S> {
 
 impl<S: Vector> ForceModel for ProgramForces<'_, S> {
     fn limit(&self, contact: usize) -> f64 {
-        self.own.limits[contact]
+        self.run.limits[contact]
     }
 
     fn speed(&self, contact: usize) -> f64 {
@@ -184,10 +184,10 @@ impl<S: Vector> ForceModel for ProgramForces<'_, S> {
     }
 
     fn has_one_solution(&self) -> bool {
-        self.own.surely_one_solution || self.own.system.one_solution_at(self.state)
+        self.run.surely_one_solution || self.run.system.one_solution_at(self.state)
     }
 
     fn force_scale(&self) -> f64 {
-        self.own.force_scale
+        self.run.force_scale
     }
 }

@@ -59,8 +59,8 @@ fn rule(operations: &Operations, slot: Slot) -> Option<(usize, Rule)> {
         Operation::Turning(of) => Rule::Angle(of.angle),
         Operation::Solve { out, .. } if out.contains(&slot) => Rule::Series,
         Operation::Solve { products, .. } => {
-            let own = products.iter().flatten().find(|products| products.sum == slot);
-            match own.map(|products| &products.parts[..]) {
+            let row = products.iter().flatten().find(|products| products.sum == slot);
+            match row.map(|products| &products.parts[..]) {
                 Some([(a, b, _)]) => Rule::Product([*a, *b]),
                 _ => return None,
             }

@@ -94,7 +94,7 @@ impl Statics {
         }
         match self.all[number as usize] {
             Static::Product(a, b) => {
-                let [a, b] = [a, b].map(|one| self.with_zero(one, switch));
+                let [a, b] = [a, b].map(|factor| self.with_zero(factor, switch));
                 if a == zero || b == zero { zero } else { self.times(a, b) }
             }
             Static::Negation(a) => {

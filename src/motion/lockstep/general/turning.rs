@@ -47,9 +47,7 @@ impl TurningNodes {
         let is_unknown = |id: NodeId| matches!(node(id), Node::Solution { .. });
         let rate = graph.derivative[speed as usize];
         let is_rest = |id: NodeId| match node(id) {
-            Node::Difference(one, other) => {
-                node(one) == Node::Constant(1.0) && Some(other) == switch
-            }
+            Node::Difference(a, b) => node(a) == Node::Constant(1.0) && Some(b) == switch,
             _ => false,
         };
         let (acceleration, residual) = match node(rate) {

@@ -217,7 +217,7 @@ impl<F: Fn(Cell) -> bool> Lowering<F> {
                 sums.push(Partial { out, products, sum });
             }
         }
-        let longest = sums.iter().map(|one| one.products.len()).max().unwrap_or(0);
+        let longest = sums.iter().map(|sum| sum.products.len()).max().unwrap_or(0);
         for left in (0..longest).rev() {
             for Partial { out, products, sum } in &mut sums {
                 let Some(place) = products.len().checked_sub(left + 1) else { continue };

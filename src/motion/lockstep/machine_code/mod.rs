@@ -153,11 +153,11 @@ fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<CodePart>> {
             continue;
         }
         let count = rest.iter().position(is_call).unwrap_or(rest.len());
-        let (own, later) = rest.split_at(count);
+        let (part, later) = rest.split_at(count);
         // A cell that is read after this part is stored.
         let stored =
             |cell: u32| program.kept[cell as usize] || last_read[cell as usize] <= later.len();
-        let lowered = lower::lower(program, own, stored, encoder.width);
+        let lowered = lower::lower(program, part, stored, encoder.width);
         let cells = lowered.values.iter().map(|value| value.cell);
         let is_size = |line: &Line| matches!(line.operation, MachineOperation::Size(_));
         let has_sizes = lowered.lines.iter().any(is_size);

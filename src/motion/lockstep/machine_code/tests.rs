@@ -63,9 +63,9 @@ fn random_programs() {
     with_each_level!(simd => agree_with_the_interpreter(simd));
 }
 
-fn assert_same([one, other]: [f64; 2], of: impl Fn() -> String) {
-    let same = one.to_bits() == other.to_bits() || one.is_nan() && other.is_nan();
-    assert!(same, "{one} and {other} in program {}", of());
+fn assert_same([left, right]: [f64; 2], of: impl Fn() -> String) {
+    let same = left.to_bits() == right.to_bits() || left.is_nan() && right.is_nan();
+    assert!(same, "{left} and {right} in program {}", of());
 }
 
 fn agree_with_the_interpreter(simd: impl Vector) {
@@ -107,8 +107,8 @@ fn agree_with_the_interpreter(simd: impl Vector) {
             found.clone_from(&interpreted);
         }
         for cell in (0..program.cells).filter(|cell| program.kept[*cell]) {
-            for one in [interpreted[cell], found[cell]] {
-                assert_same([expected[cell][0], one], || format!("{number}, {cell} {program:?}"));
+            for value in [interpreted[cell], found[cell]] {
+                assert_same([expected[cell][0], value], || format!("{number}, {cell} {program:?}"));
             }
         }
     }
@@ -180,7 +180,7 @@ fn tangents_are_those_of_dual_numbers() {
             let expected = dual[cell];
             // Rounding errors grow with the sizes of the terms.
             let is_near = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (1.0 + a.abs().max(b.abs()));
-            if [value, slope, expected.slope].iter().all(|one| one.abs() < 1e6) {
+            if [value, slope, expected.slope].iter().all(|part| part.abs() < 1e6) {
                 assert!(
                     is_near(value, expected.value) && is_near(slope, expected.slope),
                     "program {number}, cell {cell}: {slope} and {expected:?} {program:?}"

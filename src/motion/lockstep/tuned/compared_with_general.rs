@@ -29,7 +29,7 @@ fn machine(balls: usize) -> Machine {
     let machine = Machine::default();
     let ball = machine.balls[0];
     let balls =
-        (0..balls).map(|one| Ball { mass_kg: ball.mass_kg * (1.0 + 0.1 * one as f64), ..ball });
+        (0..balls).map(|index| Ball { mass_kg: ball.mass_kg * (1.0 + 0.1 * index as f64), ..ball });
     Machine {
         speed_rad_s: -216.3772,
         ring_runout_m: 2e-5,
@@ -98,9 +98,9 @@ fn step<S: Vector, K: Kernel<S>>(simd: S, kernel: K, runs: &[SavedRun]) -> Step 
     let lanes_to_examine = kernel.screen_conditions(workspace, length);
     let mut end = state.clone();
     kernel.at(workspace, state, length, &mut end);
-    let first_event = |(lane, own): (usize, &Option<_>)| {
-        let own = own.as_ref().expect("all lanes have runs");
-        kernel.first_event(workspace, own, lane, LENGTH, &[])
+    let first_event = |(lane, run): (usize, &Option<_>)| {
+        let run = run.as_ref().expect("all lanes have runs");
+        kernel.first_event(workspace, run, lane, LENGTH, &[])
     };
     let events = lanes.iter().enumerate().map(first_event).collect();
     let sums = (0..LANES).map(|lane| {
@@ -134,13 +134,13 @@ fn agree<const N: usize>(simd: impl Vector, method: Method) -> (usize, usize) {
     let general = step(simd, GeneralKernel::new(simd, runs[0].system()), &runs);
     let (mut located, mut obvious) = (0, 0);
     for (lane, run) in runs.iter().enumerate() {
-        let close = |one: &[f64], other: &[f64], most: f64| {
-            assert_eq!(one.len(), other.len());
-            for (component, (one, other)) in one.iter().zip(other).enumerate() {
+        let close = |tuned: &[f64], general: &[f64], most: f64| {
+            assert_eq!(tuned.len(), general.len());
+            for (component, (tuned, general)) in tuned.iter().zip(general).enumerate() {
                 let phases = &run.lane.phases;
                 assert!(
-                    (one - other).abs() < most,
-                    "{component} of {lane}: {one} {other} {phases:?}"
+                    (tuned - general).abs() < most,
+                    "{component} of {lane}: {tuned} {general} {phases:?}"
                 );
             }
         };
@@ -149,7 +149,7 @@ fn agree<const N: usize>(simd: impl Vector, method: Method) -> (usize, usize) {
         // The reaction of the table on balls that touch is missing in the highest powers (`tail_terms`).
         close(&tuned.perturbations[lane], &general.perturbations[lane], 1e-9);
         match (&tuned.events[lane], &general.events[lane]) {
-            (StepEnd::At(one, which), StepEnd::At(other, same)) => {
+            (StepEnd::At(part, which), StepEnd::At(expected, same)) => {
                 // Balls that touch stop together: rounding decides which of them is first.
                 let together = |condition: &Condition| match condition {
                     Condition::Contact { which, .. } if touches(run) => Some(*which),
@@ -158,8 +158,8 @@ fn agree<const N: usize>(simd: impl Vector, method: Method) -> (usize, usize) {
                 let agrees =
                     which == same || together(which).is_some_and(|of| together(same) == Some(of));
                 assert!(
-                    agrees && (one - other).abs() < 1e-9,
-                    "{one} {other} of {lane}: {which:?} {same:?}"
+                    agrees && (part - expected).abs() < 1e-9,
+                    "{part} {expected} of {lane}: {which:?} {same:?}"
                 );
                 located += 1;
             }

@@ -154,8 +154,8 @@ pub(super) fn screen_conditions<S: Vector, const N: usize>(
             for at in 0..2 {
                 let half = ball.pressed[1] * speeds[at];
                 steepness[at] = half + half + ball.pressed[0];
-                let own = (half + ball.pressed[0]).fused(speeds[at], equations.speed_squared);
-                plain &= own.simd_gt(pulls[at]);
+                let outward = (half + ball.pressed[0]).fused(speeds[at], equations.speed_squared);
+                plain &= outward.simd_gt(pulls[at]);
             }
             let reach = second.balls[i].speed.abs().max(slope.abs()) * length * ball.pressed[1];
             plain &= (steepness[0] * steepness[1]).simd_gt(zero);

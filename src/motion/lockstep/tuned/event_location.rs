@@ -19,7 +19,7 @@ use crate::motion::lockstep::{Lanes, ORDER};
 #[inline(never)]
 pub(super) fn first_event<S: Vector, const N: usize>(
     series: &BalancerSeries<S, N>,
-    (own, balancer, gaps): (&Lane, &Balancer<N>, &GapForceEquations<S, N>),
+    (run, balancer, gaps): (&Lane, &Balancer<N>, &GapForceEquations<S, N>),
     (lane, length): (usize, f64),
     lanes_to_examine: &LanesToExamine<S, N>,
     ignored: &[Condition],
@@ -31,7 +31,7 @@ pub(super) fn first_event<S: Vector, const N: usize>(
         first_of_all(
             simd,
             series,
-            (own, balancer, gaps),
+            (run, balancer, gaps),
             (lane, length),
             lanes_to_examine,
             ignored
@@ -43,15 +43,15 @@ pub(super) fn first_event<S: Vector, const N: usize>(
 fn first_of_all<S: Vector, const N: usize>(
     simd: S,
     series: &BalancerSeries<S, N>,
-    (own, balancer, gaps): (&Lane, &Balancer<N>, &GapForceEquations<S, N>),
+    (run, balancer, gaps): (&Lane, &Balancer<N>, &GapForceEquations<S, N>),
     (lane, length): (usize, f64),
     lanes_to_examine: &LanesToExamine<S, N>,
     ignored: &[Condition],
 ) -> StepEnd {
     let mut first = StepEnd::Nothing;
-    let band = own.margins.band;
-    let aim = 0.5 * own.width;
-    let slack = own.margins.slack + aim;
+    let band = run.margins.band;
+    let aim = 0.5 * run.width;
+    let slack = run.margins.slack + aim;
     let bit = 1 << lane;
     for (gap, of_all) in gaps.gaps.iter().enumerate() {
         let failed = Condition::Pressed(gap);
@@ -68,14 +68,14 @@ fn first_of_all<S: Vector, const N: usize>(
         let is_doubtful = |ball: &usize| lanes_to_examine.of_balls[*ball] & bit != 0;
         if cluster.contacts.iter().any(is_doubtful) && !ignored.contains(&failed) {
             let forces = |ball: usize| forces_if_stuck(series, balancer, lane, ball);
-            match held_until(simd, own, cluster, forces, (length, slack)) {
+            match held_until(simd, run, cluster, forces, (length, slack)) {
                 Some(0.0) => first = StepEnd::AtOnce(failed),
                 Some(part) => first.earlier(part, failed),
                 None => {}
             }
         }
     }
-    for (ball, phase) in own.phases[..N].iter().enumerate() {
+    for (ball, phase) in run.phases[..N].iter().enumerate() {
         let loose = lanes_to_examine.loose & 1 << lane != 0;
         if !loose && lanes_to_examine.of_balls[ball] & 1 << lane == 0 {
             continue;
@@ -104,7 +104,7 @@ fn first_of_all<S: Vector, const N: usize>(
                     (Polynomial::of(length, slack, ORDER - 1, accelerating), None)
                 }
                 (Phase::Stick, 0 | 1)
-                    if !clusters.iter().any(|one| one.contacts.contains(&ball)) =>
+                    if !clusters.iter().any(|cluster| cluster.contacts.contains(&ball)) =>
                 {
                     let bounds = lanes_to_examine.held[ball][which].outline(lane);
                     if bounds.holds() {

@@ -85,19 +85,19 @@ impl<S: Vector, const N: usize> GapForceEquations<S, N> {
     pub(super) fn set(
         &mut self,
         lane: usize,
-        own: &Lane,
+        run: &Lane,
         gaps: &[model::Gap],
         equations: &Equations<S, N>,
     ) {
         self.clear(lane);
-        self.held[lane] = held_clusters(gaps, &own.phases);
-        let modes: Vec<_> = own.phases.iter().map(|phase| phase.mode()).collect();
+        self.held[lane] = held_clusters(gaps, &run.phases);
+        let modes: Vec<_> = run.phases.iter().map(|phase| phase.mode()).collect();
         let pushes = pushes(gaps, &modes);
-        let phases = &own.phases[N..];
+        let phases = &run.phases[N..];
         for ((of_all, gap), (pushes, phase)) in
             self.gaps.iter_mut().zip(gaps).zip(pushes.zip(phases))
         {
-            of_all.pressure.set(lane, own, (gap, *phase));
+            of_all.pressure.set(lane, run, (gap, *phase));
             let Some(pushes) = pushes else { continue };
             of_all.closed |= 1 << lane;
             of_all.open[lane] = 0.0;

@@ -68,9 +68,9 @@ impl<S: Vector, const N: usize> TunedKernel<S, N> {
     /// proportional to it. Of balls that may touch, all can stick or none can.
     pub(in crate::motion::lockstep) fn computes(system: &Arc<dyn System>) -> bool {
         let balancer = while_apart::<N>(system);
-        balancer.is_some_and(|own| {
-            let sticking = own.balls.iter().filter(|ball| ball.friction.can_stick()).count();
-            own.balls.iter().all(|ball| ball.friction.is_linear())
+        balancer.is_some_and(|balancer| {
+            let sticking = balancer.balls.iter().filter(|ball| ball.friction.can_stick()).count();
+            balancer.balls.iter().all(|ball| ball.friction.is_linear())
                 && (system.touching().is_none() || sticking == 0 || sticking == N)
         })
     }
@@ -106,8 +106,8 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         }
     }
 
-    fn set_system(&mut self, lane: usize, own: &Lane) {
-        let Some(balancer) = while_apart(&own.system) else { return };
+    fn set_system(&mut self, lane: usize, run: &Lane) {
+        let Some(balancer) = while_apart(&run.system) else { return };
         let balancer: Balancer<N> = *balancer;
         self.equations.set_machine(lane, &balancer);
         for (watched, ball) in self.watched.iter_mut().zip(&balancer.balls) {
@@ -119,9 +119,9 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         self.balancers[lane] = Some(balancer);
         self.phases[lane] = [None; N];
         self.gaps.clear(lane);
-        if own.system.touching().is_some() {
-            let new = || Evaluator::new(Arc::clone(&own.system));
-            let evaluator = self.latest.as_ref().map_or_else(new, |one| one.of(&own.system));
+        if run.system.touching().is_some() {
+            let new = || Evaluator::new(Arc::clone(&run.system));
+            let evaluator = self.latest.as_ref().map_or_else(new, |latest| latest.of(&run.system));
             self.latest = Some(evaluator.clone());
             self.evaluators[lane] = Some(evaluator);
         } else {
@@ -129,10 +129,10 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         }
     }
 
-    fn set_phases(&mut self, _room: &mut Self::Workspace, lane: usize, own: &Lane, _state: &[f64]) {
+    fn set_phases(&mut self, _room: &mut Self::Workspace, lane: usize, run: &Lane, _state: &[f64]) {
         let Some(balancer) = &self.balancers[lane] else { return };
-        let margins = (&own.margins, 0.5 * own.width);
-        for (place, phase) in own.phases[..N].iter().enumerate() {
+        let margins = (&run.margins, 0.5 * run.width);
+        for (place, phase) in run.phases[..N].iter().enumerate() {
             // Few balls change their phase at once.
             if self.phases[lane][place].replace(*phase) == Some(*phase) {
                 continue;
@@ -140,15 +140,15 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
             self.equations.set_phase(lane, balancer, (place, *phase));
             self.watched[place].set(lane, *phase, margins);
         }
-        if let Some(touching) = own.system.touching() {
-            self.gaps.set(lane, own, touching.gaps(), &self.equations);
+        if let Some(touching) = run.system.touching() {
+            self.gaps.set(lane, run, touching.gaps(), &self.equations);
         }
     }
 
-    fn set_rest(&mut self, lane: usize, own: &Lane, state: &[f64]) {
+    fn set_rest(&mut self, lane: usize, run: &Lane, state: &[f64]) {
         self.rest.clear(lane);
         if let Some(balancer) = &self.balancers[lane] {
-            self.rest.set(lane, balancer, (&own.phases, state));
+            self.rest.set(lane, balancer, (&run.phases, state));
         }
     }
 
@@ -230,17 +230,17 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     fn first_event(
         &self,
         workspace: &Self::Workspace,
-        own: &Lane,
+        run: &Lane,
         lane: usize,
         length: f64,
         ignored: &[Condition],
     ) -> StepEnd {
         let Some(balancer) = &self.balancers[lane] else { return StepEnd::Nothing };
         let at = (lane, length);
-        let own = (own, balancer, &self.gaps);
+        let of_run = (run, balancer, &self.gaps);
         event_location::first_event(
             &workspace.series,
-            own,
+            of_run,
             at,
             &workspace.lanes_to_examine,
             ignored,
@@ -332,12 +332,12 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     fn relative_travel(
         &self,
         workspace: &Self::Workspace,
-        [one, other]: [usize; 2],
+        [behind, ahead]: [usize; 2],
         length: Lanes<S>,
     ) -> Lanes<S> {
         let mut bound = Lanes::splat(length.simd, 0.0);
         for (k, term) in workspace.series.terms[..=ORDER].iter().enumerate().rev() {
-            let relative = (term.balls[one].speed - term.balls[other].speed).abs();
+            let relative = (term.balls[behind].speed - term.balls[ahead].speed).abs();
             bound = bound.fused(length, relative * Lanes::splat(length.simd, RECIPROCALS[k + 1]));
         }
         bound * length
@@ -350,11 +350,11 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     fn with_force_model<R>(
         &self,
         lane: usize,
-        own: &Lane,
+        run: &Lane,
         state: &[f64],
         with: impl FnOnce(&dyn ForceModel) -> R,
     ) -> R {
-        if let Some(evaluator) = self.evaluator(lane).filter(|_| any_closed(&own.phases)) {
+        if let Some(evaluator) = self.evaluator(lane).filter(|_| any_closed(&run.phases)) {
             // Not inlined a second time.
             return called(with, &RecordedForces::new(evaluator, state));
         }
@@ -363,6 +363,6 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         let state =
             State::<N>::of_components(state).expect("the components are those of the lanes");
         let turned = turned(self.equations.speed.simd, state.beta);
-        with(&BalancerForces::new(balancer, own.surely_one_solution, (state, turned)))
+        with(&BalancerForces::new(balancer, run.surely_one_solution, (state, turned)))
     }
 }

@@ -175,7 +175,7 @@ pub(super) fn solve<S: Vector, const N: usize, const TOUCHING: bool>(
             force_y = dying.fused(force[1], force_y);
         }
     }
-    let mut own = [zero; N];
+    let mut without_table = [zero; N];
     let (mut push_x, mut push_y) = (zero, zero);
     for i in 0..N {
         let ball = &equations.balls[i];
@@ -187,7 +187,7 @@ pub(super) fn solve<S: Vector, const N: usize, const TOUCHING: bool>(
         if whole {
             held += ball.held[0];
         }
-        own[i] = ball.drawing.fused(drawn, -held);
+        without_table[i] = ball.drawing.fused(drawn, -held);
         // -(ë + 2iω ė - ω² e) without the contribution of the acceleration itself, times 1 + ip.
         let real = equations.double_speed.fused(c_next, turning[0]);
         let imaginary = equations.double_speed.fused(s_next, turning[1]);
@@ -196,9 +196,9 @@ pub(super) fn solve<S: Vector, const N: usize, const TOUCHING: bool>(
         // The sum times 1 only, with the contribution of the acceleration.
         let [along, across] = solver.reaction[i];
         let of_ball_x = ball.friction.fused(around_y, around_x);
-        let of_ball_x = along.fused(own[i], of_ball_x);
+        let of_ball_x = along.fused(without_table[i], of_ball_x);
         let of_ball_y = ball.minus_friction.fused(around_x, around_y);
-        let of_ball_y = across.fused(own[i], of_ball_y);
+        let of_ball_y = across.fused(without_table[i], of_ball_y);
         if i == 0 {
             (push_x, push_y) = (of_ball_x, of_ball_y);
         } else {
@@ -209,10 +209,10 @@ pub(super) fn solve<S: Vector, const N: usize, const TOUCHING: bool>(
     force_y += push_y;
     let [a, b, c, d] = solver.inverse;
     let mut pull = [a.fused(force_x, b * force_y), d.fused(force_y, c * force_x)];
-    let mut accelerations = own;
+    let mut accelerations = without_table;
     for i in 0..N {
         let [along, across] = solver.drawn[i];
-        accelerations[i] = along.fused(pull[0], across.fused(pull[1], own[i]));
+        accelerations[i] = along.fused(pull[0], across.fused(pull[1], without_table[i]));
     }
     // A branch, not a closure: the fused multiply-add must be inlined.
     let forces = if TOUCHING { Some(by.gaps.join(&mut accelerations, &mut pull)) } else { None };

@@ -33,14 +33,14 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
         for i in 0..N {
             let ball = &equations.balls[i];
             let [real, imaginary] = self.terms[0].balls[i].direction;
-            let own = self.terms[0].balls[i].speed;
+            let base = self.terms[0].balls[i].speed;
             let angle = start.angle[i];
             let speed = ball.free * start.speed[i];
             let turned = [-(imaginary * angle), real * angle];
             first.balls[i].speed = speed;
             first.balls[i].direction = turned;
             second.balls[i].direction =
-                [-own.fused(turned[1], speed * imaginary), own.fused(turned[0], speed * real)];
+                [-base.fused(turned[1], speed * imaginary), base.fused(turned[0], speed * real)];
             // The residual speed of a sticking ball: (2ω r + r²) e, to first order.
             let [c, s] = self.solver.trigonometry[i];
             let left = self.solver.residual[i];
@@ -99,8 +99,8 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
             sums.drawn += others[i].drawn + (imaginary * pull_x - real * pull_y);
             let mut squared = Lanes::splat(pull_x.simd, 0.0);
             let along = terms[..=k].iter().rev();
-            for (own, along) in self.terms[..=k].iter().zip(along) {
-                squared = own.balls[i].speed.fused(along.balls[i].speed, squared);
+            for (term, along) in self.terms[..=k].iter().zip(along) {
+                squared = term.balls[i].speed.fused(along.balls[i].speed, squared);
             }
             sums.squared = squared + squared;
         }

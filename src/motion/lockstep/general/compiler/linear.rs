@@ -40,7 +40,7 @@ impl Compiler<'_> {
             factors.push((slot, if subtracts { self.statics.negative(factor) } else { factor }));
         }
         let factor = factors[0].1;
-        if factors.iter().all(|one| one.1 == factor) {
+        if factors.iter().all(|term| term.1 == factor) {
             sum.terms.retain(|term| factors.iter().all(|(slot, _)| term.0 != *slot));
             self.add_term(sum, known.sum, factor);
         }
@@ -131,10 +131,10 @@ impl Compiler<'_> {
                 None => part,
             });
         }
-        for &(one, number) in &a.terms {
+        for &(left, number) in &a.terms {
             let part = self.statics.times(number, factor);
-            for &(other, number) in &b.terms {
-                let slot = self.pair([one, other]);
+            for &(right, number) in &b.terms {
+                let slot = self.pair([left, right]);
                 let part = self.statics.times(part, number);
                 self.add_term(sum, slot, part);
             }

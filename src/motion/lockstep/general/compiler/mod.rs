@@ -65,9 +65,9 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Operations {
     let mut wanted = compiler.wanted(&outputs);
     // The friction that sticking requires is a sum of other series, or contains a part of its own.
     let frictions = graph.contacts.iter().map(|contact| contact[3]);
-    let own: Vec<NodeId> = frictions.filter(|one| !compiler.is_sum_of(*one, &wanted)).collect();
-    if !own.is_empty() {
-        outputs.extend(own);
+    let more: Vec<NodeId> = frictions.filter(|node| !compiler.is_sum_of(*node, &wanted)).collect();
+    if !more.is_empty() {
+        outputs.extend(more);
         wanted = compiler.wanted(&outputs);
     }
     for (place, wanted) in wanted.iter().enumerate() {
@@ -118,7 +118,7 @@ impl Compiler<'_> {
             || self.static_of[place as usize].is_some()
             || wanted[place as usize];
         let operands = || node.operands(&self.graph.solves).into_iter();
-        is_known || self.is_linear(node) && operands().all(|one| self.is_sum_of(one, wanted))
+        is_known || self.is_linear(node) && operands().all(|term| self.is_sum_of(term, wanted))
     }
 
     /// Returns which nodes need a series of their own: outputs, operands of what is not linear, and linear expressions

@@ -34,7 +34,7 @@ impl Compiler<'_> {
         let mut products = Vec::with_capacity(size);
         let mut right = Vec::with_capacity(size);
         for (row, entries) in solve.matrix.chunks(size).enumerate() {
-            let mut own = self.linear_of(solve.right[row]);
+            let mut right_side = self.linear_of(solve.right[row]);
             let mut in_row: Vec<RowProducts> = Vec::new();
             for (column, &node) in (0..).zip(entries) {
                 matrix.push(match self.static_of[node as usize] {
@@ -43,7 +43,7 @@ impl Compiler<'_> {
                     None => {
                         let (factor, slot) = self.scaled_series(node);
                         let unknown = Node::Solution { solve: index, row: column };
-                        match self.total_derivative((slot, factor), unknown, &mut own) {
+                        match self.total_derivative((slot, factor), unknown, &mut right_side) {
                             Some(turned) => turned,
                             None => {
                                 let unknown = out[column as usize];
@@ -54,7 +54,7 @@ impl Compiler<'_> {
                     }
                 });
             }
-            right.push(self.emit_linear(own));
+            right.push(self.emit_linear(right_side));
             products.push(in_row);
         }
         for in_row in products.iter_mut().flatten() {
@@ -87,8 +87,8 @@ impl Compiler<'_> {
         (slot, unknown): (Slot, Slot),
     ) {
         let minus = self.statics.negative(factor);
-        match in_row.iter_mut().find(|one| one.factor == factor || one.factor == minus) {
-            Some(one) => one.parts.push((slot, unknown, one.factor != factor)),
+        match in_row.iter_mut().find(|group| group.factor == factor || group.factor == minus) {
+            Some(group) => group.parts.push((slot, unknown, group.factor != factor)),
             None => {
                 // The place of the sum is not yet known.
                 let parts = vec![(slot, unknown, false)];
@@ -103,7 +103,7 @@ impl Compiler<'_> {
         loop {
             let (inner, by) = match self.graph.nodes[node as usize] {
                 Node::Negation(a) => (a, self.statics.add(Static::Constant(-1.0))),
-                Node::Product(a, b) => match [a, b].map(|one| self.static_of[one as usize]) {
+                Node::Product(a, b) => match [a, b].map(|place| self.static_of[place as usize]) {
                     [Some(by), _] => (b, by),
                     [_, Some(by)] => (a, by),
                     _ => break,

@@ -16,9 +16,9 @@ impl Expansion<'_> {
                 let sums = vec![(None, vec![0; of.factors.len()]); ORDER + 2];
                 self.running.push(RunningSum { of: of.clone(), sums });
                 // Sums with a factor in common stand together.
-                let factors = |one: &RunningSum| one.of.factors[0];
-                let key = |one: &RunningSum| {
-                    (one.of.terms == ConvolutionTerms::Half, factors(one).1, factors(one).0)
+                let factors = |sum: &RunningSum| sum.of.factors[0];
+                let key = |sum: &RunningSum| {
+                    (sum.of.terms == ConvolutionTerms::Half, factors(sum).1, factors(sum).0)
                 };
                 self.running.sort_by_key(key);
                 self.running.iter().position(|running| running.of == of).unwrap_or(0)

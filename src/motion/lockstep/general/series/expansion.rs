@@ -59,7 +59,7 @@ pub(super) struct Expansion<'o> {
     pub(super) builder: Builder,
     /// Whether a coefficient may differ from zero.
     pub(super) not_zero: Vec<bool>,
-    pub(super) own: Vec<LowerOrders>,
+    pub(super) lower: Vec<LowerOrders>,
     /// By the sine of a turning angle: the next coefficients of the products of sine and cosine with the speed, without
     /// those that contain the coefficient of the speed.
     pub(super) ahead: HashMap<Slot, [Option<Cell>; 2]>,

@@ -61,7 +61,7 @@ impl Operations {
             of: self,
             builder: Builder::with_cells(self.cells()),
             not_zero: vec![false; self.slots * TERMS],
-            own: self.all.iter().map(|_| LowerOrders::default()).collect(),
+            lower: self.all.iter().map(|_| LowerOrders::default()).collect(),
             ahead: HashMap::new(),
             known: vec![0; self.slots],
             running: Vec::new(),

@@ -10,13 +10,13 @@ impl Expansion<'_> {
     pub(super) fn rate(&mut self, place: usize, slot: Slot, k: usize) {
         let factor = self.builder.number(k as f64);
         let rate = self.term(slot, k).map(|cell| self.builder.product(factor, cell));
-        self.own[place].rate.resize(k, None);
-        self.own[place].rate.push(rate);
+        self.lower[place].rate.resize(k, None);
+        self.lower[place].rate.push(rate);
     }
 
     /// Returns `rate_j b_(k-j)` for `j` from 1 to `most`.
     pub(super) fn integral(&self, place: usize, b: Slot, most: usize, k: usize) -> Vec<[Cell; 2]> {
-        pairs(|j| self.own[place].rate[j], |j| self.term(b, j), 1..=most, k)
+        pairs(|j| self.lower[place].rate[j], |j| self.term(b, j), 1..=most, k)
     }
 
     pub(super) fn apply(&mut self, place: usize, operation: &Operation, k: usize) {
@@ -62,10 +62,10 @@ impl Expansion<'_> {
             &Operation::Quotient { out, a, b } => {
                 if k == 0 {
                     let by = self.start(b);
-                    self.own[place].inverse = Some(self.builder.quotient(one, by));
+                    self.lower[place].inverse = Some(self.builder.quotient(one, by));
                 }
                 let known = pairs(|j| self.term(out, j), |j| self.term(b, j), 0..k, k);
-                let inverse = self.own[place].inverse.unwrap_or(one);
+                let inverse = self.lower[place].inverse.unwrap_or(one);
                 self.set_rest((out, k), self.term(a, k), &known, inverse);
             }
             &Operation::SquareRoot { out, a } => {
@@ -74,11 +74,11 @@ impl Expansion<'_> {
                     let root = self.place(out, 0);
                     self.builder.add(Instruction::SquareRoot { out: root, of });
                     let half = self.builder.number(0.5);
-                    self.own[place].inverse = Some(self.builder.quotient(half, root));
+                    self.lower[place].inverse = Some(self.builder.quotient(half, root));
                     return;
                 }
                 let known = pairs(|j| self.term(out, j), |j| self.term(out, j), 1..k, k);
-                let inverse = self.own[place].inverse.unwrap_or(one);
+                let inverse = self.lower[place].inverse.unwrap_or(one);
                 self.set_rest((out, k), self.term(a, k), &known, inverse);
             }
             &Operation::Exponential { out, a } => {
@@ -98,15 +98,15 @@ impl Expansion<'_> {
                 if k == 0 {
                     self.begin(out, function, a);
                     let by = self.start(slope);
-                    self.own[place].inverse = Some(self.builder.quotient(one, by));
-                    self.own[place].rate.push(None);
+                    self.lower[place].inverse = Some(self.builder.quotient(one, by));
+                    self.lower[place].rate.push(None);
                     return;
                 }
                 let known = self.integral(place, slope, k - 1, k);
                 let known = (!known.is_empty()).then(|| self.builder.sum(None, &known));
                 let part = self.builder.number(1.0 / k as f64);
                 let products: Vec<_> = known.map(|known| [known, part]).into_iter().collect();
-                let inverse = self.own[place].inverse.unwrap_or(one);
+                let inverse = self.lower[place].inverse.unwrap_or(one);
                 self.set_rest((out, k), self.term(a, k), &products, inverse);
                 self.rate(place, out, k);
             }

@@ -79,14 +79,14 @@ impl Expansion<'_> {
                 self.least_normals(radii, &powers).into_iter().map(NormalBound::AtLeast).collect()
             }
             None => {
-                let curve = |one: &[Slot; 4]| self.curve(one[2], ORDER - 1, &powers);
+                let curve = |slots: &[Slot; 4]| self.curve(slots[2], ORDER - 1, &powers);
                 of.contacts.iter().map(curve).map(NormalBound::Over).collect()
             }
         };
         let speeds: Vec<_> =
-            of.contacts.iter().map(|one| self.curve(one[0], ORDER, &powers)).collect();
+            of.contacts.iter().map(|slots| self.curve(slots[0], ORDER, &powers)).collect();
         let frictions: Vec<_> =
-            of.contacts.iter().map(|one| self.curve(one[3], ORDER - 1, &powers)).collect();
+            of.contacts.iter().map(|slots| self.curve(slots[3], ORDER - 1, &powers)).collect();
         let others: Vec<_> = of.guards.iter().chain(&of.gaps).copied().collect();
         let others: Vec<_> =
             others.into_iter().map(|slot| self.curve(slot, ORDER - 1, &powers)).collect();

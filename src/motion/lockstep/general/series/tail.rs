@@ -49,10 +49,10 @@ pub(super) fn tail(operations: &Operations, rates: &Program, perturbation: &Prog
         let out = operations.coefficient(slot, highest) + offset;
         let mut sum = None;
         for power in powers[1..].iter().rev() {
-            let own = power[slot as usize];
+            let term = power[slot as usize];
             sum = match sum {
-                None => own,
-                Some(sum) => Some(builder.sum(own, &[[sum, length]])),
+                None => term,
+                Some(sum) => Some(builder.sum(term, &[[sum, length]])),
             };
         }
         builder.set(out, sum, false, &[]);
@@ -73,8 +73,8 @@ fn append(
     }
     for instruction in &program.instructions {
         for cell in instruction.writes() {
-            let own = builder.cell();
-            known.insert(cell, own);
+            let new_cell = builder.cell();
+            known.insert(cell, new_cell);
         }
         let at = |cell: Cell| known.get(&cell).copied().unwrap_or(cell);
         match *instruction {

@@ -22,7 +22,7 @@ impl Expansion<'_> {
             MatrixEntry::Turned { turning, is_sine, factor, residual, .. } => {
                 let [sine, cosine] = [turning.sine, turning.cosine].map(|slot| self.start(slot));
                 let factor = self.of.constant(*factor);
-                let (own, other) = if *is_sine { (sine, cosine) } else { (cosine, sine) };
+                let (function, other) = if *is_sine { (sine, cosine) } else { (cosine, sine) };
                 residual_factor = residual.map(|residual| {
                     let residual = self.of.constant(residual);
                     let of_other = self.builder.product(factor, other);
@@ -34,10 +34,10 @@ impl Expansion<'_> {
                         self.builder.difference(Some(zero), &product)
                     }
                 });
-                Some(self.builder.product(factor, own))
+                Some(self.builder.product(factor, function))
             }
         };
-        self.own[place].residuals.push(residual_factor);
+        self.lower[place].residuals.push(residual_factor);
         value
     }
 
@@ -49,7 +49,8 @@ impl Expansion<'_> {
         let size = right.len();
         if k == 0 {
             let entries: Vec<_> = matrix.iter().map(|entry| self.entry(place, entry)).collect();
-            self.own[place].elimination = Some(LuFactors::new(&mut self.builder, &entries, units));
+            self.lower[place].elimination =
+                Some(LuFactors::new(&mut self.builder, &entries, units));
         }
         // The sums without the coefficients of order `k` of the unknowns.
         let mut known = HashMap::new();
@@ -66,7 +67,7 @@ impl Expansion<'_> {
                 products
                     .extend(known[&in_row.sum].map(|sum| [self.of.constant(in_row.factor), sum]));
             }
-            let residuals = self.own[place].residuals[row * size..][..size].to_vec();
+            let residuals = self.lower[place].residuals[row * size..][..size].to_vec();
             for (entry, residual) in matrix[row * size..].iter().zip(residuals) {
                 let MatrixEntry::Turned { turning, is_sine, factor, square, .. } = entry else {
                     continue;
@@ -81,7 +82,7 @@ impl Expansion<'_> {
             values.push(self.rest(start, &products));
         }
         let cells: Vec<Cell> = out.iter().map(|slot| self.of.coefficient(*slot, k)).collect();
-        let Some(elimination) = &self.own[place].elimination else { return };
+        let Some(elimination) = &self.lower[place].elimination else { return };
         let not_zero = elimination.substitute(&mut self.builder, &values, &cells);
         for (slot, not_zero) in out.iter().zip(not_zero) {
             self.not_zero[*slot as usize * TERMS + k] = not_zero;
