@@ -70,7 +70,7 @@ impl Builder {
     ) {
         let first = self.products.len();
         self.products.extend(products);
-        let own = &mut self.products[first..];
+        let new = &mut self.products[first..];
         if start.is_none() {
             let one = self.known.get(&1_f64.to_bits());
             let by_one = |product: &Product| {
@@ -78,12 +78,12 @@ impl Builder {
                 (!product.subtracts).then_some(product.factors[1 - place])
             };
             if let Some((place, of)) =
-                own.iter().enumerate().find_map(|(place, product)| Some((place, by_one(product)?)))
+                new.iter().enumerate().find_map(|(place, product)| Some((place, by_one(product)?)))
             {
                 start = Some(of);
                 self.products.remove(first + place);
-            } else if let Some(place) = own.iter().position(|product| !product.subtracts) {
-                own[..=place].rotate_right(1);
+            } else if let Some(place) = new.iter().position(|product| !product.subtracts) {
+                new[..=place].rotate_right(1);
             } else {
                 start = Some(self.number(0.0));
             }

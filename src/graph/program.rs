@@ -107,7 +107,7 @@ impl Program {
         let mut parts = kept.map(|kept| {
             let mut part = Program { kept: vec![false; self.cells], ..self.clone() };
             kept.iter().for_each(|cell| part.kept[*cell as usize] = true);
-            part.instructions.retain(|one| !one.writes().any(|cell| known[cell as usize]));
+            part.instructions.retain(|step| !step.writes().any(|cell| known[cell as usize]));
             let part = part.without_unused();
             for cell in part.instructions.iter().flat_map(Instruction::writes) {
                 known[cell as usize] = true;
@@ -214,7 +214,7 @@ impl Instruction {
 
     /// Returns the cells that the instruction writes.
     pub(crate) fn writes(&self) -> impl Iterator<Item = Cell> {
-        let (one, other) = match *self {
+        let (first, second) = match *self {
             Instruction::SineCosine { sine, cosine, .. } => (sine, Some(cosine)),
             Instruction::Sum { out, .. }
             | Instruction::Quotient { out, .. }
@@ -223,6 +223,6 @@ impl Instruction {
             | Instruction::Choice { out, .. }
             | Instruction::Function { out, .. } => (out, None),
         };
-        std::iter::once(one).chain(other)
+        std::iter::once(first).chain(second)
     }
 }
