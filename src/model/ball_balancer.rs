@@ -120,8 +120,8 @@ impl Machine {
         };
         let angle = |name: String| {
             let meaning = "start angle of the ball from the imbalance";
-            let own = Coordinate::new(name, "rad", meaning, [0.0, TAU]);
-            Coordinate { default_in_words: Some("[0, 2π]"), ..own }
+            let coordinate = Coordinate::new(name, "rad", meaning, [0.0, TAU]);
+            Coordinate { default_in_words: Some("[0, 2π]"), ..coordinate }
         };
         let speed = |name: String| {
             let meaning = "start speed of the ball relative to the ring";

@@ -37,7 +37,7 @@ impl<const N: usize> BallsInContact<N> {
         let balancer = Balancer::new(machine)?;
         let mut order: Vec<usize> = (0..N).collect();
         let place = |ball: &usize| wrap_to_two_pi(angles[*ball]);
-        order.sort_by(|one, other| place(one).total_cmp(&place(other)));
+        order.sort_by(|left, right| place(left).total_cmp(&place(right)));
         // The first ball of the list does not matter: the gaps are those of a circle.
         let first = order.iter().position(|ball| *ball == 0)?;
         order.rotate_left(first);
@@ -81,8 +81,8 @@ impl<const N: usize> DrivenDisc for BallsInContact<N> {
             .iter()
             .map(|_| [(); 2].map(|()| [(); 2].map(|()| recorder.input("push"))))
             .collect();
-        let own = self.gaps.iter().zip(closed).zip(pushes);
-        let gaps: Vec<_> = own
+        let parts = self.gaps.iter().zip(closed).zip(pushes);
+        let gaps: Vec<_> = parts
             .map(|((gap, closed), pushes)| RecordedGap { contacts: gap.contacts, closed, pushes })
             .collect();
         let (forces, gap_forces) = balancer.record_forces(recorder, &state, &contacts, &gaps);

@@ -29,13 +29,13 @@ impl CampbellDiagram {
     /// `None` for a ball balancer, for a model without a part that turns or without natural frequencies, and for equations of small
     /// motions that are not polynomials of second degree in the speed.
     pub fn of(model: &Model) -> Option<Self> {
-        let Model::Own(own) = model else { return None };
+        let Model::Own(own_model) = model else { return None };
         let speed = model.speed_parameter()?;
-        let own_speed = own.number(speed.name);
+        let own_speed = own_model.number(speed.name);
         let computed = |speed_rad_s: f64| {
-            let mut own = own.clone();
-            *own.number_mut(speed)? = own_speed.signum() * speed_rad_s;
-            let equations = own.own().small_motions(&own);
+            let mut changed = own_model.clone();
+            *changed.number_mut(speed)? = own_speed.signum() * speed_rad_s;
+            let equations = changed.own().small_motions(&changed);
             equations.held.or(equations.free)
         };
         let at_own = computed(own_speed.abs())?;
@@ -45,8 +45,8 @@ impl CampbellDiagram {
         let [a, b, c] = [0.25 * most, 0.6 * most, most];
         let [of_a, of_b, of_c] = [computed(a)?, computed(b)?, computed(c)?];
         let matrix = |s: f64| {
-            let weight = |own: f64, [one, other]: [f64; 2]| {
-                (s - one) * (s - other) / ((own - one) * (own - other))
+            let weight = |node: f64, [left, right]: [f64; 2]| {
+                (s - left) * (s - right) / ((node - left) * (node - right))
             };
             &of_a * weight(a, [b, c]) + &of_b * weight(b, [a, c]) + &of_c * weight(c, [a, b])
         };
@@ -63,10 +63,10 @@ impl CampbellDiagram {
         let mut critical_rad_s = Vec::new();
         for (ends, pair) in speeds_rad_s.windows(2).zip(frequencies_rad_s.windows(2)) {
             let of_all = pair[0].iter().zip(&pair[1]).enumerate();
-            for (which, (one, other)) in of_all.filter(|_| pair[0].len() == pair[1].len()) {
+            for (which, (at_low, at_high)) in of_all.filter(|_| pair[0].len() == pair[1].len()) {
                 let [mut low, mut high] = [ends[0], ends[1]];
-                let is_above = *one > low;
-                if is_above == (*other > high) {
+                let is_above = *at_low > low;
+                if is_above == (*at_high > high) {
                     continue;
                 }
                 for _ in 0..HALVINGS {

@@ -78,8 +78,8 @@ impl Coordinate {
         default_range: [f64; 2],
     ) -> Self {
         let name = member_name(of_every_body, unit, body);
-        let own = Coordinate::new(name, unit, meaning, default_range);
-        Coordinate { of_every_body: Some(of_every_body), ..own }
+        let coordinate = Coordinate::new(name, unit, meaning, default_range);
+        Coordinate { of_every_body: Some(of_every_body), ..coordinate }
     }
 
     pub(super) fn non_dimensional(

@@ -76,7 +76,7 @@ impl Model {
     pub fn speed_profile(&self) -> Option<&SpeedProfile> {
         match self {
             Model::BallBalancer(machine) => machine.speed_profile.as_ref(),
-            Model::Own(own) => own.speed_profile.as_ref(),
+            Model::Own(model) => model.speed_profile.as_ref(),
         }
     }
 
@@ -84,7 +84,7 @@ impl Model {
     pub fn speed_profile_mut(&mut self) -> &mut Option<SpeedProfile> {
         match self {
             Model::BallBalancer(machine) => &mut machine.speed_profile,
-            Model::Own(own) => &mut own.speed_profile,
+            Model::Own(model) => &mut model.speed_profile,
         }
     }
 
@@ -92,9 +92,11 @@ impl Model {
     pub fn speed_parameter(&self) -> Option<&'static ParameterDescriptor> {
         match self {
             Model::BallBalancer(_) => {
-                self.kind().parameters.iter().find(|one| one.name == "speed_rad_s")
+                self.kind().parameters.iter().find(|parameter| parameter.name == "speed_rad_s")
             }
-            Model::Own(own) => own.own().speed_place().map(|place| &self.kind().parameters[place]),
+            Model::Own(model) => {
+                model.own().speed_place().map(|place| &self.kind().parameters[place])
+            }
         }
     }
 
@@ -102,9 +104,9 @@ impl Model {
     pub fn disc_motion(&self) -> Option<DiscMotion> {
         match self {
             Model::BallBalancer(machine) => Some(machine.disc_motion()),
-            Model::Own(own) => {
-                let speed_rad_s = own.values()[own.own().speed_place()?];
-                Some(DiscMotion::new(own.speed_profile.as_ref(), speed_rad_s))
+            Model::Own(model) => {
+                let speed_rad_s = model.values()[model.own().speed_place()?];
+                Some(DiscMotion::new(model.speed_profile.as_ref(), speed_rad_s))
             }
         }
     }
@@ -156,9 +158,9 @@ mod tests {
         for k in 0..20 {
             let begin = f64::from(k) * step;
             assert!((disc.turned_rad(begin) - sum).abs() < 1e-9, "{begin} s");
-            let [one, middle, other] =
+            let [first, middle, last] =
                 [0.0, 0.5, 1.0].map(|part| disc.speed_rad_s(begin + part * step));
-            sum += step / 6.0 * (one + 4.0 * middle + other);
+            sum += step / 6.0 * (first + 4.0 * middle + last);
         }
         assert_eq!([0.0, 2.25, 9.0].map(|time| disc.speed_rad_s(time)), [-10.0, -100.0, -200.0]);
         assert_eq!(disc.fastest_rad_s(), 200.0);

@@ -82,7 +82,7 @@ pub fn strength_that_holds(contacts: &[HeldContact], gaps: &[Gap]) -> f64 {
         return contacts.iter().map(needed).fold(0.0, f64::max);
     }
     let holds = |strength: f64| {
-        let weaker = |one: &HeldContact| HeldContact { limit: strength * one.limit, ..*one };
+        let weaker = |held: &HeldContact| HeldContact { limit: strength * held.limit, ..*held };
         let contacts: SmallVec<[HeldContact; 8]> = contacts.iter().map(weaker).collect();
         held(&contacts, gaps).reserve >= 0.0
     };
@@ -118,7 +118,8 @@ fn held_by_at_most(most: f64, contacts: &[HeldContact], gaps: &[Gap]) -> Holding
     let rows = 0..2 * contacts.len();
     let least = rows.clone().map(bound).fold(f64::INFINITY, f64::min);
     let entries = rows.flat_map(|row| {
-        let pushes = columns.iter().flat_map(move |of_gap| of_gap.iter().map(move |one| one[row]));
+        let pushes =
+            columns.iter().flat_map(move |of_gap| of_gap.iter().map(move |column| column[row]));
         // The last variable is the reserve above that without any forces.
         pushes.chain([1.0, bound(row) - least])
     });
@@ -126,8 +127,8 @@ fn held_by_at_most(most: f64, contacts: &[HeldContact], gaps: &[Gap]) -> Holding
     if most.is_finite() {
         for (place, gap) in gaps.iter().enumerate() {
             let both = 2 * place..2 * place + 2;
-            let one = |column: usize| if both.contains(&column) { 1.0 } else { 0.0 };
-            table.entries.extend((0..table.variables).map(one));
+            let entry = |column: usize| if both.contains(&column) { 1.0 } else { 0.0 };
+            table.entries.extend((0..table.variables).map(entry));
             table.entries.push(most / gap.reduced_mass());
         }
     }
@@ -209,8 +210,8 @@ fn largest_last_variable(mut table: SimplexTableau) -> (f64, SmallVec<[f64; 8]>)
         let Some(entering) = promising.min_by_key(|column| outside[*column]) else { break };
         let limits = (0..aim).filter(|row| table.row(*row)[entering] > ZERO);
         let ratio = |row: usize| table.row(row)[variables] / table.row(row)[entering];
-        let order = |one: &usize, other: &usize| {
-            ratio(*one).total_cmp(&ratio(*other)).then(basis[*one].cmp(&basis[*other]))
+        let order = |left: &usize, right: &usize| {
+            ratio(*left).total_cmp(&ratio(*right)).then(basis[*left].cmp(&basis[*right]))
         };
         let Some(leaving) = limits.min_by(order) else { break };
         table.exchange(leaving, entering);

@@ -105,7 +105,7 @@ impl Mul for Interval {
 
     fn mul(self, other: Self) -> Self {
         let zero = Interval::exact(0.0);
-        let finite = |one: Interval| one.low.is_finite() && one.high.is_finite();
+        let finite = |factor: Interval| factor.low.is_finite() && factor.high.is_finite();
         if (self == zero && finite(other)) || (other == zero && finite(self)) {
             return zero;
         }

@@ -58,7 +58,7 @@ impl ModelKind {
     /// Returns whether the study gives the law of friction of contacts.
     pub fn has_law_of_study(&self) -> bool {
         match self.default {
-            DefaultModel::Own(own) => own.has_law_of_study(),
+            DefaultModel::Own(kind) => kind.has_law_of_study(),
             DefaultModel::BallBalancer(_) => true,
         }
     }
@@ -66,7 +66,7 @@ impl ModelKind {
     /// Returns the system file, as plain values, of a kind that a file defines.
     pub fn source(&self) -> Option<&'static serde_json::Value> {
         match self.default {
-            DefaultModel::Own(own) => own.source(),
+            DefaultModel::Own(kind) => kind.source(),
             DefaultModel::BallBalancer(_) => None,
         }
     }
@@ -184,7 +184,7 @@ pub struct ContactNames {
 #[derive(Clone)]
 pub struct OwnModel {
     pub(super) kind: &'static ModelKind,
-    pub(super) own: &'static dyn OwnKind,
+    pub(super) own_kind: &'static dyn OwnKind,
     /// One value for each parameter of the kind that is not part of a speed profile.
     pub(super) values: Vec<f64>,
     pub(super) friction: FrictionLaw,

@@ -56,7 +56,7 @@ impl NormalForce {
 
     /// Returns the form with this name.
     pub fn named(name: &str) -> Option<NormalForce> {
-        NormalForce::ALL.into_iter().find_map(|(own, force)| (own == name).then_some(force))
+        NormalForce::ALL.into_iter().find_map(|(known, force)| (known == name).then_some(force))
     }
 }
 
@@ -234,8 +234,8 @@ impl Machine {
     ///
     /// The centres lie on the circle of the radius `L`, at the distance of the sum of both radii:
     /// `2 L sin(Δβ/2) = (d_1 + d_2) / 2`.
-    pub fn contact_angle_rad(&self, one: &Ball, other: &Ball) -> f64 {
-        let half_chord = 0.25 * (one.diameter_m + other.diameter_m);
+    pub fn contact_angle_rad(&self, ball: &Ball, other: &Ball) -> f64 {
+        let half_chord = 0.25 * (ball.diameter_m + other.diameter_m);
         2.0 * libm::asin((half_chord / self.ring_radius_m).min(1.0))
     }
 

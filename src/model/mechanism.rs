@@ -126,14 +126,14 @@ impl<'r> Mechanism<'r> {
         }
         let unknowns = recorder.solve(&matrix, &right);
         let sum = |shares: &[Expression<'r>], drift: Expression<'r>| {
-            shares.iter().zip(&unknowns).fold(drift, |sum, (share, one)| sum + *share * *one)
+            shares.iter().zip(&unknowns).fold(drift, |sum, (share, value)| sum + *share * *value)
         };
         let mut equations = SystemEquations {
             derivative: self.derivative(recorder, &unknowns, &rows),
             layout: self.layout(recorder),
             ..SystemEquations::default()
         };
-        for (k, (row, own)) in rows.iter().zip(&self.contacts).enumerate() {
+        for (k, (row, contact)) in rows.iter().zip(&self.contacts).enumerate() {
             let normal = match (&normal_forces[k], normals[k]) {
                 (&MechanismNormal::Gap(gap), Some(place)) => {
                     let (across, drift) =
@@ -152,7 +152,7 @@ impl<'r> Mechanism<'r> {
                 (MechanismNormal::Given(force) | MechanismNormal::Gap(force), _) => *force,
             };
             equations.contacts.push(ContactEquations {
-                sliding_speed: own.sliding_speed,
+                sliding_speed: contact.sliding_speed,
                 sliding_acceleration: sum(&row.tangential.0, row.tangential.1),
                 normal,
                 friction: unknowns[first_friction + k],
@@ -160,7 +160,7 @@ impl<'r> Mechanism<'r> {
         }
         let loads = |k: usize| (unknowns[first_friction + k], equations.contacts[k].normal);
         let forces: Vec<_> = (0..rows.len()).map(|k| shared.friction(k, loads)).collect();
-        equations.contacts.iter_mut().zip(forces).for_each(|(one, force)| one.friction = force);
+        equations.contacts.iter_mut().zip(forces).for_each(|(to, force)| to.friction = force);
         equations
     }
 
@@ -223,11 +223,11 @@ impl<'r> Mechanism<'r> {
             derivative[component(recorder, *velocity)] = *acceleration;
         }
         let one = Expression::constant(1.0);
-        for (own, row) in self.contacts.iter().zip(rows) {
+        for (contact, row) in self.contacts.iter().zip(rows) {
             if let Some((place, factor)) = row.only_velocity() {
                 let residual = match factor.known() {
-                    Some(1.0) => own.sliding_speed,
-                    _ => own.sliding_speed / factor,
+                    Some(1.0) => contact.sliding_speed,
+                    _ => contact.sliding_speed / factor,
                 };
                 // A speed that is zero stays exactly zero, although rounding leaves a small acceleration.
                 let rate = &mut derivative[component(recorder, self.coordinates[place][1])];
@@ -241,9 +241,9 @@ impl<'r> Mechanism<'r> {
     }
 
     fn layout(&self, recorder: &Recorder) -> StateLayout {
-        let contact = |one: &MechanismContact<'r>| ContactLayout {
-            position: component(recorder, one.position.0),
-            angular: one.position.1,
+        let contact = |contact: &MechanismContact<'r>| ContactLayout {
+            position: component(recorder, contact.position.0),
+            angular: contact.position.1,
         };
         let velocity = |pair: &[Expression<'r>; 2]| vec![component(recorder, pair[1])];
         let forcing = |(of, period)| ForcingLayout { component: component(recorder, of), period };

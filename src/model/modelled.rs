@@ -15,7 +15,7 @@ impl ModelKind {
     pub fn default_model(&'static self) -> Model {
         match self.default {
             DefaultModel::BallBalancer(machine) => machine().into(),
-            DefaultModel::Own(own) => OwnModel::new(self, own).into(),
+            DefaultModel::Own(kind) => OwnModel::new(self, kind).into(),
         }
     }
 }
@@ -51,7 +51,7 @@ impl Model {
     pub fn kind(&self) -> &'static ModelKind {
         match self {
             Model::BallBalancer(_) => &BALL_BALANCER,
-            Model::Own(own) => own.kind(),
+            Model::Own(model) => model.kind(),
         }
     }
 
@@ -62,7 +62,7 @@ impl Model {
     pub fn validate(&self) -> Result<(), InvalidParameter> {
         match self {
             Model::BallBalancer(machine) => machine.validate(),
-            Model::Own(own) => own.validate(),
+            Model::Own(model) => model.validate(),
         }
     }
 
@@ -73,7 +73,7 @@ impl Model {
     pub fn validate_stages(&self) -> Result<(), InvalidParameter> {
         match self {
             Model::BallBalancer(machine) => machine.validate_stages(),
-            Model::Own(own) => own.validate_stages(),
+            Model::Own(model) => model.validate_stages(),
         }
     }
 
@@ -84,7 +84,7 @@ impl Model {
     pub fn validate_values(&self) -> Result<(), InvalidParameter> {
         match self {
             Model::BallBalancer(machine) => machine.validate(),
-            Model::Own(own) => own.validate_values(),
+            Model::Own(model) => model.validate_values(),
         }
     }
 
@@ -114,7 +114,7 @@ impl Model {
     pub(super) fn system_in_order(&self, angles: &[f64]) -> Option<Arc<dyn System>> {
         match self {
             Model::BallBalancer(machine) => machine.driven(angles, None::<[f64; SPEED_TERMS]>),
-            Model::Own(own) => Some(own.own().system(own)),
+            Model::Own(model) => Some(model.own().system(model)),
         }
     }
 
@@ -128,10 +128,10 @@ impl Model {
                 Model::BallBalancer(_) => {
                     "the start state has another number of balls than the machine".to_owned()
                 }
-                Model::Own(own) => {
+                Model::Own(model) => {
                     let names = self.coordinates().into_iter().map(|coordinate| coordinate.name);
                     let names: Vec<String> = names.collect();
-                    format!("the start state of {} is {}", own.kind().name, names.join(", "))
+                    format!("the start state of {} is {}", model.kind().name, names.join(", "))
                 }
             })
         })
@@ -141,7 +141,7 @@ impl Model {
     pub fn coordinates(&self) -> Vec<Coordinate> {
         match self {
             Model::BallBalancer(machine) => machine.coordinates(),
-            Model::Own(own) => own.own().coordinates(own),
+            Model::Own(model) => model.own().coordinates(model),
         }
     }
 
@@ -149,14 +149,14 @@ impl Model {
     pub fn units(&self) -> Units {
         match self {
             Model::BallBalancer(machine) => machine.units(),
-            Model::Own(own) => own.own().units(own),
+            Model::Own(model) => model.own().units(model),
         }
     }
 
     /// Returns the number of coordinates of a start state.
     pub fn coordinate_count(&self) -> usize {
         match self {
-            Model::Own(own) => own.own().coordinate_count(own),
+            Model::Own(model) => model.own().coordinate_count(model),
             Model::BallBalancer(machine) => 4 + 2 * machine.balls.len(),
         }
     }
@@ -172,8 +172,8 @@ impl Model {
                 let (velocity, beta_dot) = rest.split_at(2);
                 Some([position, velocity, beta, beta_dot].concat().into())
             }
-            (Model::Own(own), values) if values.len() == self.coordinate_count() => {
-                Some(own.own().start_state(own, values))
+            (Model::Own(model), values) if values.len() == self.coordinate_count() => {
+                Some(model.own().start_state(model, values))
             }
             _ => None,
         }
@@ -200,7 +200,7 @@ impl Model {
     pub fn own_version(&self) -> Option<u32> {
         match self {
             Model::BallBalancer(_) => None,
-            Model::Own(own) => Some(own.own().version()),
+            Model::Own(model) => Some(model.own().version()),
         }
     }
 
@@ -221,7 +221,7 @@ impl Model {
     pub fn friction(&self) -> &FrictionLaw {
         match self {
             Model::BallBalancer(machine) => &machine.friction,
-            Model::Own(own) => own.friction(),
+            Model::Own(model) => model.friction(),
         }
     }
 
@@ -229,7 +229,7 @@ impl Model {
     pub fn friction_mut(&mut self) -> &mut FrictionLaw {
         match self {
             Model::BallBalancer(machine) => &mut machine.friction,
-            Model::Own(own) => own.friction_mut(),
+            Model::Own(model) => model.friction_mut(),
         }
     }
 
@@ -237,7 +237,7 @@ impl Model {
     pub fn friction_coefficient(&self) -> Option<f64> {
         match self {
             Model::BallBalancer(_) => None,
-            Model::Own(own) => own.friction_coefficient(),
+            Model::Own(model) => model.friction_coefficient(),
         }
     }
 
@@ -245,14 +245,14 @@ impl Model {
     pub fn natural_frequency_rad_s(&self) -> f64 {
         match self {
             Model::BallBalancer(machine) => machine.natural_frequency_rad_s(),
-            Model::Own(own) => own.own().units(own).natural_rad_s,
+            Model::Own(model) => model.own().units(model).natural_rad_s,
         }
     }
 
     /// Returns the natural frequencies that people read: of a ball balancer, that of its suspension.
     pub fn natural_frequencies(&self) -> NaturalFrequencies {
         match self {
-            Model::Own(own) => own.own().small_motions(own).natural_frequencies(),
+            Model::Own(model) => model.own().small_motions(model).natural_frequencies(),
             Model::BallBalancer(machine) => NaturalFrequencies {
                 held_rad_s: None,
                 free_rad_s: Some(vec![machine.natural_frequency_rad_s()]),
@@ -278,12 +278,12 @@ impl Model {
             Model::BallBalancer(machine) => {
                 let weight = (machine.speed_rad_s / machine.natural_frequency_rad_s()).powi(2);
                 let friction = machine.balls.iter().map(|ball| machine.ball_friction(ball));
-                friction.map(|one| one.damping_rate(weight)).fold(0.0, f64::max)
+                friction.map(|friction| friction.damping_rate(weight)).fold(0.0, f64::max)
             }
-            Model::Own(own) => {
-                let system = own.own().system(own);
+            Model::Own(model) => {
+                let system = model.own().system(model);
                 let friction = (0..system.contacts()).map(|contact| system.friction(contact));
-                friction.map(|one| one.damping_rate(1.0)).fold(0.0, f64::max)
+                friction.map(|friction| friction.damping_rate(1.0)).fold(0.0, f64::max)
             }
         }
     }

@@ -6,11 +6,11 @@ use super::{ContactNames, Model, OutputName};
 impl Model {
     /// Returns what results call a contact, counted from 0; a ball has its number.
     fn contact_names(&self, contact: usize) -> ContactNames {
-        let own = match self {
-            Model::Own(own) => own.own().contact_names(own).into_iter().nth(contact),
+        let names = match self {
+            Model::Own(model) => model.own().contact_names(model).into_iter().nth(contact),
             Model::BallBalancer(_) => None,
         };
-        own.unwrap_or_else(|| ContactNames {
+        names.unwrap_or_else(|| ContactNames {
             contact: (contact + 1).to_string(),
             position: (format!("beta_{}_rad", contact + 1), "rad"),
             speed_unit: "rad/s".to_owned(),
@@ -21,7 +21,7 @@ impl Model {
     /// Returns the names of the outputs; none for a model that shows its contacts alone.
     pub fn output_names(&self) -> Vec<OutputName> {
         match self {
-            Model::Own(own) => own.own().output_names(own),
+            Model::Own(model) => model.own().output_names(model),
             Model::BallBalancer(_) => Vec::new(),
         }
     }
@@ -51,7 +51,7 @@ impl Model {
         let angles = (0..positions.len()).filter(|contact| positions[*contact].1 == "rad");
         let angles: Vec<usize> = angles.filter(is_first).collect();
         let body =
-            |contact: &usize| positions[*contact].0.replace(|one: char| one.is_ascii_digit(), "");
+            |contact: &usize| positions[*contact].0.replace(|c: char| c.is_ascii_digit(), "");
         let are_alike = angles.windows(2).all(|two| body(&two[0]) == body(&two[1]));
         if are_alike { angles } else { Vec::new() }
     }

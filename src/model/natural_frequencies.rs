@@ -44,8 +44,8 @@ const OSCILLATES: f64 = 1e-6;
 /// Returns the imaginary parts of the eigenvalues above the real axis, in ascending order; `None` if they cannot be computed.
 pub(super) fn frequencies(matrix: DMatrix<f64>) -> Option<Vec<f64>> {
     let eigenvalues = Schur::try_new(matrix, f64::EPSILON, 10_000)?.complex_eigenvalues();
-    let least = OSCILLATES * eigenvalues.iter().map(|one| one.norm()).fold(0.0, f64::max);
-    let oscillating = eigenvalues.iter().map(|one| one.im).filter(|one| *one > least);
+    let least = OSCILLATES * eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max);
+    let oscillating = eigenvalues.iter().map(|value| value.im).filter(|value| *value > least);
     let mut frequencies: Vec<f64> = oscillating.collect();
     frequencies.sort_by(f64::total_cmp);
     Some(frequencies)

@@ -12,11 +12,11 @@ use super::{
 
 impl OwnModel {
     /// Creates a model of a kind with the default values and Coulomb friction.
-    pub fn new(kind: &'static ModelKind, own: &'static dyn OwnKind) -> Self {
+    pub fn new(kind: &'static ModelKind, own_kind: &'static dyn OwnKind) -> Self {
         let own_values = kind.parameters.iter().filter(|parameter| !parameter.has_own_key());
         OwnModel {
             kind,
-            own,
+            own_kind,
             values: own_values.map(|parameter| parameter.field.default_number()).collect(),
             friction: FrictionLaw::COULOMB,
             speed_profile: None,
@@ -62,23 +62,23 @@ impl OwnModel {
     /// Returns the coefficient of friction that all contacts share; `None` for contacts with their own.
     pub(super) fn friction_coefficient(&self) -> Option<f64> {
         let mut parameters = self.kind.parameters.iter();
-        let place = parameters.position(|one| one.name == FRICTION_COEFFICIENT)?;
-        self.own.has_law_of_study().then(|| self.values[place])
+        let place = parameters.position(|parameter| parameter.name == FRICTION_COEFFICIENT)?;
+        self.own_kind.has_law_of_study().then(|| self.values[place])
     }
 
     /// Returns the quantities that follow from the parameters alone.
     pub fn derived(&self) -> Vec<DerivedQuantity> {
-        self.own.derived(self)
+        self.own_kind.derived(self)
     }
 
     /// Returns what the kind computes.
     pub(super) fn own(&self) -> &'static dyn OwnKind {
-        self.own
+        self.own_kind
     }
 
     /// Returns the number that a parameter sets.
     pub(super) fn number_mut(&mut self, parameter: &ParameterDescriptor) -> Option<&mut f64> {
-        let is_it = |own: &ParameterDescriptor| own.name == parameter.name;
+        let is_it = |known: &ParameterDescriptor| known.name == parameter.name;
         self.values.get_mut(self.kind.parameters.iter().position(is_it)?)
     }
 
@@ -94,12 +94,12 @@ impl OwnModel {
     /// Checks that all values have a physical meaning.
     pub(super) fn validate(&self) -> Result<(), InvalidParameter> {
         self.validate_bounds()?;
-        self.own.validate(self)
+        self.own_kind.validate(self)
     }
 
     /// Checks each value, and what the kind says about single values.
     pub(super) fn validate_values(&self) -> Result<(), InvalidParameter> {
-        match self.own.reports_parameters() {
+        match self.own_kind.reports_parameters() {
             true => self.validate(),
             false => self.validate_bounds(),
         }
@@ -107,7 +107,7 @@ impl OwnModel {
 
     /// Checks the values of the speed profile.
     pub(super) fn validate_stages(&self) -> Result<(), InvalidParameter> {
-        let Some(place) = self.own.speed_place() else { return Ok(()) };
+        let Some(place) = self.own_kind.speed_place() else { return Ok(()) };
         let last @ (name, speed_rad_s) = (self.kind.parameters[place].name, self.values[place]);
         match &self.speed_profile {
             Some(profile) => profile.validate(last),
@@ -157,11 +157,11 @@ impl fmt::Debug for OwnModel {
 /// The name and the version of the kind and the values determine the stored results of a case.
 impl Serialize for OwnModel {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let version = self.own.version();
-        let own = (self.kind.name, version, &self.values, &self.friction, &self.speed_profile);
-        match self.own.source() {
-            Some(source) => (own, source).serialize(serializer),
-            None => own.serialize(serializer),
+        let version = self.own_kind.version();
+        let identity = (self.kind.name, version, &self.values, &self.friction, &self.speed_profile);
+        match self.own_kind.source() {
+            Some(source) => (identity, source).serialize(serializer),
+            None => identity.serialize(serializer),
         }
     }
 }

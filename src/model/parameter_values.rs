@@ -21,7 +21,7 @@ impl ParameterDescriptor {
     pub fn numbers<'a>(&self, model: &'a mut Model, member: Option<usize>) -> Vec<&'a mut f64> {
         let parts = |model: &'a mut Model| {
             let profile = model.speed_profile_mut().as_mut();
-            profile.into_iter().flat_map(|one| &mut one.parts)
+            profile.into_iter().flat_map(|profile| &mut profile.parts)
         };
         let machine = match (self.field, model) {
             (Field::Profile(field), model) => {
@@ -41,8 +41,8 @@ impl ParameterDescriptor {
                 });
                 return meant(holds, member).filter_map(Option::as_mut).collect();
             }
-            (Field::Own { .. } | Field::Count { .. }, Model::Own(own)) => {
-                return own.number_mut(self).into_iter().collect();
+            (Field::Own { .. } | Field::Count { .. }, Model::Own(model)) => {
+                return model.number_mut(self).into_iter().collect();
             }
             (_, Model::Own(_)) => return Vec::new(),
             (_, Model::BallBalancer(machine)) => machine,
@@ -71,5 +71,5 @@ impl ParameterDescriptor {
 /// Returns all members, or one of them, counted from 1.
 fn meant<T>(all: impl IntoIterator<Item = T>, member: Option<usize>) -> impl Iterator<Item = T> {
     let numbered = (1..).zip(all);
-    numbered.filter(move |(number, _)| member.is_none_or(|own| own == *number)).map(|(_, one)| one)
+    numbered.filter(move |(number, _)| member.is_none_or(|n| n == *number)).map(|(_, item)| item)
 }

@@ -167,8 +167,8 @@ impl<'r, const N: usize> Balancer<N, Expression<'r>> {
             matrix[i][table[0]] = -(mobility * felt_x);
             matrix[i][table[1]] = mobility * felt_y;
             matrix[i][i] = one;
-            let own = contact.signed_friction * term.pressed + contact.drag;
-            right[i] = -(mobility * self.euler_force(i).map_or(own, |euler| own + euler));
+            let friction = contact.signed_friction * term.pressed + contact.drag;
+            right[i] = -(mobility * self.euler_force(i).map_or(friction, |euler| friction + euler));
         }
         for (row, gap) in (N..).zip(gaps) {
             matrix[row][row] = one - gap.closed;

@@ -21,10 +21,10 @@ impl<'m, 'r> SharedLoads<'m, 'r> {
         rows: &'m [ContactRows<'r>],
     ) -> Self {
         let speed = |contact: usize| recorder.node_of(contacts[contact].sliding_speed);
-        let is_same = |one: usize, other: usize| {
-            one == other || speed(one) == speed(other) && !matches!(speed(one), Node::Constant(_))
+        let is_same = |a: usize, b: usize| {
+            a == b || speed(a) == speed(b) && !matches!(speed(a), Node::Constant(_))
         };
-        let with = |one: usize| (0..rows.len()).filter(|other| is_same(one, *other)).collect();
+        let with = |row: usize| (0..rows.len()).filter(|other| is_same(row, *other)).collect();
         SharedLoads { rows, with_speed: (0..rows.len()).map(with).collect() }
     }
 
@@ -58,17 +58,17 @@ impl<'m, 'r> SharedLoads<'m, 'r> {
         });
         let together = one - alone;
         // The friction force and the friction limit of a contact that sticks; 0 for others.
-        let when_stuck = |one: usize| {
-            let ((force, normal), stuck) = (loads(one), self.sticks(one));
-            [stuck * force, stuck * (self.rows[one].limit * normal)]
+        let when_stuck = |holder: usize| {
+            let ((force, normal), stuck) = (loads(holder), self.sticks(holder));
+            [stuck * force, stuck * (self.rows[holder].limit * normal)]
         };
         let [load, limits] = all.iter().fold([zero; 2], |[load, limits], other| {
             let [force, limit] = when_stuck(*other);
             [load + force, limits + limit]
         });
-        let [own, limit] = when_stuck(contact);
+        let [held, limit] = when_stuck(contact);
         let share = load * limit / (together * limits + alone);
-        force + together * (share - own)
+        force + together * (share - held)
     }
 
     fn sticks(&self, contact: usize) -> Expression<'r> {

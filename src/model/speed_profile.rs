@@ -212,7 +212,7 @@ mod tests {
         };
         assert_eq!(profile.validate(("speed_rad_s", -200.0)), Ok(()));
         let segments = profile.segments(-200.0);
-        let begins: Vec<f64> = segments.iter().map(|one| one.begins_s).collect();
+        let begins: Vec<f64> = segments.iter().map(|segment| segment.begins_s).collect();
         assert_eq!(begins, [0.0, 2.0, 2.5, 3.5, 4.0, 7.0]);
         for two in segments.windows(2) {
             let end = two[0].speed_rad_s(two[0].lasts_s);

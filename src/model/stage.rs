@@ -74,7 +74,7 @@ impl Model {
                 let machine = Machine { speed_profile: None, ..machine.clone() };
                 times.map(|times| machine.stage(angles, &disc, times)).collect()
             }
-            Model::Own(own) => times.map(|times| own.stage(&disc, times)).collect(),
+            Model::Own(model) => times.map(|times| model.stage(&disc, times)).collect(),
         }
     }
 }
@@ -133,8 +133,8 @@ impl Machine {
         let speed_at = |time_s: f64| segment.speed_rad_s(time_s - segment.begins_s);
         let speeds_rad_s = [begins_s, ends_s].map(speed_at);
         let driven = || {
-            let [one, other] = speeds_rad_s;
-            let fastest = if one.abs() > other.abs() { one } else { other };
+            let [begin, end] = speeds_rad_s;
+            let fastest = if begin.abs() > end.abs() { begin } else { end };
             let mut unit = 1.0;
             let terms: [f64; SPEED_TERMS] = segment.terms.map(|term| {
                 unit *= natural;

@@ -170,8 +170,8 @@ pub fn stiff_rate(damping_rate: f64) -> f64 {
 
 /// Passes methods of a system on to one of its fields.
 macro_rules! pass_on {
-    ($to:tt: $(fn $name:ident($($own:ident: $of:ty),*) -> $result:ty;)*) => {
-        $(fn $name(&self, $($own: $of),*) -> $result { self.$to.$name($($own),*) })*
+    ($to:tt: $(fn $name:ident($($argument:ident: $of:ty),*) -> $result:ty;)*) => {
+        $(fn $name(&self, $($argument: $of),*) -> $result { self.$to.$name($($argument),*) })*
     };
 }
 pub(super) use pass_on;

@@ -44,6 +44,6 @@ impl Units {
         values: impl IntoIterator<Item = &'a f64>,
         unit: fn(&ContactUnits) -> f64,
     ) -> Vec<f64> {
-        values.into_iter().zip(&self.contacts).map(|(value, own)| value * unit(own)).collect()
+        values.into_iter().zip(&self.contacts).map(|(value, units)| value * unit(units)).collect()
     }
 }

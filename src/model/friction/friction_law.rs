@@ -20,13 +20,13 @@ impl FrictionLaw {
     /// A law with the values of its parameters, in their order. Missing values are 0, and further
     /// values have no effect.
     pub const fn new(law: &'static dyn Law, values: &[f64]) -> Self {
-        let mut own = [0.0; MAX_LAW_PARAMETERS];
+        let mut padded = [0.0; MAX_LAW_PARAMETERS];
         let mut index = 0;
         while index < MAX_LAW_PARAMETERS && index < values.len() {
-            own[index] = values[index];
+            padded[index] = values[index];
             index += 1;
         }
-        FrictionLaw { law, values: own }
+        FrictionLaw { law, values: padded }
     }
 
     /// The law itself.
@@ -55,7 +55,7 @@ impl FrictionLaw {
     }
 
     fn index(&self, name: &str) -> Option<usize> {
-        let is_named = |one: &LawParameter| one.name == name || one.names().contains(&name);
+        let is_named = |known: &LawParameter| known.name == name || known.names().contains(&name);
         self.law.parameters().iter().position(is_named)
     }
 
@@ -67,9 +67,9 @@ impl FrictionLaw {
 
     /// Returns the name of the coefficient that limits friction in stick.
     pub fn limiting_coefficient(&self) -> &'static str {
-        let is_limit = |one: &&LawParameter| one.lowest == Lowest::FrictionCoefficient;
-        let own = self.law.parameters().iter().find(is_limit);
-        own.map_or("friction_coefficient", |parameter| parameter.name)
+        let is_limit = |parameter: &&LawParameter| parameter.lowest == Lowest::FrictionCoefficient;
+        let limit = self.law.parameters().iter().find(is_limit);
+        limit.map_or("friction_coefficient", |parameter| parameter.name)
     }
 
     /// Whether friction in slip is a fixed part of the normal force and a drag in proportion to speed, for

@@ -27,12 +27,12 @@ impl Graph {
                 Node::State(component) | Node::Discrete(component) => {
                     if is_variable(component as usize) { Degree::Affine } else { Degree::Constant }
                 }
-                Node::Sum(one, other) | Node::Difference(one, other) => of(one).max(of(other)),
-                Node::Negation(one) => of(one),
-                Node::Product(one, other) if is_zero(one) || is_zero(other) => Degree::Constant,
-                Node::Product(one, other) => match (of(one), of(other)) {
-                    (Degree::Constant, other) => other,
-                    (one, Degree::Constant) => one,
+                Node::Sum(a, b) | Node::Difference(a, b) => of(a).max(of(b)),
+                Node::Negation(a) => of(a),
+                Node::Product(a, b) if is_zero(a) || is_zero(b) => Degree::Constant,
+                Node::Product(a, b) => match (of(a), of(b)) {
+                    (Degree::Constant, degree) => degree,
+                    (degree, Degree::Constant) => degree,
                     _ => Degree::Other,
                 },
                 Node::Solution { solve, .. } => {
@@ -48,7 +48,7 @@ impl Graph {
                         false => Degree::Other,
                     }
                 }
-                Node::Quotient(one, other) if of(other) == Degree::Constant => of(one),
+                Node::Quotient(a, b) if of(b) == Degree::Constant => of(a),
                 _ => {
                     let operands = node.operands(&self.solves);
                     let is_constant = |node: &NodeId| of(*node) == Degree::Constant;

@@ -25,7 +25,7 @@ impl Recorder {
         for (place, node) in nodes.iter().enumerate().rev() {
             let is_unknown = matches!(node, Node::Solution { .. });
             if is_needed[place] && !is_unknown {
-                node.operands(&[]).iter().for_each(|one| is_needed[*one as usize] = true);
+                node.operands(&[]).iter().for_each(|operand| is_needed[*operand as usize] = true);
             }
         }
         // The operands of a node stand before it; the nodes of the derivative are added behind all of them.
@@ -38,20 +38,16 @@ impl Recorder {
                 Node::Input(_) | Node::State(_) => {
                     rates.iter().find(|(of, _)| *of == place).map_or(zero, |(_, rate)| *rate)
                 }
-                Node::Sum(one, other) => change(one) + change(other),
-                Node::Difference(one, other) => change(one) - change(other),
-                Node::Negation(one) => -change(one),
-                Node::Product(one, other) => {
-                    change(one) * value(other) + value(one) * change(other)
-                }
-                Node::Quotient(one, other) => {
-                    (change(one) - value(place) * change(other)) / value(other)
-                }
+                Node::Sum(a, b) => change(a) + change(b),
+                Node::Difference(a, b) => change(a) - change(b),
+                Node::Negation(a) => -change(a),
+                Node::Product(a, b) => change(a) * value(b) + value(a) * change(b),
+                Node::Quotient(a, b) => (change(a) - value(place) * change(b)) / value(b),
                 Node::Sine(angle) => value(place + 1) * change(angle),
                 Node::Cosine(angle) => -(value(place - 1) * change(angle)),
-                Node::SquareRoot(one) => Expression::constant(0.5) * change(one) / value(place),
-                Node::Exponential(one) => value(place) * change(one),
-                Node::Function(_, one, slope) => change(one) / value(slope),
+                Node::SquareRoot(a) => Expression::constant(0.5) * change(a) / value(place),
+                Node::Exponential(a) => value(place) * change(a),
+                Node::Function(_, a, slope) => change(a) / value(slope),
                 Node::Solution { .. } => panic!("a gap or a sliding speed contains an unknown"),
             };
         }

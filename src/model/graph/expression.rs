@@ -49,8 +49,8 @@ impl<'r> Expression<'r> {
     fn with(self, other: Self, value: f64, node: fn(NodeId, NodeId) -> Node) -> Self {
         match (self.0, other.0) {
             (Recorded(recorder, _), _) | (_, Recorded(recorder, _)) => {
-                let (one, other) = (self.id(recorder), other.id(recorder));
-                Expression::node(recorder, recorder.add(node(one, other)))
+                let (left, right) = (self.id(recorder), other.id(recorder));
+                Expression::node(recorder, recorder.add(node(left, right)))
             }
             _ => Number::constant(value),
         }
@@ -91,7 +91,7 @@ impl Add for Expression<'_> {
         match (self.known(), other.known()) {
             (Some(0.0), None) => other,
             (None, Some(0.0)) => self,
-            (one, two) => self.with(other, one.unwrap_or(0.0) + two.unwrap_or(0.0), Node::Sum),
+            (a, b) => self.with(other, a.unwrap_or(0.0) + b.unwrap_or(0.0), Node::Sum),
         }
     }
 }
@@ -103,9 +103,7 @@ impl Sub for Expression<'_> {
         match (self.known(), other.known()) {
             (Some(0.0), None) => -other,
             (None, Some(0.0)) => self,
-            (one, two) => {
-                self.with(other, one.unwrap_or(0.0) - two.unwrap_or(0.0), Node::Difference)
-            }
+            (a, b) => self.with(other, a.unwrap_or(0.0) - b.unwrap_or(0.0), Node::Difference),
         }
     }
 }
@@ -118,7 +116,7 @@ impl Mul for Expression<'_> {
             (Some(0.0), None) | (None, Some(0.0)) => Number::constant(0.0),
             (Some(1.0), None) => other,
             (None, Some(1.0)) => self,
-            (one, two) => self.with(other, one.unwrap_or(0.0) * two.unwrap_or(0.0), Node::Product),
+            (a, b) => self.with(other, a.unwrap_or(0.0) * b.unwrap_or(0.0), Node::Product),
         }
     }
 }
@@ -130,7 +128,7 @@ impl Div for Expression<'_> {
         match (self.known(), other.known()) {
             (Some(0.0), None) => Number::constant(0.0),
             (None, Some(1.0)) => self,
-            (one, two) => self.with(other, one.unwrap_or(0.0) / two.unwrap_or(0.0), Node::Quotient),
+            (a, b) => self.with(other, a.unwrap_or(0.0) / b.unwrap_or(0.0), Node::Quotient),
         }
     }
 }

@@ -83,7 +83,7 @@ impl Recorder {
     ) -> Vec<Expression<'r>> {
         let size = right.len();
         assert!(matrix.len() == size && matrix.iter().all(|row| row.len() == size), "not square");
-        let ids = |all: &[Expression<'r>]| all.iter().map(|one| one.id(self)).collect::<Vec<_>>();
+        let ids = |all: &[Expression<'r>]| all.iter().map(|part| part.id(self)).collect::<Vec<_>>();
         let matrix = matrix.iter().flat_map(|row| ids(row)).collect();
         let solve = Solve { matrix, right: ids(right), has_sound_diagonal };
         let index = self.0.borrow().solves.len() as u32;

@@ -37,7 +37,7 @@ pub struct Graph {
 
 impl Graph {
     fn with_rates_with_unknowns(mut self) -> Self {
-        let of_opening = |one: &Opening| [one.acceleration, self.contacts[one.contact][1]];
+        let of_opening = |site: &Opening| [site.acceleration, self.contacts[site.contact][1]];
         let rates = self.derivative.iter().copied();
         let is_needed = self.needed_by(rates.chain(self.openings.iter().flat_map(of_opening)));
         let mut nodes = self.depending_on(|node| matches!(node, Node::Solution { .. }));
@@ -53,7 +53,7 @@ impl Graph {
         for place in (0..self.nodes.len()).rev() {
             if is_needed[place] {
                 let operands = self.nodes[place].operands(&self.solves);
-                operands.into_iter().for_each(|one| is_needed[one as usize] = true);
+                operands.into_iter().for_each(|operand| is_needed[operand as usize] = true);
             }
         }
         is_needed
@@ -64,7 +64,7 @@ impl Graph {
         let mut depends = vec![false; self.nodes.len()];
         for (place, node) in self.nodes.iter().enumerate() {
             depends[place] = varies(node)
-                || node.operands(&self.solves).iter().any(|one| depends[*one as usize]);
+                || node.operands(&self.solves).iter().any(|operand| depends[*operand as usize]);
         }
         (0..).zip(depends).filter(|(_, depends)| *depends).map(|(node, _)| node).collect()
     }
@@ -83,7 +83,7 @@ impl Graph {
             .chain(resets);
         let is_read = self.needed_by(results.copied());
         let is_position =
-            |node: &Node| matches!(node, Node::State(one) if *one as usize == contact.position);
+            |node: &Node| matches!(node, Node::State(index) if *index as usize == contact.position);
         !self.nodes.iter().zip(is_read).any(|(node, read)| read && is_position(node))
     }
 
@@ -162,29 +162,29 @@ impl Graph {
 impl Recorder {
     /// Returns the graph of these equations.
     pub fn finish(&self, equations: &SystemEquations<'_>) -> Graph {
-        let derivative = equations.derivative.iter().map(|one| one.id(self)).collect();
-        let contact = |one: &ContactEquations<'_>| {
-            [one.sliding_speed, one.sliding_acceleration, one.normal, one.friction]
+        let derivative = equations.derivative.iter().map(|rate| rate.id(self)).collect();
+        let contact = |contact: &ContactEquations<'_>| {
+            [contact.sliding_speed, contact.sliding_acceleration, contact.normal, contact.friction]
                 .map(|expression| expression.id(self))
         };
         let contacts = equations.contacts.iter().map(contact).collect();
-        let event = |one: &EventEquations<'_>| Event {
-            guard: one.guard.id(self),
-            reset: one
+        let event = |event: &EventEquations<'_>| Event {
+            guard: event.guard.id(self),
+            reset: event
                 .reset
                 .iter()
                 .map(|(component, value)| (*component, value.id(self)))
                 .collect(),
         };
         let events = equations.events.iter().map(event).collect();
-        let gap = |one: &GapEquations<'_>| {
-            [one.opening_acceleration, one.force].map(|expression| expression.id(self))
+        let gap = |gap: &GapEquations<'_>| {
+            [gap.opening_acceleration, gap.force].map(|expression| expression.id(self))
         };
         let gaps = equations.gaps.iter().map(gap).collect();
-        let opening = |one: &OpeningEquations<'_>| {
-            let parts = [one.gap, one.speed, one.acceleration, one.force, one.friction];
+        let opening = |site: &OpeningEquations<'_>| {
+            let parts = [site.gap, site.speed, site.acceleration, site.force, site.friction];
             let [gap, speed, acceleration, force, friction] = parts.map(|part| part.id(self));
-            Opening { contact: one.contact, gap, speed, acceleration, force, friction }
+            Opening { contact: site.contact, gap, speed, acceleration, force, friction }
         };
         let openings = equations.openings.iter().map(opening).collect();
         let Recording { nodes, solves, inputs, switches, parameters, .. } = &*self.0.borrow();

@@ -42,22 +42,22 @@ impl Recorder {
 
 /// Returns a key that only equal nodes share. The order of the operands of sums and products does not matter.
 fn key(node: Node) -> (u8, u64, u64) {
-    let two = |kind: u8, one: NodeId, other: NodeId| (kind, one.into(), other.into());
+    let two = |kind: u8, a: NodeId, b: NodeId| (kind, a.into(), b.into());
     match node {
         Node::Constant(value) => (0, value.to_bits(), 0),
         Node::Input(index) => two(1, index, 0),
         Node::State(index) => two(2, index, 0),
         Node::Discrete(index) => two(3, index, 0),
-        Node::Sum(one, other) => two(4, one.min(other), one.max(other)),
-        Node::Difference(one, other) => two(5, one, other),
-        Node::Negation(one) => two(6, one, 0),
-        Node::Product(one, other) => two(7, one.min(other), one.max(other)),
-        Node::Quotient(one, other) => two(8, one, other),
-        Node::Sine(one) => two(9, one, 0),
-        Node::Cosine(one) => two(10, one, 0),
-        Node::SquareRoot(one) => two(11, one, 0),
-        Node::Exponential(one) => two(12, one, 0),
-        Node::Function(function, one, other) => two(20 + function as u8, one, other),
+        Node::Sum(a, b) => two(4, a.min(b), a.max(b)),
+        Node::Difference(a, b) => two(5, a, b),
+        Node::Negation(a) => two(6, a, 0),
+        Node::Product(a, b) => two(7, a.min(b), a.max(b)),
+        Node::Quotient(a, b) => two(8, a, b),
+        Node::Sine(a) => two(9, a, 0),
+        Node::Cosine(a) => two(10, a, 0),
+        Node::SquareRoot(a) => two(11, a, 0),
+        Node::Exponential(a) => two(12, a, 0),
+        Node::Function(function, a, b) => two(20 + function as u8, a, b),
         Node::Solution { solve, row } => two(14, solve, row),
     }
 }

@@ -68,8 +68,8 @@ struct CheckedFormula<'d> {
 const ENERGY: Dimension = [WHOLE, 2 * WHOLE, -2 * WHOLE];
 const SECOND: Dimension = [0, 0, WHOLE];
 
-fn over(one: Dimension, other: Dimension) -> Dimension {
-    [one[0] - other[0], one[1] - other[1], one[2] - other[2]]
+fn over(left: Dimension, right: Dimension) -> Dimension {
+    [left[0] - right[0], left[1] - right[1], left[2] - right[2]]
 }
 
 impl SystemDefinition {
@@ -96,8 +96,8 @@ impl SystemDefinition {
             return Err((vec!["period".to_owned()], fault));
         }
         for formula in self.formulas_mut() {
-            if let Some((_, numbers)) = found.iter().find(|(one, _)| ptr::eq(*one, formula)) {
-                formula.numbers = numbers.iter().map(|one| one.unwrap_or(NONE)).collect();
+            if let Some((_, numbers)) = found.iter().find(|(known, _)| ptr::eq(*known, formula)) {
+                formula.numbers = numbers.iter().map(|number| number.unwrap_or(NONE)).collect();
             }
         }
         Ok(())
@@ -105,14 +105,14 @@ impl SystemDefinition {
 
     /// Returns the default of a whole number; 1 for another parameter.
     pub(super) fn default_count(&self, name: &str) -> i64 {
-        let parameter = self.parameters.iter().find(|one| one.name == name);
-        parameter.map_or(1, |one| one.value as i64)
+        let parameter = self.parameters.iter().find(|parameter| parameter.name == name);
+        parameter.map_or(1, |parameter| parameter.value as i64)
     }
 
     fn formulas_mut(&mut self) -> impl Iterator<Item = &mut Formula> {
         let mass = self.mass.iter_mut().map(|(_, formula)| formula);
         let force = self.force.iter_mut().map(|(_, formula)| formula);
-        let starts = self.coordinates.iter_mut().flat_map(|one| one.start.iter_mut().flatten());
+        let starts = self.coordinates.iter_mut().flat_map(|q| q.start.iter_mut().flatten());
         let contacts = self.contacts.iter_mut().flat_map(|contact| {
             let normal = match &mut contact.normal {
                 WrittenNormal::Given(force) => force,
@@ -145,8 +145,8 @@ type Numbers = Vec<(*const Formula, Vec<Option<Dimension>>)>;
 fn check_formulas(instance: &Instance<'_>) -> Result<(Numbers, Dependence), FaultAt> {
     let mut found = Numbers::new();
     let (mut terms, mut all) = (0, Dependence::default());
-    for one in uses(instance)? {
-        let CheckedFormula { path, formula, allowed, dimension, mut bodies } = one;
+    for used in uses(instance)? {
+        let CheckedFormula { path, formula, allowed, dimension, mut bodies } = used;
         let at = |fault: FormulaFault| (path.clone(), fault);
         bodies.terms = terms;
         let (found_here, mut values) = instance.analysed(formula, &mut bodies).map_err(at)?;
@@ -202,8 +202,8 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<CheckedFormula<'d>>, FaultAt>
     for member in &instance.coordinates {
         let coordinate = &definition.coordinates[member.of];
         let name = with_index(&coordinate.name, coordinate.index.as_deref());
-        let own = coordinate.unit.dimension;
-        let both = [("start", own), ("start_rate", over(own, SECOND))];
+        let dimension = coordinate.unit.dimension;
+        let both = [("start", dimension), ("start_rate", over(dimension, SECOND))];
         for (range, (key, dimension)) in coordinate.start.iter().zip(both) {
             for (end, formula) in range.iter().enumerate() {
                 let mut path = path(&["coordinates", &name, key]);
@@ -321,13 +321,13 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<CheckedFormula<'d>>, FaultAt>
                 bodies,
             });
         };
-        let own = unit.as_ref().map(|unit| unit.dimension);
-        add(&["derived", name], formula, own);
+        let given = unit.as_ref().map(|unit| unit.dimension);
+        add(&["derived", name], formula, given);
         let fault = |fault| (path(&["derived", name]), fault);
         let found = instance.dimension(formula, instance.bodies.clone()).map_err(fault)?;
         for (key, ends) in [("within", within), ("usual", usual)] {
             for (end, place) in ends.iter().flatten().zip(["[0]", "[1]"]) {
-                add(&["derived", name, key, place], end, Some(own.unwrap_or(found)));
+                add(&["derived", name, key, place], end, Some(given.unwrap_or(found)));
             }
         }
     }
@@ -348,7 +348,7 @@ impl Instance<'_> {
     /// Checks all formulas with the numbers of bodies of this system.
     pub fn check(&self) -> Result<(), FaultAt> {
         let (found, _) = check_formulas(self)?;
-        for (path, formula) in uses(self)?.into_iter().map(|one| (one.path, one.formula)) {
+        for (path, formula) in uses(self)?.into_iter().map(|used| (used.path, used.formula)) {
             let numbers = found.iter().find(|(known, _)| ptr::eq(*known, formula));
             let mut both = numbers.iter().flat_map(|(_, numbers)| numbers).zip(&formula.numbers);
             if both.any(|(found, known)| found.is_some_and(|found| found != *known)) {

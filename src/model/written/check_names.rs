@@ -66,15 +66,15 @@ impl SystemDefinition {
     pub(super) fn check_sizes(&self) -> Result<(), FaultAt> {
         let most = |index: &Option<String>| {
             let count = self.repeat.iter().find(|(known, _)| Some(known) == index.as_ref());
-            let own = |(_, count): &(String, String)| {
-                let parameter = self.parameters.iter().find(|one| one.name == *count)?;
+            let limit = |(_, count): &(String, String)| {
+                let parameter = self.parameters.iter().find(|known| known.name == *count)?;
                 parameter.counts.map(|[_, most]| most)
             };
-            count.and_then(own).unwrap_or(1)
+            count.and_then(limit).unwrap_or(1)
         };
-        let coordinates: usize = self.coordinates.iter().map(|one| most(&one.index)).sum();
-        let contacts: usize = self.contacts.iter().map(|one| most(&one.index)).sum();
-        let outputs: usize = self.outputs.iter().map(|one| most(&one.index)).sum();
+        let coordinates: usize = self.coordinates.iter().map(|member| most(&member.index)).sum();
+        let contacts: usize = self.contacts.iter().map(|member| most(&member.index)).sum();
+        let outputs: usize = self.outputs.iter().map(|member| most(&member.index)).sum();
         let sizes = [
             ("coordinates", coordinates, MOST_MEMBERS),
             ("contacts", contacts, MOST_MEMBERS),
@@ -101,13 +101,13 @@ impl SystemDefinition {
             let problem = "a name that another column of tables has";
             Err((path, FormulaFault::new(0, problem, name, "another name")))
         };
-        for one in &self.parameters {
-            let begins = |prefix: &&str| one.name.starts_with(*prefix);
-            let with_end = format!("{}_", one.name);
+        for given in &self.parameters {
+            let begins = |prefix: &&str| given.name.starts_with(*prefix);
+            let with_end = format!("{}_", given.name);
             let of_profile =
-                self.turning.is_some() && OF_PROFILES.iter().any(|own| with_end.starts_with(own));
-            if COLUMNS.contains(&one.name.as_str()) || PREFIXES.iter().any(begins) || of_profile {
-                return fault("parameters", &one.name, None);
+                self.turning.is_some() && OF_PROFILES.iter().any(|name| with_end.starts_with(name));
+            if COLUMNS.contains(&given.name.as_str()) || PREFIXES.iter().any(begins) || of_profile {
+                return fault("parameters", &given.name, None);
             }
         }
         fn named<'a>(
@@ -116,17 +116,17 @@ impl SystemDefinition {
         ) -> (&'a str, &'a str, Option<&'a str>) {
             (key, name.as_str(), index.as_deref())
         }
-        let coordinates = self.coordinates.iter().map(|one| (&one.name, &one.index));
-        let outputs = self.outputs.iter().map(|one| (&one.name, &one.index));
-        let contacts = self.contacts.iter().map(|one| (&one.name, &one.index));
-        let coordinates = coordinates.map(|one| named("coordinates", one));
-        let quantities = coordinates.chain(outputs.map(|one| named("outputs", one)));
-        let contacts = contacts.map(|one| named("contacts", one));
+        let coordinates = self.coordinates.iter().map(|member| (&member.name, &member.index));
+        let outputs = self.outputs.iter().map(|member| (&member.name, &member.index));
+        let contacts = self.contacts.iter().map(|member| (&member.name, &member.index));
+        let coordinates = coordinates.map(|member| named("coordinates", member));
+        let quantities = coordinates.chain(outputs.map(|member| named("outputs", member)));
+        let contacts = contacts.map(|member| named("contacts", member));
         for members in [quantities.collect::<Vec<_>>(), contacts.collect()] {
             for (key, name, index) in &members {
                 // `x_2` is the second body of `x`, and `x_rate` its rate of change.
                 let Some((base, end)) = name.rsplit_once('_') else { continue };
-                let is_number = end.bytes().all(|one| one.is_ascii_digit());
+                let is_number = end.bytes().all(|byte| byte.is_ascii_digit());
                 if (is_number || end == "rate")
                     && members.iter().any(|(_, other, _)| *other == base)
                 {
@@ -139,15 +139,17 @@ impl SystemDefinition {
 
     pub(super) fn check_names(&self) -> Result<(), FaultAt> {
         let mut known: Vec<&str> = RESERVED.to_vec();
-        let parameters = self.parameters.iter().map(|one| ("parameters", one.name.as_str(), None));
+        let parameters =
+            self.parameters.iter().map(|parameter| ("parameters", parameter.name.as_str(), None));
         let indices = self.repeat.iter().map(|(index, _)| ("repeat", index.as_str(), None));
         let coordinates = self.coordinates.iter();
         let coordinates =
-            coordinates.map(|one| ("coordinates", one.name.as_str(), one.index.as_deref()));
+            coordinates.map(|given| ("coordinates", given.name.as_str(), given.index.as_deref()));
         let outputs = self.outputs.iter();
-        let outputs = outputs.map(|one| ("outputs", one.name.as_str(), one.index.as_deref()));
-        let turning = self.turning.iter().map(|one| ("turning", one.angle.as_str(), None));
-        let derived = self.derived.iter().map(|one| ("derived", one.quantity.name.as_str(), None));
+        let outputs = outputs.map(|given| ("outputs", given.name.as_str(), given.index.as_deref()));
+        let turning = self.turning.iter().map(|turning| ("turning", turning.angle.as_str(), None));
+        let derived =
+            self.derived.iter().map(|derived| ("derived", derived.quantity.name.as_str(), None));
         let outputs = outputs.chain(derived);
         let names = parameters.chain(indices).chain(coordinates).chain(outputs).chain(turning);
         for (key, name, index) in names {
@@ -167,7 +169,9 @@ impl SystemDefinition {
             known.push(name);
         }
         self.check_columns()?;
-        let is_it = |one: &WrittenParameter| one.name == FRICTION_COEFFICIENT && one.unit.si == "1";
+        let is_it = |parameter: &WrittenParameter| {
+            parameter.name == FRICTION_COEFFICIENT && parameter.unit.si == "1"
+        };
         if self.has_law_of_study() && !self.parameters.iter().any(is_it) {
             let problem = "the law of the study without its coefficient";
             let found = format!("no parameter `{FRICTION_COEFFICIENT}`");
@@ -192,6 +196,6 @@ impl SystemDefinition {
 }
 
 fn is_name(name: &str) -> bool {
-    let is_part = |one: char| one.is_ascii_alphanumeric() || one == '_';
+    let is_part = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
     name.starts_with(|first: char| first.is_ascii_alphabetic()) && name.chars().all(is_part)
 }

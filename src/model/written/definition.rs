@@ -154,7 +154,7 @@ impl SystemDefinition {
     /// Returns the place of the parameter that is the speed of the part that turns.
     pub(super) fn speed_place(&self) -> Option<usize> {
         let turning = self.turning.as_ref()?;
-        self.parameters.iter().position(|one| one.name == turning.speed)
+        self.parameters.iter().position(|parameter| parameter.name == turning.speed)
     }
 
     /// Returns whether the study gives the law of friction of a contact.

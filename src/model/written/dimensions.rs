@@ -134,8 +134,8 @@ impl FormulaValues for Dimensions<'_> {
             return Err(FormulaFault::new(at, "an exponent", exponent.to_string(), allowed));
         }
         let twice = (2.0 * exponent) as i32;
-        let power = dimension.map(|one| one * twice / 2);
-        if power.iter().any(|one| one.abs() > HIGHEST) {
+        let power = dimension.map(|unit| unit * twice / 2);
+        if power.iter().any(|unit| unit.abs() > HIGHEST) {
             return Err(FormulaFault::new(at, "too high a power", "a unit", "a lower power"));
         }
         let depends = if exponent == 1.0 { base.depends } else { base.depends.curved() };
@@ -149,7 +149,7 @@ impl FormulaValues for Dimensions<'_> {
         of: TermAnalysis,
     ) -> Valued<TermAnalysis> {
         let dimension = match function {
-            FormulaFunction::SquareRoot => self.dimension(at, of.measured)?.map(|one| one / 2),
+            FormulaFunction::SquareRoot => self.dimension(at, of.measured)?.map(|unit| unit / 2),
             _ => {
                 self.require(at, of.measured, NONE).map_err(|fault| FormulaFault {
                     problem: "the argument of a function with a dimension".into(),
@@ -189,7 +189,7 @@ pub(super) fn unit_of(dimension: Dimension) -> String {
     if dimension == NONE {
         return "1".to_owned();
     }
-    let is_it = |(_, named): &&(&str, Dimension)| named.map(|one| one * WHOLE) == dimension;
+    let is_it = |(_, named): &&(&str, Dimension)| named.map(|unit| unit * WHOLE) == dimension;
     if let Some((name, _)) = NAMED.iter().find(is_it) {
         return (*name).to_owned();
     }

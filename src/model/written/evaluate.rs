@@ -125,9 +125,9 @@ impl Bodies {
                 values.sum(at, terms)
             }
             TermContent::If(compared, comparison, branches) => {
-                let [one, other] = [&compared[0], &compared[1]].map(|term| self.index(term));
+                let [left, right] = [&compared[0], &compared[1]].map(|term| self.index(term));
                 let branch =
-                    if comparison.holds(one?, other?) { &branches[0] } else { &branches[1] };
+                    if comparison.holds(left?, right?) { &branches[0] } else { &branches[1] };
                 self.term(branch, formula, values)
             }
         }

@@ -52,7 +52,7 @@ impl ExaminedSystem {
             instance.sizes(values, period)?;
         let parameters = definition.parameters.iter().zip(values);
         let scaled: Vec<f64> =
-            parameters.map(|(one, value)| value / scales.unit(one.unit.dimension)).collect();
+            parameters.map(|(given, value)| value / scales.unit(given.unit.dimension)).collect();
         let named = instance.parameters(&scaled, 0.0);
         let numeric = NamedValues { scales, parameters: &named, coordinates: &[], time: 0.0 };
         let speed_of = instance.choose_velocities(numeric)?;
@@ -76,7 +76,7 @@ impl ExaminedSystem {
         for (number, &speed) in speeds.iter().enumerate() {
             let (law, coefficient) = instance.law(number, values, of_study)?;
             let impact = instance.impact_law(number, values)?;
-            let own =
+            let checked =
                 check_contact(&law, coefficient, impact).map_err(|invalid| InvalidParameter {
                     name: format!(
                         "{} of contact {}",
@@ -85,7 +85,7 @@ impl ExaminedSystem {
                     ),
                     ..invalid
                 });
-            sound = sound.and(own);
+            sound = sound.and(checked);
             let power = scales.unit([WHOLE, 2 * WHOLE, -3 * WHOLE]);
             let drag = force_units[number] * power / (speed * speed);
             friction.push(law.contact(coefficient, speed, drag));
@@ -196,9 +196,10 @@ impl ExaminedSystem {
         let mut velocities: Vec<f64> = state.iter().map(|[_, rate]| *rate).collect();
         for (number, speed) in speeds.iter().enumerate() {
             if let SpeedOf::Velocity(place) = integrals[number]
-                && let Some(own) = instance.linear(number, numeric)?
+                && let Some(form) = instance.linear(number, numeric)?
             {
-                places[place] = own.factors.iter().map(|(of, factor)| factor * state[*of][0]).sum();
+                places[place] =
+                    form.factors.iter().map(|(of, factor)| factor * state[*of][0]).sum();
             }
             let (contact, mut bodies) = instance.contact(number);
             if let (SpeedOf::Velocity(place), Some(sliding)) = (speed, &contact.sliding) {
@@ -219,7 +220,7 @@ fn check_contact(
     not_negative(COEFFICIENT, coefficient)?;
     law.validate(coefficient, SlidingSpeed::MS)?;
     let both = [impact.restitution, impact.tangential_restitution];
-    match both.iter().find(|one| !(0.0..=1.0).contains(*one)) {
+    match both.iter().find(|number| !(0.0..=1.0).contains(*number)) {
         Some(found) => Err(invalid("restitution", &found.to_string(), "a number from 0 to 1")),
         None => Ok(()),
     }
@@ -244,8 +245,8 @@ impl Instance<'_> {
             return Ok((FrictionLaw::viscous(0.0), 0.0));
         };
         let constant = |formula: &Formula| self.constant_of(&bodies, formula, values);
-        let own = friction.values.iter().map(constant).collect::<Result<Vec<_>, _>>()?;
-        Ok((FrictionLaw::new(friction.law, &own), constant(&friction.coefficient)?))
+        let constants = friction.values.iter().map(constant).collect::<Result<Vec<_>, _>>()?;
+        Ok((FrictionLaw::new(friction.law, &constants), constant(&friction.coefficient)?))
     }
 
     /// Returns the law of impact of a contact.
@@ -290,7 +291,7 @@ impl Instance<'_> {
             forces.push(bodies.evaluate(force, &mut numeric)? / unit);
             units.push(unit);
         }
-        let sizes = forces.into_iter().map(f64::abs).filter(|one| one.is_finite());
+        let sizes = forces.into_iter().map(f64::abs).filter(|size| size.is_finite());
         Ok((sizes.fold(0.0, f64::max), units))
     }
 
@@ -317,7 +318,7 @@ impl Instance<'_> {
         let count = pairs.first().map_or(0, |[now, _]| now.len());
         Ok((0..count).all(|place| {
             let entries = || pairs.iter().map(|pair| [pair[0][place], pair[1][place]]);
-            let size = entries().flatten().fold(0.0_f64, |size, one| size.max(one.abs()));
+            let size = entries().flatten().fold(0.0_f64, |size, entry| size.max(entry.abs()));
             entries().all(|[now, later]| (now - later).abs() <= 1e-9 * size || !size.is_finite())
         }))
     }
@@ -379,8 +380,8 @@ impl Instance<'_> {
 impl SystemDefinition {
     /// Returns whether a coordinate or a parameter has a unit, so that dimensions are checked.
     pub(super) fn has_units(&self) -> bool {
-        let coordinates = self.coordinates.iter().map(|one| &one.unit);
-        let mut units = coordinates.chain(self.parameters.iter().map(|one| &one.unit));
+        let coordinates = self.coordinates.iter().map(|coordinate| &coordinate.unit);
+        let mut units = coordinates.chain(self.parameters.iter().map(|parameter| &parameter.unit));
         units.any(|unit| unit.dimension != NONE)
     }
 }

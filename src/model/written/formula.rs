@@ -135,14 +135,14 @@ impl ComparisonSign {
         (">", ComparisonSign::Greater),
     ];
 
-    pub fn holds(self, one: i64, other: i64) -> bool {
+    pub fn holds(self, left: i64, right: i64) -> bool {
         match self {
-            ComparisonSign::Less => one < other,
-            ComparisonSign::LessOrEqual => one <= other,
-            ComparisonSign::Greater => one > other,
-            ComparisonSign::GreaterOrEqual => one >= other,
-            ComparisonSign::Equal => one == other,
-            ComparisonSign::Unequal => one != other,
+            ComparisonSign::Less => left < right,
+            ComparisonSign::LessOrEqual => left <= right,
+            ComparisonSign::Greater => left > right,
+            ComparisonSign::GreaterOrEqual => left >= right,
+            ComparisonSign::Equal => left == right,
+            ComparisonSign::Unequal => left != right,
         }
     }
 }

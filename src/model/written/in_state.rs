@@ -45,13 +45,13 @@ impl WrittenSystem {
 pub(super) fn smallest_pivot(mut matrix: Vec<Vec<f64>>) -> (f64, usize) {
     let diagonal: Vec<f64> = matrix.iter().enumerate().map(|(place, row)| row[place]).collect();
     let mut smallest = (1.0_f64, 0);
-    for (column, own) in diagonal.into_iter().enumerate() {
+    for (column, original) in diagonal.into_iter().enumerate() {
         let pivot = matrix[column].clone();
-        if own <= 0.0 || pivot[column] <= 0.0 {
+        if original <= 0.0 || pivot[column] <= 0.0 {
             return (0.0, column);
         }
-        if pivot[column] / own < smallest.0 {
-            smallest = (pivot[column] / own, column);
+        if pivot[column] / original < smallest.0 {
+            smallest = (pivot[column] / original, column);
         }
         for row in &mut matrix[column + 1..] {
             let factor = row[column] / pivot[column];

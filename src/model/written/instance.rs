@@ -42,8 +42,8 @@ impl<'d> Instance<'d> {
         definition: &'d SystemDefinition,
         count: impl Fn(&str) -> i64,
     ) -> Result<Self, FaultAt> {
-        let counts = definition.parameters.iter().filter(|one| one.counts.is_some());
-        let counts: Vec<_> = counts.map(|one| (one.name.clone(), count(&one.name))).collect();
+        let counts = definition.parameters.iter().filter(|given| given.counts.is_some());
+        let counts: Vec<_> = counts.map(|given| (given.name.clone(), count(&given.name))).collect();
         let indices = definition.repeat.iter().map(|(index, of)| (index.clone(), count(of)));
         let bodies = Bodies { indices: indices.collect(), counts, ..Bodies::default() };
         let names = SystemNames::of(definition, &bodies);
@@ -57,9 +57,9 @@ impl<'d> Instance<'d> {
         let contacts = definition.contacts.iter().enumerate();
         let outputs = definition.outputs.iter().enumerate();
         let mut instance = Instance {
-            coordinates: coordinates.flat_map(|(of, one)| members(&one.index, of)).collect(),
-            contacts: contacts.flat_map(|(of, one)| members(&one.index, of)).collect(),
-            outputs: outputs.flat_map(|(of, one)| members(&one.index, of)).collect(),
+            coordinates: coordinates.flat_map(|(of, given)| members(&given.index, of)).collect(),
+            contacts: contacts.flat_map(|(of, given)| members(&given.index, of)).collect(),
+            outputs: outputs.flat_map(|(of, given)| members(&given.index, of)).collect(),
             positions: Vec::new(),
             definition,
             names,
@@ -69,7 +69,7 @@ impl<'d> Instance<'d> {
         let mut candidates = Vec::new();
         for number in 0..instance.contacts.len() {
             let (contact, bodies) = instance.contact(number);
-            let formulas = contact.sliding.iter().map(|one| ("sliding", one));
+            let formulas = contact.sliding.iter().map(|formula| ("sliding", formula));
             let mut named = Vec::new();
             for (key, formula) in formulas.chain([contact.normal.entry()]) {
                 let found = instance.analysed(formula, &mut bodies.clone());
@@ -79,9 +79,9 @@ impl<'d> Instance<'d> {
             let numbers = named.iter().filter_map(|(name, body)| instance.number_of(name, *body));
             let mut numbers: Vec<usize> = numbers.collect();
             let mut seen = Vec::new();
-            numbers.retain(|one| {
-                !seen.contains(one) && {
-                    seen.push(*one);
+            numbers.retain(|coordinate| {
+                !seen.contains(coordinate) && {
+                    seen.push(*coordinate);
                     true
                 }
             });
@@ -91,10 +91,10 @@ impl<'d> Instance<'d> {
         candidates.sort_by_key(|(number, numbers)| (!slides(*number), numbers.len()));
         let mut positions = vec![None; candidates.len()];
         for (number, numbers) in candidates {
-            let is_new = |one: &&usize| !positions.contains(&Some(**one));
+            let is_new = |coordinate: &&usize| !positions.contains(&Some(**coordinate));
             positions[number] = numbers.iter().find(is_new).or(numbers.first()).copied();
         }
-        instance.positions = positions.into_iter().map(|one| one.unwrap_or(0)).collect();
+        instance.positions = positions.into_iter().map(|position| position.unwrap_or(0)).collect();
         Ok(instance)
     }
 
@@ -140,8 +140,9 @@ impl<'d> Instance<'d> {
 
     /// Returns the number of a coordinate.
     pub fn number_of(&self, name: &str, body: Option<i64>) -> Option<usize> {
-        let is_it =
-            |one: &Member| self.definition.coordinates[one.of].name == name && one.body == body;
+        let is_it = |member: &Member| {
+            self.definition.coordinates[member.of].name == name && member.body == body
+        };
         self.coordinates.iter().position(is_it)
     }
 
@@ -175,7 +176,7 @@ impl<'d> Instance<'d> {
     ) -> Result<Places<N>, (usize, FormulaFault)> {
         let indices = self.definition.repeat.iter().map(|(index, _)| index.as_str());
         let index =
-            indices.into_iter().find(|index| places.iter().any(|one| mentions(&one.0, index)));
+            indices.into_iter().find(|index| places.iter().any(|place| mentions(&place.0, index)));
         let last = index.map_or(1, |index| self.bodies.of(index).unwrap_or(0));
         let mut all = Vec::new();
         'bodies: for body in 1..=last {
@@ -183,7 +184,7 @@ impl<'d> Instance<'d> {
             let mut numbers = [0; N];
             for (which, place) in places.iter().enumerate() {
                 let (name, of) = place_of(&place.0, &bodies).map_err(|fault| (which, fault))?;
-                let known = self.definition.coordinates.iter().find(|one| one.name == name);
+                let known = self.definition.coordinates.iter().find(|given| given.name == name);
                 match (self.number_of(&name, of), known) {
                     (Some(number), _) => numbers[which] = number,
                     // The last body has no coupling to a next one.

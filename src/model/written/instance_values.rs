@@ -32,7 +32,7 @@ impl Instance<'_> {
         values: &[T],
         turned: Option<[T; 3]>,
     ) -> Vec<(&str, usize, T)> {
-        let names = self.definition.parameters.iter().map(|one| one.name.as_str());
+        let names = self.definition.parameters.iter().map(|parameter| parameter.name.as_str());
         let parameters = names.zip(values).map(|(name, value)| (name, 0, *value));
         let angle = self.definition.turning.iter().zip(turned).flat_map(|(turning, angle)| {
             (0..).zip(angle).map(|(primes, value)| (turning.angle.as_str(), primes, value))

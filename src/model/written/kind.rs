@@ -95,24 +95,24 @@ fn leaked(
     is_built_in: bool,
 ) -> (&'static WrittenKind, &'static ModelKind) {
     let definition: &'static SystemDefinition = Box::leak(Box::new(definition));
-    let parameters = definition.parameters.iter().map(|one| ParameterDescriptor {
-        name: kept(format!("{}{}", one.name, unit_ending(&one.unit.si))),
-        unit: &one.unit.si,
-        meaning: &one.meaning,
-        field: match one.counts {
-            Some([least, most]) => Field::Count { default: one.value as usize, least, most },
-            None => Field::Own { default: one.value, bound: one.bound },
+    let parameters = definition.parameters.iter().map(|parameter| ParameterDescriptor {
+        name: kept(format!("{}{}", parameter.name, unit_ending(&parameter.unit.si))),
+        unit: &parameter.unit.si,
+        meaning: &parameter.meaning,
+        field: match parameter.counts {
+            Some([least, most]) => Field::Count { default: parameter.value as usize, least, most },
+            None => Field::Own { default: parameter.value, bound: parameter.bound },
         },
     });
     let profile = definition.turning.iter().flat_map(|_| PROFILE_PARAMETERS);
-    let coordinates = definition.coordinates.iter().map(|one| {
-        let unit = one.unit.si.as_str();
+    let coordinates = definition.coordinates.iter().map(|written| {
+        let unit = written.unit.si.as_str();
         let rate = match (definition.has_units(), unit) {
             (false, _) => "1",
             (true, "1") => "1/s",
             (true, unit) => kept(format!("{unit}/s")),
         };
-        let of = if one.meaning.is_empty() { &one.name } else { &one.meaning };
+        let of = if written.meaning.is_empty() { &written.name } else { &written.meaning };
         let name = |stem: String, unit: &str| kept(stem + &unit_ending(unit));
         let range = |[low, high]: &[Formula; 2]| {
             let is_number = |text: &str| text.is_empty() || text.parse::<f64>().is_ok();
@@ -121,20 +121,20 @@ fn leaked(
                 .then(|| kept(format!("[{}, {}]", texts[0], texts[1])))
         };
         let position = StartName {
-            range: range(&one.start[0]),
-            name: name(one.name.clone(), unit),
+            range: range(&written.start[0]),
+            name: name(written.name.clone(), unit),
             unit,
             meaning: kept(format!("start value: {of}")),
         };
         let velocity = StartName {
-            range: range(&one.start[1]),
-            name: name(one.rate.clone(), rate),
+            range: range(&written.start[1]),
+            name: name(written.rate.clone(), rate),
             unit: rate,
             meaning: kept(format!("rate of change at the start: {of}")),
         };
         [position, velocity]
     });
-    let own: &'static WrittenKind = Box::leak(Box::new(WrittenKind {
+    let written: &'static WrittenKind = Box::leak(Box::new(WrittenKind {
         coordinates: coordinates.collect(),
         sound: Mutex::default(),
         is_built_in,
@@ -148,9 +148,9 @@ fn leaked(
         body: "contact",
         sliding_speed: sliding_speed_of_study(definition),
         offers: Capabilities::MOTION,
-        default: DefaultModel::Own(own),
+        default: DefaultModel::Own(written),
     };
-    (own, Box::leak(Box::new(kind)))
+    (written, Box::leak(Box::new(kind)))
 }
 
 /// Returns the unit of sliding speeds in the law of friction of the study.
@@ -158,8 +158,8 @@ fn sliding_speed_of_study(definition: &'static SystemDefinition) -> SlidingSpeed
     let instance = Instance::new(definition, |name| definition.default_count(name).max(1)).ok();
     let of_study = |instance: &Instance| {
         let mut numbers = 0..instance.contacts.len();
-        let own = numbers.find(|number| instance.contact(*number).0.has_law_of_study)?;
-        instance.speed_dimension(own).ok()
+        let first = numbers.find(|number| instance.contact(*number).0.has_law_of_study)?;
+        instance.speed_dimension(first).ok()
     };
     match instance.and_then(|instance| of_study(&instance)) {
         Some([0, 0, _]) => SlidingSpeed::RadS,
@@ -187,8 +187,8 @@ impl WrittenKind {
 
     /// Returns the value of a parameter by its name in formulas.
     fn value(&self, model: &OwnModel, name: &str) -> f64 {
-        let own = self.definition.parameters.iter().position(|one| one.name == name);
-        own.map_or(f64::NAN, |own| model.values()[own])
+        let place = self.definition.parameters.iter().position(|parameter| parameter.name == name);
+        place.map_or(f64::NAN, |place| model.values()[place])
     }
 
     /// Returns what the values of a model say about the system. The latest ones of each thread are kept, because all runs at one
@@ -198,15 +198,15 @@ impl WrittenKind {
             let is_it = |(number, values, law, _): &Latest| {
                 *number == self.number && values == model.values() && law == model.friction()
             };
-            if let Some((.., known)) = latest.iter().find(|one| is_it(one)) {
+            if let Some((.., known)) = latest.iter().find(|entry| is_it(entry)) {
                 return Ok(Arc::clone(known));
             }
             let (instance, values, law) = (self.instance(model)?, model.values(), model.friction());
             let instance = (*instance).clone();
-            let own = Arc::new(ExaminedSystem::new(instance, self.number, values, law)?);
+            let examined = Arc::new(ExaminedSystem::new(instance, self.number, values, law)?);
             latest.truncate(MOST_KEPT - 1);
-            latest.insert(0, (self.number, values.to_vec(), *law, Arc::clone(&own)));
-            Ok(own)
+            latest.insert(0, (self.number, values.to_vec(), *law, Arc::clone(&examined)));
+            Ok(examined)
         })
     }
 
@@ -268,28 +268,28 @@ impl OwnKind for WrittenKind {
     fn coordinates(&self, model: &OwnModel) -> Vec<Coordinate> {
         let all = self.instance(model).and_then(|instance| {
             let ranges = ranges(&instance, model.values())?;
-            let one = |which: usize| {
+            let of_coordinate = |which: usize| {
                 let members = instance.coordinates.iter().zip(&ranges);
                 members.map(move |(member, range)| {
                     let start = &self.coordinates[member.of][which];
                     let StartName { name, unit, meaning, .. } = start;
-                    let own = match member.body {
+                    let coordinate = match member.body {
                         Some(body) => {
                             Coordinate::of_body(name, body as usize, unit, meaning, range[which])
                         }
                         None => Coordinate::new(*name, unit, meaning, range[which]),
                     };
-                    Coordinate { default_in_words: start.range, ..own }
+                    Coordinate { default_in_words: start.range, ..coordinate }
                 })
             };
-            Ok(one(0).chain(one(1)).collect())
+            Ok(of_coordinate(0).chain(of_coordinate(1)).collect())
         });
         Self::part(all)
     }
 
     fn coordinate_count(&self, model: &OwnModel) -> usize {
         let examined = self.examined(model);
-        examined.map_or(0, |one| 2 * one.system.instance.coordinates.len())
+        examined.map_or(0, |examined| 2 * examined.system.instance.coordinates.len())
     }
 
     fn units(&self, model: &OwnModel) -> Units {
@@ -323,8 +323,8 @@ impl OwnKind for WrittenKind {
             })
         };
         let coordinates = of_coordinate(0).chain(of_coordinate(1));
-        let outputs = outputs.iter().map(|one| OutputUnits {
-            size: unit(*one),
+        let outputs = outputs.iter().map(|dimension| OutputUnits {
+            size: unit(*dimension),
             angular: false,
             has_amplitude: false,
         });
@@ -339,7 +339,7 @@ impl OwnKind for WrittenKind {
 
     fn small_motions(&self, model: &OwnModel) -> SmallMotionEquations {
         let instance = self.instance(model);
-        Self::part(instance.and_then(|one| one.small_motions(model.values())))
+        Self::part(instance.and_then(|instance| instance.small_motions(model.values())))
     }
 
     fn speed_place(&self) -> Option<usize> {
@@ -368,7 +368,7 @@ impl OwnKind for WrittenKind {
     }
 
     fn start_state(&self, model: &OwnModel, start: &[f64]) -> Components {
-        let state = self.examined(model).and_then(|one| one.start_state(start));
+        let state = self.examined(model).and_then(|examined| examined.start_state(start));
         Self::part(state).into()
     }
 
@@ -400,13 +400,13 @@ impl OwnKind for WrittenKind {
         let all = self.instance(model).and_then(|instance| {
             let value = |formula: &Formula| instance.constant(formula, model.values());
             let range = |[low, high]: &[Formula; 2]| Ok([value(low)?, value(high)?]);
-            let one = |WrittenDerived { quantity, within, usual }: &WrittenDerived| {
+            let derived = |WrittenDerived { quantity, within, usual }: &WrittenDerived| {
                 let is_shown = within.is_none() && usual.is_none();
                 let name = self.named(&instance, quantity, instance.bodies.clone())?;
                 let usual = usual.as_ref().map(range).transpose()?;
                 Ok(DerivedQuantity { name, value: value(&quantity.formula)?, usual, is_shown })
             };
-            self.definition.derived.iter().map(one).collect()
+            self.definition.derived.iter().map(derived).collect()
         });
         Self::part(all)
     }

@@ -63,7 +63,7 @@ impl<T: Scalar> FormulaValues for Linearised<'_, '_, T> {
 
     fn sum(&mut self, _: usize, terms: Vec<(bool, LinearForm<T>)>) -> Valued<LinearForm<T>> {
         let signed =
-            |(minus, term): (bool, LinearForm<T>)| if minus { term.map(|one| -one) } else { term };
+            |(minus, term): (bool, LinearForm<T>)| if minus { term.map(|c| -c) } else { term };
         let sum = terms.into_iter().map(signed).reduce(LinearForm::plus);
         Ok(sum.unwrap_or_else(|| LinearForm::constant(T::constant(0.0))))
     }
@@ -71,9 +71,9 @@ impl<T: Scalar> FormulaValues for Linearised<'_, '_, T> {
     fn product(&mut self, _: usize, factors: Vec<(bool, LinearForm<T>)>) -> Valued<LinearForm<T>> {
         let one = LinearForm::constant(T::constant(1.0));
         let times = |product: LinearForm<T>, (over, factor): (bool, LinearForm<T>)| match over {
-            true => product.map(|one| one / factor.constant),
-            false if product.factors.is_empty() => factor.map(|one| product.constant * one),
-            false => product.map(|one| one * factor.constant),
+            true => product.map(|c| c / factor.constant),
+            false if product.factors.is_empty() => factor.map(|c| product.constant * c),
+            false => product.map(|c| c * factor.constant),
         };
         Ok(factors.into_iter().fold(one, times))
     }

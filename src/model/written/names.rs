@@ -30,14 +30,16 @@ pub(super) const RESERVED: [&str; 12] =
 impl SystemNames {
     pub fn of(definition: &SystemDefinition, bodies: &Bodies) -> SystemNames {
         let parameters = definition.parameters.iter();
-        let coordinates = definition.coordinates.iter().map(|one| {
-            let count = one.index.as_ref().and_then(|index| bodies.of(index));
-            (one.name.clone(), count, one.unit.dimension)
+        let coordinates = definition.coordinates.iter().map(|coordinate| {
+            let count = coordinate.index.as_ref().and_then(|index| bodies.of(index));
+            (coordinate.name.clone(), count, coordinate.unit.dimension)
         });
         SystemNames {
-            parameters: parameters.map(|one| (one.name.clone(), one.unit.dimension)).collect(),
+            parameters: parameters
+                .map(|parameter| (parameter.name.clone(), parameter.unit.dimension))
+                .collect(),
             coordinates: coordinates.collect(),
-            turning: definition.turning.as_ref().map(|one| one.angle.clone()),
+            turning: definition.turning.as_ref().map(|turning| turning.angle.clone()),
         }
     }
 
@@ -68,8 +70,8 @@ impl SystemNames {
         };
         let turns = self.turning.as_deref() == Some(text);
         let angle = turns.then_some((None, NONE));
-        let coordinate = self.coordinates.iter().find(|one| one.0 == text);
-        if let Some((count, dimension)) = coordinate.map(|one| (one.1, one.2)).or(angle) {
+        let coordinate = self.coordinates.iter().find(|known| known.0 == text);
+        if let Some((count, dimension)) = coordinate.map(|known| (known.1, known.2)).or(angle) {
             of_one(body, count)?;
             let [mass, length, time] = dimension;
             let meaning = |of_coordinate| if turns { Meaning::Time } else { of_coordinate };
@@ -87,8 +89,8 @@ impl SystemNames {
             "t" => Some((Meaning::Time, [0, 0, WHOLE])),
             "pi" => Some((Meaning::Constant, NONE)),
             _ => {
-                let parameter = self.parameters.iter().find(|one| one.0 == text);
-                parameter.map(|one| (Meaning::Constant, one.1))
+                let parameter = self.parameters.iter().find(|known| known.0 == text);
+                parameter.map(|known| (Meaning::Constant, known.1))
             }
         };
         match constant {
@@ -98,8 +100,8 @@ impl SystemNames {
             }
             Some(constant) => Ok(constant),
             None => {
-                let coordinates = self.coordinates.iter().map(|one| one.0.clone());
-                let parameters = self.parameters.iter().map(|one| one.0.clone());
+                let coordinates = self.coordinates.iter().map(|known| known.0.clone());
+                let parameters = self.parameters.iter().map(|known| known.0.clone());
                 let names = coordinates.chain(parameters).chain(self.turning.clone());
                 let names = names.chain(["t", "pi"].map(str::to_owned));
                 Err(FormulaFault {

@@ -96,12 +96,12 @@ impl<T: Scalar> FormulaValues for NamedValues<'_, T> {
 
     fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Valued<T> {
         let coordinate =
-            self.coordinates.iter().find(|(own, of, _)| *own == name.name && *of == body);
+            self.coordinates.iter().find(|(known, of, _)| *known == name.name && *of == body);
         if let (Some((.., values)), Some(which @ 0..=2)) = (coordinate, Some(name.primes)) {
             return Ok(values[which]);
         }
         let is_it =
-            |(own, primes, _): &&(&str, usize, T)| *own == name.name && *primes == name.primes;
+            |(known, primes, _): &&(&str, usize, T)| *known == name.name && *primes == name.primes;
         let parameter = self.parameters.iter().find(is_it);
         match (parameter, name.name.as_str()) {
             (Some((.., value)), _) => Ok(*value),
@@ -117,8 +117,8 @@ impl<T: Scalar> FormulaValues for NamedValues<'_, T> {
         if terms.len() > 16 {
             let later = terms.len() / 2;
             let halves = [terms[..later].to_vec(), terms[later..].to_vec()];
-            let [one, other] = halves.map(|half| self.sum(0, half));
-            return Ok(one? + other?);
+            let [left, right] = halves.map(|half| self.sum(0, half));
+            return Ok(left? + right?);
         }
         let mut terms = terms.into_iter();
         let first = terms.next().map_or(T::constant(0.0), |(minus, value)| match minus {

@@ -185,7 +185,7 @@ impl<'t> Parser<'t> {
 
     fn number(&mut self) -> Valued<FormulaTerm> {
         let (at, rest) = (self.at, self.rest());
-        let mut end = rest.bytes().take_while(|one| one.is_ascii_digit() || *one == b'.').count();
+        let mut end = rest.bytes().take_while(|b| b.is_ascii_digit() || *b == b'.').count();
         let exponent = rest[end..].strip_prefix(['e', 'E']).map(|exponent| {
             let digits = exponent.strip_prefix(['+', '-']).unwrap_or(exponent);
             let count = digits.bytes().take_while(u8::is_ascii_digit).count();
@@ -212,8 +212,8 @@ impl<'t> Parser<'t> {
     fn name(&mut self) -> &'t str {
         self.next();
         let rest = self.rest();
-        let is_part = |one: char| one.is_alphanumeric() || one == '_';
-        let end = rest.find(|one| !is_part(one)).unwrap_or(rest.len());
+        let is_part = |letter: char| letter.is_alphanumeric() || letter == '_';
+        let end = rest.find(|letter| !is_part(letter)).unwrap_or(rest.len());
         self.at += end;
         &rest[..end]
     }
@@ -265,20 +265,20 @@ impl<'t> Parser<'t> {
 
     fn choice(&mut self) -> Valued<TermContent> {
         let before = self.numbers;
-        let one = self.sum()?;
+        let left = self.sum()?;
         let comparison = ComparisonSign::ALL.iter().find(|(sign, _)| self.take(sign));
         let Some((_, comparison)) = comparison else {
             return Err(
                 self.unexpected("a comparison of whole numbers, as in if(block < blocks, ...)")
             );
         };
-        let other = self.sum()?;
+        let right = self.sum()?;
         self.numbers = before;
         self.expect(",")?;
         let then = self.sum()?;
         self.expect(",")?;
         let otherwise = self.sum()?;
-        Ok(TermContent::If(Box::new([one, other]), *comparison, Box::new([then, otherwise])))
+        Ok(TermContent::If(Box::new([left, right]), *comparison, Box::new([then, otherwise])))
     }
 }
 

@@ -68,7 +68,7 @@ impl Instance<'_> {
         let [acceleration, mass] =
             at_middle.clone().unwrap_or_else(|| [vec![0.0; n], vec![0.0; n]]);
         let largest = |of: &dyn Fn(usize) -> f64| {
-            (0..n).map(of).filter(|one| one.is_finite()).fold(0.0, f64::max)
+            (0..n).map(of).filter(|value| value.is_finite()).fold(0.0, f64::max)
         };
         let rate = [
             frequency,
@@ -85,11 +85,11 @@ impl Instance<'_> {
         let length = (0..n).filter(is_length).map(|i| {
             reach[i][0].max(reach[i][1] / rate).max(acceleration[i].abs() / (rate * rate))
         });
-        let length = length.filter(|one| one.is_finite()).fold(0.0, f64::max);
+        let length = length.filter(|value| value.is_finite()).fold(0.0, f64::max);
         let length = if length > 0.0 { length } else { 1.0 };
         let masses =
             (0..n).map(|i| if is_length(&i) { mass[i] } else { mass[i] / (length * length) });
-        let mass = masses.filter(|one| one.is_finite()).fold(0.0, f64::max);
+        let mass = masses.filter(|value| value.is_finite()).fold(0.0, f64::max);
         let scales = match definition.has_units() {
             true => Scales::near([mass, length, 1.0 / rate]),
             false => Scales::default(),
@@ -98,7 +98,7 @@ impl Instance<'_> {
             true => None,
             false => Some(smallest_pivot(self.mass_at(values, &middle, 0.0)?.0).1),
         };
-        let is_finite = self.all_at(values, &middle, 0.0)?.iter().all(|one| one.is_finite());
+        let is_finite = self.all_at(values, &middle, 0.0)?.iter().all(|value| value.is_finite());
         Ok(Sizes {
             middle,
             reach,
@@ -169,7 +169,7 @@ impl Instance<'_> {
         let n = moving.len();
         let matrix = DMatrix::from_fn(n, n, |row, column| mass[moving[row]][moving[column]]);
         let forces = nalgebra::DVector::from_fn(n, |row, _| forces[moving[row]]);
-        if !matrix.iter().chain(&forces).all(|one| one.is_finite()) {
+        if !matrix.iter().chain(&forces).all(|entry| entry.is_finite()) {
             return Ok(None);
         }
         let diagonal = matrix.diagonal().iter().copied().collect();
@@ -186,10 +186,10 @@ fn middle_and_reach(ranges: &[[[f64; 2]; 2]]) -> [Vec<[f64; 2]>; 2] {
 
 /// Returns the largest modulus of an eigenvalue; 0 for a matrix that is not finite.
 fn largest_eigenvalue(matrix: &DMatrix<f64>) -> f64 {
-    if matrix.is_empty() || !matrix.iter().all(|one| one.is_finite()) {
+    if matrix.is_empty() || !matrix.iter().all(|entry| entry.is_finite()) {
         return 0.0;
     }
     let schur = Schur::try_new(matrix.clone(), f64::EPSILON, 10_000);
     let eigenvalues = schur.map(|schur| schur.complex_eigenvalues());
-    eigenvalues.map_or(0.0, |all| all.iter().map(|one| one.norm()).fold(0.0, f64::max))
+    eigenvalues.map_or(0.0, |all| all.iter().map(|value| value.norm()).fold(0.0, f64::max))
 }

@@ -28,7 +28,7 @@ impl Instance<'_> {
     pub fn small_motions(&self, values: &[f64]) -> Valued<SmallMotionEquations> {
         let all: Vec<usize> = (0..self.coordinates.len()).collect();
         let moved = self.moved_by_contacts()?;
-        let held: Vec<usize> = all.iter().copied().filter(|one| !moved.contains(one)).collect();
+        let held: Vec<usize> = all.iter().copied().filter(|place| !moved.contains(place)).collect();
         let of = |moving: &[usize]| self.state_matrix(values, moving);
         Ok(SmallMotionEquations {
             held: if held.is_empty() { None } else { of(&held)? },
@@ -73,6 +73,6 @@ impl Instance<'_> {
                 return Ok(None);
             }
         }
-        Ok(matrix.iter().all(|one| one.is_finite()).then_some(matrix))
+        Ok(matrix.iter().all(|entry| entry.is_finite()).then_some(matrix))
     }
 }

@@ -80,8 +80,8 @@ impl WrittenSystem {
         let (zero, one) = (Expression::constant(0.0), Expression::constant(1.0));
         // A parameter that is 0 often removes whole terms.
         let parameters = instance.definition.parameters.iter().zip(&self.values);
-        let values = parameters.map(|(one, value)| {
-            let input = recorder.parameter(&one.name);
+        let values = parameters.map(|(parameter, value)| {
+            let input = recorder.parameter(&parameter.name);
             if *value == 0.0 { zero } else { input }
         });
         let values: Vec<_> = values.collect();
@@ -194,7 +194,7 @@ impl WrittenSystem {
             coordinates: positions
                 .into_iter()
                 .zip(speeds)
-                .map(|(one, other)| [one, other])
+                .map(|(position, speed)| [position, speed])
                 .collect(),
             rates: advancing,
             others: clock.into_iter().collect(),
@@ -347,7 +347,8 @@ impl System for WrittenSystem {
     }
 
     fn fastest_rate(&self) -> f64 {
-        let damping = self.friction.iter().map(|one| one.damping_rate(self.largest_force));
+        let damping =
+            self.friction.iter().map(|friction| friction.damping_rate(self.largest_force));
         self.rates[0].max(1.0) + stiff_rate(damping.fold(self.rates[1], f64::max))
     }
 
@@ -367,7 +368,7 @@ impl System for WrittenSystem {
     fn outputs(&self, state: &[f64]) -> Components {
         let record = || MeasuredQuantities::of(|recorder| self.measured_quantities(recorder));
         let measured = self.measured.get_or_init(|| record().map(Arc::new).ok());
-        measured.as_ref().map_or_else(Components::new, |own| own.values(&self.inputs(&[]), state))
+        measured.as_ref().map_or_else(Components::new, |all| all.values(&self.inputs(&[]), state))
     }
 
     fn smallest_inertia(&self, state: &[f64]) -> f64 {

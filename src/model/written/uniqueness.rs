@@ -52,14 +52,14 @@ impl WrittenSystem {
         let places: Option<Vec<usize>> = self.speeds.iter().map(place).collect();
         let Some(places) = places else { return Ok(false) };
         let bounded = |value: Interval| Bounded { value, slope: Interval::exact(0.0) };
-        let values: Vec<Bounded> = self.values.iter().map(|one| Bounded::constant(*one)).collect();
-        let stage: Vec<Bounded> = self.stage.iter().map(|one| Bounded::constant(*one)).collect();
+        let values: Vec<Bounded> = self.values.iter().map(|x| Bounded::constant(*x)).collect();
+        let stage: Vec<Bounded> = self.stage.iter().map(|x| Bounded::constant(*x)).collect();
         let (scales, time) = (self.scales, bounded(time));
         let parameters = self.parameters_at(&values, &stage, time);
         let mut coordinates = instance.named(|number| at(number).map(bounded));
         let mut numeric =
             NamedValues { scales, parameters: &parameters, coordinates: &coordinates, time };
-        let constants = |all: &Vec<f64>| all.iter().map(|one| Bounded::constant(*one)).collect();
+        let constants = |all: &Vec<f64>| all.iter().map(|x| Bounded::constant(*x)).collect();
         let Rates { factors, constants: rest } = &self.coordinates[1];
         let rates =
             Rates { factors: factors.iter().map(constants).collect(), constants: constants(rest) };
@@ -70,13 +70,13 @@ impl WrittenSystem {
             let mut numeric =
                 NamedValues { scales, parameters: &parameters, coordinates: &coordinates, time };
             for (contact, factors) in reactions.iter_mut().enumerate() {
-                let (own, mut bodies) = instance.contact(contact);
-                let force = bodies.evaluate(own.normal.entry().1, &mut numeric)?;
+                let (written, mut bodies) = instance.contact(contact);
+                let force = bodies.evaluate(written.normal.entry().1, &mut numeric)?;
                 factors[coordinate] = bounded(force.slope);
             }
             coordinates[coordinate].2[2].slope = Interval::exact(0.0);
         }
-        let reactions: Vec<Vec<Bounded>> = reactions.iter().map(|one| rates.across(one)).collect();
+        let reactions: Vec<Vec<Bounded>> = reactions.iter().map(|row| rates.across(row)).collect();
         let free: Vec<usize> = (0..n).filter(|place| !places.contains(place)).collect();
         let inertia = DMatrix::from_fn(free.len(), free.len(), |row, column| {
             let Interval { low, high } = mass[free[row]][free[column]].value;
@@ -89,7 +89,7 @@ impl WrittenSystem {
         let Some(inverse) = inertia.try_inverse() else { return Ok(false) };
         // The accelerations of the free velocities are minus these times those of the sliding speeds.
         let sum = |terms: &mut dyn Iterator<Item = Interval>| {
-            terms.fold(Interval::exact(0.0), |sum, one| sum + one)
+            terms.fold(Interval::exact(0.0), |sum, term| sum + term)
         };
         let follow = |row: usize, column: usize| {
             let inverse = &inverse;
@@ -116,8 +116,8 @@ impl WrittenSystem {
             let shift = |column: usize| ratio * most(reduced(&reactions[row], column));
             let others = (0..places.len()).filter(|column| *column != row);
             let others = others.map(|column| (most(a(row, column)) + shift(column)) / size(column));
-            let own = (1.0 - ROUNDING) * a(row, row).low - shift(row);
-            own / size(row) > others.sum::<f64>()
+            let diagonal = (1.0 - ROUNDING) * a(row, row).low - shift(row);
+            diagonal / size(row) > others.sum::<f64>()
         };
         Ok((0..places.len()).all(dominates))
     }

@@ -48,8 +48,8 @@ impl<T: Scalar> Rates<T> {
     fn of_velocities(&self, speed: &LinearForm<T>) -> (Vec<T>, T) {
         let start = (vec![T::constant(0.0); self.constants.len()], speed.constant);
         speed.factors.iter().fold(start, |(mut factors, constant), (of, factor)| {
-            for (sum, own) in factors.iter_mut().zip(&self.factors[*of]) {
-                *sum = *sum + *factor * *own;
+            for (sum, part) in factors.iter_mut().zip(&self.factors[*of]) {
+                *sum = *sum + *factor * *part;
             }
             (factors, constant + *factor * self.constants[*of])
         })
@@ -57,12 +57,12 @@ impl<T: Scalar> Rates<T> {
 
     /// Makes a linear function of velocities the velocity at a place.
     fn replace(&mut self, place: usize, (factors, constant): &(Vec<T>, T)) {
-        for (row, own) in self.factors.iter_mut().zip(&mut self.constants) {
+        for (row, rest) in self.factors.iter_mut().zip(&mut self.constants) {
             let share = row[place] / factors[place];
             for (which, (sum, factor)) in row.iter_mut().zip(factors).enumerate() {
                 *sum = if which == place { share } else { *sum - share * *factor };
             }
-            *own = *own - share * *constant;
+            *rest = *rest - share * *constant;
         }
     }
 
@@ -96,7 +96,7 @@ impl<T: Scalar> Rates<T> {
     /// Returns one of the rates of change of these velocities.
     pub fn row_at(&self, row: usize, velocities: &[T]) -> T {
         let terms = self.factors[row].iter().zip(velocities);
-        terms.fold(self.constants[row], |sum, (one, other)| sum + *one * *other)
+        terms.fold(self.constants[row], |sum, (factor, velocity)| sum + *factor * *velocity)
     }
 }
 
@@ -135,9 +135,9 @@ impl Instance<'_> {
             let unit =
                 |place: &usize| &self.definition.coordinates[self.coordinates[*place].of].unit;
             let is_preferred = |place: &usize| opens && unit(place).dimension[1] == WHOLE;
-            let largest = free.max_by(|one, other| {
-                let preferred = is_preferred(one).cmp(&is_preferred(other));
-                preferred.then(size(one).total_cmp(&size(other))).then(other.cmp(one))
+            let largest = free.max_by(|left, right| {
+                let preferred = is_preferred(left).cmp(&is_preferred(right));
+                preferred.then(size(left).total_cmp(&size(right))).then(right.cmp(left))
             });
             if let Some(place) = largest {
                 rates.replace(place, &all);
