@@ -106,7 +106,7 @@ pub(super) const GRAVITY_M_S2: f64 = 9.806_65;
 
 fn gravity_over_friction(machine: &Machine) -> Option<f64> {
     let coefficients = machine.balls.iter().map(|ball| ball.friction_coefficient);
-    let most = coefficients.map(|one| machine.friction.largest_ratio(one)).fold(0.0, f64::max);
+    let most = coefficients.map(|value| machine.friction.largest_ratio(value)).fold(0.0, f64::max);
     let friction_m_s2 = most * machine.speed_rad_s.powi(2) * machine.ring_radius_m;
     let ratio = GRAVITY_M_S2 / friction_m_s2;
     (machine.friction.can_stick() && ratio.is_finite()).then_some(ratio)

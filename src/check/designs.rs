@@ -29,7 +29,7 @@ impl ExaminedDesign {
             return None;
         }
         let space = Space::new(study);
-        let reference = study.optimization().and_then(|one| one.compare_with.clone());
+        let reference = study.optimization().and_then(|search| search.compare_with.clone());
         let middle: Vec<f64> = variables
             .iter()
             .map(|variable| if variable.choices().is_some() { 0.0 } else { 0.5 })

@@ -22,12 +22,12 @@ pub struct OwnFacts {
 impl OwnFacts {
     /// Computes the facts of a model with these ranges of start states; `None` for a ball balancer.
     pub fn of(model: &Model, ranges: &[[f64; 2]]) -> Option<Self> {
-        let Model::Own(own) = model else { return None };
+        let Model::Own(own_model) = model else { return None };
         Some(OwnFacts {
             natural_frequencies: model.natural_frequencies(),
             critical_speeds_rad_s: CampbellDiagram::of(model)
                 .map_or_else(Vec::new, |diagram| diagram.critical_rad_s),
-            derived: own.derived(),
+            derived: own_model.derived(),
             steady_states: SteadyStates::of(model, ranges),
         })
     }
@@ -35,5 +35,5 @@ impl OwnFacts {
 
 /// Writes values by name; a value that is not finite is null.
 fn by_name<S: Serializer>(all: &[DerivedQuantity], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_map(all.iter().map(|one| (&one.name.name, one.value)))
+    serializer.collect_map(all.iter().map(|quantity| (&quantity.name.name, quantity.value)))
 }

@@ -74,7 +74,7 @@ impl SteadyStates {
             }
             let place = examined.coordinates(&units);
             let is_known = |known: &Vec<f64>| {
-                known.iter().zip(&place).all(|(one, other)| (one - other).abs() < SAME)
+                known.iter().zip(&place).all(|(left, right)| (left - right).abs() < SAME)
             };
             if !found.iter().any(is_known) {
                 states.sliding.push(examined.sliding(model, &units, &place)?);
@@ -88,7 +88,7 @@ impl SteadyStates {
 
 /// Returns a point of a sequence that fills the unit cube evenly: multiples of square roots of primes (Weyl).
 fn sample(number: usize, dimension: usize) -> f64 {
-    let is_prime = |one: &u32| (2..*one).all(|divisor| !one.is_multiple_of(divisor));
+    let is_prime = |value: &u32| (2..*value).all(|divisor| !value.is_multiple_of(divisor));
     let prime = (2..).filter(is_prime).nth(dimension).map_or(2.0, f64::from);
     ((number as f64 + 0.5) * prime.sqrt()).fract()
 }
@@ -115,14 +115,14 @@ impl<'e> StillState<'e> {
         };
         let phases: Phases = evaluator.speeds(&state).iter().enumerate().map(phase).collect();
         let (mut held, mut still) = (Vec::new(), Vec::new());
-        for (contact, _) in phases.iter().enumerate().filter(|(_, one)| **one == Phase::Stick) {
+        for (contact, _) in phases.iter().enumerate().filter(|(_, phase)| **phase == Phase::Stick) {
             held.push(graph.layout.contacts[contact].position);
             still.push(graph.speed_component(contact)?);
         }
         let velocities: Vec<usize> = graph.layout.velocities.iter().flatten().copied().collect();
-        let is_free = |one: &usize| !velocities.contains(one) && !held.contains(one);
+        let is_free = |place: &usize| !velocities.contains(place) && !held.contains(place);
         let free: Vec<usize> = (0..state.len()).filter(is_free).collect();
-        let moves = |one: &usize| !still.contains(one);
+        let moves = |place: &usize| !still.contains(place);
         let rates: Vec<usize> = velocities.iter().copied().filter(moves).collect();
         (free.len() == rates.len()).then_some(StillState { evaluator, phases, state, free, rates })
     }
@@ -154,7 +154,7 @@ impl<'e> StillState<'e> {
         for _ in 0..MOST_STEPS {
             let rates = self.evaluator.rates(&self.phases, &self.state);
             let now =
-                DVector::from_iterator(self.rates.len(), self.rates.iter().map(|one| rates[*one]));
+                DVector::from_iterator(self.rates.len(), self.rates.iter().map(|row| rates[*row]));
             if self.free.is_empty() {
                 return now.amax() <= THERE;
             }
@@ -165,14 +165,14 @@ impl<'e> StillState<'e> {
                 self.state[*component] -= step;
             }
             let largest =
-                self.free.iter().fold(1.0_f64, |most, one| most.max(self.state[*one].abs()));
-            if !step.iter().all(|one| one.is_finite()) {
+                self.free.iter().fold(1.0_f64, |most, place| most.max(self.state[*place].abs()));
+            if !step.iter().all(|entry| entry.is_finite()) {
                 return false;
             }
             if step.amax() <= THERE * largest {
                 let rates = self.evaluator.rates(&self.phases, &self.state);
                 // A component that only time moves, or a position that drifts, is no steady state.
-                return self.free.iter().all(|one| rates[*one].abs() <= THERE);
+                return self.free.iter().all(|place| rates[*place].abs() <= THERE);
             }
         }
         false
@@ -209,8 +209,8 @@ impl<'e> StillState<'e> {
         let slopes = self.slopes(&all, &all);
         // The number of iterations is bounded: for a matrix that is not finite the decomposition would not end.
         let eigenvalues = Schur::try_new(slopes, f64::EPSILON, 10_000)?.complex_eigenvalues();
-        let largest = eigenvalues.iter().map(|one| one.re).fold(f64::NEG_INFINITY, f64::max);
-        let size = eigenvalues.iter().map(|one| one.norm()).fold(0.0, f64::max);
+        let largest = eigenvalues.iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max);
+        let size = eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max);
         let stability = match largest {
             _ if largest.abs() <= ROUNDING * size => Stability::Marginal,
             _ if largest < 0.0 => Stability::Stable,
@@ -219,7 +219,7 @@ impl<'e> StillState<'e> {
         let names = model.output_names().into_iter();
         let values = place.iter().zip(&units.outputs).map(|(value, unit)| value * unit.size);
         Some(SteadySliding {
-            coordinates: names.zip(values).map(|(own, value)| (own.name, value)).collect(),
+            coordinates: names.zip(values).map(|(output, value)| (output.name, value)).collect(),
             largest_real_part_1_s: largest * units.natural_rad_s,
             stability: stability.name(),
         })

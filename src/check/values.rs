@@ -107,7 +107,7 @@ impl FindingPoint<'_> {
 
     /// Returns the derived quantities of a system that are outside of their usual ranges.
     fn unusual(&self, model: &Model) -> Vec<Finding> {
-        let Model::Own(own) = model else { return Vec::new() };
+        let Model::Own(own_model) = model else { return Vec::new() };
         let finding = |derived: DerivedQuantity| {
             let DerivedQuantity { name, value, usual, .. } = derived;
             let [low, high] = usual.filter(|[low, high]| !(*low..=*high).contains(&value))?;
@@ -123,7 +123,7 @@ impl FindingPoint<'_> {
                 ),
             })
         };
-        own.derived().into_iter().filter_map(finding).collect()
+        own_model.derived().into_iter().filter_map(finding).collect()
     }
 
     fn ring(&self, machine: &Machine) -> Option<Finding> {
@@ -178,7 +178,7 @@ impl FindingPoint<'_> {
         let density = density_kg_m3(ball);
         let [least, most] = DENSITIES_KG_M3;
         let listed = self.study.parameters();
-        let of = |name: &'static str| listed.iter().filter(move |one| one.name == name);
+        let of = |name: &'static str| listed.iter().filter(move |parameter| parameter.name == name);
         let is_varied = |name| of(name).any(ListedParameter::is_varied);
         let (problem, allowed) = if !(least..=most).contains(&density) {
             ("no material has the density of the balls", format!("{least} to {most} kg/m³"))
@@ -191,7 +191,7 @@ impl FindingPoint<'_> {
         let steel_kg = STEEL_KG_M3 * ball.volume_m3();
         let mass = self.key("ball_mass_kg", Some(number));
         let diameter = self.key("ball_diameter_m", Some(number));
-        let is_default = of("ball_mass_kg").any(|one| one.is_default);
+        let is_default = of("ball_mass_kg").any(|parameter| parameter.is_default);
         let is_of_diameter = is_default || is_varied("ball_diameter_m");
         let units = match [&mass, &diameter].map(|key| self.study.key_with_unit(key).is_some()) {
             [true, true] => "",
@@ -284,9 +284,9 @@ impl FindingPoint<'_> {
     fn limit(&self, limit: UsualLimit) -> Option<Finding> {
         let listed = self.study.parameters();
         let is_given =
-            |name: &&&str| listed.iter().any(|one| one.name == **name && !one.is_default);
-        let own = limit.parameters.iter().find(is_given).or(limit.parameters.first())?;
-        let key = self.key(own, None);
+            |name: &&&str| listed.iter().any(|entry| entry.name == **name && !entry.is_default);
+        let name = limit.parameters.iter().find(is_given).or(limit.parameters.first())?;
+        let key = self.key(name, None);
         limit.is_exceeded.then(|| Finding {
             kind: limit.kind,
             problem: limit.problem.to_owned(),
@@ -302,7 +302,7 @@ impl FindingPoint<'_> {
             parameter.numbers(&mut model.clone(), None).first().map_or(0.0, |speed| speed.abs())
         };
         let mut parameters = model.kind().parameters.iter();
-        let fast = parameters.find(|one| one.unit == "m/s" && speed(one) > FASTEST_M_S)?;
+        let fast = parameters.find(|entry| entry.unit == "m/s" && speed(entry) > FASTEST_M_S)?;
         Some(Finding {
             kind: "speed",
             key: self.key(fast.name, None),
@@ -320,10 +320,10 @@ impl FindingPoint<'_> {
         let unit = self.study.units().imbalance();
         let capacity = capacity_kg_m(machine);
         // With a runout of the ring, the imbalance that the balls feel.
-        let own = machine.imbalance_mass_kg * machine.imbalance_radius_m;
+        let given = machine.imbalance_mass_kg * machine.imbalance_radius_m;
         let felt = form.imbalance.norm() * machine.total_mass_kg() * machine.ring_radius_m;
         let has_runout = machine.ring_runout_m != 0.0;
-        let imbalance = if has_runout { felt } else { own };
+        let imbalance = if has_runout { felt } else { given };
         let (problem, remedy) = if capacity < imbalance {
             let remedy =
                 format!("more or heavier balls, or a larger {}", self.name("ring_radius_m"));

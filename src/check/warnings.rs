@@ -116,31 +116,31 @@ const BODY: [&str; 8] = [
 fn mostly_defaults(study: &Study) -> Option<Finding> {
     let listed = study.parameters();
     let body = |wanted: bool| -> Vec<&ListedParameter> {
-        let is_left = |one: &ListedParameter| one.is_default && !one.is_varied();
-        let named = listed.iter().filter(|one| BODY.contains(&one.name.as_str()));
-        named.filter(|one| is_left(one) == wanted).collect()
+        let is_left = |entry: &ListedParameter| entry.is_default && !entry.is_varied();
+        let named = listed.iter().filter(|entry| BODY.contains(&entry.name.as_str()));
+        named.filter(|entry| is_left(entry) == wanted).collect()
     };
     let (left, given) = (body(true), body(false));
     let mut machine = Model::from(Machine::default());
     let mut default = |name: &str| {
-        let parameter = BALL_BALANCER.parameters.iter().find(|one| one.name == name)?;
+        let parameter = BALL_BALANCER.parameters.iter().find(|parameter| parameter.name == name)?;
         let number = parameter.numbers(&mut machine, Some(1)).into_iter().next()?;
         Some(ParameterValue::Number(*number))
     };
     let differs =
-        |one: &&&ListedParameter| !one.is_default && Some(one.value) != default(&one.name);
-    let own: Vec<&str> = given.iter().filter(differs).map(|one| one.name.as_str()).collect();
-    if own.is_empty() || 2 * left.len() <= BODY.len() {
+        |entry: &&&ListedParameter| !entry.is_default && Some(entry.value) != default(&entry.name);
+    let chosen: Vec<&str> = given.iter().filter(differs).map(|entry| entry.name.as_str()).collect();
+    if chosen.is_empty() || 2 * left.len() <= BODY.len() {
         return None;
     }
-    let names: Vec<&str> = left.iter().map(|one| one.name.as_str()).collect();
+    let names: Vec<&str> = left.iter().map(|entry| entry.name.as_str()).collect();
     Some(Finding {
         kind: "mostly_defaults",
         key: "model.parameters".to_owned(),
         problem:
             "the machine is a mixture of own values and of the default machine, a CD-ROM drive"
                 .to_owned(),
-        found: format!("own values of {}; defaults of {}", own.join(", "), names.join(", ")),
+        found: format!("own values of {}; defaults of {}", chosen.join(", "), names.join(", ")),
         remedy: "a value for each of these parameters; if a default is meant, write it down"
             .to_owned(),
     })
@@ -149,15 +149,15 @@ fn mostly_defaults(study: &Study) -> Option<Finding> {
 /// Warns of values of `model.parameters` without effect, because the sweep sets others at all points, or a distribution in
 /// all runs.
 fn overridden(study: &Study) -> Vec<Finding> {
-    let finding = |one: ListedParameter| {
-        let swept = one.swept.filter(|swept| swept.overrides);
-        let drawn = one.uncertain.and_then(|drawn| Some((drawn.overridden?, drawn.range)));
-        let (own, values, sets, place) = match (swept, drawn) {
+    let finding = |entry: ListedParameter| {
+        let swept = entry.swept.filter(|swept| swept.overrides);
+        let drawn = entry.uncertain.and_then(|drawn| Some((drawn.overridden?, drawn.range)));
+        let (base, values, sets, place) = match (swept, drawn) {
             (Some(swept), _) => {
-                (one.value, swept.range, "sweep sets this parameter at every point", "sweep")
+                (entry.value, swept.range, "sweep sets this parameter at every point", "sweep")
             }
-            (None, Some((own, range))) => {
-                (own, Some(range), "distribution sets this parameter in every run", "distribution")
+            (None, Some((base, range))) => {
+                (base, Some(range), "distribution sets this parameter in every run", "distribution")
             }
             (None, None) => return None,
         };
@@ -166,11 +166,11 @@ fn overridden(study: &Study) -> Vec<Finding> {
             Some([only, _]) => short(only),
             None => "another word".to_owned(),
         };
-        let value = match own {
+        let value = match base {
             ParameterValue::Number(number) => short(number),
             ParameterValue::Text(word) => word.to_owned(),
         };
-        let general = &one.name;
+        let general = &entry.name;
         let key = ["model.parameters", "model"].map(|path| format!("{path}.{general}"));
         let key = key.into_iter().find(|key| study.has_key(key))?;
         Some(Finding {

@@ -164,7 +164,7 @@ fn facts(study: &Study, described: &Study) -> Vec<(&'static str, String)> {
         ("uncertain", listed(names(study.uncertain())) + &sampled_together(study)),
     ];
     let variables = known(study.variables().iter().map(Variable::name).collect());
-    let responses = known(study.responses().iter().map(|one| one.name.as_str()).collect());
+    let responses = known(study.responses().iter().map(|entry| entry.name.as_str()).collect());
     let has_variables = variables.is_some();
     facts.extend(variables.map(|names| ("design", names)));
     facts.extend(responses.map(|names| ("responses", names)));
@@ -201,9 +201,9 @@ fn natural_frequency(study: &Study) -> String {
     let ends = [all().reduce(f64::min), all().reduce(f64::max)];
     let [Some(low), Some(high)] = ends else { return String::new() };
     let unit = study.units().speed();
-    let [least, most] = [low, high].map(|one| format!("{:.3}", unit.of(one)));
+    let [least, most] = [low, high].map(|frequency| format!("{:.3}", unit.of(frequency)));
     let range = if least == most { least } else { format!("{least} to {most}") };
-    let has_several = each.iter().any(|one| one.len() > 1);
+    let has_several = each.iter().any(|frequencies| frequencies.len() > 1);
     let name = if has_several { "natural frequencies" } else { "natural frequency" };
     format!(", {name} {range} {}", unit.symbol)
 }

@@ -15,7 +15,7 @@ pub(super) fn legend(balancers: &[(u64, &BalancerFacts)], speed: &Unit) -> Strin
         let ratio = facts.rest?.max_amplitude_m? / facts.amplitude_without_balls_m?;
         ratio.is_finite().then_some((ratio, *point_id))
     };
-    let worst = balancers.iter().filter_map(ratio).max_by(|one, other| one.0.total_cmp(&other.0));
+    let worst = balancers.iter().filter_map(ratio).max_by(|left, right| left.0.total_cmp(&right.0));
     if let Some((ratio, point_id)) = worst {
         let place =
             if balancers.len() == 1 { String::new() } else { format!(" (point {point_id})") };
@@ -50,7 +50,7 @@ fn on_a_horizontal_axis(balancers: &[(u64, &BalancerFacts)], speed: &Unit) -> St
     let ratio = |(point_id, facts): &(u64, &BalancerFacts)| {
         Some((facts.gravity_over_friction?, *point_id, facts.speed_rad_s()))
     };
-    let most = balancers.iter().filter_map(ratio).max_by(|one, other| one.0.total_cmp(&other.0));
+    let most = balancers.iter().filter_map(ratio).max_by(|left, right| left.0.total_cmp(&right.0));
     let Some((ratio, point_id, speed_rad_s)) = most else {
         return "the axis is vertical: the model leaves gravity out\n".to_owned();
     };

@@ -10,10 +10,10 @@ use crate::study::{ListedParameter, ParameterValue, Study, Unit, short_name};
 
 /// Returns the parameters as lines of text.
 pub(super) fn machine_text(study: &Study) -> String {
-    let row = |one: ListedParameter| {
-        let unit = study.units().of_parameter(&one.name);
-        let name = unit.map_or_else(|| one.name.clone(), |_| short_name(&one.name, one.unit));
-        [String::new(), name, value(&one, unit), origin(&one, unit)]
+    let row = |entry: ListedParameter| {
+        let unit = study.units().of_parameter(&entry.name);
+        let name = unit.map_or_else(|| entry.name.clone(), |_| short_name(&entry.name, entry.unit));
+        [String::new(), name, value(&entry, unit), origin(&entry, unit)]
     };
     let rows: Vec<_> = study.parameters().into_iter().map(row).collect();
     format!("machine ({})\n{}", study.model().kind().name, text_table(&rows, &[0, 1, 2, 3]))

@@ -44,7 +44,7 @@ struct PointClosedForms {
     #[serde(flatten)]
     friction_range: Option<FrictionRange>,
     #[serde(flatten)]
-    own: Option<OwnFacts>,
+    facts: Option<OwnFacts>,
 }
 
 /// The positions of rest with friction at its quantiles 0.025 and 0.975.
@@ -89,29 +89,29 @@ impl<'a> ClosedForms<'a> {
         let (study, units) = (self.study, self.study.units());
         let facts = self.points.iter();
         let balancers: Vec<(u64, &BalancerFacts)> =
-            facts.filter_map(|one| Some((one.point.point_id, one.balancer.as_ref()?))).collect();
-        let shown: Vec<_> = self.points.iter().map(|one| study.shown(&one.point.swept)).collect();
+            facts.filter_map(|row| Some((row.point.point_id, row.balancer.as_ref()?))).collect();
+        let shown: Vec<_> = self.points.iter().map(|row| study.shown(&row.point.swept)).collect();
         let mut table = PrintedTable::new(&self.points, MISSING);
-        table.add_point(|one| one.point.point_id, study.swept(), &shown);
+        table.add_point(|row| row.point.point_id, study.swept(), &shown);
         let speed = units.speed();
         let in_unit = |all: &[f64]| {
-            let shown = all.iter().map(|one| format!("{:.2}", speed.of(*one)));
+            let shown = all.iter().map(|value| format!("{:.2}", speed.of(*value)));
             (!all.is_empty()).then(|| shown.collect::<Vec<_>>().join(", "))
         };
         let symbol = &speed.symbol;
-        let has_two = self.points.iter().any(|one| one.has_two_kinds_of_frequencies());
+        let has_two = self.points.iter().any(|row| row.has_two_kinds_of_frequencies());
         let held = if has_two { "held, natural" } else { "natural" };
-        table.add_if_any(format!("{held} [{symbol}]"), |one| in_unit(one.natural_rad_s()));
+        table.add_if_any(format!("{held} [{symbol}]"), |row| in_unit(row.natural_rad_s()));
         if has_two {
-            table.add_known(format!("sliding, natural [{symbol}]"), |one| {
-                in_unit(one.own.as_ref()?.natural_frequencies.free_rad_s.as_ref()?)
+            table.add_known(format!("sliding, natural [{symbol}]"), |row| {
+                in_unit(row.facts.as_ref()?.natural_frequencies.free_rad_s.as_ref()?)
             });
         }
-        table.add_if_any(format!("critical [{symbol}]"), |one| {
-            in_unit(&one.own.as_ref()?.critical_speeds_rad_s)
+        table.add_if_any(format!("critical [{symbol}]"), |row| {
+            in_unit(&row.facts.as_ref()?.critical_speeds_rad_s)
         });
-        let derived = self.points.iter().find_map(|one| Some(&one.own.as_ref()?.derived));
-        let shown = derived.into_iter().flatten().enumerate().filter(|(_, one)| one.is_shown);
+        let derived = self.points.iter().find_map(|row| Some(&row.facts.as_ref()?.derived));
+        let shown = derived.into_iter().flatten().enumerate().filter(|(_, value)| value.is_shown);
         for (place, DerivedQuantity { name, .. }) in shown {
             let unit = units.shown(&name.name);
             let stem = short_name(&name.name, &name.unit);
@@ -119,18 +119,18 @@ impl<'a> ClosedForms<'a> {
                 "" => stem,
                 symbol => format!("{stem} [{symbol}]"),
             };
-            table.add_known(header, |one| {
-                let value = one.own.as_ref()?.derived.get(place)?.value;
+            table.add_known(header, |row| {
+                let value = row.facts.as_ref()?.derived.get(place)?.value;
                 (!value.is_nan()).then(|| short(unit.of(value)))
             });
         }
         if !balancers.is_empty() {
             self.add_balancer(&mut table);
         }
-        let has_steady = self.points.iter().any(|one| one.steady().is_some());
+        let has_steady = self.points.iter().any(|row| row.steady().is_some());
         if has_steady {
-            table.add_known("held", |one| Some(short(rounded(one.steady()?.held_fraction?))));
-            table.add_known("steady sliding", |one| in_words(&one.steady()?.sliding));
+            table.add_known("held", |row| Some(short(rounded(row.steady()?.held_fraction?))));
+            table.add_known("steady sliding", |row| in_words(&row.steady()?.sliding));
         }
         text += &as_text(&table.columns);
         text += if has_steady { STEADY } else { "" };
@@ -146,23 +146,23 @@ impl<'a> ClosedForms<'a> {
     fn add_balancer(&self, table: &mut PrintedTable<'_, PointClosedForms>) {
         let units = self.study.units();
         let [vibration, imbalance] = [units.vibration(), units.imbalance()];
-        table.add_known("speed/natural", |one| {
-            Some(format!("{:.3}", one.balancer.as_ref()?.speed_ratio))
+        table.add_known("speed/natural", |row| {
+            Some(format!("{:.3}", row.balancer.as_ref()?.speed_ratio))
         });
-        table.add_known(format!("capacity [{}]", imbalance.symbol), |one| {
-            Some(short(imbalance.of(one.balancer.as_ref()?.capacity_kg_m)))
+        table.add_known(format!("capacity [{}]", imbalance.symbol), |row| {
+            Some(short(imbalance.of(row.balancer.as_ref()?.capacity_kg_m)))
         });
-        table.add_known("/imbalance", |one| Some(short(one.balancer.as_ref()?.capacity_ratio)));
-        table.add_known("set", |one| one.rest(|rest| Some(rounded(rest.set_fraction))));
-        table.add_known(format!("worst rest [{}]", vibration.symbol), |one| {
-            one.rest(|rest| rest.max_amplitude_m.map(|one| vibration.of(one)))
+        table.add_known("/imbalance", |row| Some(short(row.balancer.as_ref()?.capacity_ratio)));
+        table.add_known("set", |row| row.rest(|rest| Some(rounded(rest.set_fraction))));
+        table.add_known(format!("worst rest [{}]", vibration.symbol), |row| {
+            row.rest(|rest| rest.max_amplitude_m.map(|amplitude| vibration.of(amplitude)))
         });
-        table.add_known(format!("no balls [{}]", vibration.symbol), |one| {
-            Some(short(vibration.of(one.balancer.as_ref()?.amplitude_without_balls_m?)))
+        table.add_known(format!("no balls [{}]", vibration.symbol), |row| {
+            Some(short(vibration.of(row.balancer.as_ref()?.amplitude_without_balls_m?)))
         });
-        table.add_known("overlap", |one| one.rest(|rest| rest.overlapping_fraction.map(rounded)));
-        table.add_known("balance", |one| {
-            let BalancerFacts { balance, balance_stability, .. } = one.balancer.as_ref()?;
+        table.add_known("overlap", |row| row.rest(|rest| rest.overlapping_fraction.map(rounded)));
+        table.add_known("balance", |row| {
+            let BalancerFacts { balance, balance_stability, .. } = row.balancer.as_ref()?;
             Some(balance_stability.map_or(balance.name(), Stability::name).to_owned())
         });
     }
@@ -173,13 +173,13 @@ const STEADY: &str = "held: fraction of the start positions, with all speeds zer
 
 /// Returns states of steady sliding in words; `None` without one.
 fn in_words(sliding: &[SteadySliding]) -> Option<String> {
-    let one = |state: &SteadySliding| {
+    let words = |state: &SteadySliding| {
         let place = state.coordinates.iter().take(MOST_NAMED);
         let place: Vec<String> =
             place.map(|(name, value)| format!("{name} {}", short(*value))).collect();
         format!("{} at {}", state.stability, place.join(", "))
     };
-    let all: Vec<String> = sliding.iter().map(one).collect();
+    let all: Vec<String> = sliding.iter().map(words).collect();
     (!all.is_empty()).then(|| all.join("; "))
 }
 
@@ -198,19 +198,19 @@ impl PointClosedForms {
         let (point, model) = (study.point(point_id), study.median_model(point_id).ok()?);
         let machine = model.ball_balancer();
         let balancer = machine.and_then(|machine| BalancerFacts::of(machine, positions));
-        let own = OwnFacts::of(&model, &point.start_ranges);
-        (balancer.is_some() || own.is_some()).then(|| PointClosedForms {
+        let facts = OwnFacts::of(&model, &point.start_ranges);
+        (balancer.is_some() || facts.is_some()).then(|| PointClosedForms {
             keys: point_keys(point_id, study.swept(), &point.swept),
             friction_range: machine.and_then(|_| FrictionRange::of(study, point_id, positions)),
             point,
             balancer,
-            own,
+            facts,
         })
     }
 
     /// Returns the natural frequencies while contacts hold or, without such ones, those without friction.
     fn natural_rad_s(&self) -> &[f64] {
-        match (&self.own, &self.balancer) {
+        match (&self.facts, &self.balancer) {
             (Some(facts), _) => facts.natural_frequencies.first_rad_s(),
             (None, Some(facts)) => std::slice::from_ref(&facts.natural_frequency_rad_s),
             (None, None) => &[],
@@ -219,12 +219,12 @@ impl PointClosedForms {
 
     /// Returns whether a system has natural frequencies while its contacts hold, and others while they slide.
     fn has_two_kinds_of_frequencies(&self) -> bool {
-        let frequencies = self.own.as_ref().map(|facts| &facts.natural_frequencies);
+        let frequencies = self.facts.as_ref().map(|facts| &facts.natural_frequencies);
         frequencies.is_some_and(|both| both.held_rad_s.is_some() && both.free_rad_s.is_some())
     }
 
     fn steady(&self) -> Option<&SteadyStates> {
-        self.own.as_ref()?.steady_states.as_ref()
+        self.facts.as_ref()?.steady_states.as_ref()
     }
 
     /// Returns a value of the positions of rest, with its values for small and large friction if these differ.

@@ -20,7 +20,8 @@ fn longest_slipping(study: &Study) -> (Option<u64>, Vec<RunUp>) {
         (point_id, point.model().ball_balancer().map(run_ups).unwrap_or_default())
     };
     let slips = |all: &[RunUp]| {
-        let each = all.iter().map(|one| one.slipping_fraction * (one.time_s[1] - one.time_s[0]));
+        let each =
+            all.iter().map(|ramp| ramp.slipping_fraction * (ramp.time_s[1] - ramp.time_s[0]));
         each.sum::<f64>()
     };
     let points = points_to_examine(study.point_count(), MOST_POINTS).into_iter();
@@ -38,8 +39,8 @@ pub(super) fn run_ups_of(study: &Study) -> StudyFacts {
     let at = point_id.map(|id| format!(" (point {id}, where they slip longest)"));
     let at = at.unwrap_or_default();
     let unit = study.units().speed();
-    let row = |one| ("run-up", format!("{}{at}", words(one, &unit)));
-    let json = |one: &RunUp| merged(json!(one), json!({"point_id": point_id}));
+    let row = |run_up| ("run-up", format!("{}{at}", words(run_up, &unit)));
+    let json = |run_up: &RunUp| merged(json!(run_up), json!({"point_id": point_id}));
     StudyFacts { words: all.iter().map(row).collect(), json: all.iter().map(json).collect() }
 }
 

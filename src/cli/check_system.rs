@@ -11,7 +11,7 @@ pub(super) fn system_text(study: &Study) -> String {
     let Some(source) = study.model().kind().source() else { return String::new() };
     let row = |name: String, text: String| [String::new(), name, text];
     let named = |key: &str, word: &'static str| {
-        entries(&source[key]).map(move |(name, one)| row(format!("{word} {name}"), in_words(one)))
+        entries(&source[key]).map(move |(name, node)| row(format!("{word} {name}"), in_words(node)))
     };
     let mut rows: Vec<[String; 3]> = named("coordinates", "coordinate").collect();
     for (line, columns) in entries(&source["mass"]) {

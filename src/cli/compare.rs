@@ -58,9 +58,9 @@ pub fn compare(arguments: &Arguments) -> Result<End, CliError> {
         Ok([Table::open(tables, manifest, "points")?, Table::open(tables, manifest, "runs")?])
     };
     let ([points_1, runs_1], [points_2, runs_2]) = (tables(&first)?, tables(&second)?);
-    let one = ComparedResults { study: &first.study, points: &points_1, runs: &runs_1 };
-    let other = ComparedResults { study: &second.study, points: &points_2, runs: &runs_2 };
-    let comparison = compare_results([&one, &other])?;
+    let results_1 = ComparedResults { study: &first.study, points: &points_1, runs: &runs_1 };
+    let results_2 = ComparedResults { study: &second.study, points: &points_2, runs: &runs_2 };
+    let comparison = compare_results([&results_1, &results_2])?;
     let json = || {
         let directories = directories.map(|directory| directory.display().to_string());
         merged(json!({"directories": directories}), &comparison)
@@ -122,22 +122,22 @@ fn columns(rows: &[(Option<&ComparedPoint>, &ComparedQuantity)]) -> Vec<PrintedC
         format!("{sign}{}", three_digits(quantity.unit.of(value.abs())))
     };
     let mut table = PrintedTable::new(rows, "-");
-    let number = |(point, _): &(Option<&ComparedPoint>, _)| match point.map(|one| one.point_ids) {
+    let number = |(point, _): &(Option<&ComparedPoint>, _)| match point.map(|row| row.point_ids) {
         None => String::new(),
-        Some([one, other]) if one == other => one.to_string(),
-        Some([one, other]) => format!("{one}, {other}"),
+        Some([first, second]) if first == second => first.to_string(),
+        Some([first, second]) => format!("{first}, {second}"),
     };
     table.add("point", number).left();
     if rows.iter().any(|(point, _)| point.is_some_and(|point| !point.title.is_empty())) {
-        table.add("", |(point, _)| point.map_or_else(String::new, |one| one.title.clone())).left();
+        table.add("", |(point, _)| point.map_or_else(String::new, |row| row.title.clone())).left();
     }
-    table.add("quantity", |(_, one)| format!("{} [{}]", one.name, one.unit.symbol)).left();
-    table.add_known("first", |(_, one)| Some(value(one, one.first.value?)));
-    table.add_known("second", |(_, one)| Some(value(one, one.second.value?)));
-    table.add_known("difference", |(_, one)| Some(signed(one, one.difference.value?)));
-    table.add_known("95 % interval", |(_, one)| {
-        let ends = [one.difference.low, one.difference.high];
-        let text = |end: Option<f64>| end.map_or_else(|| "-".to_owned(), |end| signed(one, end));
+    table.add("quantity", |(_, row)| format!("{} [{}]", row.name, row.unit.symbol)).left();
+    table.add_known("first", |(_, row)| Some(value(row, row.first.value?)));
+    table.add_known("second", |(_, row)| Some(value(row, row.second.value?)));
+    table.add_known("difference", |(_, row)| Some(signed(row, row.difference.value?)));
+    table.add_known("95 % interval", |(_, row)| {
+        let ends = [row.difference.low, row.difference.high];
+        let text = |end: Option<f64>| end.map_or_else(|| "-".to_owned(), |end| signed(row, end));
         ends.iter().any(Option::is_some).then(|| ends.map(text).join(" to "))
     });
     table.columns
@@ -154,7 +154,7 @@ fn conclusions(comparison: &Comparison) -> String {
         let [mut rises, mut falls, mut unknown] = [(); 3].map(|()| NamedPoints::default());
         for point in points {
             let Some(Estimate { low, high, .. }) =
-                point.quantities.get(place).map(|one| &one.difference)
+                point.quantities.get(place).map(|compared| &compared.difference)
             else {
                 continue;
             };

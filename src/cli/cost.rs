@@ -34,14 +34,14 @@ impl Cost {
     /// without an audit. The estimate is the mean over the possible numbers of balls, and the bound is the largest of
     /// their bounds.
     pub(super) fn of_a_design(study: &Study) -> Cost {
-        let own = study.by_number_of_balls();
-        let all: Vec<Cost> = own.iter().map(|plan| Cost::with(plan, true)).collect();
+        let plans = study.by_number_of_balls();
+        let all: Vec<Cost> = plans.iter().map(|plan| Cost::with(plan, true)).collect();
         let count = all.len() as f64;
-        let total = all.into_iter().fold(Cost::default(), |sum, one| Cost {
-            steps: sum.steps + one.steps / count,
-            core_seconds: sum.core_seconds + one.core_seconds / count,
-            most_steps: sum.most_steps.max(one.most_steps),
-            most_core_seconds: sum.most_core_seconds.max(one.most_core_seconds),
+        let total = all.into_iter().fold(Cost::default(), |sum, cost| Cost {
+            steps: sum.steps + cost.steps / count,
+            core_seconds: sum.core_seconds + cost.core_seconds / count,
+            most_steps: sum.most_steps.max(cost.most_steps),
+            most_core_seconds: sum.most_core_seconds.max(cost.most_core_seconds),
         });
         // An estimate of few balls never exceeds a bound of many.
         Cost { core_seconds: total.core_seconds.min(total.most_core_seconds), ..total }
@@ -103,8 +103,8 @@ impl Cost {
         // A run that is continued to a later end time restarts before the first end time.
         let times = if simulation.extend.is_some() { 2.0 } else { 1.0 };
         let of_a_run = |simulation: &Simulation| {
-            let own = if known { most_steps_of_a_run(model, simulation) } else { None };
-            let most = own.unwrap_or_else(|| most_steps_of_any_run(model));
+            let bound = if known { most_steps_of_a_run(model, simulation) } else { None };
+            let most = bound.unwrap_or_else(|| most_steps_of_any_run(model));
             let most = times * most as f64;
             let corners = corners(model, simulation).min(most);
             [steps_to_the_end(model, simulation).min(most - corners), corners, most]
@@ -118,7 +118,7 @@ impl Cost {
             most_steps += most_again;
         }
         let [steps, corners, most_steps] =
-            [steps, corners, most_steps].map(|one| one * runs as f64);
+            [steps, corners, most_steps].map(|number| number * runs as f64);
         let most_core_seconds = most_steps * seconds_per_step(model);
         // To end a step and to begin another stage.
         let per_corner = times_longer(model) * (6e-6 + 1.5e-6 * model.contacts() as f64);

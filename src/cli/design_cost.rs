@@ -65,8 +65,9 @@ fn search_cost(study: &Study, optimization: &Optimization, runs: u64, design: Co
     let cost = design.times(all as f64 / (runs as f64).max(1.0));
 
     let objective =
-        |one: &Objective| json!({"response": name(study, one.response), "goal": goal(one)});
-    let limit = |one: &Limit| json!({"response": name(study, one.response), side(one): one.value});
+        |aim: &Objective| json!({"response": name(study, aim.response), "goal": goal(aim)});
+    let limit =
+        |bound: &Limit| json!({"response": name(study, bound.response), side(bound): bound.value});
     let json = json!({
         "objectives": optimization.objectives.iter().map(objective).collect::<Vec<_>>(),
         "limits": optimization.limits.iter().map(limit).collect::<Vec<_>>(),
@@ -99,11 +100,11 @@ fn search_cost(study: &Study, optimization: &Optimization, runs: u64, design: Co
 }
 
 fn goal_in_words(study: &Study, optimization: &Optimization) -> String {
-    let objective = |one: &Objective| format!("{} {}", goal(one), name(study, one.response));
+    let objective = |aim: &Objective| format!("{} {}", goal(aim), name(study, aim.response));
     let objectives: Vec<String> = optimization.objectives.iter().map(objective).collect();
-    let limit = |one: &Limit| {
-        let (side, value) = (side(one).replace('_', " "), describe_number(one.value));
-        format!("{} {side} {value}", name(study, one.response))
+    let limit = |bound: &Limit| {
+        let (side, value) = (side(bound).replace('_', " "), describe_number(bound.value));
+        format!("{} {side} {value}", name(study, bound.response))
     };
     let limits = match optimization.limits.iter().map(limit).collect::<Vec<_>>() {
         none if none.is_empty() => "without limits".to_owned(),

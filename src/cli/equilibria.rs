@@ -172,7 +172,7 @@ fn resolutions(arguments: &Arguments, study: &Study) -> Result<Resolutions, CliE
             .map_err(CliError::Usage)?;
     let positions = study.numbers_of_balls().map(|balls| resolutions.of(balls).positions(balls));
     // `None` is an overflow.
-    let positions = positions.reduce(|one, other| Some(one?.max(other?))).flatten();
+    let positions = positions.reduce(|left, right| Some(left?.max(right?))).flatten();
     let rows = positions.and_then(|positions| positions.checked_mul(study.point_count()));
     if !arguments.no_set && rows.is_none_or(|rows| rows > MOST_ROWS) {
         let found = format!(
@@ -193,11 +193,11 @@ fn resolutions(arguments: &Arguments, study: &Study) -> Result<Resolutions, CliE
 /// Returns the options that determine the tables besides the study.
 fn options(arguments: &Arguments, resolutions: Resolutions) -> serde_json::Value {
     let both = [resolutions.few, resolutions.more];
-    let grid = both.iter().find_map(|one| match one {
+    let grid = both.iter().find_map(|resolution| match resolution {
         Resolution::Grid(points) => Some(*points),
         Resolution::Samples(_) => None,
     });
-    let samples = both.iter().find_map(|one| match one {
+    let samples = both.iter().find_map(|resolution| match resolution {
         Resolution::Grid(_) => None,
         Resolution::Samples(samples) => Some(u64::from(*samples) * u64::from(REPLICATES)),
     });

@@ -59,13 +59,13 @@ impl<'a> EquilibriaReport<'a> {
             self.more += 1;
             return;
         }
-        let stable = frictionless.iter().filter(|one| one.stability == Stability::Stable);
-        self.points.push((row.clone(), stable.map(|one| one.kind.name()).collect()));
+        let stable = frictionless.iter().filter(|found| found.stability == Stability::Stable);
+        self.points.push((row.clone(), stable.map(|found| found.kind.name()).collect()));
     }
 
     /// Counts a frictionless equilibrium.
     pub fn push_frictionless(&mut self, speed_rad_s: f64, found: &FrictionlessEquilibrium) {
-        let Some(kind) = self.kinds.iter_mut().find(|one| one.kind == found.kind.name()) else {
+        let Some(kind) = self.kinds.iter_mut().find(|count| count.kind == found.kind.name()) else {
             return;
         };
         kind.found += 1;
@@ -84,7 +84,7 @@ impl<'a> EquilibriaReport<'a> {
         let shown: Vec<_> =
             rows.iter().map(|(row, _)| self.study.shown(&row.point.swept)).collect();
         table.add_point(|(row, _)| row.point.point_id, self.study.swept(), &shown);
-        let fraction = |one: f64| format!("{one:.4}");
+        let fraction = |value: f64| format!("{value:.4}");
         table.add("fraction", |(row, _)| fraction(row.set.fraction));
         table.add_if_any("touching", |(row, _)| row.set.touching_fraction.map(fraction));
         table.add_if_any("95 % interval", |(row, _)| {
@@ -121,17 +121,17 @@ impl<'a> EquilibriaReport<'a> {
     fn kinds_text(&self) -> String {
         let found = self.kinds_found();
         let mut table = PrintedTable::new(&found, "nowhere");
-        table.add("without friction", |one| one.kind.to_owned());
-        table.add("found", |one| one.found.to_string());
-        table.add("stable", |one| one.stable.to_string());
-        table.add_known("stable at [rad/s]", |one| {
-            Some(format!("{:.3} .. {:.3}", one.stable_from_rad_s?, one.stable_to_rad_s?))
+        table.add("without friction", |row| row.kind.to_owned());
+        table.add("found", |row| row.found.to_string());
+        table.add("stable", |row| row.stable.to_string());
+        table.add_known("stable at [rad/s]", |row| {
+            Some(format!("{:.3} .. {:.3}", row.stable_from_rad_s?, row.stable_to_rad_s?))
         });
         as_text(&table.columns)
     }
 
     fn kinds_found(&self) -> Vec<&KindCount> {
-        self.kinds.iter().filter(|one| one.found > 0).collect()
+        self.kinds.iter().filter(|kind| kind.found > 0).collect()
     }
 
     /// Returns the report as JSON.

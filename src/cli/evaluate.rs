@@ -120,7 +120,7 @@ fn printed(study: &Study, answers: &[Answer]) -> String {
         table.add_known(swept.shown_name(), value);
     }
     let estimates: Vec<Estimates<'_>> =
-        answers.iter().map(|one| (&one.estimates[..], &[][..])).collect();
+        answers.iter().map(|answer| (&answer.estimates[..], &[][..])).collect();
     table.columns.extend(estimate_columns(study.responses(), &estimates, study.units()));
     table.add("failed", |answer| answer.counts.of(Label::Failed).to_string());
     as_text(&table.columns)

@@ -161,7 +161,7 @@ impl Existence {
 impl AmbiguousPoint {
     fn text(&self) -> String {
         let AmbiguousPoint { point, min_principal_minor: minor, remedy, .. } = self;
-        let angle = |one: &BallAngle| format!("ball {} at {:.4}", one.ball, one.beta_rad);
+        let angle = |ball: &BallAngle| format!("ball {} at {:.4}", ball.ball, ball.beta_rad);
         let position: Vec<String> = self.worst_position.iter().map(angle).collect();
         format!(
             "  {point}: smallest principal minor {minor:.4}, with {} rad (relative angles; each \

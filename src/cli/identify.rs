@@ -94,8 +94,8 @@ pub fn identify(arguments: &Arguments) -> Result<End, CliError> {
     };
     if !arguments.quiet {
         let warnings = identified.warnings.iter();
-        warnings.for_each(|one| {
-            say(&format!("warning: {}: {one}", shown_path(&arguments.study.study)))
+        warnings.for_each(|warning| {
+            say(&format!("warning: {}: {warning}", shown_path(&arguments.study.study)))
         });
     }
     print_result(arguments.json, || identified.summary, || identified.in_words)?;

@@ -157,7 +157,7 @@ impl<'a> PointsTable<'a> {
             text += &format!("{}: {meaning}{end}", response.name);
             let estimates = self.rows.iter().filter_map(|row| row.responses.get(index));
             let missing = estimates.filter(|estimate| estimate.value.is_none());
-            let reasons: BTreeSet<&str> = missing.filter_map(|one| one.reason.as_deref()).collect();
+            let reasons: BTreeSet<&str> = missing.filter_map(|gap| gap.reason.as_deref()).collect();
             for reason in reasons {
                 text += &format!("{} is missing where {reason}{end}", response.name);
             }
@@ -253,11 +253,11 @@ fn point_json(study: &Study, row: &Row<'_>) -> Value {
     let columns = columns.chain(["set_fraction"]);
     let mut object: Map<String, Value> =
         columns.map(|name| (name.to_owned(), row.json(name))).collect();
-    let response = |one: &Response| {
-        let mut estimate = json!(row.estimate(&one.column()));
-        let without = || row.json(&one.column_without_balls());
-        add_known(&mut estimate, "without_balls", one.has_value_without_balls().then(without));
-        (one.name.clone(), estimate)
+    let response = |response: &Response| {
+        let mut estimate = json!(row.estimate(&response.column()));
+        let without = || row.json(&response.column_without_balls());
+        add_known(&mut estimate, "without_balls", response.has_value_without_balls().then(without));
+        (response.name.clone(), estimate)
     };
     if !study.responses().is_empty() {
         let responses = study.responses().iter().map(response).collect();

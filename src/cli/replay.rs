@@ -155,7 +155,7 @@ impl ReplayReport<'_> {
         let ReplayReport { directory, out, study, replay, files, .. } = self;
         let Replay { record, recording, differences, .. } = replay;
         let outcome = &record.outcome;
-        let difference = |one: &Difference| json!({"column": one.column, "row": one.stored, "replay": one.replayed});
+        let difference = |gap: &Difference| json!({"column": gap.column, "row": gap.stored, "replay": gap.replayed});
         let differences = differences.as_ref();
         let json = json!({
             "study": study.name(),

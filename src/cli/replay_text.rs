@@ -61,10 +61,10 @@ pub fn switch_log(model: &Model, recording: &RecordedRun, most: usize) -> String
         row.extend([before, after].map(|gap| format!("{:.6e}", units.opening_speed(gap))));
         row
     };
-    let switches = recording.switches.iter().map(|one| (one.time, switch(one)));
+    let switches = recording.switches.iter().map(|change| (change.time, switch(change)));
     let mut timed: Vec<(f64, Vec<String>)> = switches.take(most).collect();
-    timed.extend(recording.touches.iter().take(most).map(|one| (one.time, touch(one))));
-    timed.sort_by(|(one, _), (other, _)| one.total_cmp(other));
+    timed.extend(recording.touches.iter().take(most).map(|impact| (impact.time, touch(impact))));
+    timed.sort_by(|(left, _), (right, _)| left.total_cmp(right));
     let header = header.into_iter().map(String::from).collect();
     let rows = timed.into_iter().take(most).map(|(_, row)| row);
     let rows: Vec<Vec<String>> = std::iter::once(header).chain(rows).collect();
@@ -206,8 +206,8 @@ mod tests {
     #[test]
     fn a_terminal_shows_the_first_switches() {
         let (study, outcome, mut recording) = first_run("");
-        let one = recording.switches[0].clone();
-        recording.switches.resize(25, one);
+        let switch = recording.switches[0].clone();
+        recording.switches.resize(25, switch);
         let text = shown(&study, &outcome, &recording);
         let ending = format!("ending        {}", outcome.label().name());
         for part in [&*ending, "\nfinal angles  ", "\nvibration     ", " µm\n", "25 changes"] {

@@ -59,8 +59,8 @@ pub(crate) fn add_variables<R: 'static>(
                 })
             }
             None => {
-                let own = variable.clone();
-                list.text(variable.name(), move |row| Some(own.describe(*of(row).get(index)?)))
+                let copy = variable.clone();
+                list.text(variable.name(), move |row| Some(copy.describe(*of(row).get(index)?)))
             }
         };
         column.meaning(variable.meaning());

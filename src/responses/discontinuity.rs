@@ -27,10 +27,10 @@ pub fn discontinuous(scaled: &[Vec<f64>], counts: &[LabelCounts]) -> Vec<Option<
     let pairs = pairs(scaled);
     let level = LEVEL / (pairs.len() * Label::ALL.len()) as f64;
     let mut flags = vec![Some(false); designs];
-    for (one, other) in pairs {
-        if labels_differ(&counts[one], &counts[other], level) {
-            flags[one] = Some(true);
-            flags[other] = Some(true);
+    for (first, second) in pairs {
+        if labels_differ(&counts[first], &counts[second], level) {
+            flags[first] = Some(true);
+            flags[second] = Some(true);
         }
     }
     flags
@@ -39,10 +39,10 @@ pub fn discontinuous(scaled: &[Vec<f64>], counts: &[LabelCounts]) -> Vec<Option<
 /// Returns the pairs of each design and its nearest neighbours, each pair once.
 fn pairs(scaled: &[Vec<f64>]) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
-    for (index, one) in scaled.iter().enumerate() {
+    for (index, point) in scaled.iter().enumerate() {
         let others = || scaled.iter().enumerate().filter(|(other, _)| *other != index);
-        let least = others().map(|(_, other)| distance(one, other)).fold(f64::INFINITY, f64::min);
-        let nearest = others().filter(|(_, other)| is_nearest(distance(one, other), least));
+        let least = others().map(|(_, other)| distance(point, other)).fold(f64::INFINITY, f64::min);
+        let nearest = others().filter(|(_, other)| is_nearest(distance(point, other), least));
         pairs.extend(nearest.map(|(other, _)| (index.min(other), index.max(other))));
     }
     pairs.sort_unstable();
@@ -51,8 +51,8 @@ fn pairs(scaled: &[Vec<f64>]) -> Vec<(usize, usize)> {
 }
 
 /// Returns the squared distance between two designs.
-pub(super) fn distance(one: &[f64], other: &[f64]) -> f64 {
-    one.iter().zip(other).map(|(one, other)| (one - other) * (one - other)).sum()
+pub(super) fn distance(left: &[f64], right: &[f64]) -> f64 {
+    left.iter().zip(right).map(|(left, right)| (left - right) * (left - right)).sum()
 }
 
 /// Returns whether a distance equals the least one. Rounding errors are tolerated, so that the order of designs does
@@ -62,15 +62,15 @@ pub(super) fn is_nearest(distance: f64, least: f64) -> bool {
 }
 
 /// Returns whether any label's fraction differs in a test at this level.
-pub(super) fn labels_differ(one: &LabelCounts, other: &LabelCounts, level: f64) -> bool {
-    Label::ALL.iter().any(|label| p_value(one, other, *label) <= level)
+pub(super) fn labels_differ(left: &LabelCounts, right: &LabelCounts, level: f64) -> bool {
+    Label::ALL.iter().any(|label| p_value(left, right, *label) <= level)
 }
 
 /// Returns the p-value of Fisher's exact test, two-sided: the probability of all tables with the same margins that
 /// are no more likely than this one.
-fn p_value(one: &LabelCounts, other: &LabelCounts, label: Label) -> f64 {
-    let [a, b] = [one, other].map(|counts| counts.of(label));
-    let [n, m] = [one, other].map(LabelCounts::total);
+fn p_value(left: &LabelCounts, right: &LabelCounts, label: Label) -> f64 {
+    let [a, b] = [left, right].map(|counts| counts.of(label));
+    let [n, m] = [left, right].map(LabelCounts::total);
     let all = ln_binomial(n + m, a + b);
     let log = |k: u64| ln_binomial(n, k) + ln_binomial(m, a + b - k) - all;
     let here = log(a);

@@ -39,9 +39,9 @@ impl Neighbours {
         let nearest: Vec<&EarlierDesign> =
             others().filter(|other| is_nearest(distance_to(other), least)).collect();
         let level = LEVEL / (nearest.len() * Label::ALL.len()) as f64;
-        let differs = |(point, own): (usize, &LabelCounts)| {
+        let differs = |(point, labels): (usize, &LabelCounts)| {
             let mut at_point = nearest.iter().filter_map(|other| other.counts.get(point));
-            (!nearest.is_empty()).then(|| at_point.any(|other| labels_differ(own, other, level)))
+            (!nearest.is_empty()).then(|| at_point.any(|other| labels_differ(labels, other, level)))
         };
         let flags = counts.iter().enumerate().map(differs).collect();
         if self.designs.iter().all(|other| other.scaled != scaled) {

@@ -125,13 +125,13 @@ fn answers(
     while !rest.is_empty() {
         let (queue, later) = rest.split_at(queue_length(rest));
         rest = later;
-        let points: Vec<(&Plan, u64)> = queue.iter().map(|one| (one.plan, one.point_id)).collect();
-        for (one, runs) in queue.iter().zip(workers.sample(&points, stop, finished)?) {
+        let points: Vec<(&Plan, u64)> = queue.iter().map(|job| (job.plan, job.point_id)).collect();
+        for (job, runs) in queue.iter().zip(workers.sample(&points, stop, finished)?) {
             pooled.extend(runs);
-            if one.last {
-                let design = designs.get(one.design)?;
-                let answer = answer(design, responses, one, &pooled);
-                answers.get_mut(one.design)?.push(answer);
+            if job.last {
+                let design = designs.get(job.design)?;
+                let answer = answer(design, responses, job, &pooled);
+                answers.get_mut(job.design)?.push(answer);
                 pooled.clear();
             }
         }
@@ -142,8 +142,8 @@ fn answers(
 /// Returns how many of these points are in one queue; at least one.
 fn queue_length(points: &[PointOfDesign]) -> usize {
     let mut runs = 0;
-    let fits = |one: &&PointOfDesign| {
-        runs += one.plan.point(one.point_id).sampling.first;
+    let fits = |job: &&PointOfDesign| {
+        runs += job.plan.point(job.point_id).sampling.first;
         runs <= RUNS_PER_QUEUE
     };
     points.iter().take_while(fits).count().max(1)

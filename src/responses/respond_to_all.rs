@@ -60,8 +60,8 @@ pub fn respond_to_all(
         let plans = vec![Cow::Owned(study.set(values)?)];
         Ok::<_, String>(DesignToEvaluate { number, values, plans })
     });
-    let complete = respond_in_order(workers, study.responses(), all, stop, finished, |_, own| {
-        answers.extend(own);
+    let complete = respond_in_order(workers, study.responses(), all, stop, finished, |_, more| {
+        answers.extend(more);
         Ok(())
     })?;
     if !complete {

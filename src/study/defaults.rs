@@ -40,12 +40,12 @@ fn insert(schema: &mut Value, pointer: &str, values: &[&Value]) {
     let names: Vec<(String, bool)> =
         properties.map(|(name, _)| (name.clone(), required.contains(&name.as_str()))).collect();
     for (name, is_required) in names {
-        let own: Vec<&Value> = values.iter().filter_map(|value| value.get(&name)).collect();
-        let Some((first, others)) = own.split_first() else { continue };
+        let inner: Vec<&Value> = values.iter().filter_map(|value| value.get(&name)).collect();
+        let Some((first, others)) = inner.split_first() else { continue };
         let property = format!("{pointer}/properties/{name}");
         if first.is_object() {
             if let Some(below) = map_at(schema, &property) {
-                insert(schema, &below, &own);
+                insert(schema, &below, &inner);
             }
         } else if !is_required && !first.is_array() && others.iter().all(|other| other == first) {
             let fields = schema.pointer_mut(&property).and_then(Value::as_object_mut);

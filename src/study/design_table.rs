@@ -20,7 +20,8 @@ impl Study {
     ) -> Result<Vec<Vec<DesignValue>>, StudyError> {
         let allowed = "a name that ends in .csv or .parquet, or - for standard input";
         let (name, read) = table.into().open(allowed)?;
-        let names: Vec<String> = self.variables().iter().map(|one| one.name.clone()).collect();
+        let names: Vec<String> =
+            self.variables().iter().map(|variable| variable.name.clone()).collect();
         let rows = Rows::in_file(name, read, &names, None)?;
         let missing = names.iter().find(|name| !rows.columns.contains(name));
         if let Some(name) = missing {

@@ -74,13 +74,13 @@ impl Registry {
     /// Returns an error if a kind contradicts itself or another kind, or if other kinds are already in use.
     pub fn install(self) -> Result<(), RegistryError> {
         let mut kinds = built_in();
-        for own in self.0 {
-            let refuse = |problem: String| RegistryError::Unsound { kind: own.name, problem };
-            if kinds.iter().any(|kind| kind.name == own.name) {
+        for new_kind in self.0 {
+            let refuse = |problem: String| RegistryError::Unsound { kind: new_kind.name, problem };
+            if kinds.iter().any(|kind| kind.name == new_kind.name) {
                 return Err(refuse("another kind has this name; choose a name of its own".into()));
             }
-            check_names(own).and_then(|()| check_default(own)).map_err(refuse)?;
-            kinds.push(own);
+            check_names(new_kind).and_then(|()| check_default(new_kind)).map_err(refuse)?;
+            kinds.push(new_kind);
         }
         let installed = KINDS.get_or_init(|| kinds.clone());
         if *installed == kinds { Ok(()) } else { Err(RegistryError::TooLate) }
@@ -94,7 +94,7 @@ fn check_names(kind: &ModelKind) -> Result<(), String> {
         name.starts_with(|letter: char| letter.is_ascii_lowercase()) && name.bytes().all(allowed)
     };
     let of_laws = FRICTION_LAWS.iter().flat_map(|law| law.parameters());
-    let of_laws: Vec<&str> = of_laws.map(|one| one.name(kind.sliding_speed)).collect();
+    let of_laws: Vec<&str> = of_laws.map(|parameter| parameter.name(kind.sliding_speed)).collect();
     let mut known: Vec<&str> = vec!["balls"];
     if !is_key(kind.name) || !is_key(kind.body) {
         return Err("its name and that of its body need lower-case letters, digits and _".into());
@@ -121,8 +121,8 @@ fn check_names(kind: &ModelKind) -> Result<(), String> {
         }
         known.push(name);
     }
-    let is_friction = |one: &&ParameterDescriptor| one.name == FRICTION_COEFFICIENT;
-    match kind.parameters.iter().find(is_friction).map(|one| one.field) {
+    let is_friction = |parameter: &&ParameterDescriptor| parameter.name == FRICTION_COEFFICIENT;
+    match kind.parameters.iter().find(is_friction).map(|parameter| parameter.field) {
         Some(Field::Own { .. }) => {}
         _ => return Err(format!("it needs the parameter `{FRICTION_COEFFICIENT}`")),
     }
@@ -143,7 +143,7 @@ fn check_default(kind: &'static ModelKind) -> Result<(), String> {
     let mut largest = model;
     for parameter in kind.parameters {
         if let Some(most) = parameter.largest_count() {
-            parameter.numbers(&mut largest, None).into_iter().for_each(|one| *one = most as f64);
+            parameter.numbers(&mut largest, None).into_iter().for_each(|slot| *slot = most as f64);
         }
     }
     check_numbers(&largest)
@@ -154,7 +154,7 @@ fn check_numbers(model: &Model) -> Result<(), String> {
     let system = model.system().ok_or("a model has no system")?;
     let graph = Graph::of(system.as_ref());
     let coordinates = model.coordinates();
-    let start = coordinates.iter().map(|one| one.default_range[0]).collect();
+    let start = coordinates.iter().map(|coordinate| coordinate.default_range[0]).collect();
     let state = model.start_state(&Start(start)).map_err(|error| error.to_string())?;
     let modes = vec![ContactMode::Stick; system.contacts()];
     let pairs = [
@@ -164,8 +164,8 @@ fn check_numbers(model: &Model) -> Result<(), String> {
         ("contacts in the layout and contacts", graph.layout.contacts.len(), system.contacts()),
         ("units of contacts and contacts", model.units().contacts.len(), system.contacts()),
     ];
-    if let Some((what, one, other)) = pairs.into_iter().find(|(_, one, other)| one != other) {
-        return Err(format!("the numbers of {what} differ: {one} and {other}, for {model:?}"));
+    if let Some((what, left, right)) = pairs.into_iter().find(|(_, left, right)| left != right) {
+        return Err(format!("the numbers of {what} differ: {left} and {right}, for {model:?}"));
     }
     let StateLayout { contacts, velocities, vibration, forcing } = &graph.layout;
     if let Some(forcing) =
@@ -173,7 +173,7 @@ fn check_numbers(model: &Model) -> Result<(), String> {
     {
         return Err(format!("the period of its forcing is not positive: {}", forcing.period));
     }
-    let reset = graph.events.iter().flat_map(|event| event.reset.iter().map(|(one, _)| *one));
+    let reset = graph.events.iter().flat_map(|event| event.reset.iter().map(|(place, _)| *place));
     let named = contacts.iter().map(|contact| contact.position).chain(reset);
     let mut named = named
         .chain(velocities.iter().flatten().copied())

@@ -34,7 +34,7 @@ pub struct MeasuredRun {
 /// beyond it by its error.
 pub fn implausible_angle(runs: &[MeasuredRun]) -> Option<String> {
     let angles = runs.iter().flat_map(|run| run.rest.iter().flatten());
-    let largest = angles.copied().max_by(|one, other| one.abs().total_cmp(&other.abs()))?;
+    let largest = angles.copied().max_by(|left, right| left.abs().total_cmp(&right.abs()))?;
     (largest.abs() > 2.0 * TAU).then(|| {
         format!(
             "a measured angle is beyond two turns\n  found:  {} rad\n  remedy: angles in rad, without whole turns; a \
@@ -59,7 +59,7 @@ impl Plan {
         let angles: Vec<String> = (1..=self.model().angle_contacts().len())
             .map(|ball| format!("beta_{ball}_rad"))
             .collect();
-        let mut names: Vec<String> = self.swept().iter().map(|one| one.name.clone()).collect();
+        let mut names: Vec<String> = self.swept().iter().map(|swept| swept.name.clone()).collect();
         if self.has_stages() {
             names.push(STAGE.to_owned());
         }
@@ -140,13 +140,13 @@ impl Plan {
         };
         let agrees = |point_id: &u64| {
             let swept = self.point(*point_id).swept;
-            self.swept().iter().zip(swept).all(|(parameter, own)| {
-                match (values(&parameter.name), own) {
+            self.swept().iter().zip(swept).all(|(parameter, value)| {
+                match (values(&parameter.name), value) {
                     (None, _) => true,
-                    (Some(Entry::Number(measured)), ParameterValue::Number(own)) => {
-                        (measured - own).abs() <= AGREEMENT * own.abs()
+                    (Some(Entry::Number(measured)), ParameterValue::Number(number)) => {
+                        (measured - number).abs() <= AGREEMENT * number.abs()
                     }
-                    (Some(Entry::Text(measured)), ParameterValue::Text(own)) => measured == own,
+                    (Some(Entry::Text(measured)), ParameterValue::Text(text)) => measured == text,
                     _ => false,
                 }
             })
@@ -156,21 +156,21 @@ impl Plan {
         match (first, second) {
             (Some(point_id), None) => Ok(point_id),
             (first, _) => {
-                let given = self.swept().iter().filter_map(|one| {
-                    let value = match values(&one.name)? {
+                let given = self.swept().iter().filter_map(|parameter| {
+                    let value = match values(&parameter.name)? {
                         Entry::Number(number) => describe_number(*number),
                         Entry::Text(text) => text.clone(),
                     };
-                    Some(format!("{} {value}", one.name))
+                    Some(format!("{} {value}", parameter.name))
                 });
                 let given: Vec<String> = given.collect();
                 let problem = match first {
                     None => "no point of the sweep has these values",
                     Some(_) => "several points of the sweep have these values",
                 };
-                let all = self.swept().iter().map(|one| match one.kind {
-                    ParameterKind::Number => format!("{} in {}", one.name, one.unit),
-                    ParameterKind::Text => one.name.clone(),
+                let all = self.swept().iter().map(|parameter| match parameter.kind {
+                    ParameterKind::Number => format!("{} in {}", parameter.name, parameter.unit),
+                    ParameterKind::Text => parameter.name.clone(),
                 });
                 let allowed = format!(
                     "values of one point of the study's `sweep`, by {}; a sweep such as [{{grid: {{speed_rad_s: \

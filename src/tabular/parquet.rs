@@ -118,8 +118,8 @@ impl ParquetFile {
             let levels = parquet_to_arrow_field_levels(described, mask, Some(types.fields()))?;
             let groups = FileRowGroups(Arc::clone(&self.source));
             let before = |row| RowSelector::skip(usize::try_from(row).unwrap_or(usize::MAX));
-            let one = row.map(|row| RowSelection::from(vec![before(row), RowSelector::select(1)]));
-            ParquetRecordBatchReader::try_new_with_row_groups(&levels, &groups, BATCH, one)
+            let row = row.map(|row| RowSelection::from(vec![before(row), RowSelector::select(1)]));
+            ParquetRecordBatchReader::try_new_with_row_groups(&levels, &groups, BATCH, row)
         };
         let reader = guarded(open)?.map_err(|error| self.source.fault(&error.to_string()))?;
         let (source, rows_left) = (Arc::clone(&self.source), row.map_or(rows, |_| 1));

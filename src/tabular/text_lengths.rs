@@ -41,9 +41,9 @@ pub(super) fn check_texts(encoding: Encoding, bytes: &[u8], most: usize) -> Resu
         }
         Encoding::DELTA_BYTE_ARRAY => {
             let (same, used) = differences(bytes, most).ok_or_else(damaged)?;
-            let (own, _) = differences(&bytes[used..], most).ok_or_else(damaged)?;
-            let mut lengths = same.iter().zip(&own);
-            lengths.try_for_each(|(same, own)| check(same.saturating_add(*own)))
+            let (suffixes, _) = differences(&bytes[used..], most).ok_or_else(damaged)?;
+            let mut lengths = same.iter().zip(&suffixes);
+            lengths.try_for_each(|(same, suffix)| check(same.saturating_add(*suffix)))
         }
         // Indices into a dictionary, whose texts have been checked.
         _ => Ok(()),

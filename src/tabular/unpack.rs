@@ -21,8 +21,8 @@ pub(super) fn unpack(
     let whole = match compression {
         Compression::SNAPPY => match snap::raw::decompress_len(packed) {
             Ok(length) if length > MAX_PAGE_BYTES => return Err(too_large(length)),
-            Ok(_) => snap::raw::Decoder::new().decompress_vec(packed).is_ok_and(|own| {
-                unpacked.extend(own);
+            Ok(_) => snap::raw::Decoder::new().decompress_vec(packed).is_ok_and(|bytes| {
+                unpacked.extend(bytes);
                 true
             }),
             Err(_) => false,

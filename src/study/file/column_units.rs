@@ -15,9 +15,9 @@ pub(super) struct KnownColumn {
 impl KnownColumn {
     /// Returns the column that a table calls by this name; `allowed` contains the SI names.
     pub(super) fn of(written: &str, allowed: &[String]) -> Result<KnownColumn, Fault> {
-        let own = |name: &String| KnownColumn { name: name.clone(), conversion: None };
+        let plain = |name: &String| KnownColumn { name: name.clone(), conversion: None };
         if let Some(name) = allowed.iter().find(|name| *name == written) {
-            return Ok(own(name));
+            return Ok(plain(name));
         }
         let unknown =
             || Fault::new("unknown column", shorten(written), list_names(written, allowed));

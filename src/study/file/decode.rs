@@ -226,7 +226,7 @@ impl<'de> At<'de> {
 
     /// Returns the SI name of a key of this map, and its value.
     fn entry(self, keys: Keys, key: &'de YamlNode, node: &'de YamlNode) -> (&'de str, At<'de>) {
-        let (si, own) = self.names.find(keys, key.name());
+        let (si, unit) = self.names.find(keys, key.name());
         let around = self.unit.filter(|_| !WITHOUT_UNIT.contains(&si));
         let place = match keys {
             Keys::Of(_) => self.place.and_then(|place| Some(place.key(si)?.place)),
@@ -236,7 +236,7 @@ impl<'de> At<'de> {
             Keys::ParametersOfEach => Some(Keys::Parameters),
             _ => Keys::below(si),
         };
-        (si, At { node, keys, unit: own.or(around), place, ..self })
+        (si, At { node, keys, unit: unit.or(around), place, ..self })
     }
 
     /// Returns the number of a value with a unit.

@@ -42,7 +42,7 @@ fn keys(law: &dyn Law) -> Vec<&'static str> {
 pub(in crate::study) fn example_of_friction(name: &str) -> Option<String> {
     let law = FRICTION_LAWS.into_iter().find(|law| law.name() == name)?;
     let parameters = law.parameters();
-    let one = |speed: SlidingSpeed| {
+    let example = |speed: SlidingSpeed| {
         let values: Vec<String> = parameters
             .iter()
             .map(|parameter| format!("{}: {}", parameter.name(speed), number(parameter, speed)))
@@ -55,10 +55,10 @@ pub(in crate::study) fn example_of_friction(name: &str) -> Option<String> {
         [] => None,
         _ if parameters.iter().any(has_speed) => Some(format!(
             "{} for a block, {} for balls",
-            one(SlidingSpeed::MS),
-            one(SlidingSpeed::RadS)
+            example(SlidingSpeed::MS),
+            example(SlidingSpeed::RadS)
         )),
-        _ => Some(one(SlidingSpeed::RadS)),
+        _ => Some(example(SlidingSpeed::RadS)),
     }
 }
 
@@ -109,9 +109,9 @@ impl<'de> Visitor<'de> for LawSettings {
         let values = IndexMap::deserialize(MapAccessDeserializer::new(map))?;
         // A missing speed is found when the unit of the model is known.
         for parameter in FRICTION_LAWS[self.0].parameters() {
-            let [one, other] = parameter.names();
-            if one == other && !values.contains_key(one) {
-                return Err(A::Error::missing_field(one));
+            let [ball, block] = parameter.names();
+            if ball == block && !values.contains_key(ball) {
+                return Err(A::Error::missing_field(ball));
             }
         }
         Ok(values)
@@ -162,8 +162,8 @@ fn form(law: &dyn Law) -> Value {
             let schema = number_schema(parameter, speed, of);
             properties.insert(parameter.name(speed).to_owned(), schema);
         }
-        let one = [ball, block, parameter.name].map(|name| json!({ "required": [name] }));
-        speeds.push(json!({ "oneOf": one }));
+        let alternatives = [ball, block, parameter.name].map(|name| json!({ "required": [name] }));
+        speeds.push(json!({ "oneOf": alternatives }));
     }
     let mut settings = json!({
         "type": "object", "properties": properties, "required": required, "additionalProperties": false,

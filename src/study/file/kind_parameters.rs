@@ -14,8 +14,8 @@ use crate::study::sampling::initial_box::{axis_names, general_axes};
 pub(in crate::study) fn axes_of(kind: &'static ModelKind) -> Vec<String> {
     let models = models_of(kind);
     let general = models.first().map(general_axes).unwrap_or_default().into_iter();
-    let own = models.iter().take(1).flat_map(axis_names);
-    general.map(str::to_owned).chain(own).collect()
+    let axes = models.iter().take(1).flat_map(axis_names);
+    general.map(str::to_owned).chain(axes).collect()
 }
 
 /// A kick of a model that has all parameters.
@@ -52,7 +52,7 @@ fn models_of(kind: &'static ModelKind) -> Vec<Model> {
         *model.speed_profile_mut() = last.map(longest_profile);
         for count in kind.parameters {
             if let Some(most) = count.largest_count() {
-                count.numbers(&mut model, None).into_iter().for_each(|one| *one = most as f64);
+                count.numbers(&mut model, None).into_iter().for_each(|slot| *slot = most as f64);
             }
         }
         model
@@ -61,7 +61,7 @@ fn models_of(kind: &'static ModelKind) -> Vec<Model> {
         return vec![model()];
     }
     let laws = FRICTION_LAWS.map(|law| {
-        let examples: Vec<f64> = law.parameters().iter().map(|one| one.examples[1]).collect();
+        let examples: Vec<f64> = law.parameters().iter().map(|entry| entry.examples[1]).collect();
         FrictionLaw::new(law, &examples)
     });
     let with = |model: &Model, law: FrictionLaw| {

@@ -39,8 +39,8 @@ static KINDS: LazyLock<Vec<&'static str>> =
 static KEYS: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
     let mut keys: Vec<&'static str> = Vec::new();
     for parameter in model_kinds().iter().flat_map(|kind| kind.parameters) {
-        let is_own = parameter.is_number() && !parameter.has_own_key();
-        if is_own && !keys.contains(&parameter.name) {
+        let is_key = parameter.is_number() && !parameter.has_own_key();
+        if is_key && !keys.contains(&parameter.name) {
             keys.push(parameter.name);
         }
     }

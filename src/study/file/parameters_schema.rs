@@ -54,7 +54,7 @@ fn parameters_schema(generator: &mut SchemaGenerator) -> Schema {
 /// Returns the schema of a whole number; `None` if no kind of model has this one.
 fn count(name: &str) -> Option<Value> {
     let mut all = model_kinds().iter().flat_map(|kind| kind.parameters);
-    let [least, most] = all.find(|own| own.name == name)?.counts()?;
+    let [least, most] = all.find(|parameter| parameter.name == name)?.counts()?;
     Some(json!({ "type": "integer", "minimum": least, "maximum": most }))
 }
 
@@ -64,18 +64,18 @@ fn parameter_in_words(name: &str, schema: &Value) -> String {
     let mut unit = "";
     for kind in model_kinds() {
         let model = kind.default_model();
-        let Some(own) = kind.parameters.iter().find(|own| own.name == name) else { continue };
-        let each = if own.is_of_each_ball() { " of each ball without its own value" } else { "" };
-        let number = || Some(own.numbers(&mut model.clone(), None).first()?.to_string());
+        let Some(entry) = kind.parameters.iter().find(|entry| entry.name == name) else { continue };
+        let each = if entry.is_of_each_ball() { " of each ball without its own value" } else { "" };
+        let number = || Some(entry.numbers(&mut model.clone(), None).first()?.to_string());
         let default = Parameter::find(name, &model)
             .map(|parameter| parameter.get(&model, &Ball::default()).to_string());
         let Some(default) = default.or_else(number) else { continue };
-        let default = if own.determines().is_some() { "none".to_owned() } else { default };
-        let meaning = (format!("{}{each}", own.meaning), default);
+        let default = if entry.determines().is_some() { "none".to_owned() } else { default };
+        let meaning = (format!("{}{each}", entry.meaning), default);
         if !meanings.contains(&meaning) {
             meanings.push(meaning);
         }
-        unit = own.unit;
+        unit = entry.unit;
     }
     let (meaning, default) = match &meanings[..] {
         [(meaning, default)] => (meaning.clone(), format!("; default {default}")),

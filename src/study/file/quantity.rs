@@ -89,13 +89,14 @@ fn symbols() -> Vec<Symbol> {
     let powers = [("W", Power::new::<power::watt>(1.0))];
     let angle = [0, 0, 0, 1];
     let angles = [("rad", 1.0), ("deg", TAU / 360.0), ("°", TAU / 360.0), ("rev", TAU)];
-    let lengths = lengths.map(|(name, one)| (name, dimension::<length::Dimension>(), one.value));
-    let masses = masses.map(|(name, one)| (name, dimension::<mass::Dimension>(), one.value));
-    let times = times.map(|(name, one)| (name, dimension::<time::Dimension>(), one.value));
-    let forces = forces.map(|(name, one)| (name, dimension::<force::Dimension>(), one.value));
-    let angles = angles.map(|(name, one)| (name, angle, one));
-    let energies = energies.map(|(name, one)| (name, dimension::<energy::Dimension>(), one.value));
-    let powers = powers.map(|(name, one)| (name, dimension::<power::Dimension>(), one.value));
+    let lengths = lengths.map(|(name, unit)| (name, dimension::<length::Dimension>(), unit.value));
+    let masses = masses.map(|(name, unit)| (name, dimension::<mass::Dimension>(), unit.value));
+    let times = times.map(|(name, unit)| (name, dimension::<time::Dimension>(), unit.value));
+    let forces = forces.map(|(name, unit)| (name, dimension::<force::Dimension>(), unit.value));
+    let angles = angles.map(|(name, size)| (name, angle, size));
+    let energies =
+        energies.map(|(name, unit)| (name, dimension::<energy::Dimension>(), unit.value));
+    let powers = powers.map(|(name, unit)| (name, dimension::<power::Dimension>(), unit.value));
     let all = lengths.into_iter().chain(masses).chain(times).chain(forces);
     all.chain(energies).chain(powers).chain(angles).collect()
 }

@@ -105,7 +105,7 @@ impl<'a> SchemaPlace<'a> {
     pub(in crate::study) fn choices(&self) -> Vec<&'a str> {
         let words = self.alternatives().filter_map(|node| node.get("enum")?.as_array());
         let either = self.alternatives().filter_map(|node| node.get("oneOf")?.as_array());
-        let choice = |one: &'a Value| text(one, "const").or_else(|| only_key(one));
+        let choice = |form: &'a Value| text(form, "const").or_else(|| only_key(form));
         let words = words.flatten().filter_map(Value::as_str);
         words.chain(either.flatten().filter_map(choice)).collect()
     }
@@ -123,8 +123,8 @@ fn collect<'a>(schema: &'a Value, node: &'a Value, found: &mut Vec<&'a Value>) {
         collect(schema, target, found);
     }
     for several in ["anyOf", "oneOf", "allOf"] {
-        for one in node.get(several).and_then(Value::as_array).into_iter().flatten() {
-            collect(schema, one, found);
+        for form in node.get(several).and_then(Value::as_array).into_iter().flatten() {
+            collect(schema, form, found);
         }
     }
 }

@@ -111,25 +111,25 @@ fn of_kind(kind: &'static ModelKind, parameters: &Map<String, Value>) -> Value {
     let [mut swept, numeric] = [parameters_of(kind), numeric_parameters_of(kind)].map(with_short);
     swept.extend(has_balls.then(|| BALLS.to_owned()));
     let is_count = |name: &str| {
-        kind.parameters.iter().any(|one| one.name == name && one.largest_count().is_some())
+        kind.parameters.iter().any(|entry| entry.name == name && entry.largest_count().is_some())
     };
-    let own =
+    let is_key =
         |name: &&String| numeric.contains(name) || has_balls && *name == BALLS || is_count(name);
-    let own: Vec<&String> = parameters.keys().filter(own).collect();
+    let keys: Vec<&String> = parameters.keys().filter(is_key).collect();
     let names = |names: &[String]| json!({ "propertyNames": { "enum": names } });
     let friction = FRICTION_LAWS.iter().filter_map(|law| {
-        let own = |one: &LawParameter| one.name(kind.sliding_speed);
+        let used = |entry: &LawParameter| entry.name(kind.sliding_speed);
         let foreign = law
             .parameters()
             .iter()
-            .flat_map(|one| one.names().into_iter().filter(move |name| *name != own(one)));
+            .flat_map(|entry| entry.names().into_iter().filter(move |name| *name != used(entry)));
         let foreign: Map<String, Value> =
             foreign.map(|name| (name.to_owned(), json!(false))).collect();
         (!foreign.is_empty()).then(|| (law.name().to_owned(), json!({ "properties": foreign })))
     });
     let friction: Map<String, Value> = friction.collect();
     let mut model = json!({
-        "parameters": { "propertyNames": { "enum": own } },
+        "parameters": { "propertyNames": { "enum": keys } },
         "friction": { "properties": friction },
     });
     let mut variables: Map<String, Value> =
@@ -139,7 +139,7 @@ fn of_kind(kind: &'static ModelKind, parameters: &Map<String, Value>) -> Value {
         let balls = json!({ "properties": { "from": number, "to": number } });
         variables.insert(BALLS.to_owned(), balls);
     } else {
-        let turns = kind.parameters.iter().any(|one| one.own_key() == Some("speed_profile"));
+        let turns = kind.parameters.iter().any(|entry| entry.own_key() == Some("speed_profile"));
         merge(Some(&mut model), without_balls(turns));
     }
     json!({

@@ -21,10 +21,10 @@ pub(in crate::study) fn remove_nulls(schema: &mut Value) {
         Value::Object(fields) => {
             fields.retain(|key, value| key != "default" || !(value.is_null() || value.is_object()));
             if let Some(Value::Array(types)) = fields.get_mut("type") {
-                types.retain(|one| !is_null(one));
-                if let [one] = &types[..] {
-                    let one = one.clone();
-                    fields.insert("type".to_owned(), one);
+                types.retain(|name| !is_null(name));
+                if let [name] = &types[..] {
+                    let name = name.clone();
+                    fields.insert("type".to_owned(), name);
                 }
             }
             if let Some(Value::Array(forms)) = fields.get_mut("anyOf") {

@@ -27,8 +27,8 @@ pub(in crate::study) fn add_restitution(root: &mut YamlNode) {
     else {
         return;
     };
-    let own = ["restitution", "material_restitution"];
-    if law.iter().all(|(key, _)| !own.contains(&key.name())) {
+    let names = ["restitution", "material_restitution"];
+    if law.iter().all(|(key, _)| !names.contains(&key.name())) {
         let node = |content| YamlNode { place: *place, content };
         let key = node(Content::Text("material_restitution".to_owned()));
         law.push((key, node(Content::Number(restitution))));

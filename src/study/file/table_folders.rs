@@ -22,7 +22,7 @@ const MAX_FILES: usize = 1000;
 /// The directories that may contain tables, and the amounts read from them so far.
 pub(crate) struct TableFolders {
     /// The study file's directory.
-    own: PathBuf,
+    folder: PathBuf,
     /// The directories named by the user, with all symbolic links resolved.
     named: Vec<PathBuf>,
     files: Cell<usize>,
@@ -36,8 +36,8 @@ impl TableFolders {
     /// # Errors
     /// Returns an error if a named directory does not exist or cannot be accessed.
     pub fn new(study_file: &Path, named: &[PathBuf]) -> Result<TableFolders, StudyError> {
-        let own = study_file.parent().unwrap_or(Path::new(""));
-        let own = if own.as_os_str().is_empty() { Path::new(".") } else { own };
+        let directory = study_file.parent().unwrap_or(Path::new(""));
+        let directory = if directory.as_os_str().is_empty() { Path::new(".") } else { directory };
         let named = named.iter().map(|folder| {
             let refuse = |problem: String| {
                 let found = shorten(&folder.display().to_string());
@@ -48,7 +48,7 @@ impl TableFolders {
             if real.is_dir() { Ok(real) } else { Err(refuse("this is not a directory".to_owned())) }
         });
         Ok(TableFolders {
-            own: own.to_path_buf(),
+            folder: directory.to_path_buf(),
             named: named.collect::<Result<_, _>>()?,
             files: Cell::new(0),
             bytes: Cell::new(0),
@@ -62,7 +62,7 @@ impl TableFolders {
     /// Returns an error if the table lies outside the allowed directories or cannot be read, or if there are too many or
     /// too large tables.
     pub fn read(&self, name: &str) -> Result<(PathBuf, Vec<u8>), Fault> {
-        let path = if self.own == Path::new(".") { name.into() } else { self.own.join(name) };
+        let path = if self.folder == Path::new(".") { name.into() } else { self.folder.join(name) };
         let real = self.find(name, &path)?;
         let files = self.files.get() + 1;
         if files > MAX_FILES {
@@ -102,8 +102,8 @@ impl TableFolders {
         let real = |path: &Path| {
             fs::canonicalize(path).map_err(|error| unreadable_table(name, unreadable(&error)))
         };
-        let (real, own) = (real(path)?, real(&self.own)?);
-        if real.starts_with(own) || self.named.iter().any(|folder| real.starts_with(folder)) {
+        let (real, directory) = (real(path)?, real(&self.folder)?);
+        if real.starts_with(directory) || self.named.iter().any(|folder| real.starts_with(folder)) {
             return Ok(real);
         }
         Err(self.outside(name, (!leaves_directory(Path::new(name))).then_some(&real)))

@@ -88,7 +88,7 @@ impl Names {
     pub fn find<'a>(&'a self, keys: Keys, written: &'a str) -> (&'a str, Option<UnitKey<'a>>) {
         let (fields, names): (&[&str], &[String]) = match keys {
             Keys::Of(fields) => (fields, &[]),
-            Keys::Variables if self.choices.iter().any(|own| own == written) => (&[], &[]),
+            Keys::Variables if self.choices.iter().any(|name| name == written) => (&[], &[]),
             Keys::Parameters | Keys::Variables => (&[], &self.parameters),
             Keys::Coordinates => (&[], &self.coordinates),
             Keys::ParametersOfEach => (&[], &[]),
@@ -110,11 +110,11 @@ impl Names {
             (si == written || short == written).then_some(UnitKey { si, short, unit, values })
         };
         // A friction law has the same speed in the unit of each kind of model.
-        let is_own = |key: &UnitKey<'_>| self.parameters.iter().any(|name| name == key.si);
+        let of_model = |key: &UnitKey<'_>| self.parameters.iter().any(|name| name == key.si);
         let key = match known().find(|si| *si == written) {
             Some(si) => unit_key(si),
             None => {
-                known().filter_map(unit_key).find(is_own).or_else(|| known().find_map(unit_key))
+                known().filter_map(unit_key).find(of_model).or_else(|| known().find_map(unit_key))
             }
         };
         (key.map_or(written, |key| key.si), key)
@@ -143,9 +143,10 @@ impl Names {
                     Some(_) => "given twice",
                     None => "given twice, with and without a unit in the key",
                 };
-                let [one, two] =
+                let [first, second] =
                     [key, other].map(|key| format!("`{}` in line {}", key.name(), key.place.line));
-                let fault = Fault::new(problem, format!("{one} and {two}"), "one of the two keys");
+                let fault =
+                    Fault::new(problem, format!("{first} and {second}"), "one of the two keys");
                 return Err((key, fault));
             }
             read.push((si, key));

@@ -48,7 +48,8 @@ pub(super) fn reader_error(file: &Path, text: &str, error: &serde_saphyr::Error)
         _ => {
             let cause = place.and_then(|place| cause(text, place.line, &said));
             let usual = || Fault::new("not valid YAML", said, "a study in YAML");
-            let (at, fault) = cause.map_or_else(|| (place, usual()), |(at, one)| (Some(at), one));
+            let (at, fault) =
+                cause.map_or_else(|| (place, usual()), |(at, fault)| (Some(at), fault));
             place = at;
             fault
         }
@@ -106,13 +107,13 @@ fn cause(text: &str, line: usize, said: &str) -> Option<(Location, Fault)> {
     }
     let place = Location { line, column: indentation(here) + 1 };
     let of_keys = ["did not find expected key", "mapping values are not allowed"];
-    if !of_keys.iter().any(|one| said.contains(one)) {
+    if !of_keys.iter().any(|words| said.contains(words)) {
         return None;
     }
     let before = before?;
-    let (own, other) = (indentation(here), indentation(before));
-    if own != other && here.matches(": ").count() < 2 {
-        let found = format!("{own} spaces before the key, and {other} in the line before");
+    let (spaces, earlier) = (indentation(here), indentation(before));
+    if spaces != earlier && here.matches(": ").count() < 2 {
+        let found = format!("{spaces} spaces before the key, and {earlier} in the line before");
         let allowed =
             "the same indentation for all keys of a map, and more below a key that ends in a colon";
         return Some((place, Fault::new("not valid YAML: wrong indentation", found, allowed)));
@@ -128,12 +129,12 @@ fn cause(text: &str, line: usize, said: &str) -> Option<(Location, Fault)> {
 
 /// Returns the column of the first tab in the indentation of a line.
 fn tab(line: &str) -> Option<usize> {
-    let mut blanks = line.chars().take_while(|one| one.is_whitespace());
-    blanks.position(|one| one == '\t').map(|index| index + 1)
+    let mut blanks = line.chars().take_while(|character| character.is_whitespace());
+    blanks.position(|character| character == '\t').map(|index| index + 1)
 }
 
 fn indentation(line: &str) -> usize {
-    line.chars().take_while(|one| *one == ' ').count()
+    line.chars().take_while(|character| *character == ' ').count()
 }
 
 fn is_content(line: &str) -> bool {
@@ -146,8 +147,8 @@ fn space_after_colon(line: &str) -> Option<String> {
     let line = line.trim();
     let (key, value) = line.split_once(':')?;
     let word = key.strip_prefix("- ").unwrap_or(key).trim_start();
-    let is_key = word.starts_with(|one: char| one.is_ascii_alphabetic())
-        && word.chars().all(|one| one.is_ascii_alphanumeric() || one == '_');
-    let follows = value.starts_with(|one: char| !one.is_whitespace() && !":/".contains(one));
+    let is_key = word.starts_with(|character: char| character.is_ascii_alphabetic())
+        && word.chars().all(|character| character.is_ascii_alphanumeric() || character == '_');
+    let follows = value.starts_with(|next: char| !next.is_whitespace() && !":/".contains(next));
     (is_key && follows).then(|| format!("{key}: {value}"))
 }

@@ -13,7 +13,7 @@ pub(crate) struct Base {
     /// Default values of the balls.
     pub general: Ball,
     /// The own values of each ball; the study file has this number of balls.
-    pub own: Vec<BallFile>,
+    pub each_ball: Vec<BallFile>,
     /// The smallest number of balls of a point; the model has the largest.
     pub fewest_balls: usize,
     /// The kicks whose direction is drawn, counted from 1.
@@ -32,7 +32,7 @@ impl Base {
 
     /// Returns the number of balls in the study file; 0 for a model without balls.
     pub fn balls(&self) -> usize {
-        self.own.len()
+        self.each_ball.len()
     }
 
     /// Returns the value of a parameter before it is swept or drawn.
@@ -64,10 +64,10 @@ impl Base {
     pub fn check_varied(&self, parameter: Parameter) -> Result<(), Fault> {
         if parameter.is_unused(&self.model) {
             let law = self.model.friction();
-            let own =
-                law.law().parameters().iter().map(|own| own.name(self.model.kind().sliding_speed));
-            let own: Vec<String> = own.map(|name| format!("{name}, ")).collect();
-            let allowed = format!("{}or another friction law", own.concat());
+            let names =
+                law.law().parameters().iter().map(|key| key.name(self.model.kind().sliding_speed));
+            let names: Vec<String> = names.map(|name| format!("{name}, ")).collect();
+            let allowed = format!("{}or another friction law", names.concat());
             let problem = format!("{} friction does not use it", law.name());
             return Err(Fault::new(problem, parameter.name(), allowed));
         }
@@ -83,13 +83,13 @@ impl Base {
             return Ok(());
         }
         let name = parameter.name();
-        let has_own = |ball: &BallFile| ball.value(&name).is_some();
-        match self.own.iter().position(has_own) {
+        let has_value = |ball: &BallFile| ball.value(&name).is_some();
+        match self.each_ball.iter().position(has_value) {
             None => Ok(()),
             Some(index) => {
                 let found = format!("{name}, while ball {} has its own value", index + 1);
-                let one = |ball| parameter.of_one_member(ball).name();
-                let allowed: Vec<String> = (1..=self.own.len()).map(one).collect();
+                let name_of = |ball| parameter.of_one_member(ball).name();
+                let allowed: Vec<String> = (1..=self.each_ball.len()).map(name_of).collect();
                 let problem = "a ball has its own value";
                 Err(Fault::new(problem, found, allowed.join(", ")))
             }
@@ -98,16 +98,16 @@ impl Base {
 
     /// Returns whether any ball has its own values.
     pub fn has_own(&self) -> bool {
-        self.own.iter().any(|ball| *ball != BallFile::default())
+        self.each_ball.iter().any(|ball| *ball != BallFile::default())
     }
 
     /// Returns whether the study gives a ball its own value of this parameter of one ball.
     pub fn has_own_value(&self, parameter: Parameter) -> bool {
-        let Some(general) = parameter.general().filter(|one| one.is_of_balls()) else {
+        let Some(general) = parameter.general().filter(|general| general.is_of_balls()) else {
             return false;
         };
-        let mut own = (1..).zip(&self.own);
-        own.any(|(number, ball)| {
+        let mut balls = (1..).zip(&self.each_ball);
+        balls.any(|(number, ball)| {
             general.of_one_member(number) == parameter && ball.value(&general.name()).is_some()
         })
     }
@@ -117,16 +117,16 @@ impl Base {
         let name = general.name();
         general.is_general()
             && general.is_of_balls()
-            && self.own.iter().all(|ball| ball.value(&name).is_some())
+            && self.each_ball.iter().all(|ball| ball.value(&name).is_some())
     }
 
     /// Returns the whole numbers of the model, such as a number of bodies, with their names.
     pub fn counts(&self) -> impl Iterator<Item = (&'static str, f64)> {
         let counts = self.model.kind().parameters.iter();
-        let counts = counts.filter(|own| own.largest_count().is_some());
-        let value = |own: &'static ParameterDescriptor| {
-            let number = own.numbers(&mut self.model.clone(), None).first().map(|one| **one);
-            Some((own.name, number?))
+        let counts = counts.filter(|parameter| parameter.largest_count().is_some());
+        let value = |entry: &'static ParameterDescriptor| {
+            let number = entry.numbers(&mut self.model.clone(), None).first().map(|first| **first);
+            Some((entry.name, number?))
         };
         counts.filter_map(value)
     }

@@ -128,12 +128,12 @@ impl Parameter {
             let law = model.friction().law().parameters().iter();
             law.map(|parameter| Definition::Law(parameter, kind.sliding_speed))
         };
-        let with_law = |own: &'static ParameterDescriptor| {
-            let law = (own.name == FRICTION_COEFFICIENT).then(of_law).into_iter().flatten();
-            std::iter::once(Definition::Model(own)).chain(law)
+        let with_law = |parameter: &'static ParameterDescriptor| {
+            let law = (parameter.name == FRICTION_COEFFICIENT).then(of_law).into_iter().flatten();
+            std::iter::once(Definition::Model(parameter)).chain(law)
         };
         // A whole number is the same for all runs.
-        let numbers = kind.parameters.iter().filter(|own| own.largest_count().is_none());
+        let numbers = kind.parameters.iter().filter(|entry| entry.largest_count().is_none());
         let has = |parameter: &Parameter| !parameter.fields(&mut model.clone()).is_empty();
         let definitions = numbers.flat_map(with_law).enumerate();
         let parameters = definitions.flat_map(|(order, definition)| {
@@ -156,7 +156,7 @@ impl Parameter {
     /// Returns the name without the number of a ball.
     pub(in crate::study) fn general_name(self) -> &'static str {
         match self.definition {
-            Definition::Model(own) => own.name,
+            Definition::Model(parameter) => parameter.name,
             Definition::Law(law, speed) => law.name(speed),
             Definition::Balls => BALLS,
         }
@@ -166,7 +166,7 @@ impl Parameter {
     pub fn name(self) -> String {
         let general = self.general_name();
         match (self.definition, self.member) {
-            (Definition::Model(own), Some(member)) => own.name_of_member(member),
+            (Definition::Model(parameter), Some(member)) => parameter.name_of_member(member),
             _ => general.to_owned(),
         }
     }
@@ -174,7 +174,7 @@ impl Parameter {
     /// Returns the unit: `1` for dimensionless numbers, empty for words.
     pub fn unit(self) -> &'static str {
         match self.definition {
-            Definition::Model(own) => own.unit,
+            Definition::Model(parameter) => parameter.unit,
             Definition::Law(law, speed) => law.unit(speed),
             Definition::Balls => "1",
         }
@@ -183,14 +183,14 @@ impl Parameter {
     /// Returns the meaning.
     pub fn meaning(self) -> String {
         let meaning = match self.definition {
-            Definition::Model(own) => own.meaning,
+            Definition::Model(parameter) => parameter.meaning,
             Definition::Law(law, _) => law.meaning,
             Definition::Balls => "number of balls",
         };
-        let (Definition::Model(own), member) = (self.definition, self.member) else {
+        let (Definition::Model(parameter), member) = (self.definition, self.member) else {
             return meaning.to_owned();
         };
-        match (own.member(), member) {
+        match (parameter.member(), member) {
             (Some(word), Some(number)) => format!("{meaning} of {word} {number}"),
             (Some(word), None) => format!("{meaning} of every {word}"),
             (None, _) => meaning.to_owned(),
@@ -200,20 +200,20 @@ impl Parameter {
     /// Returns whether the values are numbers.
     pub fn is_number(self) -> bool {
         match self.definition {
-            Definition::Model(own) => own.is_number(),
+            Definition::Model(parameter) => parameter.is_number(),
             Definition::Law(..) | Definition::Balls => true,
         }
     }
 
     /// Returns whether the parameter determines another one, so that a model may have no value of it.
     pub fn determines_another(self) -> bool {
-        matches!(self.definition, Definition::Model(own) if own.determines().is_some())
+        matches!(self.definition, Definition::Model(parameter) if parameter.determines().is_some())
     }
 
     /// Returns whether a model has a value of the parameter.
     pub fn is_given(self, model: &Model) -> bool {
         match self.definition {
-            Definition::Model(own) => own.is_given(&mut model.clone()),
+            Definition::Model(parameter) => parameter.is_given(&mut model.clone()),
             Definition::Law(..) | Definition::Balls => true,
         }
     }
@@ -225,7 +225,7 @@ impl Parameter {
 
     /// Returns whether each ball may have its own value.
     pub fn is_of_balls(self) -> bool {
-        matches!(self.definition, Definition::Model(own) if own.is_of_each_ball())
+        matches!(self.definition, Definition::Model(parameter) if parameter.is_of_each_ball())
     }
 
     /// Returns the number of the ball, from 1, if this is the parameter of one ball.
@@ -234,19 +234,19 @@ impl Parameter {
     }
 
     fn is_of_members(self) -> bool {
-        matches!(self.definition, Definition::Model(own) if own.member().is_some())
+        matches!(self.definition, Definition::Model(parameter) if parameter.member().is_some())
     }
 
     /// Returns whether the parameter is one of the speed profile or of a kick.
     pub fn is_of_stages(self) -> bool {
         use Field::{Hold, Kick, Profile, Ramp};
         let of_stages = |field| matches!(field, Profile(_) | Ramp(_) | Hold | Kick(_));
-        matches!(self.definition, Definition::Model(own) if of_stages(own.field))
+        matches!(self.definition, Definition::Model(parameter) if of_stages(parameter.field))
     }
 
     /// Returns whether the value stands under a key of its own in a study file.
     pub fn has_own_key(self) -> bool {
-        matches!(self.definition, Definition::Model(own) if own.has_own_key())
+        matches!(self.definition, Definition::Model(parameter) if parameter.has_own_key())
     }
 
     /// Returns whether the parameter applies to all balls, or to all other members, together.
@@ -311,7 +311,7 @@ impl Parameter {
     /// balls, none if the model does not have the parameter.
     fn fields(self, model: &mut Model) -> Vec<&mut f64> {
         match self.definition {
-            Definition::Model(own) => own.numbers(model, self.member),
+            Definition::Model(parameter) => parameter.numbers(model, self.member),
             Definition::Law(law, _) => {
                 model.friction_mut().value_mut(law.name).into_iter().collect()
             }

@@ -53,7 +53,7 @@ impl ListedParameter {
     pub fn is_varied(&self) -> bool {
         self.swept.is_some()
             || self.design.is_some()
-            || self.uncertain.is_some_and(|one| !one.factor)
+            || self.uncertain.is_some_and(|range| !range.factor)
     }
 }
 
@@ -63,9 +63,9 @@ impl Study {
     pub fn parameters(&self) -> Vec<ListedParameter> {
         let all = Parameter::all(&self.base.model).into_iter();
         let mut list: Vec<ListedParameter> =
-            all.filter(|parameter| self.lists(*parameter)).map(|one| self.listed(one)).collect();
+            all.filter(|parameter| self.lists(*parameter)).map(|kept| self.listed(kept)).collect();
         let before = |list: &[ListedParameter], first: &dyn Fn(&str) -> bool| {
-            list.iter().position(|one| first(&one.name)).unwrap_or(list.len())
+            list.iter().position(|listed| first(&listed.name)).unwrap_or(list.len())
         };
         if self.base.model.ball_balancer().is_some() {
             let place = before(&list, &|name| name.starts_with("ball_"));
@@ -79,7 +79,7 @@ impl Study {
             .map(Parameter::name)
             .collect();
         let of_friction =
-            |name: &str| name.starts_with("friction_") || of_law.iter().any(|own| own == name);
+            |name: &str| name.starts_with("friction_") || of_law.iter().any(|known| known == name);
         let place = before(&list, &of_friction);
         if self.model().kind().has_law_of_study() {
             let law = ParameterValue::Text(self.base.model.friction().name());
@@ -111,16 +111,16 @@ impl Study {
 
     fn varies(&self, parameter: Parameter) -> bool {
         self.swept_parameters.contains(&parameter)
-            || self.uncertain_parameters.iter().any(|one| one.parameter == parameter)
+            || self.uncertain_parameters.iter().any(|drawn| drawn.parameter == parameter)
             || self.design_range(parameter).is_some()
     }
 
     fn listed(&self, parameter: Parameter) -> ListedParameter {
-        let own = parameter.get(&self.base.model, &self.base.general);
-        let drawn = self.uncertain_parameters.iter().find(|one| one.parameter == parameter);
+        let base = parameter.get(&self.base.model, &self.base.general);
+        let drawn = self.uncertain_parameters.iter().find(|draw| draw.parameter == parameter);
         let value = match drawn {
-            Some(one) if !one.factor => ParameterValue::Number(one.distribution.quantile(0.5)),
-            _ => own,
+            Some(draw) if !draw.factor => ParameterValue::Number(draw.distribution.quantile(0.5)),
+            _ => base,
         };
         let name = parameter.name();
         let is_given = match parameter.general() {
@@ -134,10 +134,10 @@ impl Study {
             value,
             is_default: !is_given,
             swept: self.swept_values(parameter),
-            uncertain: drawn.map(|one| UncertainRange {
-                range: [0.025, 0.975].map(|fraction| one.distribution.quantile(fraction)),
-                factor: one.factor,
-                overridden: Some(own).filter(|own| self.gives(&name) && !is_same(*own, value)),
+            uncertain: drawn.map(|draw| UncertainRange {
+                range: [0.025, 0.975].map(|fraction| draw.distribution.quantile(fraction)),
+                factor: draw.factor,
+                overridden: Some(base).filter(|base| self.gives(&name) && !is_same(*base, value)),
             }),
             design: self.design_range(parameter),
             name,
@@ -171,9 +171,9 @@ impl Study {
             return None;
         }
         // A block that does not sweep the parameter has its base value.
-        let own = self.base.value(parameter);
+        let base = self.base.value(parameter);
         let of_block =
-            |block: &Block| block.list(parameter).map_or_else(|| vec![own], <[_]>::to_vec);
+            |block: &Block| block.list(parameter).map_or_else(|| vec![base], <[_]>::to_vec);
         let (mut numbers, mut texts) = (Vec::new(), Vec::new());
         for value in self.blocks.iter().flat_map(of_block) {
             match value {
@@ -186,19 +186,19 @@ impl Study {
         texts.sort_unstable();
         texts.dedup();
         let count = numbers.len() + texts.len();
-        let has_own = numbers.iter().any(|one| is_same(own, ParameterValue::Number(*one)))
-            || texts.iter().any(|one| is_same(own, ParameterValue::Text(one)));
-        let overrides = self.gives(&parameter.name()) && !has_own;
+        let has_base = numbers.iter().any(|number| is_same(base, ParameterValue::Number(*number)))
+            || texts.iter().any(|text| is_same(base, ParameterValue::Text(text)));
+        let overrides = self.gives(&parameter.name()) && !has_base;
         Some(SweptValues { count, range: range(numbers.into_iter()), overrides })
     }
 
     /// Returns the smallest and the largest value that a design may set.
     fn design_range(&self, parameter: Parameter) -> Option<[f64; 2]> {
         range(self.variables().iter().flat_map(|variable| match &variable.domain {
-            Domain::Parameter { parameter: own, from, to } if *own == parameter => vec![*from, *to],
+            Domain::Parameter { parameter: set, from, to } if *set == parameter => vec![*from, *to],
             Domain::Choices(choices) => {
                 let all = choices.iter().flat_map(|(_, values)| values);
-                all.filter(|(own, _)| *own == parameter).map(|(_, value)| *value).collect()
+                all.filter(|(set, _)| *set == parameter).map(|(_, value)| *value).collect()
             }
             _ => Vec::new(),
         }))
@@ -209,9 +209,9 @@ impl Study {
     pub fn key_of(&self, general: &str, ball: Option<usize>, point_id: u64) -> String {
         if self.determined.contains(&general) {
             let parameters = self.base.model.kind().parameters.iter();
-            let mut given = parameters.filter(|own| own.determines() == Some(general));
-            if let Some(own) = given.next() {
-                return self.key_of(own.name, ball, point_id);
+            let mut given = parameters.filter(|parameter| parameter.determines() == Some(general));
+            if let Some(parameter) = given.next() {
+                return self.key_of(parameter.name, ball, point_id);
             }
         }
         let of_all = Parameter::find(general, &self.base.model);
@@ -233,8 +233,8 @@ impl Study {
             }
         }
         if let Some(index) = ball.and_then(|ball| ball.checked_sub(1)) {
-            let own = general.strip_prefix("ball_").unwrap_or(general);
-            let key = format!("model.parameters.balls[{index}].{own}");
+            let name = general.strip_prefix("ball_").unwrap_or(general);
+            let key = format!("model.parameters.balls[{index}].{name}");
             if self.has_key(&key) {
                 return key;
             }
@@ -248,12 +248,12 @@ impl Study {
 /// `6000 rpm`.
 const SAME: f64 = 1e-3;
 
-fn is_same(own: ParameterValue, other: ParameterValue) -> bool {
-    match (own, other) {
-        (ParameterValue::Number(own), ParameterValue::Number(other)) => {
-            (other - own).abs() <= SAME * own.abs()
+fn is_same(base: ParameterValue, other: ParameterValue) -> bool {
+    match (base, other) {
+        (ParameterValue::Number(base), ParameterValue::Number(other)) => {
+            (other - base).abs() <= SAME * base.abs()
         }
-        (own, other) => own == other,
+        (base, other) => base == other,
     }
 }
 

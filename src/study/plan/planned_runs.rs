@@ -115,7 +115,7 @@ impl Plan {
     /// Returns whether another master seed gives other runs. It does not if all start states are
     /// given and no parameter is uncertain.
     pub fn is_random(&self) -> bool {
-        !self.uncertain.is_empty() || self.samplings().any(|one| one.design.is_random())
+        !self.uncertain.is_empty() || self.samplings().any(|sampling| sampling.design.is_random())
     }
 
     /// Returns the model before any parameter is swept or drawn. All cases share its kind. It has the
@@ -265,7 +265,7 @@ impl Plan {
             point.model
         } else {
             let drawn = self.uncertain_parameters.iter().zip(&uncertain);
-            let drawn = drawn.map(|(one, value)| (one.parameter, ParameterValue::Number(*value)));
+            let drawn = drawn.map(|(draw, value)| (draw.parameter, ParameterValue::Number(*value)));
             values.extend(drawn);
             self.model_with(&values)
         };

@@ -21,9 +21,9 @@ impl Plan {
         assert!(point_id < self.point_count(), "there is no point {point_id}");
         let block = &self.blocks[self.block_of(point_id)];
         let mut values = block.values(point_id - block.first_point);
-        let each = self.uncertain_parameters.iter().map(|one| fraction(&one.parameter.name()));
+        let each = self.uncertain_parameters.iter().map(|draw| fraction(&draw.parameter.name()));
         let drawn = self.drawn(&values, &each.collect::<Vec<f64>>());
-        let parameters = self.uncertain_parameters.iter().map(|one| one.parameter);
+        let parameters = self.uncertain_parameters.iter().map(|draw| draw.parameter);
         values.extend(parameters.zip(drawn.into_iter().map(ParameterValue::Number)));
         let model = self.model_with(&values);
         model.validate().map(|()| model)

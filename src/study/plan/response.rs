@@ -87,14 +87,14 @@ impl ResponseFile {
     /// Returns the key of a response, its measure, and the amplitude that it measures.
     pub(in crate::study) fn parts(&self) -> (&'static str, Measure, Amplitude) {
         match self.clone() {
-            ResponseFile::AmplitudeMean(own) => ("amplitude_mean", Measure::Mean, own),
-            ResponseFile::AmplitudeStdDev(own) => {
-                ("amplitude_std_dev", Measure::StandardDeviation, own)
+            ResponseFile::AmplitudeMean(quantity) => ("amplitude_mean", Measure::Mean, quantity),
+            ResponseFile::AmplitudeStdDev(quantity) => {
+                ("amplitude_std_dev", Measure::StandardDeviation, quantity)
             }
             ResponseFile::AmplitudeQuantile { fraction, relative, of } => {
                 ("amplitude_quantile", Measure::Quantile(fraction), Amplitude { relative, of })
             }
-            ResponseFile::AmplitudeWorst(own) => ("amplitude_worst", Measure::Worst, own),
+            ResponseFile::AmplitudeWorst(quantity) => ("amplitude_worst", Measure::Worst, quantity),
             ResponseFile::AmplitudeAbove { limit: NumberOrLength(limit), relative, of } => {
                 ("amplitude_above", Measure::Above(limit), Amplitude { relative, of })
             }

@@ -27,8 +27,8 @@ impl Plan {
     fn digits_of(&self, parameter: Parameter, column: &VariedParameter) -> usize {
         let lists = self.blocks.iter().filter_map(|block| block.list(parameter));
         // A block that does not sweep the parameter has its base value.
-        let own = self.base.value(parameter);
-        let numbers = lists.flatten().chain([&own]).filter_map(|value| match value {
+        let base = self.base.value(parameter);
+        let numbers = lists.flatten().chain([&base]).filter_map(|value| match value {
             ParameterValue::Number(number) => Some(column.shown_number(*number)),
             ParameterValue::Text(_) => None,
         });

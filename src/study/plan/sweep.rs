@@ -75,7 +75,7 @@ impl Block {
     /// Returns the smallest number of runs: those before the first decision at each point.
     pub fn least_runs(&self) -> u64 {
         let points = self.numbers.points_by_kind(self.samplings.len());
-        points.iter().zip(&self.samplings).map(|(points, one)| points * one.sampling.first).sum()
+        points.iter().zip(&self.samplings).map(|(points, kind)| points * kind.sampling.first).sum()
     }
 
     /// Returns the values of a parameter if the block sweeps it.

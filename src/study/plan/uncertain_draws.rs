@@ -20,7 +20,7 @@ impl Plan {
         let id = point.design.identify(sample);
         let each = self.uncertain_parameters.iter().enumerate();
         let fractions: Vec<f64> = each
-            .map(|(place, one)| point.uncertain_design.fraction(place, &one.key, id, sample))
+            .map(|(place, draw)| point.uncertain_design.fraction(place, &draw.key, id, sample))
             .collect();
         match &self.copula {
             Some(copula) => copula.correlate(&fractions),
@@ -35,18 +35,18 @@ impl Plan {
         set: &[(Parameter, ParameterValue)],
         fractions: &[f64],
     ) -> Vec<f64> {
-        let draw = |(one, fraction): (&UncertainParameter, &f64)| {
-            let drawn = one.distribution.quantile(*fraction);
-            if !one.factor {
+        let draw = |(uncertain, fraction): (&UncertainParameter, &f64)| {
+            let drawn = uncertain.distribution.quantile(*fraction);
+            if !uncertain.factor {
                 return drawn;
             }
-            let own = set.iter().find(|(parameter, _)| *parameter == one.parameter);
-            let own = own.map_or_else(
-                || one.parameter.get(&self.base.model, &self.base.general),
+            let given = set.iter().find(|(parameter, _)| *parameter == uncertain.parameter);
+            let value = given.map_or_else(
+                || uncertain.parameter.get(&self.base.model, &self.base.general),
                 |(_, value)| *value,
             );
-            match own {
-                ParameterValue::Number(own) => own * drawn,
+            match value {
+                ParameterValue::Number(number) => number * drawn,
                 ParameterValue::Text(_) => drawn,
             }
         };

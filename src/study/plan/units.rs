@@ -47,9 +47,9 @@ impl ShownUnits {
     /// Returns the unit of a parameter; `None` if it is shown in SI units.
     pub fn of_parameter(&self, name: &str) -> Option<&Unit> {
         let (short, si) = split_unit(name)?;
-        let of_all = || short.trim_end_matches(|one: char| one.is_ascii_digit()).strip_suffix('_');
-        let own = self.0.get(short).or_else(|| self.0.get(of_all()?));
-        own.or_else(|| self.0.get(quantity(si)?))
+        let of_all = || short.trim_end_matches(|end: char| end.is_ascii_digit()).strip_suffix('_');
+        let unit = self.0.get(short).or_else(|| self.0.get(of_all()?));
+        unit.or_else(|| self.0.get(quantity(si)?))
     }
 
     /// Returns the unit in which a parameter is shown.

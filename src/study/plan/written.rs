@@ -46,8 +46,8 @@ impl Plan {
     pub(in crate::study) fn gives(&self, name: &str) -> bool {
         let has = |key: String| self.has_key(&key);
         let of_contact = || {
-            let own = name.strip_prefix("contact_")?;
-            let keys = [own.to_owned(), format!("material_{own}")];
+            let key = name.strip_prefix("contact_")?;
+            let keys = [key.to_owned(), format!("material_{key}")];
             Some(keys.into_iter().any(|key| has(format!("model.contact.{key}"))))
         };
         has(format!("model.parameters.{name}"))

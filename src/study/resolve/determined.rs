@@ -18,15 +18,15 @@ pub(crate) fn determined(
     swept: &[Parameter],
 ) -> Result<Vec<&'static str>, StudyError> {
     let mentioned = mentioned(written, swept);
-    let place_of = |own: &ParameterDescriptor| {
-        let members = (1..=MOST_MEMBERS).map(|member| own.name_of_member(member));
-        let names: HashSet<String> = members.chain([own.name.to_owned()]).collect();
+    let place_of = |parameter: &ParameterDescriptor| {
+        let members = (1..=MOST_MEMBERS).map(|member| parameter.name_of_member(member));
+        let names: HashSet<String> = members.chain([parameter.name.to_owned()]).collect();
         mentioned.iter().find(|(_, name)| names.contains(name))
     };
     let mut all = Vec::new();
-    for own in kind.parameters {
-        let Some(name) = own.determines() else { continue };
-        let Some((own_section, written)) = place_of(own) else { continue };
+    for parameter in kind.parameters {
+        let Some(name) = parameter.determines() else { continue };
+        let Some((own_section, written)) = place_of(parameter) else { continue };
         let other = kind.parameters.iter().find(|other| other.name == name);
         if let Some((section, given)) = other.and_then(place_of) {
             let as_written = |section: &str, name: &str| {
@@ -34,11 +34,11 @@ pub(crate) fn determined(
                 let path = source.as_written(&path).to_string();
                 path.rsplit('.').next().unwrap_or(name).to_owned()
             };
-            let [one, two] = [(own_section, written), (section, given)]
+            let [first, second] = [(own_section, written), (section, given)]
                 .map(|(section, name)| as_written(section, name));
             return Err(source.path(section).key(given).wrong_key(
-                format!("`{one}` determines `{two}`"),
-                format!("both `{one}` and `{two}`"),
+                format!("`{first}` determines `{second}`"),
+                format!("both `{first}` and `{second}`"),
                 "one of the two",
             ));
         }

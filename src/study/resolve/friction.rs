@@ -15,7 +15,7 @@ pub(in crate::study) fn resolve_friction(
 ) -> Result<FrictionLaw, StudyError> {
     let Some(FrictionFile { law, values }) = written else { return Ok(FrictionLaw::COULOMB) };
     let path = source.path("model.friction").key(law.name());
-    let mut own = Vec::new();
+    let mut numbers = Vec::new();
     for parameter in law.parameters() {
         let name = parameter.name(unit);
         let foreign = parameter.names().into_iter().find(|other| *other != name);
@@ -27,9 +27,9 @@ pub(in crate::study) fn resolve_friction(
             let fault = Fault::new("missing key", "no such key", format!("a value for `{name}`"));
             return Err(path.refuse_value(fault));
         };
-        own.push(*value);
+        numbers.push(*value);
     }
-    Ok(FrictionLaw::new(*law, &own))
+    Ok(FrictionLaw::new(*law, &numbers))
 }
 
 /// Validates the friction law together with the other parameters.

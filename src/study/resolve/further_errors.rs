@@ -60,13 +60,13 @@ pub(crate) fn with_further_errors(
 }
 
 /// Returns whether a check of one key depends on another key.
-fn depends(one: &KeyPath, other: &KeyPath) -> bool {
+fn depends(path: &KeyPath, other: &KeyPath) -> bool {
     let below = |path: &KeyPath, key: &str| {
         path.to_string()
             .strip_prefix(key)
             .is_some_and(|rest| key.is_empty() || rest.is_empty() || rest.starts_with(['.', '[']))
     };
-    DEPENDENT.iter().any(|(key, keys)| below(other, key) && keys.iter().any(|key| below(one, key)))
+    DEPENDENT.iter().any(|(key, keys)| below(other, key) && keys.iter().any(|key| below(path, key)))
 }
 
 /// Returns the path of the faulty key, without an item of a list at its end; `None` if there is no such key in the file.

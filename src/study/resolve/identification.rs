@@ -37,16 +37,16 @@ pub(crate) fn resolve_identification(
         let fault = Fault::new("a sweep over the number of balls", "`balls` in `sweep`", allowed);
         return Err(path.refuse_key(fault));
     }
-    let own = path.key("parameters");
+    let section = path.key("parameters");
     if file.parameters.is_empty() || file.parameters.len() > MOST_PARAMETERS {
         let found = format!("{} parameters", file.parameters.len());
         let allowed = format!("1 to {MOST_PARAMETERS} parameters, each with `from` and `to`");
-        return Err(own.wrong_value("nothing to identify, or too much", found, allowed));
+        return Err(section.wrong_value("nothing to identify, or too much", found, allowed));
     }
     let mut ranges: IndexMap<String, VariableFile> = IndexMap::new();
     let mut spacings = Vec::new();
     for (name, PriorFile { from, to, spacing }) in &file.parameters {
-        let path = own.key(name);
+        let path = section.key(name);
         if name == "balls" {
             let allowed =
                 "a numeric parameter; compare the fit of two studies for numbers of balls";
@@ -67,7 +67,7 @@ pub(crate) fn resolve_identification(
         let range = VariableFile { from: Some(*from), to: Some(*to), choices: None };
         ranges.insert(name.clone(), range);
     }
-    let parameters = resolve_variables(&own, plan, responses, Some(&ranges))?;
+    let parameters = resolve_variables(&section, plan, responses, Some(&ranges))?;
     let usual = USUAL_START[parameters.len().clamp(1, USUAL_START.len()) - 1];
     let usual = usual.min(Count::or(file.designs, MOST_DESIGNS));
     let start = Count::or(file.start_designs, usual);

@@ -51,13 +51,13 @@ impl Base {
             parameter.check(*value, &model).map_err(|fault| path.key(name).refuse_value(fault))?;
             parameter.set(&mut model, ParameterValue::Number(*value));
         }
-        let (mut general, mut own, mut random_kicks) = (Ball::default(), Vec::new(), Vec::new());
+        let (mut general, mut balls, mut random_kicks) = (Ball::default(), Vec::new(), Vec::new());
         if let Some(machine) = model.ball_balancer_mut() {
             machine.normal_force = written.normal_force.unwrap_or(machine.normal_force);
             machine.contact = resolve_contact(source, written.contact.as_ref())?;
             general = machine.balls.first().copied().unwrap_or_default();
-            own = own_values(&path.key("balls"), given.balls.as_ref())?;
-            machine.balls = own.iter().map(|ball| overlay(general, ball)).collect();
+            balls = own_values(&path.key("balls"), given.balls.as_ref())?;
+            machine.balls = balls.iter().map(|ball| overlay(general, ball)).collect();
         }
         let speed = model.speed_parameter();
         let last_speed = speed.and_then(|speed| speed.numbers(&mut model, None).pop().copied());
@@ -108,23 +108,24 @@ impl Base {
         check_stages(source, &model)?;
         check_friction(source, &model)?;
         check_contact(source, &model)?;
-        let fewest_balls = own.len();
-        Ok(Base { model, general, own, fewest_balls, random_kicks })
+        let fewest_balls = balls.len();
+        Ok(Base { model, general, each_ball: balls, fewest_balls, random_kicks })
     }
 
     /// Returns the model in the form of a study file, with all values except those that others determine.
     pub fn to_file(&self, determined: &[&str]) -> ModelFile {
         let kind = self.model.kind();
         let mut parameters = ParametersFile::default();
-        let numbers = kind.parameters.iter().filter(|one| one.is_number() && !one.has_own_key());
+        let numbers =
+            kind.parameters.iter().filter(|entry| entry.is_number() && !entry.has_own_key());
         for parameter in numbers {
-            let own = Parameter::find(parameter.name, &self.model);
-            let own = own.map(|own| own.get(&self.model, &self.general));
+            let found = Parameter::find(parameter.name, &self.model);
+            let value = found.map(|found| found.get(&self.model, &self.general));
             let is_given = parameter.is_given(&mut self.model.clone());
             if determined.contains(&parameter.name) || !is_given {
                 continue;
             }
-            if let Some(ParameterValue::Number(number)) = own {
+            if let Some(ParameterValue::Number(number)) = value {
                 parameters.numbers.insert(parameter.name.to_owned(), number);
             }
         }
@@ -132,8 +133,8 @@ impl Base {
         parameters.numbers.extend(counts);
         let machine = self.model.ball_balancer();
         parameters.balls = machine.map(|_| match self.has_own() {
-            true => Balls::Each(self.own.clone()),
-            false => Balls::Number(self.own.len() as u64),
+            true => Balls::Each(self.each_ball.clone()),
+            false => Balls::Number(self.each_ball.len() as u64),
         });
         ModelFile {
             kind: KindFile(kind),
@@ -154,7 +155,7 @@ impl Base {
 
 /// Returns the whole number of a kind of model with this name.
 pub(crate) fn find_count(kind: &ModelKind, name: &str) -> Option<&'static ParameterDescriptor> {
-    kind.parameters.iter().find(|own| own.name == name && own.largest_count().is_some())
+    kind.parameters.iter().find(|entry| entry.name == name && entry.largest_count().is_some())
 }
 
 fn set_count(
@@ -175,7 +176,7 @@ fn set_count(
 
 /// Returns the names of the parameters that a study file may give for this kind of model.
 fn parameter_names(kind: &ModelKind) -> Vec<&'static str> {
-    let numbers = kind.parameters.iter().filter(|one| one.is_number() && !one.has_own_key());
+    let numbers = kind.parameters.iter().filter(|entry| entry.is_number() && !entry.has_own_key());
     let mut names: Vec<&str> = numbers.map(|parameter| parameter.name).collect();
     let has_balls = kind.parameters.iter().any(ParameterDescriptor::is_of_each_ball);
     names.extend(has_balls.then_some(BALLS));
@@ -195,15 +196,16 @@ pub(in crate::study) fn check_parameters(source: &Source, names: &Names) -> Resu
     let path = source.path("model.parameters");
     for (key, value) in given {
         let name = names.find(Keys::Parameters, key.name()).0;
-        let elsewhere = kind.parameters.iter().find(|one| one.name == name && one.has_own_key());
-        if let Some(own) = elsewhere.and_then(ParameterDescriptor::own_key) {
+        let elsewhere =
+            kind.parameters.iter().find(|entry| entry.name == name && entry.has_own_key());
+        if let Some(section) = elsewhere.and_then(ParameterDescriptor::own_key) {
             let allowed = format!(
-                "the key `model.{own}`; only a sweep, a distribution or a design has `{name}`"
+                "the key `model.{section}`; only a sweep, a distribution or a design has `{name}`"
             );
             return Err(path.key(name).wrong_key("not a key of `parameters`", name, allowed));
         }
         let is_known = match kind.source() {
-            Some(_) => kind.parameters.iter().any(|one| one.name == name),
+            Some(_) => kind.parameters.iter().any(|entry| entry.name == name),
             None => parameter_keys().contains(&name),
         };
         if !is_known {
@@ -227,16 +229,16 @@ fn own_values(path: &SourcePath<'_>, balls: Option<&Balls>) -> Result<Vec<BallFi
     let number = match balls {
         None => Machine::default().balls.len() as u64,
         Some(Balls::Number(number)) => *number,
-        Some(Balls::Each(own)) => own.len() as u64,
+        Some(Balls::Each(each)) => each.len() as u64,
     };
     if !(1..=MAX_BALLS as u64).contains(&number) {
         let allowed = format!("between 1 and {MAX_BALLS} balls");
         return Err(path.wrong_value("wrong number of balls", number.to_string(), allowed));
     }
-    let Some(Balls::Each(own)) = balls else {
+    let Some(Balls::Each(each)) = balls else {
         return Ok((0..number).map(|_| BallFile::default()).collect());
     };
-    for (index, ball) in own.iter().enumerate() {
+    for (index, ball) in each.iter().enumerate() {
         for (key, general, value) in ball.values() {
             let form = Model::from(Machine::default());
             if let (Some(parameter), Some(value)) = (Parameter::find(general, &form), value) {
@@ -246,14 +248,14 @@ fn own_values(path: &SourcePath<'_>, balls: Option<&Balls>) -> Result<Vec<BallFi
             }
         }
     }
-    Ok(own.clone())
+    Ok(each.clone())
 }
 
-fn overlay(general: Ball, own: &BallFile) -> Ball {
+fn overlay(general: Ball, given: &BallFile) -> Ball {
     let mut ball = Ball {
-        mass_kg: own.mass_kg.unwrap_or(general.mass_kg),
-        diameter_m: own.diameter_m.unwrap_or(general.diameter_m),
-        friction_coefficient: own.friction_coefficient.unwrap_or(general.friction_coefficient),
+        mass_kg: given.mass_kg.unwrap_or(general.mass_kg),
+        diameter_m: given.diameter_m.unwrap_or(general.diameter_m),
+        friction_coefficient: given.friction_coefficient.unwrap_or(general.friction_coefficient),
         density_kg_m3: general.density_kg_m3,
     };
     ball.derive();

@@ -32,7 +32,7 @@ impl ResolvedBlock {
         let column = self.columns.iter().find(|(parameter, _)| *parameter == Parameter::BALLS);
         let Some((_, values)) = column else { return [balls; 2] };
         let numbers = values.iter().map(whole);
-        numbers.fold([usize::MAX, 0], |[least, most], one| [least.min(one), most.max(one)])
+        numbers.fold([usize::MAX, 0], |[least, most], number| [least.min(number), most.max(number)])
     }
 }
 
@@ -63,7 +63,7 @@ pub(in crate::study) fn base_of_all_points(
     base: Base,
 ) -> Result<Base, StudyError> {
     let ranges = blocks.iter().map(|block| block.range_of_balls(base.balls()));
-    let range = ranges.reduce(|all, one| [all[0].min(one[0]), all[1].max(one[1])]);
+    let range = ranges.reduce(|all, range| [all[0].min(range[0]), all[1].max(range[1])]);
     let base = base.with_balls(range.unwrap_or([base.balls(); 2]));
     for (index, block) in blocks.iter().enumerate() {
         for (parameter, _) in &block.columns {
@@ -87,8 +87,8 @@ pub(in crate::study) fn model_of_common_design(
     blocks: &[ResolvedBlock],
     base: &Base,
 ) -> Model {
-    let own = |index: usize| written.sweep.as_ref()?.get(index)?.design.as_ref();
-    let sharing = blocks.iter().enumerate().filter(|(index, _)| own(*index).is_none());
+    let design = |index: usize| written.sweep.as_ref()?.get(index)?.design.as_ref();
+    let sharing = blocks.iter().enumerate().filter(|(index, _)| design(*index).is_none());
     let most = sharing.map(|(_, block)| block.range_of_balls(base.balls())[1]).max();
     most.map_or_else(|| base.model.clone(), |most| base.with_balls([most; 2]).model)
 }

@@ -96,8 +96,8 @@ struct Goals<'a> {
 impl Goals<'_> {
     fn response(&self, name: &str) -> Result<usize, Fault> {
         let responses = self.responses;
-        responses.iter().position(|one| one.name == name).ok_or_else(|| {
-            let names: Vec<&str> = responses.iter().map(|one| one.name.as_str()).collect();
+        responses.iter().position(|known| known.name == name).ok_or_else(|| {
+            let names: Vec<&str> = responses.iter().map(|known| known.name.as_str()).collect();
             Fault::new("not a response", name, list_names(name, &names))
         })
     }
@@ -113,7 +113,7 @@ impl Goals<'_> {
                 if objectives.iter().any(|other| other.response == response) {
                     return Err(path.wrong_value("an objective twice", name.as_str(), "each once"));
                 }
-                let worst = self.responses.get(response).map(|one| one.measure);
+                let worst = self.responses.get(response).map(|found| found.measure);
                 if worst == Some(Measure::Worst) {
                     let problem = "an objective that is bounded from below only";
                     let allowed = "a quantile, such as amplitude_quantile: {fraction: 0.95}";
@@ -157,7 +157,7 @@ impl Goals<'_> {
                 _ => {}
             }
             let probability = matches!(
-                self.responses.get(response).map(|one| one.measure),
+                self.responses.get(response).map(|found| found.measure),
                 Some(Measure::Above(_) | Measure::AtRestBy(_))
             );
             let impossible = at_least.filter(|least| probability && *least > 1.0);
@@ -180,7 +180,7 @@ impl Goals<'_> {
     ) -> Result<Vec<DesignValue>, StudyError> {
         let path = self.path.key("compare_with");
         let variables = &self.designs.variables;
-        let names: Vec<&str> = variables.iter().map(|one| one.name()).collect();
+        let names: Vec<&str> = variables.iter().map(|variable| variable.name()).collect();
         if let Some(name) = written.keys().find(|name| !names.contains(&name.as_str())) {
             let fault = Fault::new("not a variable", name.as_str(), list_names(name, &names));
             return Err(path.key(name).refuse_key(fault));

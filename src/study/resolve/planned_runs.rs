@@ -81,7 +81,7 @@ pub(in crate::study) fn resolve_plan(
     let units = resolve_units(source, written.units.as_ref(), base.model.kind())?;
     let column = |parameter: &Parameter| parameter.column().shown_in(&units);
     let uncertain: Vec<VariedParameter> =
-        uncertain_parameters.iter().map(|one| column(&one.parameter)).collect();
+        uncertain_parameters.iter().map(|uncertain| column(&uncertain.parameter)).collect();
     let kind = base.model.kind();
     let determined = determined(source, kind, written, &swept_parameters)?;
     let resolved = StudyFile {
@@ -172,8 +172,8 @@ fn check_values(
 ) -> Result<(), StudyError> {
     let swept: usize =
         blocks.iter().flat_map(|block| &block.columns).map(|(_, values)| values.len()).sum();
-    let own = blocks.iter().filter_map(|block| block.file.design.as_ref());
-    let designs = own.chain(common.map(|design| &design.file));
+    let of_blocks = blocks.iter().filter_map(|block| block.file.design.as_ref());
+    let designs = of_blocks.chain(common.map(|design| &design.file));
     let starts: usize = designs.map(DesignFile::values).sum();
     if swept + starts <= MAX_VALUES {
         return Ok(());
@@ -193,9 +193,9 @@ fn designs<'a>(
     blocks: &mut [ResolvedBlock],
     common: Option<&ResolvedDesign<'a>>,
 ) -> Result<Vec<ResolvedDesign<'a>>, StudyError> {
-    let own = written.sweep.as_deref().unwrap_or_default();
+    let sweep = written.sweep.as_deref().unwrap_or_default();
     let resolve = |(index, block): (usize, &mut ResolvedBlock)| {
-        if let Some(design) = own.get(index).and_then(|block| block.design.as_ref()) {
+        if let Some(design) = sweep.get(index).and_then(|block| block.design.as_ref()) {
             let path = source.path("sweep").item(index).key("design");
             let model = base.with_balls(block.range_of_balls(base.balls())).model;
             let design = resolve_design(folders, &path, design, &model)?;

@@ -30,8 +30,8 @@ pub(crate) fn resolve_responses(
     let resolve = |(name, file): (&String, &ResponseFile)| {
         let path = path.key(name);
         check_column_name(name).map_err(|fault| path.refuse_key(fault))?;
-        let own = std::iter::once("").chain(SUFFIXES).map(|suffix| format!("{name}{suffix}"));
-        for column in own {
+        let names = std::iter::once("").chain(SUFFIXES).map(|suffix| format!("{name}{suffix}"));
+        for column in names {
             let swept = plan.swept().iter().any(|swept| swept.name == column);
             if swept || is_reserved(&column) || !columns.insert(column.clone()) {
                 return Err(path.wrong_key("another column has this name", column, "another name"));
@@ -53,13 +53,13 @@ fn quantity(
     file: &ResponseFile,
 ) -> Result<Quantity, StudyError> {
     let (key, measure, Amplitude { relative, of }) = file.parts();
-    let own = path.key(key);
+    let at = path.key(key);
     let refuse = |path: &SourcePath<'_>, problem: &str, found: String, allowed: &str| {
         Err(path.wrong_value(problem, found, allowed))
     };
     match measure {
         Measure::Above(limit) => {
-            let path = own.key("limit");
+            let path = at.key("limit");
             let text = path.node().filter(|node| matches!(node.content, Content::Text(_)));
             if let Some(node) = text.filter(|_| relative) {
                 let problem = "a value with a unit, although `relative` is true";
@@ -75,7 +75,7 @@ fn quantity(
             let [_, end] = plan.simulation().end_times_s();
             if time > end {
                 let allowed = format!("above 0, at most the end time, {}", describe_number(end));
-                return refuse(&own, "a time that no run reaches", describe_number(time), &allowed);
+                return refuse(&at, "a time that no run reaches", describe_number(time), &allowed);
             }
         }
         _ => {}
@@ -90,12 +90,12 @@ fn quantity(
         ("peak", true) => {
             let problem = "a peak amplitude has no counterpart without balls";
             let allowed = "of: residual, or relative: false";
-            return refuse(&own.key("relative"), problem, "relative: true".to_owned(), allowed);
+            return refuse(&at.key("relative"), problem, "relative: true".to_owned(), allowed);
         }
         ("peak", false) if plan.model().kind().offers.vibration && !plan.has_stages() => {
             let problem = "no peak amplitude at constant speed without disturbances";
             let allowed = "of: residual, or a speed_profile or disturbances in the model";
-            return refuse(&own.key("of"), problem, "of: peak".to_owned(), allowed);
+            return refuse(&at.key("of"), problem, "of: peak".to_owned(), allowed);
         }
         ("peak", false) if plan.has_peaks() => AmplitudeKind::Peak,
         (name, _) => {
@@ -117,7 +117,7 @@ fn quantity(
             names.extend(outputs.iter().map(|output| output.name.clone()));
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             let (problem, allowed) = ("not a quantity of a run", list_names(name, &names));
-            return refuse(&own.key("of"), problem, name.to_owned(), &allowed);
+            return refuse(&at.key("of"), problem, name.to_owned(), &allowed);
         }
     };
     Ok((measure, amplitude, None))

@@ -53,7 +53,7 @@ pub(in crate::study) fn number_runs(
                 Err(large) => too_many = Some(f64::max(large, too_many.unwrap_or(0.0))),
             }
         }
-        let runs_of: Vec<u64> = samplings.iter().map(|one| one.sampling.most).collect();
+        let runs_of: Vec<u64> = samplings.iter().map(|point| point.sampling.most).collect();
         let most = too_many.unwrap_or(runs_of.iter().copied().max().unwrap_or(0) as f64);
         let kind = |balls_of_point: usize| balls.partition_point(|other| *other < balls_of_point);
         let pattern: Vec<(u64, usize)> =

@@ -131,15 +131,16 @@ fn speeds(
     let read = Rows::read(folders, path, table, &names)?;
     let numbers = read.numbers(&names)?;
     let mut rows: Vec<[f64; 2]> = Vec::new();
-    for (row, own) in numbers.iter().enumerate() {
-        let own = [own[0], own[1]];
-        let sound = rows.last().map_or(own[0] == 0.0, |before| own[0] > before[0]);
+    for (row, values) in numbers.iter().enumerate() {
+        let values = [values[0], values[1]];
+        let sound = rows.last().map_or(values[0] == 0.0, |before| values[0] > before[0]);
         if !sound {
             let allowed = "0 in the first row, then later times";
-            let fault = Fault::new("times do not ascend from 0", describe_number(own[0]), allowed);
+            let fault =
+                Fault::new("times do not ascend from 0", describe_number(values[0]), allowed);
             return Err(read.refuse(Some(row), read.column(COLUMNS[0]), fault));
         }
-        rows.push(own);
+        rows.push(values);
     }
     if rows.len() < 2 {
         let fault = Fault::new("one row only", "1 row", "two rows or more");
@@ -169,8 +170,8 @@ pub(in crate::study) fn resolve_kicks(
             return Err(path.item(place).key("kick").key("direction_rad").refuse_key(fault));
         }
         let direction_rad = kick.direction_rad.unwrap_or_default();
-        let own = Kick { at_s: kick.at_s, speed_m_s: kick.speed_m_s, direction_rad };
-        Ok((own, kick.direction_rad.is_none()))
+        let resolved = Kick { at_s: kick.at_s, speed_m_s: kick.speed_m_s, direction_rad };
+        Ok((resolved, kick.direction_rad.is_none()))
     };
     written.iter().enumerate().map(kick).collect()
 }

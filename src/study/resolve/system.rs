@@ -50,17 +50,17 @@ pub(in crate::study) fn read_system(
             };
             let (file, bytes) = folders.read(name).map_err(refuse)?;
             let text = to_text(bytes).map_err(|fault| StudyError::about_file(&file, fault))?;
-            let own = Source::new(&file, text).map_err(|error| with_hint(error, true))?;
-            definition(&own)?
+            let inner = Source::new(&file, text).map_err(|error| with_hint(error, true))?;
+            definition(&inner)?
         }
         Content::Map(_) => {
-            let own = Source {
+            let inner = Source {
                 file: source.file.clone(),
                 text: source.text.clone(),
                 root: node.clone(),
                 units: Vec::new(),
             };
-            definition(&own)?
+            definition(&inner)?
         }
         _ => {
             let allowed = "the name of a system file, or the keys of one";
@@ -131,8 +131,9 @@ pub(super) struct Reader<'s> {
 
 impl<'s> Reader<'s> {
     fn definition(&self, file: &SystemFile) -> Result<SystemDefinition, StudyError> {
-        let is_letter = |one: char| one.is_ascii_lowercase() || one.is_ascii_digit() || one == '_';
-        if !file.system.starts_with(|one: char| one.is_ascii_lowercase())
+        let is_letter =
+            |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '_';
+        if !file.system.starts_with(|letter: char| letter.is_ascii_lowercase())
             || !file.system.chars().all(is_letter)
         {
             let allowed = "lower-case letters, digits and _, with a letter first";
@@ -144,9 +145,9 @@ impl<'s> Reader<'s> {
             parameters.push(self.parameter(name, &entry.0)?);
         }
         for (index, count) in &file.repeat {
-            if !parameters.iter().any(|one| one.name == *count && one.counts.is_some()) {
-                let counts = parameters.iter().filter(|one| one.counts.is_some());
-                let counts: Vec<&str> = counts.map(|one| one.name.as_str()).collect();
+            if !parameters.iter().any(|known| known.name == *count && known.counts.is_some()) {
+                let counts = parameters.iter().filter(|known| known.counts.is_some());
+                let counts: Vec<&str> = counts.map(|known| known.name.as_str()).collect();
                 let allowed = match counts[..] {
                     [] => {
                         "a parameter with the key `most`: blocks: {value: 3, most: 10}".to_owned()
@@ -210,12 +211,14 @@ impl<'s> Reader<'s> {
             derived.push(WrittenDerived { quantity, within, usual });
         }
         let turning = file.turning.iter().next();
-        let units =
-            parameters.iter().map(|one| &one.unit).chain(coordinates.iter().map(|one| &one.unit));
+        let units = parameters
+            .iter()
+            .map(|parameter| &parameter.unit)
+            .chain(coordinates.iter().map(|coordinate| &coordinate.unit));
         let speed_unit = if units.into_iter().any(|unit| unit.si != "1") { "rad/s" } else { "1" };
         if let Some((angle, speed)) = turning {
-            let is_speed = |one: &WrittenParameter| {
-                one.name == *speed && one.counts.is_none() && one.unit.si == speed_unit
+            let is_speed = |known: &WrittenParameter| {
+                known.name == *speed && known.counts.is_none() && known.unit.si == speed_unit
             };
             if file.turning.len() > 1 {
                 let allowed = "one part that turns; other speeds are multiples of its speed";
@@ -309,7 +312,7 @@ impl<'s> Reader<'s> {
     ) -> Result<WrittenUnit, StudyError> {
         let refuse = |fault| path.key("unit").refuse_value(fault);
         let unit = self.unit(written).map_err(refuse)?;
-        if convert(&format!("1 {written}"), &unit.si).is_ok_and(|one| one != 1.0) {
+        if convert(&format!("1 {written}"), &unit.si).is_ok_and(|factor| factor != 1.0) {
             let allowed = format!("{}{remedy}", unit.si);
             return Err(refuse(Fault::new("not an SI unit", shorten(written), allowed)));
         }
@@ -349,7 +352,7 @@ impl<'s> Reader<'s> {
     /// Returns the formulas of the two ends of a range.
     fn range(&self, path: &SourcePath<'_>, ends: &Ends) -> Result<[Formula; 2], StudyError> {
         match &ends.0[..] {
-            [one] => self.formula_at(path, one).map(|one| [one.clone(), one]),
+            [text] => self.formula_at(path, text).map(|formula| [formula.clone(), formula]),
             [low, high] => {
                 let [low, high] = [(0, low), (1, high)]
                     .map(|(place, text)| self.formula_at(&path.item(place), text));
@@ -387,7 +390,7 @@ impl<'s> Reader<'s> {
 
     fn unit(&self, text: &str) -> Result<WrittenUnit, Fault> {
         let (si, [length, mass, time, _]) = unit_of(text)?;
-        Ok(WrittenUnit { si, dimension: [mass, length, time].map(|one| one * WHOLE) })
+        Ok(WrittenUnit { si, dimension: [mass, length, time].map(|exponent| exponent * WHOLE) })
     }
 
     /// Names in tables end with their units, so that a name without a unit must not look like one with a unit.

@@ -85,9 +85,9 @@ impl Reader<'_> {
             return Err(path.wrong_key("unknown choice", shorten(name), allowed));
         };
         let has_coefficient = law.uses_friction_coefficient();
-        let own = law.parameters().iter().map(law_key);
+        let of_law = law.parameters().iter().map(law_key);
         let keys: Vec<&str> =
-            has_coefficient.then_some(COEFFICIENT).into_iter().chain(own).collect();
+            has_coefficient.then_some(COEFFICIENT).into_iter().chain(of_law).collect();
         if let Some(unknown) = values.keys().find(|key| !keys.contains(&key.as_str())) {
             let fault = Fault::new("unknown key", shorten(unknown), list_names(unknown, &keys));
             return Err(path.key(unknown).refuse_key(fault));
@@ -100,8 +100,8 @@ impl Reader<'_> {
             }
         };
         let coefficient = if has_coefficient { value(COEFFICIENT)? } else { Formula::number(0.0) };
-        let own = law.parameters().iter().map(|parameter| value(law_key(parameter)));
-        let values = own.collect::<Result<_, _>>()?;
+        let formulas = law.parameters().iter().map(|parameter| value(law_key(parameter)));
+        let values = formulas.collect::<Result<_, _>>()?;
         Ok(WrittenFriction { law: *law, coefficient, values })
     }
 }

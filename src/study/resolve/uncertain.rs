@@ -38,8 +38,8 @@ pub(crate) fn resolve_uncertain(
             find_uncertain(name, base, swept, factor).map_err(|fault| path.refuse_key(fault))?;
         let path = if factor { path.key(kind(distribution)) } else { path };
         let path = path.key(kind(drawn));
-        let own = match parameter.get(&base.model, &base.general) {
-            ParameterValue::Number(own) if factor => own,
+        let scale = match parameter.get(&base.model, &base.general) {
+            ParameterValue::Number(number) if factor => number,
             _ => 1.0,
         };
         let distribution = Distribution::resolve(drawn)
@@ -48,8 +48,8 @@ pub(crate) fn resolve_uncertain(
             // Draws are strictly inside a range, so its lower end may itself be just too small.
             let inside = if key == "min" { bound.next_up() } else { bound };
             if let (Err(fault), Err(_)) = (
-                parameter.check(own * bound, &base.model),
-                parameter.check(own * inside, &base.model),
+                parameter.check(scale * bound, &base.model),
+                parameter.check(scale * inside, &base.model),
             ) {
                 let fault = Fault { found: Some(describe_number(bound)), ..fault };
                 return Err(path.key(key).refuse_value(fault));
@@ -75,9 +75,10 @@ fn random_directions(
     let directions =
         base.random_kicks.iter().filter_map(|kick| Some(direction?.of_one_member(*kick)));
     let varied: Vec<Parameter> =
-        swept.iter().copied().chain(drawn.iter().map(|one| one.parameter)).collect();
-    let is_free =
-        |own: &Parameter| !varied.iter().any(|other| other == own || own.general() == Some(*other));
+        swept.iter().copied().chain(drawn.iter().map(|uncertain| uncertain.parameter)).collect();
+    let is_free = |parameter: &Parameter| {
+        !varied.iter().any(|other| other == parameter || parameter.general() == Some(*other))
+    };
     let uncertain = |parameter: Parameter| UncertainParameter {
         parameter,
         distribution: all_directions.clone(),

@@ -41,7 +41,7 @@ impl<'a> UncertainSampling<'a> {
         seed: u64,
     ) -> Result<UncertainSampling<'a>, StudyError> {
         let path = source.path("uncertain_sampling");
-        let names: Vec<String> = uncertain.iter().map(|one| one.parameter.name()).collect();
+        let names: Vec<String> = uncertain.iter().map(|drawn| drawn.parameter.name()).collect();
         let default = UncertainSamplingFile::default();
         if written.is_some() && names.is_empty() {
             let allowed = "`uncertain` with at least one parameter, or no `uncertain_sampling`";
@@ -78,7 +78,7 @@ impl<'a> UncertainSampling<'a> {
         sampling: Sampling,
         precision: Option<&Precision>,
     ) -> Result<UncertainDesign, StudyError> {
-        let own = |runs| UncertainDesign::latin_hypercube(&self.names, runs, self.seed);
+        let latin = |runs| UncertainDesign::latin_hypercube(&self.names, runs, self.seed);
         let refuse = |fault| self.path.key("design").refuse_value(fault);
         let uncertain_design = match (self.kind, &design.layout) {
             (UncertainDesignKind::MonteCarlo, _)
@@ -95,7 +95,7 @@ impl<'a> UncertainSampling<'a> {
                 )));
             }
             (UncertainDesignKind::LatinHypercube, _)
-            | (UncertainDesignKind::Joint, Layout::LatinHypercube { .. }) => own(sampling.first),
+            | (UncertainDesignKind::Joint, Layout::LatinHypercube { .. }) => latin(sampling.first),
             (UncertainDesignKind::Sobol, _) if sampling.first > MAX_SOBOL_SAMPLES => {
                 let found = format!("{} runs at each point", sampling.first);
                 let allowed = format!(
@@ -139,24 +139,24 @@ fn pairs(
     let mut pairs: Vec<CorrelatedPair> = Vec::with_capacity(written.len());
     for (index, CorrelationFile { parameters, rank_correlation }) in written.iter().enumerate() {
         let path = path.item(index);
-        let own = path.key("parameters");
+        let list = path.key("parameters");
         let two = "two different uncertain parameters, such as [stiffness_n_m, damping_n_s_m]";
-        let [one, other] = &parameters[..] else {
+        let [left, right] = &parameters[..] else {
             let found = format!("a list of {}", parameters.len());
-            return Err(own.wrong_value("wrong number of values", found, two));
+            return Err(list.wrong_value("wrong number of values", found, two));
         };
         let place = |item: usize, name: &str| {
-            find(names, name).map_err(|fault| own.item(item).refuse_value(fault))
+            find(names, name).map_err(|fault| list.item(item).refuse_value(fault))
         };
-        let mut places = [place(0, one)?, place(1, other)?];
+        let mut places = [place(0, left)?, place(1, right)?];
         if places[0] == places[1] {
-            let found = format!("{one} twice");
-            return Err(own.wrong_value("a pair of one parameter", found, two));
+            let found = format!("{left} twice");
+            return Err(list.wrong_value("a pair of one parameter", found, two));
         }
         places.sort_unstable();
         if let Some(first) = pairs.iter().position(|pair| pair.places == places) {
-            let found = format!("{one} and {other} here and in item {first} of the list");
-            return Err(own.wrong_value("a pair given twice", found, "each pair once"));
+            let found = format!("{left} and {right} here and in item {first} of the list");
+            return Err(list.wrong_value("a pair given twice", found, "each pair once"));
         }
         pairs.push(CorrelatedPair { places, value: *rank_correlation });
     }
@@ -165,9 +165,9 @@ fn pairs(
 
 /// Returns the place of the uncertain parameter with this name, which may lack its unit.
 fn find(names: &[String], name: &str) -> Result<usize, Fault> {
-    let is_short = |own: &String| split_unit(own).is_some_and(|(short, _)| short == name);
+    let is_short = |known: &String| split_unit(known).is_some_and(|(short, _)| short == name);
     let place =
-        names.iter().position(|own| own == name).or_else(|| names.iter().position(is_short));
+        names.iter().position(|known| known == name).or_else(|| names.iter().position(is_short));
     place.ok_or_else(|| {
         Fault::new(
             "not an uncertain parameter",
@@ -183,10 +183,10 @@ fn copula(
     names: &[String],
 ) -> Result<Copula, StudyError> {
     let refuse = |Contradiction { pair, place, possible }| {
-        let CorrelatedPair { places: [one, other], value } = pairs[pair];
+        let CorrelatedPair { places: [left, right], value } = pairs[pair];
         let name = &names[place];
         let (value, pair_in_words) =
-            (describe_number(value), format!("{} and {}", names[one], names[other]));
+            (describe_number(value), format!("{} and {}", names[left], names[right]));
         let found = format!("{value} for {pair_in_words}, with those of the other pairs of {name}");
         let weaker = format!("weaker correlations of {name}");
         let allowed = match possible {

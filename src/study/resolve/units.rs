@@ -34,10 +34,10 @@ pub(crate) fn resolve_units(
             // All names are compared, and only the nearest one and the quantities are listed.
             let all = list_names(key, &names);
             let nearest = all.split_once(" (did you mean this?)").map(|(name, _)| name);
-            let own: Vec<&str> = QUANTITIES.iter().map(|(name, _)| *name).collect();
-            let allowed = match nearest.filter(|name| !own.contains(name)) {
-                Some(name) => format!("{name} (did you mean this?), {}", own.join(", ")),
-                None => format!("{}, or a parameter without its unit", list_names(key, &own)),
+            let listed: Vec<&str> = QUANTITIES.iter().map(|(name, _)| *name).collect();
+            let allowed = match nearest.filter(|name| !listed.contains(name)) {
+                Some(name) => format!("{name} (did you mean this?), {}", listed.join(", ")),
+                None => format!("{}, or a parameter without its unit", list_names(key, &listed)),
             };
             let problem = "neither a quantity nor a parameter with a unit";
             return Err(path.wrong_key(problem, shorten(key), allowed));

@@ -161,8 +161,8 @@ impl VariableRules<'_> {
         }
         // A factor does not set the parameter itself, so a design may vary it.
         let drawn = self.plan.uncertain_parameters.iter();
-        let drawn = drawn.filter(|one| !one.factor || one.parameter != parameter);
-        let drawn = drawn.map(|one| one.parameter);
+        let drawn = drawn.filter(|uncertain| !uncertain.factor || uncertain.parameter != parameter);
+        let drawn = drawn.map(|uncertain| uncertain.parameter);
         for (place, mut others) in [
             ("sweep", self.plan.swept_parameters.clone()),
             ("uncertain", drawn.collect::<Vec<_>>()),
@@ -188,28 +188,28 @@ impl VariableRules<'_> {
         for (name, values) in choices {
             let path = path.key(name);
             check_choice(name).map_err(|fault| path.refuse_key(fault))?;
-            let mut own = Vec::new();
+            let mut choice = Vec::new();
             for (key, value) in values {
                 let path = path.key(key);
                 let parameter = self.parameter(key).map_err(|fault| path.refuse_key(fault))?;
                 let checked = parameter.check(*value, self.plan.model());
                 checked.map_err(|fault| path.refuse_value(fault))?;
-                own.push((parameter, *value));
+                choice.push((parameter, *value));
             }
-            own.sort_by_key(|(parameter, _)| parameter.key());
+            choice.sort_by_key(|(parameter, _)| parameter.key());
             let names = |values: &[(Parameter, f64)]| {
-                let names: Vec<String> = values.iter().map(|(one, _)| one.name()).collect();
+                let names: Vec<String> = values.iter().map(|(varied, _)| varied.name()).collect();
                 names.join(", ")
             };
-            if own.is_empty() {
+            if choice.is_empty() {
                 return Err(path.wrong_value("an empty choice", "nothing", "values of parameters"));
             }
-            let first = all.first().map_or_else(|| names(&own), |(_, first)| names(first));
-            if names(&own) != first {
+            let first = all.first().map_or_else(|| names(&choice), |(_, first)| names(first));
+            if names(&choice) != first {
                 let problem = "choices that set different parameters";
-                return Err(path.wrong_value(problem, names(&own), first));
+                return Err(path.wrong_value(problem, names(&choice), first));
             }
-            all.push((name.clone(), own));
+            all.push((name.clone(), choice));
         }
         if all.is_empty() {
             return Err(path.wrong_value("no choices", "nothing", "at least one choice"));

@@ -46,7 +46,7 @@ pub(crate) fn start_apart(
         return Ok(start);
     }
     let room =
-        TAU - (0..balls).map(|one| touching_angle(machine, one, (one + 1) % balls)).sum::<f64>();
+        TAU - (0..balls).map(|ball| touching_angle(machine, ball, (ball + 1) % balls)).sum::<f64>();
     if room <= 0.0 {
         let found = format!("balls that take {} rad of the ring", TAU - room);
         return Err(fault("ball_diameter_m", found, "less than the whole ring, 6.283 rad"));
@@ -84,7 +84,7 @@ fn move_apart(machine: &Machine, angles: &mut [f64]) {
     let first = angles[0];
     let ahead = |angle: f64| wrap_to_two_pi(angle - first);
     let mut order: Vec<usize> = (1..angles.len()).collect();
-    order.sort_by(|one, other| ahead(angles[*one]).total_cmp(&ahead(angles[*other])));
+    order.sort_by(|left, right| ahead(angles[*left]).total_cmp(&ahead(angles[*right])));
     let ring: Vec<usize> = std::iter::once(0).chain(order).collect();
     let next = |place: usize| ring[(place + 1) % ring.len()];
     let touching: Vec<f64> =
@@ -101,7 +101,7 @@ fn move_apart(machine: &Machine, angles: &mut [f64]) {
 pub(crate) fn first_overlap(machine: &Machine, angles: &[f64]) -> Option<Overlap> {
     let mut order: Vec<usize> = (0..angles.len()).collect();
     let place = |ball: usize| wrap_to_two_pi(angles[ball]);
-    order.sort_by(|one, other| place(*one).total_cmp(&place(*other)));
+    order.sort_by(|left, right| place(*left).total_cmp(&place(*right)));
     let neighbours = (0..order.len()).map(|i| [order[i], order[(i + 1) % order.len()]]);
     neighbours.filter(|[behind, ahead]| behind != ahead).find_map(|[behind, ahead]| {
         let angle = wrap_to_two_pi(angles[ahead] - angles[behind]);

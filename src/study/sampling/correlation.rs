@@ -47,10 +47,10 @@ impl Copula {
     /// Creates the copula of `count` parameters.
     pub fn new(count: usize, pairs: &[CorrelatedPair]) -> Result<Copula, Contradiction> {
         let mut matrix = DMatrix::<f64>::identity(count, count);
-        for CorrelatedPair { places: [one, other], value } in pairs {
+        for CorrelatedPair { places: [row, column], value } in pairs {
             let normal = normal_correlation(*value);
-            matrix[(*one, *other)] = normal;
-            matrix[(*other, *one)] = normal;
+            matrix[(*row, *column)] = normal;
+            matrix[(*column, *row)] = normal;
         }
         let mut rows = vec![Vec::new(); count];
         for place in 1..count {
@@ -72,9 +72,9 @@ impl Copula {
     /// Correlates uniform fractions strictly between 0 and 1, one for each parameter.
     pub fn correlate(&self, fractions: &[f64]) -> Vec<f64> {
         let standard = Normal::standard();
-        let correlated = |(row, own): (&Vec<(usize, f64)>, &f64)| {
+        let correlated = |(row, fraction): (&Vec<(usize, f64)>, &f64)| {
             if row.is_empty() {
-                return *own;
+                return *fraction;
             }
             let normal = row
                 .iter()
@@ -99,36 +99,36 @@ fn rank_correlation(normal: f64) -> f64 {
 /// Returns the last of a parameter's pairs whose change alone makes the leading minor positive, or the last pair if
 /// there is none.
 fn contradiction(matrix: &DMatrix<f64>, place: usize, pairs: &[CorrelatedPair]) -> Contradiction {
-    let own = || {
-        let own = pairs.iter().enumerate().rev();
-        own.filter(|(_, pair)| pair.places[1] == place)
+    let of_place = || {
+        let all = pairs.iter().enumerate().rev();
+        all.filter(|(_, pair)| pair.places[1] == place)
     };
-    let with_range = own().find_map(|(pair, one)| {
-        let possible = possible_range(matrix, one.places[0], place)?;
+    let with_range = of_place().find_map(|(pair, correlated)| {
+        let possible = possible_range(matrix, correlated.places[0], place)?;
         Some(Contradiction { pair, place, possible: Some(possible) })
     });
-    let last = own().next().map_or(0, |(pair, _)| pair);
+    let last = of_place().next().map_or(0, |(pair, _)| pair);
     with_range.unwrap_or(Contradiction { pair: last, place, possible: None })
 }
 
 /// Returns the rank correlations of two parameters with which the leading minor up to the later one is positive, with all
 /// other correlations as they are: those with a partial correlation between -1 and 1.
-fn possible_range(matrix: &DMatrix<f64>, one: usize, later: usize) -> Option<[f64; 2]> {
-    let others: Vec<usize> = (0..later).filter(|other| *other != one).collect();
+fn possible_range(matrix: &DMatrix<f64>, earlier: usize, later: usize) -> Option<[f64; 2]> {
+    let others: Vec<usize> = (0..later).filter(|other| *other != earlier).collect();
     let among = DMatrix::from_fn(others.len(), others.len(), |row, column| {
         matrix[(others[row], others[column])]
     });
     let with = |place: usize| {
         DVector::from_iterator(others.len(), others.iter().map(|other| matrix[(*other, place)]))
     };
-    let (with_one, with_later) = (with(one), with(later));
+    let (with_earlier, with_later) = (with(earlier), with(later));
     let among = Cholesky::new(among)?;
-    let (solved_one, solved) = (among.solve(&with_one), among.solve(&with_later));
-    let left = [1.0 - with_one.dot(&solved_one), 1.0 - with_later.dot(&solved)];
+    let (solved_earlier, solved) = (among.solve(&with_earlier), among.solve(&with_later));
+    let left = [1.0 - with_earlier.dot(&solved_earlier), 1.0 - with_later.dot(&solved)];
     if left.iter().any(|variance| *variance <= MIN_REMAINING_VARIANCE) {
         return None;
     }
-    let (centre, half) = (with_one.dot(&solved), (left[0] * left[1]).sqrt());
+    let (centre, half) = (with_earlier.dot(&solved), (left[0] * left[1]).sqrt());
     let low = ((rank_correlation(centre - half) * 1e3).floor() + 1.0) / 1e3;
     let high = ((rank_correlation(centre + half) * 1e3).ceil() - 1.0) / 1e3;
     (low <= high).then_some([low, high])
@@ -139,7 +139,7 @@ mod tests {
     use super::{Contradiction, Copula, CorrelatedPair, normal_correlation, rank_correlation};
 
     fn pairs(pairs: &[(usize, usize, f64)]) -> Vec<CorrelatedPair> {
-        let pair = |&(one, other, value)| CorrelatedPair { places: [one, other], value };
+        let pair = |&(first, second, value)| CorrelatedPair { places: [first, second], value };
         pairs.iter().map(pair).collect()
     }
 

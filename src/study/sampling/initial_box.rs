@@ -111,8 +111,8 @@ impl InitialBox {
         }
         let range = |coordinate: &Coordinate| {
             let given = written.and_then(|ranges| {
-                let own = ranges.get(&coordinate.name);
-                own.or_else(|| ranges.get(coordinate.of_every_body?))
+                let found = ranges.get(&coordinate.name);
+                found.or_else(|| ranges.get(coordinate.of_every_body?))
             });
             given.map_or(coordinate.default_range, |range| range.0)
         };

@@ -313,8 +313,8 @@ mod tests {
         let two = ["x", "y", "beta_1", "beta_2", "x_dot", "y_dot", "beta_dot_1", "beta_dot_2"];
         assert_eq!(dimensions(&two), [0, 1, 4, 6, 2, 3, 5, 7]);
         // Axes of models outside of the crate.
-        let own = ["position_1_m", "position_2_m", "velocity_1_m_s", "velocity_2_m_s"];
-        assert_eq!(dimensions(&own), [0, 1, 2, 3]);
+        let names = ["position_1_m", "position_2_m", "velocity_1_m_s", "velocity_2_m_s"];
+        assert_eq!(dimensions(&names), [0, 1, 2, 3]);
         assert_eq!(dimensions(&["angle_rad", "x"]), [0, 1]);
         assert_eq!(dimensions(&["x", "position_m"]), [0, 1]);
         assert_eq!(dimensions(&["beta_9", "beta_1"]), [0, 1]);

@@ -83,12 +83,12 @@ impl Annotator<'_> {
             let line = key.place.line - 1;
             if let Some(about) = self.about(&known) {
                 // The text's own comments on a key are below what is generated.
-                let own = self.lines[..line].iter().rev();
-                let own = own.take_while(|line| line.trim_start().starts_with('#')).count();
+                let before = self.lines[..line].iter().rev();
+                let comments = before.take_while(|line| line.trim_start().starts_with('#')).count();
                 let is_item = self.lines[line].trim_start().starts_with("- ");
                 // The dash of an entry is to the left of its first key.
                 let indent = key.place.column - 1 - if is_item { 2 } else { 0 };
-                self.comment(line - own, indent, &about);
+                self.comment(line - comments, indent, &about);
             }
             if value.place.line == key.place.line {
                 continue;
