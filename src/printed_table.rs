@@ -119,13 +119,13 @@ pub(crate) fn in_two_lines(name: &str) -> [&str; 2] {
 /// Returns the cells of each row.
 fn cells(columns: &[PrintedColumn]) -> impl Iterator<Item = Vec<String>> {
     let rows = columns.iter().map(|column| column.cells.len()).max().unwrap_or(0);
-    let row = |row: usize| columns.iter().filter_map(move |one| one.cells.get(row).cloned());
+    let row = |row: usize| columns.iter().filter_map(move |column| column.cells.get(row).cloned());
     (0..rows).map(move |number| row(number).collect())
 }
 
 /// Returns columns as text, with the header in two lines, or in one if the first one is empty.
 pub fn as_text(columns: &[PrintedColumn]) -> String {
-    let header = |line: usize| columns.iter().map(|one| one.header[line].clone()).collect();
+    let header = |line: usize| columns.iter().map(|column| column.header[line].clone()).collect();
     let header: [Vec<String>; 2] = [0, 1].map(header);
     let header = header.into_iter().filter(|line| line.iter().any(|cell| !cell.is_empty()));
     let left = columns.iter().enumerate().filter(|(_, column)| column.is_left);

@@ -35,20 +35,19 @@ impl RestForm {
     fn moved(&self, beta: &[f64], step: f64) -> Vec<Vec<f64>> {
         let gaps = self.closed_gaps(beta);
         let mut group: Vec<usize> = (0..beta.len()).collect();
-        for [one, other] in gaps.iter().flat_map(|_| gaps.iter().map(|gap| gap.contacts)) {
-            let least = group[one].min(group[other]);
-            (group[one], group[other]) = (least, least);
+        for [first, second] in gaps.iter().flat_map(|_| gaps.iter().map(|gap| gap.contacts)) {
+            let least = group[first].min(group[second]);
+            (group[first], group[second]) = (least, least);
         }
         let moved = |ball: usize, together: bool, sign: f64| {
             let moves = |other: usize| other == ball || (together && group[other] == group[ball]);
-            let room = |one: usize, other: usize| {
-                let ahead = wrap_to_two_pi(sign * (beta[other] - beta[one]));
-                (ahead - self.touching_angle(one, other)).max(0.0)
+            let room = |from: usize, to: usize| {
+                let ahead = wrap_to_two_pi(sign * (beta[to] - beta[from]));
+                (ahead - self.touching_angle(from, to)).max(0.0)
             };
-            let pairs =
-                (0..beta.len()).flat_map(|one| (0..beta.len()).map(move |other| (one, other)));
-            let between = pairs.filter(|(one, other)| moves(*one) && !moves(*other));
-            let reach = between.map(|(one, other)| room(one, other)).fold(step, f64::min);
+            let pairs = (0..beta.len()).flat_map(|from| (0..beta.len()).map(move |to| (from, to)));
+            let between = pairs.filter(|(from, to)| moves(*from) && !moves(*to));
+            let reach = between.map(|(from, to)| room(from, to)).fold(step, f64::min);
             let turned = |(other, beta): (usize, &f64)| {
                 wrap_to_two_pi(if moves(other) { beta + sign * reach } else { *beta })
             };

@@ -16,10 +16,10 @@ impl ContactPairs {
     pub(super) fn of(machine: &Machine) -> Option<Self> {
         let contact = machine.contact?;
         let balls = machine.balls.len();
-        let pairs = (0..balls).flat_map(|one| (0..one).map(move |other| [other, one]));
+        let pairs = (0..balls).flat_map(|ball| (0..ball).map(move |other| [other, ball]));
         let pairs = pairs.map(|pair| {
-            let [one, other] = pair.map(|ball| &machine.balls[ball]);
-            let angle = machine.contact_angle_rad(one, other);
+            let [first, second] = pair.map(|ball| &machine.balls[ball]);
+            let angle = machine.contact_angle_rad(first, second);
             (pair, angle, libm::cos(angle))
         });
         let friction_coefficient = contact.friction_coefficient;

@@ -243,10 +243,11 @@ impl CycleForm {
 
     /// Returns the places of the balls that touch each other, in ascending order, and whether they touch throughout.
     fn pairs(&self, balls: &[usize]) -> Vec<(bool, [usize; 2])> {
-        let place = |ball: usize| balls.iter().position(|one| *one == ball).unwrap_or(ball) + 1;
+        let place =
+            |ball: usize| balls.iter().position(|listed| *listed == ball).unwrap_or(ball) + 1;
         let pair = |pair: &TouchingPair| {
-            let [one, other] = pair.contacts.map(place);
-            (!pair.throughout, [one.min(other), one.max(other)])
+            let [first, second] = pair.contacts.map(place);
+            (!pair.throughout, [first.min(second), first.max(second)])
         };
         let mut pairs: Vec<_> = self.touching.iter().map(pair).collect();
         pairs.sort_unstable();
@@ -265,7 +266,7 @@ impl CycleForm {
         }
         let mut orders = vec![balls];
         for places in groups {
-            for equal in places.chunk_by(|one, other| roles[*one] == roles[*other]) {
+            for equal in places.chunk_by(|left, right| roles[*left] == roles[*right]) {
                 orders = orders.iter().flat_map(|order| exchanges(order, equal)).collect();
             }
         }
@@ -295,7 +296,7 @@ fn pairs_text(pairs: &[(bool, [usize; 2])]) -> String {
     let list = |meet: bool, name: &str| {
         let of_kind = pairs.iter().filter(|(kind, _)| *kind == meet);
         let texts: Vec<String> =
-            of_kind.map(|(_, [one, other])| format!("{one}-{other}")).collect();
+            of_kind.map(|(_, [first, second])| format!("{first}-{second}")).collect();
         if texts.is_empty() { String::new() } else { format!(";{name}:{}", texts.join(",")) }
     };
     list(false, "touch") + &list(true, "meet")

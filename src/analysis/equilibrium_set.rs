@@ -92,13 +92,13 @@ impl EquilibriumSet {
         let mut held: Vec<_> = samples.iter().filter(|beta| form.holds_with_forces(beta)).collect();
         self.touching_fraction =
             (!samples.is_empty()).then(|| held.len() as f64 / samples.len() as f64);
-        held.sort_by(|one, other| form.amplitude_m(other).total_cmp(&form.amplitude_m(one)));
+        held.sort_by(|left, right| form.amplitude_m(right).total_cmp(&form.amplitude_m(left)));
         let starts = held.iter().copied().step_by((held.len() / CLIMBS).max(1)).take(CLIMBS);
         let without_friction = frictionless_positions(form);
-        let starts = starts.chain(without_friction.iter().map(|one| &one.beta).take(CLIMBS));
+        let starts = starts.chain(without_friction.iter().map(|place| &place.beta).take(CLIMBS));
         let starts: Vec<_> = starts.collect();
         let climbed_m = starts.par_iter().map(|beta| form.climbed_m(beta)).reduce(|| 0.0, f64::max);
-        for beta in held.into_iter().chain(without_friction.iter().map(|one| &one.beta)) {
+        for beta in held.into_iter().chain(without_friction.iter().map(|place| &place.beta)) {
             let amplitude = form.amplitude_m(beta);
             let (smallest, largest) = self.amplitude_m.get_or_insert((amplitude, amplitude));
             *largest = largest.max(amplitude);
@@ -213,7 +213,7 @@ fn set_on_grid(form: &RestForm, grid: &SetGrid) -> EquilibriumSet {
         touching_fraction: None,
         components: Some(components),
         components_modulo_exchange: exchanged.filter(|_| identical).or(Some(components)),
-        unseen: Some(frictionless.iter().filter(|one| !grid.sees(&one.beta)).count() as u64),
+        unseen: Some(frictionless.iter().filter(|place| !grid.sees(&place.beta)).count() as u64),
         amplitude_m: summary.amplitudes.map(|[low, high]| (low.0 * radius, high.0 * radius)),
         min_amplitude_beta_rad: summary
             .amplitudes
@@ -289,8 +289,8 @@ impl SampleSums {
 
     fn merged(self, other: Self) -> Self {
         let smaller = match (self.smallest, other.smallest) {
-            (Some(one), Some(other)) => Some(if other.0 < one.0 { other } else { one }),
-            (one, other) => one.or(other),
+            (Some(left), Some(right)) => Some(if right.0 < left.0 { right } else { left }),
+            (left, right) => left.or(right),
         };
         SampleSums {
             possible: self.possible + other.possible,

@@ -92,7 +92,7 @@ pub fn frictionless_equilibria(
         }]);
     }
     let candidates = equilibrium_positions(&form).into_iter();
-    Some(candidates.map(|one| FrictionlessEquilibrium::at(&form, one, drag)).collect())
+    Some(candidates.map(|position| FrictionlessEquilibrium::at(&form, position, drag)).collect())
 }
 
 /// Returns all positions at a nonzero speed, ordered by kind.

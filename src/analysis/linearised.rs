@@ -110,13 +110,13 @@ fn coordinates(form: &RestForm, beta: &[f64]) -> DMatrix<f64> {
     let mut leader: Vec<usize> = (0..beta.len()).collect();
     for gap in form.closed_gaps(beta) {
         let [from, to] = gap.contacts.map(|ball| leader[ball]);
-        leader.iter_mut().filter(|one| **one == from).for_each(|one| *one = to);
+        leader.iter_mut().filter(|ball| **ball == from).for_each(|ball| *ball = to);
     }
     let leaders: Vec<usize> = (0..beta.len()).filter(|ball| leader[*ball] == *ball).collect();
     let mut matrix = DMatrix::zeros(2 + beta.len(), 2 + leaders.len());
     matrix.view_mut((0, 0), (2, 2)).fill_with_identity();
-    for (column, one) in leaders.iter().enumerate() {
-        let led = (0..beta.len()).filter(|ball| leader[*ball] == *one);
+    for (column, lead) in leaders.iter().enumerate() {
+        let led = (0..beta.len()).filter(|ball| leader[*ball] == *lead);
         led.for_each(|ball| matrix[(2 + ball, 2 + column)] = 1.0);
     }
     matrix

@@ -41,10 +41,10 @@ impl UnionFind {
         item
     }
 
-    fn join(&mut self, one: u32, other: u32) {
-        let (one, other) = (self.root(one), self.root(other));
-        if one != other {
-            self.parents[one.max(other) as usize] = one.min(other);
+    fn join(&mut self, first: u32, second: u32) {
+        let (first, second) = (self.root(first), self.root(second));
+        if first != second {
+            self.parents[first.max(second) as usize] = first.min(second);
             self.sets -= 1;
         }
     }
@@ -106,24 +106,24 @@ impl SetRuns {
     fn join_touching(&self, row: usize, next: usize, first: &[u32], components: &mut UnionFind) {
         let (upper, lower) = (&self.rows[row], &self.rows[next]);
         let (mut i, mut j) = (0, 0);
-        while let (Some(one), Some(other)) = (upper.get(i), lower.get(j)) {
-            if one.0 <= other.1 && other.0 <= one.1 {
+        while let (Some(above), Some(below)) = (upper.get(i), lower.get(j)) {
+            if above.0 <= below.1 && below.0 <= above.1 {
                 components.join(first[row] + i as u32, first[next] + j as u32);
             }
-            if one.1 < other.1 {
+            if above.1 < below.1 {
                 i += 1;
             } else {
                 j += 1;
             }
         }
         // Corners that touch across the rows' ends.
-        for (one, one_row, other, other_row) in
+        for (ending, ending_row, starting, starting_row) in
             [(upper, row, lower, next), (lower, next, upper, row)]
         {
-            if let (Some(&(_, end)), Some(&(0, _))) = (one.last(), other.first())
+            if let (Some(&(_, end)), Some(&(0, _))) = (ending.last(), starting.first())
                 && end == self.columns
             {
-                components.join(first[one_row] + one.len() as u32 - 1, first[other_row]);
+                components.join(first[ending_row] + ending.len() as u32 - 1, first[starting_row]);
             }
         }
     }

@@ -13,33 +13,33 @@ use crate::model::{Gap, HeldContact, TOUCHING, held, wrap_to_two_pi};
 impl RestForm {
     /// Returns whether balls with contact have these directions without overlap. Balls without contact may overlap.
     pub(super) fn are_apart(&self, directions: &[Complex<f64>]) -> bool {
-        let apart = |([one, other], _, cosine): &([usize; 2], f64, f64)| {
-            (directions[*one] * directions[*other].conj()).re <= *cosine
+        let apart = |([first, second], _, cosine): &([usize; 2], f64, f64)| {
+            (directions[*first] * directions[*second].conj()).re <= *cosine
         };
         self.touching.as_ref().is_none_or(|touching| touching.pairs.iter().all(apart))
     }
 
     /// Returns whether balls with contact have these angles without overlap; those that touch do not overlap.
     pub(super) fn is_possible(&self, beta: &[f64]) -> bool {
-        let apart = |([one, other], angle, _): &([usize; 2], f64, f64)| {
-            let ahead = wrap_to_two_pi(beta[*other] - beta[*one]);
+        let apart = |([first, second], angle, _): &([usize; 2], f64, f64)| {
+            let ahead = wrap_to_two_pi(beta[*second] - beta[*first]);
             ahead.min(TAU - ahead) >= angle - TOUCHING
         };
         self.touching.as_ref().is_none_or(|touching| touching.pairs.iter().all(apart))
     }
 
     /// Returns the angle at which two balls touch, rad; 0 without contact.
-    pub(super) fn touching_angle(&self, one: usize, other: usize) -> f64 {
+    pub(super) fn touching_angle(&self, first: usize, second: usize) -> f64 {
         let pairs = self.touching.iter().flat_map(|touching| &touching.pairs);
-        let mut found = pairs.filter(|(pair, ..)| pair.contains(&one) && pair.contains(&other));
+        let mut found = pairs.filter(|(pair, ..)| pair.contains(&first) && pair.contains(&second));
         found.next().map_or(0.0, |(_, angle, _)| *angle)
     }
 
     /// Returns the gaps between balls that touch at these angles, each from the ball behind to the ball ahead.
     pub(super) fn closed_gaps(&self, beta: &[f64]) -> Vec<Gap> {
         let Some(touching) = &self.touching else { return Vec::new() };
-        let ordered = touching.pairs.iter().flat_map(|([one, other], angle, _)| {
-            [[*one, *other], [*other, *one]].map(|contacts| (contacts, *angle))
+        let ordered = touching.pairs.iter().flat_map(|([first, second], angle, _)| {
+            [[*first, *second], [*second, *first]].map(|contacts| (contacts, *angle))
         });
         let closed = ordered.filter(|([behind, ahead], angle)| {
             (wrap_to_two_pi(beta[*ahead] - beta[*behind]) - angle).abs() <= TOUCHING

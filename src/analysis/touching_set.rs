@@ -18,8 +18,8 @@ impl RestForm {
             return Vec::new();
         }
         let pairs: Vec<[usize; 2]> = (0..balls)
-            .flat_map(|one| (0..balls).map(move |other| [one, other]))
-            .filter(|[one, other]| one != other)
+            .flat_map(|behind| (0..balls).map(move |ahead| [behind, ahead]))
+            .filter(|[behind, ahead]| behind != ahead)
             .collect();
         let position = |index: usize| {
             let [behind, ahead] = pairs[index % pairs.len()];

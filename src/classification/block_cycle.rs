@@ -51,9 +51,9 @@ impl BreakAwayWatch {
         let contacts = 0..view.contacts.len();
         // A contact that never sticks would hide that the others do.
         let sticks = |contact: usize| view.system().friction(contact).can_stick();
-        let is_one = view.contacts.iter().all(|one| one.speed == first.speed);
+        let together = view.contacts.iter().all(|contact| contact.speed == first.speed);
         view.dimension() == 2
-            && is_one
+            && together
             && contacts.clone().all(sticks)
             && contacts.clone().any(breaks_away)
     }

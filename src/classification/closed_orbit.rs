@@ -304,6 +304,6 @@ fn moduli(slope: DMatrix<f64>) -> Option<Vec<f64>> {
     // not end.
     let eigenvalues = Schur::try_new(slope, f64::EPSILON, 10_000)?.complex_eigenvalues();
     let mut moduli: Vec<f64> = eigenvalues.iter().map(|value| value.norm()).collect();
-    moduli.sort_by(|one, other| other.total_cmp(one));
+    moduli.sort_by(|left, right| right.total_cmp(left));
     Some(moduli)
 }

@@ -90,7 +90,7 @@ impl DerivedRest {
         };
         let drifts = |node: NodeId| is(node, Degree::Constant) && values[node as usize] != 0.0;
         let forces = graph.contacts.iter().flat_map(|[.., normal, friction]| [*normal, *friction]);
-        let rates = || self.free.iter().map(|one| graph.derivative[*one]);
+        let rates = || self.free.iter().map(|component| graph.derivative[*component]);
         let are_affine = rates().chain(forces).all(|node| is(node, Degree::Affine));
         [self.positions.iter().all(stays) && !rates().any(drifts), are_affine]
     }
@@ -100,7 +100,8 @@ impl DerivedRest {
         if !self.is_affine {
             return self.near(self.stopped(state)).map(Arc::new);
         }
-        let positions: PerContact = self.positions.iter().map(|one| state[*one]).collect();
+        let positions: PerContact =
+            self.positions.iter().map(|component| state[*component]).collect();
         // A panic while the motion is locked leaves it complete.
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((of, motion)) = &*latest
@@ -136,7 +137,7 @@ impl DerivedRest {
         let (phases, stopped) = (self.phases(), self.stopped(state));
         let n = self.free.len();
         let radius = motion.distance.components(n) * distance;
-        let place = |component: usize| self.free.iter().position(|one| *one == component);
+        let place = |component: usize| self.free.iter().position(|other| *other == component);
         let along = |direction: usize| {
             let component = |component: usize| Bounded {
                 value: place(component).map_or(Interval::exact(stopped[component]), |place| {
@@ -179,14 +180,15 @@ impl DerivedRest {
         let gradient = |node: NodeId| {
             DVector::from_iterator(n, columns.iter().map(|values| values[node as usize].slope))
         };
-        let rates: Vec<NodeId> = self.free.iter().map(|one| graph.derivative[*one]).collect();
+        let rates: Vec<NodeId> =
+            self.free.iter().map(|component| graph.derivative[*component]).collect();
         let rate = DVector::from_iterator(n, rates.iter().map(|node| values[*node as usize]));
         let matrix = DMatrix::from_fn(n, n, |i, j| columns[j][rates[i] as usize].slope);
         let to_rest = match n {
             0 => rate,
             _ => -matrix.clone().lu().solve(&rate)?,
         };
-        let place = DVector::from_iterator(n, self.free.iter().map(|one| state[*one]));
+        let place = DVector::from_iterator(n, self.free.iter().map(|component| state[*component]));
         let rest = place + &to_rest;
         let distance = Distance::of(&matrix)?;
         let force = |node: NodeId| {
@@ -201,7 +203,7 @@ impl DerivedRest {
         };
         let contacts = graph.contacts.iter().enumerate().map(contact).collect();
         let measured = |component: usize| {
-            let free = self.free.iter().position(|one| *one == component);
+            let free = self.free.iter().position(|other| *other == component);
             free.map_or(state[component], |place| rest[place])
         };
         let amplitude = self.vibration.map_or(0.0, |[x, y]| measured(x).hypot(measured(y)));
@@ -211,7 +213,8 @@ impl DerivedRest {
     /// Returns the gaps that are closed in a state.
     fn closed_gaps(&self, state: &[f64]) -> Vec<Gap> {
         let gaps = self.evaluator.system().touching().map_or(&[][..], |touching| touching.gaps());
-        let width = |gap: &Gap| gap.width(gap.contacts.map(|one| state[self.positions[one]]));
+        let width =
+            |gap: &Gap| gap.width(gap.contacts.map(|contact| state[self.positions[contact]]));
         gaps.iter().filter(|gap| width(gap) <= TOUCHING).copied().collect()
     }
 
@@ -224,15 +227,18 @@ impl DerivedRest {
     ) -> (DVector<f64>, f64, SmallVec<[[f64; 2]; 8]>) {
         let n = self.free.len();
         let displaced =
-            DVector::from_iterator(n, self.free.iter().map(|one| state[*one])) - &motion.rest;
+            DVector::from_iterator(n, self.free.iter().map(|component| state[*component]))
+                - &motion.rest;
         let contacts = self.evaluator.graph().contacts.len();
         if self.speeds.iter().all(|speed| state[*speed] == 0.0) {
             return (displaced, 0.0, SmallVec::from_elem([0.0; 2], contacts));
         }
         let (phases, stopped) = (self.phases(), self.stopped(state));
         let [with, without] = [state, &stopped].map(|state| self.evaluator.rates(&phases, state));
-        let pushed =
-            DVector::from_iterator(n, self.free.iter().map(|one| with[*one] - without[*one]));
+        let pushed = DVector::from_iterator(
+            n,
+            self.free.iter().map(|component| with[*component] - without[*component]),
+        );
         let [with, without] = [state, &stopped].map(|state| self.evaluator.forces(&phases, state));
         let differ = with.iter().zip(&without).map(|(with, without)| {
             let [friction, normal] =
@@ -292,7 +298,10 @@ impl RestForms for DerivedRest {
         let mut rest = Components::from(self.stopped(state));
         if !self.free.is_empty() {
             let motion = self.motion(state)?;
-            self.free.iter().zip(motion.rest.iter()).for_each(|(one, value)| rest[*one] = *value);
+            self.free
+                .iter()
+                .zip(motion.rest.iter())
+                .for_each(|(component, value)| rest[*component] = *value);
         }
         Some(rest)
     }
@@ -346,25 +355,25 @@ mod tests {
                 0.0,
                 0.0,
             ];
-            let [one, other] = [balancer.at_rest(&state), derived.at_rest(&state)];
-            assert!((one.amplitude - other.amplitude).abs() < 1e-12);
-            let margin = one.friction_margin.max(0.0);
+            let [expected, found] = [balancer.at_rest(&state), derived.at_rest(&state)];
+            assert!((expected.amplitude - found.amplitude).abs() < 1e-12);
+            let margin = expected.friction_margin.max(0.0);
             let scale =
                 1.0 + rest.friction.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
             assert!(
-                (margin - other.friction_margin).abs()
+                (margin - found.friction_margin).abs()
                     < 1e-12 * scale / balancer.balls[0].friction.limit,
-                "{one:?} {other:?}"
+                "{expected:?} {found:?}"
             );
-            for (place, [own, derived]) in [
+            for (place, [in_closed_form, derived]) in [
                 [balancer.surely_rests(&state), derived.surely_rests(&state)],
                 [balancer.rests(&state), derived.rests(&state)],
             ]
             .into_iter()
             .enumerate()
             {
-                by_both[place] += u32::from(own && derived);
-                by_one[place] += u32::from(own != derived);
+                by_both[place] += u32::from(in_closed_form && derived);
+                by_one[place] += u32::from(in_closed_form != derived);
                 if derived && by_one[0] + by_one[1] < 40 {
                     let tolerance = Tolerance { relative: 1e-10, absolute: 1e-12 };
                     let settings = Settings {
@@ -401,22 +410,22 @@ mod tests {
             ..Machine::default()
         };
         let apart = machine.contact_angle_rad(&machine.balls[0], &machine.balls[1]);
-        let own =
+        let model =
             BallsInContact::<2>::new(&machine, &contact, &[1.0, 1.0 + apart]).expect("two balls");
-        let view = SystemView::new(Evaluator::new(Arc::new(own.clone())));
+        let view = SystemView::new(Evaluator::new(Arc::new(model.clone())));
         let derived = DerivedRest::of(&view.evaluator, &view.free).expect("affine equations");
         let (mut rest, mut helped) = (0, 0);
         for k in 0..2000 {
             let behind = std::f64::consts::TAU * f64::from(k) / 2000.0;
             let beta = [behind, behind + apart];
-            let [x, y] = own.balancer.rest_point(&beta).position;
+            let [x, y] = model.balancer.rest_point(&beta).position;
             let state = [x, y, 0.0, 0.0, beta[0], beta[1], 0.0, 0.0];
-            let [one, other] = [own.at_rest(&state), derived.at_rest(&state)];
-            let margin = one.friction_margin.max(0.0);
-            assert!((margin - other.friction_margin).abs() < 1e-9, "{one:?} {other:?}");
-            assert_eq!(own.rests(&state), derived.rests(&state), "{beta:?}");
+            let [expected, found] = [model.at_rest(&state), derived.at_rest(&state)];
+            let margin = expected.friction_margin.max(0.0);
+            assert!((margin - found.friction_margin).abs() < 1e-9, "{expected:?} {found:?}");
+            assert_eq!(model.rests(&state), derived.rests(&state), "{beta:?}");
             rest += i32::from(derived.rests(&state));
-            helped += i32::from(derived.rests(&state) && !own.balancer.rests(&state));
+            helped += i32::from(derived.rests(&state) && !model.balancer.rests(&state));
         }
         assert!(rest > helped && helped > 0, "{rest} {helped}");
     }

@@ -226,7 +226,7 @@ impl<'a> Lockstep<'a> {
     fn start_next(&mut self) -> Option<Waiting> {
         loop {
             let group = self.teams[0].group.as_ref();
-            let fits = |next: &mut Upcoming| group.is_some_and(|one| one.fits(next.system()));
+            let fits = |next: &mut Upcoming| group.is_some_and(|group| group.fits(next.system()));
             let Upcoming { number, case, stages, start } = self.upcoming.take_if(fits)?;
             self.upcoming = next_sound(self.kernel, self.runs);
             match LaneRun::start(number, &case, stages, &start) {

@@ -246,7 +246,7 @@ pub(super) fn progress(step: &LaneStep) -> RunProgress {
         .map(|(contact, turns)| (turns + state[contact.position] / std::f64::consts::TAU).abs());
     let turns_and_switches = turned.sum::<f64>() + step.effort().switches as f64;
     let velocities = view.evaluator.graph().layout.velocities.iter().flatten();
-    let speed = velocities.map(|one| state[*one] * state[*one]).sum::<f64>().sqrt();
+    let speed = velocities.map(|index| state[*index] * state[*index]).sum::<f64>().sqrt();
     RunProgress { turns_and_switches: turns_and_switches / view.contacts.len() as f64, speed }
 }
 

@@ -104,12 +104,12 @@ impl OrbitWatch {
             let mark = || SectionMark::Round { contact, direction, may_stop: false };
             view.completes_turn(state, contact).is_some().then(mark)
         };
-        let own = self.unbroken.mark.filter(goes_on);
-        let found = match own {
-            Some(own) => own.contact().and_then(round),
+        let kept = self.unbroken.mark.filter(goes_on);
+        let found = match kept {
+            Some(kept) => kept.contact().and_then(round),
             None => (0..view.contacts.len()).find_map(round),
         };
-        if own.is_none() && self.unbroken.mark.is_some() {
+        if kept.is_none() && self.unbroken.mark.is_some() {
             self.unbroken.restart();
         }
         found
@@ -170,7 +170,7 @@ impl OrbitWatch {
                 continue;
             }
             let mark = SectionMark::Round { contact, direction, may_stop: true };
-            if passages.mark.is_some_and(|own| own != mark) {
+            if passages.mark.is_some_and(|known| known != mark) {
                 *against += 1;
                 if *against < 2 {
                     continue;
@@ -237,7 +237,7 @@ impl OrbitWatch {
     ) -> Option<Orbit> {
         let closing =
             self.at_end().filter_map(|passages| Some((passages, passages.closes_at_end()?)));
-        let best = closing.min_by(|(_, (_, one)), (_, (_, other))| one.total_cmp(other));
+        let best = closing.min_by(|(_, (_, left)), (_, (_, right))| left.total_cmp(right));
         let (passages, (turns, _)) = best?;
         let (time, earlier) = (passages.before(0)?.time, passages.before(turns)?.time);
         if LEAST_RETURNS * (time - earlier) > time {

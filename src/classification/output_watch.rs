@@ -67,7 +67,7 @@ impl OutputOutcome {
         let turns = |value: f64| if units.angular { (value / TAU).floor() * TAU } else { 0.0 };
         let range = self.range.map(|OutputRange { mean, extremes }| OutputRange {
             mean: (mean - turns(mean)) * units.size,
-            extremes: extremes.map(|one| (one - turns(mean)) * units.size),
+            extremes: extremes.map(|value| (value - turns(mean)) * units.size),
         });
         let creep = self.creep.map(|creep| if units.angular { wrap_to_pi(creep) } else { creep });
         OutputOutcome {
@@ -104,8 +104,8 @@ impl OutputWatch {
     /// Returns the outputs; nothing before the start. An output of a motion that `repeats` after this time drifts if its value
     /// does not repeat.
     pub(super) fn measured(&self, repeats: bool) -> Vec<OutputOutcome> {
-        let measured = |one: &WatchedOutput| {
-            let WatchedOutput { ends: [start, end], integral, extremes } = *one;
+        let measured = |output: &WatchedOutput| {
+            let WatchedOutput { ends: [start, end], integral, extremes } = *output;
             let drifts = repeats && (end - start).abs() > DRIFT * (1.0 + start.abs());
             let range = OutputRange { mean: integral / self.span, extremes };
             OutputOutcome {
@@ -160,9 +160,9 @@ impl OutputWatch {
             let WatchedOutput { ends: [_, end], integral, extremes: [low, high] } = watched;
             *end = values[values.len() - 1][which];
             let inside = values[1..=NODES.len()].iter().zip(WEIGHTS);
-            *integral += length * inside.map(|(one, weight)| weight * one[which]).sum::<f64>();
-            for one in &values {
-                (*low, *high) = (low.min(one[which]), high.max(one[which]));
+            *integral += length * inside.map(|(row, weight)| weight * row[which]).sum::<f64>();
+            for row in &values {
+                (*low, *high) = (low.min(row[which]), high.max(row[which]));
             }
             let at = |place: usize, sign: f64| (times[place], sign * values[place][which]);
             for (sign, extreme) in [(-1.0, low), (1.0, high)] {
@@ -225,7 +225,8 @@ mod tests {
             watch.add([begin, begin + 2.6], |times| times.map(at), at);
         }
         let end = 2.6 * 7.0;
-        let ranges: Vec<_> = watch.measured(false).iter().filter_map(|one| one.range).collect();
+        let ranges: Vec<_> =
+            watch.measured(false).iter().filter_map(|output| output.range).collect();
         let [sine, cosine, line] = ranges[..] else { panic!("three outputs") };
         assert_eq!(watch.measured(true)[2].range, None, "a drift");
         for (found, wanted) in [

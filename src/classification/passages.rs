@@ -177,7 +177,7 @@ impl Passages {
             SectionMark::Round { .. }
             | SectionMark::TurningPoint { .. }
             | SectionMark::Period(_) => {
-                closing.min_by(|one, other| rank(one).total_cmp(&rank(other))).filter(nearly)
+                closing.min_by(|left, right| rank(left).total_cmp(&rank(right))).filter(nearly)
             }
         }?;
         Some((turns, rank(&turns)))

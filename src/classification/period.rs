@@ -91,8 +91,8 @@ impl Period {
         let gaps = view.system().touching().map_or(&[][..], |touching| touching.gaps());
         let mut pairs: Vec<TouchingPair> = Vec::new();
         for (gap, [_, apart]) in gaps.iter().zip(&self.gaps).filter(|(_, [touched, _])| *touched) {
-            let [one, other] = gap.contacts;
-            let contacts = [one.min(other), one.max(other)];
+            let [first, second] = gap.contacts;
+            let contacts = [first.min(second), first.max(second)];
             pairs.push(TouchingPair { contacts, throughout: !apart });
         }
         pairs.sort();

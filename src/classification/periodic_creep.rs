@@ -44,7 +44,7 @@ pub(super) fn creep(map: ReturnMap, passed: &[PassageState]) -> Option<Creep> {
         passed.windows(2).map(|two| section.difference(two[0].1, two[1].1)).collect();
     let latest = moved.first()?;
     let size = latest.amax();
-    let is_steady = moved.iter().all(|one| (one - latest).amax() <= STEADY * size);
+    let is_steady = moved.iter().all(|step| (step - latest).amax() <= STEADY * size);
     if size == 0.0 || size > SLIGHT || !is_steady {
         return None;
     }

@@ -40,14 +40,14 @@ pub(super) fn at_rest(view: &SystemView, phases: &[Phase], state: &[f64]) -> Pha
     let touching = openings
         .iter()
         .zip(&gaps)
-        .filter(|(one, at)| lies(at) && view.system().friction(one.contact).limit == 0.0);
+        .filter(|(opening, at)| lies(at) && view.system().friction(opening.contact).limit == 0.0);
     for (opening, _) in touching.clone() {
         resting[opening.contact] = Phase::Apart;
     }
     let (_, forces) = view.evaluator.incremental_forces(state).forces_and_gaps(&resting);
     let without_force = &forces[forces.len() - openings.len()..];
     let is_determined = openings.iter().zip(without_force).any(|(opening, without)| {
-        touching.clone().any(|(one, _)| one.contact == opening.contact)
+        touching.clone().any(|(other, _)| other.contact == opening.contact)
             && without.opening_acceleration.abs() > STILL
     });
     if is_determined { Phases::from(phases) } else { resting }
@@ -63,15 +63,15 @@ fn pressed(view: &SystemView, resting: &[Phase], state: &[f64]) -> Option<Forces
         if resting[opening.contact] != Phase::Apart || !lies(at) {
             continue;
         }
-        let sticking = (0..view.contacts.len()).filter(|one| resting[*one] == Phase::Stick);
+        let sticking = (0..view.contacts.len()).filter(|contact| resting[*contact] == Phase::Stick);
         let directions = [Direction::Forward, Direction::Backward].map(Phase::Slip);
-        for (contact, slip) in sticking.flat_map(|one| directions.map(|slip| (one, slip))) {
+        for (contact, slip) in sticking.flat_map(|contact| directions.map(|slip| (contact, slip))) {
             let mut phases = Phases::from(resting);
             (phases[opening.contact], phases[contact]) = (Phase::Free, slip);
             let (forces, gaps) = equations.forces_and_gaps(&phases);
             let force = gaps[gaps.len() - openings.len() + place].force;
             // Another body than those that touch would slip.
-            let rests = forces.iter().all(|one| one.acceleration.abs() <= RESTS);
+            let rests = forces.iter().all(|contact| contact.acceleration.abs() <= RESTS);
             if force.is_finite() && force > 0.0 && rests {
                 return Some(forces);
             }
@@ -107,8 +107,8 @@ pub(super) fn friction_margin(view: &SystemView, phases: &[Phase], state: &[f64]
     };
     let [mut low, mut high] = [0.0, if with.is_some() { MOST_FORCE } else { 0.0 }];
     while high - low > FORCE_ACCURACY * high.max(1.0) {
-        let [one, other] = [2.0 * low + high, low + 2.0 * high].map(|sum| sum / 3.0);
-        if at(one)? < at(other)? { low = one } else { high = other }
+        let [lower, upper] = [2.0 * low + high, low + 2.0 * high].map(|sum| sum / 3.0);
+        if at(lower)? < at(upper)? { low = lower } else { high = upper }
     }
     at(low)
 }

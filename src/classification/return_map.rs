@@ -71,7 +71,8 @@ impl ReturnMap<'_> {
             Some((time, state)) => {
                 let rate = self.view.evaluator.rates(step.motion.phases_during_step(), state);
                 let there = step.motion.perturbations_within(time);
-                columns = there.iter().map(|one| self.section.on_section(one, &rate)).collect();
+                columns =
+                    there.iter().map(|offset| self.section.on_section(offset, &rate)).collect();
             }
         })?;
         let slope = DMatrix::from_columns(&columns);

@@ -138,14 +138,14 @@ impl LaneRun {
         let ends = self.view.system().outputs(&state).into_iter();
         let all = ends.zip(measured).map(|(end, measured)| OutputOutcome { end, ..measured });
         let units = self.units.outputs.iter();
-        all.zip(units).map(|(one, units)| one.in_units(units)).collect()
+        all.zip(units).map(|(output, units)| output.in_units(units)).collect()
     }
 
     /// Returns the outputs of a motion that stays in a state but for coordinates that no equation contains.
     fn constant_outputs(&self, phases: &[Phase], state: &[f64]) -> Vec<OutputOutcome> {
         let rates = self.view.evaluator.rates(phases, state);
         let ahead: Vec<f64> =
-            state.iter().zip(&rates).map(|(one, rate)| one + AHEAD * rate).collect();
+            state.iter().zip(&rates).map(|(value, rate)| value + AHEAD * rate).collect();
         let [now, later] = [state, &ahead].map(|state| self.view.system().outputs(state));
         let each = now.iter().zip(&later);
         each.map(|(now, later)| OutputOutcome::constant(*now, (later - now) / AHEAD)).collect()
@@ -155,14 +155,14 @@ impl LaneRun {
     fn amplitude_of_outputs(&self, outputs: &[OutputOutcome]) -> Option<f64> {
         let measured =
             outputs.iter().zip(&self.units.outputs).filter(|(_, units)| units.has_amplitude);
-        measured.filter_map(|(one, _)| one.value(OutputValue::Amplitude)).reduce(f64::max)
+        measured.filter_map(|(output, _)| output.value(OutputValue::Amplitude)).reduce(f64::max)
     }
 
     /// Returns an ending, or that the mass matrix is no longer one of a mechanical system. A motion cannot be continued where the
     /// matrix becomes singular.
     fn checked(&self, ending: Ending, state: &[f64]) -> Ending {
         let least = if matches!(ending, Ending::Failure(_)) { NEARLY_SINGULAR } else { SINGULAR };
-        let is_finite = state.iter().all(|one| one.is_finite());
+        let is_finite = state.iter().all(|value| value.is_finite());
         match is_finite && self.view.system().smallest_inertia(state) < least {
             true => Ending::Failure(Failure::IndefiniteMass),
             false => ending,
@@ -206,7 +206,7 @@ impl LaneRun {
         let (_, forces) = self.view.evaluator.incremental_forces(&state).forces_and_gaps(phases);
         let closed = gaps.iter().zip(&forces).zip(&phases[self.view.contacts.len()..]);
         let closed = closed.filter(|(_, phase)| **phase == Phase::Closed);
-        let largest = closed.max_by(|one, other| one.0.1.force.total_cmp(&other.0.1.force));
+        let largest = closed.max_by(|left, right| left.0.1.force.total_cmp(&right.0.1.force));
         largest.map(|((gap, force), _)| (gap.contacts[0], force.force / gap.masses[0]))
     }
 
@@ -280,7 +280,7 @@ impl LaneRun {
             ((&ContactPlace, &ContactUnits), &i32),
             &[f64; 2],
         )| {
-            (turns == 0 && contact.angular).then(|| extremes.map(|one| one * unit.position))
+            (turns == 0 && contact.angular).then(|| extremes.map(|value| value * unit.position))
         };
         let positions = contacts.zip(&orbit.turns).zip(&orbit.position_extremes);
         let speeds = orbit.speed_extremes.iter().zip(&units.contacts);

@@ -213,7 +213,7 @@ impl RunRecorder {
 
     fn switches(&mut self, view: &SystemView, before: &Instant, after: &Instant) {
         let contacts = 0..view.contacts.len();
-        for contact in contacts.filter(|&one| before.phases[one] != after.phases[one]) {
+        for contact in contacts.filter(|&contact| before.phases[contact] != after.phases[contact]) {
             if self.recording.switches.len() >= self.most {
                 self.recording.cut_off = true;
                 return;

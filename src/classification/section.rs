@@ -230,8 +230,8 @@ impl Section {
     }
 
     /// The difference of two states' coordinates, angles modulo 2π.
-    pub(super) fn difference(&self, one: &[f64], other: &[f64]) -> DVector<f64> {
-        let mut difference = self.coordinates(one) - self.coordinates(other);
+    pub(super) fn difference(&self, left: &[f64], right: &[f64]) -> DVector<f64> {
+        let mut difference = self.coordinates(left) - self.coordinates(right);
         for ((_, angular), value) in self.coordinates.iter().zip(difference.iter_mut()) {
             if *angular {
                 *value = wrap_to_pi(*value);
@@ -281,15 +281,15 @@ fn maxima(view: &SystemView) -> Vec<SectionMark> {
     };
     let mark = |(contact, place): (usize, &ContactPlace)| {
         let component = place.speed?;
-        let [one, other] = [1.0, -0.5].map(|scale| {
+        let [first, second] = [1.0, -0.5].map(|scale| {
             let state = probe(scale);
             state[component] - view.evaluator.rates(&phases, &state)[place.position]
         });
-        let same = (one - other).abs() <= 1e-12 * one.abs();
-        let value = smooth_speed(view, component, one);
+        let same = (first - second).abs() <= 1e-12 * first.abs();
+        let value = smooth_speed(view, component, first);
         let mark =
             SectionMark::TurningPoint { contact: Some(contact), component, value, falls: true };
-        (same && one != 0.0).then_some(mark)
+        (same && first != 0.0).then_some(mark)
     };
     view.contacts.iter().enumerate().filter_map(mark).collect()
 }

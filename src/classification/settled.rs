@@ -83,7 +83,7 @@ fn may_settle(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
     let gaps = view.evaluator.openings(|component| state[component]);
     let touches = |contact: usize| {
         let mut openings = view.evaluator.graph().openings.iter().zip(&gaps);
-        openings.any(|(one, at)| one.contact == contact && lies(at))
+        openings.any(|(opening, at)| opening.contact == contact && lies(at))
     };
     let sticks = |phase: &Phase| *phase == Phase::Stick;
     let lasts = |(contact, phase): (usize, &Phase)| match phase {

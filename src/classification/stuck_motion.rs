@@ -218,10 +218,10 @@ fn widen(contact: &mut HeldContact, differences: [f64; 2], others: [f64; 2]) {
 /// Returns the solution `P` of `Aᵀ P + P A = -1`; `None` if there is not exactly one.
 fn lyapunov_solution(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = matrix.nrows();
-    let one = DMatrix::<f64>::identity(n, n);
+    let identity = DMatrix::<f64>::identity(n, n);
     let transposed = matrix.transpose();
-    let equations = one.kronecker(&transposed) + transposed.kronecker(&one);
-    let right = DVector::from_iterator(n * n, one.iter().map(|entry| -entry));
+    let equations = identity.kronecker(&transposed) + transposed.kronecker(&identity);
+    let right = DVector::from_iterator(n * n, identity.iter().map(|entry| -entry));
     let solution = DMatrix::from_column_slice(n, n, equations.lu().solve(&right)?.as_slice());
     Some((&solution + solution.transpose()) * 0.5)
 }

@@ -47,8 +47,9 @@ impl SystemView {
         };
         let contacts: Vec<_> = layout.contacts.iter().enumerate().map(place).collect();
         let is_free = |component: &usize| {
-            let has =
-                |one: &ContactPlace| one.position == *component || one.speed == Some(*component);
+            let has = |place: &ContactPlace| {
+                place.position == *component || place.speed == Some(*component)
+            };
             !contacts.iter().any(has)
         };
         let free = (0..graph.derivative.len()).filter(is_free).collect();
@@ -99,9 +100,10 @@ impl SystemView {
     pub(super) fn followers(&self, phases: &[Phase], leader: Option<usize>) -> Vec<(usize, usize)> {
         let mut followers = Vec::new();
         for cluster in self.evaluator.clusters(phases) {
-            let first = leader.filter(|one| cluster.contains(one)).unwrap_or(cluster[0]);
-            followers
-                .extend(cluster.into_iter().filter(|one| *one != first).map(|one| (one, first)));
+            let first = leader.filter(|contact| cluster.contains(contact)).unwrap_or(cluster[0]);
+            followers.extend(
+                cluster.into_iter().filter(|other| *other != first).map(|other| (other, first)),
+            );
         }
         followers
     }

@@ -98,7 +98,7 @@ fn keeps_its_distance(values: &[f64]) -> bool {
         squares.sum::<f64>()
     };
     let late = |returns: &usize| missing(*returns, values.len() - part - returns);
-    let nearest = (1..part).min_by(|one, other| late(one).total_cmp(&late(other)));
+    let nearest = (1..part).min_by(|left, right| late(left).total_cmp(&late(right)));
     nearest.is_some_and(|returns| {
         let ratio = (late(&returns) / missing(returns, 0)).sqrt();
         (LASTS.0..LASTS.1).contains(&ratio)

@@ -27,7 +27,7 @@ pub struct ContinuedDirectory<'a> {
 }
 
 impl<'a> ContinuedDirectory<'a> {
-    /// Opens the directory, creates it if needed, and locks it. `own` names the files of the command, without list and lock.
+    /// Opens the directory, creates it if needed, and locks it. `belongs` names the files of the command, without list and lock.
     ///
     /// # Errors
     /// Returns an error, with this reason, if the directory holds anything but own files, also under temporary names; and if it
@@ -35,14 +35,14 @@ impl<'a> ContinuedDirectory<'a> {
     pub fn open(
         path: &'a Path,
         reason: &str,
-        own: impl Fn(&str) -> bool,
+        belongs: impl Fn(&str) -> bool,
     ) -> Result<Self, CommandError> {
         let unusable = ResultsError::unusable(path);
-        let own = |name: &str| own(name) || name == FILES || name == LOCK;
-        check_entries(path, reason, |name| crate::table::is_own(name, own))?;
+        let belongs = |name: &str| belongs(name) || name == FILES || name == LOCK;
+        check_entries(path, reason, |name| crate::table::is_own(name, belongs))?;
         make_directory(path).map_err(&unusable)?;
         let lock = Lock::take(path.join(LOCK), path)?;
-        clear_temporaries(path, own).map_err(&unusable)?;
+        clear_temporaries(path, belongs).map_err(&unusable)?;
         let found = FileList::read(path)?;
         let mut list = found.clone().unwrap_or_default();
         let changed = list.reconcile(path);

@@ -39,10 +39,10 @@ impl ExclusiveDirectory {
         // A marker with content belongs to someone else.
         let unfinished = fs::symlink_metadata(directory.join(UNFINISHED))
             .is_ok_and(|found| found.is_file() && found.len() == 0);
-        let own = |name: &str| {
+        let belongs = |name: &str| {
             unfinished && (name == UNFINISHED || is_own(name, |name| is_listed(name, files)))
         };
-        check_entries(directory, "this directory is not empty", own)
+        check_entries(directory, "this directory is not empty", belongs)
     }
 
     /// Creates the directory if needed and locks it for filling.
@@ -84,14 +84,14 @@ fn is_listed(name: &str, files: &[&str]) -> bool {
     name == FILES || files.contains(&name)
 }
 
-/// Checks that all entries of a directory are `own` ones; a missing directory has no entries.
+/// Checks that every entry of a directory `belongs` to it; a missing directory has no entries.
 ///
 /// # Errors
 /// Returns an error with `reason` and the first other entry, or an error if the directory cannot be read.
 pub fn check_entries(
     directory: &Path,
     reason: &str,
-    own: impl Fn(&str) -> bool,
+    belongs: impl Fn(&str) -> bool,
 ) -> Result<(), ResultsError> {
     let unusable = ResultsError::unusable(directory);
     let entries = match fs::read_dir(directory) {
@@ -100,7 +100,7 @@ pub fn check_entries(
         Err(error) => return Err(unusable(error)),
     };
     let names = entries.iter().map(|entry| entry.file_name().to_string_lossy().into_owned());
-    match names.filter(|name| !own(name)).min() {
+    match names.filter(|name| !belongs(name)).min() {
         None => Ok(()),
         Some(name) => {
             let found = format!("{} and perhaps more", shorten(&name));

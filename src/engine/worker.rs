@@ -76,7 +76,7 @@ impl<'a> Worker<'a> {
         let Some(disk) = &self.disk else { return Some(planned) };
         let key = CaseKey::of(&planned);
         let found = disk.found.get(&planned.run_id).filter(|found| found.key == key);
-        let own = found.is_some_and(|found| found.own);
+        let in_output = found.is_some_and(|found| found.in_output);
         let content =
             found.map(|found| found.content.clone()).or_else(|| disk.result_cache.find(key));
         let finished = content.and_then(|content| StoredOutcome::decode(&content, &planned));
@@ -86,7 +86,7 @@ impl<'a> Worker<'a> {
         disk.reused_count.fetch_add(1, Ordering::Relaxed);
         (disk.reused)(outcome.label());
         let record = RunRecord { planned, outcome, audit };
-        self.finish(place, record, (!own).then_some(key));
+        self.finish(place, record, (!in_output).then_some(key));
         None
     }
 

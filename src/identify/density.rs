@@ -41,7 +41,7 @@ impl Rests {
             match end {
                 BallsEnd::Rest { angles, groups } => {
                     let grouping = grouping(groups);
-                    let known = all.groupings.iter().position(|one| *one == grouping);
+                    let known = all.groupings.iter().position(|seen| *seen == grouping);
                     let index = known.unwrap_or_else(|| {
                         all.groupings.push(grouping);
                         all.groupings.len() - 1
@@ -54,9 +54,9 @@ impl Rests {
             }
         }
         let of_ball = |ball: usize| -> Vec<(f64, usize)> {
-            let own = all.positions().map(|angles| angles[ball]);
-            let mut sorted: Vec<(f64, usize)> = own.zip(0..).collect();
-            sorted.sort_by(|one, other| one.0.total_cmp(&other.0));
+            let angles = all.positions().map(|angles| angles[ball]);
+            let mut sorted: Vec<(f64, usize)> = angles.zip(0..).collect();
+            sorted.sort_by(|left, right| left.0.total_cmp(&right.0));
             sorted
         };
         all.by_angle = (0..balls).map(of_ball).collect();
@@ -134,7 +134,7 @@ fn near(sorted: &[(f64, usize)], angle: f64, reach: f64) -> [&[(f64, usize)]; 2]
     if reach >= PI {
         return [sorted, &[]];
     }
-    let below = |angle: f64| sorted.partition_point(|one| one.0 < angle);
+    let below = |angle: f64| sorted.partition_point(|entry| entry.0 < angle);
     let (low, high) = (angle - reach, angle + reach);
     if low < 0.0 {
         [&sorted[..below(high)], &sorted[below(low + TAU)..]]
@@ -253,9 +253,9 @@ mod tests {
             let cells = 400;
             let width = std::f64::consts::TAU / f64::from(cells);
             let mut sum = 0.0;
-            for one in 0..cells {
-                for other in 0..cells {
-                    let angles = [one, other].map(|cell| width * f64::from(cell));
+            for first in 0..cells {
+                for second in 0..cells {
+                    let angles = [first, second].map(|cell| width * f64::from(cell));
                     sum += rests.kernels(&angles, 0.1, BANDWIDTH_RAD).iter().sum::<f64>();
                 }
             }
@@ -275,17 +275,17 @@ mod tests {
             / (std::f64::consts::TAU * variance).sqrt();
         assert!((density - expected).abs() < 1e-13, "{density} {expected}");
         let rests = Rests::new(3, &[rest(&[1.0, 1.26, 4.0], &[0, 0, 2])]);
-        let [one, other] = [[1.1, 1.3, 4.1], [4.1, 1.1, 1.3]]
+        let [kernel, exchanged] = [[1.1, 1.3, 4.1], [4.1, 1.1, 1.3]]
             .map(|angles| rests.kernels(&angles, 0.1, BANDWIDTH_RAD)[0]);
-        assert!((one - other).abs() < 1e-13 * one, "{one} {other}");
+        assert!((kernel - exchanged).abs() < 1e-13 * kernel, "{kernel} {exchanged}");
     }
 
     /// Positions around the whole circle: the kernel of each one is the sum over all assignments, also next to the angle 0.
     #[test]
     fn kernels_of_positions_around_the_circle() {
         let ends: Vec<BallsEnd> = (0..200)
-            .map(|one| {
-                let angle = 0.0314 * f64::from(one);
+            .map(|number| {
+                let angle = 0.0314 * f64::from(number);
                 rest(&[angle, 2.0 * angle, 0.3], &[0, 1, 2])
             })
             .collect();

@@ -88,12 +88,12 @@ fn groups(machine: Option<&Machine>, angles: &[f64]) -> Vec<u8> {
     let count = angles.len();
     let mut groups: Vec<u8> = (0..).take(count).collect();
     let Some(machine) = machine.filter(|machine| machine.contact.is_some()) else { return groups };
-    for one in 0..count.min(machine.balls.len()) {
-        for other in 0..one {
-            let touching = machine.contact_angle_rad(&machine.balls[one], &machine.balls[other]);
-            let apart = wrap_to_pi(angles[one] - angles[other]).abs() - touching;
-            if apart < IN_TOUCH && groups[one] != groups[other] {
-                let (from, to) = (groups[one].max(groups[other]), groups[one].min(groups[other]));
+    for ball in 0..count.min(machine.balls.len()) {
+        for other in 0..ball {
+            let touching = machine.contact_angle_rad(&machine.balls[ball], &machine.balls[other]);
+            let apart = wrap_to_pi(angles[ball] - angles[other]).abs() - touching;
+            if apart < IN_TOUCH && groups[ball] != groups[other] {
+                let (from, to) = (groups[ball].max(groups[other]), groups[ball].min(groups[other]));
                 groups.iter_mut().filter(|group| **group == from).for_each(|group| *group = to);
             }
         }

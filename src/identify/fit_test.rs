@@ -81,7 +81,7 @@ fn test_at(
     drawn: &[&Rests],
     random: &mut ChaCha8Rng,
 ) -> Option<SiteFit> {
-    let deviations: Vec<f64> = site.rests.iter().map(|one| one.std_dev_rad).collect();
+    let deviations: Vec<f64> = site.rests.iter().map(|rest| rest.std_dev_rad).collect();
     let known: Vec<&Rests> = drawn.iter().copied().filter(|rests| rests.runs() > 0).collect();
     if known.is_empty() {
         return None;
@@ -97,7 +97,7 @@ fn test_at(
             Some(angles.iter().map(|angle| angle + deviation * normal(random)).collect())
         })
         .collect();
-    let rests = site.rests.iter().map(|one| Some(one.angles.clone()));
+    let rests = site.rests.iter().map(|rest| Some(rest.angles.clone()));
     let mut measured: Vec<SeenRun> = rests.chain((0..site.moving).map(|_| None)).collect();
     if measured.len() > TESTED {
         measured = measured.partial_shuffle(random, TESTED).0.to_vec();
@@ -105,13 +105,13 @@ fn test_at(
     let balls = measured.iter().chain(&pool).flatten().map(Vec::len).max().unwrap_or(0);
     let orders = permutations(balls);
     let positions =
-        |one: &SeenRun, other: &SeenRun| distance(one, other, |x, y| torus(&orders, x, y));
+        |left: &SeenRun, right: &SeenRun| distance(left, right, |x, y| torus(&orders, x, y));
     let p_positions = p_value(&measured, &pool, positions, random);
     let p_neighbours = (balls > 1).then(|| {
         let gaps = |all: &[SeenRun]| -> Vec<SeenRun> {
             all.iter().map(|seen| seen.as_deref().map(angles_between)).collect()
         };
-        let apart = |one: &SeenRun, other: &SeenRun| distance(one, other, euclidean);
+        let apart = |left: &SeenRun, right: &SeenRun| distance(left, right, euclidean);
         p_value(&gaps(&measured), &gaps(&pool), apart, random)
     });
     let at_rest = pool.iter().flatten().count();
@@ -137,20 +137,20 @@ fn p_value(
 ) -> f64 {
     let all: Vec<&SeenRun> = measured.iter().chain(pool).collect();
     let distances: Vec<Vec<f64>> =
-        all.iter().map(|one| all.iter().map(|other| distance(one, other)).collect()).collect();
+        all.iter().map(|run| all.iter().map(|other| distance(run, other)).collect()).collect();
     let to_all: Vec<f64> = distances.iter().map(|row| row.iter().sum()).collect();
     let total: f64 = to_all.iter().sum();
-    let [own, other] = [measured.len(), pool.len()].map(|count| count as f64);
+    let [n, m] = [measured.len(), pool.len()].map(|count| count as f64);
     // The energy distance of the runs with these numbers from all other runs.
     let energy = |chosen: &[usize]| {
-        let from = |(index, one): (usize, &usize)| -> f64 {
-            chosen[..index].iter().map(|other| distances[*one][*other]).sum()
+        let from = |(index, number): (usize, &usize)| -> f64 {
+            chosen[..index].iter().map(|other| distances[*number][*other]).sum()
         };
         // Both orders of each pair; the distance of a run from itself is 0.
         let within = 2.0 * chosen.iter().enumerate().map(from).sum::<f64>();
-        let between = chosen.iter().map(|one| to_all[*one]).sum::<f64>() - within;
+        let between = chosen.iter().map(|number| to_all[*number]).sum::<f64>() - within;
         let rest = total - 2.0 * between - within;
-        2.0 * between / (own * other) - within / (own * own) - rest / (other * other)
+        2.0 * between / (n * m) - within / (n * n) - rest / (m * m)
     };
     let mut numbers: Vec<usize> = (0..all.len()).collect();
     let of_measured = energy(&numbers[..measured.len()]);
@@ -163,24 +163,24 @@ fn p_value(
 }
 
 /// Returns the distance of two runs; a run at rest and one that moves are half a turn of each ball apart.
-fn distance(one: &SeenRun, other: &SeenRun, of_rests: impl Fn(&[f64], &[f64]) -> f64) -> f64 {
-    match (one, other) {
-        (Some(one), Some(other)) => of_rests(one, other),
+fn distance(left: &SeenRun, right: &SeenRun, of_rests: impl Fn(&[f64], &[f64]) -> f64) -> f64 {
+    match (left, right) {
+        (Some(left), Some(right)) => of_rests(left, right),
         (None, None) => 0.0,
         (Some(rest), None) | (None, Some(rest)) => PI * (rest.len() as f64).sqrt(),
     }
 }
 
 /// Returns the distance of two positions on the torus for the best of these assignments of balls.
-fn torus(orders: &[Vec<usize>], one: &[f64], other: &[f64]) -> f64 {
+fn torus(orders: &[Vec<usize>], x: &[f64], y: &[f64]) -> f64 {
     let square = |order: &Vec<usize>| -> f64 {
-        one.iter().zip(order).map(|(angle, place)| wrap_to_pi(angle - other[*place]).powi(2)).sum()
+        x.iter().zip(order).map(|(angle, place)| wrap_to_pi(angle - y[*place]).powi(2)).sum()
     };
     orders.iter().map(square).fold(f64::INFINITY, f64::min).sqrt()
 }
 
-fn euclidean(one: &[f64], other: &[f64]) -> f64 {
-    one.iter().zip(other).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt()
+fn euclidean(left: &[f64], right: &[f64]) -> f64 {
+    left.iter().zip(right).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Returns the angles from each ball to the next one around the ring, in ascending order; their sum is one turn.
@@ -188,7 +188,7 @@ fn angles_between(angles: &[f64]) -> Vec<f64> {
     let mut sorted: Vec<f64> = angles.iter().map(|angle| angle.rem_euclid(TAU)).collect();
     sorted.sort_by(f64::total_cmp);
     let next = sorted.iter().skip(1).copied().chain(sorted.first().map(|first| first + TAU));
-    let mut between: Vec<f64> = sorted.iter().zip(next).map(|(one, next)| next - one).collect();
+    let mut between: Vec<f64> = sorted.iter().zip(next).map(|(angle, next)| next - angle).collect();
     between.sort_by(f64::total_cmp);
     between
 }
@@ -215,7 +215,7 @@ mod tests {
         let between = angles_between(&[6.2, 0.1, 3.0]);
         let expected = [0.1 + turn - 6.2, 2.9, 3.2];
         assert!(
-            between.iter().zip(expected).all(|(one, other)| (one - other).abs() < 1e-12),
+            between.iter().zip(expected).all(|(left, right)| (left - right).abs() < 1e-12),
             "{between:?}"
         );
     }
@@ -223,11 +223,11 @@ mod tests {
     /// Balls that rest together somewhere on the ring, at this angle from each other.
     fn pairs(apart: f64, count: usize, seed: u64) -> Vec<Vec<f64>> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let one = |_| {
+        let pair = |_| {
             let first: f64 = random.random::<f64>() * 2.0;
             vec![first, first + apart]
         };
-        (0..count).map(one).collect()
+        (0..count).map(pair).collect()
     }
 
     fn site(positions: Vec<Vec<f64>>, moving: u64) -> Site {

@@ -19,34 +19,34 @@ const CORRELATED: f64 = 0.5;
 pub fn identification_json(inference: &Inference, inferred: &Inferred, measured: &str) -> Value {
     let study = inference.study;
     let Posterior { marginals, correlations, .. } = &inferred.posterior;
-    let marginal = |(one, width): (&Marginal, &f64)| {
+    let marginal = |(parameter, width): (&Marginal, &f64)| {
         json!({
-            "parameter": one.name,
-            "unit": one.unit,
-            "prior": one.prior,
-            "mean": one.mean,
-            "std_dev": one.std_dev,
-            "median": one.median,
-            "low": one.interval[0],
-            "high": one.interval[1],
-            "width_over_prior": one.width_over_prior,
-            "identified": one.is_identified(),
-            "simulation_error": one.simulation_error,
-            "leans_on": one.leans_on,
+            "parameter": parameter.name,
+            "unit": parameter.unit,
+            "prior": parameter.prior,
+            "mean": parameter.mean,
+            "std_dev": parameter.std_dev,
+            "median": parameter.median,
+            "low": parameter.interval[0],
+            "high": parameter.interval[1],
+            "width_over_prior": parameter.width_over_prior,
+            "identified": parameter.is_identified(),
+            "simulation_error": parameter.simulation_error,
+            "leans_on": parameter.leans_on,
             "regression_width": width,
         })
     };
-    let fit = |one: &SiteFit| {
+    let fit = |site: &SiteFit| {
         json!({
-            "point_id": one.point.point_id,
-            "stage": one.stage,
-            "measured_rests": one.measured[0],
-            "measured_moving": one.measured[1],
-            "tested_runs": one.tested,
-            "predicted_rest_fraction": one.predicted_rest_fraction,
-            "p_positions": one.p_positions,
-            "p_neighbours": one.p_neighbours,
-            "p_value": one.p_value(),
+            "point_id": site.point.point_id,
+            "stage": site.stage,
+            "measured_rests": site.measured[0],
+            "measured_moving": site.measured[1],
+            "tested_runs": site.tested,
+            "predicted_rest_fraction": site.predicted_rest_fraction,
+            "p_positions": site.p_positions,
+            "p_neighbours": site.p_neighbours,
+            "p_value": site.p_value(),
         })
     };
     json!({
@@ -78,26 +78,26 @@ pub fn result_in_words(inference: &Inference, inferred: &Inferred) -> String {
     let Posterior { marginals, correlations, .. } = &inferred.posterior;
     let range = |[low, high]: [f64; 2]| format!("{} to {}", four_digits(low), four_digits(high));
     let mut table = PrintedTable::new(marginals, "");
-    table.add("parameter", |one| one.name.clone()).left();
-    table.add("unit", |one| one.unit.to_owned()).left();
-    table.add("median", |one| four_digits(one.median));
-    table.add("95 % interval", |one| range(one.interval));
-    table.add("prior", |one| range(one.prior));
-    table.add("width/prior", |one| format!("{:.2}", one.width_over_prior));
+    table.add("parameter", |marginal| marginal.name.clone()).left();
+    table.add("unit", |marginal| marginal.unit.to_owned()).left();
+    table.add("median", |marginal| four_digits(marginal.median));
+    table.add("95 % interval", |marginal| range(marginal.interval));
+    table.add("prior", |marginal| range(marginal.prior));
+    table.add("width/prior", |marginal| format!("{:.2}", marginal.width_over_prior));
     let mut text = as_text(&table.columns);
     let mut line = |words: String| text.push_str(&(words + "\n"));
-    for one in marginals.iter().filter(|one| !one.is_identified()) {
+    for marginal in marginals.iter().filter(|marginal| !marginal.is_identified()) {
         line(format!(
             "{} is not identified: its interval has {:.0} % of the width of the prior's",
-            one.name,
-            100.0 * one.width_over_prior
+            marginal.name,
+            100.0 * marginal.width_over_prior
         ));
     }
-    for (one, row) in marginals.iter().zip(correlations) {
+    for (marginal, row) in marginals.iter().zip(correlations) {
         let later =
-            marginals.iter().zip(row).skip_while(|(other, _)| other.name != one.name).skip(1);
+            marginals.iter().zip(row).skip_while(|(other, _)| other.name != marginal.name).skip(1);
         for (other, correlation) in later.filter(|(_, value)| value.abs() > CORRELATED) {
-            line(format!("correlation of {} and {}: {correlation:.2}", one.name, other.name));
+            line(format!("correlation of {} and {}: {correlation:.2}", marginal.name, other.name));
         }
     }
     text.push('\n');
@@ -127,7 +127,7 @@ fn fit_in_words(inference: &Inference, inferred: &Inferred) -> String {
     text.push_str(&format!(
         "{verdict} the {runs} measured runs (p = {probability:.3} over all rows; level {LEVEL}).\n"
     ));
-    let is_accurate = |one| is_accurate(inferred, one);
+    let is_accurate = |marginal| is_accurate(inferred, marginal);
     if probability < LEVEL && !inferred.posterior.marginals.iter().all(is_accurate) {
         text.push_str("The simulated runs are too few for this verdict, too; see the warning.\n");
     }

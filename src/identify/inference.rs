@@ -121,7 +121,7 @@ fn start_place(inference: &Inference, index: u64) -> Vec<f64> {
     // The study file bounds the number.
     let index = u32::try_from(index).unwrap_or(u32::MAX);
     let dimensions = 0..inference.identification.parameters.len() as u32;
-    dimensions.map(|one| f64::from(sobol_burley::sample(index, one, seed))).collect()
+    dimensions.map(|dimension| f64::from(sobol_burley::sample(index, dimension, seed))).collect()
 }
 
 /// Returns the values of the parameters at a place in the unit cube, with six significant digits.
@@ -154,11 +154,11 @@ fn simulated(
     let missing = known.iter().zip(&all).filter(|(known, _)| known.is_none());
     // Values that are impossible together give a set without known ends.
     let plans: Vec<Option<Plan>> = missing.map(|(_, values)| plan_of_set(study, values)).collect();
-    let points_of = |own: &Plan| 0..own.point_count();
+    let points_of = |plan: &Plan| 0..plan.point_count();
     let points: Vec<(&Plan, u64)> = plans
         .iter()
         .flatten()
-        .flat_map(|own| points_of(own).map(move |point_id| (own, point_id)))
+        .flat_map(|plan| points_of(plan).map(move |point_id| (plan, point_id)))
         .collect();
     if stop.load(Ordering::Relaxed) {
         return Ok(None);
@@ -187,8 +187,8 @@ fn simulated(
 /// Returns the plan of a parameter set. Its start states and draws are its own: the errors of the densities of different
 /// sets are then independent, and a regression over the sets makes them smaller. Returns `None` if the values are impossible.
 fn plan_of_set(study: &Study, values: &[DesignValue]) -> Option<Plan> {
-    let own = study.with_seed(set_seed(study, values)).ok()?;
-    own.for_identification()?.0.set(values).ok()
+    let seeded = study.with_seed(set_seed(study, values)).ok()?;
+    seeded.for_identification()?.0.set(values).ok()
 }
 
 /// The parameter sets so far.
@@ -241,15 +241,16 @@ impl<'a> EvaluatedSets<'a> {
         let Inference { study, sites, identification, .. } = *self.inference;
         let balls = study.model().angle_contacts().len();
         let mut ends: BTreeMap<(u64, u64), Vec<&BallsEnd>> = BTreeMap::new();
-        for one in &set.ends {
-            ends.entry((one.point_id, one.stage)).or_default().push(&one.end);
+        for end in &set.ends {
+            ends.entry((end.point_id, end.stage)).or_default().push(&end.end);
         }
         let at = |site: &Site| ends.remove(&(site.point_id, site.stage)).unwrap_or_default();
-        let rests: Vec<Rests> = sites.iter().map(at).map(|own| Rests::new(balls, own)).collect();
+        let rests: Vec<Rests> =
+            sites.iter().map(at).map(|found| Rests::new(balls, found)).collect();
         // The last end of each run is unknown only if the run failed.
-        let last_ends = set.ends.chunk_by(|one, other| one.run_id == other.run_id);
+        let last_ends = set.ends.chunk_by(|left, right| left.run_id == right.run_id);
         let ended =
-            last_ends.filter(|ends| ends.last().is_some_and(|one| one.end != BallsEnd::Unknown));
+            last_ends.filter(|ends| ends.last().is_some_and(|last| last.end != BallsEnd::Unknown));
         self.runs[0] += study.run_count();
         self.runs[1] += study.run_count().saturating_sub(ended.count() as u64);
         let numbers: Vec<f64> = set.values.iter().map(number_of).collect();
@@ -327,8 +328,8 @@ impl<'a> EvaluatedSets<'a> {
         };
         let mut near: Vec<(usize, f64)> = self.values.iter().map(distance).enumerate().collect();
         let place = number % NEAR.min(near.len());
-        let (_, (index, _), _) = near.select_nth_unstable_by(place, |one, other| {
-            one.1.total_cmp(&other.1).then(one.0.cmp(&other.0))
+        let (_, (index, _), _) = near.select_nth_unstable_by(place, |left, right| {
+            left.1.total_cmp(&right.1).then(left.0.cmp(&right.0))
         });
         &self.rests[*index]
     }

@@ -38,13 +38,13 @@ impl Likelihood<'_> {
             (1..=REPLICATES).map(|replicate| self.at(place, replicate)).collect();
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
-        let variance = values.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0);
         [self.at(place, 0), variance.sqrt()]
     }
 
     fn at_site(&self, index: usize, weights: &[SetWeight]) -> f64 {
         let (site, uniform) = (&self.sites[index], self.uniform[index]);
-        let of = |one: &SetWeight| (*one, &self.densities[one.set][index]);
+        let of = |weight: &SetWeight| (*weight, &self.densities[weight.set][index]);
         let known: Vec<(SetWeight, &SetDensities)> =
             weights.iter().map(of).filter(|(_, densities)| densities.runs > 0).collect();
         let Some(runs) = known.iter().map(|(_, densities)| densities.runs).min() else {
@@ -52,7 +52,7 @@ impl Likelihood<'_> {
             return site.runs() as f64 * libm::log(SMALLEST);
         };
         let references = &self.references[index];
-        let each = known.iter().map(|(weight, one)| (*weight, *one));
+        let each = known.iter().map(|(weight, densities)| (*weight, *densities));
         let (rests, moving) = log_densities((runs, uniform), references, each);
         rests + site.moving as f64 * moving
     }
@@ -66,7 +66,7 @@ pub(super) fn log_densities<'d>(
     each: impl Iterator<Item = (SetWeight, &'d SetDensities)> + Clone,
 ) -> (f64, f64) {
     let least = 1.0 / (runs as f64 + 1.0);
-    let of_moving = sums(each.clone().map(|(weight, one)| (weight, one.moving)));
+    let of_moving = sums(each.clone().map(|(weight, densities)| (weight, densities.moving)));
     let moving = positive(of_moving).clamp(0.5 * least, 1.0 - 0.5 * least);
     let rests = sums_of_rests(each);
     // The mass of the density is the probability of rest.
@@ -115,7 +115,7 @@ mod tests {
         for place in [[0.1], [0.3], [0.5], [0.7], [0.9]] {
             variance += likelihood.with_error(&place)[1].powi(2);
             let weights = smoother.weights(&place, |_| 1.0);
-            expected += weights.iter().map(|one| (0.3 * one.regression).powi(2)).sum::<f64>();
+            expected += weights.iter().map(|weight| (0.3 * weight.regression).powi(2)).sum::<f64>();
         }
         let ratio = variance / expected;
         assert!((0.4..2.5).contains(&ratio), "{ratio}");

@@ -20,12 +20,12 @@ pub(super) fn next_places(study: &Study, likelihood: &Likelihood, count: usize) 
         let distance = |place: &Vec<f64>| {
             let square = |other: &Vec<f64>| -> f64 {
                 let parts = place.iter().zip(other).zip(&widths);
-                parts.map(|((one, other), width)| ((one - other) / width).powi(2)).sum()
+                parts.map(|((x, y), width)| ((x - y) / width).powi(2)).sum()
             };
             all.iter().map(square).fold(f64::INFINITY, f64::min)
         };
         let scored = candidates.iter().map(|place| (distance(place), place));
-        let farthest = scored.max_by(|one, other| one.0.total_cmp(&other.0));
+        let farthest = scored.max_by(|left, right| left.0.total_cmp(&right.0));
         let Some((_, farthest)) = farthest else { break };
         all.push(farthest.clone());
     }

@@ -87,7 +87,8 @@ fn summary(
     let places: Vec<&Vec<f64>> = by_replicate.iter().flatten().collect();
     let samples: Vec<Vec<f64>> =
         places.iter().map(|place| identification.values_at(place)).collect();
-    let column = |index: usize| -> Vec<f64> { samples.iter().map(|one| one[index]).collect() };
+    let column =
+        |index: usize| -> Vec<f64> { samples.iter().map(|sample| sample[index]).collect() };
     let marginal = |(index, parameter): (usize, &crate::study::Variable)| {
         let values = column(index);
         let (mean, std_dev) = mean_and_deviation(&values);
@@ -118,16 +119,16 @@ fn summary(
             leans_on,
         }
     };
-    let correlation = |one: usize, other: usize| {
-        let (one, other) = (column(one), column(other));
-        let [(one_mean, one_dev), (other_mean, other_dev)] =
-            [&one, &other].map(|values| mean_and_deviation(values));
-        let product = |(x, y): (&f64, &f64)| (x - one_mean) * (y - other_mean);
-        let covariance = one.iter().zip(&other).map(product).sum::<f64>();
-        covariance / (samples.len() as f64 * one_dev * other_dev)
+    let correlation = |first: usize, second: usize| {
+        let (first, second) = (column(first), column(second));
+        let [(first_mean, first_dev), (second_mean, second_dev)] =
+            [&first, &second].map(|values| mean_and_deviation(values));
+        let product = |(x, y): (&f64, &f64)| (x - first_mean) * (y - second_mean);
+        let covariance = first.iter().zip(&second).map(product).sum::<f64>();
+        covariance / (samples.len() as f64 * first_dev * second_dev)
     };
     let count = identification.parameters.len();
-    let row = |one: usize| (0..count).map(|other| correlation(one, other)).collect();
+    let row = |index: usize| (0..count).map(|other| correlation(index, other)).collect();
     Posterior {
         correlations: (0..count).map(row).collect(),
         marginals: identification.parameters.iter().enumerate().map(marginal).collect(),
@@ -138,7 +139,7 @@ fn summary(
 fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
-    let variance = values.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / count;
+    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
     (mean, variance.sqrt())
 }
 

@@ -28,18 +28,18 @@ pub struct References {
 
 /// Returns a site with reference positions after the measured ones; `rests` are the simulated ends of the parameter sets there.
 pub fn with_references(study: &Study, index: usize, site: &Site, rests: &[&Rests]) -> Site {
-    let deviations: Vec<f64> = site.rests.iter().map(|one| one.std_dev_rad).collect();
-    let known: Vec<&&Rests> = rests.iter().filter(|one| one.at_rest() > 0).collect();
+    let deviations: Vec<f64> = site.rests.iter().map(|rest| rest.std_dev_rad).collect();
+    let known: Vec<&&Rests> = rests.iter().filter(|set| set.at_rest() > 0).collect();
     let mut site = site.clone();
     if known.is_empty() || deviations.is_empty() {
         return site;
     }
     let mut random = generator(study, "identify references", index as u64);
     for number in 0..REFERENCES {
-        let own = known[number % known.len()];
-        let positions = own.at_rest();
+        let set = known[number % known.len()];
+        let positions = set.at_rest();
         // A step that has no common factor with most numbers of runs spreads the references over them.
-        let Some(angles) = own.run((number * 7919 / known.len()) % positions) else { continue };
+        let Some(angles) = set.run((number * 7919 / known.len()) % positions) else { continue };
         let std_dev_rad = deviations[number % deviations.len()];
         let blurred = angles.iter().map(|angle| angle + std_dev_rad * normal(&mut random));
         site.rests.push(MeasuredRest { angles: blurred.collect(), std_dev_rad });
@@ -53,13 +53,13 @@ impl References {
     pub fn new(measured: usize, densities: &[&SetDensities]) -> Self {
         let at_rest: Vec<(&&SetDensities, f64)> = densities
             .iter()
-            .map(|one| (one, 1.0 - one.moving))
-            .filter(|(one, rest)| one.runs > 0 && *rest > 0.0)
+            .map(|set| (set, 1.0 - set.moving))
+            .filter(|(set, rest)| set.runs > 0 && *rest > 0.0)
             .take(REFERENCES)
             .collect();
-        let rows = densities.first().map_or(0, |one| one.rests.len());
+        let rows = densities.first().map_or(0, |set| set.rests.len());
         let density = |row: usize| -> f64 {
-            let sum: f64 = at_rest.iter().map(|(one, rest)| one.rests[row] / rest).sum();
+            let sum: f64 = at_rest.iter().map(|(set, rest)| set.rests[row] / rest).sum();
             sum / at_rest.len() as f64
         };
         let proposal = (measured..rows).map(density).collect();

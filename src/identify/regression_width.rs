@@ -52,21 +52,21 @@ impl<'a> CrossValidation<'a> {
         likelihoods: &[f64],
     ) -> Self {
         let mut order: Vec<usize> = (0..places.len()).collect();
-        order.sort_by(|one, other| likelihoods[*other].total_cmp(&likelihoods[*one]));
+        order.sort_by(|left, right| likelihoods[*right].total_cmp(&likelihoods[*left]));
         order.truncate(LEFT_OUT);
         let mut random = generator(study, "identify widths", 0);
         let mut predicted = |set: usize, index: usize| {
             let site = &sites[index];
-            let deviations: Vec<f64> = site.rests.iter().map(|one| one.std_dev_rad).collect();
-            let own = &rests[set][index];
-            let every = own.runs().div_ceil(PREDICTED).max(1);
-            let positions = own.positions().step_by(every).enumerate();
+            let deviations: Vec<f64> = site.rests.iter().map(|rest| rest.std_dev_rad).collect();
+            let simulated = &rests[set][index];
+            let every = simulated.runs().div_ceil(PREDICTED).max(1);
+            let positions = simulated.positions().step_by(every).enumerate();
             let measured = positions.filter(|_| !deviations.is_empty()).map(|(place, angles)| {
                 let std_dev_rad = deviations[place % deviations.len()];
                 let blurred = angles.iter().map(|angle| angle + std_dev_rad * normal(&mut random));
                 MeasuredRest { angles: blurred.collect(), std_dev_rad }
             });
-            let moving = own.moving.div_ceil(every) as u64;
+            let moving = simulated.moving.div_ceil(every) as u64;
             Site { rests: measured.collect(), moving, ..site.clone() }
         };
         let of_set = |set: usize| {
@@ -103,9 +103,11 @@ impl<'a> CrossValidation<'a> {
                         .weights(&self.places[*set], |other| f64::from(u8::from(other != *set)));
                     let at = |(index, all): (usize, &Vec<SetDensities>)| {
                         let (site, references) = (&predicted[index], &references[index]);
-                        let each = weights.iter().map(|one| (*one, &of_references[one.set][index]));
+                        let each = weights
+                            .iter()
+                            .map(|weight| (*weight, &of_references[weight.set][index]));
                         let excess = references.excess(&sums_of_rests(each));
-                        let each = weights.iter().map(|one| (*one, &all[one.set]));
+                        let each = weights.iter().map(|weight| (*weight, &all[weight.set]));
                         self.log_density(index, site, each, excess)
                     };
                     of_sites.iter().enumerate().map(at).sum::<f64>()
@@ -120,7 +122,7 @@ impl<'a> CrossValidation<'a> {
                     other[index] = candidate;
                     (candidate, score(&other))
                 });
-                let best = scored.into_iter().max_by(|one, other| one.1.total_cmp(&other.1));
+                let best = scored.into_iter().max_by(|left, right| left.1.total_cmp(&right.1));
                 widths[index] = best.map_or(FIRST_WIDTH, |(width, _)| width);
             }
         }
@@ -140,7 +142,7 @@ impl<'a> CrossValidation<'a> {
         each: impl Iterator<Item = (SetWeight, &'d SetDensities)> + Clone,
         excess: Option<f64>,
     ) -> f64 {
-        let runs = each.clone().map(|(_, one)| one.runs).min().unwrap_or(0);
+        let runs = each.clone().map(|(_, densities)| densities.runs).min().unwrap_or(0);
         let uniform = self.rests.first().map_or(1.0, |of_set| of_set[index].uniform());
         let references = References::known(site.rests.len(), excess);
         let (rests, moving) = log_densities((runs, uniform), &references, each);

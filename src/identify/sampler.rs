@@ -33,7 +33,7 @@ impl<F: Fn(&[f64]) -> f64 + Send + Sync> Model for InUnitCube<F> {
     type Params = Vec<f64>;
 
     fn log_prob(&self, place: &Vec<f64>) -> f64 {
-        let is_inside = place.iter().all(|one| (0.0..=1.0).contains(one));
+        let is_inside = place.iter().all(|coordinate| (0.0..=1.0).contains(coordinate));
         if is_inside { (self.0)(place) } else { f64::NEG_INFINITY }
     }
 }
@@ -61,9 +61,9 @@ pub(super) fn sample_in_unit_cube(
     let walkers: Vec<(Vec<f64>, ChaCha8Rng)> = (0..WALKERS)
         .map(|_| {
             let level = sum * random.random::<f64>();
-            let index = sums.partition_point(|one| *one < level).min(places.len() - 1);
+            let index = sums.partition_point(|total| *total < level).min(places.len() - 1);
             // Places that are drawn twice must differ.
-            let moved = |one: &f64| (one + 1e-4 * (random.random::<f64>() - 0.5)).clamp(0.0, 1.0);
+            let moved = |x: &f64| (x + 1e-4 * (random.random::<f64>() - 0.5)).clamp(0.0, 1.0);
             let first = places[index].iter().map(moved).collect();
             (first, ChaCha8Rng::seed_from_u64(random.random()))
         })
@@ -96,11 +96,12 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(3);
         let samples = sample_in_unit_cube(2, 4000, log_density, &mut random);
         assert_eq!(samples.len(), 4000);
-        let mean = |index: usize| samples.iter().map(|one| one[index]).sum::<f64>() / 4000.0;
+        let mean = |index: usize| samples.iter().map(|sample| sample[index]).sum::<f64>() / 4000.0;
         assert!((mean(0) - 0.4).abs() < 4.0 * deviation[0] / 20.0, "{}", mean(0));
         let expected = deviation[1] * (2.0 / std::f64::consts::PI).sqrt();
         assert!((mean(1) - expected).abs() < 4.0 * 0.6 * deviation[1] / 20.0, "{}", mean(1));
-        let variance = samples.iter().map(|one| (one[0] - mean(0)).powi(2)).sum::<f64>() / 4000.0;
+        let variance =
+            samples.iter().map(|sample| (sample[0] - mean(0)).powi(2)).sum::<f64>() / 4000.0;
         assert!(
             (variance / deviation[0].powi(2) - 1.0).abs() < 4.0 * (2.0_f64 / 400.0).sqrt(),
             "{variance}"

@@ -53,7 +53,7 @@ impl Smoother {
         };
         let sets = (0..self.places.len()).filter(|set| of_set(*set) > 0.0);
         let mut near: Vec<(usize, f64)> =
-            sets.map(|set| (set, scaled(set).map(|one| one * one).sum())).collect();
+            sets.map(|set| (set, scaled(set).map(|x| x * x).sum())).collect();
         // A quadratic polynomial where there are enough sets, else a linear one.
         let quadratic = 1 + dimensions + dimensions * (dimensions + 1) / 2;
         let is_quadratic = near.len() >= 2 * quadratic;
@@ -73,8 +73,8 @@ impl Smoother {
             let mut row = vec![1.0];
             row.extend_from_slice(from);
             if is_quadratic {
-                for (index, one) in from.iter().enumerate() {
-                    row.extend(from[index..].iter().map(|other| one * other));
+                for (index, x) in from.iter().enumerate() {
+                    row.extend(from[index..].iter().map(|y| x * y));
                 }
             }
             row
@@ -82,11 +82,11 @@ impl Smoother {
         let rows: Vec<Vec<f64>> =
             near.iter().map(|(set, _)| row(&scaled(*set).collect::<Vec<f64>>())).collect();
         let mut matrix = DMatrix::<f64>::zeros(coefficients, coefficients);
-        for (row, one) in rows.iter().zip(&near) {
-            let weight = weight(one);
-            for (i, one) in row.iter().enumerate() {
-                for (j, other) in row.iter().enumerate() {
-                    matrix[(i, j)] += weight * one * other;
+        for (row, neighbour) in rows.iter().zip(&near) {
+            let weight = weight(neighbour);
+            for (i, x) in row.iter().enumerate() {
+                for (j, y) in row.iter().enumerate() {
+                    matrix[(i, j)] += weight * x * y;
                 }
             }
         }
@@ -96,21 +96,21 @@ impl Smoother {
         let mut first = DVector::<f64>::zeros(coefficients);
         first[0] = 1.0;
         let solution = matrix.cholesky().map(|factors| factors.solve(&first));
-        let weighted = rows.iter().zip(&near).map(|(row, one)| {
+        let weighted = rows.iter().zip(&near).map(|(row, neighbour)| {
             let value = match &solution {
                 Some(solution) => row.iter().zip(solution.iter()).map(|(x, y)| x * y).sum(),
                 None => 1.0,
             };
-            let mean = weight(one);
-            SetWeight { set: one.0, regression: mean * value, mean }
+            let mean = weight(neighbour);
+            SetWeight { set: neighbour.0, regression: mean * value, mean }
         });
         let weighted: Vec<SetWeight> = weighted.collect();
-        let regression: f64 = weighted.iter().map(|one| one.regression).sum();
-        let mean: f64 = weighted.iter().map(|one| one.mean).sum();
-        let scaled = |one: SetWeight| SetWeight {
-            set: one.set,
-            regression: one.regression / regression,
-            mean: one.mean / mean,
+        let regression: f64 = weighted.iter().map(|weight| weight.regression).sum();
+        let mean: f64 = weighted.iter().map(|weight| weight.mean).sum();
+        let scaled = |weight: SetWeight| SetWeight {
+            set: weight.set,
+            regression: weight.regression / regression,
+            mean: weight.mean / mean,
         };
         weighted.into_iter().map(scaled).collect()
     }
@@ -151,11 +151,11 @@ mod tests {
                 let weights = smoother.weights(&place, of_set);
                 let value: f64 = weights
                     .iter()
-                    .map(|one| one.regression * polynomial(&smoother.places[one.set]))
+                    .map(|weight| weight.regression * polynomial(&smoother.places[weight.set]))
                     .sum();
                 assert!((value - polynomial(&place)).abs() < 1e-6, "{place:?}: {value}");
                 let is_left_out = |set| of_set(set) == 0.0;
-                assert!(weights.iter().all(|one| !is_left_out(one.set) && one.mean > 0.0));
+                assert!(weights.iter().all(|weight| !is_left_out(weight.set) && weight.mean > 0.0));
             }
         }
     }
@@ -167,23 +167,23 @@ mod tests {
         let value: f64 = smoother
             .weights(&[0.4, 0.6], |_| 1.0)
             .iter()
-            .map(|one| one.regression * (1.0 + smoother.places[one.set][0]))
+            .map(|weight| weight.regression * (1.0 + smoother.places[weight.set][0]))
             .sum();
         assert!((value - 1.4).abs() < 1e-6, "{value}");
-        let one = Smoother::new(vec![vec![0.5]], vec![0.1]);
+        let single = Smoother::new(vec![vec![0.5]], vec![0.1]);
         let alone = SetWeight { set: 0, regression: 1.0, mean: 1.0 };
-        assert_eq!(one.weights(&[0.2], |_| 1.0), [alone]);
+        assert_eq!(single.weights(&[0.2], |_| 1.0), [alone]);
     }
 
     /// Where the polynomial is negative, a part of the mean takes its place.
     #[test]
     fn densities_are_positive() {
         let smoother =
-            Smoother::new((0..8).map(|one| vec![f64::from(one) / 7.0]).collect(), vec![0.2]);
-        let step = |one: SetWeight| if one.set < 4 { 0.0 } else { 1.0 };
+            Smoother::new((0..8).map(|number| vec![f64::from(number) / 7.0]).collect(), vec![0.2]);
+        let step = |weight: SetWeight| if weight.set < 4 { 0.0 } else { 1.0 };
         for place in [0.2, 0.3, 0.4, 0.5] {
             let weights = smoother.weights(&[place], |_| 1.0);
-            let value = positive(sums(weights.into_iter().map(|one| (one, step(one)))));
+            let value = positive(sums(weights.into_iter().map(|weight| (weight, step(weight)))));
             assert!(value > 0.0 && value < 1.5, "{place}: {value}");
         }
     }

@@ -75,7 +75,7 @@ pub fn position_rows<'a>(
         let here =
             move |site: &&Site| (site.point_id, site.stage) == (fit.point.point_id, fit.stage);
         let rests = sites.iter().filter(here).flat_map(|site| &site.rests);
-        let rests = rests.map(|one| Some(one.angles.clone()));
+        let rests = rests.map(|rest| Some(rest.angles.clone()));
         let measured = rests.chain((0..fit.measured[1]).map(|_| None)).map(|seen| (true, seen));
         let predicted = fit.predicted.iter().map(|seen| (false, seen.clone()));
         measured.chain(predicted).map(|(is_measured, seen)| PositionRow {

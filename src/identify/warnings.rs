@@ -16,10 +16,11 @@ const WIDER: [f64; 3] = [0.5, 0.2, 0.1];
 pub fn warnings(inference: &Inference, inferred: &Inferred) -> Vec<String> {
     let Inference { study, identification, .. } = *inference;
     let marginals = &inferred.posterior.marginals;
-    let medians: Vec<f64> = marginals.iter().map(|one| one.median).collect();
-    let leaning = |(index, one): (usize, &Marginal)| {
-        let (key, name) = (one.leans_on?, &one.name);
-        let (end, side) = if key == "from" { (one.prior[0], -1.0) } else { (one.prior[1], 1.0) };
+    let medians: Vec<f64> = marginals.iter().map(|marginal| marginal.median).collect();
+    let leaning = |(index, marginal): (usize, &Marginal)| {
+        let (key, name) = (marginal.leans_on?, &marginal.name);
+        let (end, side) =
+            if key == "from" { (marginal.prior[0], -1.0) } else { (marginal.prior[1], 1.0) };
         // Beyond an end that is a limit of the physics, such as a friction of 0, nothing can be true.
         let wider = WIDER.iter().find_map(|part| {
             let mut place = identification.place_of(&medians);
@@ -29,14 +30,14 @@ pub fn warnings(inference: &Inference, inferred: &Inferred) -> Vec<String> {
                 values.iter().map(|value| DesignValue::Number(*value)).collect();
             study.set(&numbers).is_ok().then(|| four_digits(values[index]))
         })?;
-        let [end, low, high] = [end, one.interval[0], one.interval[1]].map(four_digits);
+        let [end, low, high] = [end, marginal.interval[0], marginal.interval[1]].map(four_digits);
         Some(format!(
             "identify.parameters.{name}.{key}: the posterior leans on this end of the prior, and the true value may be \
              beyond it\n  found:  {end}, and a 95 % interval from {low} to {high}\n  remedy: a wider prior, such as {key}: \
              {wider}"
         ))
     };
-    let inaccurate = |one: &Marginal| {
+    let inaccurate = |marginal: &Marginal| {
         let (sets, runs) = (inferred.sets.len(), study.run_count());
         let few = match fewest_sets(inferred) {
             fewest if sets < fewest => format!(" (an estimate that needs at least {fewest} sets)"),
@@ -47,18 +48,18 @@ pub fn warnings(inference: &Inference, inferred: &Inferred) -> Vec<String> {
              {runs} runs each, which give an error of about {:.1} standard deviations{few}; the interval may be too narrow or \
              misplaced by that much or more, and all inferences from these runs share the error\n  remedy: more parameter sets \
              (start_designs and designs), or more runs in each, before the interval is used",
-            one.name, one.simulation_error
+            marginal.name, marginal.simulation_error
         )
     };
     let leaning = marginals.iter().enumerate().filter_map(leaning);
     leaning
-        .chain(marginals.iter().filter(|one| !is_accurate(inferred, one)).map(inaccurate))
+        .chain(marginals.iter().filter(|marginal| !is_accurate(inferred, marginal)).map(inaccurate))
         .collect()
 }
 
 /// Returns whether enough runs are simulated for the posterior of a parameter.
-pub(super) fn is_accurate(inferred: &Inferred, one: &Marginal) -> bool {
-    one.simulation_error <= INACCURATE && inferred.sets.len() >= fewest_sets(inferred)
+pub(super) fn is_accurate(inferred: &Inferred, marginal: &Marginal) -> bool {
+    marginal.simulation_error <= INACCURATE && inferred.sets.len() >= fewest_sets(inferred)
 }
 
 fn fewest_sets(inferred: &Inferred) -> usize {

@@ -41,7 +41,7 @@ impl Criterion {
         let sign = |negative: bool| if negative { -1.0 } else { 1.0 };
         let objectives = goal.objectives.iter();
         let costs: Vec<(usize, f64)> =
-            objectives.map(|(quantity, one)| (*quantity, sign(one.maximize))).collect();
+            objectives.map(|(quantity, objective)| (*quantity, sign(objective.maximize))).collect();
         let limit = |(quantity, limit): &(usize, crate::study::Limit)| {
             Some((*quantity, sign(limit.least), scales.get(*quantity)?.scaled(limit.value)))
         };
@@ -62,7 +62,7 @@ impl Criterion {
         // With one objective, the front is the best design.
         let mut front: Vec<Vec<f64>> =
             pareto_front(&all).into_iter().filter_map(|index| all.get(index)?.clone()).collect();
-        front.sort_by(|one, other| one[0].total_cmp(&other[0]));
+        front.sort_by(|left, right| left[0].total_cmp(&right[0]));
         Criterion { costs, errors: errors.to_vec(), limits, front, corner }
     }
 
@@ -232,7 +232,7 @@ mod tests {
             let side = 8.0 / f64::from(cells);
             let middle = |index: i32| -4.0 + (f64::from(index) + 0.5) * side;
             let gained = |a: f64, b: f64| {
-                a > x && b > y && !front.iter().any(|one| a > one[0] && b > one[1])
+                a > x && b > y && !front.iter().any(|point| a > point[0] && b > point[1])
             };
             let count = (0..cells * cells)
                 .filter(|cell| gained(middle(cell / cells), middle(cell % cells)))

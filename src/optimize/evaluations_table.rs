@@ -40,7 +40,7 @@ pub fn search_facts(study: &Study) -> Value {
         for key in FREE {
             fields.remove(key);
         }
-        let start = study.optimization().map(|one| one.start_designs);
+        let start = study.optimization().map(|optimization| optimization.start_designs);
         fields.insert("start_designs".to_owned(), json!(start));
     }
     json!({"design": file["design"], "responses": file["responses"], "optimize": optimize})
@@ -135,7 +135,7 @@ fn grouped_by_design(study: &Study, rows: Vec<(DesignOrigin, Answer)>) -> Option
             }
         }
     }
-    let complete = evaluations.last().is_none_or(|one| one.answers.len() as u64 == points);
+    let complete = evaluations.last().is_none_or(|last| last.answers.len() as u64 == points);
     complete.then_some(evaluations)
 }
 
@@ -152,7 +152,7 @@ fn read_row(study: &Study, row: &Row<'_>) -> Option<(DesignOrigin, Answer)> {
     });
     let values: Vec<Option<_>> = values.collect();
     let runs = Label::ALL.map(|label| row.count(label.name()));
-    let estimates = study.responses().iter().map(|one| row.estimate(&one.name)).collect();
+    let estimates = study.responses().iter().map(|response| row.estimate(&response.name)).collect();
     let mut counts = LabelCounts::default();
     for (label, runs) in Label::ALL.into_iter().zip(runs) {
         counts.add_many(label, runs.filter(|runs| *runs < MOST_RUNS)?);
@@ -167,6 +167,6 @@ fn read_row(study: &Study, row: &Row<'_>) -> Option<(DesignOrigin, Answer)> {
         counts,
         discontinuous: None,
     };
-    let is_named = |one: &&DesignOrigin| Some(one.name()) == origin.as_deref();
+    let is_named = |candidate: &&DesignOrigin| Some(candidate.name()) == origin.as_deref();
     Some((*DesignOrigin::ALL.iter().find(is_named)?, answer))
 }

@@ -81,7 +81,7 @@ pub struct Finalists {
 impl Finalists {
     /// Returns the first design with this role.
     pub fn of(&self, role: FinalistRole) -> Option<&Finalist> {
-        self.all.iter().find(|one| one.role == role)
+        self.all.iter().find(|finalist| finalist.role == role)
     }
 }
 
@@ -118,20 +118,20 @@ pub fn finalists(
         .map(|index| evaluate(role, Some(index as u64), &evaluations.get(index)?.values))
         .collect::<Option<_>>()?;
     if single {
-        let best = best(all.iter().map(|one| goal.rank(&values(&one.estimates))));
+        let best = best(all.iter().map(|finalist| goal.rank(&values(&finalist.estimates))));
         if let Some(Finalist { design, values, .. }) = best.and_then(|index| all.get(index)) {
             let best = evaluate(FinalistRole::Best, *design, values)?;
             all.push(best);
         }
     } else {
-        let costs = |one: &Finalist| goal.feasible_costs(&values(&one.estimates));
+        let costs = |finalist: &Finalist| goal.feasible_costs(&values(&finalist.estimates));
         let front = pareto_front(&all.iter().map(costs).collect::<Vec<_>>());
-        for (index, one) in all.iter_mut().enumerate() {
-            one.on_front = Some(front.contains(&index));
+        for (index, finalist) in all.iter_mut().enumerate() {
+            finalist.on_front = Some(front.contains(&index));
         }
     }
     if let Some(values) = &optimization.compare_with {
-        let design = evaluations.iter().position(|one| one.values == *values);
+        let design = evaluations.iter().position(|evaluation| evaluation.values == *values);
         all.push(evaluate(FinalistRole::CompareWith, design.map(|index| index as u64), values)?);
     }
     Some(Finalists { all })
@@ -187,16 +187,17 @@ fn candidates(search: &Search, goal: &Goal, evaluations: &[Evaluation]) -> Vec<u
     if goal.objectives.len() == 1 {
         let mut order: Vec<usize> = (0..all.len()).collect();
         let rank = |index: &usize| goal.rank(&all[*index]);
-        order.sort_by(|one, other| by_rank(rank(one), rank(other)));
+        order.sort_by(|left, right| by_rank(rank(left), rank(right)));
         order.truncate(most);
         return order;
     }
-    let costs: Vec<Option<Vec<f64>>> = all.iter().map(|own| goal.feasible_costs(own)).collect();
+    let costs: Vec<Option<Vec<f64>>> =
+        all.iter().map(|values| goal.feasible_costs(values)).collect();
     let mut front = pareto_front(&costs);
     let first = |index: &usize| {
         costs.get(*index).and_then(|costs| costs.as_ref()?.first().copied()).unwrap_or(0.0)
     };
-    front.sort_by(|one, other| first(one).total_cmp(&first(other)));
+    front.sort_by(|left, right| first(left).total_cmp(&first(right)));
     if front.len() <= most || most < 2 {
         front.truncate(most);
         return front;
@@ -206,9 +207,9 @@ fn candidates(search: &Search, goal: &Goal, evaluations: &[Evaluation]) -> Vec<u
 
 /// Returns the index of the best rank, the first one among equals.
 pub(super) fn best(ranks: impl Iterator<Item = (u8, f64)>) -> Option<usize> {
-    ranks.enumerate().min_by(|one, other| by_rank(one.1, other.1)).map(|(index, _)| index)
+    ranks.enumerate().min_by(|left, right| by_rank(left.1, right.1)).map(|(index, _)| index)
 }
 
-fn by_rank(one: (u8, f64), other: (u8, f64)) -> std::cmp::Ordering {
-    one.0.cmp(&other.0).then(one.1.total_cmp(&other.1))
+fn by_rank(left: (u8, f64), right: (u8, f64)) -> std::cmp::Ordering {
+    left.0.cmp(&right.0).then(left.1.total_cmp(&right.1))
 }

@@ -31,10 +31,10 @@ impl Goal {
     /// Returns the goal of a study.
     pub fn new(study: &Study, optimization: &Optimization) -> Goal {
         // With one point, or with the mean over points, each response is one quantity.
-        let one = study.point_count() == 1 || optimization.over_points == OverPoints::Mean;
+        let single = study.point_count() == 1 || optimization.over_points == OverPoints::Mean;
         let mut quantities: Vec<ResponseOverPoints> = Vec::new();
         let mut quantity_index = |response, larger_is_worse| {
-            let larger_is_worse = larger_is_worse || one;
+            let larger_is_worse = larger_is_worse || single;
             let quantity = ResponseOverPoints { response, larger_is_worse };
             quantities.iter().position(|other| *other == quantity).unwrap_or_else(|| {
                 quantities.push(quantity);
@@ -42,10 +42,12 @@ impl Goal {
             })
         };
         let objectives = optimization.objectives.iter();
-        let objectives =
-            objectives.map(|one| (quantity_index(one.response, !one.maximize), *one)).collect();
+        let objectives = objectives
+            .map(|objective| (quantity_index(objective.response, !objective.maximize), *objective))
+            .collect();
         let limits = optimization.limits.iter();
-        let limits = limits.map(|one| (quantity_index(one.response, !one.least), *one)).collect();
+        let limits =
+            limits.map(|limit| (quantity_index(limit.response, !limit.least), *limit)).collect();
         Goal { quantities, over_points: optimization.over_points, objectives, limits }
     }
 
@@ -63,7 +65,8 @@ impl Goal {
     /// Returns one estimate per quantity of a design with these answers.
     pub fn estimates(&self, answers: &[Answer]) -> Vec<Estimate> {
         let of = |quantity: &ResponseOverPoints| {
-            let estimates = answers.iter().filter_map(|one| one.estimates.get(quantity.response));
+            let estimates =
+                answers.iter().filter_map(|answer| answer.estimates.get(quantity.response));
             let estimates: Vec<&Estimate> = estimates.collect();
             over_points(&estimates, self.over_points, quantity.larger_is_worse)
         };
@@ -100,7 +103,7 @@ impl Goal {
 
     /// Returns the value of each quantity, by design.
     pub(super) fn values_of_designs(&self, evaluations: &[Evaluation]) -> Vec<Vec<Option<f64>>> {
-        evaluations.iter().map(|one| values(&self.estimates(&one.answers))).collect()
+        evaluations.iter().map(|evaluation| values(&self.estimates(&evaluation.answers))).collect()
     }
 
     /// Returns the rank of a design with one objective: first designs that meet all limits, by their cost; then the

@@ -97,7 +97,7 @@ impl Optimize<'_> {
         }
         let instead = evaluations
             .iter()
-            .filter(|one| one.origin == DesignOrigin::SpaceFillingInstead)
+            .filter(|evaluation| evaluation.origin == DesignOrigin::SpaceFillingInstead)
             .count();
         if instead > 0 {
             let all = evaluations.len();
@@ -185,15 +185,15 @@ impl Optimize<'_> {
 /// Returns the limits that the nearest design does not meet, unless a design meets all limits.
 fn unmet(what: &Search, evaluations: &[Evaluation], finalists: &Finalists) -> Option<Vec<String>> {
     let is_best_met = finalists.of(FinalistRole::Best).is_some_and(|best| best.met);
-    if is_best_met || finalists.all.iter().any(|one| one.on_front == Some(true)) {
+    if is_best_met || finalists.all.iter().any(|finalist| finalist.on_front == Some(true)) {
         return None;
     }
     Some(nearest_unmet(what.study, what.optimization, evaluations, finalists))
 }
 
 fn failed_runs(evaluations: &[Evaluation], finalists: &Finalists) -> u64 {
-    let of_search = evaluations.iter().flat_map(|one| &one.answers);
-    let of_finals = finalists.all.iter().flat_map(|one| &one.answers);
+    let of_search = evaluations.iter().flat_map(|evaluation| &evaluation.answers);
+    let of_finals = finalists.all.iter().flat_map(|finalist| &finalist.answers);
     of_search.chain(of_finals).map(|answer| answer.counts.of(Label::Failed)).sum()
 }
 

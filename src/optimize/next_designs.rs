@@ -37,7 +37,7 @@ struct ChosenDesigns<'a> {
 
 impl<'a> ChosenDesigns<'a> {
     fn new(study: &'a Study, evaluations: &[Evaluation]) -> ChosenDesigns<'a> {
-        let taken = evaluations.iter().map(|one| one.values.clone()).collect();
+        let taken = evaluations.iter().map(|evaluation| evaluation.values.clone()).collect();
         ChosenDesigns { study, taken, next: Vec::new() }
     }
 
@@ -130,11 +130,11 @@ pub(super) fn batch(
     let hyperparameters = fits.at(start, first, |count, earlier| data(count)?.fit(earlier));
     let least_distance = LEAST_DISTANCES[usize::from(!study.is_random())];
     let proposer = || {
-        let designs = before.iter().map(|one| one.values.clone()).collect();
+        let designs = before.iter().map(|evaluation| evaluation.values.clone()).collect();
         let mut proposer =
             Proposer::new(&space, &goal, hyperparameters?, data(first)?, designs, least_distance)?;
-        for one in begun {
-            proposer.believe(&one.values)?;
+        for design in begun {
+            proposer.believe(&design.values)?;
         }
         Some(proposer)
     };
@@ -142,13 +142,13 @@ pub(super) fn batch(
     let mut chosen = ChosenDesigns::new(study, evaluations);
     for number in number..until.min(first + BATCH) {
         let seed = study.derived_seed("optimize suggest", number) as u32;
-        let proposals = proposer.as_ref().map_or_else(Vec::new, |one| one.propose(seed));
+        let proposals = proposer.as_ref().map_or_else(Vec::new, |proposer| proposer.propose(seed));
         let found = proposals.iter().any(|design| chosen.add(DesignOrigin::Surrogates, design));
         if !found && !chosen.add_space_filling(DesignOrigin::SpaceFillingInstead, &space) {
             break;
         }
         let believed = proposer.as_mut().zip(chosen.next.last());
-        if believed.is_some_and(|(one, next)| one.believe(&next.values).is_none()) {
+        if believed.is_some_and(|(proposer, next)| proposer.believe(&next.values).is_none()) {
             proposer = None;
         }
     }

@@ -54,7 +54,7 @@ pub fn notes(study: &Study, best: &Finalist) -> Vec<String> {
 /// Returns a sentence for each value of a design that lies on a bound of its range.
 pub fn bounds_in_words(study: &Study, values: &[DesignValue]) -> Vec<String> {
     let sentence = |ReachedBound { variable, which, range }: ReachedBound| {
-        let of_name = study.variables().iter().find(|one| one.name() == variable)?;
+        let of_name = study.variables().iter().find(|candidate| candidate.name() == variable)?;
         let (name, unit) = of_name.name_and_unit();
         let [from, to] = range.map(|end| of_name.describe(DesignValue::Number(end)));
         let range = format!("{from} to {to} {unit}");
@@ -71,13 +71,15 @@ pub fn bounds_in_words(study: &Study, values: &[DesignValue]) -> Vec<String> {
 pub fn use_of_balls(relative_amplitudes: &[Estimate]) -> Option<String> {
     let several = relative_amplitudes.len() > 1;
     let worst = |of: &dyn Fn(&Estimate) -> Option<f64>| {
-        let known = relative_amplitudes.iter().filter_map(|one| Some((of(one)?, one)));
-        known.max_by(|one, other| one.0.total_cmp(&other.0)).map(|(_, one)| one)
+        let known = relative_amplitudes.iter().filter_map(|ratio| Some((of(ratio)?, ratio)));
+        known.max_by(|left, right| left.0.total_cmp(&right.0)).map(|(_, ratio)| ratio)
     };
-    let increased = relative_amplitudes.iter().filter(|one| one.low.is_some_and(|low| low > 1.0));
+    let increased =
+        relative_amplitudes.iter().filter(|ratio| ratio.low.is_some_and(|low| low > 1.0));
     let increased = increased.count();
     if increased > 0 {
-        let by = percents_above_one(worst(&|one| one.value.filter(|_| one.low > Some(1.0)))?)?;
+        let by =
+            percents_above_one(worst(&|ratio| ratio.value.filter(|_| ratio.low > Some(1.0)))?)?;
         return Some(match several {
             false => format!(
                 "The balls increase the mean amplitude by {by}: the machine is better without them."
@@ -90,7 +92,7 @@ pub fn use_of_balls(relative_amplitudes: &[Estimate]) -> Option<String> {
         });
     }
     let place = if several { " at some point of the sweep" } else { "" };
-    let largest = worst(&|one| one.high.or(one.value))?;
+    let largest = worst(&|ratio| ratio.high.or(ratio.value))?;
     let value = largest.value?;
     if largest.high.unwrap_or(value) >= 1.0 {
         let interval = match (largest.low, largest.high) {
@@ -102,7 +104,7 @@ pub fn use_of_balls(relative_amplitudes: &[Estimate]) -> Option<String> {
              is {value:.3}{interval}."
         ));
     }
-    let closest = worst(&|one| one.value)?.value?;
+    let closest = worst(&|ratio| ratio.value)?.value?;
     (closest >= ALMOST_NO_EFFECT).then(|| {
         format!(
             "The balls have almost no effect{place}: the mean amplitude is {} % of that of the same machine without \

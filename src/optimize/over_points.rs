@@ -38,7 +38,7 @@ pub(super) fn over_points(
         ),
         OverPoints::Worst => {
             let worse =
-                |one: f64, other: f64| if larger_is_worse { one > other } else { one < other };
+                |left: f64, right: f64| if larger_is_worse { left > right } else { left < right };
             let mut worst = 0;
             for (index, value) in values.iter().enumerate() {
                 if worse(*value, values[worst]) {

@@ -4,10 +4,10 @@
 /// other such design dominates. A design dominates another one if it is not worse in any objective, and better in at
 /// least one. The first of several equal designs dominates the others.
 pub fn pareto_front(costs: &[Option<Vec<f64>>]) -> Vec<usize> {
-    let dominates = |(one, costs): (usize, &[f64]), (other, others): (usize, &[f64])| {
+    let dominates = |(index, costs): (usize, &[f64]), (other, others): (usize, &[f64])| {
         let pairs = || costs.iter().zip(others);
         let better = pairs().any(|(cost, other)| cost < other);
-        pairs().all(|(cost, other)| cost <= other) && (better || one < other)
+        pairs().all(|(cost, other)| cost <= other) && (better || index < other)
     };
     let known: Vec<(usize, &[f64])> = costs
         .iter()

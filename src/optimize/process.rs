@@ -46,7 +46,7 @@ impl Hyperparameters {
         let first = Array1::from_elem(coordinates.ncols(), FIRST_THETA);
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
-        let variance = values.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / count;
+        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
         if variance.is_nan() || variance.sqrt() <= 1e-12 * mean.abs() {
             return Some(Hyperparameters { theta: first, noise: LEAST_NOISE });
         }
@@ -64,7 +64,7 @@ impl Hyperparameters {
             likelihood.is_finite().then_some((likelihood, noise))
         };
         let noises = NOISES.iter().map(|fraction| (fraction * most).max(LEAST_NOISE));
-        let best = noises.filter_map(likelihood).max_by(|one, other| one.0.total_cmp(&other.0));
+        let best = noises.filter_map(likelihood).max_by(|left, right| left.0.total_cmp(&right.0));
         Some(Hyperparameters { theta, noise: best.map_or(noise, |(_, noise)| noise) })
     }
 

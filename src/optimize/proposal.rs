@@ -32,7 +32,7 @@ pub(super) fn by_criterion(
         }
     }
     let mut all = sorted(&criterion(&candidates), candidates);
-    all.dedup_by(|one, other| one.1 == other.1);
+    all.dedup_by(|left, right| left.1 == right.1);
     // A value, a design and the length of its next step.
     let mut places: Vec<(f64, DesignValues, f64)> = all
         .iter()
@@ -46,9 +46,9 @@ pub(super) fn by_criterion(
         for ((value, design, length), neighbours) in places.iter_mut().zip(neighbours) {
             let found = neighbours.into_iter().zip(values.by_ref());
             // The first one of equal values.
-            let better = found.fold(None, |best: Option<(DesignValues, f64)>, one| {
+            let better = found.fold(None, |best: Option<(DesignValues, f64)>, candidate| {
                 let most = best.as_ref().map_or(*value, |best| best.1);
-                if one.1 > most { Some(one) } else { best }
+                if candidate.1 > most { Some(candidate) } else { best }
             });
             match better {
                 Some((other, its_value)) => {
@@ -67,7 +67,7 @@ pub(super) fn by_criterion(
 /// Returns the designs with finite or infinitely small values, by decreasing value.
 fn sorted(values: &[f64], designs: Vec<DesignValues>) -> Vec<(f64, DesignValues)> {
     let mut all: Vec<(f64, DesignValues)> = values.iter().copied().zip(designs).collect();
-    all.sort_by(|one, other| other.0.total_cmp(&one.0));
+    all.sort_by(|left, right| right.0.total_cmp(&left.0));
     all
 }
 

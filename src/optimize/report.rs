@@ -27,7 +27,7 @@ pub fn optimum_json(
 ) -> Value {
     let Search { study, optimization, .. } = *search;
     let goal = Goal::new(study, optimization);
-    let one = |role| finalists.of(role).map(|one| final_json(study, &goal, one));
+    let of_role = |role| finalists.of(role).map(|finalist| final_json(study, &goal, finalist));
     let compared = || {
         let (best, other) =
             (finalists.of(FinalistRole::Best)?, finalists.of(FinalistRole::CompareWith)?);
@@ -53,16 +53,16 @@ pub fn optimum_json(
             },
             "designs": evaluations.len(),
         },
-        "best": one(FinalistRole::Best),
-        "compare_with": one(FinalistRole::CompareWith),
+        "best": of_role(FinalistRole::Best),
+        "compare_with": of_role(FinalistRole::CompareWith),
         "best_over_compare_with": compared(),
         "notes": finalists.of(FinalistRole::Best).map_or_else(Vec::new, |best| notes(study, best)),
         "sensitivities": sensitivities.iter().map(sensitivity_json).collect::<Vec<_>>(),
     })
 }
 
-fn sensitivity_json(one: &Sensitivity) -> Value {
-    let indices = one.indices.as_ref();
+fn sensitivity_json(sensitivity: &Sensitivity) -> Value {
+    let indices = sensitivity.indices.as_ref();
     let [first, total] = [
         indices.map(|both| (both.first_order, both.first_order_interval)),
         indices.map(|both| (both.total, both.total_interval)),
@@ -74,17 +74,17 @@ fn sensitivity_json(one: &Sensitivity) -> Value {
         })
     };
     json!({
-        "response": one.response,
-        "variable": one.variable,
-        "source": one.from.name(),
+        "response": sensitivity.response,
+        "variable": sensitivity.variable,
+        "source": sensitivity.from.name(),
         "first_order": json(first),
         "total": json(total),
-        "reason": one.reason,
+        "reason": sensitivity.reason,
     })
 }
 
-fn final_json(study: &Study, goal: &Goal, one: &Finalist) -> Value {
-    let estimates = goal.quantities.iter().zip(&one.estimates);
+fn final_json(study: &Study, goal: &Goal, finalist: &Finalist) -> Value {
+    let estimates = goal.quantities.iter().zip(&finalist.estimates);
     let responses: serde_json::Map<String, Value> = estimates
         .filter_map(|(quantity, estimate)| {
             let name = study.responses().get(quantity.response)?.name.clone();
@@ -92,18 +92,18 @@ fn final_json(study: &Study, goal: &Goal, one: &Finalist) -> Value {
         })
         .collect();
     json!({
-        "design": one.design,
-        "values": design_json(study, &one.values),
+        "design": finalist.design,
+        "values": design_json(study, &finalist.values),
         "responses": responses,
-        "relative_amplitudes": one.relative_amplitudes,
-        "on_bounds": on_bounds(study, &one.values)
+        "relative_amplitudes": finalist.relative_amplitudes,
+        "on_bounds": on_bounds(study, &finalist.values)
             .into_iter()
             .map(|bound| json!({"variable": bound.variable, "bound": bound.which}))
             .collect::<Vec<_>>(),
-        "limits_met": one.met,
-        "unmet_limits": unmet_limits(study, goal, &one.estimates),
-        "runs": one.runs(),
-        "failed": one.failed_runs(),
+        "limits_met": finalist.met,
+        "unmet_limits": unmet_limits(study, goal, &finalist.estimates),
+        "runs": finalist.runs(),
+        "failed": finalist.failed_runs(),
     })
 }
 
@@ -130,15 +130,17 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
         last.origin.name()
     );
     let estimates = estimates_in_words(study, &goal, &goal.estimates(&last.answers));
-    line += &estimates.iter().map(|one| one.join(" ")).collect::<Vec<_>>().join(", ");
+    line += &estimates.iter().map(|words| words.join(" ")).collect::<Vec<_>>().join(", ");
     if goal.objectives.len() == 1 {
         let all = goal.values_of_designs(evaluations);
-        let best = super::finalists::best(all.iter().map(|own| goal.rank(own)));
+        let best = super::finalists::best(all.iter().map(|values| goal.rank(values)));
         if let Some(index) = best {
             let (grade, _) = goal.rank(&all[index]);
             let value = goal.objectives.first().and_then(|(quantity, _)| all[index][*quantity]);
-            let unit = |index: usize| study.responses().get(index).map_or("1", |one| one.unit());
-            let unit = goal.objectives.first().map_or("1", |(_, one)| unit(one.response));
+            let unit =
+                |index: usize| study.responses().get(index).map_or("1", |response| response.unit());
+            let unit =
+                goal.objectives.first().map_or("1", |(_, objective)| unit(objective.response));
             let value = value.map_or_else(
                 || "no value".to_owned(),
                 |value| value_in_words(value, &study.units().of_response(unit)),
@@ -166,21 +168,22 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
     let Search { study, optimization, .. } = *search;
     let goal = Goal::new(study, optimization);
     let mut text = String::new();
-    let mut describe = |title: &str, one: &Finalist| {
-        let number = one.design.map_or_else(String::new, |design| format!(" (design {design})"));
-        let _ = writeln!(text, "{title}{number}: {}", design_in_words(study, &one.values));
-        let rows = estimates_in_words(study, &goal, &one.estimates).into_iter();
+    let mut describe = |title: &str, finalist: &Finalist| {
+        let number =
+            finalist.design.map_or_else(String::new, |design| format!(" (design {design})"));
+        let _ = writeln!(text, "{title}{number}: {}", design_in_words(study, &finalist.values));
+        let rows = estimates_in_words(study, &goal, &finalist.estimates).into_iter();
         let rows = rows.map(|[name, estimate]| vec![format!("  {name}"), estimate]);
         text += &text_table(&rows.collect::<Vec<_>>(), &[0, 1]);
-        let failed = match one.failed_runs() {
+        let failed = match finalist.failed_runs() {
             0 => String::new(),
             failed => format!(", {failed} of them failed"),
         };
-        let _ = writeln!(text, "  {} further runs{failed}", one.runs());
-        for limit in unmet_limits(study, &goal, &one.estimates) {
+        let _ = writeln!(text, "  {} further runs{failed}", finalist.runs());
+        for limit in unmet_limits(study, &goal, &finalist.estimates) {
             let _ = writeln!(text, "  a limit is not met: {limit}");
         }
-        if let Some((least, most)) = range(&one.relative_amplitudes) {
+        if let Some((least, most)) = range(&finalist.relative_amplitudes) {
             let range = if least == most { least } else { format!("{least} to {most}") };
             let _ = writeln!(text, "  mean amplitude divided by that without balls: {range}");
         }
@@ -188,8 +191,8 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
     if let Some(best) = finalists.of(FinalistRole::Best) {
         describe("best design", best);
     }
-    for one in finalists.all.iter().filter(|one| one.on_front == Some(true)) {
-        describe("on the Pareto front", one);
+    for finalist in finalists.all.iter().filter(|finalist| finalist.on_front == Some(true)) {
+        describe("on the Pareto front", finalist);
     }
     if let Some(other) = finalists.of(FinalistRole::CompareWith) {
         describe("compared with", other);
@@ -230,14 +233,15 @@ pub fn nearest_unmet(
 ) -> Vec<String> {
     let goal = Goal::new(study, optimization);
     let rank = |estimates: &[Estimate]| {
-        let values: Vec<Option<f64>> = estimates.iter().map(|one| one.value).collect();
+        let values: Vec<Option<f64>> = estimates.iter().map(|estimate| estimate.value).collect();
         goal.rank(&values)
     };
-    let own = finalists.all.iter().filter(|one| one.role != FinalistRole::CompareWith);
-    let own = own.filter(|one| one.role == FinalistRole::Best || one.on_front.is_some());
-    let mut all: Vec<Vec<Estimate>> = own.map(|one| one.estimates.clone()).collect();
+    let found = finalists.all.iter().filter(|finalist| finalist.role != FinalistRole::CompareWith);
+    let found =
+        found.filter(|finalist| finalist.role == FinalistRole::Best || finalist.on_front.is_some());
+    let mut all: Vec<Vec<Estimate>> = found.map(|finalist| finalist.estimates.clone()).collect();
     if all.is_empty() {
-        all = evaluations.iter().map(|one| goal.estimates(&one.answers)).collect();
+        all = evaluations.iter().map(|evaluation| goal.estimates(&evaluation.answers)).collect();
     }
     let nearest = super::finalists::best(all.iter().map(|estimates| rank(estimates)));
     let nearest = nearest.and_then(|index| all.get(index));

@@ -74,7 +74,7 @@ pub fn search<E>(
                 plans: vec![Cow::Borrowed(&next.plan)],
             })
         });
-        let mut origins = next.iter().map(|one| one.origin);
+        let mut origins = next.iter().map(|design| design.origin);
         let add = |design: &DesignToEvaluate, answers| {
             let Some(origin) = origins.next() else { return Ok(()) };
             evaluations.push(Evaluation { origin, values: design.values.to_vec(), answers });
@@ -124,9 +124,9 @@ fn constant(study: &Study, goal: &Goal, evaluations: &[Evaluation]) -> Option<St
         let count = all.len();
         match known.first() {
             None => {
-                let first = evaluations.first().map(|one| goal.estimates(&one.answers));
+                let first = evaluations.first().map(|design| goal.estimates(&design.answers));
                 let reason = first.and_then(|estimates| estimates.get(*quantity)?.reason.clone());
-                let failed = evaluations.iter().flat_map(|one| &one.answers);
+                let failed = evaluations.iter().flat_map(|design| &design.answers);
                 let failed: u64 = failed.map(|answer| answer.counts.of(Label::Failed)).sum();
                 let reason = reason.unwrap_or_default();
                 Some(format!(
@@ -135,7 +135,7 @@ fn constant(study: &Study, goal: &Goal, evaluations: &[Evaluation]) -> Option<St
                 ))
             }
             Some(first)
-                if count > 1 && known.len() == count && known.iter().all(|one| one == first) =>
+                if count > 1 && known.len() == count && known.iter().all(|value| value == first) =>
             {
                 Some(format!("`{name}` is {first} for all of the {count} designs so far"))
             }

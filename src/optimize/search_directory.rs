@@ -62,7 +62,7 @@ impl<'a> SearchDirectory<'a> {
     pub fn write_evaluations(&mut self, evaluations: &[Evaluation]) -> Result<(), WriteError> {
         let rows = evaluations
             .iter()
-            .flat_map(|one| one.answers.iter().map(|answer| (one.origin, answer.clone())));
+            .flat_map(|design| design.answers.iter().map(|answer| (design.origin, answer.clone())));
         self.write("evaluations", evaluation_columns(self.study), rows)
     }
 
@@ -70,12 +70,13 @@ impl<'a> SearchDirectory<'a> {
         let rows = finalists
             .all
             .iter()
-            .flat_map(|one| one.answers.iter().map(|answer| (one.role, answer.clone())));
+            .flat_map(|design| design.answers.iter().map(|answer| (design.role, answer.clone())));
         self.write("finalists", finalist_columns(self.study), rows)?;
         if self.optimization.objectives.len() < 2 {
             return Ok(());
         }
-        let front = finalists.all.iter().filter(|one| one.role == FinalistRole::Pareto).cloned();
+        let front =
+            finalists.all.iter().filter(|finalist| finalist.role == FinalistRole::Pareto).cloned();
         self.write("pareto", pareto_columns(self.study, self.optimization), front)
     }
 

@@ -77,7 +77,7 @@ pub fn sensitivities(
         let indices =
             values.and_then(|values| sobol_indices(&values, variables.len(), bootstrap_seed));
         for (index, variable) in variables.iter().enumerate() {
-            let own = indices.as_ref().map(|all| all.get(index).copied());
+            let of_variable = indices.as_ref().map(|all| all.get(index).copied());
             rows.push(Sensitivity {
                 response: study
                     .responses()
@@ -86,8 +86,8 @@ pub fn sensitivities(
                 variable: variable.name().to_owned(),
                 from: optimization.sensitivity_from,
                 samples: optimization.sensitivity_samples,
-                indices: own.ok().flatten(),
-                reason: own.err().cloned().or_else(|| no_interval.clone()),
+                indices: of_variable.ok().flatten(),
+                reason: of_variable.err().cloned().or_else(|| no_interval.clone()),
             });
         }
     }
@@ -102,9 +102,9 @@ pub fn surrogates(search: &Search, evaluations: &[Evaluation]) -> Option<Vec<Qua
     let Search { study, optimization, workers, stop } = *search;
     let (space, goal) = (Space::new(study), Goal::new(study, optimization));
     let estimates: Vec<Vec<Estimate>> =
-        evaluations.iter().map(|one| goal.estimates(&one.answers)).collect();
+        evaluations.iter().map(|evaluation| goal.estimates(&evaluation.answers)).collect();
     let coordinates: Vec<Vec<f64>> =
-        evaluations.iter().map(|one| space.coordinates(&one.values)).collect();
+        evaluations.iter().map(|evaluation| space.coordinates(&evaluation.values)).collect();
     let seed = study.derived_seed("optimize surrogates", 0);
     // A fit cannot be interrupted: the work has data of its own, and a stop abandons it.
     workers.unless_stopped(stop, move || {
@@ -134,8 +134,8 @@ fn from_runs(
     });
     let mut values = vec![vec![None; designs.len()]; goal.quantities.len()];
     let add = |design: &DesignToEvaluate, answers: Vec<Answer>| {
-        for (all, one) in values.iter_mut().zip(goal.estimates(&answers)) {
-            all[design.number as usize] = one.value;
+        for (all, estimate) in values.iter_mut().zip(goal.estimates(&answers)) {
+            all[design.number as usize] = estimate.value;
         }
         Ok::<(), Infallible>(())
     };

@@ -59,7 +59,7 @@ impl<'a> Space<'a> {
         let with = |(index, variable): (usize, &'a Variable)| {
             let here = design.get(index).copied();
             let others =
-                others((index, variable)).into_iter().filter(move |one| Some(*one) != here);
+                others((index, variable)).into_iter().filter(move |value| Some(*value) != here);
             others.map(move |value| {
                 let mut other = design.to_vec();
                 other[index] = value;
@@ -71,15 +71,15 @@ impl<'a> Space<'a> {
 
     /// Returns whether two designs have the same choices and whole numbers, and all their numbers differ by less than a
     /// fraction of their ranges.
-    pub fn are_near(&self, one: &[DesignValue], other: &[DesignValue], fraction: f64) -> bool {
+    pub fn are_near(&self, left: &[DesignValue], right: &[DesignValue], fraction: f64) -> bool {
         self.varied().all(|(index, variable)| {
-            match (variable.values(), one.get(index), other.get(index)) {
+            match (variable.values(), left.get(index), right.get(index)) {
                 (
                     Values::Numbers(from, to),
-                    Some(DesignValue::Number(one)),
-                    Some(DesignValue::Number(other)),
-                ) => (one - other).abs() < fraction * (to - from),
-                (_, one, other) => one == other,
+                    Some(DesignValue::Number(left)),
+                    Some(DesignValue::Number(right)),
+                ) => (left - right).abs() < fraction * (to - from),
+                (_, left, right) => left == right,
             }
         })
     }
@@ -161,7 +161,7 @@ mod tests {
         ];
         assert_eq!(space.neighbours(&design, 0.1), expected);
         let near =
-            |fraction| expected.iter().map(move |one| space.are_near(&design, one, fraction));
+            |fraction| expected.iter().map(move |other| space.are_near(&design, other, fraction));
         assert!(near(0.11).eq([true, true, false, false]));
         assert!(near(0.09).eq([false; 4]));
     }

@@ -32,7 +32,7 @@ pub(super) fn training_values(
     quantity: usize,
     estimates: &[Vec<Estimate>],
 ) -> Option<TrainingValues> {
-    let of = |design: &Vec<Estimate>| design.get(quantity).and_then(|one| one.value);
+    let of = |design: &Vec<Estimate>| design.get(quantity).and_then(|estimate| estimate.value);
     let worst = if goal.large_is_bad(quantity) { f64::max } else { f64::min };
     let substitute = estimates.iter().filter_map(of).reduce(worst)?;
     let errors = estimates.iter().filter_map(|design| design.get(quantity)?.standard_error);
@@ -59,7 +59,7 @@ impl TrainingData {
     /// Returns the data of these designs; `None` if no design has a value of a quantity.
     pub fn new(space: &Space, goal: &Goal, evaluations: &[Evaluation]) -> Option<TrainingData> {
         let estimates: Vec<Vec<Estimate>> =
-            evaluations.iter().map(|one| goal.estimates(&one.answers)).collect();
+            evaluations.iter().map(|evaluation| goal.estimates(&evaluation.answers)).collect();
         let quantity = |index: usize| {
             let TrainingValues { values, .. } = training_values(goal, index, &estimates)?;
             let scale = QuantityScale::new(goal, index, &values);
@@ -73,7 +73,7 @@ impl TrainingData {
         };
         let quantities: Option<Vec<_>> = (0..goal.quantities.len()).map(quantity).collect();
         let rows: Vec<Vec<f64>> =
-            evaluations.iter().map(|one| space.coordinates(&one.values)).collect();
+            evaluations.iter().map(|evaluation| space.coordinates(&evaluation.values)).collect();
         Some(TrainingData { coordinates: table(&rows).ok()?, quantities: quantities? })
     }
 
@@ -120,8 +120,8 @@ impl<'a> Proposer<'a> {
         least_distance: f64,
     ) -> Option<Proposer<'a>> {
         let TrainingData { coordinates, quantities } = data;
-        let smoothed = |((_, values, _), own): (&(_, Vec<f64>, _), &Hyperparameters)| {
-            own.smooth(&coordinates, values).unwrap_or_else(|| values.clone())
+        let smoothed = |((_, values, _), parameters): (&(_, Vec<f64>, _), &Hyperparameters)| {
+            parameters.smooth(&coordinates, values).unwrap_or_else(|| values.clone())
         };
         let values: Vec<Vec<f64>> = quantities.iter().zip(hyperparameters).map(smoothed).collect();
         let scales = quantities.iter().map(|(scale, _, _)| *scale).collect();
@@ -170,9 +170,9 @@ impl<'a> Proposer<'a> {
                 values.map(|(scale, all)| Some(scale.raw(*all.get(*index)?))).collect::<Vec<_>>();
             self.goal.rank(&raw)
         };
-        order.sort_by(|one, other| {
-            let (one, other) = (rank(one), rank(other));
-            one.0.cmp(&other.0).then(one.1.total_cmp(&other.1))
+        order.sort_by(|left, right| {
+            let (left, right) = (rank(left), rank(right));
+            left.0.cmp(&right.0).then(left.1.total_cmp(&right.1))
         });
         let near: Vec<DesignValues> = order
             .into_iter()
@@ -193,14 +193,14 @@ impl<'a> Proposer<'a> {
         let Some(predictions) = predictions else { return nothing() };
         let distance = self.least_distance;
         let is_near = |design: &DesignValues| {
-            self.designs.iter().any(|one| self.space.are_near(one, design, distance))
+            self.designs.iter().any(|other| self.space.are_near(other, design, distance))
         };
         let of = |(index, design): (usize, &DesignValues)| {
             if is_near(design) {
                 return f64::NEG_INFINITY;
             }
-            let own = predictions.iter().filter_map(|all| all.get(index).copied());
-            criterion.value(&own.collect::<Vec<Prediction>>())
+            let of_design = predictions.iter().filter_map(|all| all.get(index).copied());
+            criterion.value(&of_design.collect::<Vec<Prediction>>())
         };
         designs.iter().enumerate().map(of).collect()
     }
@@ -212,5 +212,5 @@ fn interpolations(
     hyperparameters: &[Hyperparameters],
 ) -> Option<Vec<Interpolation>> {
     let both = values.par_iter().zip(hyperparameters);
-    both.map(|(values, own)| Interpolation::new(coordinates, values, own)).collect()
+    both.map(|(values, parameters)| Interpolation::new(coordinates, values, parameters)).collect()
 }

@@ -38,7 +38,7 @@ impl Surrogate {
     ) -> Result<Self, String> {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
-        let variance = values.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / count;
+        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
         let scale = variance.sqrt();
         if scale.is_nan() || scale <= 1e-12 * mean.abs() {
             return Err("all values are equal".to_owned());
@@ -71,7 +71,7 @@ impl Surrogate {
     pub fn predict(&self, coordinates: &[Vec<f64>]) -> Result<Vec<f64>, String> {
         let predicted =
             self.process.predict(&table(coordinates)?).map_err(|error| error.to_string())?;
-        let values: Vec<f64> = predicted.iter().map(|one| self.mean + self.scale * one).collect();
+        let values: Vec<f64> = predicted.iter().map(|y| self.mean + self.scale * y).collect();
         if values.iter().all(|value| value.is_finite()) {
             return Ok(values);
         }

@@ -58,18 +58,18 @@ pub fn sensitivity_columns() -> Vec<Column<Sensitivity>> {
     };
     let low = "lower end of its 95 % interval, null from surrogates";
     let high = "upper end of its 95 % interval, null from surrogates";
-    number("first_order", "fraction of the variance that the variable alone explains", |one| {
-        Some(one.first_order)
+    number("first_order", "fraction of the variance that the variable alone explains", |indices| {
+        Some(indices.first_order)
     });
-    number("first_order_low", low, |one| one.first_order_interval.map(|ends| ends[0]));
-    number("first_order_high", high, |one| one.first_order_interval.map(|ends| ends[1]));
+    number("first_order_low", low, |indices| indices.first_order_interval.map(|ends| ends[0]));
+    number("first_order_high", high, |indices| indices.first_order_interval.map(|ends| ends[1]));
     number(
         "total",
         "fraction of the variance that remains if all other variables are known",
-        |one| Some(one.total),
+        |indices| Some(indices.total),
     );
-    number("total_low", low, |one| one.total_interval.map(|ends| ends[0]));
-    number("total_high", high, |one| one.total_interval.map(|ends| ends[1]));
+    number("total_low", low, |indices| indices.total_interval.map(|ends| ends[0]));
+    number("total_high", high, |indices| indices.total_interval.map(|ends| ends[1]));
     list.text("reason", |row| row.reason.clone())
         .meaning("why indices or their intervals are missing");
     list.finish()

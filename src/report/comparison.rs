@@ -101,28 +101,28 @@ struct ResultPoint {
 /// # Errors
 /// Returns an error if a table lacks a column or cannot be read.
 pub fn compare(results: [&ComparedResults<'_>; 2]) -> Result<Comparison, TableError> {
-    let studies = results.map(|one| one.study);
+    let studies = results.map(|result| result.study);
     let [first, second] = studies;
     let quantities = quantities(studies);
-    let [one, other] = results.map(|one| points(one, &quantities));
-    let (one, other) = (one?, other?);
+    let [first_points, second_points] = results.map(|result| points(result, &quantities));
+    let (first_points, second_points) = (first_points?, second_points?);
     let swept = first.swept().iter().chain(second.swept());
     let names: BTreeSet<&str> = swept.map(|column| column.name.as_str()).collect();
-    let keys = other.iter().enumerate();
+    let keys = second_points.iter().enumerate();
     let keys: HashMap<String, usize> =
         keys.filter_map(|(place, point)| Some((key(second, point, &names)?, place))).collect();
     let mut compared = Vec::new();
-    let mut has_counterpart = vec![false; other.len()];
-    for point in &one {
+    let mut has_counterpart = vec![false; second_points.len()];
+    for point in &first_points {
         let place = key(first, point, &names).and_then(|key| keys.get(&key).copied());
         let Some(place) = place.filter(|place| !has_counterpart[*place]) else { continue };
         has_counterpart[place] = true;
-        compared.push(compared_point(first, second, &quantities, [point, &other[place]]));
+        compared.push(compared_point(first, second, &quantities, [point, &second_points[place]]));
     }
     let missing = has_counterpart.iter().filter(|has| !**has).count();
     Ok(Comparison {
         changed_keys: changed_keys(first, second),
-        points_without_counterpart: [(one.len() - compared.len()) as u64, missing as u64],
+        points_without_counterpart: [(first_points.len() - compared.len()) as u64, missing as u64],
         points: compared,
     })
 }
@@ -152,7 +152,7 @@ fn quantities([first, second]: [&Study; 2]) -> Vec<ComparableQuantity> {
         list.push(quantity("95 % of the runs", unit(), most, quantile(0.95)));
         list.push(quantity("worse than without balls", percent(), worse, above));
     }
-    let common = first.responses().iter().filter(|one| second.responses().contains(one));
+    let common = first.responses().iter().filter(|response| second.responses().contains(response));
     list.extend(common.map(|response: &Response| ComparableQuantity {
         name: response.name.clone(),
         unit: response.shown_unit(first.units()),
@@ -225,18 +225,18 @@ fn compared_point(
     first: &Study,
     second: &Study,
     list: &[ComparableQuantity],
-    [one, other]: [&ResultPoint; 2],
+    [left, right]: [&ResultPoint; 2],
 ) -> ComparedPoint {
     let starts = |point: &ResultPoint| point.runs.iter().map(|run| run.start).collect::<Vec<_>>();
-    let paired = !one.runs.is_empty() && starts(one) == starts(other);
+    let paired = !left.runs.is_empty() && starts(left) == starts(right);
     let quantity = |(place, quantity): (usize, &ComparableQuantity)| {
-        let [before, after] = [one, other].map(|point| &point.estimates[place]);
+        let [before, after] = [left, right].map(|point| &point.estimates[place]);
         let correlation = if paired {
-            let [a, b] = [(one, before), (other, after)]
+            let [a, b] = [(left, before), (right, after)]
                 .map(|(point, estimate)| contributions(quantity.measured, &point.runs, estimate));
-            let is_stratified = first.point(one.point_id).cells.is_some();
+            let is_stratified = first.point(left.point_id).cells.is_some();
             let cell = |run: &ComparedRun| if is_stratified { run.cell } else { 0 };
-            let cells: Vec<u64> = one.runs.iter().map(cell).collect();
+            let cells: Vec<u64> = left.runs.iter().map(cell).collect();
             correlation(&cells, &a, &b)
         } else {
             0.0
@@ -250,12 +250,12 @@ fn compared_point(
         }
     };
     let is_common = |column: usize| {
-        let name = first.swept().get(column).map(|own| &own.name);
-        second.swept().iter().any(|own| Some(&own.name) == name)
+        let name = first.swept().get(column).map(|parameter| &parameter.name);
+        second.swept().iter().any(|parameter| Some(&parameter.name) == name)
     };
     ComparedPoint {
-        point_ids: [one.point_id, other.point_id],
-        title: heading(first, &one.swept, is_common),
+        point_ids: [left.point_id, right.point_id],
+        title: heading(first, &left.swept, is_common),
         same_start_states: paired,
         quantities: list.iter().enumerate().map(quantity).collect(),
     }
@@ -292,9 +292,9 @@ fn contributions(
 }
 
 /// Returns the correlation of the pairs of finite numbers within their cells; 0 if one of them does not vary.
-fn correlation(cells: &[u64], one: &[f64], other: &[f64]) -> f64 {
+fn correlation(cells: &[u64], left: &[f64], right: &[f64]) -> f64 {
     let pairs = || {
-        let pairs = cells.iter().zip(one.iter().zip(other));
+        let pairs = cells.iter().zip(left.iter().zip(right));
         pairs.filter(|(_, (a, b))| a.is_finite() && b.is_finite())
     };
     let mut sums: HashMap<u64, [f64; 3]> = HashMap::new();

@@ -136,8 +136,8 @@ mod tests {
 
     #[test]
     fn sentences_say_what_is_counted() {
-        let one = Conclusion { compared: 1, more: 0.125, ..Conclusion::default() };
-        assert_eq!(one.text(), "87.5 % of the runs vibrate less than without balls.\n");
+        let single = Conclusion { compared: 1, more: 0.125, ..Conclusion::default() };
+        assert_eq!(single.text(), "87.5 % of the runs vibrate less than without balls.\n");
         let all = Conclusion { compared: 6, mostly_less: 6, ..Conclusion::default() };
         assert!(all.text().starts_with("At all 6 points most runs vibrate less than "));
         // Exactly half of the runs of one point vibrate more.

@@ -95,8 +95,8 @@ pub(super) fn taken() -> io::Error {
 }
 
 /// Returns whether a name is one of a command's own, or a temporary name of one of them.
-pub(crate) fn is_own(name: &str, own: impl Fn(&str) -> bool) -> bool {
-    own(final_name(name).unwrap_or(name))
+pub(crate) fn is_own(name: &str, belongs: impl Fn(&str) -> bool) -> bool {
+    belongs(final_name(name).unwrap_or(name))
 }
 
 /// Removes what killed processes have left of a command's own files in a locked directory. It removes
@@ -104,11 +104,11 @@ pub(crate) fn is_own(name: &str, own: impl Fn(&str) -> bool) -> bool {
 ///
 /// # Errors
 /// Returns an error if something cannot be removed.
-pub fn clear_temporaries(directory: &Path, own: impl Fn(&str) -> bool) -> io::Result<()> {
+pub fn clear_temporaries(directory: &Path, belongs: impl Fn(&str) -> bool) -> io::Result<()> {
     for entry in fs::read_dir(directory)? {
         let entry = entry?;
         let name = entry.file_name();
-        if !name.to_str().and_then(final_name).is_some_and(&own) {
+        if !name.to_str().and_then(final_name).is_some_and(&belongs) {
             continue;
         }
         // Removes a link itself, not its target.

@@ -148,7 +148,8 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
     );
     add_audit(&mut list, study);
     if study.model().kind().offers.vibration {
-        let touches = study.model().ball_balancer().is_some_and(|one| one.contact.is_some());
+        let touches =
+            study.model().ball_balancer().is_some_and(|machine| machine.contact.is_some());
         add_machine(&mut list, touches);
         add_residual_vibration(&mut list);
     }
@@ -189,7 +190,7 @@ fn add_fractions(list: &mut Columns<PointRow>) {
     list.word("ci_method", |row| row.summary.interval.method.name())
         .reads(|row, read, name| {
             let method = read.text(name);
-            let found = IntervalMethod::ALL.iter().find(|one| Some(one.name()) == method.as_deref());
+            let found = IntervalMethod::ALL.iter().find(|known| Some(known.name()) == method.as_deref());
             row.summary.interval.method = found.copied().unwrap_or_default();
         })
         .meaning(

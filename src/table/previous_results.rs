@@ -81,8 +81,9 @@ fn close(
     folder: &Path,
     mut rename: impl FnMut(&Path, &Path) -> io::Result<()>,
 ) -> io::Result<PathBuf> {
-    let own = folder.with_extension("");
-    let final_name = if fs::symlink_metadata(&own).is_ok() { unused_name(earlier) } else { own };
+    let target = folder.with_extension("");
+    let final_name =
+        if fs::symlink_metadata(&target).is_ok() { unused_name(earlier) } else { target };
     rename(folder, &final_name)?;
     sync_directory(earlier)?;
     Ok(final_name)

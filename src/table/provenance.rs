@@ -48,8 +48,9 @@ fn shown_units(study: &Study) -> Value {
     let units = study.units();
     let with_si = |unit: &Unit| json!([unit.symbol, unit.si]);
     let swept = study.swept().iter();
-    let parameter =
-        |one: &VariedParameter| Some((one.name.clone(), with_si(units.of_parameter(&one.name)?)));
+    let parameter = |varied: &VariedParameter| {
+        Some((varied.name.clone(), with_si(units.of_parameter(&varied.name)?)))
+    };
     json!({
         "parameters": swept.filter_map(parameter).collect::<Map<_, _>>(),
         "speed": with_si(&units.speed()),

@@ -152,10 +152,10 @@ impl Table {
         for (path, rows) in &self.parts {
             let refuse = |fault| TableError::new(path, None, fault);
             let part = self.open_part(path, *rows)?;
-            let own = part.written_schema().map_err(refuse)?;
-            let all: Vec<usize> = (0..own.fields().len()).collect();
-            let batches = part.batches(&all, &own).map_err(refuse)?;
-            let table = table.get_or_insert_with(|| MemoryRows::of_schema(own));
+            let schema = part.written_schema().map_err(refuse)?;
+            let all: Vec<usize> = (0..schema.fields().len()).collect();
+            let batches = part.batches(&all, &schema).map_err(refuse)?;
+            let table = table.get_or_insert_with(|| MemoryRows::of_schema(schema));
             for batch in batches {
                 table.write(Ok(batch.map_err(refuse)?)).map_err(|error| differing(path, &error))?;
             }
@@ -180,12 +180,12 @@ impl Table {
                 short_hash(&text("study_hash")),
             )
         };
-        let own = provenance.as_ref().is_some_and(|value| {
+        let belongs = provenance.as_ref().is_some_and(|value| {
             value["format"] == FORMAT
                 && value["table"] == *self.name
                 && value["study_hash"] == *self.study_hash
         });
-        if !own {
+        if !belongs {
             let found = provenance.as_ref().map_or("no key `stickslip`".to_owned(), facts);
             let allowed = format!(
                 "layout {FORMAT}, table {}, hash {}",

@@ -40,8 +40,8 @@ pub fn trajectory_columns(model: &Model, gaps: &[[usize; 2]]) -> Vec<Column<Moti
         }
     }
     let sizes = units.outputs.iter().map(|output| output.size);
-    for (place, (own, size)) in model.output_names().into_iter().zip(sizes).enumerate() {
-        let OutputName { name, unit, meaning } = own;
+    for (place, (output, size)) in model.output_names().into_iter().zip(sizes).enumerate() {
+        let OutputName { name, unit, meaning } = output;
         list.number(name, &unit, move |row| Some(size * row.outputs.get(place)?)).meaning(meaning);
     }
     add_gaps(&mut list, model, gaps);
@@ -121,8 +121,8 @@ fn add_body(list: &mut Columns<MotionSample>, model: &Model, contact: usize) {
     let Some(unit) = units.contacts.get(contact).copied() else { return };
     let body = model.contact_in_words(contact);
     let (ending, per_second) = model.sliding_speed_unit(contact);
-    of_contact(list, contact, format!("sliding_speed{ending}"), &per_second, move |one| {
-        one.speed * unit.sliding_speed
+    of_contact(list, contact, format!("sliding_speed{ending}"), &per_second, move |sample| {
+        sample.speed * unit.sliding_speed
     })
     .meaning(format!("sliding speed of {body}"));
     add_forces(list, model, contact, &suffix);
@@ -132,7 +132,7 @@ fn add_body(list: &mut Columns<MotionSample>, model: &Model, contact: usize) {
 fn add_forces(list: &mut Columns<MotionSample>, model: &Model, contact: usize, suffix: &str) {
     let (units, symbol) = (model.units(), model.force_unit(contact));
     let ending = unit_ending(&symbol);
-    let force = units.contacts.get(contact).map_or(f64::NAN, |one| one.force_n);
+    let force = units.contacts.get(contact).map_or(f64::NAN, |unit| unit.force_n);
     list.word(format!("phase{suffix}"), move |row| {
         row.contacts.get(contact).map(|contact| phase_name(contact.phase))
     })
@@ -178,7 +178,7 @@ pub fn switch_columns(model: &Model) -> Vec<Column<Switch>> {
     list.word("to", |row| phase_name(row.after.phase)).meaning("phase after the switch");
     let is_ball = model.ball_balancer().is_some();
     let (name, unit) = if is_ball { ("beta_rad", "rad") } else { ("position", "SI") };
-    let factors: Vec<f64> = units.contacts.iter().map(|one| one.position).collect();
+    let factors: Vec<f64> = units.contacts.iter().map(|contact| contact.position).collect();
     list.number(name, unit, move |row| {
         let position = row.after.position * factors.get(row.contact)?;
         Some(if is_ball { wrap_to_two_pi(position) } else { position })

@@ -160,9 +160,9 @@ impl<'a> Row<'a> {
             RowSource::Read(batch, row, next) => {
                 // Readers ask for the columns in the order of the batch.
                 let place = next.replace(next.get() + 1);
-                let is_own = |(name, _): &&(String, ColumnValues)| name == column;
-                let found = batch.columns.get(place).filter(is_own);
-                let found = found.or_else(|| batch.columns.iter().find(is_own));
+                let has_name = |(name, _): &&(String, ColumnValues)| name == column;
+                let found = batch.columns.get(place).filter(has_name);
+                let found = found.or_else(|| batch.columns.iter().find(has_name));
                 found.map(|(_, values)| (values, *row))
             }
         }

@@ -36,16 +36,16 @@ pub fn planned_columns<R: 'static>(
 }
 
 /// Returns the place of a coordinate of the model with the most balls, which has `all` coordinates, in a start state with
-/// `own` coordinates; `None` if that is a coordinate of a ball that the run does not have. Positions come first, and then
+/// `of_run` coordinates; `None` if that is a coordinate of a ball that the run does not have. Positions come first, and then
 /// the velocities in the same order, with the balls at the end.
-fn place_in_start(index: usize, all: usize, own: usize) -> Option<usize> {
-    if all == own {
+fn place_in_start(index: usize, all: usize, of_run: usize) -> Option<usize> {
+    if all == of_run {
         return Some(index);
     }
-    let (half, half_of_own) = (all / 2, own / 2);
+    let (half, half_of_run) = (all / 2, of_run / 2);
     let (is_velocity, place) = (index >= half, index % half.max(1));
-    let before = if is_velocity { half_of_own } else { 0 };
-    (place < half_of_own).then_some(before + place)
+    let before = if is_velocity { half_of_run } else { 0 };
+    (place < half_of_run).then_some(before + place)
 }
 
 /// Adds one column for each swept parameter to a table with one row per point; `values` gets the

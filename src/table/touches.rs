@@ -8,7 +8,7 @@ use crate::motion::Phase;
 
 /// Adds width and contact of each gap, between the contacts `[behind, ahead]`.
 pub(super) fn add_gaps(list: &mut Columns<MotionSample>, model: &Model, gaps: &[[usize; 2]]) {
-    let factor = model.units().contacts.first().map_or(f64::NAN, |one| one.position);
+    let factor = model.units().contacts.first().map_or(f64::NAN, |contact| contact.position);
     let unit = position_unit(model);
     let body = model.kind().body;
     for (index, &contacts) in gaps.iter().enumerate() {
@@ -30,7 +30,7 @@ pub(super) fn add_gaps(list: &mut Columns<MotionSample>, model: &Model, gaps: &[
 /// Returns the columns of `touches.parquet`.
 pub fn touch_columns(model: &Model) -> Vec<Column<Touch>> {
     let units = model.units();
-    let factor = units.contacts.first().map_or(f64::NAN, |one| one.position);
+    let factor = units.contacts.first().map_or(f64::NAN, |contact| contact.position);
     let natural = units.natural_rad_s;
     let (body, unit) = (model.kind().body, position_unit(model));
     let mut list = Columns::<Touch>::new();

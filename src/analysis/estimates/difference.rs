@@ -2,31 +2,31 @@
 
 use super::estimate::Estimate;
 
-/// Estimates `one - other` of two estimates with this correlation, which is 0 for independent samples (G. Y. Zou, Psychol.
+/// Estimates `first - second` of two estimates with this correlation, which is 0 for independent samples (G. Y. Zou, Psychol.
 /// Methods 12 (2007) 399, doi:10.1037/1082-989X.12.4.399; G. Y. Zou, A. Donner, Stat. Med. 27 (2008) 1693,
 /// doi:10.1002/sim.3095).
-pub fn estimate_difference(one: &Estimate, other: &Estimate, correlation: f64) -> Estimate {
-    let Some((x, y)) = one.value.zip(other.value) else { return unknown(one, other) };
+pub fn estimate_difference(first: &Estimate, second: &Estimate, correlation: f64) -> Estimate {
+    let Some((x, y)) = first.value.zip(second.value) else { return unknown(first, second) };
     let root = |a: f64, b: f64| (a * a + b * b - 2.0 * correlation * a * b).max(0.0).sqrt();
     let half_width = |end: Option<f64>, opposite: Option<f64>| {
         end.zip(opposite).map(|(end, opposite)| root((x - end).abs(), (y - opposite).abs()))
     };
     Estimate {
         value: Some(x - y),
-        standard_error: one.standard_error.zip(other.standard_error).map(|(a, b)| root(a, b)),
-        low: half_width(one.low, other.high).map(|half| x - y - half),
-        high: half_width(one.high, other.low).map(|half| x - y + half),
-        reason: one.reason.clone().or_else(|| other.reason.clone()),
+        standard_error: first.standard_error.zip(second.standard_error).map(|(a, b)| root(a, b)),
+        low: half_width(first.low, second.high).map(|half| x - y - half),
+        high: half_width(first.high, second.low).map(|half| x - y + half),
+        reason: first.reason.clone().or_else(|| second.reason.clone()),
     }
 }
 
-/// Estimates `one / other` of positive quantities (A. Donner, G. Y. Zou, Stat. Methods Med. Res. 21 (2012) 347,
+/// Estimates `first / second` of positive quantities (A. Donner, G. Y. Zou, Stat. Methods Med. Res. 21 (2012) 347,
 /// doi:10.1177/0962280210383082); unknown if one of their intervals reaches zero. The standard error is that of
 /// independent samples, to first order.
-pub fn estimate_ratio(one: &Estimate, other: &Estimate) -> Estimate {
-    let Some((x, y)) = one.value.zip(other.value) else { return unknown(one, other) };
-    let intervals = one.low.zip(one.high).zip(other.low.zip(other.high));
-    let Some(((l1, u1), (l2, u2))) = intervals else { return unknown(one, other) };
+pub fn estimate_ratio(first: &Estimate, second: &Estimate) -> Estimate {
+    let Some((x, y)) = first.value.zip(second.value) else { return unknown(first, second) };
+    let intervals = first.low.zip(first.high).zip(second.low.zip(second.high));
+    let Some(((l1, u1), (l2, u2))) = intervals else { return unknown(first, second) };
     if !(l1 > 0.0 && l2 > 0.0) {
         return Estimate::unknown("an interval that reaches zero");
     }
@@ -37,7 +37,7 @@ pub fn estimate_ratio(one: &Estimate, other: &Estimate) -> Estimate {
         (denominator > 0.0 && ratio.is_finite()).then_some(ratio)
     };
     let (low, high) = (ratio_end(l1, u2, -1.0), ratio_end(u1, l2, 1.0));
-    let error = one.standard_error.zip(other.standard_error).map(|(a, b)| {
+    let error = first.standard_error.zip(second.standard_error).map(|(a, b)| {
         let (a, b) = (a / x, b / y);
         x / y * (a * a + b * b).sqrt()
     });
@@ -49,7 +49,7 @@ pub fn estimate_ratio(one: &Estimate, other: &Estimate) -> Estimate {
     )
 }
 
-fn unknown(one: &Estimate, other: &Estimate) -> Estimate {
-    let reason = one.reason.clone().or_else(|| other.reason.clone());
+fn unknown(first: &Estimate, second: &Estimate) -> Estimate {
+    let reason = first.reason.clone().or_else(|| second.reason.clone());
     Estimate { reason, ..Estimate::default() }
 }

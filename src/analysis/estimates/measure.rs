@@ -44,7 +44,7 @@ impl Measure {
         let indicator = |holds: bool| f64::from(u8::from(holds));
         let amplitude = |run: &RunResult| run.amplitude.unwrap_or(f64::NAN);
         let above = |run: &RunResult, limit: f64| {
-            run.amplitude.map_or(f64::NAN, |own| indicator(own > limit))
+            run.amplitude.map_or(f64::NAN, |amplitude| indicator(amplitude > limit))
         };
         let rests = |run: &RunResult, by_s: f64| {
             indicator(run.time_to_rest_s.is_some_and(|time_s| time_s <= by_s))

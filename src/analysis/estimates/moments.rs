@@ -70,8 +70,8 @@ fn stratified(cells: &[Vec<f64>]) -> Mean {
     let weight = 1.0 / cells.len() as f64;
     let (mut value, mut variance, mut squares) = (0.0, 0.0, 0.0);
     for cell in cells {
-        let (n, mean, own) = moments(cell.iter().copied());
-        let part = weight * weight * own / n;
+        let (n, mean, cell_variance) = moments(cell.iter().copied());
+        let part = weight * weight * cell_variance / n;
         value += weight * mean;
         variance += part;
         squares += part * part / (n - 1.0);

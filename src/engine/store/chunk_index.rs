@@ -20,15 +20,15 @@ pub(in crate::engine) struct StoredResult {
     /// The serialized outcome.
     pub content: Vec<u8>,
     /// Whether the run is in the output directory, not in a shard's.
-    pub own: bool,
+    pub in_output: bool,
 }
 
 impl StoredResult {
     /// Returns the row of a run if this is the complete result of its case.
     pub fn of_run(&self, planned: PlannedRun) -> Option<RunRecord> {
         let StoredOutcome { outcome, audit } = StoredOutcome::decode(&self.content, &planned)?;
-        let is_own = self.key == CaseKey::of(&planned);
-        is_own.then_some(RunRecord { planned, outcome, audit })
+        let is_same = self.key == CaseKey::of(&planned);
+        is_same.then_some(RunRecord { planned, outcome, audit })
     }
 }
 
@@ -42,8 +42,8 @@ pub(in crate::engine) struct ChunkIndex {
 
 impl ChunkIndex {
     /// Creates an index with the folder of the output directory.
-    pub(super) fn new(own: Folder) -> Self {
-        ChunkIndex { folders: vec![own], loaded: HashMap::new() }
+    pub(super) fn new(folder: Folder) -> Self {
+        ChunkIndex { folders: vec![folder], loaded: HashMap::new() }
     }
 
     /// Whether there is a finished run with this number or a later one.
@@ -57,7 +57,7 @@ impl ChunkIndex {
     pub fn window(&mut self, first: u64, last: u64) -> HashMap<u64, StoredResult> {
         let mut runs = HashMap::new();
         for (number, folder) in self.folders.iter_mut().enumerate() {
-            let own = number == 0;
+            let in_output = number == 0;
             let loaded = &mut self.loaded;
             let mut take = |folder: &Folder, listed: &ListedChunk| -> Result<(), String> {
                 let chunk = match loaded.remove(&(number, listed.chunk)) {
@@ -65,7 +65,7 @@ impl ChunkIndex {
                     None => folder.read(listed)?,
                 };
                 let found = |(run_id, key, content): (u64, CaseKey, &[u8])| {
-                    (run_id, StoredResult { key, content: content.to_vec(), own })
+                    (run_id, StoredResult { key, content: content.to_vec(), in_output })
                 };
                 runs.extend(chunk.runs_between(first, last).map(found));
                 if listed.last_run > last {
@@ -85,7 +85,7 @@ impl ChunkIndex {
             }
             for index in damaged.into_iter().rev() {
                 let listed = folder.listed.remove(index);
-                if own {
+                if in_output {
                     folder.put_aside(&listed);
                 }
             }

@@ -78,12 +78,12 @@ impl Store {
         // A process that created a folder here may have been killed before it synced the directory.
         sync_directory(&chunks).map_err(ResultsError::unusable(&chunks))?;
         let study_hash = study.hash();
-        let own = chunks.join(&study_hash[..DIGITS]);
+        let here = chunks.join(&study_hash[..DIGITS]);
         let mut others = Vec::new();
         for entry in fs::read_dir(&chunks).map_err(ResultsError::unusable(&chunks))? {
             let path = entry.map_err(ResultsError::unusable(&chunks))?.path();
             // Includes links to directories, which `Folder::open` refuses.
-            if path != own && path.is_dir() {
+            if path != here && path.is_dir() {
                 others.push(path);
             }
         }
@@ -93,10 +93,10 @@ impl Store {
             Folder::open(path, &hash, true, false)
         };
         let others: Result<Vec<Folder>, StoreError> = others.into_iter().map(open).collect();
-        let own = Folder::open(own, &study_hash, true, false)?;
+        let folder = Folder::open(here, &study_hash, true, false)?;
         Ok(Store {
-            chunk_index: ChunkIndex::new(own.clone()),
-            appender: ChunkAppender { folder: own, study_hash },
+            chunk_index: ChunkIndex::new(folder.clone()),
+            appender: ChunkAppender { folder, study_hash },
             result_cache: ResultCache::of(others?),
             lock: Some(lock),
         })

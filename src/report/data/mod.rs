@@ -188,7 +188,7 @@ impl<'a> ReportData<'a> {
     ) -> Result<Self, TableError> {
         let point_count = tables.points.rows();
         let mut points = points::read(study, &tables.points)?;
-        points.retain(|one| chosen.is_none_or(|chosen| chosen.contains(&one.point_id)));
+        points.retain(|point| chosen.is_none_or(|chosen| chosen.contains(&point.point_id)));
         let incomplete = IncompletePoints::read(study, manifest, &tables.points)?;
         let detailed = evenly(points.len(), budget.details);
         let of: Vec<&PointFacts> = detailed.iter().filter_map(|&place| points.get(place)).collect();

@@ -92,7 +92,7 @@ impl PointFacts {
             runs,
             labels,
             equilibrium: Fraction { fraction, low, high, ..labels[0] },
-            precise: study.precision().map(|own| HalfWidths::from(own).reached(summary)),
+            precise: study.precision().map(|wanted| HalfWidths::from(wanted).reached(summary)),
             ci_method: summary.interval.method.name().to_owned(),
             time_to_rest_s: summary.time_to_rest_s,
             amplitude_m: summary.amplitude_m,

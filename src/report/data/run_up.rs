@@ -128,9 +128,9 @@ pub fn read(
 }
 
 /// Whether a run vibrates more than another one; of equal runs, the first one does.
-fn is_larger(one: &PeakOfRun, other: &PeakOfRun) -> bool {
-    let order = one.amplitude_m.total_cmp(&other.amplitude_m);
-    order.then(other.run_id.cmp(&one.run_id)).is_gt()
+fn is_larger(peak: &PeakOfRun, other: &PeakOfRun) -> bool {
+    let order = peak.amplitude_m.total_cmp(&other.amplitude_m);
+    order.then(other.run_id.cmp(&peak.run_id)).is_gt()
 }
 
 impl Candidates {
@@ -150,9 +150,9 @@ impl Candidates {
     /// Returns different runs with the reason for each.
     fn sample(mut self) -> Vec<(SampleCandidate, &'static str)> {
         let order = |run: &SampleCandidate| (run.amplitude_m, run.peak.run_id);
-        self.some.sort_by(|one, other| {
-            let ((one, first), (other, second)) = (order(one), order(other));
-            one.total_cmp(&other).then(first.cmp(&second))
+        self.some.sort_by(|left, right| {
+            let ((left, first), (right, second)) = (order(left), order(right));
+            left.total_cmp(&right).then(first.cmp(&second))
         });
         let last = self.some.len().saturating_sub(1) as f64;
         let at = |part: f64| self.some.get((part * last).round() as usize).copied();

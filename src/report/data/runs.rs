@@ -77,7 +77,8 @@ pub fn read(
     let model = study.model();
     let positions = (0..model.contacts()).map(|contact| model.position_column(contact).0);
     let positions: Vec<String> = positions.collect();
-    let starts = model.coordinates().into_iter().map(|one| format!("initial_{}", one.name));
+    let starts =
+        model.coordinates().into_iter().map(|coordinate| format!("initial_{}", coordinate.name));
     let starts: Vec<String> = starts.collect();
     let audit = study.audit().is_some();
     let touches = |machine: &Machine| machine.contact.is_some() && machine.balls.len() > 1;

@@ -13,14 +13,14 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         let speed = model.speed_parameter()?.numbers(&mut model, None).pop()?.abs();
         Some((speed, point, model))
     });
-    let (_, fastest, model) = models.max_by(|one, other| one.0.total_cmp(&other.0))?;
+    let (_, fastest, model) = models.max_by(|left, right| left.0.total_cmp(&right.0))?;
     let diagram = CampbellDiagram::of(&model)?;
     let unit = data.study.units().speed();
     let speeds: Vec<f64> = diagram.speeds_rad_s.iter().map(|speed| unit.of(*speed)).collect();
     let modes = diagram.frequencies_rad_s.iter().map(Vec::len).max().unwrap_or(0);
     let mode = |mode: usize| {
         let at = |(speed, all): (&f64, &Vec<f64>)| {
-            [*speed, all.get(mode).map_or(f64::NAN, |one| unit.of(*one))]
+            [*speed, all.get(mode).map_or(f64::NAN, |frequency| unit.of(*frequency))]
         };
         let points = speeds.iter().zip(&diagram.frequencies_rad_s).map(at).collect();
         let name = format!("natural frequency {}", mode + 1);
@@ -30,7 +30,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let most = speeds.last().copied().unwrap_or(0.0);
     let points = vec![[0.0, 0.0], [most, most]];
     layers.push(Layer::new("speed", Colour::Faint, Mark::Line { points, dashed: true }));
-    let critical: Vec<f64> = diagram.critical_rad_s.iter().map(|one| unit.of(*one)).collect();
+    let critical: Vec<f64> = diagram.critical_rad_s.iter().map(|speed| unit.of(*speed)).collect();
     let tooltips = Tooltips::numbers([("critical speed", critical.clone())]);
     let (symbol, x, y) = (Symbol::Diamond, critical.clone(), critical.clone());
     layers.push(Layer::new("critical speed", Colour::Ink, Mark::Dots { symbol, x, y, tooltips }));
@@ -38,7 +38,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         1 => String::new(),
         _ => format!(" This is the diagram of {}.", fastest.title),
     };
-    let shown: Vec<String> = critical.iter().map(|one| significant(*one)).collect();
+    let shown: Vec<String> = critical.iter().map(|speed| significant(*speed)).collect();
     let alternative = match shown.len() {
         0 => "There is no critical speed.".to_owned(),
         _ => format!("The critical speeds are {} {}.", shown.join(", "), unit.symbol),

@@ -23,7 +23,7 @@ pub fn shown_parameters(data: &ReportData<'_>) -> Vec<usize> {
     let all = data.study.uncertain().len();
     let mut order: Vec<(usize, f64)> =
         (0..all).map(|parameter| (parameter, strength(parameter))).collect();
-    order.sort_by(|(_, one), (_, other)| other.total_cmp(one));
+    order.sort_by(|(_, left), (_, right)| right.total_cmp(left));
     let mut shown: Vec<usize> = order.into_iter().map(|(parameter, _)| parameter).collect();
     shown.truncate(MOST_PARAMETERS);
     shown.sort_unstable();
@@ -73,8 +73,8 @@ pub fn correlations(data: &ReportData<'_>) -> Option<Figure> {
             shown.iter().map(|&parameter| runs.with_time_to_rest(parameter)).collect();
         let parts = |all: &[Option<RankCorrelation>]| -> Vec<Option<[f64; 3]>> {
             let rounded = |value: f64| (1e4 * value).round() / 1e4;
-            let part = |one: &RankCorrelation| [one.value, one.low, one.high].map(rounded);
-            all.iter().map(|one| one.as_ref().map(part)).collect()
+            let part = |found: &RankCorrelation| [found.value, found.low, found.high].map(rounded);
+            all.iter().map(|found| found.as_ref().map(part)).collect()
         };
         let (of_amplitude, of_time) = (parts(&amplitude).into_iter(), parts(&time).into_iter());
         let mut layers = bars("with the amplitude", Colour::Series(0), -BARS[0], of_amplitude);
@@ -83,7 +83,7 @@ pub fn correlations(data: &ReportData<'_>) -> Option<Figure> {
             continue;
         }
         let strongest =
-            names.iter().zip(&amplitude).filter_map(|(name, one)| Some((name, (*one)?)));
+            names.iter().zip(&amplitude).filter_map(|(name, found)| Some((name, (*found)?)));
         let strongest = strongest.max_by(|(_, a), (_, b)| a.value.abs().total_cmp(&b.value.abs()));
         if let Some((name, RankCorrelation { value, low, high })) = strongest {
             let [value, low, high] = [value, low, high].map(|number| format!("{number:.2}"));

@@ -100,18 +100,18 @@ fn frictionless(machine: &Machine, unit: &Unit) -> Option<Vec<Layer>> {
     let found = frictionless_equilibria(machine, HIGH_DRAG)?;
     let identical = groups_of_identical(&machine.balls).len() == 1;
     let layer = |name: &str, symbol, stable: bool| {
-        let of_kind = found.iter().filter(|one| (one.stability == Stability::Stable) == stable);
+        let of_kind = found.iter().filter(|state| (state.stability == Stability::Stable) == stable);
         let places: Vec<(&FrictionlessEquilibrium, [f64; 2])> = of_kind
-            .flat_map(|one| {
-                let beta = one.beta_rad.as_deref().unwrap_or_default();
+            .flat_map(|state| {
+                let beta = state.beta_rad.as_deref().unwrap_or_default();
                 let here = <[f64; 2]>::try_from(beta).ok();
                 let there =
                     here.map(|[a, b]| [b, a]).filter(|there| identical && here != Some(*there));
-                [here, there].into_iter().flatten().map(move |place| (one, place))
+                [here, there].into_iter().flatten().map(move |place| (state, place))
             })
             .collect();
-        let words = places.iter().map(|(one, _)| one.kind.name().to_owned()).collect();
-        let amplitudes = places.iter().map(|(one, _)| unit.of(one.amplitude_m())).collect();
+        let words = places.iter().map(|(state, _)| state.kind.name().to_owned()).collect();
+        let amplitudes = places.iter().map(|(state, _)| unit.of(state.amplitude_m())).collect();
         let column = |name: &str, values| TooltipColumn { name: name.to_owned(), values };
         let columns = vec![
             column("kind", TooltipValues::Words(words)),

@@ -123,7 +123,7 @@ fn panels(data: &ReportData<'_>, kind: AmplitudeKind, unit: &Unit) -> Vec<Panel>
 /// Returns at most `most` points of the curve of ascending values; an amplitude of 0 has no place on a logarithmic axis.
 fn exceedance(ascending: &[f64], is_logarithmic: bool, most: usize) -> Exceedance {
     let all = ascending.len();
-    let still = if is_logarithmic { ascending.partition_point(|one| *one <= 0.0) } else { 0 };
+    let still = if is_logarithmic { ascending.partition_point(|value| *value <= 0.0) } else { 0 };
     let at = |rank: usize| {
         let value = *ascending.get(still + rank)?;
         let above = all - ascending.partition_point(|other| *other <= value);

@@ -55,9 +55,9 @@ impl PlottedEstimate {
     pub fn columns(name: &'static str, estimates: &[PlottedEstimate]) -> TooltipNumbers<3> {
         let column = |pick: fn(&PlottedEstimate) -> f64| estimates.iter().map(pick).collect();
         [
-            (name, column(|one| one.value)),
-            ("from", column(|one| one.low)),
-            ("to", column(|one| one.high)),
+            (name, column(|estimate| estimate.value)),
+            ("from", column(|estimate| estimate.low)),
+            ("to", column(|estimate| estimate.high)),
         ]
     }
 
@@ -70,13 +70,13 @@ impl PlottedEstimate {
     ) -> Vec<Layer> {
         let column =
             |pick: fn(&PlottedEstimate) -> f64| estimates.iter().map(pick).collect::<Vec<f64>>();
-        let x = column(|one| one.x);
-        let (low, high) = (column(|one| one.low), column(|one| one.high));
-        let points = || estimates.iter().map(|one| [one.x, one.value]).collect();
+        let x = column(|estimate| estimate.x);
+        let (low, high) = (column(|estimate| estimate.low), column(|estimate| estimate.high));
+        let points = || estimates.iter().map(|estimate| [estimate.x, estimate.value]).collect();
         let marks = [
             Some(Mark::Intervals { x: x.clone(), low, high }),
             line.map(|dashed| Mark::Line { points: points(), dashed }),
-            Some(Mark::Dots { symbol, x, y: column(|one| one.value), tooltips }),
+            Some(Mark::Dots { symbol, x, y: column(|estimate| estimate.value), tooltips }),
         ];
         marks.into_iter().flatten().map(|mark| Layer::new(name, colour, mark)).collect()
     }
@@ -120,11 +120,11 @@ pub fn dots_by_label(
 ) -> Vec<Layer> {
     let layer = |(index, label): (u8, Label)| {
         let is = |place: &usize| labels.get(*place) == Some(&index);
-        let own: Vec<usize> = places.iter().copied().filter(is).collect();
-        let run_ids = own.iter().filter_map(|place| run_id.get(*place).copied()).collect();
+        let runs: Vec<usize> = places.iter().copied().filter(is).collect();
+        let run_ids = runs.iter().filter_map(|place| run_id.get(*place).copied()).collect();
         let tooltips = Tooltips { run_ids, ..Tooltips::default() };
         let look = (&*label_words(label), Colour::Label(label), symbol(label));
-        (!own.is_empty()).then(|| run_dots(look, coordinates, &own, tooltips))
+        (!runs.is_empty()).then(|| run_dots(look, coordinates, &runs, tooltips))
     };
     (0..).zip(Label::ALL).filter_map(layer).collect()
 }
@@ -158,7 +158,7 @@ pub fn bars(
 
 /// Returns the data of points: the numbers of their runs, and their own numbers.
 pub fn of_points<'a>(points: impl Iterator<Item = &'a PointFacts>) -> TooltipNumbers<2> {
-    let (runs, ids) = points.map(|one| (one.runs as f64, one.point_id as f64)).unzip();
+    let (runs, ids) = points.map(|point| (point.runs as f64, point.point_id as f64)).unzip();
     [("runs", runs), ("point", ids)]
 }
 
@@ -187,7 +187,7 @@ pub fn few_each<'c, 'a, T>(curves: &'c [CurveOf<'a, T>]) -> Vec<(String, &'c [Cu
         [(first, _), .., (last, _)] if panels > 1 => {
             format!("points {} to {}", first.point_id, last.point_id)
         }
-        [(one, _)] if panels > 1 => format!("point {}", one.point_id),
+        [(point, _)] if panels > 1 => format!("point {}", point.point_id),
         _ => String::new(),
     };
     curves.chunks(each).map(|few| (part(few), few)).collect()

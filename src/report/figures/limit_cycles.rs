@@ -101,7 +101,8 @@ fn branch(
     if estimates.is_empty() {
         return Vec::new();
     }
-    let column = |pick: fn(&CycleFacts) -> u64| cycles.iter().map(|one| pick(one) as f64).collect();
+    let column =
+        |pick: fn(&CycleFacts) -> u64| cycles.iter().map(|cycle| pick(cycle) as f64).collect();
     let [value, from, to] = PlottedEstimate::columns("value", &estimates);
     let (runs, point) = (column(|cycle| cycle.runs), column(|cycle| cycle.point_id));
     let tooltips = Tooltips::numbers([value, from, to, ("runs", runs), ("point", point)]);

@@ -14,8 +14,8 @@ const POSITIONS: usize = 720;
 /// Returns the angle Δ at which two balls with contact touch; `None` without contact, and for another number of balls.
 pub fn contact_angle_rad(machine: &Machine) -> Option<f64> {
     machine.contact?;
-    let [one, other] = &machine.balls[..] else { return None };
-    Some(machine.contact_angle_rad(one, other))
+    let [first, second] = &machine.balls[..] else { return None };
+    Some(machine.contact_angle_rad(first, second))
 }
 
 /// Returns the band `|β₂ - β₁| < Δ`, modulo a turn, in which the two balls of a machine would overlap, and the equilibria on
@@ -58,11 +58,11 @@ fn touching_positions(machine: &Machine, contact: f64) -> Option<Vec<([f64; 2], 
 /// Returns the ends of each run of positions that are equilibria, with a break after each run. A run ends where an angle
 /// passes through 0.
 fn held_parts(positions: &[([f64; 2], bool)]) -> Vec<[f64; 2]> {
-    let adjacent = |one: &[f64; 2], other: &[f64; 2]| {
-        one.iter().zip(other).all(|(one, other)| (one - other).abs() < PI)
+    let adjacent = |here: &[f64; 2], next: &[f64; 2]| {
+        here.iter().zip(next).all(|(angle, next_angle)| (angle - next_angle).abs() < PI)
     };
-    let follow = |one: &([f64; 2], bool), other: &([f64; 2], bool)| {
-        one.1 == other.1 && adjacent(&one.0, &other.0)
+    let follow = |here: &([f64; 2], bool), next: &([f64; 2], bool)| {
+        here.1 == next.1 && adjacent(&here.0, &next.0)
     };
     let runs = positions.chunk_by(follow).filter(|run| run.iter().all(|(_, rests)| *rests));
     let ends = runs.filter_map(|run| Some([run.first()?.0, run.last()?.0, [f64::NAN; 2]]));

@@ -60,7 +60,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
 fn caption(numbers: &BTreeSet<usize>) -> String {
     const SET: &str = "olour: amplitude of the table if the balls rest there; open: no equilibrium, friction does \
                        not hold the balls. Stars and circles: stable and unstable equilibria without friction.";
-    let (one, two) = (numbers.contains(&1), numbers.contains(&2));
+    let (has_one, has_two) = (numbers.contains(&1), numbers.contains(&2));
     match (numbers.first(), numbers.last()) {
         (Some(0), _) | (_, None) => "Position and time of rest of each run.".to_owned(),
         (_, Some(1)) => "Angle at rest and amplitude of each run.".to_owned(),
@@ -69,9 +69,9 @@ fn caption(numbers: &BTreeSet<usize>) -> String {
         }
         _ => {
             let of_one =
-                if one { " One ball: its angle and the amplitude of the table." } else { "" };
+                if has_one { " One ball: its angle and the amplitude of the table." } else { "" };
             let of_two =
-                if two { format!(" Two balls: their angles; c{SET}") } else { String::new() };
+                if has_two { format!(" Two balls: their angles; c{SET}") } else { String::new() };
             format!(
                 "Each dot is a run at rest. For three and more balls, the axes are the components of the residual imbalance in \
                  the frame of the disc. The star marks a balanced machine. On the dashed circle, the residual imbalance is \

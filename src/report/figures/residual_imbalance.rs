@@ -21,7 +21,7 @@ pub fn panel(data: &ReportData<'_>, point: &PointFacts) -> Option<Panel> {
     let unit = data.study.units().imbalance();
     let runs = places(&data.runs, point.point_id, Some(Label::Equilibrium));
     let vectors: Vec<[f64; 2]> =
-        vectors(data, machine).into_iter().map(|at| at.map(|one| unit.of(one))).collect();
+        vectors(data, machine).into_iter().map(|at| at.map(|part| unit.of(part))).collect();
     let [x, y] = [0, 1].map(|axis| vectors.iter().map(|vector| vector[axis]).collect::<Vec<f64>>());
     let tooltips = run_tooltips(data, &runs);
     let rests = run_dots(
@@ -30,10 +30,10 @@ pub fn panel(data: &ReportData<'_>, point: &PointFacts) -> Option<Panel> {
         &runs,
         tooltips,
     );
-    let own = unit.of(machine.imbalance_mass_kg * machine.imbalance_radius_m);
+    let imbalance = unit.of(machine.imbalance_mass_kg * machine.imbalance_radius_m);
     let of_circle = |step: usize| {
         let (sin, cos) = (TAU * step as f64 / CIRCLE as f64).sin_cos();
-        [own * cos, own * sin]
+        [imbalance * cos, imbalance * sin]
     };
     let circle = Mark::Line { points: (0..=CIRCLE).map(of_circle).collect(), dashed: true };
     let balanced = Mark::Dots {
@@ -43,7 +43,7 @@ pub fn panel(data: &ReportData<'_>, point: &PointFacts) -> Option<Panel> {
         tooltips: Tooltips::default(),
     };
     let reached = runs.iter().filter_map(|&place| vectors.get(place)).flatten();
-    let most = reached.fold(own, |most, one| most.max(one.abs()));
+    let most = reached.fold(imbalance, |most, part| most.max(part.abs()));
     let range = (most > 0.0).then_some([-1.1 * most, 1.1 * most]);
     let plane = |name: &str| Axis { range, ..axis(name, &unit.symbol) };
     let layers = vec![

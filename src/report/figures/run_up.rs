@@ -202,7 +202,7 @@ fn words(data: &ReportData<'_>, points: &[(u64, Vec<SampledRun>)]) -> String {
         let title = &data.points.iter().find(|point| point.point_id == *point_id)?.title;
         let most = runs
             .iter()
-            .max_by(|one, other| one.peak.amplitude_m.total_cmp(&other.peak.amplitude_m))?;
+            .max_by(|left, right| left.peak.amplitude_m.total_cmp(&right.peak.amplitude_m))?;
         let peak = &most.peak;
         let unit = data.study.units().speed();
         let speed = significant(unit.of(most.motion.disc.speed_rad_s(peak.time_s)));

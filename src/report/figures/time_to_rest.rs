@@ -40,7 +40,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     Figure::new(
         "time-to-rest",
         match moving(data.study) {
-            (one, true) => format!("When the {one} comes to rest"),
+            (body, true) => format!("When the {body} comes to rest"),
             (several, false) => format!("When the {several} come to rest"),
         },
         format!(

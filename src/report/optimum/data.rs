@@ -133,13 +133,14 @@ impl OptimumData {
     /// Returns name and unit of a response.
     pub fn response(&self, index: usize) -> (&str, Unit) {
         let response = self.study.responses().get(index);
-        let (name, unit) = response.map_or(("", "1"), |one| (&*one.name, one.unit()));
+        let (name, unit) =
+            response.map_or(("", "1"), |response| (&*response.name, response.unit()));
         (name, self.study.units().of_response(unit))
     }
 
     /// Returns the name of a variable in words, without its unit.
     pub fn variable_in_words(&self, name: &str) -> String {
-        let variable = self.study.variables().iter().find(|one| one.name() == name);
+        let variable = self.study.variables().iter().find(|variable| variable.name() == name);
         variable.map_or_else(|| name.to_owned(), Variable::short_name).replace('_', " ")
     }
 
@@ -151,7 +152,7 @@ impl OptimumData {
 
     /// Returns the final responses of a design in `optimum.json`, `best` or `compare_with`.
     pub fn design(&self, role: &str) -> Option<&Value> {
-        self.optimum.as_ref().and_then(|optimum| optimum.get(role)).filter(|one| one.is_object())
+        self.optimum.as_ref().and_then(|optimum| optimum.get(role)).filter(|json| json.is_object())
     }
 
     fn read_finalists(&self, table: &Table) -> Result<Vec<DesignFacts>, TableError> {
@@ -159,7 +160,12 @@ impl OptimumData {
             role: row.text("role").unwrap_or_default(),
             design: row.count("design"),
             point_id: row.count("point_id").unwrap_or(0),
-            estimates: self.study.responses().iter().map(|one| row.estimate(&one.name)).collect(),
+            estimates: self
+                .study
+                .responses()
+                .iter()
+                .map(|response| row.estimate(&response.name))
+                .collect(),
         };
         table.read_rows(facts)?.collect()
     }
@@ -170,7 +176,7 @@ impl OptimumData {
             design: row.count("design"),
             objectives: objectives
                 .iter()
-                .map(|one| row.estimate(self.response(one.response).0))
+                .map(|objective| row.estimate(self.response(objective.response).0))
                 .collect(),
             met: row.truth("met") == Some(true),
             on_front: row.truth("on_front") == Some(true),

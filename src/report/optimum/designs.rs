@@ -55,22 +55,23 @@ pub(super) fn design_tooltips(
     let mut columns = Vec::new();
     let mut add = |name: String, values| columns.push(TooltipColumn { name, values });
     if numbers {
-        let values = designs.iter().map(|one| one.design as f64).collect();
+        let values = designs.iter().map(|design| design.design as f64).collect();
         add("design".to_owned(), TooltipValues::Numbers(values));
     }
     for (index, variable) in data.study.variables().iter().enumerate() {
-        let values = designs.iter().map(|one| one.evaluation.values.get(index));
+        let values = designs.iter().map(|design| design.evaluation.values.get(index));
         let word = |value: Option<&DesignValue>| {
             value.map_or_else(String::new, |value| Variable::describe(variable, *value))
         };
-        let numbers = designs.iter().map(|one| one.number(index, variable).unwrap_or(f64::NAN));
+        let numbers =
+            designs.iter().map(|design| design.number(index, variable).unwrap_or(f64::NAN));
         let values = match variable.range() {
             Some(_) => TooltipValues::Numbers(numbers.collect()),
             None => TooltipValues::Words(values.map(word).collect()),
         };
         add(variable.shown_name(), values);
     }
-    let origins = designs.iter().map(|one| one.evaluation.origin.name().replace('_', " "));
+    let origins = designs.iter().map(|design| design.evaluation.origin.name().replace('_', " "));
     add("origin".to_owned(), TooltipValues::Words(origins.collect()));
     Tooltips { run_ids: Vec::new(), columns }
 }
@@ -87,13 +88,13 @@ pub(super) fn design_dots(
     place: impl Fn(&EvaluatedDesign<'_>) -> Option<[f64; 2]>,
 ) -> Vec<Layer> {
     let layer = |(name, colour, symbol): (&str, Colour, Symbol)| {
-        let own = designs.iter().filter(|one| one.met == (name == MET));
-        let known = own.filter_map(|one| Some((one, place(one)?)));
-        let (own, places): (Vec<&EvaluatedDesign<'_>>, Vec<[f64; 2]>) = known.unzip();
+        let of_look = designs.iter().filter(|design| design.met == (name == MET));
+        let known = of_look.filter_map(|design| Some((design, place(design)?)));
+        let (shown, places): (Vec<&EvaluatedDesign<'_>>, Vec<[f64; 2]>) = known.unzip();
         let [x, y] = [0, 1].map(|axis| places.iter().map(|place| place[axis]).collect());
-        let tooltips = design_tooltips(data, &own, numbers);
+        let tooltips = design_tooltips(data, &shown, numbers);
         let mark = Mark::Dots { symbol, x, y, tooltips };
-        (!own.is_empty()).then(|| Layer::new(name, colour, mark))
+        (!shown.is_empty()).then(|| Layer::new(name, colour, mark))
     };
     looks.into_iter().filter_map(layer).collect()
 }

@@ -31,16 +31,17 @@ fn convergence(data: &OptimumData) -> Option<Figure> {
     let single = data.goal.objectives.len() == 1;
     for (place, (_, objective)) in data.goal.objectives.iter().enumerate() {
         let (y, factor) = objective_axis(data, objective);
-        let value = |one: &EvaluatedDesign<'_>| Some(factor * one.objectives.get(place).copied()??);
+        let value =
+            |design: &EvaluatedDesign<'_>| Some(factor * design.objectives.get(place).copied()??);
         let mut layers = Vec::new();
         let (mut steps, mut best): (Vec<[f64; 2]>, Option<f64>) = (Vec::new(), None);
-        for one in designs.iter().filter(|one| one.met) {
-            let Some(value) = value(one) else { continue };
+        for design in designs.iter().filter(|design| design.met) {
+            let Some(value) = value(design) else { continue };
             let better =
                 |before: f64| if objective.maximize { value > before } else { value < before };
             if best.is_none_or(better) {
                 best = Some(value);
-                steps.push([one.design as f64, value]);
+                steps.push([design.design as f64, value]);
             }
         }
         if let (Some(best), Some([first, _])) = (best, steps.first().copied()) {
@@ -60,9 +61,9 @@ fn convergence(data: &OptimumData) -> Option<Figure> {
         }
         let looks =
             [(MET, Colour::Series(0), Symbol::Disc), (NOT_MET, Colour::Series(1), Symbol::Cross)];
-        let place = |one: &EvaluatedDesign<'_>| Some([one.design as f64, value(one)?]);
+        let place = |design: &EvaluatedDesign<'_>| Some([design.design as f64, value(design)?]);
         layers.extend(design_dots(data, &designs, looks, false, place));
-        unknown = unknown.max(designs.iter().filter(|one| value(one).is_none()).count());
+        unknown = unknown.max(designs.iter().filter(|design| value(design).is_none()).count());
         let part = if single { String::new() } else { y.name.clone() };
         panels.push(Panel { part, ..Panel::new(axis("design", ""), y, layers) });
     }
@@ -95,17 +96,17 @@ fn front(data: &OptimumData) -> Option<Figure> {
     let (x_axis, x_factor) = objective_axis(data, first);
     let (y_axis, y_factor) = objective_axis(data, second);
     let designs = evaluated(data);
-    let place = |one: &EvaluatedDesign<'_>| match one.objectives[..] {
+    let place = |design: &EvaluatedDesign<'_>| match design.objectives[..] {
         [Some(x), Some(y)] => Some([x_factor * x, y_factor * y]),
         _ => None,
     };
     let looks = [(NOT_MET, Colour::Faint, Symbol::Cross), (MET, Colour::Series(0), Symbol::Disc)];
     let mut layers = design_dots(data, &designs, looks, true, place);
-    let finals = data.front.iter().filter_map(|one| match &one.objectives[..] {
+    let finals = data.front.iter().filter_map(|point| match &point.objectives[..] {
         [x, y] => {
             let scaled = |value: Option<f64>| value.map_or(f64::NAN, |value| y_factor * value);
             let ends = [scaled(y.low), scaled(y.high)];
-            Some((one, [x_factor * x.value?, y_factor * y.value?], ends))
+            Some((point, [x_factor * x.value?, y_factor * y.value?], ends))
         }
         _ => None,
     });
@@ -113,12 +114,12 @@ fn front(data: &OptimumData) -> Option<Figure> {
     if !finals.is_empty() {
         let name = "Pareto front, final runs";
         let column = |pick: fn([f64; 2], [f64; 2]) -> f64| -> Vec<f64> {
-            finals.iter().map(|one| pick(one.1, one.2)).collect()
+            finals.iter().map(|shown| pick(shown.1, shown.2)).collect()
         };
         let x = column(|place, _| place[0]);
         let tooltips = Tooltips::numbers([(
             "design",
-            finals.iter().map(|(one, ..)| one.design.map_or(f64::NAN, |n| n as f64)).collect(),
+            finals.iter().map(|(point, ..)| point.design.map_or(f64::NAN, |n| n as f64)).collect(),
         )]);
         let intervals = Mark::Intervals {
             x: x.clone(),
@@ -132,7 +133,7 @@ fn front(data: &OptimumData) -> Option<Figure> {
     if layers.is_empty() {
         return None;
     }
-    let remain = data.front.iter().filter(|one| one.on_front && one.met).count();
+    let remain = data.front.iter().filter(|point| point.on_front && point.met).count();
     let better = |objective: &Objective| if objective.maximize { "larger" } else { "smaller" };
     Figure::new(
         "pareto",

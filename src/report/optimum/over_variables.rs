@@ -16,10 +16,12 @@ pub fn over_variables(data: &OptimumData) -> Option<Figure> {
     let mut panels = Vec::new();
     for (place, (_, objective)) in data.goal.objectives.iter().enumerate() {
         let (y, factor) = objective_axis(data, objective);
-        let value = |one: &EvaluatedDesign<'_>| Some(factor * one.objectives.get(place).copied()??);
+        let value =
+            |design: &EvaluatedDesign<'_>| Some(factor * design.objectives.get(place).copied()??);
         for (index, variable) in data.study.variables().iter().enumerate() {
-            let place =
-                |one: &EvaluatedDesign<'_>| Some([one.number(index, variable)?, value(one)?]);
+            let place = |design: &EvaluatedDesign<'_>| {
+                Some([design.number(index, variable)?, value(design)?])
+            };
             let layers = design_dots(data, &designs, LOOKS, true, place);
             if layers.is_empty() {
                 continue;

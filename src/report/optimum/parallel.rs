@@ -20,7 +20,7 @@ pub fn parallel_coordinates(data: &OptimumData) -> Option<Figure> {
     let designs = evaluated(data);
     let variables = data.study.variables();
     let of_variables = variables.iter().enumerate().map(|(index, variable)| {
-        let value = |one: &EvaluatedDesign<'_>| one.number(index, variable);
+        let value = |design: &EvaluatedDesign<'_>| design.number(index, variable);
         upright(
             &variable.short_name(),
             variable.shown_unit(),
@@ -30,7 +30,8 @@ pub fn parallel_coordinates(data: &OptimumData) -> Option<Figure> {
     });
     let objectives = data.goal.objectives.iter().enumerate().map(|(place, (_, objective))| {
         let (axis, factor) = objective_axis(data, objective);
-        let value = |one: &EvaluatedDesign<'_>| Some(factor * one.objectives.get(place).copied()??);
+        let value =
+            |design: &EvaluatedDesign<'_>| Some(factor * design.objectives.get(place).copied()??);
         upright(&axis.name, &axis.unit, designs.iter().map(value), None)
     });
     let axes: Vec<ParallelAxis> = of_variables.chain(objectives).collect();
@@ -51,17 +52,17 @@ pub fn parallel_coordinates(data: &OptimumData) -> Option<Figure> {
         _ => None,
     };
     let mut layers = Vec::new();
-    for (name, colour, is_own) in [
+    for (name, colour, belongs) in [
         (NOT_MET, Colour::Faint, &(|place: usize| !designs[place].met) as &dyn Fn(usize) -> bool),
         (MET, Colour::Series(0), &|place| designs[place].met && Some(place) != best),
         ("best of the search", Colour::Ink, &|place| Some(place) == best),
     ] {
-        let own: Vec<usize> = (0..designs.len()).filter(|place| is_own(*place)).collect();
-        if own.is_empty() {
+        let chosen: Vec<usize> = (0..designs.len()).filter(|place| belongs(*place)).collect();
+        if chosen.is_empty() {
             continue;
         }
         let (mut points, mut dots, mut of) = (Vec::new(), Vec::new(), Vec::new());
-        for &place in &own {
+        for &place in &chosen {
             for (x, axis) in axes.iter().enumerate() {
                 let [low, high] = axis.ends;
                 let part = axis.values[place].map(|value| match high > low {

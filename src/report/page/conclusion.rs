@@ -113,7 +113,7 @@ fn strongest(
         found.value.abs() >= LEAST_CORRELATION && (found.low > 0.0 || found.high < 0.0)
     });
     let (parameter, id, found) =
-        sure.max_by(|(.., one), (.., other)| one.value.abs().total_cmp(&other.value.abs()))?;
+        sure.max_by(|(.., left), (.., right)| left.value.abs().total_cmp(&right.value.abs()))?;
     Some((parameter.short_name().replace('_', " "), title(id), found))
 }
 
@@ -151,10 +151,10 @@ pub fn conclusion_of_search(body: &mut Html, data: &OptimumData) {
     }
     for objective in &data.optimization.objectives {
         let (name, _) = data.response(objective.response);
-        let of_response = data.sensitivities.iter().filter(|one| one.response == name);
-        let known = of_response.filter_map(|one| Some((one, one.total[0]?)));
-        if let Some((one, total)) = known.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
-            let variable = data.variable_in_words(&one.variable);
+        let of_response = data.sensitivities.iter().filter(|row| row.response == name);
+        let known = of_response.filter_map(|row| Some((row, row.total[0]?)));
+        if let Some((row, total)) = known.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
+            let variable = data.variable_in_words(&row.variable);
             sentences.push(format!(
                 "Over the whole range of designs, {variable} has the largest total Sobol' index of {name}: {variable} and its \
                  interactions cause {:.0} % of the variance of {name}.",

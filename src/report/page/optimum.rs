@@ -80,8 +80,8 @@ fn facts(body: &mut Html, data: &OptimumData) {
 /// Returns name and meaning of a response.
 fn described(data: &OptimumData, response: usize) -> String {
     let found = data.study.responses().get(response);
-    found.map_or_else(String::new, |one| {
-        format!("{} ({})", one.name, one.meaning_in(&data.study.units().vibration()))
+    found.map_or_else(String::new, |response| {
+        format!("{} ({})", response.name, response.meaning_in(&data.study.units().vibration()))
     })
 }
 
@@ -100,7 +100,8 @@ fn best(body: &mut Html, data: &OptimumData) {
         body.line(&format!("<p>{text}</p></section>"));
         return;
     }
-    let ratios = data.optimum.as_ref().and_then(|one| one["best_over_compare_with"].as_array());
+    let ratios =
+        data.optimum.as_ref().and_then(|optimum| optimum["best_over_compare_with"].as_array());
     let mut head = vec!["quantity"];
     head.extend(known.iter().map(|(name, _)| *name));
     head.extend(ratios.map(|_| "best / reference"));

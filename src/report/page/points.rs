@@ -70,8 +70,9 @@ fn responses(body: &mut Html, data: &ReportData<'_>, rows: &[PointFacts], shown:
         body.element("dt", "", &response.name);
         body.element("dd", "", &response.meaning_in(&study.units().vibration()));
         let estimates = rows.iter().filter_map(|point| point.responses.get(index));
-        let reasons =
-            estimates.filter(|one| one.value.is_none()).filter_map(|one| one.reason.as_deref());
+        let reasons = estimates
+            .filter(|estimate| estimate.value.is_none())
+            .filter_map(|estimate| estimate.reason.as_deref());
         let reasons: BTreeSet<&str> = reasons.collect();
         reasons
             .iter()
