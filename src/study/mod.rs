@@ -51,7 +51,7 @@ mod template;
 
 pub use error::StudyError;
 pub(crate) use error::{list_names, shorten};
-pub use file::identify_file::SpacingFile;
+pub use file::identify_file::PriorSpacing;
 pub use file::optimize_file::{OverPoints, SensitivityFrom};
 pub use kinds::{Registry, RegistryError, model_kind, model_kinds};
 pub use measured_table::{MeasuredRun, implausible_angle};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use stickslip::study::{MeasuredRun, SpacingFile, Study};
+use stickslip::study::{MeasuredRun, PriorSpacing, Study};
 
 use super::{parse, says, study};
 use crate::support::{assert_has, cases, rows};
@@ -33,7 +33,7 @@ fn parameters_and_effort() {
     let names: Vec<&str> = own.variables().iter().map(|one| one.name()).collect();
     assert_eq!(names, ["friction_coefficient", "ring_radius_m"]);
     assert_eq!(identification.parameters[1].range(), Some([0.011, 0.012]));
-    assert_eq!(identification.spacings, [SpacingFile::Logarithmic, SpacingFile::Linear]);
+    assert_eq!(identification.spacings, [PriorSpacing::Logarithmic, PriorSpacing::Linear]);
     assert_eq!((identification.start_designs, identification.designs), (1000, 1250));
     assert_eq!(identification.posterior_samples, 4000);
     let without = parse(STUDY.split("identify:").next().expect("a study")).expect("a study");

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::notations::notations;
+use crate::model::MAX_BALLS;
 
 /// One ball; values that are absent are those of all balls.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -42,9 +43,9 @@ impl BallFile {
 #[serde(untagged)]
 pub enum Balls {
     /// The number of balls, all identical.
-    Number(#[schemars(range(min = 1, max = 8))] u64),
+    Number(#[schemars(range(min = 1, max = MAX_BALLS))] u64),
     /// One entry per ball.
-    Each(#[schemars(length(min = 1, max = 8))] Vec<BallFile>),
+    Each(#[schemars(length(min = 1, max = MAX_BALLS))] Vec<BallFile>),
 }
 
 notations! {

@@ -8,6 +8,9 @@ use super::notations::notations;
 use crate::named::named;
 use crate::study::file::values::{Count, Entry};
 
+/// The largest number of designs in a search; surrogates of more designs take too long.
+pub(in crate::study) const MAX_DESIGNS: u64 = 300;
+
 /// Objectives, limits and effort of `stickslip optimize`.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -23,11 +26,11 @@ pub struct OptimizeFile {
     pub over_points: Option<OverPoints>,
     /// Number of designs in total, 2 to 300; the default is four times `start_designs`, at most
     /// 300.
-    #[schemars(extend("minimum" = 2, "maximum" = 300))]
+    #[schemars(extend("minimum" = 2, "maximum" = MAX_DESIGNS))]
     pub designs: Option<Count>,
     /// Number of designs in the initial space-filling sample, 2 to 300; the default is 5 per
     /// variable, at least 10.
-    #[schemars(extend("minimum" = 2, "maximum" = 300))]
+    #[schemars(extend("minimum" = 2, "maximum" = MAX_DESIGNS))]
     pub start_designs: Option<Count>,
     /// Number of designs that are recomputed with other random numbers, 1 to 10,000; with two
     /// objectives, the largest size of the Pareto front; the default is 5.

@@ -23,6 +23,7 @@ use crate::study::plan::audit::Audit;
 use crate::study::plan::precision::Precision;
 use crate::study::plan::response::ResponseFile;
 use crate::study::plan::variable::VariableFile;
+use crate::study::sampling::sampling_design::MAX_SOBOL_SAMPLES;
 
 /// A stickslip study: a model, the points of a sweep, and the sampling of start states.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -168,7 +169,7 @@ pub enum DesignFile {
     /// Scrambled Sobol' sequence; a power of two is best.
     Sobol {
         /// Number of samples, at most 65,536.
-        #[schemars(extend("maximum" = 65_536))]
+        #[schemars(extend("maximum" = MAX_SOBOL_SAMPLES))]
         samples: Count,
     },
     /// Independent uniform samples.

@@ -86,14 +86,13 @@ fn cause(text: &str, line: usize, said: &str) -> Option<(Location, Fault)> {
     let all: Vec<&str> = text.lines().skip(line.saturating_sub(2)).take(4).collect();
     let first = line.saturating_sub(1).max(1);
     let numbered = || (first..).zip(all.iter().copied());
-    if said.contains("tab") {
-        return numbered().find_map(|(line, text)| Some((line, tab(text)?))).map(
-            |(line, column)| {
-                let place = Location { line, column };
-                let allowed = "spaces for indentation; replace the tab by spaces";
-                (place, Fault::new("not valid YAML: a tab in the indentation", "a tab", allowed))
-            },
-        );
+    let tabs = || numbered().find_map(|(line, text)| Some((line, tab(text)?)));
+    if said.contains("tab")
+        && let Some((line, column)) = tabs()
+    {
+        let allowed = "spaces for indentation; replace the tab by spaces";
+        let fault = Fault::new("not valid YAML: a tab in the indentation", "a tab", allowed);
+        return Some((Location { line, column }, fault));
     }
     let (_, here) = numbered().find(|(number, _)| *number == line)?;
     let before = text.lines().take(line - 1).filter(|text| is_content(text)).last();

@@ -3,7 +3,9 @@
 use indexmap::IndexMap;
 
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::identify_file::{IdentifyFile, PriorFile, SpacingFile};
+use crate::study::file::identify_file::{
+    IdentifyFile, MOST_DESIGNS, MOST_PARAMETERS, PriorFile, PriorSpacing,
+};
 use crate::study::file::source::Source;
 use crate::study::file::values::Count;
 use crate::study::file::yaml_tree::describe_number;
@@ -13,14 +15,10 @@ use crate::study::plan::response::Response;
 use crate::study::plan::variable::VariableFile;
 use crate::study::resolve::variables::resolve_variables;
 
-/// The largest number of parameter sets; the densities of more take too much memory.
-const MOST_DESIGNS: u64 = 4000;
 /// The default number of samples of the posterior.
 const USUAL_SAMPLES: u64 = 4000;
 /// The default number of initial parameter sets for one parameter, two, and more.
 const USUAL_START: [u64; 3] = [128, 1000, 2000];
-/// The largest number of parameters.
-const MOST_PARAMETERS: usize = 8;
 
 /// Validates the key `identify`.
 pub(crate) fn resolve_identification(
@@ -57,7 +55,7 @@ pub(crate) fn resolve_identification(
             return Err(path.wrong_value("an empty range", found, "`from` below `to`"));
         }
         let spacing = spacing.unwrap_or_default();
-        if spacing == SpacingFile::Logarithmic && *from <= 0.0 {
+        if spacing == PriorSpacing::Logarithmic && *from <= 0.0 {
             let problem = "a logarithmic range that is not positive";
             let allowed = "`from` above 0, or `spacing: linear`";
             let fault = Fault::new(problem, format!("from {}", describe_number(*from)), allowed);

@@ -5,7 +5,7 @@ use indexmap::IndexMap;
 use crate::analysis::Measure;
 use crate::study::error::{Fault, StudyError, list_names};
 use crate::study::file::optimize_file::{
-    LimitFile, OptimizeFile, ResponseNames, SensitivityFile, SensitivityFrom,
+    LimitFile, MAX_DESIGNS, OptimizeFile, ResponseNames, SensitivityFile, SensitivityFrom,
 };
 use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::values::{Count, Entry};
@@ -16,8 +16,6 @@ use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::response::Response;
 use crate::study::plan::variable::DesignValue;
 
-/// The largest number of designs in a search; surrogates of more designs take too long.
-const MAX_DESIGNS: u64 = 300;
 /// The largest number of variables. There are 256 Sobol' dimensions, and the Sobol' indices need
 /// two per variable.
 const MAX_VARIABLES: usize = 100;
