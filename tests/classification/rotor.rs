@@ -292,3 +292,13 @@ simulation: {{method: event}}
         }
     }
 }
+
+/// In a system with contacts that open, balls that touch are decided together: taken for contacts alone, these two ended undecided.
+#[test]
+fn two_balls_that_touch_creep_with_four_washers() {
+    let study = shipped_study("bristol-washers.yaml");
+    for run in [36, 44] {
+        let outcome = simulate(&study.planned_run(run).case.expect("a valid case"));
+        assert_eq!(outcome.label(), Label::Creep, "{run} {outcome:?}");
+    }
+}
