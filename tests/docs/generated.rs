@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 static PAGES: Mutex<()> = Mutex::new(());
 
 /// Every computed part of each page.
-const PARTS: [(&str, &str); 7] = [
+const PARTS: [(&str, &str); 8] = [
     ("docs/check.md", "check"),
     ("docs/verification.md", "labels-below labels-above labels-irregular"),
     (
@@ -24,6 +24,13 @@ const PARTS: [(&str, &str); 7] = [
     ),
     ("docs/startup.md", "startup startup-ratio startup-all"),
     ("docs/identify.md", "identify identify-synthetic"),
+    (
+        "docs/study-file.md",
+        "keys model-keys balancer-parameters block-parameters rotor-parameters distributions uncertain-sampling-keys \
+         initial-condition-keys coordinates designs simulation-keys precision-keys audit-keys \
+         expect-keys responses optimize-keys identify-keys prior-keys limit-keys \
+         ramp-keys kick-keys hammer-keys",
+    ),
 ];
 
 /// Returns the names of the computed parts of a page.

@@ -1,9 +1,9 @@
 //! The README and the pages in `docs` are correct: their outputs, studies and commands are run.
 
 mod convergence;
-mod defaults;
 pub mod generated;
 mod identify;
+mod keys;
 pub mod named;
 mod open_questions;
 mod own_system;

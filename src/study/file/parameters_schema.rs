@@ -87,7 +87,9 @@ fn parameter_in_words(name: &str, schema: &Value) -> String {
     };
     let unit = if unit == "1" { "dimensionless" } else { unit };
     let lowest = match (schema.get("minimum"), schema.get("exclusiveMinimum")) {
-        (Some(_), _) if schema["type"] == "integer" => &format!("; 1 to {}", schema["maximum"]),
+        (Some(least), _) if schema["type"] == "integer" => {
+            &format!("; {least} to {}", schema["maximum"])
+        }
         (Some(_), _) => "; at least 0",
         (None, Some(_)) => "; above 0",
         (None, None) => "",
