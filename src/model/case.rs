@@ -24,7 +24,7 @@ pub enum Method {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "ExtendFile")]
 pub struct Extend {
-    /// The later end time as a multiple of `end_time_s`: above 1, at most 1000.
+    /// The later end time as a multiple of `end_time_s`: above 1, at most 1000. Without `extend`, no run is continued.
     #[schemars(extend("exclusiveMinimum" = 1, "maximum" = 1000))]
     pub factor: f64,
     /// Labels at the end time of the runs that are continued; the default is `[undecided,
@@ -104,9 +104,8 @@ pub enum Endings {
 pub struct Simulation {
     /// How stick and slip are computed; the default is `switch`.
     pub method: Method,
-    /// Half width of the band around zero sliding speed in the switch model, in units of the
-    /// natural frequency (block: natural frequency times `normal_force_n` / `stiffness_n_m`); above
-    /// 0, at most 0.01; default 1e-8.
+    /// Half width of the band around zero sliding speed in the switch model, over the natural frequency (block: over about the
+    /// natural frequency times `normal_force_n` / `stiffness_n_m`); above 0, at most 0.01; default 1e-8.
     // In a wider band, moving balls count as sticking, and may switch between stick and transition indefinitely.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 0.01))]
     pub band: f64,
@@ -115,7 +114,7 @@ pub struct Simulation {
     pub end_time_s: f64,
     /// Continuation of undecided and irregular runs past the end time; by default, none.
     pub extend: Option<Extend>,
-    /// Endings that the classification detects; the default is `all`.
+    /// Endings that the classification detects: `all`, the default, or `rest` only.
     pub endings: Endings,
     /// Tolerated error per integration step.
     pub tolerance: Tolerance,
@@ -126,10 +125,10 @@ pub struct Simulation {
 #[serde(default, deny_unknown_fields)]
 #[schemars(rename = "ToleranceFile")]
 pub struct Tolerance {
-    /// Relative error, dimensionless; above 0; default 1e-8.
+    /// Relative error per integration step, dimensionless; above 0; default 1e-8.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub relative: f64,
-    /// Absolute error, non-dimensional; above 0; default 1e-10.
+    /// Absolute error per integration step, non-dimensional; above 0; default 1e-10.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub absolute: f64,
 }

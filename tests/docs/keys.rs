@@ -38,7 +38,8 @@ fn rows(keys: &Map<String, Value>) -> impl Iterator<Item = (&String, &Value)> {
 }
 
 /// Where keys are described whose name is not the begin of a heading.
-const ELSEWHERE: [(&str, &str); 5] = [
+const ELSEWHERE: [(&str, &str); 6] = [
+    ("parameters", "#ball-balancer"),
     ("uncertain_sampling", "#sampling-of-uncertain-parameters"),
     ("system", "system-files.md"),
     ("normal_force", "methods.md#normal-force"),
@@ -58,54 +59,59 @@ fn linked(name: &str) -> Option<String> {
     found.starts_with(&slug).then(|| format!("[`{name}`](#{found})"))
 }
 
-/// Returns the words between which a value chooses, as a sentence.
-fn words_of(node: &Value) -> String {
+/// Returns the words between which a value chooses, as a sentence, unless the description has all of them.
+fn words_of(node: &Value, description: &str) -> String {
     let listed = node["enum"].as_array().into_iter().flatten();
     let described = node["oneOf"].as_array().into_iter().flatten().map(|choice| &choice["const"]);
     let words: Vec<String> =
         listed.chain(described).filter_map(Value::as_str).map(|word| format!("`{word}`")).collect();
-    if words.len() < 2 { String::new() } else { format!(" One of {}.", words.join(", ")) }
+    match words.iter().all(|word| description.contains(word)) {
+        true => String::new(),
+        false => format!(" One of {}.", words.join(", ")),
+    }
 }
 
 /// Returns the table of a map's keys. A key whose value is a map has a row for each key in it; with `links`, keys lead to their
 /// sections.
 fn table(map: &str, links: bool) -> String {
     let schema = json_schema();
-    let node = if map.is_empty() { &schema } else { &schema["$defs"][map] };
-    let keys = node["properties"].as_object().expect("keys");
+    let outer = if map.is_empty() { &schema } else { &schema["$defs"][map] };
+    let keys = outer["properties"].as_object().expect("keys");
     let mut text = "\n\n| key | content |\n|---|---|\n".to_owned();
-    let required = node["required"].as_array();
-    let mut add = |name: String, key: &str, node: &Value| {
+    let mut add = |name: String, (map, key): (&Value, &String), node: &Value| {
+        let required = map["required"].as_array();
         let is_required = required.is_some_and(|all| all.iter().any(|name| name == key));
         let required = if is_required { " Required." } else { "" };
-        let words = words_of(target(&schema, node));
-        text += &format!("| {name} | {}{required}{words} |\n", description(node));
+        let description = description(node);
+        let words = words_of(target(&schema, node), &description);
+        text += &format!("| {name} | {description}{required}{words} |\n");
     };
     for (name, node) in rows(keys) {
-        let inner = node
-            .get("$ref")
-            .filter(|_| !links)
-            .and(target(&schema, node)["properties"].as_object());
-        match inner {
-            Some(inner) => {
-                inner.iter().for_each(|(key, node)| add(format!("`{name}.{key}`"), key, node))
-            }
+        let inner = target(&schema, node);
+        match inner["properties"].as_object().filter(|_| node.get("$ref").is_some() && !links) {
+            Some(keys) => keys
+                .iter()
+                .for_each(|(key, node)| add(format!("`{name}.{key}`"), (inner, key), node)),
             None => {
-                add(
-                    linked(name).filter(|_| links).unwrap_or_else(|| names(keys, name)),
-                    name,
-                    node,
-                );
+                let link = linked(name).filter(|_| links);
+                add(link.unwrap_or_else(|| names(keys, name)), (outer, name), node);
             }
         }
     }
     text + "\n"
 }
 
+/// The contents of choices that are no maps.
+const CONTENTS: [(&str, &str); 3] = [
+    ("times", "one of the distributions above"),
+    ("table", "a [table](#tables)"),
+    ("at_rest_by_s", "a time"),
+];
+
 /// Returns the table of the choices of a value, with the keys of each.
-fn choices(of: &str) -> String {
+fn choices(title: &str, of: &str) -> String {
     let schema = json_schema();
-    let mut text = "\n\n| choice | keys | content |\n|---|---|---|\n".to_owned();
+    let mut text = format!("\n\n| {title} | keys | content |\n|---|---|---|\n");
     for choice in schema["$defs"][of]["oneOf"].as_array().expect("choices") {
         let Some(keys) = choice["properties"].as_object() else {
             let name = choice["const"].as_str().expect("a word");
@@ -117,7 +123,8 @@ fn choices(of: &str) -> String {
         let inner = node["properties"].as_object().map(|inner| {
             rows(inner).map(|(key, _)| names(inner, key)).collect::<Vec<_>>().join(", ")
         });
-        let inner = inner.unwrap_or_default();
+        let given = CONTENTS.iter().find(|(of, _)| keys.contains_key(*of));
+        let inner = given.map(|(_, words)| (*words).to_owned()).or(inner).unwrap_or_default();
         text += &format!("| {} | {inner} | {} |\n", name.join(", "), description(choice));
     }
     text + "\n"
@@ -157,8 +164,7 @@ fn parameters(kinds: &[&str]) -> String {
     }
     if all.contains(&"ball_density_kg_m3") {
         for name in ["balls", "ball_material"] {
-            let default = keys[name].get("default").map_or("none".to_owned(), Value::to_string);
-            text += &format!("| `{name}` | | {default} | {} |\n", description(&keys[name]));
+            text += &format!("| `{name}` | | | {} |\n", description(&keys[name]));
         }
     }
     text + "\n"
@@ -169,11 +175,15 @@ fn coordinates() -> String {
     let schema = json_schema();
     let ranges = &schema["$defs"]["InitialConditionsFile"]["properties"]["box"]["properties"];
     let keys = ranges.as_object().expect("coordinates");
-    let mut text = "\n\n| coordinate | content |\n|---|---|\n".to_owned();
-    for (name, node) in
-        rows(keys).filter(|(_, node)| !description(node).contains("default that of"))
-    {
-        text += &format!("| {} | {} |\n", names(keys, name), description(node));
+    let mut text = "\n\n| coordinate | default range | content |\n|---|---|---|\n".to_owned();
+    for (name, node) in rows(keys) {
+        let description = description(node);
+        let (meaning, range) = description.rsplit_once("; default ").expect("a default");
+        if !range.starts_with("that of") {
+            let meaning = meaning.trim_start_matches("start value: ");
+            let range = range.trim_end_matches('.');
+            text += &format!("| {} | {range} | {meaning} |\n", names(keys, name));
+        }
     }
     text + "\n"
 }
@@ -186,16 +196,16 @@ fn tables_of_the_page_are_those_of_the_program() {
         ("balancer-parameters", parameters(&["ball_balancer"])),
         ("block-parameters", parameters(&["block_on_spring", "block_on_belt"])),
         ("rotor-parameters", parameters(&["rotor_balancer"])),
-        ("distributions", choices("DistributionFile")),
+        ("distributions", choices("distribution", "DistributionFile")),
         ("uncertain-sampling-keys", table("UncertainSamplingFile", false)),
         ("initial-condition-keys", table("InitialConditionsFile", false)),
         ("coordinates", coordinates()),
-        ("designs", choices("DesignFile")),
+        ("designs", choices("design", "DesignFile")),
         ("simulation-keys", table("SimulationFile", false)),
         ("precision-keys", table("PrecisionFile", false)),
         ("audit-keys", table("AuditFile", false)),
         ("expect-keys", table("ExpectationFile", false)),
-        ("responses", choices("ResponseFile")),
+        ("responses", choices("response", "ResponseFile")),
         ("optimize-keys", table("OptimizeFile", false)),
         ("identify-keys", table("IdentifyFile", false)),
         ("prior-keys", table("PriorFile", false)),

@@ -16,7 +16,7 @@ pub enum DistributionFile {
         #[schemars(extend("exclusiveMinimum" = 0))]
         std_dev: f64,
     },
-    /// Normal distribution, truncated at both ends.
+    /// Normal distribution, truncated at both ends; `mean` and `std_dev` are those before truncation.
     TruncatedNormal {
         /// Mean before truncation.
         mean: f64,
@@ -54,7 +54,7 @@ pub enum DistributionFile {
         /// Largest value, above `min`.
         max: f64,
     },
-    /// One of several values.
+    /// One of several values; `weights` are optional and on any scale, by default all equal.
     Choice {
         /// The values.
         #[schemars(extend("minItems" = 1))]

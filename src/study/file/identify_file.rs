@@ -16,7 +16,7 @@ pub(in crate::study) const MOST_PARAMETERS: usize = 8;
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct IdentifyFile {
-    /// Numeric parameters to infer, each with the range of its prior.
+    /// 1 to 8 numeric parameters to infer, each with the range of its prior.
     #[schemars(schema_with = "schema::by_parameter::<PriorFile>")]
     #[schemars(extend("minProperties" = 1, "maxProperties" = MOST_PARAMETERS))]
     pub parameters: IndexMap<String, PriorFile>,
@@ -25,7 +25,7 @@ pub struct IdentifyFile {
     #[schemars(extend("minimum" = 8, "maximum" = MOST_DESIGNS))]
     pub start_designs: Option<Count>,
     /// Number of parameter sets in total, 8 to 4000; those after the initial sample lie where the posterior is; the
-    /// default is 1.25 times `start_designs`.
+    /// default is 1.25 times `start_designs`, at most 4000.
     #[schemars(extend("minimum" = 8, "maximum" = MOST_DESIGNS))]
     pub designs: Option<Count>,
     /// Number of samples of the posterior, 100 to 100,000; the default is 4000.

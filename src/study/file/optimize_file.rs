@@ -22,7 +22,7 @@ pub struct OptimizeFile {
     pub maximize: Option<ResponseNames>,
     /// Limits of responses, by response; by default, none.
     pub subject_to: Option<IndexMap<String, LimitFile>>,
-    /// How the values at the points of a sweep are combined; the default is `worst`.
+    /// Value of a response over the points of a sweep: at the `worst` point, the default, or the `mean`.
     pub over_points: Option<OverPoints>,
     /// Number of designs in total, 2 to 300; the default is four times `start_designs`, at most
     /// 300.
@@ -32,8 +32,8 @@ pub struct OptimizeFile {
     /// variable, at least 10.
     #[schemars(extend("minimum" = 2, "maximum" = MAX_DESIGNS))]
     pub start_designs: Option<Count>,
-    /// Number of designs that are recomputed with other random numbers, 1 to 10,000; with two
-    /// objectives, the largest size of the Pareto front; the default is 5.
+    /// Number of best designs that are recomputed with other random numbers, 1 to 10,000; with two objectives, the largest
+    /// number of recomputed designs of the Pareto front; the default is 5.
     #[schemars(extend("minimum" = 1, "maximum" = 10_000))]
     pub finalists: Option<Count>,
     /// Number of runs of a finalist, as a multiple of the runs in the search, 1 to 10,000; the
@@ -72,9 +72,10 @@ pub enum OverPoints {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensitivityFile {
-    /// Source of the responses; the default is `surrogates`.
+    /// Source of the responses for the Sobol' indices: `surrogates` of the search, the default, or `runs` of new designs, which
+    /// give intervals.
     pub from: Option<SensitivityFrom>,
-    /// Number of base samples, 8 to 65,536; with `from: runs`, each base sample takes one design
+    /// Number of base samples of the Sobol' indices, 8 to 65,536; with `from: runs`, each base sample takes one design
     /// per variable and two more; the default is 1024 for surrogates and 64 for runs.
     #[schemars(extend("minimum" = 8, "maximum" = 65_536))]
     pub samples: Option<Count>,

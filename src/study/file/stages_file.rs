@@ -23,13 +23,14 @@ pub enum ProfilePartFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct RampFile {
-    /// Speed at the begin, rad/s; required in the first part, otherwise the speed at the end of the part before.
+    /// Speed at the start, rad/s; required in the first part. Each later part starts at the speed at the end of the part
+    /// before; another value is an error.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from_rad_s: Option<f64>,
-    /// Speed at the end, rad/s; for the last ramp the default is `speed_rad_s`.
+    /// Speed at the end, rad/s; required except in the last ramp, which leads to `speed_rad_s`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub to_rad_s: Option<f64>,
-    /// Duration, s; above 0.
+    /// Duration, s; above 0; required.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub over_s: f64,
 }
@@ -46,10 +47,10 @@ pub enum DisturbanceFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct KickFile {
-    /// Time of the kick, s; above 0.
+    /// Time of the kick, s; above 0; required.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub at_s: f64,
-    /// Change of the table's velocity, m/s, at least 0.
+    /// Change of the table's velocity, m/s; at least 0; required.
     #[schemars(range(min = 0))]
     pub speed_m_s: f64,
     /// `random`: a direction that is drawn for each run, the default.

@@ -67,7 +67,7 @@ pub struct StudyFile {
     #[serde(default)]
     #[schemars(schema_with = "schema::by_name::<VariableFile>")]
     pub design: Option<IndexMap<String, VariableFile>>,
-    /// Responses that `stickslip evaluate` estimates for each design, by name.
+    /// Responses of each point and of each design, by name: statistics of amplitudes or times to rest.
     pub responses: Option<IndexMap<String, ResponseFile>>,
     /// Objectives, limits and effort of `stickslip optimize`.
     pub optimize: Option<OptimizeFile>,
@@ -84,15 +84,15 @@ pub struct StudyFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModelFile {
-    /// Kind of model.
+    /// Kind of model; required without `system`.
     #[serde(skip_serializing_if = "KindFile::is_of_file")]
     pub kind: KindFile,
     /// A system file with the equations of a machine, or its keys, in place of a kind.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "schema::system")]
     pub system: Option<Value>,
-    /// Parameters in SI units; the defaults are the machine of the thesis, or a block of 1 kg on a
-    /// spring of 100 N/m.
+    /// Parameters in SI units; the defaults are those of the machine of the thesis, of a block of 1 kg on a
+    /// spring of 100 N/m, or of the rotor.
     pub parameters: Option<ParametersFile>,
     /// Friction law; the default is `coulomb`.
     pub friction: Option<FrictionFile>,
@@ -103,14 +103,15 @@ pub struct ModelFile {
     /// balancer.
     pub contact: Option<ContactFile>,
     /// How the speed of the disc changes until it is `speed_rad_s`: ramps, plateaus and tables, one after another; by
-    /// default, the speed is constant; only for a ball balancer.
+    /// default, the speed is constant; only for a model with a part that turns: `ball_balancer`, `rotor_balancer`, or a
+    /// system file with `turning`.
     #[schemars(extend("minItems" = 1))]
     pub speed_profile: Option<Vec<ProfilePartFile>>,
     /// Kicks of the table; by default, none; only for a ball balancer.
     #[schemars(extend("minItems" = 1))]
     pub disturbances: Option<Vec<DisturbanceFile>>,
-    /// A measurement protocol, short for `speed_profile` and `disturbances`: `startup`, or `startup_and_hammer` with hits of
-    /// the table; only for a ball balancer.
+    /// A measurement protocol, short for `speed_profile` and `disturbances`; by default, none: `startup`, for a model with a part
+    /// that turns, or `startup_and_hammer` with hits of the table, only for a ball balancer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub protocol: Option<ProtocolFile>,
 }
@@ -142,11 +143,12 @@ pub struct InitialConditionsFile {
     /// Ranges `[low, high]` by coordinate; other coordinates have their default range. Ball
     /// balancer: lengths over the ring radius, and time multiplied by the natural frequency; `beta`
     /// and `beta_dot` hold for every ball, `beta_1` and so on for one ball; with a speed profile, the default range of all
-    /// coordinates but the angles is `[0, 0]`. Block: `position_m` and `velocity_m_s`.
+    /// coordinates but the angles is `[0, 0]`. Block: `position_m` and `velocity_m_s`. Rotor and system file: the coordinates
+    /// of the model.
     #[serde(rename = "box", default)]
     #[schemars(schema_with = "schema::start_box")]
     pub start_box: Option<IndexMap<String, Range>>,
-    /// Sampling design of the start states; optional if every block of the sweep has its own.
+    /// Sampling design of the start states; required unless every block of the sweep has its own.
     pub design: Option<DesignFile>,
 }
 
@@ -166,7 +168,7 @@ pub enum DesignFile {
         /// Number of samples; another number is another design.
         samples: Count,
     },
-    /// Scrambled Sobol' sequence; a power of two is best.
+    /// Scrambled Sobol' sequence of at most 65,536 samples; a power of two is best.
     Sobol {
         /// Number of samples, at most 65,536.
         #[schemars(extend("maximum" = MAX_SOBOL_SAMPLES))]
@@ -183,7 +185,8 @@ pub enum DesignFile {
         points_per_axis: Count,
     },
     /// Given start states, with one column per coordinate: `x`, `y`, `beta_1` ..., `x_dot`,
-    /// `y_dot`, `beta_dot_1` ... of a ball balancer; `position_m`, `velocity_m_s` of a block.
+    /// `y_dot`, `beta_dot_1` ... of a ball balancer; `position_m`, `velocity_m_s` of a block; the
+    /// coordinates of the model for a rotor or a system file.
     Table(TableKey),
 }
 

@@ -11,7 +11,8 @@ use crate::named::named;
 pub struct UncertainSamplingFile {
     /// Sampling design of the uncertain parameters over all runs of a point; the default is `monte_carlo`.
     pub design: Option<UncertainDesignKind>,
-    /// Rank correlations of pairs of uncertain parameters; all other pairs are uncorrelated; by default, none.
+    /// A list of pairs, each with two `parameters` and their `rank_correlation`; all other pairs are uncorrelated; by default,
+    /// none.
     #[schemars(extend("minItems" = 1))]
     pub correlations: Option<Vec<CorrelationFile>>,
 }

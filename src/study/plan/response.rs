@@ -21,7 +21,7 @@ pub enum ResponseFile {
     AmplitudeMean(Amplitude),
     /// Standard deviation of the amplitude, m; with `relative`, dimensionless.
     AmplitudeStdDev(Amplitude),
-    /// Quantile of the amplitude, m; with `relative`, dimensionless.
+    /// Quantile of the amplitude at `fraction`, above 0 and below 1, in m; with `relative`, dimensionless.
     AmplitudeQuantile {
         /// Fraction of the runs below the quantile, above 0 and below 1.
         #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
@@ -36,7 +36,7 @@ pub enum ResponseFile {
     },
     /// Largest amplitude of all runs, m; with `relative`, dimensionless.
     AmplitudeWorst(Amplitude),
-    /// Probability of an amplitude above a limit.
+    /// Probability of an amplitude above `limit`, such as `20 µm`; with `relative`, a number without a unit.
     AmplitudeAbove {
         /// The limit, at least 0: a number in m, or a value with a unit, such as `20 µm`; with `relative`, a number without
         /// a unit.
