@@ -24,7 +24,7 @@ pub enum Method {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "ExtendFile")]
 pub struct Extend {
-    /// The later end time as a multiple of `end_time_s`: above 1, at most 1000. Without `extend`, no run is continued.
+    /// The later end time as a multiple of `end_time_s`: above 1, at most 1000; without `extend`, no run is continued.
     #[schemars(extend("exclusiveMinimum" = 1, "maximum" = 1000))]
     pub factor: f64,
     /// Labels at the end time of the runs that are continued; the default is `[undecided,
