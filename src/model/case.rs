@@ -114,7 +114,7 @@ pub struct Simulation {
     pub end_time_s: f64,
     /// Continuation of undecided and irregular runs past the end time; by default, none.
     pub extend: Option<Extend>,
-    /// Endings that the classification detects: `all`, the default, or `rest` only.
+    /// Endings that the classification detects: `all`, or `rest` only; the default is `all`.
     pub endings: Endings,
     /// Tolerated error per integration step.
     pub tolerance: Tolerance,

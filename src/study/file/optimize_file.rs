@@ -22,7 +22,7 @@ pub struct OptimizeFile {
     pub maximize: Option<ResponseNames>,
     /// Limits of responses, by response; by default, none.
     pub subject_to: Option<IndexMap<String, LimitFile>>,
-    /// Value of a response over the points of a sweep: at the `worst` point, the default, or the `mean`.
+    /// Value of a response over the points of a sweep: at the `worst` point, or the `mean`; the default is `worst`.
     pub over_points: Option<OverPoints>,
     /// Number of designs in total, 2 to 300; the default is four times `start_designs`, at most
     /// 300.
@@ -72,8 +72,8 @@ pub enum OverPoints {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensitivityFile {
-    /// Source of the responses for the Sobol' indices: `surrogates` of the search, the default, or `runs` of new designs, which
-    /// give intervals.
+    /// Source of the responses for the Sobol' indices: `surrogates` of the search, or `runs` of new designs, which give
+    /// intervals; the default is `surrogates`.
     pub from: Option<SensitivityFrom>,
     /// Number of base samples of the Sobol' indices, 8 to 65,536; with `from: runs`, each base sample takes one design
     /// per variable and two more; the default is 1024 for surrogates and 64 for runs.
