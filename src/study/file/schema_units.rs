@@ -119,7 +119,8 @@ fn doubled(
 /// Returns a schema of numbers as one of names of materials; `None` for a distribution or a range.
 fn materials(schema: &Value) -> Option<Value> {
     let names: Vec<&str> = MATERIALS.iter().map(|material| material.name).collect();
-    let name = json!({ "type": "string", "enum": names, "description": "Material of the balls, which gives their density, in place of the mass." });
+    let words = "Material of the balls, which gives their density, in place of the mass.";
+    let name = json!({ "type": "string", "enum": names, "description": words });
     let is_list = |form: &Value| form["type"] == "array";
     match schema.get("anyOf").and_then(Value::as_array) {
         Some(forms) if forms.iter().any(is_list) => {

@@ -48,7 +48,7 @@ impl<S: Vector, const N: usize> BalancerLaneStates<S, N> {
         nought
     }
 
-    /// Returns the sum of the squares of all components of a perturbation, which does not shift the time.
+    /// Returns the sum of the squares of all components of a perturbation.
     #[inline(always)]
     pub(super) fn square(&self) -> Lanes<S> {
         let mut size = Lanes::splat(self.table[0].simd, 0.0);

@@ -285,7 +285,8 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
     }
 }
 
-/// The largest number of balls for which the sums of an order are in registers, which the equations of balls that touch need themselves.
+/// The largest number of balls for which the sums of an order are in registers. The equations of balls that touch need the registers
+/// themselves.
 const FEW: usize = 2;
 
 /// Computes the products of an order.

@@ -111,8 +111,7 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
     }
 }
 
-/// Propagates perturbations over a step of this length, in all lanes; `perturbed` is work space. A perturbation does not
-/// shift the time.
+/// Propagates perturbations over a step of this length, in all lanes; `perturbed` is work space.
 #[inline(always)]
 pub(super) fn propagate<S: Vector, const N: usize>(
     series: &BalancerSeries<S, N>,
