@@ -122,7 +122,7 @@ impl BreakAway {
     /// Adds the phase and the speeds of the latest step.
     fn extend(&mut self, step: &LaneStep) {
         let (view, during) = (step.view, step.during());
-        let speed = |state: &[f64]| view.speed(during, state, 0);
+        let speed = |state: &[f64]| view.speed(state, 0);
         let at_end = speed(&step.end());
         let cycle_phase = CyclePhase::of(during.first().copied().unwrap_or(Phase::Free), at_end);
         if self.cycle_phases.last() != Some(&cycle_phase) {

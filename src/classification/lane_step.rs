@@ -1,6 +1,6 @@
 //! The latest step of a run in a lane.
 
-use super::system_view::SystemView;
+use super::system_view::{ContactPlace, SystemView};
 use crate::model::Components;
 use crate::motion::lockstep::{LANES, LaneGroup};
 use crate::motion::{Effort, Hit, Instant, PerContact, Phase, fall_through_zero};
@@ -52,6 +52,16 @@ impl<'a> LaneStep<'a> {
         self.group.end_of_step(self.lane)
     }
 
+    /// Returns a component at the step's start.
+    pub(super) fn component_at_start(&self, component: usize) -> f64 {
+        self.group.component_at_start(self.lane, component)
+    }
+
+    /// Returns a component of [`LaneStep::end`].
+    pub(super) fn component_at_end(&self, component: usize) -> f64 {
+        self.group.component_at_end(self.lane, component)
+    }
+
     /// Returns the positions of the contacts after the step, with whole turns.
     pub(super) fn unwrapped(&self) -> PerContact {
         self.view.unwrapped(&self.group.state(self.lane), &self.group.turns(self.lane))
@@ -62,14 +72,8 @@ impl<'a> LaneStep<'a> {
         self.group.unwrapped_within(self.lane, time - self.began())
     }
 
-    /// Returns the outputs at a time within the step, with angles that include whole turns.
-    pub(super) fn outputs_at(&self, time: f64) -> Components {
-        let [outputs] = self.outputs_at_each([time]);
-        outputs
-    }
-
-    /// Returns the outputs at some times within the step, like [`LaneStep::outputs_at`].
-    pub(super) fn outputs_at_each<const P: usize>(&self, times: [f64; P]) -> [Components; P] {
+    /// Returns the outputs at some times within the step, with angles that include whole turns.
+    pub(super) fn outputs_at<const P: usize>(&self, times: [f64; P]) -> [Components; P] {
         const { assert!(P > 0 && P <= LANES) };
         let turned = self.group.turned_before(self.lane);
         let after = std::array::from_fn(|place| times[place.min(P - 1)] - self.began());
@@ -79,6 +83,19 @@ impl<'a> LaneStep<'a> {
             self.view.turn(&mut state, &turned);
             self.view.system().outputs(&state)
         })
+    }
+
+    /// Returns one of the outputs at a time within the step, like [`LaneStep::outputs_at`].
+    pub(super) fn output_at(&self, number: usize, time: f64) -> f64 {
+        let after = time - self.began();
+        let component = |component: usize| {
+            let value = self.group.value(&self.group.series(self.lane, component), after);
+            let is_place = |place: &ContactPlace| place.position == component;
+            let contact = self.view.contacts.iter().position(is_place);
+            value + contact.map_or(0.0, |contact| self.group.turned_before(self.lane)[contact])
+        };
+        let output = self.view.system().output(number, &component);
+        output.unwrap_or_else(|| self.outputs_at([time])[0][number])
     }
 
     /// Returns the time at which a function of the state passed through zero in the step, in either
@@ -103,8 +120,9 @@ impl<'a> LaneStep<'a> {
 
     /// Returns the time at which a component passed through a value in the step, like [`LaneStep::passes_through_zero`].
     pub(super) fn passes_through(&self, component: usize, value: f64) -> Option<f64> {
-        let within = |after: f64| self.group.component_within(self.lane, component, after) - value;
-        self.passage(within, self.end()[component] - value)
+        let series = self.group.series(self.lane, component);
+        let within = |after: f64| self.group.value(&series, after) - value;
+        self.passage(within, self.component_at_end(component) - value)
     }
 
     /// Returns the current instant, after a switch at the end of the step.

@@ -92,7 +92,7 @@ impl OrbitWatch {
     /// `phases` and `state` are those at the step's end, with angles not yet reduced to one turn.
     fn goes_round(&mut self, phases: &[Phase], state: &[f64]) -> Option<SectionMark> {
         let view = &self.view;
-        let speed = |contact: usize| view.speed(phases, state, contact);
+        let speed = |contact: usize| view.speed(state, contact);
         let goes_on = |mark: &SectionMark| match *mark {
             SectionMark::Round { contact, direction, .. } => {
                 !phases[contact].in_band() && direction * speed(contact) > 0.0
@@ -253,26 +253,25 @@ impl OrbitWatch {
 
 /// Returns time and state of the passage of a mark in the latest step: the beginning of a period, or a turning point.
 fn passage_of(mark: SectionMark, step: &LaneStep) -> Option<(f64, Components)> {
-    let within = |after: f64| step.group.state_within(step.lane, after);
-    let begun = within(0.0);
     let (component, value) = mark.component(step.view);
+    let begun = step.component_at_start(component);
     let (target, from_above) = match mark {
-        SectionMark::Period(forcing) => (next_period(forcing, &begun), false),
+        SectionMark::Period(forcing) => (next_period(forcing, begun), false),
         SectionMark::TurningPoint { falls, .. } => (value, falls),
         SectionMark::Round { .. } => return None,
     };
-    if (begun[component] > target) != from_above {
+    if (begun > target) != from_above {
         return None;
     }
     let time = step.passes_through(component, target)?;
     let is_resolved = || {
-        let ends = [begun[component], step.end()[component]];
+        let ends = [begun, step.component_at_end(component)];
         ends.iter().any(|end| (end - target).abs() > RESOLVED)
     };
     if !is_resolved() {
         return None;
     }
-    let mut state = within(time - step.began());
+    let mut state = step.group.state_within(step.lane, time - step.began());
     state[component] = value;
     Some((time, state))
 }

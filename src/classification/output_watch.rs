@@ -130,17 +130,18 @@ impl OutputWatch {
         }
         let from = self.start.max(step.began());
         if step.time() > from {
-            let at_nodes = |times| step.outputs_at_each(times);
-            self.add([from, step.time()], at_nodes, |time| step.outputs_at(time));
+            let at_nodes = |times| step.outputs_at(times);
+            self.add([from, step.time()], at_nodes, |number, time| step.output_at(number, time));
         }
     }
 
-    /// Adds a time in which the motion is smooth; `outputs` returns the outputs at a time, and `at_nodes` those at seven times.
+    /// Adds a time in which the motion is smooth; `at_nodes` returns the outputs at seven times, and `output` one of them at a
+    /// time.
     pub(super) fn add(
         &mut self,
         [from, to]: [f64; 2],
         at_nodes: impl FnOnce([f64; 7]) -> [Components; 7],
-        outputs: impl Fn(f64) -> Components,
+        output: impl Fn(usize, f64) -> f64,
     ) {
         let length = to - from;
         let inside = NODES.map(|node| from + node * length);
@@ -168,7 +169,7 @@ impl OutputWatch {
             for (sign, extreme) in [(-1.0, low), (1.0, high)] {
                 for first in 0..times.len() - 2 {
                     let three = [0, 1, 2].map(|next| at(first + next, sign));
-                    let value = |time: f64| sign * outputs(time)[which];
+                    let value = |time: f64| sign * output(which, time);
                     if let Some(top) = maximum(three, sign * *extreme, value) {
                         *extreme = sign * top;
                     }
@@ -222,7 +223,7 @@ mod tests {
         let at = |time: f64| smallvec![time.sin(), 3.0 + (2.0 * time + 0.3).cos(), time];
         for step in 0..7 {
             let begin = 2.6 * f64::from(step);
-            watch.add([begin, begin + 2.6], |times| times.map(at), at);
+            watch.add([begin, begin + 2.6], |times| times.map(at), |which, time| at(time)[which]);
         }
         let end = 2.6 * 7.0;
         let ranges: Vec<_> =

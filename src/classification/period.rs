@@ -62,7 +62,7 @@ impl Period {
             configurations: vec![cycle_phases(view, phases, start)],
             met: vec![false; view.contacts.len()],
             gaps: vec![[false; 2]; phases.len() - view.contacts.len()],
-            speeds: contacts.map(|contact| [view.speed(phases, start, contact); 2]).collect(),
+            speeds: contacts.map(|contact| [view.speed(start, contact); 2]).collect(),
             positions: view.wrapped(start).iter().map(|position| [*position; 2]).collect(),
             stuck: vec![0.0; view.contacts.len()],
             peak: view.square(start).sqrt(),
@@ -142,7 +142,7 @@ impl Period {
             self.peak = self.peak.max(view.square(&outermost).sqrt());
         }
         for (index, contact) in view.contacts.iter().enumerate() {
-            let speed = |state: &[f64]| view.speed(during, state, index);
+            let speed = |state: &[f64]| view.speed(state, index);
             let fastest = match contact.speed {
                 Some(component) => motion.turns_back(component),
                 None => {
@@ -189,7 +189,8 @@ impl Period {
                 view.turn(&mut state, &step.whole_turns);
                 view.system().outputs(&state)
             };
-            self.outputs.add([self.time, time], |times| times.map(outputs), outputs);
+            let output = |number: usize, inside: f64| outputs(inside)[number];
+            self.outputs.add([self.time, time], |times| times.map(outputs), output);
         }
         // At its end the period returns to its start.
         let now = cycle_phases(view, motion.phases(), &state);
@@ -210,7 +211,7 @@ impl Period {
 fn cycle_phases(view: &SystemView, phases: &[Phase], state: &[f64]) -> Vec<CyclePhase> {
     let phases_by_contact = phases.iter().enumerate().take(view.contacts.len());
     let of = |(contact, phase): (usize, &Phase)| {
-        CyclePhase::of(*phase, view.speed(phases, state, contact))
+        CyclePhase::of(*phase, view.speed(state, contact))
     };
     phases_by_contact.map(of).collect()
 }

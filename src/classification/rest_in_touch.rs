@@ -28,7 +28,7 @@ pub(super) fn at_rest(view: &SystemView, phases: &[Phase], state: &[f64]) -> Pha
     for (contact, phase) in resting.iter_mut().enumerate().take(view.contacts.len()) {
         match phase {
             Phase::Slip(_) | Phase::Transition(_) if can_hold(contact) => {
-                if view.speed(phases, state, contact).abs() > STILL {
+                if view.speed(state, contact).abs() > STILL {
                     return Phases::from(phases);
                 }
                 *phase = Phase::Stick;

@@ -54,8 +54,8 @@ impl SectionMark {
 }
 
 /// Returns the value of the forcing's component at which the next period begins.
-pub(super) fn next_period(forcing: ForcingLayout, state: &[f64]) -> f64 {
-    forcing.period * ((state[forcing.component] / forcing.period).floor() + 1.0)
+pub(super) fn next_period(forcing: ForcingLayout, angle: f64) -> f64 {
+    forcing.period * ((angle / forcing.period).floor() + 1.0)
 }
 
 /// A section and the contacts' phases there.
@@ -187,7 +187,7 @@ impl Section {
             }
             SectionMark::Period(forcing) => {
                 let begun = motion.within_last_step(motion.last_step_began())?;
-                let next = next_period(forcing, &begun);
+                let next = next_period(forcing, begun[forcing.component]);
                 let (time, mut state) =
                     motion.falls_through_zero(|state| next - state[component])?;
                 self.put_on(&mut state);

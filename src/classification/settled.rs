@@ -88,7 +88,7 @@ fn may_settle(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
     let sticks = |phase: &Phase| *phase == Phase::Stick;
     let lasts = |(contact, phase): (usize, &Phase)| match phase {
         Phase::Free => true,
-        Phase::Slip(_) => view.speed(phases, state, contact).abs() > SLIDES,
+        Phase::Slip(_) => view.speed(state, contact).abs() > SLIDES,
         Phase::Stick => view.evaluator.graph().holds_position(contact),
         // The equations show the gap of an open contact as its normal force.
         Phase::Apart => {

@@ -154,7 +154,7 @@ impl Stages {
         let LaneStep { group, lane, view } = *step;
         let state = group.state(lane);
         let phases = group.phases(lane);
-        let speeds = (0..view.contacts.len()).map(|ball| view.speed(phases, &state, ball));
+        let speeds = (0..view.contacts.len()).map(|ball| view.speed(&state, ball));
         let speeds: Vec<f64> = speeds.collect();
         let forms = view.rest_forms().filter(|_| !stage.is_driven);
         let outputs = view.system().outputs(&state).into_iter().zip(&units.outputs);

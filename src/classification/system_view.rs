@@ -144,10 +144,10 @@ impl SystemView {
     }
 
     /// Returns the sliding speed of a contact.
-    pub(super) fn speed(&self, phases: &[Phase], state: &[f64], contact: usize) -> f64 {
+    pub(super) fn speed(&self, state: &[f64], contact: usize) -> f64 {
         match self.contacts[contact].speed {
             Some(component) => state[component],
-            None => self.evaluator.forces(phases, state)[contact].speed,
+            None => self.evaluator.speeds(state)[contact],
         }
     }
 

@@ -89,7 +89,7 @@ pub use friction::{
 };
 pub use gap::Gap;
 pub(crate) use gap::pushes;
-pub(crate) use graph::PerStructure;
+pub(crate) use graph::{GraphPart, PerStructure};
 pub use graph::{
     ContactEquations, ContactLayout, Degree, Event, EventEquations, Expression, ForcingLayout,
     GapEquations, Graph, Node, NodeId, Opening, OpeningEquations, Recorder, Solve, StateLayout,

@@ -78,6 +78,12 @@ pub trait System: Any + Debug + Send + Sync {
         Components::new()
     }
 
+    /// Returns the value of one of the outputs, which may need few components of the state; `None` if only
+    /// [`System::outputs`] returns it.
+    fn output(&self, _number: usize, _state: &dyn Fn(usize) -> f64) -> Option<f64> {
+        None
+    }
+
     /// Returns how the bodies of a contact that opens separate after an impact.
     fn impact_law(&self, _contact: usize) -> ImpactLaw {
         ImpactLaw::default()
@@ -201,6 +207,7 @@ impl System for Recorded {
         fn jump_of_balls(state: &mut [f64], jump: [f64; 2]) -> u32;
         fn touching() -> Option<&dyn Touching>;
         fn outputs(state: &[f64]) -> Components;
+        fn output(number: usize, state: &dyn Fn(usize) -> f64) -> Option<f64>;
         fn impact_law(contact: usize) -> ImpactLaw;
     }
 

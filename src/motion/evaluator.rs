@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 
 use super::linear_system::{Solved, Unknowns};
 use super::{Phase, Phases};
-use crate::model::{Components, Dual, Graph, Node, NodeId, Number, Opening, Solve, System};
+use crate::model::{Components, Dual, Graph, Node, NodeId, Number, Solve, System};
 
 /// Speed, acceleration and forces of one contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,7 +120,9 @@ impl Evaluator {
         let components: Option<_> =
             contacts.map(|contact| Some(state[self.graph.speed_component(contact)?])).collect();
         components.unwrap_or_else(|| {
-            self.forces(&self.no_phases(), state).iter().map(|contact| contact.speed).collect()
+            let inputs = self.inputs(&self.no_phases());
+            let component = |component: usize| state[component];
+            self.graph.sliding_speeds.values(|index| inputs[index], component).collect()
         })
     }
 
@@ -129,12 +131,10 @@ impl Evaluator {
         if self.graph.openings.is_empty() {
             return SmallVec::new();
         }
-        let values = self.values_with(&self.inputs(&self.no_phases()), false, state);
-        let opening = |opening: &Opening| {
-            let nodes = [opening.gap, opening.speed, self.graph.contacts[opening.contact][0]];
-            nodes.map(|node| values[node as usize])
-        };
-        self.graph.openings.iter().map(opening).collect()
+        let inputs = self.inputs(&self.no_phases());
+        let input = |index: usize| T::constant(inputs[index]);
+        let values: SmallVec<[T; 12]> = self.graph.opening_speeds.values(input, state).collect();
+        values.as_chunks::<3>().0.iter().copied().collect()
     }
 
     /// Returns the contacts that may open, each with its gap, non-dimensional.

@@ -5,7 +5,8 @@
 //!
 //! Read `node` first: the operations of a graph. A [`Recorder`] collects nodes, and an [`Expression`] adds one with each
 //! operator. `quantities` gives a system its inputs, its components of the state and its unknowns. `equations` lists what a
-//! system returns, and `recorded` makes the [`Graph`]. `derivative` and `degree` examine the graph, and `per_structure`
+//! system returns, and `recorded` makes the [`Graph`]. `derivative` and `degree` examine the graph, `part` evaluates some
+//! of its results alone, and `per_structure`
 //! keeps what is computed once for all systems with equal equations.
 
 mod degree;
@@ -13,6 +14,7 @@ mod derivative;
 mod equations;
 mod expression;
 mod node;
+mod part;
 mod per_structure;
 mod quantities;
 mod recorded;
@@ -25,6 +27,7 @@ pub use equations::{
 };
 pub use expression::Expression;
 pub use node::{Node, NodeId, Solve};
+pub(crate) use part::GraphPart;
 pub(crate) use per_structure::PerStructure;
 pub use per_structure::Structure;
 pub use recorded::Graph;

@@ -2,8 +2,8 @@
 
 use super::recorder::Recording;
 use super::{
-    ContactEquations, ContactLayout, Event, EventEquations, GapEquations, Node, NodeId, Opening,
-    OpeningEquations, Recorder, Solve, StateLayout, SystemEquations,
+    ContactEquations, ContactLayout, Event, EventEquations, GapEquations, GraphPart, Node, NodeId,
+    Opening, OpeningEquations, Recorder, Solve, StateLayout, SystemEquations,
 };
 
 /// The recorded equations of a system.
@@ -33,10 +33,18 @@ pub struct Graph {
     pub layout: StateLayout,
     /// The nodes that depend on unknowns of linear systems and that rates and openings need, operands first.
     pub(crate) rates_with_unknowns: Vec<NodeId>,
+    /// The sliding speed of each contact.
+    pub(crate) sliding_speeds: GraphPart,
+    /// The gap, the opening speed and the sliding speed of each opening, one after another.
+    pub(crate) opening_speeds: GraphPart,
 }
 
 impl Graph {
-    fn with_rates_with_unknowns(mut self) -> Self {
+    fn with_parts(mut self) -> Self {
+        let speed_of = |contact: usize| self.contacts[contact][0];
+        let of_opening = |site: &Opening| [site.gap, site.speed, speed_of(site.contact)];
+        self.opening_speeds = self.part(self.openings.iter().flat_map(of_opening).collect());
+        self.sliding_speeds = self.part((0..self.contacts.len()).map(speed_of).collect());
         let of_opening = |site: &Opening| [site.acceleration, self.contacts[site.contact][1]];
         let rates = self.derivative.iter().copied();
         let is_needed = self.needed_by(rates.chain(self.openings.iter().flat_map(of_opening)));
@@ -47,7 +55,7 @@ impl Graph {
     }
 
     /// Returns whether each node is needed for one of these nodes.
-    fn needed_by(&self, results: impl Iterator<Item = NodeId>) -> Vec<bool> {
+    pub(super) fn needed_by(&self, results: impl Iterator<Item = NodeId>) -> Vec<bool> {
         let mut is_needed = vec![false; self.nodes.len()];
         results.for_each(|node| is_needed[node as usize] = true);
         for place in (0..self.nodes.len()).rev() {
@@ -201,7 +209,9 @@ impl Recorder {
             openings,
             layout: equations.layout.clone(),
             rates_with_unknowns: Vec::new(),
+            sliding_speeds: GraphPart::default(),
+            opening_speeds: GraphPart::default(),
         }
-        .with_rates_with_unknowns()
+        .with_parts()
     }
 }

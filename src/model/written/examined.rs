@@ -81,7 +81,7 @@ impl ExaminedSystem {
                     name: format!(
                         "{} of contact {}",
                         invalid.name,
-                        instance.contact(number).0.name
+                        instance.contact_definition(number).name
                     ),
                     ..invalid
                 });

@@ -1,6 +1,8 @@
 //! A system with certain numbers of bodies: its coordinates, contacts and equations, one by one.
 
-use super::definition::{IndexedName, SystemDefinition, WrittenContact, WrittenOutput};
+use super::definition::{
+    IndexedName, SystemDefinition, WrittenContact, WrittenNormal, WrittenOutput,
+};
 use super::dependence::Dependence;
 use super::dimensions::{Dimensions, TermAnalysis, TermDimension};
 use super::evaluate::Bodies;
@@ -87,7 +89,7 @@ impl<'d> Instance<'d> {
             });
             candidates.push((number, numbers));
         }
-        let slides = |number: usize| instance.contact(number).0.sliding.is_some();
+        let slides = |number: usize| instance.contact_definition(number).sliding.is_some();
         candidates.sort_by_key(|(number, numbers)| (!slides(*number), numbers.len()));
         let mut positions = vec![None; candidates.len()];
         for (number, numbers) in candidates {
@@ -100,9 +102,18 @@ impl<'d> Instance<'d> {
 
     /// Returns the definition of a contact, with the body that it belongs to.
     pub fn contact(&self, number: usize) -> (&'d WrittenContact, Bodies) {
-        let Member { of, body } = self.contacts[number];
-        let contact = &self.definition.contacts[of];
-        (contact, self.bound(contact.index.as_deref(), body))
+        let contact = self.contact_definition(number);
+        (contact, self.bound(contact.index.as_deref(), self.contacts[number].body))
+    }
+
+    /// Returns the definition of a contact.
+    pub fn contact_definition(&self, number: usize) -> &'d WrittenContact {
+        &self.definition.contacts[self.contacts[number].of]
+    }
+
+    /// Returns whether a contact has a gap.
+    pub fn has_gap(&self, number: usize) -> bool {
+        matches!(self.contact_definition(number).normal, WrittenNormal::Gap(_))
     }
 
     /// Returns the definition of an output, with the body that it belongs to.
@@ -123,7 +134,7 @@ impl<'d> Instance<'d> {
 
     /// Returns the path of a key of a contact in the file.
     pub fn contact_path(&self, number: usize, key: &str) -> Vec<String> {
-        let contact = &self.definition.contacts[self.contacts[number].of];
+        let contact = self.contact_definition(number);
         vec![
             "contacts".to_owned(),
             with_index(&contact.name, contact.index.as_deref()),

@@ -124,6 +124,12 @@ impl WrittenSystem {
         })
     }
 
+    /// Returns what the file measures; nothing if a formula has a fault.
+    fn measured(&self) -> Option<&MeasuredQuantities> {
+        let record = || MeasuredQuantities::of(|recorder| self.measured_quantities(recorder));
+        self.measured.get_or_init(|| record().map(Arc::new).ok()).as_deref()
+    }
+
     fn mechanism<'r>(
         &self,
         recorder: &'r Recorder,
@@ -273,8 +279,7 @@ impl WrittenSystem {
     /// velocity hold as one.
     pub fn does_not_open(&self) -> bool {
         self.speeds.iter().enumerate().all(|(number, speed)| {
-            let normal = &self.instance.contact(number).0.normal;
-            matches!(normal, WrittenNormal::Given(_)) && *speed != SpeedOf::Formula
+            !self.instance.has_gap(number) && *speed != SpeedOf::Formula
         })
     }
 }
@@ -295,7 +300,7 @@ impl System for WrittenSystem {
             inputs.extend(self.instance.coordinates.iter().map(|_| 0.0));
         }
         for (number, mode) in modes.iter().enumerate() {
-            let opens = matches!(self.instance.contact(number).0.normal, WrittenNormal::Gap(_));
+            let opens = self.instance.has_gap(number);
             add_mechanism_inputs(&mut inputs, *mode, &self.friction[number], opens);
         }
         inputs
@@ -366,9 +371,12 @@ impl System for WrittenSystem {
     }
 
     fn outputs(&self, state: &[f64]) -> Components {
-        let record = || MeasuredQuantities::of(|recorder| self.measured_quantities(recorder));
-        let measured = self.measured.get_or_init(|| record().map(Arc::new).ok());
-        measured.as_ref().map_or_else(Components::new, |all| all.values(&self.inputs(&[]), state))
+        let measured = self.measured();
+        measured.map_or_else(Components::new, |all| all.values(&self.inputs(&[]), state))
+    }
+
+    fn output(&self, number: usize, state: &dyn Fn(usize) -> f64) -> Option<f64> {
+        self.measured()?.value(number, &self.inputs(&[]), state)
     }
 
     fn smallest_inertia(&self, state: &[f64]) -> f64 {

@@ -5,7 +5,6 @@
 //! of such a sliding speed, such as `y + r phi`, becomes the position in place of the coordinate: it does not move while the
 //! contact sticks, so that a rest can be certified.
 
-use super::definition::WrittenNormal;
 use super::formula::{Valued, WHOLE};
 use super::instance::Instance;
 use super::linear::{LinearForm, Linearised};
@@ -131,7 +130,7 @@ impl Instance<'_> {
             let free = (0..all.0.len()).filter(|place| !taken(place) && size(place) > ROUNDING);
             // Nothing may depend on a length of a body whose contacts open, such as the height of one that falls; its angles
             // say how large the gaps are.
-            let opens = matches!(self.contact(contact).0.normal, WrittenNormal::Gap(_));
+            let opens = self.has_gap(contact);
             let unit =
                 |place: &usize| &self.definition.coordinates[self.coordinates[*place].of].unit;
             let is_preferred = |place: &usize| opens && unit(place).dimension[1] == WHOLE;
@@ -176,7 +175,7 @@ impl Instance<'_> {
                 SpeedOf::Formula => None,
                 _ => self.linear(contact, numeric)?,
             };
-            let opens = matches!(self.contact(contact).0.normal, WrittenNormal::Gap(_));
+            let opens = self.has_gap(contact);
             let is_free = |speed: &LinearForm<f64>| {
                 let is_moved = speed.factors.iter().any(|(of, _)| moved.contains(of));
                 !(opens && is_moved || speed.factors.iter().any(is_periodic))

@@ -55,6 +55,10 @@ pub(crate) trait LaneGroup: StepStates {
     /// Returns the state at the end of the latest step, before an event that resets it, with angles not yet reduced to
     /// one turn.
     fn end_of_step(&self, lane: usize) -> Components;
+    /// Returns a component before the latest step.
+    fn component_at_start(&self, lane: usize, component: usize) -> f64;
+    /// Returns a component of [`LaneGroup::end_of_step`].
+    fn component_at_end(&self, lane: usize, component: usize) -> f64;
     /// Returns the whole turns of the contacts since the start of the run.
     fn turns(&self, lane: usize) -> PerContact;
 
@@ -216,6 +220,16 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
             state[position] = end[position];
         }
         state
+    }
+
+    fn component_at_start(&self, lane: usize, component: usize) -> f64 {
+        self.kernel.lane_component(&self.before, lane, component)
+    }
+
+    fn component_at_end(&self, lane: usize, component: usize) -> f64 {
+        let is_position = |contact: usize| self.kernel.coordinates(contact).0 == component;
+        let keeps = self.was_reset(lane) || (0..self.kernel.contacts()).any(is_position);
+        self.kernel.lane_component(if keeps { &self.end } else { &self.state }, lane, component)
     }
 
     fn turns(&self, lane: usize) -> PerContact {

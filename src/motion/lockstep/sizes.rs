@@ -15,4 +15,4 @@ pub(super) const ORDER: usize = 16;
 pub(super) const TERMS: usize = ORDER + 2;
 
 /// Coefficients of a power series in time.
-pub(super) type Powers = [f64; TERMS];
+pub(crate) type Powers = [f64; TERMS];

@@ -21,8 +21,10 @@ pub(crate) trait StepStates {
     fn state_within(&self, lane: usize, after: f64) -> Components;
     /// Returns the states at eight times after the start of the latest step, like [`StepStates::state_within`].
     fn states_within(&self, lane: usize, after: [f64; LANES]) -> [Components; LANES];
-    /// Returns a component at a time after the start of the latest step, like [`StepStates::state_within`].
-    fn component_within(&self, lane: usize, component: usize, after: f64) -> f64;
+    /// Returns the series of a component in the latest step.
+    fn series(&self, lane: usize, component: usize) -> Powers;
+    /// Returns the value of a series at a time after the start of the step.
+    fn value(&self, series: &Powers, after: f64) -> f64;
     /// Returns the rate of change of a component at a time after the start of the latest step.
     fn rate_within(&self, lane: usize, component: usize, after: f64) -> f64;
     /// Returns the positions of the contacts at a time after the start of the latest step, with the whole turns made
@@ -110,12 +112,6 @@ fn value(powers: &Powers, time: f64) -> f64 {
 }
 
 impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
-    /// Returns a component at a time after the start of the latest step; `start` is the state there.
-    fn component_at(&self, lane: usize, component: usize, start: &[f64], after: f64) -> f64 {
-        let powers = self.kernel.component(&self.workspace, lane, component, start[component]);
-        vectorized!(self.simd, value(&powers, after))
-    }
-
     /// Returns the state at a time after the start of the latest step.
     #[inline(never)]
     fn state_at(&self, lane: usize, after: f64) -> Components {
@@ -149,8 +145,13 @@ impl<S: Vector, K: Kernel<S>> StepStates for KernelLanes<S, K> {
         states
     }
 
-    fn component_within(&self, lane: usize, component: usize, after: f64) -> f64 {
-        self.component_at(lane, component, &self.kernel.lane(&self.before, lane), after)
+    fn series(&self, lane: usize, component: usize) -> Powers {
+        let start = self.kernel.lane_component(&self.before, lane, component);
+        self.kernel.component(&self.workspace, lane, component, start)
+    }
+
+    fn value(&self, series: &Powers, after: f64) -> f64 {
+        vectorized!(self.simd, value(series, after))
     }
 
     fn rate_within(&self, lane: usize, component: usize, after: f64) -> f64 {
@@ -159,10 +160,9 @@ impl<S: Vector, K: Kernel<S>> StepStates for KernelLanes<S, K> {
     }
 
     fn unwrapped_within(&self, lane: usize, after: f64) -> PerContact {
-        let start = self.kernel.lane(&self.before, lane);
         let position = |(contact, turned): (usize, f64)| {
             let (component, _) = self.kernel.coordinates(contact);
-            self.component_at(lane, component, &start, after) + turned
+            self.value(&self.series(lane, component), after) + turned
         };
         self.turned_before(lane).into_iter().enumerate().map(position).collect()
     }

@@ -228,6 +228,10 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         components
     }
 
+    fn lane_component(&self, states: &Self::LaneStates, lane: usize, component: usize) -> f64 {
+        states.components[component][lane]
+    }
+
     fn set_lane(&self, states: &mut Self::LaneStates, lane: usize, components: &[f64]) {
         for (of_all, value) in states.components.iter_mut().zip(components) {
             of_all[lane] = *value;

@@ -164,6 +164,14 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         states.lane(lane).components()
     }
 
+    fn lane_component(&self, states: &Self::LaneStates, lane: usize, component: usize) -> f64 {
+        match component {
+            0..4 => states.table[component][lane],
+            _ if component < 4 + N => states.angle[component - 4][lane],
+            _ => states.speed[component - 4 - N][lane],
+        }
+    }
+
     fn set_lane(&self, states: &mut Self::LaneStates, lane: usize, components: &[f64]) {
         states.set_lane(lane, components);
     }
