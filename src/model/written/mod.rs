@@ -28,7 +28,6 @@ mod measured;
 mod names;
 mod numeric;
 mod parser;
-mod scales;
 mod sizes;
 mod small_motions;
 mod system;

@@ -8,8 +8,7 @@ use super::definition::WrittenNormal;
 use super::formula::{Valued, WHOLE};
 use super::instance::Instance;
 use super::measured::MeasuredQuantities;
-use super::numeric::{NamedValues, Scalar};
-use super::scales::Scales;
+use super::numeric::{NamedValues, Scalar, Scales};
 use super::velocities::{Rates, SpeedOf};
 use crate::model::{
     Components, ContactMode, Expression, Friction, ImpactLaw, Mechanism, MechanismContact,
