@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::notations::notations;
+use super::values::notations;
 use crate::named::named;
 use crate::study::file::values::{Count, Entry};
 
