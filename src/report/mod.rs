@@ -5,7 +5,7 @@
 //! and `conclusion` write its sentences, and `optimum` makes the report of a search. `page` puts everything into HTML.
 //! `overwrite` says which files may be replaced, and `write` writes the page.
 //!
-//! `stored_run`, `animation` and `replay` are about one run that is computed again, and `comparison` is about two studies.
+//! `animation` and `replay` are about one run that is computed again, and `comparison` is about two studies.
 
 mod animation;
 pub mod chart;
@@ -20,7 +20,6 @@ mod page;
 mod printed_columns;
 mod remedies;
 mod replay;
-mod stored_run;
 mod words;
 mod write;
 
