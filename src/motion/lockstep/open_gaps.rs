@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use super::kernel::{Kernel, StepEnd};
 use super::lane::Lane;
 use super::root_isolation::Polynomial;
-use super::sizes::{Powers, TERMS};
+use super::vector::{Powers, TERMS};
 use super::{Lanes, ORDER};
 use crate::model::TOUCHING;
 use crate::motion::Phase;

@@ -21,9 +21,8 @@ use crate::motion::force_model::ForceModel;
 use crate::motion::lockstep::kernel::{Kernel, STILL, StepEnd};
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::pressure::Pressure;
-use crate::motion::lockstep::sizes::Powers;
 use crate::motion::lockstep::step_length::{longest_step, reciprocal};
-use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::vector::{Fused, Powers, Vector};
 use crate::motion::lockstep::{LANES, Lanes, ORDER, TERMS};
 use crate::motion::touching_system::TouchingSystem;
 
