@@ -1,10 +1,10 @@
 //! Confidence intervals for a fraction of runs, and for quantiles between order statistics.
 //!
-//! The number of values below the quantile of a continuous distribution is binomial. The interval of a quantile extends from the
-//! `l`-th to the `u`-th smallest value, with the largest `l` and the least `u` for which the quantile lies below the
-//! interval, and above it, with a probability of at most 2.5 % each (H. A. David, H. N. Nagaraja, Order Statistics,
-//! 3rd ed., Wiley 2003, section 7.1, doi:10.1002/0471722162). Stratified values vary less, so that their interval is
-//! conservative.
+//! The number of values below the quantile of a continuous distribution is binomial. The interval of a quantile extends
+//! from the `l`-th to the `u`-th smallest value, with the largest `l` and the least `u` for which the quantile lies
+//! below the interval, and above it, with a probability of at most 2.5 % each (H. A. David, H. N. Nagaraja, Order
+//! Statistics, 3rd ed., Wiley 2003, section 7.1, doi:10.1002/0471722162). Stratified values vary less, so that their
+//! interval is conservative.
 
 use statrs::function::factorial::ln_binomial;
 

@@ -1,20 +1,18 @@
-//! Statistics of outcomes: confidence intervals, time to rest, classes of limit cycles, and
-//! summaries of sweep points.
+//! Statistics of outcomes: confidence intervals, time to rest, classes of limit cycles, and summaries of sweep points.
 //!
 //! This module reads outcomes and returns numbers; it does not depend on any file format.
 //!
-//! Read `interval` first, then `observed`, which is a run as statistics see it. `value_counts`,
-//! `summary_statistics` and `angle_set` collect values in bounded memory. The statistics of a point follow: `survival` with
-//! `rest_curve` and `escape`, `cycle_class` with `cycles`, `stratified`, `basin_entropy` and `residual_vibration`.
-//! `point_summary` combines them, and `stopping` decides whether a point needs more runs. `estimates` are the responses of
-//! designs.
+//! Read `interval` first, then `observed`, which is a run as statistics see it. `value_counts`, `summary_statistics`
+//! and `angle_set` collect values in bounded memory. The statistics of a point follow: `survival` with `rest_curve` and
+//! `escape`, `cycle_class` with `cycles`, `stratified`, `basin_entropy` and `residual_vibration`. `point_summary`
+//! combines them, and `stopping` decides whether a point needs more runs. `estimates` are the responses of designs.
 //!
 //! The closed forms of balls at rest begin with two files: `rest_form` has the parameters of a machine, and `touching`
-//! decides which positions of touching balls are possible. `one_ball` gives the exact equilibrium set of one ball. For more
-//! balls, `set_grid` or `set_samples` finds the set. The equilibria without friction build on `balance`, `on_a_line` and
-//! `linearised`; `frictionless` combines these. `set_extremes` and `climb` find the amplitudes in the set, and
-//! `equilibrium_set` combines everything about it. `run_up` stands alone. The other files are helpers of these; read them
-//! where they are imported.
+//! decides which positions of touching balls are possible. `one_ball` gives the exact equilibrium set of one ball. For
+//! more balls, `set_grid` or `set_samples` finds the set. The equilibria without friction build on `balance`,
+//! `on_a_line` and `linearised`; `frictionless` combines these. `set_extremes` and `climb` find the amplitudes in the
+//! set, and `equilibrium_set` combines everything about it. `run_up` stands alone. The other files are helpers of
+//! these; read them where they are imported.
 
 mod angle_set;
 mod balance;

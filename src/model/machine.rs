@@ -264,7 +264,7 @@ pub struct Kick {
 
 impl Kick {
     /// Checks that all values of the kick with this number, from 1, have a physical meaning.
-    pub(super) fn validate(&self, number: usize) -> Result<(), InvalidParameter> {
+    fn validate(&self, number: usize) -> Result<(), InvalidParameter> {
         positive(&member_name("kick_at_s", "s", number), self.at_s)?;
         not_negative(&member_name("kick_speed_m_s", "m/s", number), self.speed_m_s)?;
         let direction = self.direction_rad;

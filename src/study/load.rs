@@ -129,7 +129,7 @@ impl Names {
 }
 
 /// Gives the contact of balls the restitution of their material, unless it has its own.
-pub(in crate::study) fn add_restitution(root: &mut YamlNode) {
+fn add_restitution(root: &mut YamlNode) {
     let material = (|| root.get("model")?.get("parameters")?.get(MATERIAL))();
     let restitution = material.and_then(|name| Material::named(name.name())?.restitution);
     let contact = ["model", "contact"].map(|key| Segment::Key(key.to_owned()));

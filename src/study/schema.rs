@@ -43,7 +43,7 @@ pub(in crate::study) fn defaults_of(kind: &str) -> Value {
 }
 
 /// Adds `default` to every optional key that has the same default in all models that have the key.
-pub(in crate::study) fn insert_defaults(schema: &mut Value) {
+fn insert_defaults(schema: &mut Value) {
     let studies: Vec<Value> = model_kinds().iter().map(|kind| defaults_of(kind.name)).collect();
     insert(schema, "", &studies.iter().collect::<Vec<_>>());
 }

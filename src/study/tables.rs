@@ -37,7 +37,7 @@ type Read<'a> = Box<dyn FnOnce(&Limits<'_>) -> Result<Cells, Refusal> + 'a>;
 
 impl<'a> TableSource<'a> {
     /// Opens the table under its name in messages. `allowed` says in words which files can be read.
-    pub(super) fn open(self, allowed: &str) -> Result<(&'a Path, Read<'a>), StudyError> {
+    fn open(self, allowed: &str) -> Result<(&'a Path, Read<'a>), StudyError> {
         Ok(match self {
             TableSource::File(path) => {
                 let refuse = |fault| StudyError::about_file(path, fault);

@@ -1,5 +1,5 @@
-//! The speed profile and the disturbances in a study file, and the measurement protocols of the thesis (its figure 5.10), which
-//! are short for them.
+//! The speed profile and the disturbances in a study file, and the measurement protocols of the thesis (its figure
+//! 5.10), which are short for them.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,5 +1,5 @@
-//! Reads the tables of a study, inline or from files, converts columns with a unit in brackets to SI units, and locates each
-//! value for error messages.
+//! Reads the tables of a study, inline or from files, converts columns with a unit in brackets to SI units, and locates
+//! each value for error messages.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -260,14 +260,14 @@ pub(crate) fn not_finite(written: String) -> Fault {
 }
 
 /// A column as the program knows it, such as `speed_rad_s` for `speed [rpm]`, and how its numbers become SI numbers.
-pub(super) struct KnownColumn {
-    pub(super) name: String,
+struct KnownColumn {
+    name: String,
     conversion: Option<Conversion>,
 }
 
 impl KnownColumn {
     /// Returns the column that a table calls by this name; `allowed` contains the SI names.
-    pub(super) fn of(written: &str, allowed: &[String]) -> Result<KnownColumn, Fault> {
+    fn of(written: &str, allowed: &[String]) -> Result<KnownColumn, Fault> {
         let plain = |name: &String| KnownColumn { name: name.clone(), conversion: None };
         if let Some(name) = allowed.iter().find(|name| *name == written) {
             return Ok(plain(name));
@@ -290,7 +290,7 @@ impl KnownColumn {
     }
 
     /// Converts the numbers of this column in all rows.
-    pub(super) fn convert(&self, rows: &mut [Vec<Entry>], column: usize) {
+    fn convert(&self, rows: &mut [Vec<Entry>], column: usize) {
         let Some(conversion) = &self.conversion else { return };
         for row in rows {
             if let Some(Entry::Number(number)) = row.get_mut(column) {

@@ -1,5 +1,5 @@
-//! Numbers as people read them: in the units that a study chooses, and with few digits if they are long. Files of results
-//! and JSON stay in SI units.
+//! Numbers as people read them: in the units that a study chooses, and with few digits if they are long. Files of
+//! results and JSON stay in SI units.
 
 use indexmap::IndexMap;
 

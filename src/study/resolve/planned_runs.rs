@@ -229,7 +229,7 @@ fn uncertain_to_file(
 ///
 /// # Errors
 /// Returns an error if the end time is not that of the speed profile, or if the extension gives no later end time.
-pub(crate) fn resolve_simulation(
+fn resolve_simulation(
     source: &Source,
     written: Option<Simulation>,
     ends_s: Option<f64>,
