@@ -51,7 +51,6 @@ pub mod analysis;
 pub mod check;
 pub mod classification;
 pub mod cli;
-mod counted;
 pub mod engine;
 mod graph;
 pub mod identify;

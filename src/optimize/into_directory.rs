@@ -14,8 +14,8 @@ use super::search_directory::SearchDirectory;
 use super::sensitivity::{sensitivities, surrogates};
 use super::tables::sensitivity_columns;
 use crate::classification::Label;
-use crate::counted::counted;
 use crate::engine::{CommandError, Parts, Planned, Progress, ProgressDisplay, WorkerPool, say};
+use crate::numbers::counted;
 use crate::responses::check_answerable;
 use crate::study::{SensitivityFrom, Study};
 

@@ -22,7 +22,7 @@ pub use cycles::{CycleFacts, QUANTITIES};
 pub use drawn_values::{DrawnRuns, DrawnValues};
 pub use incomplete::IncompletePoints;
 pub use motion::SampledMotion;
-pub use names::{axis_of, heading, said};
+pub use names::{NamedPoints, axis_of, heading, said};
 pub use points::{Fraction, PointFacts};
 pub use run_up::{PeakOfRun, SampledRun, SampledRunUps};
 pub use runs::{NotableRun, RunSample, scattered};
