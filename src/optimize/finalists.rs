@@ -7,7 +7,7 @@
 
 use std::borrow::Cow;
 
-use super::evaluation::Evaluation;
+use super::evaluations::Evaluation;
 use super::goal::{Goal, pareto_front, values};
 use super::search::Search;
 use crate::analysis::{Estimate, Measure};

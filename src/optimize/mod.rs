@@ -6,26 +6,23 @@
 //! number of threads does not matter. The estimate of the best design is biased by the selection; therefore its
 //! reported responses come from other and more runs.
 //!
-//! Read `space` first, which has the designs, then `evaluation`, which is one evaluated design. `over_points` combines
-//! the points of a sweep into one value, `goal` says what is sought, and finds the designs that no other one dominates.
-//! `process` is a Gaussian process of a quantity on its `quantity_scale`, `criterion` says how good a design promises
-//! to be, and `proposal` maximises it. `surrogate` is a smooth approximation of a response. `suggest` and
-//! `next_designs` choose designs with these, and `search` evaluates them. Afterwards `finalists` evaluates the best
-//! designs again. `sensitivity` computes, with `sobol_indices`, how much of the variance each variable explains.
-//! `report` writes the result in words, and `into_directory` runs everything with progress.
+//! Read `space` first, which has the designs, then `evaluations`, the evaluated designs. `goal` combines the points of
+//! a sweep into one value, says what is sought, and finds the designs that no other one dominates. `process` is a
+//! Gaussian process of a quantity on its own scale, `criterion` says how good a design promises to be, and `proposal`
+//! maximises it. `surrogate` is a smooth approximation of a response. `suggest` and `next_designs` choose designs with
+//! these, and `search` evaluates them. Afterwards `finalists` evaluates the best designs again. `sensitivity` computes,
+//! with `sobol_indices`, how much of the variance each variable explains. `report` writes the result in words, and
+//! `into_directory` runs everything with progress.
 
 mod criterion;
-mod evaluation;
-mod evaluations_table;
+mod evaluations;
 mod finalists;
 mod goal;
 mod into_directory;
 mod next_designs;
 mod notes;
-mod over_points;
 mod process;
 mod proposal;
-mod quantity_scale;
 mod report;
 mod search;
 mod search_directory;
@@ -36,8 +33,9 @@ mod suggest;
 mod surrogate;
 mod tables;
 
-pub use evaluation::{DesignOrigin, Evaluation};
-pub use evaluations_table::{evaluation_columns, read_evaluations, search_facts};
+pub use evaluations::{
+    DesignOrigin, Evaluation, evaluation_columns, read_evaluations, search_facts,
+};
 pub use finalists::{Finalist, FinalistRole, Finalists, final_runs, finalists};
 pub use goal::{Goal, ResponseOverPoints, pareto_front};
 pub use into_directory::{Optimize, Optimized};

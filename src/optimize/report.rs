@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use super::evaluation::Evaluation;
+use super::evaluations::Evaluation;
 use super::finalists::{Finalist, FinalistRole, Finalists};
 use super::goal::Goal;
 use super::notes::{notes, on_bounds};
