@@ -48,8 +48,7 @@ mod template;
 
 pub use error::StudyError;
 pub(crate) use error::{list_names, shorten};
-pub use file::identify_file::PriorSpacing;
-pub use file::optimize_file::{OverPoints, SensitivityFrom};
+pub use file::searches_file::{OverPoints, PriorSpacing, SensitivityFrom};
 pub use kinds::{Registry, RegistryError, model_kind, model_kinds};
 pub use plan::audit::Audit;
 pub use plan::expectation::Expectation;

@@ -1,7 +1,6 @@
 //! The validated keys `optimize` and `identify` of a study: what is sought or inferred, and the effort.
 
-use crate::study::file::identify_file::PriorSpacing;
-use crate::study::file::optimize_file::{OverPoints, SensitivityFrom};
+use crate::study::file::searches_file::{OverPoints, PriorSpacing, SensitivityFrom};
 use crate::study::plan::variable::{DesignValue, Variable};
 
 /// The objectives, limits and effort of an optimisation.

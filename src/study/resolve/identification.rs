@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::identify_file::{
+use crate::study::file::searches_file::{
     IdentifyFile, MOST_DESIGNS, MOST_PARAMETERS, PriorFile, PriorSpacing,
 };
 use crate::study::file::source::Source;

@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 
 use crate::analysis::Measure;
 use crate::study::error::{Fault, StudyError, list_names};
-use crate::study::file::optimize_file::{
+use crate::study::file::searches_file::{
     LimitFile, MAX_DESIGNS, OptimizeFile, ResponseNames, SensitivityFile, SensitivityFrom,
 };
 use crate::study::file::source::{Source, SourcePath};
