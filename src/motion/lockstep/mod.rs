@@ -14,7 +14,7 @@
 //!
 //! Read first `vector`, then the arithmetic of a step: `trigonometry`, `step_length`, `root_isolation` and
 //! `lane_bounds`. `machine_code` and `run` run programs, and `simd_level` finds the instructions of the processor. `lane` is
-//! the scalar part of a run. `kernel` defines what a kernel computes; `pressure`, `held_until` and `open_gaps` are conditions that
+//! the scalar part of a run. `kernel` defines what a kernel computes; `held_until` and `gap_conditions` are conditions that
 //! both kernels share. Then read `tuned` and `general`. `saved_run` starts a run outside of a lane.
 //!
 //! `kernel_lanes` has the lanes with their runs. `events` decides the phases at the end of a step, `advance` takes the
@@ -23,6 +23,7 @@
 
 mod advance;
 mod events;
+mod gap_conditions;
 mod general;
 mod held_until;
 mod kernel;
@@ -34,8 +35,6 @@ mod lane_group;
 #[cfg(test)]
 mod leaving_the_ring;
 mod machine_code;
-mod open_gaps;
-mod pressure;
 mod root_isolation;
 mod run;
 mod saved_run;

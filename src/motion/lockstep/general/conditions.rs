@@ -13,10 +13,10 @@ use crate::motion::Phase;
 use crate::motion::cluster::HeldCluster;
 use crate::motion::condition::{Condition, Margins};
 use crate::motion::lockstep::ORDER;
+use crate::motion::lockstep::gap_conditions::Pressure;
 use crate::motion::lockstep::held_until::held_until;
 use crate::motion::lockstep::kernel::StepEnd;
 use crate::motion::lockstep::lane::Lane;
-use crate::motion::lockstep::pressure::Pressure;
 use crate::motion::lockstep::root_isolation::{ConditionFate, Polynomial};
 use crate::motion::lockstep::vector::Vector;
 
